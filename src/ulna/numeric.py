@@ -1,0 +1,129 @@
+"""The few functions whose spelling differs between floats, traced scalars and symbols.
+
+Everything else in the library is plain NumPy. A traced scalar or symbol travels in an object array; it takes part
+here through hooks on the value (`_where_`, `_minimum_`, `_maximum_`), so this file knows nothing of the compiler.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna.typing import Array
+
+
+def is_symbolic(*values: Any) -> bool:
+    """Whether any value is a traced scalar, a symbol, or an object array of them."""
+    return any(_is_symbolic(v) for v in values)
+
+
+def _is_symbolic(value: Any) -> bool:
+    if isinstance(value, np.ndarray):
+        return value.dtype == object
+    if isinstance(value, (float, int, np.generic)):
+        return False
+    if isinstance(value, (list, tuple)):
+        return any(_is_symbolic(v) for v in value)
+    return True
+
+
+def vector(*components: Any) -> Array:
+    """The array whose last axis holds `components` (scalars, or batches of one shape)."""
+    if is_symbolic(*components):
+        components = tuple(np.broadcast_arrays(*(np.asarray(c, dtype=object) for c in components)))
+        return np.stack(components, axis=-1)
+    if all(isinstance(c, (float, int)) for c in components):
+        return np.array(components, dtype=float)
+    return np.stack(np.broadcast_arrays(*components), axis=-1).astype(float, copy=False)
+
+
+def matrix(rows: Any) -> Array:
+    """The array whose last two axes hold `rows` (a nested sequence of scalars or batches)."""
+    flat = vector(*(entry for row in rows for entry in row))
+    return flat.reshape(*flat.shape[:-1], len(rows), len(rows[0]))
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Cross product of 3-vectors along the last axis."""
+    a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
+    b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
+    return vector(a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0)
+
+
+def dot(a: Array, b: Array) -> Any:
+    """Inner product along the last axis."""
+    return (a * b).sum(axis=-1)
+
+
+def apply(m: Array, v: Array) -> Array:
+    """Matrix times vector, batched: (..., m, n) by (..., n) gives (..., m)."""
+    return (m @ v[..., None])[..., 0]
+
+
+def skew(v: Array) -> Array:
+    """The matrix of the cross product with `v`: `skew(v) @ u == cross(v, u)`."""
+    x, y, z = v[..., 0], v[..., 1], v[..., 2]
+    o = 0.0 * x if not is_symbolic(v) else 0.0
+    return matrix([[o, -z, y], [z, o, -x], [-y, x, o]])
+
+
+def sincos(x: Any) -> tuple[Any, Any]:
+    """Sine and cosine."""
+    return np.sin(x), np.cos(x)
+
+
+def where(condition: Any, a: Any, b: Any) -> Any:
+    """`a` where `condition`, else `b`; both are evaluated."""
+    if not is_symbolic(condition, a, b):
+        return np.where(condition, a, b)
+    return _elementwise(_where, condition, a, b)
+
+
+def minimum(a: Any, b: Any) -> Any:
+    """The smaller, elementwise; nan where either is nan."""
+    return _elementwise(_minimum, a, b) if is_symbolic(a, b) else np.minimum(a, b)
+
+
+def maximum(a: Any, b: Any) -> Any:
+    """The larger, elementwise; nan where either is nan."""
+    return _elementwise(_maximum, a, b) if is_symbolic(a, b) else np.maximum(a, b)
+
+
+def clip(x: Any, low: Any, high: Any) -> Any:
+    """`x` held between `low` and `high`."""
+    return minimum(maximum(x, low), high)
+
+
+def _elementwise(f: Any, *values: Any) -> Any:
+    out = np.frompyfunc(f, len(values), 1)(*values)
+    return out
+
+
+def _where(condition: Any, a: Any, b: Any) -> Any:
+    if isinstance(condition, (bool, np.bool_)):
+        return a if condition else b
+    hook = getattr(condition, "_where_", None)
+    if hook is not None:
+        return hook(a, b)
+    import sympy
+
+    return sympy.Piecewise((a, condition), (b, True))
+
+
+def _minimum(a: Any, b: Any) -> Any:
+    return _extremum("_minimum_", "Min", a, b)
+
+
+def _maximum(a: Any, b: Any) -> Any:
+    return _extremum("_maximum_", "Max", a, b)
+
+
+def _extremum(hook: str, symbolic: str, a: Any, b: Any) -> Any:
+    if hasattr(a, hook):
+        return getattr(a, hook)(b)
+    if hasattr(b, hook):
+        return getattr(b, hook)(a)
+    import sympy
+
+    return getattr(sympy, symbolic)(a, b)

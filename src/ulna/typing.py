@@ -1,0 +1,16 @@
+"""Names for the arrays that travel through the library: what they hold and their trailing shape."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array: TypeAlias = NDArray[Any]
+"""An array of float64, of batched float64, of traced scalars or of symbols; algorithms do not care which."""
+
+Floats: TypeAlias = NDArray[np.float64]
+"""A float64 array."""
+
+__all__ = ["Array", "ArrayLike", "Floats"]
