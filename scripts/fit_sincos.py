@@ -1,0 +1,162 @@
+"""Derive, or with `--check` verify, the constants of the paired sine and cosine in `ulna.trace.sincos`.
+
+The polynomials are minimax fits of the relative error on [-pi/4, pi/4], found by the exchange algorithm of Remez
+(Muller, Elementary Functions, 3rd ed., section 3.5) in 60-digit arithmetic. The coefficients are rounded to the target
+format one after the other, the lowest power first, and those that remain are fitted again each time, so that they
+absorb the rounding of the ones before.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+
+import mpmath
+import numpy as np
+from mpmath import mp, mpf
+
+mp.dps = 60
+
+Real = Callable[[mpf], mpf]
+
+
+def round_to(value: mpf, bits: int) -> mpf:
+    """The value rounded to nearest with `bits` significant bits."""
+    if value == 0:
+        return mpf(0)
+    _, exponent = mpmath.frexp(value)
+    scale = mpf(2) ** (bits - exponent)
+    return mpmath.nint(value * scale) / scale
+
+
+def remez(f: Real, weight: Real, lower: mpf, upper: mpf, powers: Sequence[int]) -> tuple[list[mpf], mpf]:
+    """Coefficients of the powers of z that minimise max |weight(z) (P(z) - f(z))| on [lower, upper], and that maximum."""
+    n = len(powers)
+    grid = [
+        lower + (upper - lower) * (1 - mpmath.cos(mp.pi * (2 * i + 1) / (2 * 40 * (n + 1)))) / 2
+        for i in range(40 * (n + 1))
+    ]
+    values = [f(z) for z in grid]
+    weights = [weight(z) for z in grid]
+    reference = [(len(grid) - 1) * i // n for i in range(n + 1)]
+    coefficients: list[mpf] = []
+    worst = mpf(0)
+    for _ in range(30):
+        system = mpmath.matrix(n + 1, n + 1)
+        right = mpmath.matrix(n + 1, 1)
+        for row, i in enumerate(reference):
+            for column, power in enumerate(powers):
+                system[row, column] = grid[i] ** power
+            system[row, n] = (-1) ** row / weights[i]
+            right[row] = values[i]
+        solution = mpmath.lu_solve(system, right)
+        coefficients = [solution[i] for i in range(n)]
+        error = [
+            w * (sum(c * z**p for c, p in zip(coefficients, powers, strict=True)) - v)
+            for z, v, w in zip(grid, values, weights, strict=True)
+        ]
+        worst = max(abs(e) for e in error)
+        if worst <= abs(solution[n]) * (1 + mpf("1e-6")):
+            break
+        reference = exchange(error, n + 1)
+    return coefficients, worst
+
+
+def exchange(error: Sequence[mpf], count: int) -> list[int]:
+    """The indices of `count` alternating extrema of the error, the largest ones."""
+    extrema: list[int] = []
+    for i, e in enumerate(error):
+        if extrema and (e > 0) == (error[extrema[-1]] > 0):
+            if abs(e) > abs(error[extrema[-1]]):
+                extrema[-1] = i
+        else:
+            extrema.append(i)
+    while len(extrema) > count:
+        extrema.pop(0 if abs(error[extrema[0]]) < abs(error[extrema[-1]]) else -1)
+    return extrema
+
+
+def fit(f: Real, weight: Real, lower: mpf, upper: mpf, degree: int, bits: int) -> tuple[list[float], float]:
+    """Rounded minimax coefficients of a polynomial in z, and the largest weighted error of the rounded polynomial."""
+    fixed: list[mpf] = []
+    for start in range(degree + 1):
+
+        def rest(z: mpf) -> mpf:
+            return f(z) - sum(c * z**p for p, c in enumerate(fixed))
+
+        coefficients, _ = remez(rest, weight, lower, upper, range(start, degree + 1))
+        fixed.append(round_to(coefficients[0], bits))
+    worst = mpf(0)
+    for i in range(1, 201):
+        z = lower + (upper - lower) * i / 200
+        worst = max(worst, abs(weight(z) * (sum(c * z**p for p, c in enumerate(fixed)) - f(z))))
+    return [float(c) for c in fixed], float(worst)
+
+
+def sine_tail(z: mpf) -> mpf:
+    """(sin r - r) / r^3 at z = r^2, by its series: no cancellation."""
+    return sum((mpf((-1) ** (k + 1)) * z**k / mpmath.factorial(2 * k + 3) for k in range(25)), mpf(0))
+
+
+def cosine_tail(z: mpf) -> mpf:
+    """(cos r - 1 + r^2/2) / r^4 at z = r^2."""
+    return sum((mpf((-1) ** k) * z**k / mpmath.factorial(2 * k + 4) for k in range(25)), mpf(0))
+
+
+def sine_weight(z: mpf) -> mpf:
+    """What turns an error of the tail into a relative error of the sine."""
+    r = mpmath.sqrt(z)
+    return z * r / mpmath.sin(r)
+
+
+def cosine_weight(z: mpf) -> mpf:
+    """What turns an error of the tail into a relative error of the cosine."""
+    return z * z / mpmath.cos(mpmath.sqrt(z))
+
+
+def half_pi_parts(bits: Sequence[int]) -> list[float]:
+    """pi/2 as a sum of floats of the given numbers of bits."""
+    rest, parts = mp.pi / 2, []
+    for n in bits:
+        parts.append(round_to(rest, n))
+        rest -= parts[-1]
+    return [float(p) for p in parts]
+
+
+def constants() -> dict[str, list[float]]:
+    """All constants, by their names in `ulna.trace.sincos`."""
+    upper = (mp.pi / 4 * (1 + mpf(2) ** -16)) ** 2
+    lower = upper * mpf(10) ** -8
+    found: dict[str, list[float]] = {}
+    for suffix, bits, degree in (("F64", 53, 5), ("F32", 24, 2)):
+        for name, tail, weight in (("SIN", sine_tail, sine_weight), ("COS", cosine_tail, cosine_weight)):
+            coefficients, worst = fit(tail, weight, lower, upper, degree, bits)
+            found[f"{name}_{suffix}"] = coefficients
+            print(f"# {name}_{suffix}: relative error 2^{np.log2(worst):.1f}", file=sys.stderr)
+    found["HALF_PI_F64"] = half_pi_parts((53, 31, 53))
+    found["HALF_PI_F32"] = half_pi_parts((23, 24, 24))
+    found["TWO_OVER_PI_F64"] = [float(round_to(2 / mp.pi, 53))]
+    found["TWO_OVER_PI_F32"] = [float(round_to(2 / mp.pi, 24))]
+    return found
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print the constants as Python source, or compare them with the committed ones."""
+    found = constants()
+    if "--check" not in arguments:
+        for name, values in found.items():
+            print(f"{name} = (")
+            for value in values:
+                print(f'    float.fromhex("{value.hex()}"),')
+            print(")")
+        return 0
+    from ulna.trace import sincos
+
+    wrong = [name for name, values in found.items() if tuple(getattr(sincos, name)) != tuple(values)]
+    for name in wrong:
+        print(f"{name}: src/ulna/trace/sincos.py holds {getattr(sincos, name)}, the fit gives {tuple(found[name])}")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

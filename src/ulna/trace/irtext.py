@@ -1,0 +1,197 @@
+"""A small notation for writing functions in textual LLVM IR, over scalars or SIMD lanes alike."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import Literal
+
+DType = Literal["double", "float"]
+
+
+@dataclass(frozen=True)
+class IRFunction:
+    """One function in textual LLVM IR.
+
+    Attributes:
+        name: the function's name without the leading `@`.
+        text: its definition, to be written once in a module.
+        declarations: what the definition needs at module level (`declare` lines, constants, helper functions);
+            several functions may need the same ones, and each is to be written once in a module.
+    """
+
+    name: str
+    text: str
+    declarations: tuple[str, ...]
+
+
+def module_text(*functions: IRFunction) -> str:
+    """The functions and all they need, each text once, in the order of first use."""
+    parts: dict[str, None] = {}
+    for function in functions:
+        parts.update(dict.fromkeys((*function.declarations, function.text)))
+    return "\n".join(parts) + "\n"
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """The types of `lanes` values of one floating-point format: a scalar when `lanes` is 1, else a vector."""
+
+    lanes: int
+    dtype: DType
+
+    def __post_init__(self) -> None:
+        if self.lanes < 1 or self.dtype not in ("double", "float"):
+            raise ValueError(f"lanes={self.lanes!r}, dtype={self.dtype!r}: expected lanes >= 1, 'double' or 'float'")
+
+    @property
+    def bits(self) -> int:
+        """The width of one value [bit]."""
+        return 64 if self.dtype == "double" else 32
+
+    @property
+    def suffix(self) -> str:
+        """As LLVM spells the type in intrinsic names: f64, v8f64, f32, v16f32."""
+        return ("" if self.lanes == 1 else f"v{self.lanes}") + f"f{self.bits}"
+
+    def of(self, element: str) -> str:
+        """The type of `lanes` elements."""
+        return element if self.lanes == 1 else f"<{self.lanes} x {element}>"
+
+    @property
+    def real(self) -> str:
+        """The floating-point type."""
+        return self.of(self.dtype)
+
+    @property
+    def integer(self) -> str:
+        """The integer type of the same width."""
+        return self.of(f"i{self.bits}")
+
+    @property
+    def truth(self) -> str:
+        """The type of a comparison."""
+        return self.of("i1")
+
+    @property
+    def pair(self) -> str:
+        """The type of a function that returns two values."""
+        return f"{{ {self.real}, {self.real} }}"
+
+    def constant(self, value: float) -> str:
+        """The floating-point literal; `value` must be representable in the format.
+
+        Raises:
+            ValueError: for a value that the format would round.
+        """
+        if self.dtype == "float" and struct.unpack("<f", struct.pack("<f", value))[0] != value:
+            raise ValueError(f"{value!r} is not a float32")
+        literal = f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+        return literal if self.lanes == 1 else f"splat ({self.dtype} {literal})"
+
+    def integer_constant(self, value: int) -> str:
+        """The integer literal."""
+        return str(value) if self.lanes == 1 else f"splat (i{self.bits} {value})"
+
+
+class Body:
+    """The lines of one function body; every method appends one instruction and returns the name of its result.
+
+    No instruction carries a fast-math flag: error-free transformations would not survive them.
+    """
+
+    def __init__(self, lanes: Lanes) -> None:
+        self.lanes = lanes
+        self.lines: list[str] = []
+        self.declarations: dict[str, None] = {}
+        self._count = 0
+
+    def emit(self, instruction: str) -> str:
+        """Append `%n = instruction`."""
+        name = f"%t{self._count}"
+        self._count += 1
+        self.lines.append(f"  {name} = {instruction}")
+        return name
+
+    def _float(self, value: str | float) -> str:
+        return value if isinstance(value, str) else self.lanes.constant(value)
+
+    def _integer(self, value: str | int) -> str:
+        return value if isinstance(value, str) else self.lanes.integer_constant(value)
+
+    def add(self, a: str | float, b: str | float) -> str:
+        """a + b."""
+        return self.emit(f"fadd {self.lanes.real} {self._float(a)}, {self._float(b)}")
+
+    def sub(self, a: str | float, b: str | float) -> str:
+        """a - b."""
+        return self.emit(f"fsub {self.lanes.real} {self._float(a)}, {self._float(b)}")
+
+    def mul(self, a: str | float, b: str | float) -> str:
+        """a * b."""
+        return self.emit(f"fmul {self.lanes.real} {self._float(a)}, {self._float(b)}")
+
+    def div(self, a: str | float, b: str | float) -> str:
+        """a / b."""
+        return self.emit(f"fdiv {self.lanes.real} {self._float(a)}, {self._float(b)}")
+
+    def neg(self, a: str) -> str:
+        """-a."""
+        return self.emit(f"fneg {self.lanes.real} {a}")
+
+    def call(self, intrinsic: str, *arguments: str | float) -> str:
+        """The floating-point intrinsic `llvm.<intrinsic>` in all lanes."""
+        real = self.lanes.real
+        name = f"@llvm.{intrinsic}.{self.lanes.suffix}"
+        self.declarations[f"declare {real} {name}({', '.join([real] * len(arguments))})"] = None
+        return self.emit(f"call {real} {name}({', '.join(f'{real} {self._float(a)}' for a in arguments)})")
+
+    def fma(self, a: str | float, b: str | float, c: str | float) -> str:
+        """a * b + c, rounded once."""
+        return self.call("fma", a, b, c)
+
+    def fabs(self, a: str) -> str:
+        """|a|."""
+        return self.call("fabs", a)
+
+    def compare(self, predicate: str, a: str | float, b: str | float) -> str:
+        """Fcmp with the given predicate."""
+        return self.emit(f"fcmp {predicate} {self.lanes.real} {self._float(a)}, {self._float(b)}")
+
+    def integer_op(self, opcode: str, a: str | int, b: str | int) -> str:
+        """An integer instruction, such as `and`, `shl`, `icmp eq`."""
+        return self.emit(f"{opcode} {self.lanes.integer} {self._integer(a)}, {self._integer(b)}")
+
+    def select(self, condition: str, a: str | float, b: str | float) -> str:
+        """A where condition, else b (floating point)."""
+        lanes = self.lanes
+        return self.emit(
+            f"select {lanes.truth} {condition}, {lanes.real} {self._float(a)}, {lanes.real} {self._float(b)}"
+        )
+
+    def to_bits(self, a: str) -> str:
+        """The bits of a float, as an integer."""
+        return self.emit(f"bitcast {self.lanes.real} {a} to {self.lanes.integer}")
+
+    def from_bits(self, a: str) -> str:
+        """The float with the bits of an integer."""
+        return self.emit(f"bitcast {self.lanes.integer} {a} to {self.lanes.real}")
+
+    def any_lane(self, condition: str) -> str:
+        """An i1: whether the condition holds in any lane."""
+        if self.lanes.lanes == 1:
+            return condition
+        word = f"i{self.lanes.lanes}"
+        packed = self.emit(f"bitcast {self.lanes.truth} {condition} to {word}")
+        return self.emit(f"icmp ne {word} {packed}, 0")
+
+    def polynomial(self, z: str, z2: str, coefficients: tuple[float, ...]) -> str:
+        """c0 + c1 z + c2 z^2 + ... by pairs: half the latency of Horner's form for the one extra product z2 = z*z."""
+        pairs = [
+            self.fma(coefficients[i + 1], z, coefficients[i]) if i + 1 < len(coefficients) else coefficients[i]
+            for i in range(0, len(coefficients), 2)
+        ]
+        total = pairs[-1]
+        for pair in reversed(pairs[:-1]):
+            total = self.fma(total, z2, pair)
+        return total if isinstance(total, str) else self._float(total)
