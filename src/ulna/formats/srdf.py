@@ -1,0 +1,142 @@
+"""SRDF: the semantics beside a URDF: groups, named configurations, pairs of links whose contact is of no interest."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+
+from ulna.formats.markup import Node, parse_markup, read_file
+
+
+@dataclass(frozen=True)
+class SrdfGroup:
+    """A group of a robot: joints, links, chains (base link, tip link) and other groups, by name."""
+
+    name: str
+    joints: tuple[str, ...] = ()
+    links: tuple[str, ...] = ()
+    chains: tuple[tuple[str, str], ...] = ()
+    groups: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class SrdfState:
+    """A named configuration: joint name -> its values [rad, m; a free flyer: position, quaternion xyzw]."""
+
+    name: str
+    group: str | None
+    values: dict[str, tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class SrdfVirtualJoint:
+    """A joint that ties the robot to the world; Ulna takes the root joint from the caller and only records it."""
+
+    name: str
+    kind: str
+    parent_frame: str | None
+    child: str
+
+
+@dataclass(frozen=True)
+class SrdfEndEffector:
+    """A named tool: the link it hangs on and the group it is."""
+
+    name: str
+    parent_link: str
+    group: str | None
+
+
+@dataclass(frozen=True)
+class SrdfDocument:
+    """What an SRDF file says, in file order.
+
+    Attributes:
+        name: of the robot.
+        groups: by name.
+        states: the named configurations.
+        disabled_pairs: pairs of link names that are not checked for contact.
+        virtual_joints: ties to the world.
+        end_effectors: the tools.
+        passive_joints: joints without a motor.
+        rotors: joint name -> (rotor inertia [kg m^2], gear ratio), from the rotor_params element.
+        file: where it was read from; None for text.
+    """
+
+    name: str
+    groups: dict[str, SrdfGroup] = field(default_factory=dict)
+    states: tuple[SrdfState, ...] = ()
+    disabled_pairs: tuple[tuple[str, str], ...] = ()
+    virtual_joints: tuple[SrdfVirtualJoint, ...] = ()
+    end_effectors: tuple[SrdfEndEffector, ...] = ()
+    passive_joints: tuple[str, ...] = ()
+    rotors: dict[str, tuple[float, float]] = field(default_factory=dict)
+    file: str | None = None
+
+
+def read_srdf(path: str | os.PathLike[str]) -> SrdfDocument:
+    """The document in an SRDF file.
+
+    Raises:
+        FormatError: the file is missing or broken.
+    """
+    return parse_srdf(read_file(path), str(path))
+
+
+def parse_srdf(data: bytes | str, file: str | None = None) -> SrdfDocument:
+    """The document that an SRDF text describes; unknown elements are left alone.
+
+    Raises:
+        FormatError: the text is not an SRDF.
+    """
+    root = parse_markup(data, file, "robot", "SRDF")
+    groups: dict[str, SrdfGroup] = {}
+    for node in root.children("group"):
+        group = _group(node)
+        if group.name in groups:
+            node.warn(f"a second group {group.name!r}; the first one is used")
+        groups.setdefault(group.name, group)
+    pairs: dict[tuple[str, str], None] = {}
+    for node in root.children("disable_collisions"):
+        pairs[node.name("link1"), node.name("link2")] = None
+    return SrdfDocument(
+        root.string("name") or "robot",
+        groups,
+        tuple(_state(n) for n in root.children("group_state")),
+        tuple(pairs),
+        tuple(
+            SrdfVirtualJoint(n.name(), n.name("type"), n.string("parent_frame"), n.name("child_link"))
+            for n in root.children("virtual_joint")
+        ),
+        tuple(
+            SrdfEndEffector(n.name(), n.name("parent_link"), n.string("group"))
+            for n in root.children("end_effector")
+        ),
+        tuple(n.name() for n in root.children("passive_joint")),
+        {
+            n.name(): (n.number("mass", 0.0), n.number("gear_ratio", 1.0))
+            for parameters in root.children("rotor_params")
+            for n in parameters.children("joint")
+        },
+        file,
+    )
+
+
+def _group(node: Node) -> SrdfGroup:
+    return SrdfGroup(
+        node.name(),
+        tuple(n.name() for n in node.children("joint")),
+        tuple(n.name() for n in node.children("link")),
+        tuple((n.name("base_link"), n.name("tip_link")) for n in node.children("chain")),
+        tuple(n.name() for n in node.children("group")),
+    )
+
+
+def _state(node: Node) -> SrdfState:
+    values: dict[str, tuple[float, ...]] = {}
+    for joint in node.children("joint"):
+        count = len((joint.string("value") or "0").split())
+        if joint.name() in values:
+            joint.warn(f"a second value for joint {joint.name()!r}; the last one is used")
+        values[joint.name()] = joint.vector("value", max(count, 1))
+    return SrdfState(node.name(), node.string("group"), values)
