@@ -6,6 +6,7 @@ here through hooks on the value (`_where_`, `_minimum_`, `_maximum_`), so this f
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import numpy as np
@@ -70,7 +71,32 @@ def skew(v: Array) -> Array:
 
 def sincos(x: Any) -> tuple[Any, Any]:
     """Sine and cosine."""
-    return np.sin(x), np.cos(x)
+    return sin(x), cos(x)
+
+
+def sin(x: Any) -> Any:
+    """Sine."""
+    return _elementwise(_sin, x) if is_symbolic(x) else np.sin(x)
+
+
+def cos(x: Any) -> Any:
+    """Cosine."""
+    return _elementwise(_cos, x) if is_symbolic(x) else np.cos(x)
+
+
+def sqrt(x: Any) -> Any:
+    """Square root."""
+    return _elementwise(_sqrt, x) if is_symbolic(x) else np.sqrt(x)
+
+
+def arctan2(y: Any, x: Any) -> Any:
+    """Angle of the point (x, y), in (-pi, pi]."""
+    return _elementwise(_arctan2, y, x) if is_symbolic(y, x) else np.arctan2(y, x)
+
+
+def less(a: Any, b: Any) -> Any:
+    """Whether `a < b`, elementwise; on object arrays `<` itself would ask for a truth value."""
+    return _elementwise(operator.lt, a, b) if is_symbolic(a, b) else np.less(a, b)
 
 
 def where(condition: Any, a: Any, b: Any) -> Any:
@@ -100,6 +126,41 @@ def _elementwise(f: Any, *values: Any) -> Any:
     return out
 
 
+def _sin(x: Any) -> Any:
+    return _call("sin", x)
+
+
+def _cos(x: Any) -> Any:
+    return _call("cos", x)
+
+
+def _sqrt(x: Any) -> Any:
+    return _call("sqrt", x)
+
+
+def _call(name: str, x: Any) -> Any:
+    if isinstance(x, (float, int, np.generic)):
+        return float(getattr(np, name)(x))
+    method = getattr(x, name, None)
+    if method is not None:
+        return method()
+    import sympy
+
+    return getattr(sympy, name)(x)
+
+
+def _arctan2(y: Any, x: Any) -> Any:
+    if isinstance(y, (float, int, np.generic)) and isinstance(x, (float, int, np.generic)):
+        return float(np.arctan2(y, x))
+    if hasattr(y, "arctan2"):
+        return y.arctan2(x)
+    if hasattr(x, "arctan2"):
+        return (y + 0.0 * x).arctan2(x)  # lifts the number `y` beside the traced `x`; the zero folds away
+    import sympy
+
+    return sympy.atan2(y, x)
+
+
 def _where(condition: Any, a: Any, b: Any) -> Any:
     if isinstance(condition, (bool, np.bool_)):
         return a if condition else b
@@ -127,3 +188,22 @@ def _extremum(hook: str, symbolic: str, a: Any, b: Any) -> Any:
     import sympy
 
     return getattr(sympy, symbolic)(a, b)
+
+
+def loop(condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple[Any, ...]:
+    """Iterates `state = body(*state)` while `condition(*state)`, at most `limit` times.
+
+    The state is a tuple of numbers, or of arrays of one batch shape; each element of the batch stops on its own and
+    then keeps its state. `body` returns a tuple of the same length. Traced, this becomes a loop in the SIMD lanes.
+    """
+    traced = next((s for s in state if hasattr(s, "_loop_")), None)
+    if traced is not None:
+        return traced._loop_(condition, body, state, limit)
+    values = [np.asarray(s, dtype=float) for s in np.broadcast_arrays(*state)]
+    active = np.ones(values[0].shape, dtype=bool)
+    for _ in range(limit):
+        active = active & condition(*values)
+        if not active.any():
+            break
+        values = [np.where(active, new, old) for new, old in zip(body(*values), values, strict=True)]
+    return tuple(v[()] for v in values)

@@ -1,0 +1,124 @@
+"""What all spatial types share: arrays with leading batch axes that are indexed, compared and shown together."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.numeric import is_symbolic
+from ulna.typing import Array
+
+
+class Batched(ABC):
+    """Arrays with common leading batch axes, which broadcast as NumPy's do."""
+
+    __slots__ = ()
+    __array_ufunc__ = None  # so that `array * motion` comes to Motion.__rmul__ instead of an object array
+
+    _ranks: ClassVar[dict[str, int]]
+    """For each field, the number of its own axes; those in front of them are batch axes."""
+
+    @abstractmethod
+    def _dense(self) -> Array:
+        """The one array that stands for the whole, for `np.asarray` and `repr`."""
+
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """The shape of the batch; () for a single one."""
+        shapes = []
+        for name, rank in self._ranks.items():
+            shape = np.shape(getattr(self, name))
+            shapes.append(shape[: len(shape) - rank])
+        return np.broadcast_shapes(*shapes)
+
+    def __len__(self) -> int:
+        shape = self.batch_shape
+        if not shape:
+            raise TypeError(f"A single {type(self).__name__} has no length; its batch_shape is ().")
+        return shape[0]
+
+    def __getitem__(self, index: Any) -> Self:
+        """The part of the batch that `index` picks, as for a NumPy array of shape `batch_shape`."""
+        batch = self.batch_shape
+        index = index if isinstance(index, tuple) else (index,)
+        np.broadcast_to(0.0, batch)[index]  # raises where the index reaches beyond the batch axes
+        has_ellipsis = any(i is Ellipsis for i in index)
+        parts = []
+        for name, rank in self._ranks.items():
+            value = np.asarray(getattr(self, name))
+            whole = np.broadcast_to(value, batch + value.shape[value.ndim - rank :])
+            parts.append(whole[(*index, *[slice(None)] * rank)] if has_ellipsis else whole[index])
+        return type(self)(*parts)
+
+    def __iter__(self) -> Iterator[Self]:
+        for i in range(len(self)):
+            yield self[i]
+
+    @classmethod
+    def stack(cls, items: Sequence[Self]) -> Self:
+        """Joins `items` along a new first batch axis."""
+        if not items:
+            raise InputError(f"`items` is empty; expected at least one {cls.__name__} to stack.")
+        batch = np.broadcast_shapes(*(item.batch_shape for item in items))
+        parts = []
+        for name, rank in cls._ranks.items():
+            values = [np.asarray(getattr(item, name)) for item in items]
+            parts.append(np.stack([np.broadcast_to(v, batch + v.shape[v.ndim - rank :]) for v in values]))
+        return cls(*parts)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both hold exactly the same numbers; see `is_close` for the comparison one mostly wants."""
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in self._ranks)
+
+    def __hash__(self) -> int:
+        # Adding 0.0 turns -0.0, which equals 0.0, into it.
+        parts = (np.asarray(getattr(self, name)) for name in self._ranks)
+        return hash(tuple((p.shape, tuple(p.flat) if is_symbolic(p) else (p + 0.0).tobytes()) for p in parts))
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
+        return np.asarray(self._dense(), dtype=dtype)
+
+    def __repr__(self) -> str:
+        name, batch, dense = type(self).__name__, self.batch_shape, np.asarray(self._dense())
+        if not batch:
+            return f"{name}({table(dense)})"
+        flat = dense.reshape(-1, *dense.shape[len(batch) :])
+        lines = [table(item) for item in flat[:3]]
+        if len(flat) > 3:
+            lines.append(f"... {len(flat)} in all")
+        return "\n".join([f"{name} batch of shape {batch}:", *lines])
+
+
+def table(values: Array) -> str:
+    """A vector or matrix as text, with its columns aligned and noise below 1e-12 shown as zero."""
+    texts = [[_text(x) for x in row] for row in np.atleast_2d(values)]
+    widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
+    rows = ["[" + ", ".join(t.rjust(w) for t, w in zip(row, widths, strict=True)) + "]" for row in texts]
+    if values.ndim < 2:
+        return rows[0]
+    return "[" + ",\n ".join(rows) + "]"
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, (float, int, np.generic)):
+        x = float(value)
+        return "0" if abs(x) < 1e-12 else f"{x:.6g}"
+    return str(value)
+
+
+def as_array(value: Any) -> Array:
+    """`value` as it is when it is an array; lists and numbers as an array of floats or of objects."""
+    if isinstance(value, np.ndarray):
+        return value
+    return np.array(value, dtype=object if is_symbolic(value) else float)
+
+
+def column(value: Any, rank: int = 1) -> Any:
+    """A number or batch of numbers, ready to multiply arrays that have `rank` own axes."""
+    return value.reshape(value.shape + (1,) * rank) if isinstance(value, np.ndarray) and value.ndim else value

@@ -1,0 +1,86 @@
+"""Checks of what users pass in; the inner loops never come here."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
+from ulna.numeric import is_symbolic
+from ulna.typing import Array
+
+ROTATION_TOLERANCE = 1e-6
+"""How far `R.T @ R` may be from the identity, entry by entry, for R to pass as a rotation."""
+
+
+def checked(name: str, value: Any, shape: tuple[int, ...], mend: str = "") -> Array:
+    """`value` as an array (..., *shape) of finite floats; traced scalars and symbols pass by their shape alone.
+
+    Raises:
+        ShapeError: the trailing axes are not `shape`.
+        DtypeError: not real numbers.
+        NonFiniteError: nan or inf among the numbers.
+    """
+    if isinstance(value, np.ndarray) or not is_symbolic(value):
+        array = np.asarray(value)
+    else:
+        array = np.array(value, dtype=object)
+    if array.dtype == object:
+        pass
+    elif array.dtype.kind not in "fiub":
+        raise DtypeError(name, str(array.dtype))
+    else:
+        array = array.astype(float, copy=False)
+    if array.shape[array.ndim - len(shape) :] != shape or array.ndim < len(shape):
+        raise ShapeError(
+            name, array.shape, f"(..., {', '.join(map(str, shape))})" if shape else "(...)", mend
+        )
+    if array.dtype != object and not np.isfinite(array).all():
+        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise NonFiniteError(name, index, float(array[index]))
+    return array
+
+
+def checked_rotation(name: str, value: Any, project: str) -> Array:
+    """`value` as an array (..., 3, 3) of rotations.
+
+    Args:
+        name: what the user calls it.
+        value: the matrix or matrices.
+        project: the call that makes the nearest rotation, for the message.
+
+    Raises:
+        InputError: not orthogonal, or a reflection; says by how much.
+    """
+    r = checked(name, value, (3, 3))
+    if r.dtype == object:
+        return r
+    error = np.abs(np.swapaxes(r, -1, -2) @ r - np.eye(3)).max(axis=(-2, -1), initial=0.0)
+    worst = float(error.max(initial=0.0))
+    mend = f"{project} gives the nearest rotation."
+    if worst > ROTATION_TOLERANCE:
+        raise InputError(
+            f"`{name}` is not a rotation{_place(error == worst)}: R.T @ R differs from the identity by "
+            f"{worst:.3g}; expected at most {ROTATION_TOLERANCE:g}. {mend}"
+        )
+    mirrored = np.linalg.det(r) < 0.0
+    if mirrored.any():
+        raise InputError(
+            f"`{name}` is not a rotation{_place(mirrored)}: its determinant is -1 (a reflection); "
+            f"expected +1. Look for a flipped axis; {mend}"
+        )
+    return r
+
+
+def nearest_rotation(matrix: Array) -> Array:
+    """The rotation nearest to `matrix` (..., 3, 3) in the Frobenius norm, by its singular values (Kabsch 1976)."""
+    u, _, vt = np.linalg.svd(matrix)
+    sign = np.where(np.linalg.det(u @ vt) < 0.0, -1.0, 1.0)
+    u = np.concatenate([u[..., :2], u[..., 2:] * sign[..., None, None]], axis=-1)
+    return u @ vt
+
+
+def _place(which: Array) -> str:
+    """The first place in the batch where `which` holds, as text."""
+    return f" at index {tuple(int(i) for i in np.argwhere(which)[0])}" if which.ndim else ""

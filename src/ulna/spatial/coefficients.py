@@ -1,0 +1,83 @@
+"""The scalar functions of the angle inside the exponential maps, smooth and accurate through zero.
+
+All take t2, the squared angle [rad^2], because it is smooth where the angle itself is not. With t = sqrt(t2):
+
+| name      | function                            | at 0  |
+|-----------|-------------------------------------|-------|
+| `half`    | sin(t/2) / (t/2), cos(t/2)          | 1, 1  |
+| `first`   | A = sin t / t                       | 1     |
+| `second`  | B = (1 - cos t) / t^2               | 1/2   |
+| `third`   | C = (t - sin t) / t^3               | 1/6   |
+| `fourth`  | E = (t^2 + 2 cos t - 2) / (2 t^4)   | 1/24  |
+| `fifth`   | F = (2 t - 3 sin t + t cos t) / (2 t^5) | 1/120 |
+| `inverse` | D = (1 - (t/2) cot(t/2)) / t^2      | 1/12  |
+
+Below t = 0.2 they are their own power series: five terms reach full precision there, both values and derivatives.
+Above, the closed forms cancel by at most 1 / t^2, which the factors w w^T they are multiplied with give back.
+"""
+
+from __future__ import annotations
+
+from math import factorial
+from typing import Any
+
+from ulna.numeric import cos, less, sin, sqrt, where
+
+_SMALL = 0.04  # [rad^2]
+_TERMS = range(5)
+
+_HALF_SIN = [(-1) ** k / factorial(2 * k + 1) / 4**k for k in _TERMS]
+_HALF_COS = [(-1) ** k / factorial(2 * k) / 4**k for k in range(6)]
+_THIRD = [(-1) ** k / factorial(2 * k + 3) for k in _TERMS]
+_FOURTH = [(-1) ** k / factorial(2 * k + 4) for k in _TERMS]
+_FIFTH = [(-1) ** k * (k + 1) / factorial(2 * k + 5) for k in _TERMS]
+_INVERSE = [1 / 12, 1 / 720, 1 / 30240, 1 / 1209600, 1 / 47900160]  # |Bernoulli(2k)| / (2k)!
+
+
+def half(t2: Any) -> tuple[Any, Any]:
+    """sin(t/2) / (t/2) and cos(t/2)."""
+    small = less(t2, _SMALL)
+    h = 0.5 * sqrt(where(small, 1.0, t2))
+    s = where(small, _polynomial(_HALF_SIN, t2), sin(h) / h)
+    c = where(small, _polynomial(_HALF_COS, t2), cos(h))
+    return s, c
+
+
+def first_second(t2: Any) -> tuple[Any, Any]:
+    """A and B, from one sine and cosine of the half angle."""
+    s, c = half(t2)
+    return s * c, 0.5 * (s * s)
+
+
+def third(t2: Any, a: Any) -> Any:
+    """C, given A."""
+    return _quotient(t2, 1.0 - a, _THIRD)
+
+
+def fourth(t2: Any, b: Any) -> Any:
+    """E, given B."""
+    return _quotient(t2, 0.5 - b, _FOURTH)
+
+
+def fifth(t2: Any, b: Any, c: Any) -> Any:
+    """F, given B and C."""
+    return _quotient(t2, 0.5 * (3.0 * c - b), _FIFTH)
+
+
+def inverse(t2: Any, half_cot: Any) -> Any:
+    """D, given (t/2) cot(t/2)."""
+    return _quotient(t2, 1.0 - half_cot, _INVERSE)
+
+
+def _quotient(t2: Any, numerator: Any, series: list[float]) -> Any:
+    """numerator / t2, or its series where t2 is small."""
+    small = less(t2, _SMALL)
+    return where(small, _polynomial(series, t2), numerator / where(small, 1.0, t2))
+
+
+def _polynomial(coefficients: list[float], x: Any) -> Any:
+    """c0 + c1 x + c2 x^2 + ..., by Horner's rule."""
+    result = coefficients[-1]
+    for c in reversed(coefficients[:-1]):
+        result = result * x + c
+    return result

@@ -1,0 +1,236 @@
+"""The inertia of a rigid body: mass, centre of mass, and rotational inertia about the centre of mass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, final
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.numeric import apply, cross, dot, matrix, skew, vector, where
+from ulna.spatial.batched import Batched, as_array, column
+from ulna.spatial.check import checked
+from ulna.spatial.vectors import Force, Motion
+from ulna.typing import Array, ArrayLike
+
+_SYMMETRIC = 1e-9  # relative asymmetry that passes for rounding
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Inertia(Batched):
+    """The inertia of a rigid body in some frame.
+
+    Attributes:
+        mass: mass (...) [kg].
+        com: centre of mass (..., 3) [m] in the frame.
+        inertia: rotational inertia (..., 3, 3) [kg m^2] about the centre of mass, along the axes of the frame.
+    """
+
+    mass: Any
+    com: Array
+    inertia: Array
+
+    _ranks: ClassVar[dict[str, int]] = {"mass": 0, "com": 1, "inertia": 2}
+
+    def __post_init__(self) -> None:
+        if type(self.com) is not np.ndarray or type(self.inertia) is not np.ndarray:
+            object.__setattr__(self, "com", as_array(self.com))
+            object.__setattr__(self, "inertia", as_array(self.inertia))
+
+    @classmethod
+    def zero(cls) -> Inertia:
+        """The inertia of nothing."""
+        return cls(0.0, np.zeros(3), np.zeros((3, 3)))
+
+    @classmethod
+    def from_com(cls, mass: Any, com: ArrayLike, inertia: ArrayLike) -> Inertia:
+        """From mass [kg], centre of mass [m] and rotational inertia [kg m^2] about the centre of mass, checked.
+
+        The inertia is a symmetric matrix (..., 3, 3) or its entries (..., 6) in the order xx, xy, xz, yy, yz, zz of
+        URDF.
+
+        Raises:
+            InputError: negative mass, an inertia that is not symmetric, wrong shapes, nan or inf.
+        """
+        return cls(_checked_mass(mass), checked("com", com, (3,)), _checked_inertia(inertia))
+
+    @classmethod
+    def from_origin(cls, mass: Any, com: ArrayLike, inertia: ArrayLike) -> Inertia:
+        """As `from_com`, with the rotational inertia about the origin of the frame instead."""
+        at_com = cls.from_com(mass, com, inertia)
+        shift = column(at_com.mass, 2) * _steiner(at_com.com)
+        return cls(at_com.mass, at_com.com, at_com.inertia - shift)
+
+    @classmethod
+    def from_parameters(cls, parameters: ArrayLike) -> Inertia:
+        """From the ten dynamic parameters (..., 10); see `parameters`. The mass must not be zero."""
+        p = checked("parameters", parameters, (10,))
+        mass = p[..., 0]
+        com = p[..., 1:4] / column(mass)
+        xx, xy, yy, xz, yz, zz = (p[..., n] for n in range(4, 10))
+        about_origin = matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return cls(mass[()], com, about_origin - column(mass, 2) * _steiner(com))
+
+    @classmethod
+    def from_point(cls, mass: float, com: ArrayLike = (0.0, 0.0, 0.0)) -> Inertia:
+        """A point mass."""
+        return cls.from_com(mass, com, np.zeros((3, 3)))
+
+    @classmethod
+    def from_sphere(cls, mass: float, radius: float) -> Inertia:
+        """A solid sphere [kg, m] centred in the frame."""
+        return cls._solid(mass, 0.4 * radius**2, 0.4 * radius**2, 0.4 * radius**2)
+
+    @classmethod
+    def from_ellipsoid(cls, mass: float, radii: ArrayLike) -> Inertia:
+        """A solid ellipsoid [kg, m] centred in the frame, with its half axes `radii` (3,) along x, y, z."""
+        a, b, c = checked("radii", radii, (3,)) ** 2
+        return cls._solid(mass, (b + c) / 5, (a + c) / 5, (a + b) / 5)
+
+    @classmethod
+    def from_box(cls, mass: float, size: ArrayLike) -> Inertia:
+        """A solid box [kg, m] centred in the frame, with its full `size` (3,) along x, y, z."""
+        a, b, c = checked("size", size, (3,)) ** 2
+        return cls._solid(mass, (b + c) / 12, (a + c) / 12, (a + b) / 12)
+
+    @classmethod
+    def from_cylinder(cls, mass: float, radius: float, length: float) -> Inertia:
+        """A solid cylinder [kg, m] centred in the frame, its axis along z."""
+        across = radius**2 / 4 + length**2 / 12
+        return cls._solid(mass, across, across, radius**2 / 2)
+
+    @classmethod
+    def from_capsule(cls, mass: float, radius: float, length: float) -> Inertia:
+        """A solid capsule [kg, m] centred in the frame, along z: a cylinder of `length` between two half spheres."""
+        cylinder, ball = length, 4 * radius / 3  # volumes over pi radius^2
+        share = cylinder / (cylinder + ball)
+        half_sphere = 2 * radius**2 / 5 + length**2 / 4 + 3 * length * radius / 8
+        across = share * (radius**2 / 4 + length**2 / 12) + (1 - share) * half_sphere
+        return cls._solid(mass, across, across, share * radius**2 / 2 + (1 - share) * 2 * radius**2 / 5)
+
+    @classmethod
+    def from_cone(cls, mass: float, radius: float, length: float) -> Inertia:
+        """A solid cone [kg, m] along z, its tip at z = length/2 and its base at z = -length/2."""
+        across = 3 * radius**2 / 20 + 3 * length**2 / 80
+        body = cls._solid(mass, across, across, 3 * radius**2 / 10)
+        return cls(body.mass, np.array([0.0, 0.0, -length / 4]), body.inertia)
+
+    @classmethod
+    def _solid(cls, mass: float, x: float, y: float, z: float) -> Inertia:
+        """A centred body with the given squared radii of gyration [m^2]."""
+        return cls.from_com(mass, np.zeros(3), mass * np.diag([x, y, z]))
+
+    def apply(self, motion: Motion) -> Force:
+        """The momentum of the body at this velocity, or the force at this acceleration. Featherstone, eq. (2.63)."""
+        f = column(self.mass) * (motion.linear - cross(self.com, motion.angular))
+        return Force(f, apply(self.inertia, motion.angular) + cross(self.com, f))
+
+    def kinetic_energy(self, motion: Motion) -> Any:
+        """Half of velocity times momentum (...) [J]."""
+        return 0.5 * motion.dot(self.apply(motion))
+
+    def __add__(self, other: Inertia) -> Inertia:
+        """The inertia of two bodies joined rigidly, both given in one frame."""
+        if not isinstance(other, Inertia):
+            return NotImplemented
+        mass = self.mass + other.mass
+        # Two massless bodies have no centre of mass; the origin stands for it.
+        whole = where(mass == 0.0, 1.0, mass) if isinstance(mass, (float, int, np.ndarray)) else mass
+        share = other.mass / whole
+        way = other.com - self.com
+        reduced = column(self.mass * share, 2) * _steiner(way)
+        com = (column(self.mass / whole) * self.com) + column(share) * other.com
+        return Inertia(mass, com, self.inertia + other.inertia + reduced)
+
+    def matrix(self) -> Array:
+        """The 6x6 inertia (..., 6, 6) about the origin: momentum = matrix @ twist, linear part first."""
+        mc = skew(column(self.mass) * self.com)
+        eye = column(self.mass, 2) * np.eye(3)
+        corner = self.about_origin()
+        parts = np.broadcast_arrays(eye, mc, corner)
+        eye, mc, corner = parts
+        return np.concatenate(
+            [np.concatenate([eye, -mc], axis=-1), np.concatenate([mc, corner], axis=-1)], axis=-2
+        )
+
+    def about_origin(self) -> Array:
+        """The rotational inertia (..., 3, 3) [kg m^2] about the origin of the frame (parallel-axis theorem)."""
+        return self.inertia + column(self.mass, 2) * _steiner(self.com)
+
+    def parameters(self) -> Array:
+        """The ten dynamic parameters (..., 10), in which the equations of motion are linear.
+
+        m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz; rotational inertia about the origin of the frame. The order
+        is Pinocchio's.
+        """
+        i = self.about_origin()
+        mc = column(self.mass) * self.com
+        entries = (i[..., a, b] for a, b in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)))
+        return vector(self.mass, mc[..., 0], mc[..., 1], mc[..., 2], *entries)
+
+    def is_physical(self, tolerance: float = 1e-9) -> Any:
+        """Whether some body of positive mass density has this inertia (...).
+
+        The mass is not negative and the principal moments obey the triangle inequality, within `tolerance` relative
+        to the largest.
+        """
+        moments = np.linalg.eigvalsh(self.inertia)
+        slack = tolerance * np.abs(moments).max(axis=-1)
+        sums = moments[..., 0] + moments[..., 1] - moments[..., 2]
+        return (np.asarray(self.mass) >= 0.0) & (moments[..., 0] >= -slack) & (sums >= -slack)
+
+    def is_close(self, other: Inertia, tolerance: float = 1e-9) -> Any:
+        """Whether every dynamic parameter differs by at most `tolerance` (...)."""
+        return (np.abs(self.parameters() - other.parameters()) <= tolerance).all(axis=-1)
+
+    def _moved(self, rotation: Array, translation: Array) -> Inertia:
+        return Inertia(self.mass, apply(rotation, self.com) + translation, _turned(rotation, self.inertia))
+
+    def _moved_back(self, rotation: Array, translation: Array) -> Inertia:
+        back = np.swapaxes(rotation, -1, -2)
+        return Inertia(self.mass, apply(back, self.com - translation), _turned(back, self.inertia))
+
+    def _dense(self) -> Array:
+        return self.matrix()
+
+
+def _steiner(way: Array) -> Array:
+    """|d|^2 I - d d^T (..., 3, 3): what a unit mass displaced by `way` adds to a rotational inertia."""
+    x, y, z = way[..., 0], way[..., 1], way[..., 2]
+    xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, -x * y, -x * z, -y * z
+    return matrix([[yy + zz, xy, xz], [xy, xx + zz, yz], [xz, yz, xx + yy]])
+
+
+def _turned(rotation: Array, inertia: Array) -> Array:
+    """R I R^T, of which only six entries are computed."""
+    half = rotation @ inertia
+    xx, xy, xz, yy, yz, zz = (
+        dot(half[..., i, :], rotation[..., j, :]) for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+    )
+    return matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _checked_mass(mass: Any) -> Any:
+    array = checked("mass", mass, ())
+    if array.dtype != object and (array < 0.0).any():
+        raise InputError(f"`mass` is {float(array.min()):g} kg; expected zero or more.")
+    return array[()]
+
+
+def _checked_inertia(inertia: ArrayLike) -> Array:
+    array = inertia if isinstance(inertia, np.ndarray) else as_array(inertia)
+    if array.shape[-1:] == (6,):
+        xx, xy, xz, yy, yz, zz = (checked("inertia", array, (6,))[..., n] for n in range(6))
+        return matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    array = checked("inertia", array, (3, 3), "Six numbers xx, xy, xz, yy, yz, zz will do, too.")
+    if array.dtype == object:
+        return array
+    skewness = np.abs(array - np.swapaxes(array, -1, -2)).max(initial=0.0)
+    if skewness > _SYMMETRIC * max(1.0, np.abs(array).max(initial=0.0)):
+        raise InputError(
+            f"`inertia` is not symmetric: entries across the diagonal differ by {skewness:.3g} kg m^2; expected none. "
+            "Give the upper triangle instead: xx, xy, xz, yy, yz, zz."
+        )
+    return 0.5 * (array + np.swapaxes(array, -1, -2))
