@@ -121,12 +121,12 @@ def _fast(body: Body, x: str) -> tuple[str, str]:
 
     z = body.mul(r, r)
     z2 = body.mul(z, z)
-    # sin(r - s) = r - (s - r^3 S(r^2)): one rounding at full size.
-    tail = body.polynomial(z, z2, tuple(-c for c in sin_coefficients))
-    sine = body.sub(r, body.fma(body.mul(r, z), tail, s))
     # cos(r - s) = w + ((1 - r^2/2 - w) + r s + r^4 C(r^2)), where w = 1 - r^2/2 rounded.
     half = body.mul(r, -0.5)
     w = body.fma(half, r, 1.0)
+    # sin(r - s) = r - (s - r^3 S(r^2)): one rounding at full size.
+    tail = body.polynomial(z, z2, tuple(-c for c in sin_coefficients))
+    sine = body.sub(r, body.fma(body.mul(r, z), tail, body.mul(s, w)))
     error = body.fma(r, s, body.fma(half, r, body.sub(1.0, w)))
     cosine = body.add(w, body.fma(z2, body.polynomial(z, z2, cos_coefficients), error))
 

@@ -1,0 +1,8 @@
+"""The tracing compiler: Python functions of arrays become graphs, and graphs become machine code."""
+
+from ulna.trace.function import Function as Function
+from ulna.trace.function import Port as Port
+from ulna.trace.function import trace as trace
+from ulna.trace.kernel import compile as compile
+
+__all__ = ["Function", "Port", "compile", "trace"]

@@ -1,0 +1,166 @@
+"""Keeps compiled kernels on disk: content-addressed, verified before use, private to the user.
+
+The key of an entry is the hash of everything that decides its bytes (IR, LLVM version, processor, options), so a
+stale entry is never found. An entry carries the hash of its own content, is written beside its place and renamed, and
+is read only from a folder that nobody else can write. Whatever goes wrong costs a compilation, never a wrong result.
+
+The folder is `$ULNA_CACHE`, else the platform's cache folder; `ULNA_CACHE=0` turns the cache off.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import stat
+import sys
+import tempfile
+import time
+import warnings
+from pathlib import Path
+
+from ulna.errors import CacheWarning
+
+_MAGIC = b"ulna kernel 1\n"
+_LIMIT = 512 * 2**20  # bytes the folder may hold before the entries unused for longest go
+_warned: set[str] = set()
+
+
+def folder() -> Path | None:
+    """The cache folder, or None where the cache is off."""
+    chosen = os.environ.get("ULNA_CACHE", "")
+    if chosen == "0":
+        return None
+    if chosen:
+        return Path(chosen).expanduser()
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or str(Path("~/AppData/Local").expanduser())
+    elif sys.platform == "darwin":
+        base = str(Path("~/Library/Caches").expanduser())
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or str(Path("~/.cache").expanduser())
+    return Path(base) / "ulna"
+
+
+def key(*parts: str | bytes) -> str:
+    """The name of the entry that `parts` decide."""
+    h = hashlib.sha256()
+    for part in parts:
+        data = part.encode() if isinstance(part, str) else part
+        h.update(len(data).to_bytes(8, "little") + data)
+    return h.hexdigest()
+
+
+def read(name: str) -> bytes | None:
+    """The content of an entry, or None where there is none that can be trusted."""
+    place = _usable()
+    if place is None:
+        return None
+    path = place / name
+    try:
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0))
+    except OSError:
+        return None
+    with os.fdopen(descriptor, "rb") as file:
+        if not stat.S_ISREG(os.fstat(descriptor).st_mode) or not _is_private(os.fstat(descriptor)):
+            return None
+        data = file.read()
+    head = len(_MAGIC) + 32
+    content = data[head:]
+    if data[: len(_MAGIC)] != _MAGIC or data[len(_MAGIC) : head] != hashlib.sha256(content).digest():
+        with contextlib.suppress(OSError):  # damaged: make room for a good one
+            path.unlink()
+        return None
+    with contextlib.suppress(OSError):
+        os.utime(path)
+    return content
+
+
+def write(name: str, content: bytes) -> None:
+    """Keeps an entry; a failure warns once and is otherwise harmless."""
+    place = _usable()
+    if place is None:
+        return
+    try:
+        descriptor, temporary = tempfile.mkstemp(dir=place, prefix="new-")
+        try:
+            with os.fdopen(descriptor, "wb") as file:
+                file.write(_MAGIC + hashlib.sha256(content).digest() + content)
+            os.replace(temporary, place / name)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.unlink(temporary)
+            raise
+        if hash(content) % 64 == 0:
+            prune(place)
+    except OSError as error:
+        _warn(f"The kernel cache {place} cannot be written ({error.strerror or error}); kernels are compiled anew in "
+              "each process. Mend the folder, or set ULNA_CACHE to another one, or to 0 for none.")  # fmt: skip
+
+
+def clear() -> int:
+    """Removes every entry; returns how many."""
+    place = folder()
+    count = 0
+    if place is not None and place.is_dir():
+        for path in entries(place):
+            with contextlib.suppress(OSError):
+                path.unlink()
+                count += 1
+    return count
+
+
+def entries(place: Path) -> list[Path]:
+    """The files of a cache folder that are ours: entries and abandoned temporary files."""
+    names = (p for p in place.iterdir() if p.is_file() and not p.is_symlink())
+    return sorted(p for p in names if p.name.startswith("new-") or (len(p.name) == 64 and p.suffix == ""))
+
+
+def prune(place: Path, limit: int = _LIMIT) -> None:
+    """Removes the entries unused for longest until the folder holds at most `limit` bytes."""
+    found = []
+    for path in entries(place):
+        with contextlib.suppress(OSError):
+            status = path.stat()
+            if path.name.startswith("new-") and status.st_mtime < time.time() - 3600:
+                path.unlink()
+            else:
+                found.append((status.st_mtime, status.st_size, path))
+    total = sum(size for _, size, _ in found)
+    for _, size, path in sorted(found):
+        if total <= limit:
+            break
+        with contextlib.suppress(OSError):
+            path.unlink()
+            total -= size
+
+
+def _usable() -> Path | None:
+    """The folder, made if need be, if it belongs to this user alone."""
+    place = folder()
+    if place is None:
+        return None
+    try:
+        place.mkdir(mode=0o700, parents=True, exist_ok=True)
+        status = os.lstat(place)
+    except OSError as error:
+        _warn(f"The kernel cache {place} cannot be made ({error.strerror or error}); kernels are compiled anew in each "
+              "process. Set ULNA_CACHE to a folder you can write, or to 0 for none.")  # fmt: skip
+        return None
+    if not stat.S_ISDIR(status.st_mode) or not _is_private(status):
+        _warn(f"The kernel cache {place} is not used, because others could put code there: it must be a real folder, "
+              "owned by you and writable by you alone (chmod 700), or set ULNA_CACHE to such a one.")  # fmt: skip
+        return None
+    return place
+
+
+def _is_private(status: os.stat_result) -> bool:
+    if not hasattr(os, "getuid"):  # Windows: the profile folder's access list guards it
+        return True
+    return status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def _warn(text: str) -> None:
+    if text not in _warned:
+        _warned.add(text)
+        warnings.warn(text, CacheWarning, stacklevel=4)

@@ -1,0 +1,128 @@
+"""From IR text to addresses of machine code, through LLVM; llvmlite is imported here and nowhere else."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from ulna.errors import CompileError
+from ulna.trace import cache as disk
+
+_lock = threading.RLock()  # LLVM's contexts are not safe to share
+
+
+@dataclass(frozen=True)
+class Code:
+    """Machine code in memory; it stays as long as this object does."""
+
+    engine: Any
+    addresses: dict[str, int]
+    seconds: float  # how long LLVM worked; 0 when it came from the cache
+
+    def address(self, name: str) -> int:
+        """Where function `name` starts."""
+        return self.addresses[name]
+
+
+@dataclass(frozen=True)
+class Target:
+    """The processor compiled for."""
+
+    triple: str
+    cpu: str
+    features: str
+    version: str  # LLVM's
+
+    @property
+    def register_bytes(self) -> int:
+        """Width of the widest SIMD register [byte]."""
+        on = {f[1:] for f in self.features.split(",") if f.startswith("+")}
+        return 64 if "avx512f" in on else 32 if "avx2" in on else 16
+
+
+@cache
+def _llvm() -> Any:
+    """llvmlite's binding, ready for this machine."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm
+
+
+@cache
+def target() -> Target:
+    """This machine."""
+    llvm = _llvm()
+    return Target(
+        llvm.get_process_triple(),
+        llvm.get_host_cpu_name(),
+        llvm.get_host_cpu_features().flatten(),
+        ".".join(map(str, llvm.llvm_version_info)),
+    )
+
+
+@cache
+def _machine() -> Any:
+    t = target()
+    found = _llvm().Target.from_triple(t.triple)
+    return found.create_target_machine(cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True)
+
+
+def load(ir: str, names: tuple[str, ...]) -> Code:
+    """Machine code of `ir`, from the cache or from LLVM, with the addresses of `names`."""
+    t = target()
+    key = disk.key(ir, t.triple, t.cpu, t.features, t.version)
+    with _lock:
+        start = time.perf_counter()
+        content = disk.read(key)
+        fresh = content is None
+        if content is None:
+            content = _machine().emit_object(_optimised(ir))
+            disk.write(key, content)
+        seconds = time.perf_counter() - start if fresh else 0.0
+        llvm = _llvm()
+        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_for_engine())
+        engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(content))
+        engine.finalize_object()
+        code = Code(engine, {name: engine.get_function_address(name) for name in names}, seconds)
+    if "time" in os.environ.get("ULNA_DEBUG", ""):
+        print(f"[ulna] {', '.join(names)}: {1e3 * seconds:.1f} ms {'in LLVM' if fresh else '(from the cache)'}")
+    if not all(code.addresses.values()):
+        raise CompileError(f"LLVM made no code for {[n for n, a in code.addresses.items() if not a]}.")
+    return code
+
+
+def _machine_for_engine() -> Any:
+    """A machine of its own for each engine, which takes it over."""
+    t = target()
+    found = _llvm().Target.from_triple(t.triple)
+    return found.create_target_machine(cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True)
+
+
+def _optimised(ir: str) -> Any:
+    """The module after LLVM's level 1 pipeline; the graph is folded and shared already, and lanes are explicit."""
+    llvm = _llvm()
+    try:
+        module = llvm.parse_assembly(ir)
+        module.verify()
+    except RuntimeError as error:
+        raise CompileError(f"LLVM refused a kernel, which is a bug in Ulna; please report it.\n{error}") from None
+    module.triple = target().triple
+    module.data_layout = str(_machine().target_data)
+    options = llvm.create_pipeline_tuning_options(speed_level=1)
+    options.loop_vectorization = False
+    options.slp_vectorization = False
+    builder = llvm.create_pass_builder(_machine(), options)
+    builder.getModulePassManager().run(module, builder)
+    return module
+
+
+def assembly(ir: str) -> str:
+    """The assembly text that `ir` becomes on this machine."""
+    with _lock:
+        return _machine().emit_assembly(_optimised(ir))
