@@ -1,9 +1,9 @@
 """Derive, or with `--check` verify, the constants of the paired sine and cosine in `ulna.trace.sincos`.
 
-The polynomials are minimax fits of the relative error on [-pi/4, pi/4], found by the exchange algorithm of Remez
-(Muller, Elementary Functions, 3rd ed., section 3.5) in 60-digit arithmetic. The coefficients are rounded to the target
-format one after the other, the lowest power first, and those that remain are fitted again each time, so that they
-absorb the rounding of the ones before.
+The polynomials are minimax fits of the relative error on [-pi/4, pi/4], found by the exchange algorithm of
+Remez (Muller, Elementary Functions, 3rd ed., section 3.5) in 60-digit arithmetic. The coefficients are rounded to
+the target format one after the other, the lowest power first, and those that remain are fitted again each time,
+so that they absorb the rounding of the ones before.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def round_to(value: mpf, bits: int) -> mpf:
 
 
 def remez(f: Real, weight: Real, lower: mpf, upper: mpf, powers: Sequence[int]) -> tuple[list[mpf], mpf]:
-    """Coefficients of the powers of z that minimise max |weight(z) (P(z) - f(z))| on [lower, upper], and that maximum."""
+    """The coefficients of P that minimise max |weight(z) (P(z) - f(z))| on [lower, upper], and that maximum."""
     n = len(powers)
     grid = [
         lower + (upper - lower) * (1 - mpmath.cos(mp.pi * (2 * i + 1) / (2 * 40 * (n + 1)))) / 2
@@ -76,8 +76,9 @@ def exchange(error: Sequence[mpf], count: int) -> list[int]:
     return extrema
 
 
-def fit(f: Real, weight: Real, lower: mpf, upper: mpf, degree: int, bits: int) -> tuple[list[float], float]:
-    """Rounded minimax coefficients of a polynomial in z, and the largest weighted error of the rounded polynomial."""
+def fit(f: Real, weight: Real, span: tuple[mpf, mpf], degree: int, bits: int) -> tuple[list[float], float]:
+    """Rounded minimax coefficients of a polynomial in z, and its largest weighted error once rounded."""
+    lower, upper = span
     fixed: list[mpf] = []
     for start in range(degree + 1):
 
@@ -130,7 +131,7 @@ def constants() -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
     for suffix, bits, degree in (("F64", 53, 5), ("F32", 24, 2)):
         for name, tail, weight in (("SIN", sine_tail, sine_weight), ("COS", cosine_tail, cosine_weight)):
-            coefficients, worst = fit(tail, weight, lower, upper, degree, bits)
+            coefficients, worst = fit(tail, weight, (lower, upper), degree, bits)
             found[f"{name}_{suffix}"] = coefficients
             print(f"# {name}_{suffix}: relative error 2^{np.log2(worst):.1f}", file=sys.stderr)
     found["HALF_PI_F64"] = half_pi_parts((53, 31, 53))
@@ -154,7 +155,7 @@ def main(arguments: Sequence[str]) -> int:
 
     wrong = [name for name, values in found.items() if tuple(getattr(sincos, name)) != tuple(values)]
     for name in wrong:
-        print(f"{name}: src/ulna/trace/sincos.py holds {getattr(sincos, name)}, the fit gives {tuple(found[name])}")
+        print(f"{name}: ulna.trace.sincos holds {getattr(sincos, name)}, the fit gives {tuple(found[name])}")
     return 1 if wrong else 0
 
 

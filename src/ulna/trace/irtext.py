@@ -16,8 +16,9 @@ class IRFunction:
     Attributes:
         name: the function's name without the leading `@`.
         text: its definition, to be written once in a module.
-        declarations: what the definition needs at module level (`declare` lines, constants, helper functions);
+        declarations: what the definition needs at module level (`declare` lines, constants, helpers);
             several functions may need the same ones, and each is to be written once in a module.
+
     """
 
     name: str
@@ -42,7 +43,9 @@ class Lanes:
 
     def __post_init__(self) -> None:
         if self.lanes < 1 or self.dtype not in ("double", "float"):
-            raise ValueError(f"lanes={self.lanes!r}, dtype={self.dtype!r}: expected lanes >= 1, 'double' or 'float'")
+            raise ValueError(
+                f"lanes={self.lanes!r}, dtype={self.dtype!r}: lanes >= 1 of double or float expected"
+            )
 
     @property
     def bits(self) -> int:
@@ -83,6 +86,7 @@ class Lanes:
 
         Raises:
             ValueError: for a value that the format would round.
+
         """
         if self.dtype == "float" and struct.unpack("<f", struct.pack("<f", value))[0] != value:
             raise ValueError(f"{value!r} is not a float32")
@@ -95,7 +99,7 @@ class Lanes:
 
 
 class Body:
-    """The lines of one function body; every method appends one instruction and returns the name of its result.
+    """The lines of one function body; each method appends an instruction and returns its name.
 
     No instruction carries a fast-math flag: error-free transformations would not survive them.
     """
@@ -120,19 +124,19 @@ class Body:
         return value if isinstance(value, str) else self.lanes.integer_constant(value)
 
     def add(self, a: str | float, b: str | float) -> str:
-        """a + b."""
+        """The sum a + b."""
         return self.emit(f"fadd {self.lanes.real} {self._float(a)}, {self._float(b)}")
 
     def sub(self, a: str | float, b: str | float) -> str:
-        """a - b."""
+        """The difference a - b."""
         return self.emit(f"fsub {self.lanes.real} {self._float(a)}, {self._float(b)}")
 
     def mul(self, a: str | float, b: str | float) -> str:
-        """a * b."""
+        """The product a * b."""
         return self.emit(f"fmul {self.lanes.real} {self._float(a)}, {self._float(b)}")
 
     def div(self, a: str | float, b: str | float) -> str:
-        """a / b."""
+        """The quotient a / b."""
         return self.emit(f"fdiv {self.lanes.real} {self._float(a)}, {self._float(b)}")
 
     def neg(self, a: str) -> str:
@@ -147,7 +151,7 @@ class Body:
         return self.emit(f"call {real} {name}({', '.join(f'{real} {self._float(a)}' for a in arguments)})")
 
     def fma(self, a: str | float, b: str | float, c: str | float) -> str:
-        """a * b + c, rounded once."""
+        """The sum a * b + c, rounded once."""
         return self.call("fma", a, b, c)
 
     def fabs(self, a: str) -> str:
@@ -177,6 +181,11 @@ class Body:
         """The float with the bits of an integer."""
         return self.emit(f"bitcast {self.lanes.integer} {a} to {self.lanes.real}")
 
+    def flip_sign(self, a: str, sign: str) -> str:
+        """The float a, negated where the top bit of the integer `sign` is set."""
+        top = self.integer_op("and", sign, -(2 ** (self.lanes.bits - 1)))
+        return self.from_bits(self.integer_op("xor", self.to_bits(a), top))
+
     def any_lane(self, condition: str) -> str:
         """An i1: whether the condition holds in any lane."""
         if self.lanes.lanes == 1:
@@ -186,11 +195,10 @@ class Body:
         return self.emit(f"icmp ne {word} {packed}, 0")
 
     def polynomial(self, z: str, z2: str, coefficients: tuple[float, ...]) -> str:
-        """c0 + c1 z + c2 z^2 + ... by pairs: half the latency of Horner's form for the one extra product z2 = z*z."""
-        pairs = [
-            self.fma(coefficients[i + 1], z, coefficients[i]) if i + 1 < len(coefficients) else coefficients[i]
-            for i in range(0, len(coefficients), 2)
-        ]
+        """c0 + c1 z + c2 z^2 + ... by pairs, which halves the latency of Horner's form; z2 is z*z."""
+        evens, odds = coefficients[0::2], coefficients[1::2]
+        pairs: list[str | float] = [self.fma(b, z, a) for a, b in zip(evens, odds, strict=False)]
+        pairs += evens[len(odds) :]
         total = pairs[-1]
         for pair in reversed(pairs[:-1]):
             total = self.fma(total, z2, pair)

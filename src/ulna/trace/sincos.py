@@ -1,13 +1,15 @@
 """Write the LLVM IR of a paired sine and cosine that runs in SIMD lanes without a library call.
 
-Method: k = round(2 x / pi); r = x - k pi/2 as an unevaluated sum of two floats, by a three-part reduction in the manner
-of Cody and Waite in which FMA makes the first step exact; minimax polynomials of sin r and cos r; the quadrant k mod 4
-swaps and negates them without a branch (Muller, Elementary Functions, 3rd ed., chapters 11 and 3). Arguments beyond
-`BOUND` leave by a branch to a function marked cold. `scripts/fit_sincos.py` derives the constants and, with `--check`,
-verifies them.
+Method: k = round(2 x / pi); r = x - k pi/2 as an unevaluated sum of two floats, by a three-part reduction in
+the manner of Cody and Waite whose first step FMA makes exact; minimax polynomials of sin r and cos r; the
+quadrant k mod 4 swaps and negates them without a branch (Muller, Elementary Functions, 3rd ed., chapters 3 and
+11). Arguments beyond `BOUND` leave by a branch to a function marked cold. `scripts/fit_sincos.py` derives the
+constants and, with `--check`, verifies them.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from ulna.trace.irtext import Body, DType, IRFunction, Lanes
 
@@ -54,61 +56,54 @@ TWO_OVER_PI_F32 = (float.fromhex("0x1.45f3060000000p-1"),)
 BOUND: dict[DType, float] = {"double": 2.0**24, "float": 2.0**16}
 """The largest |x| that the branch-free path serves [rad]."""
 
-# Added to a number below a quarter of it, this rounds that number to an integer, left in the low bits of the sum.
-_ROUNDER: dict[DType, float] = {"double": 1.5 * 2.0**52, "float": 1.5 * 2.0**23}
+# Added to a number well below it, this rounds that number to an integer, left in the low bits of the sum.
+ROUNDER: dict[DType, float] = {"double": 1.5 * 2.0**52, "float": 1.5 * 2.0**23}
 
 
 def sincos_ir(lanes: int, dtype: DType) -> IRFunction:
     """The IR of `{T, T} @ulna.sincos.<suffix>(T x)`, sine first; T is `dtype` or `<lanes x dtype>`.
 
-    The error stays below 1 ULP for every x. sin(-0.0) is -0.0; an infinity or a NaN gives NaN. A lane's result does not
-    depend on its neighbours. Each result is the same on every processor with IEEE arithmetic.
+    The error stays below 1 ULP for every x (0.8 within `BOUND`). sin(-0.0) is -0.0; infinity and NaN give NaN.
+    A lane's result does not depend on its neighbours, and no floating-point exception is raised that the
+    scalar functions would not raise. Within `BOUND`, results are the same on every processor.
 
     Args:
         lanes: the number of lanes; 1 for the scalar function.
         dtype: "double" or "float".
+
     """
     kind = Lanes(lanes, dtype)
-    name = f"ulna.sincos.{kind.suffix}"
-    body = Body(kind)
-    sine, cosine = _fast(body, "%x")
-    far = body.any_lane(body.compare("ogt", body.fabs("%x"), BOUND[dtype]))
-    slow = _slow(kind, f"{name}.slow")
-    pair, real = kind.pair, kind.real
-    text = "\n".join(
-        [
-            slow.text,
-            f"define internal {pair} @{name}({real} %x) alwaysinline nounwind willreturn memory(none) {{",
-            *body.lines,
-            f"  br i1 {far}, label %slow, label %done",
-            "slow:",
-            f"  %slow.pair = call {pair} @{slow.name}({real} %x, {real} {sine}, {real} {cosine})",
-            f"  %slow.sin = extractvalue {pair} %slow.pair, 0",
-            f"  %slow.cos = extractvalue {pair} %slow.pair, 1",
-            "  br label %done",
-            "done:",
-            f"  %sin = phi {real} [ {sine}, %0 ], [ %slow.sin, %slow ]",
-            f"  %cos = phi {real} [ {cosine}, %0 ], [ %slow.cos, %slow ]",
-            f"  %pair.0 = insertvalue {pair} poison, {real} %sin, 0",
-            f"  %pair.1 = insertvalue {pair} %pair.0, {real} %cos, 1",
-            f"  ret {pair} %pair.1",
-            "}",
-        ]
-    )
-    return IRFunction(name, text, (*body.declarations, *slow.declarations))
+    return guarded(kind, f"ulna.sincos.{kind.suffix}", _sincos, ("sin", "cos"))
 
 
-def _fast(body: Body, x: str) -> tuple[str, str]:
-    """Sine and cosine of |x| <= BOUND; anything, without a trap, elsewhere; NaN of NaN."""
+def _sincos(body: Body, x: str) -> tuple[str, ...]:
+    """Sine and cosine of |x| <= BOUND, NaN of NaN."""
+    r, s, quadrant = reduce_to_octants(body, x)
+    (sine_high, sine_low), (cosine_high, cosine_low) = arc(body, r, s)
+    sine, cosine = body.sub(sine_high, sine_low), body.add(cosine_high, cosine_low)
+    odd = body.integer_op("icmp ne", body.integer_op("and", quadrant, 1), 0)
+    results = []
+    for even_value, odd_value, flipped in (
+        (sine, cosine, quadrant),
+        (cosine, sine, body.integer_op("add", quadrant, 1)),
+    ):
+        # Bit 1 of the quadrant moves to the sign.
+        sign = body.integer_op("shl", flipped, body.lanes.bits - 2)
+        results.append(body.flip_sign(body.select(odd, odd_value, even_value), sign))
+    return tuple(results)
+
+
+def reduce_to_octants(body: Body, x: str) -> tuple[str, str, str]:
+    """(r, s, k): x = k pi/2 + (r - s), |r| <= pi/4 nearly, |s| far below it; k an integer, its two low bits valid.
+
+    For x = -0.0, r is -0.0 and s is +0.0, so that r - s keeps the sign.
+    """
     dtype = body.lanes.dtype
     double = dtype == "double"
-    sin_coefficients, cos_coefficients = (SIN_F64, COS_F64) if double else (SIN_F32, COS_F32)
     part1, part2, part3 = HALF_PI_F64 if double else HALF_PI_F32
     (two_over_pi,) = TWO_OVER_PI_F64 if double else TWO_OVER_PI_F32
-
-    shifted = body.fma(x, two_over_pi, _ROUNDER[dtype])
-    k = body.sub(shifted, _ROUNDER[dtype])
-    # r - s is the reduced argument, |s| far below |r|. The sign of s keeps sin(-0.0) = -0.0 - (+0.0) = -0.0.
+    shifted = body.fma(x, two_over_pi, ROUNDER[dtype])
+    k = body.sub(shifted, ROUNDER[dtype])
     first = body.fma(k, -part1, x)
     if double:
         r = body.fma(k, -part2, first)
@@ -118,58 +113,97 @@ def _fast(body: Body, x: str) -> tuple[str, str]:
         rest = body.fma(k, part2, product)
         r = body.add(first, product)
         s = body.fma(k, part3, body.add(body.sub(body.sub(r, first), product), rest))
+    return r, s, body.to_bits(shifted)
 
+
+def arc(body: Body, r: str, s: str) -> tuple[tuple[str, str], tuple[str, str]]:
+    """sin(r - s) as the difference of the first pair, cos(r - s) as the sum of the second; |r| <= pi/4 nearly."""
+    double = body.lanes.dtype == "double"
+    sin_coefficients, cos_coefficients = (SIN_F64, COS_F64) if double else (SIN_F32, COS_F32)
     z = body.mul(r, r)
     z2 = body.mul(z, z)
-    # cos(r - s) = w + ((1 - r^2/2 - w) + r s + r^4 C(r^2)), where w = 1 - r^2/2 rounded.
+    # w = 1 - r^2/2 rounded; cos(r - s) = w + ((1 - r^2/2 - w) + r s + r^4 C(r^2)).
     half = body.mul(r, -0.5)
     w = body.fma(half, r, 1.0)
-    # sin(r - s) = r - (s - r^3 S(r^2)): one rounding at full size.
-    tail = body.polynomial(z, z2, tuple(-c for c in sin_coefficients))
-    sine = body.sub(r, body.fma(body.mul(r, z), tail, body.mul(s, w)))
     error = body.fma(r, s, body.fma(half, r, body.sub(1.0, w)))
-    cosine = body.add(w, body.fma(z2, body.polynomial(z, z2, cos_coefficients), error))
-
-    quadrant = body.to_bits(shifted)
-    odd = body.integer_op("icmp ne", body.integer_op("and", quadrant, 1), 0)
-    sign = -(2 ** (body.lanes.bits - 1))
-    to_sign = body.lanes.bits - 2
-    sine_sign = body.integer_op("and", body.integer_op("shl", quadrant, to_sign), sign)
-    next_quadrant = body.integer_op("add", quadrant, 1)
-    cosine_sign = body.integer_op("and", body.integer_op("shl", next_quadrant, to_sign), sign)
-    results = []
-    for value, flip in ((body.select(odd, cosine, sine), sine_sign), (body.select(odd, sine, cosine), cosine_sign)):
-        results.append(body.from_bits(body.integer_op("xor", body.to_bits(value), flip)))
-    return results[0], results[1]
+    cosine_low = body.fma(z2, body.polynomial(z, z2, cos_coefficients), error)
+    # sin(r - s) = r - (s cos r - r^3 S(r^2)).
+    tail = body.polynomial(z, z2, tuple(-c for c in sin_coefficients))
+    sine_low = body.fma(body.mul(r, z), tail, body.mul(s, w))
+    return (r, sine_low), (w, cosine_low)
 
 
-def _slow(kind: Lanes, name: str) -> IRFunction:
-    """The function that corrects the lanes beyond BOUND, one by one; it takes x and the sine and cosine so far."""
-    body = Body(kind)
-    far = body.compare("ogt", body.fabs("%x"), BOUND[kind.dtype])
-    results = {"sin": "poison", "cos": "poison"}
-    real, element = kind.real, kind.dtype
+def guarded(
+    kind: Lanes, name: str, core: Callable[[Body, str], tuple[str, ...]], library: tuple[str, ...]
+) -> IRFunction:
+    """A function of x that inlines `core` where |x| <= BOUND in every lane and else calls a cold function.
+
+    The cold one gives `core` zero in place of the lanes beyond BOUND, so that they raise no floating-point
+    exception, and takes those lanes from the C library.
+
+    Args:
+        kind: type of the argument and of each result.
+        name: of the function, without the `@`.
+        core: writes the results for |x| <= BOUND; NaN must give NaN.
+        library: the C library's function of a double for each result.
+
+    """
+    real = kind.real
+    returned = real if len(library) == 1 else kind.pair
+    fast, slow = Body(kind), Body(kind)
+    far = fast.any_lane(fast.compare("ogt", fast.fabs("%x"), BOUND[kind.dtype]))
+    test, fast.lines = fast.lines, []
+    results = core(fast, "%x")
+
+    mask = slow.compare("ogt", slow.fabs("%x"), BOUND[kind.dtype])
+    near = core(slow, slow.select(mask, 0.0, "%x"))
+    patched = []
+    for function, result in zip(library, near, strict=True):
+        patched.append(slow.select(mask, _by_library(slow, function, "%x"), result))
+
+    text = [
+        f"define internal {returned} @{name}.slow({real} %x) noinline cold nounwind {{",
+        *slow.lines,
+        *_return(kind, patched),
+        "}",
+        f"define internal {returned} @{name}({real} %x) alwaysinline nounwind {{",
+        *test,
+        f"  br i1 {far}, label %slow, label %fast",
+        "fast:",
+        *fast.lines,
+        *_return(kind, results, "fast"),
+        "slow:",
+        f"  %slow.value = tail call {returned} @{name}.slow({real} %x)",
+        f"  ret {returned} %slow.value",
+        "}",
+    ]
+    declares = tuple(f"declare double @{function}(double) nounwind memory(none)" for function in library)
+    return IRFunction(name, "\n".join(text), (*fast.declarations, *declares))
+
+
+def _by_library(body: Body, function: str, x: str) -> str:
+    """The C library's function of a double, lane by lane."""
+    kind = body.lanes
+    collected = "poison"
     for lane in range(kind.lanes):
-        value = "%x" if kind.lanes == 1 else body.emit(f"extractelement {real} %x, i32 {lane}")
-        if element == "float":
+        value = x if kind.lanes == 1 else body.emit(f"extractelement {kind.real} {x}, i32 {lane}")
+        if kind.dtype == "float":
             value = body.emit(f"fpext float {value} to double")
-        for function, collected in results.items():
-            result = body.emit(f"call double @{function}(double {value})")
-            if element == "float":
-                result = body.emit(f"fptrunc double {result} to float")
-            if kind.lanes > 1:
-                result = body.emit(f"insertelement {real} {collected}, {element} {result}, i32 {lane}")
-            results[function] = result
-    sine, cosine = body.select(far, results["sin"], "%sin"), body.select(far, results["cos"], "%cos")
-    text = "\n".join(
-        [
-            f"define internal {kind.pair} @{name}({real} %x, {real} %sin, {real} %cos) noinline cold nounwind {{",
-            *body.lines,
-            f"  %pair.0 = insertvalue {kind.pair} poison, {real} {sine}, 0",
-            f"  %pair.1 = insertvalue {kind.pair} %pair.0, {real} {cosine}, 1",
-            f"  ret {kind.pair} %pair.1",
-            "}",
-        ]
-    )
-    library = tuple(f"declare double @{function}(double) nounwind memory(none)" for function in results)
-    return IRFunction(name, text, (*body.declarations, *library))
+        value = body.emit(f"call double @{function}(double {value})")
+        if kind.dtype == "float":
+            value = body.emit(f"fptrunc double {value} to float")
+        if kind.lanes == 1:
+            return value
+        collected = body.emit(f"insertelement {kind.real} {collected}, {kind.dtype} {value}, i32 {lane}")
+    return collected
+
+
+def _return(kind: Lanes, values: list[str] | tuple[str, ...], prefix: str = "result") -> list[str]:
+    """The lines that return one value or a pair."""
+    if len(values) == 1:
+        return [f"  ret {kind.real} {values[0]}"]
+    return [
+        f"  %{prefix}.0 = insertvalue {kind.pair} poison, {kind.real} {values[0]}, 0",
+        f"  %{prefix}.1 = insertvalue {kind.pair} %{prefix}.0, {kind.real} {values[1]}, 1",
+        f"  ret {kind.pair} %{prefix}.1",
+    ]
