@@ -1,26 +1,28 @@
 """Derive, or with `--check` verify, the constants of the paired sine and cosine in `ulna.trace.sincos`.
 
 The polynomials are minimax fits of the relative error on [-pi/4, pi/4], found by the exchange algorithm of
-Remez (Muller, Elementary Functions, 3rd ed., section 3.5) in 60-digit arithmetic. The coefficients are rounded to
-the target format one after the other, the lowest power first, and those that remain are fitted again each time,
-so that they absorb the rounding of the ones before.
+Remez (Muller, Elementary Functions, 3rd ed., section 3.5) in 60-digit arithmetic. The coefficients are
+rounded to the target format one after the other, the lowest power first, and those that remain are fitted
+again each time, so that they absorb the rounding of the ones before.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import mpmath
 import numpy as np
-from mpmath import mp, mpf
+from mpmath import mp
 
 mp.dps = 60
 
-Real = Callable[[mpf], mpf]
+mpf: Any = mpmath.mpf
+Real = Callable[[Any], Any]
 
 
-def round_to(value: mpf, bits: int) -> mpf:
+def round_to(value: Any, bits: int) -> Any:
     """The value rounded to nearest with `bits` significant bits."""
     if value == 0:
         return mpf(0)
@@ -29,8 +31,8 @@ def round_to(value: mpf, bits: int) -> mpf:
     return mpmath.nint(value * scale) / scale
 
 
-def remez(f: Real, weight: Real, lower: mpf, upper: mpf, powers: Sequence[int]) -> tuple[list[mpf], mpf]:
-    """The coefficients of P that minimise max |weight(z) (P(z) - f(z))| on [lower, upper], and that maximum."""
+def remez(f: Real, weight: Real, lower: Any, upper: Any, powers: Sequence[int]) -> tuple[list[Any], Any]:
+    """The P that minimises max |weight(z) (P(z) - f(z))| on [lower, upper], and that maximum."""
     n = len(powers)
     grid = [
         lower + (upper - lower) * (1 - mpmath.cos(mp.pi * (2 * i + 1) / (2 * 40 * (n + 1)))) / 2
@@ -39,7 +41,7 @@ def remez(f: Real, weight: Real, lower: mpf, upper: mpf, powers: Sequence[int]) 
     values = [f(z) for z in grid]
     weights = [weight(z) for z in grid]
     reference = [(len(grid) - 1) * i // n for i in range(n + 1)]
-    coefficients: list[mpf] = []
+    coefficients: list[Any] = []
     worst = mpf(0)
     for _ in range(30):
         system = mpmath.matrix(n + 1, n + 1)
@@ -62,7 +64,7 @@ def remez(f: Real, weight: Real, lower: mpf, upper: mpf, powers: Sequence[int]) 
     return coefficients, worst
 
 
-def exchange(error: Sequence[mpf], count: int) -> list[int]:
+def exchange(error: Sequence[Any], count: int) -> list[int]:
     """The indices of `count` alternating extrema of the error, the largest ones."""
     extrema: list[int] = []
     for i, e in enumerate(error):
@@ -76,13 +78,13 @@ def exchange(error: Sequence[mpf], count: int) -> list[int]:
     return extrema
 
 
-def fit(f: Real, weight: Real, span: tuple[mpf, mpf], degree: int, bits: int) -> tuple[list[float], float]:
+def fit(f: Real, weight: Real, span: tuple[Any, Any], degree: int, bits: int) -> tuple[list[float], float]:
     """Rounded minimax coefficients of a polynomial in z, and its largest weighted error once rounded."""
     lower, upper = span
-    fixed: list[mpf] = []
+    fixed: list[Any] = []
     for start in range(degree + 1):
 
-        def rest(z: mpf) -> mpf:
+        def rest(z: Any) -> Any:
             return f(z) - sum(c * z**p for p, c in enumerate(fixed))
 
         coefficients, _ = remez(rest, weight, lower, upper, range(start, degree + 1))
@@ -94,23 +96,23 @@ def fit(f: Real, weight: Real, span: tuple[mpf, mpf], degree: int, bits: int) ->
     return [float(c) for c in fixed], float(worst)
 
 
-def sine_tail(z: mpf) -> mpf:
+def sine_tail(z: Any) -> Any:
     """(sin r - r) / r^3 at z = r^2, by its series: no cancellation."""
     return sum((mpf((-1) ** (k + 1)) * z**k / mpmath.factorial(2 * k + 3) for k in range(25)), mpf(0))
 
 
-def cosine_tail(z: mpf) -> mpf:
+def cosine_tail(z: Any) -> Any:
     """(cos r - 1 + r^2/2) / r^4 at z = r^2."""
     return sum((mpf((-1) ** k) * z**k / mpmath.factorial(2 * k + 4) for k in range(25)), mpf(0))
 
 
-def sine_weight(z: mpf) -> mpf:
+def sine_weight(z: Any) -> Any:
     """What turns an error of the tail into a relative error of the sine."""
     r = mpmath.sqrt(z)
     return z * r / mpmath.sin(r)
 
 
-def cosine_weight(z: mpf) -> mpf:
+def cosine_weight(z: Any) -> Any:
     """What turns an error of the tail into a relative error of the cosine."""
     return z * z / mpmath.cos(mpmath.sqrt(z))
 

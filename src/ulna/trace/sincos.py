@@ -1,10 +1,10 @@
 """Write the LLVM IR of a paired sine and cosine that runs in SIMD lanes without a library call.
 
-Method: k = round(2 x / pi); r = x - k pi/2 as an unevaluated sum of two floats, by a three-part reduction in
-the manner of Cody and Waite whose first step FMA makes exact; minimax polynomials of sin r and cos r; the
-quadrant k mod 4 swaps and negates them without a branch (Muller, Elementary Functions, 3rd ed., chapters 3 and
-11). Arguments beyond `BOUND` leave by a branch to a function marked cold. `scripts/fit_sincos.py` derives the
-constants and, with `--check`, verifies them.
+Method: k = round(2 x / pi); r = x - k pi/2 as an unevaluated sum of two floats, by a three-part reduction
+in the manner of Cody and Waite whose first step FMA makes exact; minimax polynomials of sin r and cos r;
+the quadrant k mod 4 swaps and negates them without a branch (Muller, Elementary Functions, 3rd ed.,
+chapters 3, 11). Arguments beyond `BOUND` leave by a branch to a function marked cold.
+`scripts/fit_sincos.py` derives the constants and, with `--check`, verifies them.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ ROUNDER: dict[DType, float] = {"double": 1.5 * 2.0**52, "float": 1.5 * 2.0**23}
 def sincos_ir(lanes: int, dtype: DType) -> IRFunction:
     """The IR of `{T, T} @ulna.sincos.<suffix>(T x)`, sine first; T is `dtype` or `<lanes x dtype>`.
 
-    The error stays below 1 ULP for every x (0.8 within `BOUND`). sin(-0.0) is -0.0; infinity and NaN give NaN.
+    The error stays below 1 ULP for every x (0.8 within `BOUND`). sin(-0.0) is -0.0; inf and NaN give NaN.
     A lane's result does not depend on its neighbours, and no floating-point exception is raised that the
     scalar functions would not raise. Within `BOUND`, results are the same on every processor.
 
@@ -94,7 +94,7 @@ def _sincos(body: Body, x: str) -> tuple[str, ...]:
 
 
 def reduce_to_octants(body: Body, x: str) -> tuple[str, str, str]:
-    """(r, s, k): x = k pi/2 + (r - s), |r| <= pi/4 nearly, |s| far below it; k an integer, its two low bits valid.
+    """(r, s, k): x = k pi/2 + (r - s), |r| <= pi/4 nearly, |s| far below it; k an integer, mod 4.
 
     For x = -0.0, r is -0.0 and s is +0.0, so that r - s keeps the sign.
     """
@@ -117,7 +117,7 @@ def reduce_to_octants(body: Body, x: str) -> tuple[str, str, str]:
 
 
 def arc(body: Body, r: str, s: str) -> tuple[tuple[str, str], tuple[str, str]]:
-    """sin(r - s) as the difference of the first pair, cos(r - s) as the sum of the second; |r| <= pi/4 nearly."""
+    """sin(r - s) as the first pair's difference, cos(r - s) as the second pair's sum; |r| <= pi/4 nearly."""
     double = body.lanes.dtype == "double"
     sin_coefficients, cos_coefficients = (SIN_F64, COS_F64) if double else (SIN_F32, COS_F32)
     z = body.mul(r, r)
