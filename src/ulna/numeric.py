@@ -139,7 +139,7 @@ def _sqrt(x: Any) -> Any:
 
 
 def _call(name: str, x: Any) -> Any:
-    if isinstance(x, (float, int, np.generic)):
+    if not _is_symbolic(x):
         return float(getattr(np, name)(x))
     method = getattr(x, name, None)
     if method is not None:
@@ -150,7 +150,7 @@ def _call(name: str, x: Any) -> Any:
 
 
 def _arctan2(y: Any, x: Any) -> Any:
-    if isinstance(y, (float, int, np.generic)) and isinstance(x, (float, int, np.generic)):
+    if not is_symbolic(y, x):
         return float(np.arctan2(y, x))
     if hasattr(y, "arctan2"):
         return y.arctan2(x)

@@ -1,4 +1,4 @@
-"""Rotations, poses, twists, wrenches and inertias, generic in the scalar: floats in batches, traces, symbols."""
+"""Rotations, poses, twists, wrenches and inertias: of floats in batches, of traced scalars, of symbols."""
 
 from ulna.spatial.angles import angle_axis_to_matrix as angle_axis_to_matrix
 from ulna.spatial.angles import eul_rate_matrix as eul_rate_matrix

@@ -1,15 +1,16 @@
 """Rotations as three angles or as angle and axis, and how their rates make an angular velocity.
 
-Three angles about the axes "ijk" mean R = R_i(a1) R_j(a2) R_k(a3): turns about moving axes read from the left, or
-about fixed axes read from the right. Of the twelve sequences two have names of their own:
+Three angles about the axes "ijk" mean R = R_i(a1) R_j(a2) R_k(a3): turns about moving axes read from the
+left, or about fixed axes read from the right. Of the twelve sequences two have names of their own:
 
 | name  | angles            | matrix                  | used by                              |
 |-------|-------------------|-------------------------|--------------------------------------|
 | `rpy` | roll, pitch, yaw  | Rz(yaw) Ry(pitch) Rx(roll) | URDF, SDF, ROS                    |
 | `eul` | phi, theta, psi   | Rz(phi) Ry(theta) Rz(psi)  | textbooks, wrists of robot arms   |
 
-Where two axes line up (pitch of 90 degrees, theta of 0) only the sum of two angles is known: the first angle of the
-sequence (yaw, phi) is then taken to be zero, and the angles returned still make the rotation to full precision.
+Where two axes line up (pitch of 90 degrees, theta of 0) only the sum of two angles is known: the first angle
+of the sequence (yaw, phi) is then taken to be zero, and the angles returned still make the rotation to full
+precision.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any
 
 from ulna.errors import InputError
 from ulna.numeric import apply, arctan2, cross, dot, less, matrix, sincos, sqrt, vector, where
-from ulna.spatial.quaternion import _log, _multiple
+from ulna.spatial.quaternion import log_of_rotation
 from ulna.typing import Array
 
 _ALIGNED = 1e-28  # squared sine of the angle between two axes below which they count as lined up
@@ -48,9 +49,9 @@ def euler_to_matrix(angles: Array, axes: str) -> Array:
 def matrix_to_euler(rotation: Array, axes: str) -> Array:
     """The angles (..., 3) [rad] with R = R_i(a1) R_j(a2) R_k(a3) for the axes "ijk".
 
-    The second lies in [-pi/2, pi/2] for three different axes and in [0, pi] when the first and last are the same, the
-    others in (-pi, pi]. The first angle is read off the column of R that the last turn leaves alone; the others follow
-    from R_i(-a1) R, which makes them accurate at the singular poses too.
+    The second lies in [-pi/2, pi/2] for three different axes and in [0, pi] when the first and last are the
+    same, the others in (-pi, pi]. The first angle is read off the column of R that the last turn leaves
+    alone; the others follow from R_i(-a1) R, which makes them accurate at the singular poses too.
 
     Raises:
         InputError: `axes` is not three letters of xyz with neighbours different.
@@ -83,7 +84,8 @@ def matrix_to_euler(rotation: Array, axes: str) -> Array:
 def euler_rate_matrix(angles: Array, axes: str) -> Array:
     """The matrix E (..., 3, 3) with omega_world = E @ d(angles)/dt for the axes "ijk".
 
-    Its columns are the three axes as they stand in the world. In the body frame omega is R.T @ E @ d(angles)/dt.
+    Its columns are the three axes as they stand in the world. In the body frame omega is R.T @ E @
+    d(angles)/dt.
     Source: Siciliano et al., Robotics, section 3.6.
     """
     u1, u2, u3 = _turn_axes(angles, axes)
@@ -91,7 +93,7 @@ def euler_rate_matrix(angles: Array, axes: str) -> Array:
 
 
 def euler_rate_matrix_inverse(angles: Array, axes: str) -> Array:
-    """The inverse of `euler_rate_matrix`: d(angles)/dt = inverse @ omega_world; infinite where two axes line up."""
+    """The inverse of `euler_rate_matrix` (..., 3, 3); infinite where the first and last axis line up."""
     u1, u2, u3 = _turn_axes(angles, axes)
     normal = cross(u2, u3)
     det = dot(u1, normal)
@@ -106,12 +108,12 @@ def euler_rate_matrix_inverse(angles: Array, axes: str) -> Array:
 
 
 def rpy_to_matrix(rpy: Array) -> Array:
-    """The rotation Rz(yaw) Ry(pitch) Rx(roll) (..., 3, 3) of (roll, pitch, yaw) (..., 3) [rad], as in URDF."""
+    """The rotation Rz(yaw) Ry(pitch) Rx(roll) (..., 3, 3) of roll, pitch, yaw (..., 3) [rad], as in URDF."""
     return euler_to_matrix(rpy[..., ::-1], "zyx")
 
 
 def matrix_to_rpy(rotation: Array) -> Array:
-    """(roll, pitch, yaw) (..., 3) [rad] with pitch in [-pi/2, pi/2]; yaw is 0 where pitch is +-pi/2."""
+    """Roll, pitch, yaw (..., 3) [rad] with pitch in [-pi/2, pi/2]; yaw is 0 where pitch is +-pi/2."""
     return matrix_to_euler(rotation, "zyx")[..., ::-1]
 
 
@@ -126,12 +128,12 @@ def rpy_rate_matrix_inverse(rpy: Array) -> Array:
 
 
 def eul_to_matrix(eul: Array) -> Array:
-    """The rotation Rz(phi) Ry(theta) Rz(psi) (..., 3, 3) of the ZYZ angles (phi, theta, psi) (..., 3) [rad]."""
+    """The rotation Rz(phi) Ry(theta) Rz(psi) (..., 3, 3) of ZYZ angles phi, theta, psi (..., 3) [rad]."""
     return euler_to_matrix(eul, "zyz")
 
 
 def matrix_to_eul(rotation: Array) -> Array:
-    """The ZYZ angles (phi, theta, psi) (..., 3) [rad] with theta in [0, pi]; phi is 0 where theta is 0 or pi."""
+    """ZYZ angles phi, theta, psi (..., 3) [rad] with theta in [0, pi]; phi is 0 where theta is 0 or pi."""
     return matrix_to_euler(rotation, "zyz")
 
 
@@ -146,9 +148,10 @@ def eul_rate_matrix_inverse(eul: Array) -> Array:
 
 
 def angle_axis_to_matrix(angle: Any, axis: Array) -> Array:
-    """The rotation (..., 3, 3) by `angle` (...) [rad] about the unit vector `axis` (..., 3); it is not normalised.
+    """The rotation (..., 3, 3) by `angle` (...) [rad] about the unit vector `axis` (..., 3).
 
-    Written so that a constant axis along x, y or z leaves nothing but the sine and the cosine in traced code.
+    The axis is not normalised here. Written so that a constant axis along x, y or z leaves nothing but the
+    sine and the cosine in traced code.
     Source: Siciliano et al., Robotics, eq. (2.25).
     """
     s, c = sincos(angle)
@@ -166,8 +169,8 @@ def angle_axis_to_matrix(angle: Any, axis: Array) -> Array:
 
 
 def matrix_to_angle_axis(rotation: Array) -> tuple[Any, Array]:
-    """The angle (...) in [0, pi] [rad] and the unit axis (..., 3) of a rotation; the axis is x where the angle is 0."""
-    w = _log(*_multiple(rotation)[:4])[0]
+    """The angle (...) in [0, pi] [rad] and the unit axis (..., 3); the axis is x where the angle is 0."""
+    w = log_of_rotation(rotation)[0]
     angle2 = dot(w, w)
     zero = less(angle2, 1e-300)
     angle = sqrt(where(zero, 1.0, angle2))

@@ -1,4 +1,4 @@
-"""What all spatial types share: arrays with leading batch axes that are indexed, compared and shown together."""
+"""What all spatial types share: leading batch axes, indexing, comparison and text."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Batched(ABC):
 
     @abstractmethod
     def _dense(self) -> Array:
-        """The one array that stands for the whole, for `np.asarray` and `repr`."""
+        """The one array that stands for the whole, for `np.asarray`."""
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
@@ -85,31 +85,30 @@ class Batched(ABC):
         return np.asarray(self._dense(), dtype=dtype)
 
     def __repr__(self) -> str:
-        name, batch, dense = type(self).__name__, self.batch_shape, np.asarray(self._dense())
+        name, batch = type(self).__name__, self.batch_shape
         if not batch:
-            return f"{name}({table(dense)})"
-        flat = dense.reshape(-1, *dense.shape[len(batch) :])
-        lines = [table(item) for item in flat[:3]]
-        if len(flat) > 3:
-            lines.append(f"... {len(flat)} in all")
-        return "\n".join([f"{name} batch of shape {batch}:", *lines])
+            return name + "(" + self._show(len(name) + 1) + ")"
+        count = int(np.prod(batch))
+        items = [self[np.unravel_index(i, batch)]._show(2) for i in range(min(count, 3))]
+        more = [f"  ... {count} in all"] if count > 3 else []
+        return "\n".join([f"{name} batch of shape {batch}:", *("  " + item for item in items), *more])
+
+    def _show(self, indent: int) -> str:
+        """A single one's fields as text; lines after the first are indented."""
+        labels = [f"{name}=" for name in self._ranks]
+        texts = [numbers(getattr(self, name), indent + len(name) + 1) for name in self._ranks]
+        join = ",\n" + " " * indent
+        return join.join(label + text for label, text in zip(labels, texts, strict=True))
 
 
-def table(values: Array) -> str:
-    """A vector or matrix as text, with its columns aligned and noise below 1e-12 shown as zero."""
-    texts = [[_text(x) for x in row] for row in np.atleast_2d(values)]
-    widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
-    rows = ["[" + ", ".join(t.rjust(w) for t, w in zip(row, widths, strict=True)) + "]" for row in texts]
-    if values.ndim < 2:
-        return rows[0]
-    return "[" + ",\n ".join(rows) + "]"
-
-
-def _text(value: Any) -> str:
-    if isinstance(value, (float, int, np.generic)):
-        x = float(value)
-        return "0" if abs(x) < 1e-12 else f"{x:.6g}"
-    return str(value)
+def numbers(values: Any, indent: int = 0) -> str:
+    """An array as text, with its columns aligned; lines after the first are indented."""
+    array = np.asarray(values)
+    if array.dtype != object:
+        array = array + 0.0  # makes -0.0 a plain zero
+    return np.array2string(
+        array, max_line_width=110, precision=6, suppress_small=True, separator=", ", prefix=" " * indent
+    )
 
 
 def as_array(value: Any) -> Array:

@@ -15,7 +15,7 @@ ROTATION_TOLERANCE = 1e-6
 
 
 def checked(name: str, value: Any, shape: tuple[int, ...], mend: str = "") -> Array:
-    """`value` as an array (..., *shape) of finite floats; traced scalars and symbols pass by their shape alone.
+    """`value` as an array (..., *shape) of finite floats, or of traced scalars or symbols.
 
     Raises:
         ShapeError: the trailing axes are not `shape`.
@@ -74,7 +74,7 @@ def checked_rotation(name: str, value: Any, project: str) -> Array:
 
 
 def nearest_rotation(matrix: Array) -> Array:
-    """The rotation nearest to `matrix` (..., 3, 3) in the Frobenius norm, by its singular values (Kabsch 1976)."""
+    """The rotation nearest to `matrix` (..., 3, 3) in the Frobenius norm. Source: Kabsch 1976."""
     u, _, vt = np.linalg.svd(matrix)
     sign = np.where(np.linalg.det(u @ vt) < 0.0, -1.0, 1.0)
     u = np.concatenate([u[..., :2], u[..., 2:] * sign[..., None, None]], axis=-1)

@@ -11,9 +11,11 @@ All take t2, the squared angle [rad^2], because it is smooth where the angle its
 | `fourth`  | E = (t^2 + 2 cos t - 2) / (2 t^4)   | 1/24  |
 | `fifth`   | F = (2 t - 3 sin t + t cos t) / (2 t^5) | 1/120 |
 | `inverse` | D = (1 - (t/2) cot(t/2)) / t^2      | 1/12  |
+| `inverse_slope` | G = (dD/dt) / t               | 1/360 |
 
-Below t = 0.2 they are their own power series: five terms reach full precision there, both values and derivatives.
-Above, the closed forms cancel by at most 1 / t^2, which the factors w w^T they are multiplied with give back.
+Below t = 0.2 they are their own power series: five terms reach full precision there, both values and
+derivatives. Above, the closed forms cancel by at most 1 / t^2, which the factors w w^T they are multiplied
+with give back.
 """
 
 from __future__ import annotations
@@ -31,7 +33,15 @@ _HALF_COS = [(-1) ** k / factorial(2 * k) / 4**k for k in range(6)]
 _THIRD = [(-1) ** k / factorial(2 * k + 3) for k in _TERMS]
 _FOURTH = [(-1) ** k / factorial(2 * k + 4) for k in _TERMS]
 _FIFTH = [(-1) ** k * (k + 1) / factorial(2 * k + 5) for k in _TERMS]
-_INVERSE = [1 / 12, 1 / 720, 1 / 30240, 1 / 1209600, 1 / 47900160]  # |Bernoulli(2k)| / (2k)!
+_INVERSE = [
+    1 / 12,
+    1 / 720,
+    1 / 30240,
+    1 / 1209600,
+    1 / 47900160,
+    691 / 1307674368000,
+]  # |Bernoulli(2k)| / (2k)!
+_SLOPE = [2 * k * d for k, d in enumerate(_INVERSE)][1:]
 
 
 def half(t2: Any) -> tuple[Any, Any]:
@@ -69,8 +79,13 @@ def inverse(t2: Any, half_cot: Any) -> Any:
     return _quotient(t2, 1.0 - half_cot, _INVERSE)
 
 
+def inverse_slope(t2: Any, half_cot: Any, d: Any) -> Any:
+    """G, given (t/2) cot(t/2) and D."""
+    return _quotient(t2, 0.25 - (2.0 + half_cot) * d, _SLOPE)
+
+
 def _quotient(t2: Any, numerator: Any, series: list[float]) -> Any:
-    """numerator / t2, or its series where t2 is small."""
+    """The quotient `numerator` / t2, or its series where t2 is small."""
     small = less(t2, _SMALL)
     return where(small, _polynomial(series, t2), numerator / where(small, 1.0, t2))
 

@@ -1,13 +1,13 @@
 """The exponential maps of SO(3) and SE(3) on bare arrays, their inverses, and the derivatives of both.
 
-| symbol | meaning                                                    | shape     | source                  |
-|--------|------------------------------------------------------------|-----------|-------------------------|
-| w      | rotation vector [rad]                                      | (..., 3)  |                         |
+| symbol | meaning                                                    | shape       | source                |
+|--------|------------------------------------------------------------|-------------|-----------------------|
+| w      | rotation vector [rad]                                      | (..., 3)    |                       |
 | W      | skew(w)                                                    | (..., 3, 3) |                       |
 | exp    | I + A W + B W^2                                            | (..., 3, 3) | Rodrigues             |
-| J_l    | left Jacobian I + B W + C W^2: exp(w + dw) = exp(J_l dw) exp(w) | (..., 3, 3) | Barfoot, eq. (7.77a) |
-| J_r    | right Jacobian J_l(-w):        exp(w + dw) = exp(w) exp(J_r dw) | (..., 3, 3) | Barfoot, section 7.1.5 |
-| Q      | the derivative of J_l along v, corner of the 6x6 Jacobian  | (..., 3, 3) | Barfoot, eq. (7.86)   |
+| J_l    | I + B W + C W^2: exp(w + dw) = exp(J_l dw) exp(w)          | (..., 3, 3) | Barfoot, eq. (7.77)   |
+| J_r    | J_l(-w): exp(w + dw) = exp(w) exp(J_r dw)                  | (..., 3, 3) | Barfoot, section 7.1  |
+| Q      | derivative of J_l along v, the corner of the 6x6 Jacobian  | (..., 3, 3) | Barfoot, eq. (7.86)   |
 
 Twists (..., 6) hold the linear part v [m] first, then the angular part w [rad].
 Barfoot: State Estimation for Robotics, 2017. The coefficients A to F are those of `coefficients`.
@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from ulna.numeric import cross, dot, is_symbolic, matrix
+from ulna.numeric import cross, dot, matrix
 from ulna.spatial import coefficients
 from ulna.spatial.batched import column
-from ulna.spatial.quaternion import _log, _multiple
+from ulna.spatial.quaternion import log_of_rotation
 from ulna.typing import Array
 
 
@@ -35,21 +35,21 @@ def so3_exp(w: Array) -> Array:
 def so3_log(rotation: Array) -> Array:
     """The rotation vector w (..., 3) [rad] of a rotation (..., 3, 3), no longer than pi.
 
-    Accurate for every rotation, also next to the identity and to half turns, because it goes by the quaternion. At a
-    half turn exactly, w and -w are both right, and either is returned.
+    Accurate for every rotation, also next to the identity and to half turns, because it goes by the
+    quaternion. At a half turn exactly, w and -w are both right, and either is returned.
     """
-    return _log(*_multiple(rotation)[:4])[0]
+    return log_of_rotation(rotation)[0]
 
 
 def so3_left_jacobian(w: Array) -> Array:
     """J_l (..., 3, 3): the angular velocity in the fixed frame is J_l(w) @ dw/dt."""
-    _, b, c = _abc(w)
+    _, b, c = _abc(dot(w, w))
     return _rodrigues(w, b, c)
 
 
 def so3_right_jacobian(w: Array) -> Array:
     """J_r (..., 3, 3): the angular velocity in the moving frame is J_r(w) @ dw/dt."""
-    _, b, c = _abc(w)
+    _, b, c = _abc(dot(w, w))
     return _rodrigues(w, -b, c)
 
 
@@ -65,14 +65,14 @@ def so3_right_jacobian_inverse(w: Array) -> Array:
 
 def exp_parts(linear: Array, angular: Array) -> tuple[Array, Array]:
     """Rotation and translation of the SE(3) exponential of a twist: exp(w) and J_l(w) v."""
-    a, b, c = _abc(angular)
+    a, b, c = _abc(dot(angular, angular))
     u = cross(angular, linear)
     return _rodrigues(angular, a, b), linear + column(b) * u + column(c) * cross(angular, u)
 
 
 def log_parts(rotation: Array, translation: Array) -> tuple[Array, Array]:
     """Linear and angular part of the SE(3) logarithm: J_l(w)^-1 p and w."""
-    w, half_cot = _log(*_multiple(rotation)[:4])
+    w, half_cot = log_of_rotation(rotation)
     d = coefficients.inverse(dot(w, w), half_cot)
     u = cross(w, translation)
     return translation - 0.5 * u + column(d) * cross(w, u), w
@@ -81,7 +81,11 @@ def log_parts(rotation: Array, translation: Array) -> tuple[Array, Array]:
 def se3_left_jacobian(twist: Array) -> Array:
     """The 6x6 left Jacobian (..., 6, 6): exp(x + dx) = exp(J dx) exp(x). Source: Barfoot, eq. (7.85)."""
     v, w = twist[..., :3], twist[..., 3:]
-    return _upper(so3_left_jacobian(w), _q(v, w))
+    t2 = dot(w, w)
+    _, b, c = _abc(t2)
+    e = coefficients.fourth(t2, b)
+    f = coefficients.fifth(t2, b, c)
+    return _upper(_rodrigues(w, b, c), _derivative(v, w, (b, c), (2.0 * e - c, -2.0 * f)))
 
 
 def se3_right_jacobian(twist: Array) -> Array:
@@ -90,10 +94,17 @@ def se3_right_jacobian(twist: Array) -> Array:
 
 
 def se3_left_jacobian_inverse(twist: Array) -> Array:
-    """The inverse of the 6x6 left Jacobian (..., 6, 6). Source: Barfoot, eq. (7.95)."""
+    """The inverse of the 6x6 left Jacobian (..., 6, 6).
+
+    Its corner, -J_l^-1 Q J_l^-1 in Barfoot's eq. (7.95), is computed as what it is: the derivative of J_l^-1
+    along v, at half the cost.
+    """
     v, w = twist[..., :3], twist[..., 3:]
-    inverse = so3_left_jacobian_inverse(w)
-    return _upper(inverse, -(inverse @ _q(v, w) @ inverse))
+    t2 = dot(w, w)
+    s, c = coefficients.half(t2)
+    d = coefficients.inverse(t2, c / s)
+    g = coefficients.inverse_slope(t2, c / s, d)
+    return _upper(_rodrigues(w, -0.5, d), _derivative(v, w, (-0.5, d), (0.0, g)))
 
 
 def se3_right_jacobian_inverse(twist: Array) -> Array:
@@ -116,8 +127,7 @@ def _rodrigues(w: Array, first: Any, second: Any) -> Array:
     )
 
 
-def _abc(w: Array) -> tuple[Any, Any, Any]:
-    t2 = dot(w, w)
+def _abc(t2: Any) -> tuple[Any, Any, Any]:
     a, b = coefficients.first_second(t2)
     return a, b, coefficients.third(t2, a)
 
@@ -128,33 +138,31 @@ def _d(w: Array) -> Any:
     return coefficients.inverse(t2, c / s)
 
 
-def _q(v: Array, w: Array) -> Array:
-    """B V + C (W V + V W) + (w.v) ((2 E - C) W - 2 F W^2): Barfoot's corner block, with the triple products undone.
+def _derivative(v: Array, w: Array, factors: tuple[Any, Any], slopes: tuple[Any, Any]) -> Array:
+    """The derivative along `v` of I + first W + second W^2; the slopes are d(factor)/dt, over t.
 
-    W V W = -(w.v) W, and W V + V W = w v^T + v w^T - 2 (w.v) I.
+    It is first V + second (W V + V W) + (w.v) (first_slope W + second_slope W^2), where
+    W V + V W = w v^T + v w^T - 2 (w.v) I and W^2 = w w^T - t^2 I.
     """
-    _, b, c = _abc(w)
+    (first, second), (first_slope, second_slope) = factors, slopes
     t2, wv = dot(w, w), dot(w, v)
-    e = coefficients.fourth(t2, b)
-    f = coefficients.fifth(t2, b, c)
-    skew_part = column(b) * v + column(wv * (2.0 * e - c)) * w
-    x, y, z = (skew_part[..., n] for n in range(3))
-    g = -2.0 * (f * wv)
-    # The symmetric part C (w v^T + v w^T) + g w w^T, written as w u^T + u w^T.
-    u = column(c) * v + column(0.5 * g) * w
+    turn = column(first) * v + column(first_slope * wv) * w  # of the skew part
+    x, y, z = (turn[..., n] for n in range(3))
+    half_slope = 0.5 * (second_slope * wv)
+    u = column(second) * v + column(half_slope) * w  # of the symmetric part, w u^T + u w^T - spread I
     p = [[w[..., i] * u[..., j] + u[..., i] * w[..., j] for j in range(3)] for i in range(3)]
-    diagonal = 2.0 * (c * wv) + g * t2
+    spread = 2.0 * (second * wv + half_slope * t2)
     return matrix(
         [
-            [p[0][0] - diagonal, p[0][1] - z, p[0][2] + y],
-            [p[0][1] + z, p[1][1] - diagonal, p[1][2] - x],
-            [p[0][2] - y, p[1][2] + x, p[2][2] - diagonal],
+            [p[0][0] - spread, p[0][1] - z, p[0][2] + y],
+            [p[0][1] + z, p[1][1] - spread, p[1][2] - x],
+            [p[0][2] - y, p[1][2] + x, p[2][2] - spread],
         ]
     )
 
 
 def _upper(diagonal: Array, corner: Array) -> Array:
     """The matrix [[diagonal, corner], [0, diagonal]]."""
-    zero = np.zeros_like(corner) if not is_symbolic(corner) else np.full(corner.shape, 0.0, dtype=object)
+    zero = np.zeros_like(corner)
     top = np.concatenate(np.broadcast_arrays(diagonal, corner), axis=-1)
     return np.concatenate([top, np.concatenate(np.broadcast_arrays(zero, diagonal), axis=-1)], axis=-2)

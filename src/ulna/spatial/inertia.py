@@ -8,7 +8,7 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.numeric import apply, cross, dot, matrix, skew, vector, where
+from ulna.numeric import apply, cross, dot, is_symbolic, matrix, skew, vector, where
 from ulna.spatial.batched import Batched, as_array, column
 from ulna.spatial.check import checked
 from ulna.spatial.vectors import Force, Motion
@@ -25,7 +25,8 @@ class Inertia(Batched):
     Attributes:
         mass: mass (...) [kg].
         com: centre of mass (..., 3) [m] in the frame.
-        inertia: rotational inertia (..., 3, 3) [kg m^2] about the centre of mass, along the axes of the frame.
+        inertia: rotational inertia (..., 3, 3) [kg m^2] about the centre of mass, along the axes of the
+        frame.
     """
 
     mass: Any
@@ -46,10 +47,10 @@ class Inertia(Batched):
 
     @classmethod
     def from_com(cls, mass: Any, com: ArrayLike, inertia: ArrayLike) -> Inertia:
-        """From mass [kg], centre of mass [m] and rotational inertia [kg m^2] about the centre of mass, checked.
+        """From mass [kg], centre of mass [m] and rotational inertia [kg m^2] about it, checked.
 
-        The inertia is a symmetric matrix (..., 3, 3) or its entries (..., 6) in the order xx, xy, xz, yy, yz, zz of
-        URDF.
+        The inertia is a symmetric matrix (..., 3, 3) or its entries (..., 6) in the order xx, xy, xz, yy, yz,
+        zz of URDF.
 
         Raises:
             InputError: negative mass, an inertia that is not symmetric, wrong shapes, nan or inf.
@@ -103,7 +104,7 @@ class Inertia(Batched):
 
     @classmethod
     def from_capsule(cls, mass: float, radius: float, length: float) -> Inertia:
-        """A solid capsule [kg, m] centred in the frame, along z: a cylinder of `length` between two half spheres."""
+        """A solid capsule [kg, m], centred: a cylinder of `length` along z, and two half spheres."""
         cylinder, ball = length, 4 * radius / 3  # volumes over pi radius^2
         share = cylinder / (cylinder + ball)
         half_sphere = 2 * radius**2 / 5 + length**2 / 4 + 3 * length * radius / 8
@@ -123,7 +124,7 @@ class Inertia(Batched):
         return cls.from_com(mass, np.zeros(3), mass * np.diag([x, y, z]))
 
     def apply(self, motion: Motion) -> Force:
-        """The momentum of the body at this velocity, or the force at this acceleration. Featherstone, eq. (2.63)."""
+        """The momentum at a velocity, or the force at an acceleration. Source: Featherstone, eq. (2.63)."""
         f = column(self.mass) * (motion.linear - cross(self.com, motion.angular))
         return Force(f, apply(self.inertia, motion.angular) + cross(self.com, f))
 
@@ -137,7 +138,7 @@ class Inertia(Batched):
             return NotImplemented
         mass = self.mass + other.mass
         # Two massless bodies have no centre of mass; the origin stands for it.
-        whole = where(mass == 0.0, 1.0, mass) if isinstance(mass, (float, int, np.ndarray)) else mass
+        whole = mass if is_symbolic(mass) else where(mass == 0.0, 1.0, mass)
         share = other.mass / whole
         way = other.com - self.com
         reduced = column(self.mass * share, 2) * _steiner(way)
@@ -149,21 +150,20 @@ class Inertia(Batched):
         mc = skew(column(self.mass) * self.com)
         eye = column(self.mass, 2) * np.eye(3)
         corner = self.about_origin()
-        parts = np.broadcast_arrays(eye, mc, corner)
-        eye, mc, corner = parts
+        eye, mc, corner = np.broadcast_arrays(eye, mc, corner)
         return np.concatenate(
             [np.concatenate([eye, -mc], axis=-1), np.concatenate([mc, corner], axis=-1)], axis=-2
         )
 
     def about_origin(self) -> Array:
-        """The rotational inertia (..., 3, 3) [kg m^2] about the origin of the frame (parallel-axis theorem)."""
+        """The rotational inertia (..., 3, 3) [kg m^2] about the origin of the frame, by Steiner's theorem."""
         return self.inertia + column(self.mass, 2) * _steiner(self.com)
 
     def parameters(self) -> Array:
         """The ten dynamic parameters (..., 10), in which the equations of motion are linear.
 
-        m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz; rotational inertia about the origin of the frame. The order
-        is Pinocchio's.
+        m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz; rotational inertia about the origin of the frame.
+        The order is Pinocchio's.
         """
         i = self.about_origin()
         mc = column(self.mass) * self.com
@@ -173,8 +173,8 @@ class Inertia(Batched):
     def is_physical(self, tolerance: float = 1e-9) -> Any:
         """Whether some body of positive mass density has this inertia (...).
 
-        The mass is not negative and the principal moments obey the triangle inequality, within `tolerance` relative
-        to the largest.
+        The mass is not negative and the principal moments obey the triangle inequality, within `tolerance`
+        relative to the largest.
         """
         moments = np.linalg.eigvalsh(self.inertia)
         slack = tolerance * np.abs(moments).max(axis=-1)
@@ -230,7 +230,7 @@ def _checked_inertia(inertia: ArrayLike) -> Array:
     skewness = np.abs(array - np.swapaxes(array, -1, -2)).max(initial=0.0)
     if skewness > _SYMMETRIC * max(1.0, np.abs(array).max(initial=0.0)):
         raise InputError(
-            f"`inertia` is not symmetric: entries across the diagonal differ by {skewness:.3g} kg m^2; expected none. "
-            "Give the upper triangle instead: xx, xy, xz, yy, yz, zz."
+            f"`inertia` is not symmetric: entries across the diagonal differ by {skewness:.3g} kg m^2; "
+            "expected none. Give the upper triangle instead: xx, xy, xz, yy, yz, zz."
         )
     return 0.5 * (array + np.swapaxes(array, -1, -2))

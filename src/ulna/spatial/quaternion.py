@@ -48,8 +48,9 @@ def matrix_to_quat_xyzw(rotation: Array) -> Array:
 def _multiple(r: Array) -> tuple[Any, Any, Any, Any, Any]:
     """A multiple x, y, z, w of the quaternion, and its largest component's square times four.
 
-    Each row of the matrix 4 q q^T is a multiple of q, and its entries are sums of entries of R. Of the four rows the
-    one is taken whose component on the diagonal is safely away from zero: the chosen t is at least 1.
+    Each row of the matrix 4 q q^T is a multiple of q, and its entries are sums of entries of R. Of the four
+    rows the one is taken whose component on the diagonal is safely away from zero: the chosen t is at least
+    1.
     Source: M. Day, Converting a Rotation Matrix to a Quaternion, Insomniac Games.
     """
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = ([r[..., i, j] for j in range(3)] for i in range(3))
@@ -111,6 +112,15 @@ def quat_exp(w: Array) -> Array:
 def quat_log(quat: Array) -> Array:
     """The rotation vector (..., 3) [rad], no longer than pi, of a quaternion xyzw of any length but zero."""
     return _log(quat[..., 0], quat[..., 1], quat[..., 2], quat[..., 3])[0]
+
+
+def log_of_rotation(rotation: Array) -> tuple[Array, Any]:
+    """The rotation vector (..., 3) of a rotation (..., 3, 3), and (t/2) cot(t/2) of its length t.
+
+    The quaternion in between need not be normalised, which spares a square root and a division.
+    """
+    x, y, z, w, _ = _multiple(rotation)
+    return _log(x, y, z, w)
 
 
 def _log(x: Any, y: Any, z: Any, w: Any) -> tuple[Array, Any]:

@@ -7,10 +7,10 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar, final, overload
 
 import numpy as np
 
-from ulna.errors import InputError
+from ulna.errors import InputError, ShapeError
 from ulna.numeric import apply, dot, is_symbolic, skew, sqrt, vector
 from ulna.spatial import angles, exponential, quaternion
-from ulna.spatial.batched import Batched, as_array, column
+from ulna.spatial.batched import Batched, as_array, column, numbers
 from ulna.spatial.check import ROTATION_TOLERANCE, checked, checked_rotation, nearest_rotation
 from ulna.spatial.so3 import SO3, checked_quat
 from ulna.spatial.vectors import Motion
@@ -46,8 +46,6 @@ class SE3(Batched):
         if type(self.rotation) is not np.ndarray or type(self.translation) is not np.ndarray:
             object.__setattr__(self, "rotation", as_array(self.rotation))
             object.__setattr__(self, "translation", as_array(self.translation))
-
-    # ----------------------------------------------------------------------------------------------- making one
 
     @classmethod
     def identity(cls) -> SE3:
@@ -93,7 +91,7 @@ class SE3(Batched):
 
     @classmethod
     def from_rpy(cls, rpy: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SE3:
-        """From roll, pitch, yaw (..., 3) [rad], Rz(yaw) Ry(pitch) Rx(roll) as in URDF, and a translation (..., 3) [m]."""
+        """From roll, pitch, yaw (..., 3) [rad] as in URDF, and a translation (..., 3) [m]."""
         rotation = angles.rpy_to_matrix(checked("rpy", rpy, (3,)))
         return cls(rotation, checked("translation", translation, (3,)))
 
@@ -107,10 +105,13 @@ class SE3(Batched):
         return cls(r, checked("translation", translation, (3,)))
 
     @classmethod
-    def trans(cls, x: Any, y: Any = None, z: Any = None) -> SE3:
-        """The translation by x, y, z (...) [m], given as three numbers or as one array (..., 3)."""
-        if y is None and z is None:
-            return cls(np.eye(3), checked("translation", x, (3,)))
+    def from_translation(cls, translation: ArrayLike) -> SE3:
+        """The translation by a vector (..., 3) [m]."""
+        return cls(np.eye(3), checked("translation", translation, (3,)))
+
+    @classmethod
+    def trans(cls, x: Any, y: Any, z: Any) -> SE3:
+        """The translation by x, y, z (...) [m]."""
         return cls(np.eye(3), vector(x, y, z))
 
     @classmethod
@@ -133,28 +134,29 @@ class SE3(Batched):
         """The pose reached by moving with a constant twist, a `Motion` or (..., 6), for one second."""
         if isinstance(twist, Motion):
             return cls(*exponential.exp_parts(twist.linear, twist.angular))
-        return se3_exp(as_array(twist))
+        return se3_exp(checked("twist", twist, (6,), "Linear part first."))
 
     @classmethod
     def random(cls, rng: np.random.Generator, size: tuple[int, ...] = (), reach: float = 1.0) -> SE3:
         """Rotations spread evenly, and translations spread evenly over a cube of +-`reach` [m]."""
         return cls(SO3.random(rng, size).matrix, rng.uniform(-reach, reach, (*size, 3)))
 
-    # ---------------------------------------------------------------------------------------------- the group
-
     @overload
     def __matmul__(self, other: SE3) -> SE3: ...
     @overload
     def __matmul__(self, other: ArrayLike) -> Array: ...
     def __matmul__(self, other: Any) -> Any:
-        """A pose in this frame, seen from outside; or points (..., 3) [m] of this frame, seen from outside."""
+        """What is given in the inner frame, in the outer one: a pose, or points (..., 3) [m]."""
         if isinstance(other, SE3):
             return SE3(
                 self.rotation @ other.rotation, apply(self.rotation, other.translation) + self.translation
             )
         if isinstance(other, Batched):
             return NotImplemented
-        return apply(self.rotation, as_array(other)) + self.translation
+        points = as_array(other)
+        if points.shape[-1:] != (3,):
+            raise ShapeError("points", points.shape, "(..., 3)", "A pose goes through SE3.from_matrix first.")
+        return apply(self.rotation, points) + self.translation
 
     def inverse(self) -> SE3:
         """The pose of the outer frame in this one."""
@@ -166,12 +168,20 @@ class SE3(Batched):
         return Motion(*exponential.log_parts(self.rotation, self.translation))
 
     def act(self, item: T) -> T:
-        """A Motion, Force or Inertia of the inner frame, expressed in the outer one: T_a_b.act(V_b) is V_a."""
-        return item._moved(self.rotation, self.translation)
+        """A Motion, Force or Inertia given in the inner frame, in the outer one: T_a_b.act(V_b) is V_a."""
+        try:
+            moved = item._moved
+        except AttributeError:
+            raise _not_movable(item) from None
+        return moved(self.rotation, self.translation)
 
     def act_inverse(self, item: T) -> T:
-        """A Motion, Force or Inertia of the outer frame, expressed in the inner one: T_a_b.act_inverse(V_a) is V_b."""
-        return item._moved_back(self.rotation, self.translation)
+        """A Motion, Force or Inertia given in the outer frame, in the inner one: it undoes `act`."""
+        try:
+            moved = item._moved_back
+        except AttributeError:
+            raise _not_movable(item) from None
+        return moved(self.rotation, self.translation)
 
     def adjoint(self) -> Array:
         """The matrix (..., 6, 6) of `act` on motions, linear part first: [[R, skew(p) R], [0, R]]."""
@@ -189,8 +199,6 @@ class SE3(Batched):
         result[..., 3:, 3:] = r
         result[..., row : row + 3, col : col + 3] = corner
         return result
-
-    # ------------------------------------------------------------------------------------------- reading it out
 
     def matrix(self) -> Array:
         """The homogeneous matrix (..., 4, 4)."""
@@ -217,8 +225,8 @@ class SE3(Batched):
     def interpolate(self, other: SE3, t: Any, straight: bool = False) -> SE3:
         """A part `t` (...) of the way to `other`.
 
-        The way is the screw motion from one to the other at constant twist; with `straight` the origin runs along a
-        straight line instead, while the rotation turns evenly.
+        The way is the screw motion from one to the other at constant twist; with `straight` the origin runs
+        along a straight line instead, while the rotation turns evenly.
         """
         if straight:
             s = column(t)
@@ -232,12 +240,15 @@ class SE3(Batched):
         return sqrt(dot(d, d)), SO3(self.rotation).distance(SO3(other.rotation))
 
     def is_close(self, other: SE3, tolerance: float = 1e-9) -> Any:
-        """Whether every entry of the rotations, and of the translations [m], differs by at most `tolerance` (...)."""
+        """Whether every entry of rotation and translation [m] differs by at most `tolerance` (...)."""
         rotation = (np.abs(self.rotation - other.rotation) <= tolerance).all(axis=(-2, -1))
         return rotation & (np.abs(self.translation - other.translation) <= tolerance).all(axis=-1)
 
     def _dense(self) -> Array:
         return self.matrix()
+
+    def _show(self, indent: int) -> str:
+        return numbers(self.matrix(), indent)
 
 
 def se3_exp(twist: Array) -> SE3:
@@ -251,3 +262,10 @@ def se3_exp(twist: Array) -> SE3:
 def se3_log(pose: SE3) -> Motion:
     """The constant twist that leads from the identity to `pose` in one second, turning by at most pi."""
     return pose.log()
+
+
+def _not_movable(item: object) -> InputError:
+    return InputError(
+        f"`item` is a {type(item).__name__}; expected a Motion, Force or Inertia. "
+        "Motion.from_vector and Force.from_vector make one of six numbers."
+    )

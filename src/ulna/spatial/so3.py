@@ -7,10 +7,10 @@ from typing import Any, ClassVar, final
 
 import numpy as np
 
-from ulna.errors import InputError
+from ulna.errors import InputError, ShapeError
 from ulna.numeric import apply, dot, sqrt
 from ulna.spatial import angles, exponential, quaternion
-from ulna.spatial.batched import Batched, as_array, column
+from ulna.spatial.batched import Batched, as_array, column, numbers
 from ulna.spatial.check import checked, checked_rotation, nearest_rotation
 from ulna.typing import Array, ArrayLike
 
@@ -93,7 +93,7 @@ class SO3(Batched):
     @classmethod
     def exp(cls, w: ArrayLike) -> SO3:
         """The rotation about the direction of `w` (..., 3) by its length [rad]."""
-        return cls(exponential.so3_exp(as_array(w)))
+        return cls(exponential.so3_exp(checked("w", w, (3,))))
 
     @classmethod
     def random(cls, rng: np.random.Generator, size: tuple[int, ...] = ()) -> SO3:
@@ -114,7 +114,12 @@ class SO3(Batched):
             return SO3(self.matrix @ other.matrix)
         if isinstance(other, Batched):
             return NotImplemented
-        return apply(self.matrix, as_array(other))
+        vectors = as_array(other)
+        if vectors.shape[-1:] != (3,):
+            raise ShapeError(
+                "vectors", vectors.shape, "(..., 3)", "A rotation goes through SO3.from_matrix first."
+            )
+        return apply(self.matrix, vectors)
 
     def quat_xyzw(self) -> Array:
         """The unit quaternion x, y, z, w (..., 4) with w >= 0."""
@@ -148,6 +153,9 @@ class SO3(Batched):
 
     def _dense(self) -> Array:
         return self.matrix
+
+    def _show(self, indent: int) -> str:
+        return numbers(self.matrix, indent)
 
 
 def checked_quat(quat: ArrayLike) -> Array:

@@ -1,9 +1,9 @@
 """Spatial velocities and forces: a pair of 3-vectors each, linear part first.
 
-A `Motion` is a twist: the velocity of the point at the origin of the frame it is written in [m/s], and the angular
-velocity [rad/s]. A `Force` is a wrench: the force [N], and the moment about that origin [N m]. Accelerations and
-momenta are of the same two kinds. Source: Featherstone, Rigid Body Dynamics Algorithms, chapter 2 (which writes the
-angular part first).
+A `Motion` is a twist: the velocity of the point at the origin of the frame it is written in [m/s], and the
+angular velocity [rad/s]. A `Force` is a wrench: the force [N], and the moment about that origin [N m].
+Accelerations and momenta are of the same two kinds. Source: Featherstone, Rigid Body Dynamics Algorithms,
+chapter 2 (which writes the angular part first).
 """
 
 from __future__ import annotations
@@ -90,14 +90,14 @@ class SpatialVector(Batched):
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Motion(SpatialVector):
-    """A twist: linear velocity [m/s] of the point at the frame's origin, and angular velocity [rad/s], both (..., 3)."""
+    """A twist: velocity [m/s] of the point at the origin, and angular velocity [rad/s], both (..., 3)."""
 
     @overload
     def cross(self, other: Motion) -> Motion: ...
     @overload
     def cross(self, other: Force) -> Force: ...
     def cross(self, other: Motion | Force) -> Motion | Force:
-        """The rate at which `other`, fixed in a body that moves with this twist, changes. Featherstone, eq. (2.31-32)."""
+        """The rate of `other` when it is fixed in a body that has this twist. Featherstone, eq. (2.31-32)."""
         v, w = self.linear, self.angular
         if isinstance(other, Force):
             return Force(cross(w, other.linear), cross(w, other.angular) + cross(v, other.linear))
