@@ -153,9 +153,12 @@ def main(arguments: Sequence[str]) -> int:
                 print(f'    float.fromhex("{value.hex()}"),')
             print(")")
         return 0
-    from ulna.trace import sincos
+    from ulna.trace import payne_hanek, sincos
 
     wrong = [name for name, values in found.items() if tuple(getattr(sincos, name)) != tuple(values)]
+    if not has_bits_of_two_over_pi(payne_hanek.TWO_OVER_PI_BITS):
+        wrong_bits = 1
+        print("payne_hanek.TWO_OVER_PI_BITS are not the bits of 2/pi")
     for name in wrong:
         print(f"{name}: ulna.trace.sincos holds {getattr(sincos, name)}, the fit gives {tuple(found[name])}")
     return 1 if wrong else 0
