@@ -126,11 +126,11 @@ def half_pi_parts(bits: Sequence[int]) -> list[float]:
     return [float(p) for p in parts]
 
 
-def constants() -> dict[str, list[float]]:
+def constants() -> dict[str, list[Any]]:
     """All constants, by their names in `ulna.trace.sincos`."""
     upper = (mp.pi / 4 * (1 + mpf(2) ** -16)) ** 2
     lower = upper * mpf(10) ** -8
-    found: dict[str, list[float]] = {}
+    found: dict[str, list[Any]] = {}
     for suffix, bits, degree in (("F64", 53, 5), ("F32", 24, 2)):
         for name, tail, weight in (("SIN", sine_tail, sine_weight), ("COS", cosine_tail, cosine_weight)):
             coefficients, worst = fit(tail, weight, (lower, upper), degree, bits)
@@ -140,7 +140,16 @@ def constants() -> dict[str, list[float]]:
     found["HALF_PI_F32"] = half_pi_parts((23, 24, 24))
     found["TWO_OVER_PI_F64"] = [float(round_to(2 / mp.pi, 53))]
     found["TWO_OVER_PI_F32"] = [float(round_to(2 / mp.pi, 24))]
+    found["HALF_PI_PAIR"] = half_pi_parts((53, 53))
+    found["TWO_OVER_PI_BITS"] = words_of_two_over_pi(20)
     return found
+
+
+def words_of_two_over_pi(count: int) -> list[int]:
+    """The bits of 2/pi after the binary point, in words of 64."""
+    with mp.workprec(64 * count + 64):
+        whole = int(mpmath.floor(2 / mp.pi * mpf(2) ** (64 * count)))
+    return [(whole >> (64 * (count - 1 - k))) & (2**64 - 1) for k in range(count)]
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -150,17 +159,20 @@ def main(arguments: Sequence[str]) -> int:
         for name, values in found.items():
             print(f"{name} = (")
             for value in values:
-                print(f'    float.fromhex("{value.hex()}"),')
+                print(
+                    f'    float.fromhex("{value.hex()}"),'
+                    if isinstance(value, float)
+                    else f"    0x{value:016X},"
+                )
             print(")")
         return 0
     from ulna.trace import payne_hanek, sincos
 
-    wrong = [name for name, values in found.items() if tuple(getattr(sincos, name)) != tuple(values)]
-    if not has_bits_of_two_over_pi(payne_hanek.TWO_OVER_PI_BITS):
-        wrong_bits = 1
-        print("payne_hanek.TWO_OVER_PI_BITS are not the bits of 2/pi")
+    committed = {name: tuple(getattr(sincos, name, ())) for name in found}
+    committed |= {name: tuple(getattr(payne_hanek, name)) for name in ("TWO_OVER_PI_BITS", "HALF_PI_PAIR")}
+    wrong = [name for name, values in found.items() if committed[name] != tuple(values)]
     for name in wrong:
-        print(f"{name}: ulna.trace.sincos holds {getattr(sincos, name)}, the fit gives {tuple(found[name])}")
+        print(f"{name}: ulna.trace holds {committed[name]}, the fit gives {tuple(found[name])}")
     return 1 if wrong else 0
 
 

@@ -104,15 +104,16 @@ class Body:
     No instruction carries a fast-math flag: error-free transformations would not survive them.
     """
 
-    def __init__(self, lanes: Lanes) -> None:
+    def __init__(self, lanes: Lanes, prefix: str = "t") -> None:
         self.lanes = lanes
+        self.prefix = prefix
         self.lines: list[str] = []
         self.declarations: dict[str, None] = {}
         self._count = 0
 
     def emit(self, instruction: str) -> str:
         """Append `%n = instruction`."""
-        name = f"%t{self._count}"
+        name = f"%{self.prefix}{self._count}"
         self._count += 1
         self.lines.append(f"  {name} = {instruction}")
         return name

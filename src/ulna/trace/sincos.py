@@ -3,14 +3,16 @@
 Method: k = round(2 x / pi); r = x - k pi/2 as an unevaluated sum of two floats, by a three-part reduction
 in the manner of Cody and Waite whose first step FMA makes exact; minimax polynomials of sin r and cos r;
 the quadrant k mod 4 swaps and negates them without a branch (Muller, Elementary Functions, 3rd ed.,
-chapters 3, 11). Arguments beyond `BOUND` leave by a branch to a function marked cold.
-`scripts/fit_sincos.py` derives the constants and, with `--check`, verifies them.
+chapters 3, 11). Arguments beyond `BOUND` leave by a branch to a function marked cold, which reduces them
+by the method of Payne and Hanek. `scripts/fit_sincos.py` derives the constants and, with `--check`,
+verifies them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+from ulna.trace import payne_hanek
 from ulna.trace.irtext import Body, DType, IRFunction, Lanes
 
 SIN_F64 = (
@@ -63,9 +65,9 @@ ROUNDER: dict[DType, float] = {"double": 1.5 * 2.0**52, "float": 1.5 * 2.0**23}
 def sincos_ir(lanes: int, dtype: DType) -> IRFunction:
     """The IR of `{T, T} @ulna.sincos.<suffix>(T x)`, sine first; T is `dtype` or `<lanes x dtype>`.
 
-    The error stays below 1 ULP for every x (0.8 within `BOUND`). sin(-0.0) is -0.0; inf and NaN give NaN.
-    A lane's result does not depend on its neighbours, and no floating-point exception is raised that the
-    scalar functions would not raise. Within `BOUND`, results are the same on every processor.
+    The error stays below 0.85 ULP for every x. sin(-0.0) is -0.0; inf and NaN give NaN. A lane's result does
+    not depend on its neighbours. The invalid exception is raised for infinities only. No library is called:
+    results are the same on every processor.
 
     Args:
         lanes: the number of lanes; 1 for the scalar function.
@@ -73,12 +75,11 @@ def sincos_ir(lanes: int, dtype: DType) -> IRFunction:
 
     """
     kind = Lanes(lanes, dtype)
-    return guarded(kind, f"ulna.sincos.{kind.suffix}", _sincos, ("sin", "cos"))
+    return reduced_function(kind, f"ulna.sincos.{kind.suffix}", _sincos, results=2)
 
 
-def _sincos(body: Body, x: str) -> tuple[str, ...]:
-    """Sine and cosine of |x| <= BOUND, NaN of NaN."""
-    r, s, quadrant = reduce_to_octants(body, x)
+def _sincos(body: Body, r: str, s: str, quadrant: str) -> tuple[str, ...]:
+    """Sine and cosine from the reduced argument."""
     (sine_high, sine_low), (cosine_high, cosine_low) = arc(body, r, s)
     sine, cosine = body.sub(sine_high, sine_low), body.add(cosine_high, cosine_low)
     odd = body.integer_op("icmp ne", body.integer_op("and", quadrant, 1), 0)
@@ -93,10 +94,10 @@ def _sincos(body: Body, x: str) -> tuple[str, ...]:
     return tuple(results)
 
 
-def reduce_to_octants(body: Body, x: str) -> tuple[str, str, str]:
-    """(r, s, k): x = k pi/2 + (r - s), |r| <= pi/4 nearly, |s| far below it; k an integer, mod 4.
+def reduce_near(body: Body, x: str) -> tuple[str, str, str]:
+    """(r, s, k): x = k pi/2 + (r - s), |r| <= pi/4 nearly, |s| far below it, k mod 4; for |x| <= BOUND.
 
-    For x = -0.0, r is -0.0 and s is +0.0, so that r - s keeps the sign.
+    For x = -0.0, r is -0.0 and s is +0.0, so that r - s keeps the sign. NaN gives r = NaN.
     """
     dtype = body.lanes.dtype
     double = dtype == "double"
@@ -133,77 +134,89 @@ def arc(body: Body, r: str, s: str) -> tuple[tuple[str, str], tuple[str, str]]:
     return (r, sine_low), (w, cosine_low)
 
 
-def guarded(
-    kind: Lanes, name: str, core: Callable[[Body, str], tuple[str, ...]], library: tuple[str, ...]
-) -> IRFunction:
-    """A function of x that inlines `core` where |x| <= BOUND in every lane and else calls a cold function.
+def _reduce_far(body: Body, x: str, far: str, near: tuple[str, str, str]) -> tuple[str, str, str]:
+    """(r, s, k) with the lanes that are `far` reduced one by one, for every x."""
+    kind = body.lanes
+    pair = "{ double, double, i64 }"
+    safe = body.select(far, x, 2.0 * BOUND[kind.dtype])
+    r, s, k = near
+    for lane in range(kind.lanes):
+        value = safe if kind.lanes == 1 else body.emit(f"extractelement {kind.real} {safe}, i32 {lane}")
+        if kind.dtype == "float":
+            value = body.emit(f"fpext float {value} to double")
+        whole = body.emit(f"call {pair} @{payne_hanek.NAME}(double {value})")
+        parts = [body.emit(f"extractvalue {pair} {whole}, {i}") for i in range(3)]
+        if kind.dtype == "float":
+            exact = body.emit(f"fsub double {parts[0]}, {parts[1]}")
+            parts[0] = body.emit(f"fptrunc double {exact} to float")
+            back = body.emit(f"fpext float {parts[0]} to double")
+            parts[1] = body.emit(f"fptrunc double {body.emit(f'fsub double {back}, {exact}')} to float")
+            parts[2] = body.emit(f"trunc i64 {parts[2]} to i32")
+        flag = far if kind.lanes == 1 else body.emit(f"extractelement {kind.truth} {far}, i32 {lane}")
+        merged = []
+        for element, current, part in zip(
+            (kind.dtype, kind.dtype, f"i{kind.bits}"), (r, s, k), parts, strict=True
+        ):
+            if kind.lanes == 1:
+                merged.append(body.emit(f"select i1 {flag}, {element} {part}, {element} {current}"))
+                continue
+            vector = kind.of(element)
+            old = body.emit(f"extractelement {vector} {current}, i32 {lane}")
+            chosen = body.emit(f"select i1 {flag}, {element} {part}, {element} {old}")
+            merged.append(body.emit(f"insertelement {vector} {current}, {element} {chosen}, i32 {lane}"))
+        r, s, k = merged
+    return r, s, k
 
-    The cold one gives `core` zero in place of the lanes beyond BOUND, so that they raise no floating-point
-    exception, and takes those lanes from the C library.
+
+def reduced_function(
+    kind: Lanes, name: str, finish: Callable[[Body, str, str, str], tuple[str, ...]], results: int
+) -> IRFunction:
+    """A function of x = k pi/2 + (r - s): inlined where |x| <= BOUND in every lane, else a cold call.
 
     Args:
         kind: type of the argument and of each result.
         name: of the function, without the `@`.
-        core: writes the results for |x| <= BOUND; NaN must give NaN.
-        library: the C library's function of a double for each result.
+        finish: writes the results from r, s and k.
+        results: how many there are, 1 or 2.
 
     """
     real = kind.real
-    returned = real if len(library) == 1 else kind.pair
-    fast, slow = Body(kind), Body(kind)
-    far = fast.any_lane(fast.compare("ogt", fast.fabs("%x"), BOUND[kind.dtype]))
-    test, fast.lines = fast.lines, []
-    results = core(fast, "%x")
-
+    returned = real if results == 1 else kind.pair
+    test = Body(kind)
+    far = test.any_lane(test.compare("ogt", test.fabs("%x"), BOUND[kind.dtype]))
+    fast = Body(kind, "fast")
+    fast_results = finish(fast, *reduce_near(fast, "%x"))
+    slow = Body(kind)
     mask = slow.compare("ogt", slow.fabs("%x"), BOUND[kind.dtype])
-    near = core(slow, slow.select(mask, 0.0, "%x"))
-    patched = []
-    for function, result in zip(library, near, strict=True):
-        patched.append(slow.select(mask, _by_library(slow, function, "%x"), result))
+    near = reduce_near(slow, slow.select(mask, 0.0, "%x"))
+    slow_results = finish(slow, *_reduce_far(slow, "%x", mask, near))
 
     text = [
         f"define internal {returned} @{name}.slow({real} %x) noinline cold nounwind {{",
         *slow.lines,
-        *_return(kind, patched),
+        *_return(kind, slow_results),
         "}",
         f"define internal {returned} @{name}({real} %x) alwaysinline nounwind {{",
-        *test,
+        *test.lines,
         f"  br i1 {far}, label %slow, label %fast",
         "fast:",
         *fast.lines,
-        *_return(kind, results, "fast"),
+        *_return(kind, fast_results),
         "slow:",
         f"  %slow.value = tail call {returned} @{name}.slow({real} %x)",
         f"  ret {returned} %slow.value",
         "}",
     ]
-    declares = tuple(f"declare double @{function}(double) nounwind memory(none)" for function in library)
-    return IRFunction(name, "\n".join(text), (*fast.declarations, *declares))
+    needed = dict.fromkeys((*slow.declarations, *payne_hanek.huge_reduction()))
+    return IRFunction(name, "\n".join(text), tuple(needed))
 
 
-def _by_library(body: Body, function: str, x: str) -> str:
-    """The C library's function of a double, lane by lane."""
-    kind = body.lanes
-    collected = "poison"
-    for lane in range(kind.lanes):
-        value = x if kind.lanes == 1 else body.emit(f"extractelement {kind.real} {x}, i32 {lane}")
-        if kind.dtype == "float":
-            value = body.emit(f"fpext float {value} to double")
-        value = body.emit(f"call double @{function}(double {value})")
-        if kind.dtype == "float":
-            value = body.emit(f"fptrunc double {value} to float")
-        if kind.lanes == 1:
-            return value
-        collected = body.emit(f"insertelement {kind.real} {collected}, {kind.dtype} {value}, i32 {lane}")
-    return collected
-
-
-def _return(kind: Lanes, values: list[str] | tuple[str, ...], prefix: str = "result") -> list[str]:
+def _return(kind: Lanes, values: tuple[str, ...]) -> list[str]:
     """The lines that return one value or a pair."""
     if len(values) == 1:
         return [f"  ret {kind.real} {values[0]}"]
     return [
-        f"  %{prefix}.0 = insertvalue {kind.pair} poison, {kind.real} {values[0]}, 0",
-        f"  %{prefix}.1 = insertvalue {kind.pair} %{prefix}.0, {kind.real} {values[1]}, 1",
-        f"  ret {kind.pair} %{prefix}.1",
+        f"  %result.0 = insertvalue {kind.pair} poison, {kind.real} {values[0]}, 0",
+        f"  %result.1 = insertvalue {kind.pair} %result.0, {kind.real} {values[1]}, 1",
+        f"  ret {kind.pair} %result.1",
     ]
