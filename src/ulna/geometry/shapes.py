@@ -1,0 +1,197 @@
+"""Shapes as frozen data: what a link looks like and what it can collide with, without any triangles loaded.
+
+Every shape states its own frame; lengths are in metres. A shape is a value: equal content compares equal and
+hashes equal, so shapes can be dictionary keys and cross process borders.
+"""
+
+from __future__ import annotations
+
+import abc
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+
+from ulna.errors import InputError
+
+
+def _lengths(shape: str, name: str, values: Iterable[float], count: int) -> tuple[float, ...]:
+    """`values` as `count` finite, non-negative floats; a mesh-less model file may well say 0."""
+    try:
+        out = tuple(float(v) for v in values)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{shape}: `{name}` is {values!r}; expected {count} lengths [m].") from error
+    if len(out) != count:
+        raise InputError(f"{shape}: `{name}` has {len(out)} numbers; expected {count} lengths [m].")
+    if not all(math.isfinite(v) and v >= 0.0 for v in out):
+        raise InputError(f"{shape}: `{name}` is {out}; expected finite lengths [m] that are not negative.")
+    return out
+
+
+def _length(shape: str, name: str, value: float) -> float:
+    return _lengths(shape, name, (value,), 1)[0]
+
+
+@dataclass(frozen=True)
+class Shape(abc.ABC):
+    """A shape in its own frame."""
+
+    @abc.abstractmethod
+    def describe(self) -> str:
+        """A few words for tables and messages, for example ``"box 0.1 x 0.2 x 0.3 m"``."""
+
+
+@dataclass(frozen=True)
+class Box(Shape):
+    """A box with its centre at the origin and edges along the axes.
+
+    Args:
+        size: Full edge lengths along x, y, z [m].
+    """
+
+    size: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "size", _lengths("Box", "size", self.size, 3))
+
+    def describe(self) -> str:
+        """A few words for tables and messages."""
+        return "box " + " x ".join(f"{s:g}" for s in self.size) + " m"
+
+
+@dataclass(frozen=True)
+class Sphere(Shape):
+    """A ball with its centre at the origin.
+
+    Args:
+        radius: Radius [m].
+    """
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", _length("Sphere", "radius", self.radius))
+
+    def describe(self) -> str:
+        """A few words for tables and messages."""
+        return f"sphere r {self.radius:g} m"
+
+
+@dataclass(frozen=True)
+class _Round(Shape):
+    """A shape of revolution about z, given by a radius and a length along z."""
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        kind = type(self).__name__
+        object.__setattr__(self, "radius", _length(kind, "radius", self.radius))
+        object.__setattr__(self, "length", _length(kind, "length", self.length))
+
+    def describe(self) -> str:
+        """A few words for tables and messages."""
+        return f"{type(self).__name__.lower()} r {self.radius:g} m, length {self.length:g} m"
+
+
+@dataclass(frozen=True)
+class Cylinder(_Round):
+    """A cylinder about z, centred at the origin.
+
+    Args:
+        radius: Radius [m].
+        length: Height along z [m].
+    """
+
+
+@dataclass(frozen=True)
+class Capsule(_Round):
+    """A cylinder about z with a half ball on either end, centred at the origin.
+
+    Args:
+        radius: Radius of the cylinder and of the balls [m].
+        length: Height of the cylindrical part [m]; the whole is `length + 2 * radius` high.
+    """
+
+
+@dataclass(frozen=True)
+class Cone(_Round):
+    """A cone about z, its tip up, centred half way: the base lies at `-length / 2`, the tip at `+length / 2`.
+
+    Args:
+        radius: Radius of the base [m].
+        length: Height along z [m].
+    """
+
+
+@dataclass(frozen=True)
+class Ellipsoid(Shape):
+    """An ellipsoid with its centre at the origin and its axes along x, y, z.
+
+    Args:
+        radii: Half axes [m].
+    """
+
+    radii: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radii", _lengths("Ellipsoid", "radii", self.radii, 3))
+
+    def describe(self) -> str:
+        """A few words for tables and messages."""
+        return "ellipsoid " + " x ".join(f"{r:g}" for r in self.radii) + " m"
+
+
+@dataclass(frozen=True)
+class Plane(Shape):
+    """The plane z = 0 of its frame; solid below when it takes part in collisions.
+
+    Args:
+        size: Full edge lengths along x and y to draw [m]; 0 means without end.
+    """
+
+    size: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "size", _lengths("Plane", "size", self.size, 2))
+
+    def describe(self) -> str:
+        """A few words for tables and messages."""
+        return "plane " + " x ".join(f"{s:g}" if s else "inf" for s in self.size) + " m"
+
+
+@dataclass(frozen=True)
+class Mesh(Shape):
+    """A triangle mesh in a file, named but not read here.
+
+    A model's fingerprint takes in the file's name and the scale only: the folder a file lies in is a fact about one
+    machine, and so is whether it was found.
+
+    Args:
+        path: The file, or None when a model named none.
+        scale: Factors along x, y, z; negative ones mirror.
+        missing: Whether the file was looked for and not found. Viewers draw nothing for it.
+    """
+
+    path: str | None
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    missing: bool = False
+
+    def __post_init__(self) -> None:
+        try:
+            scale = tuple(float(s) for s in self.scale)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"Mesh: `scale` is {self.scale!r}; expected 3 factors.") from error
+        if len(scale) != 3 or not all(map(math.isfinite, scale)):
+            raise InputError(f"Mesh: `scale` is {scale}; expected 3 finite factors.")
+        object.__setattr__(self, "scale", scale)
+        object.__setattr__(self, "path", None if self.path is None else str(self.path))
+
+    @property
+    def file_name(self) -> str:
+        """The file's name without its folder; empty when there is none."""
+        return PurePosixPath(self.path.replace("\\", "/")).name if self.path else ""
+
+    def describe(self) -> str:
+        """A few words for tables and messages."""
+        return f"mesh {self.file_name or '(no file)'}" + (" (missing)" if self.missing else "")

@@ -1,0 +1,345 @@
+"""From what a builder was told to a model: checks how the parts fit, orders the tree, merges what is fixed."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import ModelError, ModelWarning, UnknownName
+from ulna.model.joints.axes import constant, snap_pose
+from ulna.model.model import Model
+from ulna.model.parts import Frame, Joint, Link, Mimic
+from ulna.model.positions import position
+from ulna.model.records import FrameRecord, JointRecord, LinkRecord, at
+from ulna.spatial import SE3, Inertia
+
+
+def assemble(
+    name: str,
+    links: Mapping[str, LinkRecord],
+    joints: Mapping[str, JointRecord],
+    frames: Mapping[str, FrameRecord],
+    root_joint: JointRecord | None,
+    configurations: Mapping[str, Any],
+    tool: str | None,
+    gravity: np.ndarray,
+    disabled_pairs: tuple[tuple[str, str], ...],
+    groups: Mapping[str, tuple[str, ...]],
+    source: str | None,
+) -> Model:
+    """The model made of these records; see `ModelBuilder.build`."""
+    if gravity.shape != (3,) or not np.isfinite(gravity).all():
+        raise ModelError(f"`gravity` is {gravity}; expected 3 finite numbers [m/s^2], such as (0, 0, -9.81).")
+    above = _joints_above(name, links, joints)
+    root = _root(name, links, above)
+    if root_joint is not None and root_joint.name in joints:
+        raise ModelError(
+            at(
+                root_joint.where,
+                f"The root joint and another joint are both named {root_joint.name!r}. Rename one.",
+            )
+        )
+    order = _depth_first(name, root, links, above)
+    connecting = dict(above) if root_joint is None else {**above, root: root_joint}
+    built_joints, built_links = _place(order, links, connecting)
+    built_frames = _frames(built_links, connecting, frames)
+    inertias, base_inertia = _aggregate(built_joints, built_links)
+    _warn_of_inertias(name, links)
+    model = Model(
+        name=name,
+        joints=built_joints,
+        links=built_links,
+        frames=built_frames,
+        inertias=inertias,
+        base_inertia=base_inertia,
+        gravity=gravity + 0.0,
+        configurations={},
+        tool=_default_tool(built_joints, built_links) if tool is None else tool,
+        disabled_pairs=_checked_pairs(disabled_pairs, links),
+        groups=_checked_groups(groups, joints, root_joint),
+        source=source,
+    )
+    if tool is not None and tool not in model.frame_names:
+        raise UnknownName("frame", tool, model.frame_names, "It is to be the tool.")
+    if not configurations:
+        return model
+    return _with_configurations(model, configurations)
+
+
+def _with_configurations(model: Model, configurations: Mapping[str, Any]) -> Model:
+    from dataclasses import replace
+
+    told = {name: position(model, q, f"configuration {name!r}") for name, q in configurations.items()}
+    return replace(model, configurations=told)
+
+
+def _joints_above(
+    model: str, links: Mapping[str, LinkRecord], joints: Mapping[str, JointRecord]
+) -> dict[str, JointRecord]:
+    """For each link but the root, the joint that moves it."""
+    if not links:
+        raise ModelError(f"Model {model!r} has no links; expected at least one. Add it with add_link(name).")
+    above: dict[str, JointRecord] = {}
+    for joint in joints.values():
+        for role, link in (("parent", joint.parent), ("child", joint.child)):
+            if link not in links:
+                raise UnknownName(
+                    "link", link, links, at(joint.where, f"It is the {role} of joint {joint.name!r}.")
+                )
+        if joint.child in above:
+            raise ModelError(
+                at(
+                    joint.where,
+                    f"Link {joint.child!r} is the child of two joints, {above[joint.child].name!r} and "
+                    f"{joint.name!r}; expected one. A loop is closed by a constraint, not by a second parent.",
+                )
+            )
+        above[joint.child] = joint
+    return above
+
+
+def _root(model: str, links: Mapping[str, LinkRecord], above: Mapping[str, JointRecord]) -> str:
+    roots = [link for link in links if link not in above]
+    if not roots:
+        raise ModelError(f"Model {model!r} has no root link: {_cycle(next(iter(links)), above)}.")
+    if len(roots) > 1:
+        shown = ", ".join(map(repr, roots[:8])) + (" ..." if len(roots) > 8 else "")
+        raise ModelError(
+            f"Model {model!r} has {len(roots)} root links, {shown}; expected one. "
+            "Connect the others to it with joints; Fixed() will do."
+        )
+    return roots[0]
+
+
+def _cycle(start: str, above: Mapping[str, JointRecord]) -> str:
+    """The circle of links that walking up from `start` ends in, as text."""
+    seen: dict[str, int] = {}
+    walk: list[str] = []
+    link = start
+    while link not in seen:
+        seen[link] = len(walk)
+        walk.append(link)
+        link = above[link].parent or ""
+    circle = [*walk[seen[link] :], link]
+    return "the joints run in a circle, " + " -> ".join(repr(name) for name in reversed(circle))
+
+
+def _depth_first(
+    model: str, root: str, links: Mapping[str, LinkRecord], above: Mapping[str, JointRecord]
+) -> list[str]:
+    """The links, parents before children, siblings in the order their joints were told."""
+    below: dict[str, list[str]] = {link: [] for link in links}
+    for child, joint in above.items():
+        below[joint.parent or ""].append(child)
+    order: list[str] = []
+    waiting = [root]
+    while waiting:
+        link = waiting.pop()
+        order.append(link)
+        waiting.extend(reversed(below[link]))
+    if len(order) < len(links):
+        reached = set(order)
+        lost = next(link for link in links if link not in reached)
+        raise ModelError(
+            f"Model {model!r}: link {lost!r} does not hang on the root {root!r}; {_cycle(lost, above)}."
+        )
+    return order
+
+
+def _place(
+    order: Iterable[str], links: Mapping[str, LinkRecord], above: Mapping[str, JointRecord]
+) -> tuple[tuple[Joint, ...], tuple[Link, ...]]:
+    """Joints and links in order, each placed in the moving frame of the last movable joint before it."""
+    moving: list[tuple[JointRecord, int, SE3]] = []  # record, parent joint, placement in its moving frame
+    placed: dict[str, Link] = {}
+    identity = snap_pose(SE3.identity())
+    for name in order:
+        record, joint = links[name], above.get(name)
+        before = placed[joint.parent] if joint is not None and joint.parent is not None else None
+        carrier, pose = (before.joint, before.placement) if before else (-1, identity)
+        if joint is not None:
+            pose = snap_pose(pose @ joint.placement)
+            if joint.movable:
+                moving.append((joint, carrier, pose))
+                carrier, pose = len(moving) - 1, joint.offset
+            else:
+                pose = snap_pose(pose @ joint.offset)
+        placed[name] = Link(
+            name=name,
+            joint=carrier,
+            placement=pose,
+            inertia=record.inertia,
+            visuals=record.visuals,
+            collisions=record.collisions,
+            parent=before.name if before else None,
+            parent_joint=joint.name if joint else None,
+            origin=joint.placement if joint else identity,
+            offset=joint.offset if joint else identity,
+        )
+    children = {joint.name: name for name, joint in above.items()}
+    return _number(moving, children), tuple(placed.values())
+
+
+def _number(moving: list[tuple[JointRecord, int, SE3]], children: Mapping[str, str]) -> tuple[Joint, ...]:
+    """The joints with their parts of q and v; mimic joints point to those of their source."""
+    records = {record.name: record for record, _, _ in moving}
+    index = {name: i for i, name in enumerate(records)}
+    starts: dict[str, tuple[int, int]] = {}
+    nq = nv = 0
+    for record in records.values():
+        if record.mimic is None:
+            starts[record.name] = (nq, nv)
+            nq, nv = nq + record.kind.nq, nv + record.kind.nv
+    joints = []
+    for record, parent, placement in moving:
+        mimic = None
+        source = record.name
+        if record.mimic is not None:
+            source, multiplier, offset = _followed(record, records)
+            mimic = Mimic(index[source], multiplier, offset)
+        idx_q, idx_v = starts[source]
+        joints.append(
+            Joint(
+                name=record.name,
+                kind=record.kind,
+                parent=parent,
+                placement=placement,
+                idx_q=idx_q,
+                idx_v=idx_v,
+                limits=record.limits,
+                damping=record.damping,
+                friction=record.friction,
+                armature=record.armature,
+                mimic=mimic,
+                parent_link=record.parent,
+                child_link=children[record.name],
+            )
+        )
+    return tuple(joints)
+
+
+def _followed(record: JointRecord, records: Mapping[str, JointRecord]) -> tuple[str, float, float]:
+    """The joint with a position of its own that `record` follows in the end, with the composed ratio and offset."""
+    multiplier, offset = 1.0, 0.0
+    walked = [record.name]
+    current = record
+    while current.mimic is not None:
+        name, ratio, shift = current.mimic
+        multiplier, offset = multiplier * ratio, multiplier * shift + offset
+        if name not in records:
+            raise UnknownName(
+                "movable joint", name, records, at(current.where, f"Joint {current.name!r} is to mimic it.")
+            )
+        if name in walked:
+            circle = " -> ".join(repr(n) for n in [*walked[walked.index(name) :], name])
+            raise ModelError(at(record.where, f"Mimic joints follow one another in a circle: {circle}."))
+        walked.append(name)
+        current = records[name]
+    if (current.kind.nq, current.kind.nv) != (1, 1):
+        raise ModelError(
+            at(
+                record.where,
+                f"Joint {record.name!r} mimics {current.name!r} ({current.kind.describe()}); "
+                "only joints with one coordinate can be followed.",
+            )
+        )
+    return current.name, multiplier, offset
+
+
+def _frames(
+    links: tuple[Link, ...], above: Mapping[str, JointRecord], told: Mapping[str, FrameRecord]
+) -> tuple[Frame, ...]:
+    """The frames of links and joints in the order of the links, then those that were told."""
+    identity = snap_pose(SE3.identity())
+    frames: list[Frame] = []
+    for link in links:
+        joint = above.get(link.name)
+        if joint is not None:
+            back = snap_pose(link.offset.inverse())
+            pose = snap_pose(link.placement @ back) if not joint.movable else identity
+            kind = "joint" if joint.movable else "fixed_joint"
+            frames.append(Frame(joint.name, link.joint, pose, kind, link.name, back))
+        frames.append(Frame(link.name, link.joint, link.placement, "link", link.name, identity))
+    taken = {frame.name: frame.kind for frame in frames}
+    by_name = {link.name: link for link in links}
+    for record in told.values():
+        if record.link not in by_name:
+            raise UnknownName(
+                "link", record.link, by_name, at(record.where, f"Frame {record.name!r} is to be on it.")
+            )
+        if record.name in taken:
+            raise ModelError(
+                at(
+                    record.where,
+                    f"Frame {record.name!r} has the name of a {taken[record.name].replace('_', ' ')}. Rename it.",
+                )
+            )
+        link = by_name[record.link]
+        pose = snap_pose(link.placement @ record.placement)
+        frames.append(Frame(record.name, link.joint, pose, record.kind, link.name, record.placement))
+    return tuple(frames)
+
+
+def _aggregate(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> tuple[tuple[Inertia, ...], Inertia]:
+    """For each joint, and for the world, the inertia of the links it carries, in its moving frame."""
+    sums: list[Inertia | None] = [None] * (len(joints) + 1)  # the last one is the world, index -1
+    for link in links:
+        if link.inertia.mass == 0.0 and not link.inertia.inertia.any():
+            continue
+        own = link.placement.act(link.inertia)
+        so_far = sums[link.joint]
+        sums[link.joint] = own if so_far is None else so_far + own
+    done = [
+        Inertia(float(i.mass), constant(i.com + 0.0), constant(i.inertia + 0.0))
+        for i in (Inertia.zero() if i is None else i for i in sums)
+    ]
+    return tuple(done[:-1]), done[-1]
+
+
+def _warn_of_inertias(model: str, links: Mapping[str, LinkRecord]) -> None:
+    wrong = []
+    for link in links.values():
+        moments = np.linalg.eigvalsh(link.inertia.inertia)
+        if moments[0] < -1e-9 * max(float(np.abs(moments).max()), 1e-12):
+            wrong.append(at(link.where, f"{link.name!r} ({moments[0]:.3g} kg m^2)"))
+    if wrong:
+        warnings.warn(
+            f"Model {model!r}: no body has these inertias, a principal moment is negative: {', '.join(wrong)}. "
+            "Kinematics are right; do not trust the dynamics.",
+            ModelWarning,
+            stacklevel=4,
+        )
+
+
+def _default_tool(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> str:
+    """The leaf link with the most joints of its own before it; the first of those."""
+    depth = [0] * (len(joints) + 1)
+    for i, joint in enumerate(joints):
+        depth[i] = depth[joint.parent] + (joint.mimic is None)
+    inner = {link.parent for link in links}
+    leaves = [link for link in links if link.name not in inner]
+    return max(leaves, key=lambda link: depth[link.joint]).name
+
+
+def _checked_pairs(
+    pairs: tuple[tuple[str, str], ...], links: Mapping[str, LinkRecord]
+) -> tuple[tuple[str, str], ...]:
+    for pair in pairs:
+        for link in pair:
+            if link not in links:
+                raise UnknownName("link", link, links, "Its collision check is to be disabled.")
+    return tuple(sorted(pairs))
+
+
+def _checked_groups(
+    groups: Mapping[str, tuple[str, ...]], joints: Mapping[str, JointRecord], root_joint: JointRecord | None
+) -> dict[str, tuple[str, ...]]:
+    every = dict(joints) if root_joint is None else {**joints, root_joint.name: root_joint}
+    for group, names in groups.items():
+        for name in names:
+            if name not in every:
+                raise UnknownName("joint", name, every, f"It is to be in group {group!r}.")
+    return {group: tuple(n for n in names if every[n].movable) for group, names in groups.items()}

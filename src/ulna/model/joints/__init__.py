@@ -1,0 +1,26 @@
+"""The kinds of joints."""
+
+from ulna.model.joints.ball import FreeFlyer, Spherical
+from ulna.model.joints.base import Coordinate, JointKind, VectorKind
+from ulna.model.joints.composite import Composite
+from ulna.model.joints.fixed import Fixed
+from ulna.model.joints.planar import Planar
+from ulna.model.joints.sliding import Prismatic, Translation
+from ulna.model.joints.turning import Continuous, Helical, Revolute, Universal
+
+__all__ = [
+    "Composite",
+    "Continuous",
+    "Coordinate",
+    "Fixed",
+    "FreeFlyer",
+    "Helical",
+    "JointKind",
+    "Planar",
+    "Prismatic",
+    "Revolute",
+    "Spherical",
+    "Translation",
+    "Universal",
+    "VectorKind",
+]

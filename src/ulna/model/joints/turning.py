@@ -1,0 +1,157 @@
+"""Joints that turn about fixed axes: revolute, continuous, universal and the screw."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.model.joints.axes import ZERO, Axis, rotate_about, rotation_about, scaled_axis, unit, unit_axis
+from ulna.model.joints.base import Coordinate, VectorKind, angle
+from ulna.model.joints.words import axis_name
+from ulna.numeric import arctan2, cross, is_symbolic, sincos
+from ulna.spatial import SE3, Motion
+from ulna.spatial.batched import column
+from ulna.typing import Array
+
+
+def wrap(x: Any) -> Any:
+    """The angle in (-pi, pi] that differs from `x` by whole turns; numbers already there keep their bits."""
+    if is_symbolic(x):
+        s, c = sincos(x)
+        return arctan2(s, c)
+    return x - 2.0 * math.pi * np.ceil((x - math.pi) / (2.0 * math.pi))
+
+
+@dataclass(frozen=True)
+class Revolute(VectorKind):
+    """Turns about an axis, mostly between limits; q is the angle [rad].
+
+    Args:
+        axis: Axis in the fixed frame; scaled to length 1.
+    """
+
+    axis: Axis = (0.0, 0.0, 1.0)
+    name: ClassVar[str] = "revolute"
+    symbol: ClassVar[str] = "R"
+    coordinates: ClassVar[tuple[Coordinate, ...]] = (angle(),)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axis", unit_axis(self.axis))
+
+    def describe(self) -> str:
+        """A few words for tables."""
+        return f"{self.name} about {axis_name(self.axis)}"
+
+    def transform(self, q: Array) -> SE3:
+        """T_fixed_moving: a rotation by q about the axis."""
+        return SE3(rotation_about(self.axis, q[..., 0]), ZERO)
+
+    def motion_subspace(self, q: Array) -> tuple[Motion, ...]:
+        """(0; axis)."""
+        return (Motion(ZERO, unit(self.axis)),)
+
+
+@dataclass(frozen=True)
+class Continuous(Revolute):
+    """Turns about an axis without end; q is the angle [rad], one number, and q + 2 pi is the same place.
+
+    Args:
+        axis: Axis in the fixed frame; scaled to length 1.
+    """
+
+    name: ClassVar[str] = "continuous"
+
+    def difference(self, q0: Array, q1: Array) -> Array:
+        """The shorter way round, in (-pi, pi]."""
+        return wrap(q1 - q0)
+
+    def normalize(self, q: Array) -> Array:
+        """The same place with q in (-pi, pi]."""
+        return wrap(q)
+
+
+@dataclass(frozen=True)
+class Helical(VectorKind):
+    """A screw: turns about an axis and slides along it in proportion; q is the angle [rad].
+
+    Args:
+        axis: Axis in the fixed frame; scaled to length 1.
+        pitch: Advance per angle [m/rad].
+    """
+
+    axis: Axis = (0.0, 0.0, 1.0)
+    pitch: float = 0.0
+    name: ClassVar[str] = "helical"
+    symbol: ClassVar[str] = "H"
+    coordinates: ClassVar[tuple[Coordinate, ...]] = (angle(),)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axis", unit_axis(self.axis))
+        object.__setattr__(self, "pitch", float(self.pitch))
+        if not math.isfinite(self.pitch):
+            raise InputError(f"Helical: `pitch` is {self.pitch}; expected a finite number [m/rad].")
+
+    def describe(self) -> str:
+        """A few words for tables."""
+        return f"helical about {axis_name(self.axis)}, {self.pitch:g} m/rad"
+
+    def transform(self, q: Array) -> SE3:
+        """T_fixed_moving: a rotation by q about the axis and a translation by pitch * q along it."""
+        return SE3(rotation_about(self.axis, q[..., 0]), scaled_axis(self._advance, q[..., 0]))
+
+    def motion_subspace(self, q: Array) -> tuple[Motion, ...]:
+        """(pitch * axis; axis)."""
+        return (Motion(unit(self._advance), unit(self.axis)),)
+
+    @property
+    def _advance(self) -> Axis:
+        x, y, z = (self.pitch * a for a in self.axis)
+        return (x, y, z)
+
+
+@dataclass(frozen=True)
+class Universal(VectorKind):
+    """Turns about a first axis, then about a second one that the first carries; q is both angles [rad].
+
+    Args:
+        axis1: First axis, in the fixed frame; scaled to length 1.
+        axis2: Second axis, in the moving frame; scaled to length 1, not parallel to the first.
+    """
+
+    axis1: Axis = (1.0, 0.0, 0.0)
+    axis2: Axis = (0.0, 1.0, 0.0)
+    name: ClassVar[str] = "universal"
+    symbol: ClassVar[str] = "U"
+    coordinates: ClassVar[tuple[Coordinate, ...]] = (angle("1"), angle("2"))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axis1", unit_axis(self.axis1, "axis1"))
+        object.__setattr__(self, "axis2", unit_axis(self.axis2, "axis2"))
+        if np.linalg.norm(np.cross(self.axis1, self.axis2)) < 1e-9:
+            raise InputError(
+                f"Universal: `axis1` {self.axis1} and `axis2` {self.axis2} are parallel; "
+                "expected two directions. For one axis use Revolute."
+            )
+
+    def describe(self) -> str:
+        """A few words for tables."""
+        return f"universal about {axis_name(self.axis1)}, {axis_name(self.axis2)}"
+
+    def transform(self, q: Array) -> SE3:
+        """T_fixed_moving: R(axis1, q1) R(axis2, q2)."""
+        return SE3(rotation_about(self.axis1, q[..., 0]) @ rotation_about(self.axis2, q[..., 1]), ZERO)
+
+    def motion_subspace(self, q: Array) -> tuple[Motion, ...]:
+        """The first axis as the moving frame sees it, R(axis2, q2)^T axis1, and the second axis."""
+        return Motion(ZERO, self._first(q)), Motion(ZERO, unit(self.axis2))
+
+    def bias(self, q: Array, v: Array) -> Motion:
+        """d/dt (R(axis2, q2)^T axis1) v1 = (S1 x axis2) v1 v2."""
+        return Motion(ZERO, column(v[..., 0] * v[..., 1]) * cross(self._first(q), unit(self.axis2)))
+
+    def _first(self, q: Array) -> Array:
+        return rotate_about(self.axis2, -q[..., 1], self.axis1)

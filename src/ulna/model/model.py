@@ -1,0 +1,273 @@
+"""The model of a robot: joints, links, frames and inertias as frozen data, made by a `ModelBuilder`."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import UnknownName
+from ulna.model.content import fingerprint
+from ulna.model.joints.axes import constant
+from ulna.model.named import Named
+from ulna.model.parts import Frame, FrameKind, Joint, Link
+from ulna.spatial import Inertia
+from ulna.typing import Floats
+
+_LOOKUP_ORDER: tuple[FrameKind, ...] = ("link", "tool", "user", "joint", "fixed_joint")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Model:
+    """A tree of joints with the bodies they carry.
+
+    Two models are equal when their content is; the hash and `fingerprint` go by content too and are the same in
+    every process. Everything in it is read-only; functions such as `ulna.model.lock_joints` return new models.
+
+    Attributes:
+        name: Its name.
+        joints: The joints that move, parents before children, depth first in the order of the file.
+        links: The bodies, parents before children, depth first in the order of the file.
+        frames: Every link, every joint (fixed ones too) and every named point is a frame.
+        inertias: For each joint, all it carries rigidly, in its moving frame.
+        base_inertia: All that does not move, in the world frame.
+        gravity: Acceleration of free fall in the world frame, shape (3,) [m/s^2].
+        configurations: Named positions, each of shape (nq,).
+        tool: Name of the frame that is meant when none is named.
+        disabled_pairs: Pairs of link names that need no collision check.
+        groups: Named groups of joint names.
+        source: The file it was read from; takes no part in equality.
+    """
+
+    name: str
+    joints: tuple[Joint, ...]
+    links: tuple[Link, ...]
+    frames: tuple[Frame, ...]
+    inertias: tuple[Inertia, ...]
+    base_inertia: Inertia
+    gravity: Floats
+    configurations: Mapping[str, Floats]
+    tool: str
+    disabled_pairs: tuple[tuple[str, str], ...] = ()
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    source: str | None = None
+
+    def __post_init__(self) -> None:
+        set_field = object.__setattr__
+        set_field(self, "gravity", constant(self.gravity))
+        positions = {name: np.array(q, dtype=float) for name, q in self.configurations.items()}
+        set_field(self, "configurations", Named("configuration", positions))
+        set_field(self, "groups", Named("group", self.groups))
+
+    # sizes and vectors ---------------------------------------------------------------------------------------
+
+    @cached_property
+    def nq(self) -> int:
+        """Number of entries of q."""
+        return sum(joint.nq for joint in self.joints)
+
+    @cached_property
+    def nv(self) -> int:
+        """Number of entries of v."""
+        return sum(joint.nv for joint in self.joints)
+
+    @cached_property
+    def lower_position(self) -> Floats:
+        """Smallest positions, shape (nq,) [rad, m]; -inf where there is no limit."""
+        return self._gather(lambda joint: joint.limits.lower)
+
+    @cached_property
+    def upper_position(self) -> Floats:
+        """Largest positions, shape (nq,) [rad, m]; inf where there is no limit."""
+        return self._gather(lambda joint: joint.limits.upper)
+
+    @cached_property
+    def velocity_limit(self) -> Floats:
+        """Largest speeds, shape (nv,) [rad/s, m/s]; inf where there is no limit."""
+        return self._gather(lambda joint: joint.limits.velocity)
+
+    @cached_property
+    def effort_limit(self) -> Floats:
+        """Largest forces and torques, shape (nv,) [N, N m]; inf where there is no limit."""
+        return self._gather(lambda joint: joint.limits.effort)
+
+    @cached_property
+    def damping(self) -> Floats:
+        """Viscous friction, shape (nv,) [N s/m, N m s/rad]."""
+        return self._gather(lambda joint: joint.damping)
+
+    @cached_property
+    def friction(self) -> Floats:
+        """Coulomb friction, shape (nv,) [N, N m]."""
+        return self._gather(lambda joint: joint.friction)
+
+    @cached_property
+    def armature(self) -> Floats:
+        """Inertia of the drives seen at the joints, shape (nv,) [kg, kg m^2]."""
+        return self._gather(lambda joint: joint.armature)
+
+    @cached_property
+    def neutral(self) -> Floats:
+        """The position with every joint's moving frame on its fixed frame, shape (nq,); limits play no part."""
+        return self._gather(lambda joint: joint.kind.neutral())
+
+    @cached_property
+    def mass(self) -> float:
+        """Mass of all links, also of those that do not move [kg]."""
+        return float(sum(link.inertia.mass for link in self.links))
+
+    def _gather(self, part: Callable[[Joint], Iterable[float]]) -> Floats:
+        return constant([x for joint in self.joints if joint.mimic is None for x in part(joint)])
+
+    # names ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints that move, mimic joints included."""
+        return tuple(joint.name for joint in self.joints)
+
+    @cached_property
+    def link_names(self) -> tuple[str, ...]:
+        """Names of the links."""
+        return tuple(link.name for link in self.links)
+
+    @cached_property
+    def frame_names(self) -> tuple[str, ...]:
+        """Names of the frames; a link and a joint that share a name appear once."""
+        return tuple(dict.fromkeys(frame.name for frame in self.frames))
+
+    @cached_property
+    def position_names(self) -> tuple[str, ...]:
+        """A name for each entry of q: the joint's, followed by the coordinate's where it has several."""
+        return _coordinate_names((j.name, j.kind.coordinates) for j in self.joints if j.mimic is None)
+
+    @cached_property
+    def velocity_names(self) -> tuple[str, ...]:
+        """A name for each entry of v: the joint's, followed by the coordinate's where it has several."""
+        return _coordinate_names((j.name, j.kind.rates) for j in self.joints if j.mimic is None)
+
+    def joint(self, name: str) -> Joint:
+        """The movable joint of that name. Raises UnknownName with the nearest one."""
+        return self.joints[self.joint_index(name)]
+
+    def link(self, name: str) -> Link:
+        """The link of that name. Raises UnknownName with the nearest one."""
+        return self.links[self.link_index(name)]
+
+    def frame(self, name: str, kind: FrameKind | None = None) -> Frame:
+        """The frame of that name; where a link and a joint share it, the link's, unless `kind` says otherwise.
+
+        Raises:
+            UnknownName: there is none; offers the nearest one.
+        """
+        if kind is None:
+            return self.frames[self.frame_index(name)]
+        of_kind = {frame.name: frame for frame in self.frames if frame.kind == kind}
+        if name not in of_kind:
+            raise UnknownName(f"{kind} frame", name, of_kind)
+        return of_kind[name]
+
+    def joint_index(self, name: str) -> int:
+        """Where the joint of that name stands in `joints`. Raises UnknownName with the nearest one."""
+        index = self._joint_places.get(name)
+        if index is None:
+            fixed = any(frame.name == name and frame.kind == "fixed_joint" for frame in self.frames)
+            raise UnknownName("joint", name, self.joint_names, "That joint is fixed." if fixed else "")
+        return index
+
+    def link_index(self, name: str) -> int:
+        """Where the link of that name stands in `links`. Raises UnknownName with the nearest one."""
+        index = self._link_places.get(name)
+        if index is None:
+            raise UnknownName("link", name, self.link_names)
+        return index
+
+    def frame_index(self, name: str) -> int:
+        """Where the frame of that name stands in `frames`. Raises UnknownName with the nearest one."""
+        index = self._frame_places.get(name)
+        if index is None:
+            raise UnknownName("frame", name, self.frame_names)
+        return index
+
+    @cached_property
+    def _joint_places(self) -> dict[str, int]:
+        return {name: i for i, name in enumerate(self.joint_names)}
+
+    @cached_property
+    def _link_places(self) -> dict[str, int]:
+        return {name: i for i, name in enumerate(self.link_names)}
+
+    @cached_property
+    def _frame_places(self) -> dict[str, int]:
+        places: dict[str, int] = {}
+        for kind in _LOOKUP_ORDER:
+            for i, frame in enumerate(self.frames):
+                if frame.kind == kind:
+                    places.setdefault(frame.name, i)
+        return places
+
+    # the tree ------------------------------------------------------------------------------------------------
+
+    def children(self, joint: int) -> tuple[int, ...]:
+        """Indices of the joints that follow `joint` at once; -1 asks for those on the world."""
+        return tuple(i for i, other in enumerate(self.joints) if other.parent == joint)
+
+    def support(self, joint: int) -> tuple[int, ...]:
+        """Indices of the joints from the world out to `joint`, both ends included; () for -1, the world."""
+        chain = []
+        while joint >= 0:
+            chain.append(joint)
+            joint = self.joints[joint].parent
+        return tuple(reversed(chain))
+
+    def subtree(self, joint: int) -> tuple[int, ...]:
+        """Indices of the joints moved by `joint`, itself included, in order; -1 asks for all."""
+        inside = {joint}
+        for i, other in enumerate(self.joints):
+            if other.parent in inside:
+                inside.add(i)
+        return tuple(sorted(inside - {-1}))
+
+    # content -------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 of the content, 64 hexadecimal digits; the same in every process and on every machine.
+
+        Meshes count by file name and scale, not by the folder they lie in; `source` does not count.
+        """
+        return fingerprint([getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "source"])
+
+    def __eq__(self, other: object) -> bool:
+        return self.fingerprint == other.fingerprint if isinstance(other, Model) else NotImplemented
+
+    def __hash__(self) -> int:
+        return int(self.fingerprint[:15], 16)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # without the cached properties, and through __post_init__, which makes the arrays read-only again
+        return Model, tuple(_plain(getattr(self, f.name)) for f in dataclasses.fields(self))
+
+    def table(self) -> str:
+        """Joints, kinds, axes, limits, parents and masses as a text table."""
+        from ulna.model.table import table
+
+        return table(self)
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def __repr__(self) -> str:
+        return f"<Model {self.name!r}: {len(self.joints)} joints, nq={self.nq}, nv={self.nv}, tool={self.tool!r}>"
+
+
+def _plain(value: Any) -> Any:
+    return dict(value) if isinstance(value, Named) else value
+
+
+def _coordinate_names(entries: Iterable[tuple[str, Iterable[Any]]]) -> tuple[str, ...]:
+    return tuple(f"{joint}.{c.name}" if c.name else joint for joint, cs in entries for c in cs)

@@ -1,0 +1,67 @@
+"""From what a person writes for a position, an array or numbers by joint name, to q."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import ModelError, UnknownName
+from ulna.model.model import Model
+from ulna.typing import Floats
+
+
+def position(model: Model, q: Any, what: str = "q", base: Floats | None = None) -> Floats:
+    """The position (nq,) of a model.
+
+    Args:
+        model: The model.
+        q: The position (nq,); or numbers by joint name, where those left out stand as in `base` and mimic joints may
+            be listed but follow their source; or the name of a configuration.
+        what: What it is called in messages.
+        base: Where the joints left out stand; None for neutral.
+
+    Raises:
+        UnknownName: no joint or configuration of that name moves.
+        ModelError: wrong shape, nan or inf, or a quaternion that is far from unit length.
+    """
+    if isinstance(q, str):
+        return np.array(model.configurations[q])
+    if isinstance(q, Mapping):
+        out = np.array(model.neutral if base is None else base, dtype=float)
+        for name, value in q.items():
+            if name not in model.joint_names:
+                raise UnknownName("movable joint", name, model.joint_names, f"It is in {what}.")
+            joint = model.joint(name)
+            local = local_position(joint.kind.nq, value, f"joint {name!r} in {what}")
+            if joint.mimic is None:
+                out[joint.idx_q : joint.idx_q + joint.nq] = local
+    else:
+        out = local_position(
+            model.nq, q, what, f"one number for each of {', '.join(model.position_names[:8])}"
+        )
+    for joint in model.joints:
+        if joint.mimic is None and joint.kind.has_quaternion:
+            part = slice(joint.idx_q, joint.idx_q + joint.nq)
+            unit = joint.kind.normalize(out[part])
+            if np.abs(unit - out[part])[[c.unit == "" for c in joint.kind.coordinates]].max() > 1e-3:
+                raise ModelError(f"The quaternion of joint {joint.name!r} in {what} is not of unit length.")
+            out[part] = unit
+    return out
+
+
+def local_position(count: int, value: Any, what: str, each: str = "") -> Floats:
+    """`value` as `count` finite numbers."""
+    try:
+        out = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ModelError(f"The {what} is {value!r}; expected {count} numbers.") from None
+    if out.ndim == 0 and count == 1:
+        out = out.reshape(1)
+    if out.shape != (count,):
+        hint = f", {each}" if each else ""
+        raise ModelError(f"The {what} has shape {out.shape}; expected ({count},){hint}.")
+    if not np.isfinite(out).all():
+        raise ModelError(f"The {what} holds nan or inf; expected finite numbers.")
+    return out

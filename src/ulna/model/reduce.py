@@ -1,0 +1,79 @@
+"""Locking joints: the model with fewer of them that is left when some stand still."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError, UnknownName
+from ulna.model.builder import ModelBuilder
+from ulna.model.merge import copy_position
+from ulna.model.model import Model
+from ulna.model.positions import local_position, position
+from ulna.typing import Floats
+
+
+def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any = None) -> Model:
+    """The model with some joints held still; their links move with the bodies before them.
+
+    Names, limits, visuals, frames, the tool and the configurations stay; the configurations lose the entries of the
+    locked joints. The frame of a locked joint becomes that of a fixed joint. A mimic joint whose source is locked
+    is locked where the source's position puts it.
+
+    Args:
+        model: The model.
+        joints: Names of the joints to lock, at the position `q` gives them; or a dictionary from names to positions
+            [rad, m], one number or (nq of the joint,).
+        q: The position (nq,) the named joints are locked at, the name of a configuration, or a dictionary; None for
+            neutral. Joints with a position of their own in `joints` do not look at it.
+
+    Returns:
+        The reduced model.
+
+    Raises:
+        UnknownName: no movable joint of that name.
+        InputError: `joints` is a single string.
+    """
+    if isinstance(joints, str):
+        raise InputError(
+            f"`joints` is the string {joints!r}; expected names in a list, such as [{joints!r}]."
+        )
+    told: Mapping[str, Any] = joints if isinstance(joints, Mapping) else dict.fromkeys(joints)
+    whole = np.array(model.neutral) if q is None else position(model, q)
+    locked: dict[str, Floats] = {}
+    for name, value in told.items():
+        if name not in model.joint_names:
+            raise UnknownName("movable joint", name, model.joint_names, "It is to be locked.")
+        joint = model.joint(name)
+        if value is None:
+            locked[name] = np.asarray(joint.kind.normalize(joint.q_of(whole)))
+        else:
+            own = local_position(joint.kind.nq, value, f"position to lock joint {name!r} at")
+            locked[name] = np.asarray(joint.kind.normalize(own))
+            if joint.mimic is None:
+                whole[joint.idx_q : joint.idx_q + joint.nq] = own
+    for joint in model.joints:
+        if joint.mimic is not None and joint.name not in locked:
+            if model.joints[joint.mimic.source].name in locked:
+                locked[joint.name] = np.asarray(joint.q_of(whole))
+    return rebuilt(model, locked=locked)
+
+
+def rebuilt(
+    model: Model, *, locked: Mapping[str, Floats] | None = None, root: Mapping[str, Any] | None = None
+) -> Model:
+    """The model built anew, with joints locked or with another root joint (arguments of `root_joint`)."""
+    builder = ModelBuilder(model.name, model.source)
+    builder.gravity = model.gravity
+    builder.add_model(model, locked=locked)
+    if root is not None:
+        builder.root_joint(**root)
+    builder.set_tool(model.tool)
+    bare = builder.build()
+    for name, old in model.configurations.items():
+        new = np.array(bare.neutral)
+        copy_position(model, old, bare, new)
+        builder.add_configuration(name, new)
+    return builder.build() if model.configurations else bare

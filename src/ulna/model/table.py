@@ -1,0 +1,128 @@
+"""A model as a text table: what moves how, between which limits, and what it weighs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ulna.model.joints import Coordinate
+from ulna.model.model import Model
+from ulna.model.parts import Joint
+
+
+def table(model: Model) -> str:
+    """The table: one row for each link and each further frame; the tool is marked with ``@``."""
+    lines = [_headline(model), _grid(_HEADER, _rows(model), right={0, 7})]
+    if model.configurations:
+        names = [joint.name for joint in model.joints if joint.mimic is None]
+        rows = [
+            [name, *(_position(j, q[j.idx_q : j.idx_q + j.nq]) for j in model.joints if j.mimic is None)]
+            for name, q in model.configurations.items()
+        ]
+        lines.append(_grid(["configuration", *names], rows, right=set(range(1, len(names) + 1))))
+    return "\n".join(lines)
+
+
+_HEADER = ["#", "joint", "motion", "parent", "link", "limits", "speed, effort", "mass kg"]
+
+
+def _headline(model: Model) -> str:
+    letters = "".join(joint.kind.symbol for joint in model.joints)
+    mimics = sum(joint.mimic is not None for joint in model.joints)
+    parts = [
+        f"{_count(len(model.joints), 'joint')}" + (f" ({letters})" if 0 < len(letters) <= 40 else ""),
+        *([f"{mimics} of them mimic"] if mimics else []),
+        f"nq {model.nq}",
+        f"nv {model.nv}",
+        _count(len(model.links), "link"),
+        f"{model.mass:.4g} kg",
+        f"tool @{model.tool}",
+    ]
+    return f"{model.name}: " + ", ".join(parts)
+
+
+def _count(n: int, what: str) -> str:
+    return f"{n} {what}" + ("" if n == 1 else "s")
+
+
+def _rows(model: Model) -> list[list[str]]:
+    rows = []
+    for link in model.links:
+        mass = f"{link.inertia.mass:.4g}" if link.inertia.mass else ""
+        mark = "@" if model.frame(model.tool).name == link.name else ""
+        joint_mark = "@" if model.tool == link.parent_joint and not mark else ""
+        head = [f"{joint_mark}{link.parent_joint or ''}"]
+        tail = [link.parent or "(world)", mark + link.name]
+        if link.parent_joint in model.joint_names:
+            index = model.joint_index(str(link.parent_joint))
+            joint = model.joints[index]
+            rows.append(
+                [str(index), *head, joint.kind.describe(), *tail, _limits(model, joint), _rates(joint), mass]
+            )
+        else:
+            rows.append(["", *head, "fixed" if link.parent_joint else "", *tail, "", "", mass])
+    for frame in model.frames:
+        if frame.kind in ("user", "tool"):
+            mark = "@" if frame.name == model.tool else ""
+            rows.append(["", "", f"{frame.kind} frame", frame.link, mark + frame.name, "", "", ""])
+    return rows
+
+
+def _limits(model: Model, joint: Joint) -> str:
+    if joint.mimic is not None:
+        m = joint.mimic
+        factor = "" if m.multiplier == 1.0 else "-" if m.multiplier == -1.0 else f"{m.multiplier:g} "
+        shift = f" {'+' if m.offset > 0 else '-'} {abs(m.offset):g}" if m.offset else ""
+        return f"= {factor}{model.joints[m.source].name}{shift}"
+    parts = []
+    for c, low, high in zip(joint.kind.coordinates, joint.limits.lower, joint.limits.upper, strict=True):
+        if math.isfinite(low) or math.isfinite(high):
+            parts.append(f"{c.name} {_interval(c, low, high)}".strip())
+    return "; ".join(parts) or "none"
+
+
+def _interval(c: Coordinate, low: float, high: float) -> str:
+    text = f"{low:.4g} .. {high:.4g}" + (f" {c.unit}" if c.unit else "")
+    if c.unit == "rad":
+        text += f" ({math.degrees(low):.4g}° .. {math.degrees(high):.4g}°)"
+    return text
+
+
+def _rates(joint: Joint) -> str:
+    parts = []
+    for c, speed, effort in zip(joint.kind.rates, joint.limits.velocity, joint.limits.effort, strict=True):
+        if math.isfinite(speed):
+            parts.append(f"{speed:.4g} {c.unit}/s")
+        if math.isfinite(effort):
+            parts.append(f"{effort:.4g} {'N m' if c.unit == 'rad' else 'N'}")
+    return ", ".join(dict.fromkeys(parts))
+
+
+def _position(joint: Joint, q: Sequence[float]) -> str:
+    return " ".join(
+        f"{math.degrees(x) + 0.0:.4g}°" if c.unit == "rad" else f"{x:.4g}" + (f" {c.unit}" if c.unit else "")
+        for c, x in zip(joint.kind.coordinates, q, strict=True)
+    )
+
+
+def _grid(header: Sequence[str], rows: Sequence[Sequence[str]], right: set[int]) -> str:
+    """Rows under a header in light box-drawing characters; columns in which nothing stands are left out."""
+    kept = [i for i in range(len(header)) if any(row[i] for row in rows)]
+    widths = {i: max(len(row[i]) for row in [header, *rows]) for i in kept}
+
+    def line(left: str, middle: str, end: str) -> str:
+        return left + middle.join("─" * (widths[i] + 2) for i in kept) + end
+
+    def text(row: Sequence[str]) -> str:
+        cells = (row[i].rjust(widths[i]) if i in right else row[i].ljust(widths[i]) for i in kept)
+        return "│ " + " │ ".join(cells) + " │"
+
+    return "\n".join(
+        [
+            line("┌", "┬", "┐"),
+            text(header),
+            line("├", "┼", "┤"),
+            *(text(row) for row in rows),
+            line("└", "┴", "┘"),
+        ]
+    )
