@@ -1,0 +1,34 @@
+"""The three references in which the motion of a frame is written.
+
+| reference | origin at which the linear part is taken | axes |
+|---|---|---|
+| "world" | the world's origin | the world's |
+| "local" | the frame's origin | the frame's |
+| "local_world_aligned" | the frame's origin | the world's |
+"""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias, get_args
+
+from ulna.errors import UnknownName
+from ulna.numeric import apply
+from ulna.spatial import SE3, Motion
+
+Reference: TypeAlias = Literal["world", "local", "local_world_aligned"]
+
+
+def check_reference(reference: str) -> None:
+    """Raises UnknownName unless `reference` is one of the three."""
+    if reference not in get_args(Reference):
+        raise UnknownName("reference", reference, get_args(Reference))
+
+
+def in_reference(local: Motion, T_world_frame: SE3, reference: Reference) -> Motion:
+    """A twist written in its own frame, rewritten in `reference`."""
+    if reference == "local":
+        return local
+    if reference == "world":
+        return T_world_frame.act(local)
+    R = T_world_frame.rotation
+    return Motion(apply(R, local.linear), apply(R, local.angular))

@@ -1,0 +1,282 @@
+"""Small dense linear algebra on floats, symbols and traced scalars alike.
+
+Float matrices (with any leading batch axes) go to LAPACK. Object matrices are eliminated in unrolled steps, so that
+structural zeros cost nothing; the order is that of Golub & Van Loan, Matrix Computations (2013), the section named
+at each function. Sizes are those of robotics, up to a few dozen rows.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna import numeric
+from ulna.numeric import is_symbolic
+from ulna.typing import Array
+
+_Rows = list[list[Any]]
+
+
+def orthogonalise(a: Array) -> tuple[Array, Array, Array]:
+    """Splits `a = l @ q` into a unit lower triangle and orthogonal rows, by modified Gram-Schmidt (GVL 5.2.8).
+
+    A row that depends on the rows above it leaves a zero row in `q` and zeros below it in `l`; nothing is divided
+    by zero.
+
+    Args:
+        a: (..., m, n).
+
+    Returns:
+        l (..., m, m), q (..., m, n), and the squared lengths of the rows of `q` (..., m).
+    """
+    m = a.shape[-2]
+    rows = [a[..., i, :] for i in range(m)]
+    zero, one = 0.0 * a[..., 0, 0], 0.0 * a[..., 0, 0] + 1.0
+    lower: _Rows = [[one if i == j else zero for j in range(m)] for i in range(m)]
+    squares = []
+    for j in range(m):
+        square = numeric.dot(rows[j], rows[j])
+        squares.append(square)
+        if j + 1 < m:
+            scale = reciprocal_or_zero(square)
+            for i in range(j + 1, m):
+                factor = numeric.dot(rows[j], rows[i]) * scale
+                lower[i][j] = factor
+                rows[i] = rows[i] - _column(factor) * rows[j]
+    return numeric.matrix(lower), np.stack(rows, axis=-2), numeric.vector(*squares)
+
+
+def volume(a: Array) -> Any:
+    """Volume spanned by the rows of `a` (..., m, n): the square root of `det(a @ a.T)`, without squaring its error.
+
+    Zero when the rows are dependent, hence whenever m > n.
+    """
+    return volume_of(orthogonalise(a)[2])
+
+
+def volume_of(squares: Array) -> Any:
+    """Volume of a box, from the squared lengths of its edges (..., m)."""
+    product = squares[..., 0]
+    for i in range(1, squares.shape[-1]):
+        product = product * squares[..., i]
+    return numeric.sqrt(product)
+
+
+def ldl(a: Array) -> tuple[Array, Array]:
+    """Splits a symmetric positive definite `a = l @ diag(d) @ l.T`, l unit lower triangular (GVL 4.1.2).
+
+    Args:
+        a: (..., n, n); only its lower triangle is read.
+
+    Returns:
+        l (..., n, n) and d (..., n).
+    """
+    if not is_symbolic(a):
+        root = np.linalg.cholesky(a)
+        diagonal = np.diagonal(root, axis1=-2, axis2=-1)
+        return root / diagonal[..., None, :], diagonal * diagonal
+    rows, d = _ldl(_rows(a))
+    return _matrix(rows), _vector(d)
+
+
+def cholesky(a: Array) -> Array:
+    """The lower triangle l with `a = l @ l.T` of a symmetric positive definite `a` (..., n, n) (GVL 4.2.5)."""
+    if not is_symbolic(a):
+        return np.linalg.cholesky(a)
+    lower, d = ldl(a)
+    return lower * numeric.sqrt(d)
+
+
+def solve_spd(a: Array, b: Array) -> Array:
+    """Solves `a @ x = b` for a symmetric positive definite `a`.
+
+    Args:
+        a: (..., n, n); only its lower triangle is read when it is traced.
+        b: (..., n) or (..., n, k); a vector when it has one axis less than `a`.
+    """
+    if not is_symbolic(a, b):
+        return _lapack_solve(a, b)
+    lower, d = _ldl(_rows(a))
+    inverse = [1.0 / x for x in d]
+    n = len(d)
+
+    def one(column: list[Any]) -> list[Any]:
+        y = list(column)
+        for i in range(n):
+            for j in range(i):
+                y[i] = y[i] - lower[i][j] * y[j]
+        y = [y[i] * inverse[i] for i in range(n)]
+        for i in reversed(range(n)):
+            for j in range(i + 1, n):
+                y[i] = y[i] - lower[j][i] * y[j]
+        return y
+
+    return _by_column(one, b)
+
+
+def solve(a: Array, b: Array) -> Array:
+    """Solves `a @ x = b` for any invertible `a` by elimination with row pivoting (GVL 3.4).
+
+    A traced matrix is pivoted by selection, in the same order as a float one. Symbols cannot be compared: their
+    pivots are the first entries that are not the number zero.
+
+    Args:
+        a: (..., n, n).
+        b: (..., n) or (..., n, k); a vector when it has one axis less than `a`.
+    """
+    if not is_symbolic(a, b):
+        return _lapack_solve(a, b)
+    n = a.shape[-1]
+    right = b if b.ndim == 2 else b[:, None]
+    rows = [list(left) + list(extra) for left, extra in zip(_rows(a), right, strict=True)]
+    _eliminate(rows, n)
+    k = right.shape[1]
+    for i in reversed(range(n)):
+        inverse = 1.0 / rows[i][i]
+        for c in range(n, n + k):
+            value = rows[i][c]
+            for j in range(i + 1, n):
+                value = value - rows[i][j] * rows[j][c]
+            rows[i][c] = value * inverse
+    x = _matrix([row[n:] for row in rows])
+    return x if b.ndim == 2 else x[:, 0]
+
+
+def inverse(a: Array) -> Array:
+    """The inverse of `a` (..., n, n)."""
+    if not is_symbolic(a):
+        return np.linalg.inv(a)
+    return solve(a, np.eye(a.shape[-1]))
+
+
+def determinant(a: Array) -> Any:
+    """The determinant of `a` (..., n, n): cofactors up to 3 rows, elimination beyond."""
+    if not is_symbolic(a):
+        return np.linalg.det(a)
+    rows = _rows(a)
+    if len(rows) > 3:
+        sign = _eliminate(rows, len(rows))
+        product = sign * rows[0][0]
+        for i in range(1, len(rows)):
+            product = product * rows[i][i]
+        return product
+    return _cofactors(rows)
+
+
+def _cofactors(rows: _Rows) -> Any:
+    if not rows:
+        return 1.0
+    if len(rows) == 1:
+        return rows[0][0]
+    if len(rows) == 2:
+        (a, b), (c, d) = rows
+        return a * d - b * c
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+def _ldl(a: _Rows) -> tuple[_Rows, list[Any]]:
+    n = len(a)
+    lower: _Rows = [[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)]
+    d: list[Any] = []
+    for i in range(n):
+        scaled = []  # l[i][j] * d[j], which both the next entries of the row and the pivot need
+        for j in range(i):
+            value = a[i][j]
+            for k in range(j):
+                value = value - scaled[k] * lower[j][k]
+            scaled.append(value)
+            lower[i][j] = value / d[j]
+        pivot = a[i][i]
+        for j in range(i):
+            pivot = pivot - scaled[j] * lower[i][j]
+        d.append(pivot)
+    return lower, d
+
+
+def _eliminate(rows: _Rows, n: int) -> Any:
+    """Brings the first n columns of `rows` to upper triangular form in place; returns the sign of the row swaps."""
+    sign: Any = 1.0
+    for k in range(n):
+        for i in range(k + 1, n):
+            swap = _is_better_pivot(rows[i][k], rows[k][k])
+            if swap is False:
+                continue
+            upper, lower = rows[k], rows[i]
+            rows[k] = upper[:k] + [_pick(swap, y, x) for x, y in zip(upper[k:], lower[k:], strict=True)]
+            rows[i] = lower[:k] + [_pick(swap, x, y) for x, y in zip(upper[k:], lower[k:], strict=True)]
+            sign = _pick(swap, -sign, sign)
+        for i in range(k + 1, n):
+            if _is_zero(rows[i][k]):
+                continue
+            factor = rows[i][k] / rows[k][k]
+            rows[i] = rows[i][: k + 1] + [
+                y - factor * x for x, y in zip(rows[k][k + 1 :], rows[i][k + 1 :], strict=True)
+            ]
+    return sign
+
+
+def _is_better_pivot(candidate: Any, pivot: Any) -> Any:
+    """Whether to swap: a bool where it is known, else a traced condition."""
+    if _is_zero(candidate):
+        return False
+    if _is_zero(pivot):
+        return True
+    if hasattr(candidate, "free_symbols") or hasattr(pivot, "free_symbols"):
+        return False
+    answer = numeric.less(abs(pivot), abs(candidate))
+    return bool(answer) if isinstance(answer, (bool, np.bool_)) else answer
+
+
+def _is_zero(x: Any) -> bool:
+    if isinstance(x, (float, int, np.generic)):
+        return bool(x == 0)
+    return bool(getattr(x, "is_zero", False) is True)
+
+
+def _pick(condition: Any, a: Any, b: Any) -> Any:
+    if isinstance(condition, bool):
+        return a if condition else b
+    return numeric.where(condition, a, b)
+
+
+def reciprocal_or_zero(x: Any) -> Any:
+    """1 / x for x > 0, else 0, elementwise."""
+    positive = numeric.less(0.0, x)
+    return numeric.where(positive, 1.0 / numeric.where(positive, x, 1.0), 0.0)
+
+
+def _column(x: Any) -> Any:
+    """`x` as a factor of a row: a batch gains an axis, a scalar stays."""
+    return x[..., None] if isinstance(x, np.ndarray) and x.ndim else x
+
+
+def _rows(a: Array) -> _Rows:
+    return [list(row) for row in a]
+
+
+def _vector(values: list[Any]) -> Array:
+    out = np.empty(len(values), dtype=object)
+    out[:] = values
+    return out
+
+
+def _matrix(rows: _Rows) -> Array:
+    out = np.empty((len(rows), len(rows[0]) if rows else 0), dtype=object)
+    for i, row in enumerate(rows):
+        for j, value in enumerate(row):
+            out[i, j] = value
+    return out
+
+
+def _by_column(f: Any, b: Array) -> Array:
+    if b.ndim == 1:
+        return _vector(f(list(b)))
+    return _matrix([list(x) for x in zip(*(f(list(b[:, k])) for k in range(b.shape[1])), strict=True)])
+
+
+def _lapack_solve(a: Array, b: Array) -> Array:
+    if b.ndim == a.ndim - 1:  # NumPy 2 takes only a 1-dimensional b for a vector
+        return np.linalg.solve(a, b[..., None])[..., 0]
+    return np.linalg.solve(a, b)

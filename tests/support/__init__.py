@@ -1,0 +1,1 @@
+"""What tests share: random models, converters from the oracles' models, numerical derivatives."""
