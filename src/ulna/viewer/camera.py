@@ -1,0 +1,73 @@
+"""Where a scene is looked at from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ulna.typing import Floats
+from ulna.viewer.scene import Scene
+
+DIRECTION = (1.55, -1.75, 0.70)
+"""From the thing looked at towards the camera: from the front right, a little above."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera.
+
+    Args:
+        position: Where it stands, in the world [m].
+        target: What it looks at, in the world [m].
+        fov: Vertical field of view [rad].
+        up: The direction that is up in the picture.
+    """
+
+    position: tuple[float, float, float] = (1.75, -1.75, 1.05)
+    target: tuple[float, float, float] = (0.22, 0.0, 0.37)
+    fov: float = float(np.deg2rad(27.0))
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    def axes(self) -> Floats:
+        """Right, up and backwards of the picture as columns, in the world: rotation camera to world, shape (3, 3)."""
+        back = np.subtract(self.position, self.target)
+        back = back / max(float(np.linalg.norm(back)), 1e-12)
+        right = np.cross(self.up, back)
+        if np.linalg.norm(right) < 1e-6:  # straight up or down: any direction serves
+            right = np.cross((0.0, 1.0, 0.0), back)
+        right = right / np.linalg.norm(right)
+        return np.stack([right, np.cross(back, right), back], axis=1)
+
+
+def frame(
+    scene: Scene, aspect: float = 1.6, direction: tuple[float, float, float] = DIRECTION, margin: float = 1.3
+) -> Camera:
+    """A camera that has the whole scene in view.
+
+    Args:
+        scene: What to look at.
+        aspect: Width over height of the picture.
+        direction: From the scene towards the camera.
+        margin: How much larger than the scene the picture is.
+    """
+    points = scene.points()
+    if not len(points):
+        return Camera()
+    target = (points.min(axis=0) + points.max(axis=0)) / 2
+    rotation = Camera(tuple(np.add(target, direction)), tuple(target)).axes()
+    fov = Camera().fov
+    slope = np.tan(fov / 2) / margin
+    distance = 0.2
+    for _ in range(4):  # perspective moves the middle of the picture a little; a few rounds settle it
+        x, y, z = ((points - target) @ rotation).T
+        distance = max(float(np.max(z + np.maximum(np.abs(y) / slope, np.abs(x) / (slope * aspect)))), 0.2)
+        seen_x, seen_y = x / (distance - z), y / (distance - z)
+        middle = np.array([seen_x.min() + seen_x.max(), seen_y.min() + seen_y.max(), 0.0]) / 2
+        target = target + rotation @ (middle * distance)
+    position = target + distance * rotation[:, 2]
+    return Camera(_triple(position), _triple(target), fov)
+
+
+def _triple(v: Floats) -> tuple[float, float, float]:
+    return float(v[0]), float(v[1]), float(v[2])

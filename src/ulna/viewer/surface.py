@@ -1,0 +1,84 @@
+"""A surface: triangles of one colour, with the normals it is shaded by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ulna.errors import InputError, ShapeError
+from ulna.typing import Array, Floats
+
+RGBA = tuple[float, float, float, float]
+"""Red, green, blue (sRGB) and opacity, each from 0 to 1."""
+
+DEFAULT_COLOUR: RGBA = (0.78, 0.80, 0.82, 1.0)
+"""What a surface without a material is drawn in: a light, neutral grey."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Triangles of one colour.
+
+    Args:
+        vertices: Positions [m], shape (n, 3).
+        triangles: Indices of vertices, anticlockwise seen from outside, shape (m, 3).
+        normals: Unit normals of the vertices, shape (n, 3). Vertices on a sharp edge occur once for each side.
+        rgba: The colour.
+    """
+
+    vertices: Floats
+    triangles: Array
+    normals: Floats
+    rgba: RGBA = DEFAULT_COLOUR
+
+    def __post_init__(self) -> None:
+        for name, kind in (("vertices", float), ("triangles", np.int64), ("normals", float)):
+            value = np.ascontiguousarray(getattr(self, name), dtype=kind).reshape(-1, 3)
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+        if self.normals.shape != self.vertices.shape:
+            raise ShapeError("normals", self.normals.shape, f"one for each vertex, {self.vertices.shape}")
+        count = len(self.vertices)
+        if self.triangles.size and not (0 <= self.triangles.min() and self.triangles.max() < count):
+            raise InputError(f"`triangles` points outside the {count} vertices of the surface.")
+        object.__setattr__(self, "rgba", colour(self.rgba))
+
+    def moved(self, pose: Array, scale: Iterable[float] = (1.0, 1.0, 1.0)) -> Surface:
+        """The surface scaled along its own axes, then placed at `pose` (4, 4). Mirroring turns the triangles over."""
+        factors = np.asarray(tuple(scale), dtype=float)
+        rotation, translation = np.asarray(pose, dtype=float)[:3, :3], np.asarray(pose, dtype=float)[:3, 3]
+        linear = rotation * factors
+        triangles = self.triangles if np.linalg.det(linear) >= 0 else self.triangles[:, ::-1]
+        # normals go with the inverse transpose; a factor of 0 flattens the surface and leaves any normal as good
+        with np.errstate(divide="ignore"):
+            inverse = np.where(factors != 0, 1.0 / factors, 0.0)
+        normals = (self.normals * inverse) @ rotation.T
+        return replace(
+            self,
+            vertices=self.vertices @ linear.T + translation,
+            triangles=triangles,
+            normals=unit(normals),
+        )
+
+    def coloured(self, rgba: Iterable[float]) -> Surface:
+        """The same triangles in another colour."""
+        return replace(self, rgba=colour(rgba))
+
+
+def colour(value: Iterable[float]) -> RGBA:
+    """`value` as red, green, blue, opacity within 0..1; three numbers are opaque."""
+    numbers = tuple(float(c) for c in value)
+    if len(numbers) == 3:
+        numbers = (*numbers, 1.0)
+    if len(numbers) != 4 or not np.isfinite(numbers).all():
+        raise InputError(f"A colour is 3 or 4 finite numbers from 0 to 1 (red, green, blue, opacity); got {numbers}.")
+    r, g, b, a = (min(max(c, 0.0), 1.0) for c in numbers)
+    return (r, g, b, a)
+
+
+def unit(vectors: Floats) -> Floats:
+    """Vectors of length 1 along `vectors`; those too short to have a direction become +z."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.where(length > 1e-300, vectors / np.maximum(length, 1e-300), (0.0, 0.0, 1.0))
