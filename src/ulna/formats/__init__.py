@@ -1,1 +1,1 @@
-"""Model files and tables -> ModelBuilder: URDF, xacro, SRDF, Denavit-Hartenberg tables, chains of elementary transforms."""
+"""From model files and tables to models: URDF, xacro, SRDF, Denavit-Hartenberg, elementary transforms."""

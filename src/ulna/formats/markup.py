@@ -1,4 +1,4 @@
-"""Reads an XML file safely and hands out its attributes as checked values, every complaint with file and line."""
+"""Reads XML files safely; hands out attributes as checked values, every complaint with file and line."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class Node:
         return (self._element.get(attribute) or "").strip() or default
 
     def number(self, attribute: str, default: float | None = None, *, infinite: bool = False) -> float:
-        """A number; without a default the attribute is required, and infinity passes only where it has a meaning."""
+        """A number; required without a default; infinity passes only where it has a meaning."""
         value = self._element.get(attribute)
         if value is None:
             if default is None:
@@ -109,9 +109,7 @@ class Node:
             self.fail(f'{attribute}="{_short(value)}" is not one number.')
         return self._parse(attribute, words[0], infinite)
 
-    def vector(
-        self, attribute: str, count: int, default: Sequence[float] | None = None
-    ) -> tuple[float, ...]:
+    def vector(self, attribute: str, count: int, default: Sequence[float] | None = None) -> tuple[float, ...]:
         """`count` numbers separated by blanks; without a default the attribute is required."""
         value = self._element.get(attribute)
         if value is None:
@@ -175,7 +173,7 @@ class Node:
         warnings.warn(f"{place}: {message} (in {self.describe()}).", ModelWarning, stacklevel=2)
 
     def warn_of_strangers(self, known: Sequence[str]) -> None:
-        """Warn about child elements that look like a misspelling of a known one; the others are none of ours."""
+        """Warn about child elements that look like a misspelling of a known one."""
         for node in self.children():
             if node.tag not in known:
                 near = difflib.get_close_matches(node.tag, known, n=1, cutoff=0.8)
@@ -227,7 +225,9 @@ def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) 
     if len(data) > MAX_BYTES:
         raise _too_large(len(data), file)
     if not data.strip():
-        raise FormatError("the file is empty.", file=file, mend=f"Expected a {kind}: <{root_tag}> ... </{root_tag}>.")
+        raise FormatError(
+            "the file is empty.", file=file, mend=f"Expected a {kind}: <{root_tag}> ... </{root_tag}>."
+        )
     root = _parse_tree(data, file, encoding)
     _refuse_entities(root, file)
     namespace = etree.QName(root).namespace or ""
@@ -254,8 +254,8 @@ def _parse_tree(data: bytes, file: str | None, encoding: str | None) -> Any:
         failure = error
     faults = [entry for entry in parser.error_log if "NS_ERR" not in entry.type_name]
     if isinstance(failure, etree.XMLSyntaxError) and not faults:
-        # Simulator add-ons such as <controller:gazebo_ros_imu> are often left without their xmlns; other readers
-        # let them pass. Nothing but that kind of fault is passed over here.
+        # Simulator add-ons such as <controller:gazebo_ros_imu> are often left without their xmlns; other
+        # readers let them pass. Nothing but that kind of fault is passed over here.
         root = etree.fromstring(data, _parser(encoding, recover=True))
         if root is not None:
             return root
@@ -278,7 +278,9 @@ def _mend_of_syntax(message: str) -> str:
         return "Save the file as UTF-8."
     if "invalid char" in message.lower() or "start tag" in message.lower():
         return "Is this a text file that begins with <robot ...>?"
-    return "Look at that line and the ones above it for an unclosed tag, a missing quote or a stray character."
+    return (
+        "Look at that line and the ones above it for an unclosed tag, a missing quote or a stray character."
+    )
 
 
 def _parser(encoding: str | None, recover: bool = False) -> Any:

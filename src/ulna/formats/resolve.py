@@ -38,9 +38,9 @@ class Resolver:
 
     A package is looked for, in this order: in `package_dirs` and below them; among the folders above the
     description (by folder name, or by the name in a package.xml) and beside them; in ROS_PACKAGE_PATH; in
-    share/ of AMENT_PREFIX_PATH. Where no folder of that name holds the file, the folders above the description
-    are tried with the package name left out, so that a checkout under another name works. Nothing is fetched
-    from the network.
+    share/ of AMENT_PREFIX_PATH. Where no folder of that name holds the file, the folders above the
+    description are tried with the package name left out, so that a checkout under another name works. Nothing
+    is fetched from the network.
 
     Args:
         file: the description whose URIs are resolved; None for one that came as text.
@@ -98,7 +98,11 @@ class Resolver:
             drive = re.match(r"/?([A-Za-z]:[/\\].*)", spelling)
             if drive and os.name == "nt":
                 yield drive.group(1)
-            for folder in (*((self._folder,) if self._folder else (Path.cwd(),)), *self._dirs, *self._above()):
+            for folder in (
+                *((self._folder,) if self._folder else (Path.cwd(),)),
+                *self._dirs,
+                *self._above(),
+            ):
                 yield os.path.join(folder, spelling)
 
     def _packages(self, name: str) -> Iterator[Path]:

@@ -1,4 +1,4 @@
-"""SRDF: the semantics beside a URDF: groups, named configurations, pairs of links whose contact is of no interest."""
+"""SRDF, the file beside a URDF: groups, named configurations, pairs of links not checked for contact."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SrdfState:
 
 @dataclass(frozen=True)
 class SrdfVirtualJoint:
-    """A joint that ties the robot to the world; Ulna takes the root joint from the caller and only records it."""
+    """A joint that ties the robot to the world; recorded only, since the caller chooses the root joint."""
 
     name: str
     kind: str

@@ -9,7 +9,7 @@ Vector = tuple[float, ...]
 
 @dataclass(frozen=True)
 class UrdfOrigin:
-    """A pose: translation [m] and the fixed-axis angles roll, pitch, yaw [rad], R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """A pose: translation [m], fixed-axis angles roll, pitch, yaw [rad], R = Rz(yaw) Ry(pitch) Rx(roll)."""
 
     xyz: Vector = (0.0, 0.0, 0.0)
     rpy: Vector = (0.0, 0.0, 0.0)
@@ -55,7 +55,7 @@ class UrdfBody:
 
 @dataclass(frozen=True)
 class UrdfInertial:
-    """Mass [kg], the pose of the centre-of-mass frame in the link, and the inertia [kg m^2] about it in its axes.
+    """Mass [kg], pose of the centre-of-mass frame in the link, inertia [kg m^2] about it, in its axes.
 
     `inertia` is in the order ixx, ixy, ixz, iyy, iyz, izz.
     """

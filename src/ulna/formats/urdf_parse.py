@@ -65,8 +65,7 @@ def parse_urdf(data: bytes | str, file: str | None = None) -> UrdfDocument:
         _refuse_twin(node, "joint", joint.name, joints)
         joints[joint.name], nodes[joint.name] = joint, node
     if not links:
-        near = [n.tag for n in root.children() if n.tag.lower() in ("links", "body", "model", "group")]
-        root.fail("the robot has no links.", f"Is <{near[0]}> in the way?" if near else 'Write <link name="..."/>.')
+        root.fail("the robot has no links.", 'Write at least <link name="..."/>.')
     _check_mimics(joints, nodes)
     top = _check_tree(links, joints, nodes, root)
     name = root.string("name") or "robot"
@@ -82,19 +81,23 @@ def _refuse_xacro(root: Node) -> None:
                 file=root.file,
                 line=line,
                 element="<robot>",
-                mend="Name the file *.xacro, then it is expanded on loading (extra 'xacro'); or run xacro on it.",
+                mend="Name the file *.xacro and it is expanded on loading (extra xacro); or run xacro on it.",
             )
 
 
 def _refuse_twin(node: Node, kind: str, name: str, seen: dict) -> None:
     if name in seen:
-        node.fail(f"a second {kind} named {name!r}; the first is on line {seen[name].line}.", "Rename one of them.")
+        node.fail(
+            f"a second {kind} named {name!r}; the first is on line {seen[name].line}.", "Rename one of them."
+        )
 
 
 def _materials(root: Node) -> dict[str, UrdfMaterial]:
     """The materials by name: those of the robot, then those that a visual defines on the way."""
     found: dict[str, UrdfMaterial] = {}
-    inline = (m for link in root.children("link") for v in link.children("visual") for m in v.children("material"))
+    inline = (
+        m for link in root.children("link") for v in link.children("visual") for m in v.children("material")
+    )
     for node in (*root.children("material"), *inline):
         material = _material(node)
         if material.name and (material.rgba or material.texture):
@@ -134,7 +137,9 @@ def _link(node: Node, materials: dict[str, UrdfMaterial]) -> UrdfLink:
 
 
 def _inertial(node: Node) -> UrdfInertial:
-    mass = node.required_child("mass", 'Write <mass value="..."/> in kg, or leave <inertial> out.').number("value")
+    mass = node.required_child("mass", 'Write <mass value="..."/> in kg, or leave <inertial> out.').number(
+        "value"
+    )
     inertia = node.required_child("inertia", 'Write <inertia ixx="..." ... izz="..."/> in kg m^2.')
     entries = tuple(
         inertia.number(entry, 0.0 if entry in ("ixy", "ixz", "iyz") else None)
@@ -146,7 +151,9 @@ def _inertial(node: Node) -> UrdfInertial:
 
 
 def _body(node: Node, materials: dict[str, UrdfMaterial]) -> UrdfBody:
-    shape = _shape(node.required_child("geometry", f"Write <geometry><box size=.../></geometry> in <{node.tag}>."))
+    shape = _shape(
+        node.required_child("geometry", f"Write <geometry><box size=.../></geometry> in <{node.tag}>.")
+    )
     material = None
     given = node.child("material")
     if given is not None and node.tag == "visual":
@@ -171,7 +178,9 @@ def _shape(geometry: Node) -> UrdfShape:
         mend = f"Did you mean <{near[0]}>?" if near else ""
         geometry.fail(f"<geometry> {given}; expected one of {', '.join(SHAPES)}.", mend)
     if len(known) > 1:
-        known[1].warn("a second shape in one <geometry> is ignored; give each its own <visual> or <collision>")
+        known[1].warn(
+            "a second shape in one <geometry> is ignored; give each its own <visual> or <collision>"
+        )
     node = known[0]
     if node.tag == "mesh":
         return UrdfShape(
@@ -184,7 +193,9 @@ def _shape(geometry: Node) -> UrdfShape:
     else:
         size = (node.number("radius"), node.number("length"))
     if min(size) < 0.0:
-        node.fail(f"<{node.tag}> has a negative size {' '.join(f'{s:g}' for s in size)}.", "Sizes are in metres.")
+        node.fail(
+            f"<{node.tag}> has a negative size {' '.join(f'{s:g}' for s in size)}.", "Sizes are in metres."
+        )
     return UrdfShape(node.tag, size, line=node.line)
 
 
@@ -224,8 +235,8 @@ def _joint(node: Node, links: dict[str, UrdfLink]) -> UrdfJoint:
         _origin(node),
         axis,
         _limit(node, kind),
-        dynamics.number("damping", 0.0) if dynamics else 0.0,
-        dynamics.number("friction", 0.0) if dynamics else 0.0,
+        _magnitude(dynamics, "damping", 0.0) if dynamics else 0.0,
+        _magnitude(dynamics, "friction", 0.0) if dynamics else 0.0,
         UrdfMimic(mimic.name("joint"), mimic.number("multiplier", 1.0), mimic.number("offset", 0.0))
         if mimic
         else None,
@@ -238,7 +249,7 @@ def _limit(node: Node, kind: str) -> UrdfLimit | None:
     if limit is None:
         if kind in ("revolute", "prismatic"):
             unit = "rad" if kind == "revolute" else "m"
-            other = ", or make it type=\"continuous\"" if kind == "revolute" else ""
+            other = ', or make it type="continuous"' if kind == "revolute" else ""
             node.fail(
                 f"a {kind} joint needs a <limit>.",
                 f'Write <limit lower="..." upper="..." velocity="..." effort="..."/> [{unit}]{other}.',
@@ -248,20 +259,24 @@ def _limit(node: Node, kind: str) -> UrdfLimit | None:
         return None
     bounded = kind in ("revolute", "prismatic")
     if bounded and not limit.has("lower") and not limit.has("upper"):
-        limit.warn("neither lower nor upper is given; by the URDF rules both are then 0 and the joint is stuck")
+        limit.warn(
+            "neither lower nor upper is given; by the URDF rules both are then 0 and the joint is stuck"
+        )
     lower = limit.number("lower", 0.0, infinite=True) if bounded else -math.inf
     upper = limit.number("upper", 0.0, infinite=True) if bounded else math.inf
     if lower > upper:
         limit.fail(f"lower = {lower:g} is above upper = {upper:g}.", "Exchange them.")
     if lower == math.inf or upper == -math.inf:
         limit.fail(f"no position lies between lower = {lower:g} and upper = {upper:g}.")
-    bounds = {}
-    for attribute in ("velocity", "effort"):
-        bounds[attribute] = limit.number(attribute, math.inf, infinite=True)
-        if bounds[attribute] < 0.0:
-            limit.warn(f"{attribute} = {bounds[attribute]:g} is negative; its magnitude is used")
-            bounds[attribute] = -bounds[attribute]
-    return UrdfLimit(lower, upper, bounds["velocity"], bounds["effort"])
+    velocity = _magnitude(limit, "velocity", math.inf, infinite=True)
+    return UrdfLimit(lower, upper, velocity, _magnitude(limit, "effort", math.inf, infinite=True))
+
+
+def _magnitude(node: Node, attribute: str, default: float, *, infinite: bool = False) -> float:
+    value = node.number(attribute, default, infinite=infinite)
+    if value < 0.0:
+        node.warn(f"{attribute} = {value:g} is negative; its magnitude is used")
+    return abs(value)
 
 
 def _check_mimics(joints: dict[str, UrdfJoint], nodes: dict[str, Node]) -> None:

@@ -1,0 +1,329 @@
+"""Chains of elementary transforms: tz(0.333) Rz(q0) Rx(-90 deg) ..., as objects and as text -> Model.
+
+An elementary transform is a turn about, or a shift along, one axis of the current frame, by a constant or by
+a joint coordinate; a chain of them describes any serial arm without the conventions of Denavit and Hartenberg
+(Corke, A simple and systematic approach to assigning Denavit-Hartenberg parameters, IEEE Transactions on
+Robotics 23, 2007).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, final, overload
+
+from ulna.errors import InputError, ShapeError
+from ulna.formats.poses import tidy
+from ulna.model import JointKind, Model, ModelBuilder, Prismatic, Revolute
+from ulna.numeric import is_symbolic
+from ulna.spatial import SE3
+from ulna.typing import ArrayLike
+
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_NAMES = ("rx", "ry", "rz", "tx", "ty", "tz")
+
+
+@final
+@dataclass(frozen=True)
+class ET:
+    """One elementary transform.
+
+    Attributes:
+        name: "rx", "ry", "rz", "tx", "ty", "tz", or "SE3" for a constant pose.
+        value: the constant angle [rad] or distance [m]; None for a joint.
+        index: which joint coordinate it is; None for the next one in the chain, and for constants.
+        flip: whether the joint coordinate counts backwards.
+        limits: lowest and highest joint coordinate [rad or m].
+        pose: the constant of "SE3".
+    """
+
+    name: str
+    value: float | None = None
+    index: int | None = None
+    flip: bool = False
+    limits: tuple[float, float] | None = None
+    pose: SE3 | None = None
+
+    @classmethod
+    def rx(cls, value: float | None = None, **joint: Any) -> ET:
+        """A turn about x by a constant [rad], or by a joint angle (joint: index, flip, limits)."""
+        return _make("rx", value, joint)
+
+    @classmethod
+    def ry(cls, value: float | None = None, **joint: Any) -> ET:
+        """A turn about y by a constant [rad], or by a joint angle (joint: index, flip, limits)."""
+        return _make("ry", value, joint)
+
+    @classmethod
+    def rz(cls, value: float | None = None, **joint: Any) -> ET:
+        """A turn about z by a constant [rad], or by a joint angle (joint: index, flip, limits)."""
+        return _make("rz", value, joint)
+
+    @classmethod
+    def tx(cls, value: float | None = None, **joint: Any) -> ET:
+        """A shift along x by a constant [m], or by a joint distance (joint: index, flip, limits)."""
+        return _make("tx", value, joint)
+
+    @classmethod
+    def ty(cls, value: float | None = None, **joint: Any) -> ET:
+        """A shift along y by a constant [m], or by a joint distance (joint: index, flip, limits)."""
+        return _make("ty", value, joint)
+
+    @classmethod
+    def tz(cls, value: float | None = None, **joint: Any) -> ET:
+        """A shift along z by a constant [m], or by a joint distance (joint: index, flip, limits)."""
+        return _make("tz", value, joint)
+
+    @classmethod
+    def se3(cls, pose: SE3) -> ET:
+        """A constant pose."""
+        return cls("SE3", pose=pose)
+
+    @property
+    def is_joint(self) -> bool:
+        """Whether it moves."""
+        return self.value is None and self.pose is None
+
+    def transform(self, value: Any = None) -> SE3:
+        """The pose; `value` (...) is the joint coordinate, for a joint."""
+        if self.pose is not None:
+            return self.pose
+        if not self.is_joint:
+            value = self.value
+        elif self.flip:
+            value = -value
+        if self.name[0] == "r":
+            turned = {"x": SE3.rx, "y": SE3.ry, "z": SE3.rz}[self.name[1]](value)
+            return turned if self.is_joint else tidy(turned)
+        zero = 0.0 * value if self.is_joint and not is_symbolic(value) else 0.0
+        return SE3.trans(*(value if axis == self.name[1] else zero for axis in "xyz"))
+
+    def __mul__(self, other: ET | ETS) -> ETS:
+        return ETS((self,)) * other
+
+    def __str__(self) -> str:
+        if self.pose is not None:
+            return "SE3(...)"
+        letters = self.name[0].upper() + self.name[1] if self.name[0] == "r" else self.name
+        if self.is_joint:
+            return f"{letters}({'-' * self.flip}q{'' if self.index is None else self.index})"
+        assert self.value is not None
+        if self.name[0] == "r":
+            return f"{letters}({math.degrees(self.value):.6g} deg)"
+        return f"{letters}({self.value:.6g})"
+
+
+@final
+@dataclass(frozen=True)
+class ETS:
+    """A chain of elementary transforms; compose with `*`.
+
+    Attributes:
+        transforms: in order, from the base to the tool. Joints without an index take the next free one.
+    """
+
+    transforms: tuple[ET, ...] = ()
+
+    def __post_init__(self) -> None:
+        following = 0
+        numbered = []
+        for et in self.transforms:
+            index = et.index
+            if et.is_joint:
+                index = following if index is None else index
+                following = max(following, index + 1)
+            numbered.append(index)
+        object.__setattr__(self, "_numbers", tuple(numbered))
+
+    @property
+    def joint_indices(self) -> tuple[int | None, ...]:
+        """The joint coordinate of each transform; None for the constant ones."""
+        return self.__dict__["_numbers"]
+
+    @property
+    def n(self) -> int:
+        """The number of joint coordinates."""
+        return max((i + 1 for i in self.joint_indices if i is not None), default=0)
+
+    @classmethod
+    def parse(cls, text: str) -> ETS:
+        """The chain that a text such as "tz(0.333) Rz(q0) Rx(-90 deg) ty(-0.316)" describes.
+
+        A step is tx, ty, tz, Rx, Ry or Rz (any case) with a number, a number in degrees ("90 deg", "90°"), a
+        multiple of pi ("pi/2", "-3*pi/4"), or a joint: "q" (the next), "q3", "-q3" (counts backwards). Steps
+        are separated by blanks, "*" or nothing.
+
+        Raises:
+            InputError: a step cannot be read; says which.
+        """
+        return cls(tuple(_parse_steps(text)))
+
+    def transform(self, q: ArrayLike = ()) -> SE3:
+        """The pose of the end of the chain, for joint coordinates q (..., n) [rad, m].
+
+        Raises:
+            ShapeError: q has not n entries.
+        """
+        import numpy as np
+
+        values = np.asarray(q) if is_symbolic(q) else np.asarray(q, dtype=float)
+        if values.ndim == 0 or values.shape[-1] != self.n:
+            raise ShapeError("q", values.shape, f"(..., {self.n})")
+        pose = SE3.identity()
+        for et, index in zip(self.transforms, self.joint_indices, strict=True):
+            pose = pose @ et.transform(None if index is None else values[..., index])
+        return pose
+
+    def model(
+        self,
+        name: str = "robot",
+        *,
+        joint_names: Sequence[str] | None = None,
+        configurations: Mapping[str, ArrayLike] | None = None,
+    ) -> Model:
+        """The serial arm of the chain: links "base", "link1", "link2", ..., and the frame "tool" at its end.
+
+        A joint coordinate that occurs again gives a joint that follows the first one.
+
+        Args:
+            name: of the robot.
+            joint_names: one for each moving transform; "joint1", "joint2", ... where left out.
+            configurations: named configurations, each (n,).
+
+        Raises:
+            InputError: the chain has no joint, or the indices of its joints do not rise along it.
+        """
+        moving = [(et, i) for et, i in zip(self.transforms, self.joint_indices, strict=True) if i is not None]
+        _check_order([i for _, i in moving])
+        names = list(joint_names or (f"joint{k}" for k in range(1, len(moving) + 1)))
+        if len(names) != len(moving):
+            raise InputError(f"`joint_names` has {len(names)} names; the chain has {len(moving)} joints.")
+        builder = ModelBuilder(name)
+        builder.add_link("base")
+        parent, before = "base", SE3.identity()
+        leaders: dict[int, str] = {}
+        count = 0
+        for et, index in zip(self.transforms, self.joint_indices, strict=True):
+            if index is None:
+                before = before @ et.transform()
+                continue
+            joint, link = names[count], f"link{count + 1}"
+            count += 1
+            extra: dict[str, Any] = {}
+            if index in leaders:
+                extra["mimic"] = (leaders[index], 1.0, 0.0)
+            else:
+                leaders[index] = joint
+            if et.limits is not None:
+                extra |= {"lower": et.limits[0], "upper": et.limits[1]}
+            builder.add_link(link)
+            builder.add_joint(joint, _kind(et.name, et.flip), parent, link, before, **extra)
+            parent, before = link, SE3.identity()
+        builder.add_frame("tool", parent, before)
+        builder.set_tool("tool")
+        for key, q in (configurations or {}).items():
+            builder.add_configuration(key, q)
+        return builder.build()
+
+    @overload
+    def __getitem__(self, item: int) -> ET: ...
+    @overload
+    def __getitem__(self, item: slice) -> ETS: ...
+    def __getitem__(self, item: int | slice) -> ET | ETS:
+        return ETS(self.transforms[item]) if isinstance(item, slice) else self.transforms[item]
+
+    def __len__(self) -> int:
+        return len(self.transforms)
+
+    def __iter__(self) -> Iterator[ET]:
+        return iter(self.transforms)
+
+    def __mul__(self, other: ET | ETS) -> ETS:
+        if not isinstance(other, (ET, ETS)):
+            return NotImplemented
+        return ETS(self.transforms + ((other,) if isinstance(other, ET) else other.transforms))
+
+    def __str__(self) -> str:
+        shown = []
+        for et, index in zip(self.transforms, self.joint_indices, strict=True):
+            shown.append(str(et if index is None else ET(et.name, index=index, flip=et.flip)))
+        return " ".join(shown)
+
+
+def _make(name: str, value: float | None, joint: Mapping[str, Any]) -> ET:
+    if value is None:
+        return ET(name, **joint)
+    if joint:
+        raise InputError(
+            f"ET.{name}({value!r}, {', '.join(joint)}=...): a constant has no {' or '.join(joint)}."
+        )
+    number = float(value)
+    if not math.isfinite(number):
+        raise InputError(
+            f"ET.{name}({number}): expected a finite {'angle [rad]' if name[0] == 'r' else 'distance [m]'}."
+        )
+    return ET(name, number)
+
+
+def _kind(name: str, flip: bool) -> JointKind:
+    axis = _AXES[name[1]]
+    if flip:
+        axis = (-axis[0] + 0.0, -axis[1] + 0.0, -axis[2] + 0.0)
+    return Revolute(axis) if name[0] == "r" else Prismatic(axis)
+
+
+def _check_order(indices: Sequence[int]) -> None:
+    if not indices:
+        raise InputError("The chain has no joint; write one with ET.rz() or Rz(q).")
+    firsts = list(dict.fromkeys(indices))
+    if firsts != list(range(len(firsts))):
+        shown, wanted = (", ".join(f"q{i}" for i in order) for order in (firsts, range(len(firsts))))
+        raise InputError(
+            f"The joints occur in the order {shown}; expected {wanted}. "
+            "Number them along the chain, and permute q where you need another order."
+        )
+
+
+_STEP = re.compile(r"[\s*]*([A-Za-z]{2})\s*\(([^()]*)\)[\s*]*")
+_JOINT = re.compile(r"(-?)\s*q_?(\d*)")
+_PI = re.compile(r"(-?)\s*(?:(\d+\.?\d*|\.\d+)\s*\*?\s*)?(?:pi|π)\s*(?:/\s*(\d+\.?\d*|\.\d+))?")
+_DEGREES = re.compile(r"(.+?)\s*(?:deg(?:rees?)?|°)")
+
+
+def _parse_steps(text: str) -> Iterator[ET]:
+    position = 0
+    if not text.strip():
+        raise InputError('The chain is empty; expected steps such as "tz(0.333) Rz(q0) Rx(-90 deg)".')
+    while position < len(text):
+        step = _STEP.match(text, position)
+        if step is None or step.group(1).lower() not in _NAMES:
+            word = text[position:].strip()[:20]
+            raise InputError(
+                f"The chain cannot be read at {word!r} (character {position}); "
+                "expected Rx, Ry, Rz, tx, ty or tz with an argument in brackets, such as Rz(q0) or tx(0.3)."
+            )
+        yield _parse_step(step.group(1).lower(), step.group(2).strip(), step.group(0).strip(" *\t\n"))
+        position = step.end()
+
+
+def _parse_step(name: str, argument: str, step: str) -> ET:
+    joint = _JOINT.fullmatch(argument)
+    if joint:
+        return ET(name, index=int(joint.group(2)) if joint.group(2) else None, flip=bool(joint.group(1)))
+    degrees = _DEGREES.fullmatch(argument)
+    if degrees and name[0] != "r":
+        raise InputError(f"{step}: a distance is in metres, not degrees.")
+    pi = _PI.fullmatch(argument)
+    try:
+        if pi:
+            sign, factor, divisor = pi.groups()
+            value = math.pi * float(factor or 1) / float(divisor or 1) * (-1.0 if sign else 1.0)
+        else:
+            value = math.radians(float(degrees.group(1))) if degrees else float(argument)
+    except (ValueError, ZeroDivisionError):
+        raise InputError(
+            f"{step}: {argument!r} is neither a number (0.5, 90 deg, pi/2) nor a joint (q, q0, -q0)."
+        ) from None
+    return _make(name, value, {})

@@ -1,0 +1,32 @@
+"""Poses from the numbers of model files, with the rounding noise of right angles taken off."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ulna.spatial import SE3, rpy_to_matrix
+from ulna.typing import Floats
+
+SNAP = 1e-15
+"""Entries of a rotation matrix this close to 0 or +-1 are made exact: cos(pi/2) is 6e-17 in floating point,
+and every such entry would cost a product in the compiled kernels."""
+
+
+def snapped(rotation: Floats) -> Floats:
+    """The matrix with entries within `SNAP` of 0 and +-1 made exact."""
+    nearest = np.round(rotation)
+    return np.where(np.abs(rotation - nearest) <= SNAP, nearest, rotation) + 0.0
+
+
+def pose(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.0, 0.0, 0.0)) -> SE3:
+    """The pose at `xyz` [m] turned by the fixed-axis angles `rpy` [rad], R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    if not any(rpy):
+        return SE3(np.eye(3), np.array(xyz, dtype=float))
+    return SE3(snapped(rpy_to_matrix(np.array(rpy, dtype=float))), np.array(xyz, dtype=float))
+
+
+def tidy(placement: SE3) -> SE3:
+    """A pose with its rotation snapped."""
+    return SE3(snapped(placement.rotation), placement.translation)

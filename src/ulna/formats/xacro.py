@@ -1,0 +1,89 @@
+"""xacro files -> URDF text, through the package `xacro` (the extra "xacro")."""
+
+from __future__ import annotations
+
+import os
+import re
+import threading
+import warnings
+from collections.abc import Mapping
+
+from ulna.errors import FormatError, MissingExtra
+from ulna.formats.markup import read_file
+from ulna.formats.resolve import Resolver
+
+_EXPANDING = threading.Lock()
+"""The package keeps its state in module globals; one expansion at a time."""
+
+
+def expand_xacro(
+    path: str | os.PathLike[str],
+    arguments: Mapping[str, str] | None = None,
+    resolver: Resolver | None = None,
+) -> str:
+    """The URDF text of a xacro file.
+
+    A xacro file is a program: it evaluates Python expressions and reads other files. Expand only what you
+    trust.
+
+    Args:
+        path: the file.
+        arguments: values for its xacro:arg elements.
+        resolver: finds the packages of `$(find name)`; by default around the file and in the ROS environment.
+
+    Raises:
+        MissingExtra: the package xacro is not installed.
+        FormatError: the file is missing, or does not expand.
+    """
+    read_file(path)
+    file = str(path)
+    try:
+        import xacro
+        from xacro import substitution_args
+    except ImportError:
+        raise MissingExtra("xacro", "xacro", f"Expanding {file!r}") from None
+    packages = resolver or Resolver(path)
+
+    def find(name: str) -> str:
+        folder = packages.find_package(name)
+        if folder is None:
+            raise FormatError(
+                f"there is no package {name!r} for $(find {name}).",
+                file=file,
+                mend="Set ROS_PACKAGE_PATH, or pass package_dirs=[folder of the packages].",
+            )
+        return folder
+
+    with _EXPANDING:
+        original = substitution_args._eval_find
+        # Its own search needs a ROS 2 installation. Ours also knows the folders above the file.
+        substitution_args._eval_find = find
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", DeprecationWarning)
+                document = xacro.process_file(
+                    file, mappings={k: str(v) for k, v in (arguments or {}).items()}
+                )
+                return document.toxml()
+        except FormatError:
+            raise
+        except Exception as error:  # the package raises whatever its parts raise
+            raise _refusal(error, file) from error
+        finally:
+            substitution_args._eval_find = original
+
+
+def _refusal(error: Exception, file: str) -> FormatError:
+    cause = error
+    while isinstance(getattr(cause, "exc", None), Exception):
+        cause = cause.exc  # type: ignore[attr-defined]
+    if isinstance(cause, FormatError):
+        return cause
+    text = str(error).strip() or type(error).__name__
+    line = re.search(r"line (\d+)", text)
+    mend = ""
+    if "undefined substitution argument" in text.lower():
+        mend = "Pass its value: xacro_args={'name': 'value'}."
+    return FormatError(
+        f"xacro does not expand it: {text}.", file=file, line=int(line.group(1)) if line else None, mend=mend
+    )

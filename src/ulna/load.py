@@ -1,0 +1,145 @@
+"""A robot by its name or its file: `load("panda")`, `load("arm.urdf")`, `load("g1", root="free_flyer")`."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ulna.errors import UnknownName
+from ulna.formats.markup import read_file
+from ulna.formats.resolve import Resolver
+from ulna.formats.srdf import read_srdf
+from ulna.formats.srdf_apply import with_srdf
+from ulna.formats.urdf import model_from_urdf
+from ulna.formats.urdf_parse import parse_urdf
+from ulna.formats.xacro import expand_xacro
+from ulna.model import JointKind, Model
+from ulna.robots import catalogue, example_robot_data, robot_descriptions
+
+if TYPE_CHECKING:
+    from ulna.robot import Robot
+
+_ENDINGS = (".urdf", ".xacro", ".xml", ".srdf", ".mjcf", ".sdf")
+
+PathLike = str | os.PathLike[str]
+
+
+def load(name_or_path: PathLike, **options: Any) -> Robot:
+    """The robot of that name or in that file, ready to compute with.
+
+    Takes the arguments of `load_model`.
+
+    Args:
+        name_or_path: "panda", "ur5", any name of `ulna.robots.catalogue.names()`, or the path of a file.
+        **options: root, visuals, package_dirs, srdf, mimic, xacro_args; see `load_model`.
+
+    Raises:
+        UnknownName: no robot of that name; offers the nearest one.
+        FormatError: the file is missing or broken; says where and what mends it.
+        MissingExtra: the robot needs a package that is not installed.
+    """
+    from ulna.robot import Robot
+
+    return Robot(load_model(name_or_path, **options))
+
+
+def load_model(
+    name_or_path: PathLike,
+    *,
+    root: str | JointKind | None = None,
+    visuals: str = "auto",
+    package_dirs: Sequence[PathLike] = (),
+    srdf: PathLike | None = None,
+    mimic: bool = True,
+    xacro_args: Mapping[str, str] | None = None,
+) -> Model:
+    """The model of that name or in that file, without compiling anything.
+
+    Args:
+        name_or_path: a name of the catalogue, the path of a .urdf or .xacro file, or URDF text (from "<").
+        root: how the base hangs in the world: None fixed, "free_flyer", "planar", any joint kind, or "auto":
+            a free flyer for the robots of the catalogue that move about.
+        visuals: "auto", "simple" or "cad". For robots with shapes of their own (panda, ur5): the shapes, the
+            CAD meshes of example-robot-data, or the meshes where they are installed. For files, "simple"
+            draws the collision shapes of the links that have any.
+        package_dirs: folders to look for packages in, before all others.
+        srdf: a file with groups, named configurations and disabled collision pairs; robots of
+            example-robot-data bring theirs.
+        mimic: whether mimic joints follow their leader; False lets each move on its own.
+        xacro_args: values for the arguments of a .xacro file.
+
+    Raises:
+        UnknownName: no robot of that name; offers the nearest one.
+        FormatError: the file is missing or broken; says where and what mends it.
+        MissingExtra: the robot needs a package that is not installed.
+    """
+    if visuals not in catalogue.VISUALS:
+        raise UnknownName("kind of visuals", visuals, catalogue.VISUALS)
+    options = _Options(root, visuals, tuple(package_dirs), mimic, dict(xacro_args or {}))
+    if _is_file(name_or_path):
+        model = _from_file(name_or_path, options)
+    else:
+        model = _from_catalogue(str(name_or_path), options)
+    return with_srdf(model, read_srdf(srdf)) if srdf is not None else model
+
+
+@dataclasses.dataclass(frozen=True)
+class _Options:
+    root: str | JointKind | None
+    visuals: str
+    package_dirs: tuple[PathLike, ...]
+    mimic: bool
+    xacro_args: dict[str, str]
+
+
+def _is_file(given: PathLike) -> bool:
+    if not isinstance(given, str):
+        return True
+    text = given.strip()
+    if text.startswith("<") or "/" in text or os.sep in text or text.lower().endswith(_ENDINGS):
+        return True
+    return os.path.isfile(text)
+
+
+def _from_file(given: PathLike, options: _Options) -> Model:
+    file: str | None = None
+    if isinstance(given, str) and given.lstrip().startswith("<"):
+        text: bytes | str = given.lstrip()
+    else:
+        file = os.path.expanduser(os.fspath(given))
+        text = b""
+    # The data package names itself in its mesh paths; then it is found even for a copy of one of its files.
+    share = example_robot_data.share_folder()
+    resolver = Resolver(file, (*options.package_dirs, *((share.parent,) if share else ())))
+    if file is not None:
+        is_xacro = file.lower().endswith(".xacro")
+        text = expand_xacro(file, options.xacro_args, resolver) if is_xacro else read_file(file)
+    document = parse_urdf(text, file)
+    if options.visuals == "simple":
+        links = tuple(dataclasses.replace(x, visuals=x.collisions or x.visuals) for x in document.links)
+        document = dataclasses.replace(document, links=links)
+    root = None if options.root == "auto" else options.root
+    model = model_from_urdf(document, root=root, mimic=options.mimic, resolver=resolver)
+    return dataclasses.replace(model, source=str(Path(file).absolute()) if file else None)
+
+
+def _from_catalogue(name: str, options: _Options) -> Model:
+    entry = catalogue.find(name)
+    if options.root == "auto":
+        options = dataclasses.replace(options, root="free_flyer" if entry.floating else None)
+    if entry.source == "ulna":
+        return catalogue.build_own(entry.name, root=options.root, visuals=options.visuals)
+    if entry.source == "example-robot-data":
+        urdf, srdf = example_robot_data.files(entry.name)
+        model = _from_file(urdf, options)
+        return with_srdf(model, read_srdf(srdf)) if srdf is not None else model
+    checkout = robot_descriptions.fetch(entry.name)
+    options = dataclasses.replace(
+        options,
+        package_dirs=(*options.package_dirs, *checkout.package_dirs),
+        xacro_args={**checkout.xacro_args, **options.xacro_args},
+    )
+    return _from_file(checkout.file, options)

@@ -1,0 +1,87 @@
+"""The robots of the package robot_descriptions, by module name; it fetches them on first use."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import pkgutil
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ulna.errors import MissingExtra, ModelError, UnknownName
+
+_PACKAGE = "robot_descriptions"
+_ENDING = "_description"
+
+
+@dataclass(frozen=True)
+class Checkout:
+    """A robot description on disk.
+
+    Attributes:
+        file: its URDF or xacro file.
+        package_dirs: where its packages lie.
+        xacro_args: values for the arguments of a xacro file.
+    """
+
+    file: Path
+    package_dirs: tuple[Path, ...]
+    xacro_args: dict[str, str] = field(default_factory=dict)
+
+
+@cache
+def names() -> tuple[str, ...]:
+    """The names of the descriptions that may have a URDF; () where the package is not installed."""
+    try:
+        spec = importlib.util.find_spec(_PACKAGE)
+    except (ImportError, ValueError):
+        spec = None
+    if spec is None or not spec.submodule_search_locations:
+        return ()
+    modules = (m.name for m in pkgutil.iter_modules(spec.submodule_search_locations))
+    return tuple(sorted(m for m in modules if m.endswith(_ENDING) and not m.endswith("_mj" + _ENDING)))
+
+
+def module_name(name: str) -> str | None:
+    """The module that `name` ("panda_description", or "panda" for short) means, or None."""
+    for candidate in (name, name + _ENDING):
+        if candidate in names():
+            return candidate
+    return None
+
+
+def fetch(name: str) -> Checkout:
+    """The description on disk; the package downloads it when it is not there yet.
+
+    Raises:
+        MissingExtra: the package is not installed.
+        UnknownName: there is no such description.
+        ModelError: it could not be downloaded, or it has neither a URDF nor a xacro file.
+    """
+    if not names():
+        raise MissingExtra(_PACKAGE, "robots", f"The robot {name!r}")
+    module = module_name(name)
+    if module is None:
+        raise UnknownName("description of robot_descriptions", name, names())
+    try:
+        description: Any = importlib.import_module(f"{_PACKAGE}.{module}")
+    except Exception as error:  # whatever git, the network or the file system come up with
+        lines = str(error).strip().splitlines() or [type(error).__name__]
+        raise ModelError(
+            f"robot_descriptions could not provide {module!r}: {lines[-1].strip()} "
+            "It downloads a robot on first use; look at the network, or load the robot from a file."
+        ) from error
+    file = getattr(description, "URDF_PATH", None) or getattr(description, "XACRO_PATH", None)
+    if file is None:
+        raise ModelError(
+            f"{module!r} of robot_descriptions has neither a URDF nor a xacro file (only MJCF?)."
+        )
+    folders = [
+        Path(getattr(description, attribute))
+        for attribute in ("PACKAGE_PATH", "REPOSITORY_PATH")
+        if hasattr(description, attribute)
+    ]
+    folders += [folder.parent for folder in folders]
+    return Checkout(Path(file), tuple(folders), dict(getattr(description, "XACRO_ARGS", {}) or {}))

@@ -1,0 +1,59 @@
+"""Rounded bodies between points, from which the robots written down here are drawn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ulna.formats.poses import pose, snapped
+from ulna.geometry import Box, Capsule, Cylinder, Geometry, Material, Shape, Sphere
+from ulna.spatial import SE3
+
+WHITE = Material("white", (0.93, 0.94, 0.95, 1.0))
+GREY = Material("grey", (0.36, 0.38, 0.41, 1.0))
+DARK = Material("dark", (0.16, 0.17, 0.19, 1.0))
+SILVER = Material("silver", (0.72, 0.74, 0.76, 1.0))
+BLUE = Material("blue", (0.42, 0.65, 0.80, 1.0))
+
+Point = Sequence[float]
+
+
+def rod(a: Point, b: Point, radius: float, material: Material | None = None) -> Geometry:
+    """A capsule whose end balls are centred at `a` and `b` [m]."""
+    start, end = np.array(a, dtype=float), np.array(b, dtype=float)
+    length = float(np.linalg.norm(end - start))
+    if length == 0.0:
+        return Geometry("", Sphere(radius), pose(a), material)
+    return Geometry("", Capsule(radius, length), _between(start, end), material)
+
+
+def tube(a: Point, b: Point, radius: float, material: Material | None = None) -> Geometry:
+    """A cylinder from `a` to `b` [m]."""
+    start, end = np.array(a, dtype=float), np.array(b, dtype=float)
+    return Geometry("", Cylinder(radius, float(np.linalg.norm(end - start))), _between(start, end), material)
+
+
+def block(
+    centre: Point, size: Point, material: Material | None = None, rpy: Point = (0.0, 0.0, 0.0)
+) -> Geometry:
+    """A box of that size [m]."""
+    shape: Shape = Box((size[0], size[1], size[2]))
+    return Geometry("", shape, pose(centre, rpy), material)
+
+
+def named(link: str, what: str, geometries: Sequence[Geometry]) -> tuple[Geometry, ...]:
+    """The same geometries with names of their own."""
+    return tuple(
+        Geometry(f"{link}_{what}{i}", g.shape, g.placement, g.material) for i, g in enumerate(geometries)
+    )
+
+
+def _between(a: np.ndarray, b: np.ndarray) -> SE3:
+    """The pose half way from `a` to `b` with z along the way."""
+    z = (b - a) / math.sqrt(float((b - a) @ (b - a)))
+    helper = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = np.cross(helper, z)
+    x /= math.sqrt(float(x @ x))
+    return SE3(snapped(np.stack([x, np.cross(z, x), z], axis=-1)), (a + b) / 2.0)
