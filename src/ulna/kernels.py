@@ -1,0 +1,225 @@
+"""Where algorithms and the compiler meet: algorithm x model -> kernel, by name, each made once.
+
+A recipe names its array arguments by their sizes and builds, for one model and its options, a plain function of arrays
+out of `ulna.algorithms`; that function is traced and compiled. Kernels are shared between equal models.
+"""
+
+from __future__ import annotations
+
+import threading
+import weakref
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ulna import algorithms
+from ulna.algorithms.references import check_reference
+from ulna.errors import UnknownName
+from ulna.model import Frame, Model
+from ulna.trace import Function, compile, trace
+from ulna.typing import Array
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a kernel is made.
+
+    `build(model, **options)` returns a function of arrays; `arguments` are their names and sizes: "nq", "nv", or a
+    shape. `options` are the names `build` takes with their default values.
+    """
+
+    build: Callable[..., Callable[..., Any]]
+    arguments: tuple[tuple[str, str | tuple[int, ...]], ...]
+    options: Mapping[str, Any]
+    doc: str
+
+
+_Q = (("q", "nq"),)
+_QV = (*_Q, ("v", "nv"))
+_QVA = (*_QV, ("a", "nv"))
+_QQ = (("q0", "nq"), ("q1", "nq"))
+_FRAME = {"frame": None}
+_IN_FRAME = {"frame": None, "reference": "local_world_aligned"}
+
+
+def frame_of(model: Model, name: str | None) -> Frame:
+    """The frame of that name; the model's tool for None."""
+    return model.frame(model.tool if name is None else name)
+
+
+def _fk(model: Model, frame: Any) -> Callable[..., Any]:
+    if frame == "all":
+        frame = tuple(model.frame_names)
+    if isinstance(frame, tuple):
+        return _stacked_poses(model, [model.frame(name) for name in frame])
+    one = frame_of(model, frame)
+    return lambda q: algorithms.frame_pose(model, q, one).matrix()
+
+
+def _stacked_poses(model: Model, frames: Sequence[Frame]) -> Callable[..., Any]:
+    def poses(q: Array) -> Array:
+        matrices = [T.matrix() for T in algorithms.frame_poses(model, q, frames)]
+        return np.stack(matrices, axis=-3) if matrices else np.zeros((*q.shape[:-1], 0, 4, 4))
+
+    return poses
+
+
+def _link_poses(model: Model) -> Callable[..., Any]:
+    return _stacked_poses(model, [model.frame(name) for name in model.link_names])
+
+
+def _jacobian(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q: algorithms.frame_jacobian(model, q, one, reference)
+
+
+def _jacobian_dot(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q, v: algorithms.frame_jacobian_dot(model, q, v, one, reference)
+
+
+def _hessian(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q: algorithms.frame_hessian(model, q, one, reference)
+
+
+def _velocity(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q, v: algorithms.frame_velocity(model, q, v, one, reference).vector()
+
+
+def _acceleration(model: Model, frame: Any, reference: Any, classical: bool) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q, v, a: algorithms.frame_acceleration(model, q, v, a, one, reference, classical=classical).vector()
+
+
+def _analytical(model: Model, frame: Any, representation: str) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q: algorithms.analytical_jacobian(model, q, one, representation)
+
+
+def _manipulability(model: Model, frame: Any, axes: Any) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q: algorithms.manipulability(model, q, one, axes=axes)
+
+
+def _manipulability_gradient(model: Model, frame: Any, axes: Any) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q: algorithms.manipulability_gradient(model, q, one, axes=axes)
+
+
+def _on_model(function: Callable[..., Any]) -> Callable[[Model], Callable[..., Any]]:
+    """Recipe of an algorithm that needs only the model and arrays."""
+
+    def build(model: Model) -> Callable[..., Any]:
+        return lambda *arrays: function(model, *arrays)
+
+    return build
+
+
+RECIPES: dict[str, Recipe] = {
+    "fk": Recipe(_fk, _Q, _FRAME, "Pose T_world_frame, (4, 4); of several frames, (k, 4, 4)."),
+    "link_poses": Recipe(_link_poses, _Q, {}, "Poses T_world_link of all links, (nlinks, 4, 4)."),
+    "jacobian": Recipe(_jacobian, _Q, _IN_FRAME, "Jacobian of a frame, (6, nv), linear part first."),
+    "jacobian_dot": Recipe(_jacobian_dot, _QV, _IN_FRAME, "Time derivative of the Jacobian, (6, nv)."),
+    "hessian": Recipe(_hessian, _Q, _IN_FRAME, "Derivative of the Jacobian by q, (nv, 6, nv)."),
+    "frame_velocity": Recipe(_velocity, _QV, _IN_FRAME, "Twist of a frame, (6,) [m/s, rad/s]."),
+    "frame_acceleration": Recipe(
+        _acceleration, _QVA, {**_IN_FRAME, "classical": False}, "Acceleration of a frame, (6,) [m/s^2, rad/s^2]."
+    ),
+    "analytical_jacobian": Recipe(
+        _analytical, _Q, {**_FRAME, "representation": "rpy/xyz"}, "Jacobian with angle rates, (6, nv)."
+    ),
+    "manipulability": Recipe(_manipulability, _Q, {**_FRAME, "axes": "all"}, "Yoshikawa's manipulability, ()."),
+    "manipulability_gradient": Recipe(
+        _manipulability_gradient, _Q, {**_FRAME, "axes": "all"}, "Gradient of the manipulability by q, (nv,)."
+    ),
+    "integrate": Recipe(_on_model(algorithms.integrate), _QV, {}, "Configuration reached from q by the step v."),
+    "difference": Recipe(_on_model(algorithms.difference), _QQ, {}, "The step that leads from q0 to q1, (nv,)."),
+    "interpolate": Recipe(
+        _on_model(algorithms.interpolate), (*_QQ, ("t", ())), {}, "Point at t on the geodesic from q0 to q1, (nq,)."
+    ),
+    "normalize": Recipe(_on_model(algorithms.normalize), _Q, {}, "q with unit quaternions, (nq,)."),
+    "distance": Recipe(_on_model(algorithms.distance), _QQ, {}, "Length of the difference, ()."),
+    "squared_distance": Recipe(_on_model(algorithms.squared_distance), _QQ, {}, "Its square, joint by joint."),
+    "integrate_derivatives": Recipe(
+        _on_model(algorithms.integrate_derivatives), _QV, {}, "Derivatives of integrate by q and v, (nv, nv) each."
+    ),
+    "difference_derivatives": Recipe(
+        _on_model(algorithms.difference_derivatives), _QQ, {}, "Derivatives of difference by q0 and q1, (nv, nv) each."
+    ),
+}
+
+_made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
+_lock = threading.RLock()
+
+
+def function(model: Model, name: str, **options: Any) -> Function:
+    """The traced function of recipe `name` for `model`; see `kernel` for the arguments and errors."""
+    recipe, chosen = _choose(name, options)
+    shapes = {key: _shape(model, size) for key, size in recipe.arguments}
+    doc = f"{recipe.doc} Robot: {model.name}."
+    return trace(recipe.build(model, **chosen), name=name, doc=doc, **shapes)
+
+
+def kernel(model: Model, name: str, dtype: Any = np.float64, checked: bool = False, **options: Any) -> Any:
+    """The compiled kernel of recipe `name` for `model`.
+
+    Args:
+        model: The robot's model; its numbers become constants of the code.
+        name: A key of `RECIPES`.
+        dtype: float64 or float32.
+        checked: Whether nan and inf in the inputs raise NonFiniteError.
+        **options: Options of the recipe, such as `frame` and `reference`.
+
+    Raises:
+        UnknownName: For an unknown kernel, option, frame or reference; names the nearest.
+    """
+    _, chosen = _choose(name, options)
+    key = (model.fingerprint, name, np.dtype(dtype).name, checked, tuple(chosen.items()))
+    with _lock:
+        found = _made.get(key)
+        if found is None:
+            found = _made[key] = compile(function(model, name, **chosen), dtype=dtype, checked=checked)
+    return found
+
+
+def shapes_for(model: Model, names: Sequence[str], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Shapes of a user's arguments: q, q0, q1 as configurations, v, a, tau, qd, qdd as velocities, else as given."""
+    sizes = {"q": "nq", "q0": "nq", "q1": "nq"} | {n: "nv" for n in ("v", "a", "tau", "qd", "qdd")}
+    for name in given:
+        if name not in names:
+            raise UnknownName("argument of the function", name, names)
+    shapes = {}
+    for name in names:
+        if name not in given and name not in sizes:
+            mend = f"Give the shape of other arguments: compile(f, robot, {name}=(3,))."
+            raise UnknownName("robot quantity", name, sizes, mend)
+        shapes[name] = given[name] if name in given else _shape(model, sizes[name])
+    return shapes
+
+
+def _choose(name: str, options: Mapping[str, Any]) -> tuple[Recipe, dict[str, Any]]:
+    recipe = RECIPES.get(name)
+    if recipe is None:
+        raise UnknownName("kernel", name, RECIPES)
+    for key in options:
+        if key not in recipe.options:
+            raise UnknownName(f"option of kernel {name!r}", key, recipe.options)
+    chosen = {key: _hashable(options.get(key, default)) for key, default in recipe.options.items()}
+    if "reference" in chosen:
+        check_reference(chosen["reference"])
+    return recipe, chosen
+
+
+def _hashable(value: Any) -> Any:
+    return tuple(value) if isinstance(value, (list, np.ndarray)) else value
+
+
+def _shape(model: Model, size: str | tuple[int, ...]) -> tuple[int, ...]:
+    return (getattr(model, size),) if isinstance(size, str) else size
+
+
+__all__ = ["RECIPES", "Recipe", "frame_of", "function", "kernel", "shapes_for"]
