@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import mpmath
-import numpy as np
 from mpmath import mp
 
 mp.dps = 60
@@ -135,7 +134,7 @@ def constants() -> dict[str, list[Any]]:
         for name, tail, weight in (("SIN", sine_tail, sine_weight), ("COS", cosine_tail, cosine_weight)):
             coefficients, worst = fit(tail, weight, (lower, upper), degree, bits)
             found[f"{name}_{suffix}"] = coefficients
-            print(f"# {name}_{suffix}: relative error 2^{np.log2(worst):.1f}", file=sys.stderr)
+            report(f"{name}_{suffix}", worst)
     found["HALF_PI_F64"] = half_pi_parts((53, 31, 53))
     found["HALF_PI_F32"] = half_pi_parts((23, 24, 24))
     found["TWO_OVER_PI_F64"] = [float(round_to(2 / mp.pi, 53))]
@@ -143,6 +142,11 @@ def constants() -> dict[str, list[Any]]:
     found["HALF_PI_PAIR"] = half_pi_parts((53, 53))
     found["TWO_OVER_PI_BITS"] = words_of_two_over_pi(20)
     return found
+
+
+def report(name: str, worst: Any) -> None:
+    """Say how good a fit is."""
+    print(f"# {name}: relative error 2^{float(mpmath.log(worst, 2)):.1f}", file=sys.stderr)
 
 
 def words_of_two_over_pi(count: int) -> list[int]:

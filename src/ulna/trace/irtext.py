@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
+from math import isnan
 from typing import Literal
 
 DType = Literal["double", "float"]
@@ -32,6 +33,13 @@ def module_text(*functions: IRFunction) -> str:
     for function in functions:
         parts.update(dict.fromkeys((*function.declarations, function.text)))
     return "\n".join(parts) + "\n"
+
+
+def bits_of(value: float, dtype: DType) -> int:
+    """The bits of the float nearest to `value`, as an integer."""
+    if dtype == "double":
+        return struct.unpack("<q", struct.pack("<d", value))[0]
+    return struct.unpack("<i", struct.pack("<f", value))[0]
 
 
 @dataclass(frozen=True)
@@ -88,7 +96,11 @@ class Lanes:
             ValueError: for a value that the format would round.
 
         """
-        if self.dtype == "float" and struct.unpack("<f", struct.pack("<f", value))[0] != value:
+        if (
+            self.dtype == "float"
+            and not isnan(value)
+            and value != struct.unpack("<f", struct.pack("<f", value))[0]
+        ):
             raise ValueError(f"{value!r} is not a float32")
         literal = f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
         return literal if self.lanes == 1 else f"splat ({self.dtype} {literal})"

@@ -1,9 +1,9 @@
 """Write the LLVM IR that reduces one huge double modulo pi/2, exactly enough for every double.
 
-Method of Payne and Hanek (Muller, Elementary Functions, 3rd ed., section 11.4): of the product of x with the
-bits of 2/pi only a window of 192 bits matters, since those above make multiples of 2 pi and those below vanish.
-C libraries do not always serve here: glibc 2.36 was found wrong by thousands of ULP for large arguments near a
-multiple of pi/2. `scripts/fit_sincos.py --check` verifies the bits.
+Method of Payne and Hanek (Muller, Elementary Functions, 3rd ed., section 11.4): of the product of x with
+the bits of 2/pi only a window of 192 bits matters, since those above make multiples of 2 pi and those below
+vanish. C libraries do not always serve here: glibc 2.36 was found wrong by thousands of ULP for large
+arguments near a multiple of pi/2. `scripts/fit_sincos.py --check` verifies the bits.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ def _literal(value: float) -> str:
 def huge_reduction() -> tuple[str, ...]:
     """Module-level texts: a table, declarations, and `{double, double, i64} @ulna.reduce.huge(double x)`.
 
-    For |x| >= SMALLEST the results are r, s and k of x = k pi/2 + (r - s), with |r| <= pi/4, |s| below an ULP of
-    r, and k right modulo 4. An infinity or a NaN gives r = NaN.
+    For |x| >= SMALLEST the results are r, s and k of x = k pi/2 + (r - s), with |r| <= pi/4, |s| below an ULP
+    of r, and k right modulo 4. An infinity or a NaN gives r = NaN.
     """
     # One word of zeros in front: the window of the smallest arguments begins above the binary point.
     table = ", ".join(f"i64 {word}" for word in (0, *TWO_OVER_PI_BITS))
@@ -48,7 +48,7 @@ def huge_reduction() -> tuple[str, ...]:
         "  %biased = and i64 %shifted, 2047",
         "  %fraction = and i64 %bits, 4503599627370495",
         "  %m = or i64 %fraction, 4503599627370496",
-        # |x| = m 2^e, e = biased - 1075. Bits of weight 2^-j count from j = e - 1 on; 64 zeros stand before j = 1.
+        # |x| = m 2^e, e = biased - 1075. Bits of weight 2^-j count from j = e - 1 on; 64 zeros precede j = 1.
         "  %start = sub i64 %biased, 1013",
         "  %word = lshr i64 %start, 6",
         "  %shift = and i64 %start, 63",
@@ -77,7 +77,7 @@ def huge_reduction() -> tuple[str, ...]:
         "  %carry.word = zext i1 %carry to i64",
         "  %a0.part = add i64 %low0, %high1",
         "  %a0 = add i64 %a0.part, %carry.word",
-        # Without the two whole bits, the rest is in two's complement the distance to the nearest quarter turn.
+        # Without the two whole bits the rest is, in two's complement, the distance to the next quarter turn.
         "  %whole = lshr i64 %a0, 62",
         "  %f0 = call i64 @llvm.fshl.i64(i64 %a0, i64 %a1, i64 2)",
         "  %f1 = call i64 @llvm.fshl.i64(i64 %a1, i64 %low2, i64 2)",

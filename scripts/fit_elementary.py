@@ -1,0 +1,116 @@
+"""Derive, or with `--check` verify, the constants of the elementary functions in `ulna.trace.elementary`.
+
+The fits are those of `fit_sincos`: minimax in the relative error, coefficients rounded in turn.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import mpmath
+from fit_sincos import fit, half_pi_parts, mpf, remez, report, round_to
+from mpmath import mp
+
+
+def asin_tail(z: Any) -> Any:
+    """(asin s - s) / s^3 at z = s^2."""
+    s = mpmath.sqrt(z)
+    return (mpmath.asin(s) - s) / (z * s)
+
+
+def asin_weight(z: Any) -> Any:
+    """What turns an error of the tail into a relative error of the arcsine."""
+    return z * mpmath.sqrt(z) / mpmath.asin(mpmath.sqrt(z))
+
+
+def atan_tail(z: Any) -> Any:
+    """(atan t - t) / t^3 at z = t^2."""
+    t = mpmath.sqrt(z)
+    return (mpmath.atan(t) - t) / (z * t)
+
+
+def atan_weight(z: Any) -> Any:
+    """What turns an error of the tail into a relative error of the arctangent."""
+    return z * mpmath.sqrt(z) / mpmath.atan(mpmath.sqrt(z))
+
+
+def log_tail(z: Any) -> Any:
+    """(log((1 + s) / (1 - s)) / s - 2) / s^2 at z = s^2."""
+    s = mpmath.sqrt(z)
+    return (2 * mpmath.atanh(s) / s - 2) / z
+
+
+def log_weight(z: Any) -> Any:
+    """What turns an error of the tail into a relative error of the logarithm."""
+    s = mpmath.sqrt(z)
+    return z * s / (2 * mpmath.atanh(s))
+
+
+def exp_tail(r: Any) -> Any:
+    """(exp r - 1 - r - r^2/2) / r^3."""
+    return mpmath.fsum(r**k / mpmath.factorial(k + 3) for k in range(40))
+
+
+def exp_weight(r: Any) -> Any:
+    """What turns an error of the tail into a relative error of the exponential."""
+    return abs(r) ** 3 / mpmath.exp(r)
+
+
+DEGREES = {
+    "F64": {"ASIN": 12, "ATAN": 11, "LOG": 6, "EXP": 8},
+    "F32": {"ASIN": 4, "ATAN": 4, "LOG": 2, "EXP": 3},
+}
+
+
+def constants() -> dict[str, list[Any]]:
+    """All constants, by their names in `ulna.trace.elementary`."""
+    found: dict[str, list[Any]] = {}
+    log_upper = (3 - 2 * mpmath.sqrt(2)) ** 2
+    functions = {
+        "ASIN": (asin_tail, asin_weight, mpf(1) / 4),
+        "ATAN": (atan_tail, atan_weight, mpf(1) / 4),
+        "LOG": (log_tail, log_weight, log_upper),
+    }
+    for suffix, bits in (("F64", 53), ("F32", 24)):
+        for name, (tail, weight, end) in functions.items():
+            # A little beyond the interval, since its ends are met with rounding errors.
+            upper = end * (1 + mpf(2) ** -16)
+            coefficients, worst = fit(tail, weight, (upper / 10**6, upper), DEGREES[suffix][name], bits)
+            found[f"{name}_{suffix}"] = coefficients
+            report(f"{name}_{suffix}", worst)
+        half = mpmath.log(2) / 2 * (1 + mpf(2) ** -10)
+        exact, worst = remez(exp_tail, exp_weight, -half, half, range(DEGREES[suffix]["EXP"] + 1))
+        found[f"EXP_{suffix}"] = [float(round_to(c, bits)) for c in exact]
+        report(f"EXP_{suffix}", worst)
+        # The first part leaves room for the exponent, so that its product with it is exact.
+        high = round_to(mpmath.log(2), bits - 12)
+        found[f"LN2_{suffix}"] = [float(high), float(round_to(mpmath.log(2) - high, bits))]
+        found[f"LOG2E_{suffix}"] = [float(round_to(1 / mpmath.log(2), bits))]
+        # Short enough to be multiplied by 1, 2, 3 or 4 without rounding.
+        found[f"QUARTER_PI_{suffix}"] = [p / 2 for p in half_pi_parts((bits - 2, bits))]
+    return found
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print the constants as Python source, or compare them with the committed ones."""
+    found = constants()
+    if "--check" not in arguments:
+        for name, values in found.items():
+            print(f"{name} = (")
+            for value in values:
+                print(f'    float.fromhex("{value.hex()}"),')
+            print(")")
+        return 0
+    from ulna.trace import elementary
+
+    wrong = [name for name, values in found.items() if tuple(getattr(elementary, name)) != tuple(values)]
+    for name in wrong:
+        print(f"{name}: ulna.trace.elementary holds {getattr(elementary, name)}, the fit gives {found[name]}")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    mp.dps = 60
+    sys.exit(main(sys.argv[1:]))
