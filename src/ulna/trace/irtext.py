@@ -5,11 +5,12 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from math import isnan
-from typing import Literal
+from typing import Literal, final
 
 DType = Literal["double", "float"]
 
 
+@final
 @dataclass(frozen=True)
 class IRFunction:
     """One function in textual LLVM IR.
@@ -42,6 +43,7 @@ def bits_of(value: float, dtype: DType) -> int:
     return struct.unpack("<i", struct.pack("<f", value))[0]
 
 
+@final
 @dataclass(frozen=True)
 class Lanes:
     """The types of `lanes` values of one floating-point format: a scalar when `lanes` is 1, else a vector."""
@@ -110,6 +112,7 @@ class Lanes:
         return str(value) if self.lanes == 1 else f"splat (i{self.bits} {value})"
 
 
+@final
 class Body:
     """The lines of one function body; each method appends an instruction and returns its name.
 
