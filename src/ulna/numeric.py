@@ -94,6 +94,11 @@ def arctan2(y: Any, x: Any) -> Any:
     return _elementwise(_arctan2, y, x) if is_symbolic(y, x) else np.arctan2(y, x)
 
 
+def ceil(x: Any) -> Any:
+    """The least whole number that is not below `x`."""
+    return _elementwise(_ceil, x) if is_symbolic(x) else np.ceil(x)
+
+
 def less(a: Any, b: Any) -> Any:
     """Whether `a < b`, elementwise; on object arrays `<` itself would ask for a truth value."""
     return _elementwise(operator.lt, a, b) if is_symbolic(a, b) else np.less(a, b)
@@ -102,7 +107,7 @@ def less(a: Any, b: Any) -> Any:
 def where(condition: Any, a: Any, b: Any) -> Any:
     """`a` where `condition`, else `b`; both are evaluated."""
     if not is_symbolic(condition, a, b):
-        return np.where(condition, a, b)
+        return np.where(condition, a, b)[()]  # a number, not an array without axes, for numbers
     return _elementwise(_where, condition, a, b)
 
 
@@ -161,6 +166,16 @@ def _arctan2(y: Any, x: Any) -> Any:
     return sympy.atan2(y, x)
 
 
+def _ceil(x: Any) -> Any:
+    if isinstance(x, (float, int, np.generic)):
+        return float(np.ceil(x))
+    if hasattr(x, "ceil"):
+        return x.ceil()
+    import sympy
+
+    return sympy.ceiling(x)
+
+
 def _where(condition: Any, a: Any, b: Any) -> Any:
     if isinstance(condition, (bool, np.bool_)):
         return a if condition else b
@@ -199,11 +214,26 @@ def loop(condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple
     traced = next((s for s in state if hasattr(s, "_loop_")), None)
     if traced is not None:
         return traced._loop_(condition, body, state, limit)
-    values = [np.asarray(s, dtype=float) for s in np.broadcast_arrays(*state)]
-    active = np.ones(values[0].shape, dtype=bool)
+    values = [np.asarray(s, dtype=float)[()] for s in np.broadcast_arrays(*state)]
+    active = np.ones(np.shape(values[0]), dtype=bool)
     for _ in range(limit):
-        active = active & condition(*values)
+        holds = condition(*values)
+        if is_symbolic(holds):  # the state starts from numbers, and the values around the loop are traced
+            return _loop_hook(holds)(condition, body, state, limit)
+        active = active & holds
         if not active.any():
             break
-        values = [np.where(active, new, old) for new, old in zip(body(*values), values, strict=True)]
-    return tuple(v[()] for v in values)
+        following = body(*values)
+        traced = next((v for v in following if is_symbolic(v)), None)
+        if traced is not None:
+            return _loop_hook(traced)(condition, body, state, limit)
+        values = [np.where(active, new, old)[()] for new, old in zip(following, values, strict=True)]
+    return tuple(values)
+
+
+def _loop_hook(traced: Any) -> Any:
+    value = traced.reshape(-1)[0] if isinstance(traced, np.ndarray) else traced
+    hook = getattr(value, "_loop_", None)
+    if hook is None:
+        raise TypeError(f"A loop cannot run on values of type {type(value).__name__}; pass numbers or traced scalars.")
+    return hook

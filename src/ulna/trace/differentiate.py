@@ -47,6 +47,8 @@ def jacobian(f: Function, wrt: str | int = 0) -> Function:
         if wrt not in names:
             raise UnknownName("input", wrt, names)
         wrt = names.index(wrt)
+    elif not 0 <= wrt < len(names):
+        raise UnknownName("input", wrt, names)
     port = f.inputs[wrt]
     first = sum(p.size for p in f.inputs[:wrt])
     g, primals, results = _copy(f)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -11,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import ShapeError, TraceError
+from ulna.errors import InputError, ShapeError, TraceError
 from ulna.numeric import is_symbolic
 from ulna.trace.graph import Graph, Loop
 from ulna.trace.interpret import interpret
 from ulna.trace.ops import TABLE, Op
-from ulna.trace.scalar import Condition, Scalar, Value, index_in, innermost
+from ulna.trace.scalar import Scalar, Value, index_in, innermost, number_in, tracing
 
 Shape = tuple[int, ...]
 
@@ -71,7 +72,7 @@ class Function:
     def _pack(self, flat: Sequence[Any], join: Callable[[Sequence[Any]], Any], batch: Shape = ()) -> Any:
         arrays, start = [], 0
         for port in self.outputs:
-            arrays.append(join(flat[start : start + port.size]).reshape(batch + port.shape))
+            arrays.append(join(flat[start : start + port.size]).reshape(batch + port.shape)[()])
             start += port.size
         return arrays[0] if self.single else tuple(arrays)
 
@@ -164,27 +165,35 @@ def trace(
     graph = Graph(relaxed=rules == "relaxed")
     ports, arguments = [], []
     for key, given in shapes.items():
-        port = Port(key, (given,) if isinstance(given, int) else tuple(given))
+        port = Port(key, _shape(key, given))
         ports.append(port)
         array = _object_array([Scalar(graph, graph.input()) for _ in range(port.size)]).reshape(port.shape)
         arguments.append(array if port.shape else array[()])
-    returned = f(*arguments)
-    single = not isinstance(returned, (tuple, list)) or (isinstance(returned, list))
+    with tracing(graph):
+        returned = f(*arguments)
+    single = not isinstance(returned, tuple)
     outputs, results = [], []
     for number, value in enumerate((returned,) if single else returned):
-        array = np.asarray(value, dtype=object)
+        try:
+            array = np.asarray(value, dtype=object)
+        except ValueError as error:
+            raise TraceError(f"The function returned a ragged list; return a tuple of arrays. NumPy says: {error}") from None
         outputs.append(Port("out" if single else f"out{number}", array.shape))
-        results.extend(_result(graph, element) for element in array.reshape(-1))
+        results.extend(number_in(graph, element) for element in array.reshape(-1))
     title = name or getattr(f, "__name__", "function").strip("<>")
     return Function(
         title, graph, tuple(ports), tuple(outputs), tuple(results), single, doc or (getattr(f, "__doc__", "") or "")
     )
 
 
-def _result(graph: Graph, value: Any) -> int:
-    if isinstance(value, (Condition, bool, np.bool_)):  # a truth value leaves as 1.0 or 0.0
-        return graph.node(Op.SELECT, index_in(graph, value), graph.constant(1.0), graph.constant(0.0))
-    return index_in(graph, value)
+def _shape(name: str, given: Any) -> Shape:
+    try:
+        shape = tuple(map(operator.index, given if isinstance(given, (tuple, list)) else (given,)))
+    except TypeError:
+        shape = (-1,)
+    if min(shape, default=0) < 0:
+        raise InputError(f"{name}={given!r}: expected a shape, a whole number or a tuple of them, none negative.")
+    return shape
 
 
 def copy_into(target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequence[int]) -> list[int]:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import DtypeError, NonFiniteError, ShapeError
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 from ulna.trace import jit, native
 from ulna.trace.emit import emit_batch
 from ulna.trace.function import Function, Port, trace
@@ -28,6 +28,10 @@ class _General:
     def __init__(self, function: Function, dtype: np.dtype[Any], checked: bool) -> None:
         self.function, self.dtype, self.checked = function, dtype, checked
         self.single: Callable[[], Any] = lambda: None  # the fast door, once there is one
+        # NumPy's generalised ufuncs need an input, an output and axes longer than 0.
+        self.interpreted = not function.inputs or not function.outputs or not all(
+            port.size for port in native.ports_of(function)
+        )
         self._ufunc: np.ufunc | None = None
         self._lock = threading.Lock()
 
@@ -52,12 +56,18 @@ class _General:
                     self._ufunc = native.make_ufunc(self.function, code.address("batch"), code, self.element)
         return self._ufunc
 
-    def __call__(self, *args: Any, out: Any = None, threads: int | None = None) -> Any:
+    def __call__(self, *args: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
         f = self.function
+        if named:
+            args = self._bind(args, named)
         if len(args) != len(f.inputs):
             names = ", ".join(p.name for p in f.inputs)
             raise TypeError(f"{f.name}({names}) takes {len(f.inputs)} arguments; {len(args)} were given.")
-        if any(type(a) is not np.ndarray and hasattr(a, "__array_ufunc__") and not np.isscalar(a) for a in args):
+        if not self.interpreted and any(_is_foreign(a) for a in args):
+            if self.checked:
+                for a, port in zip(args, f.inputs, strict=True):
+                    if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others, as Dask's, may be lazy
+                        _check_finite(port.name, np.asarray(a, self.dtype))
             return self.ufunc(*args) if out is None else self.ufunc(*args, out=out)
         arrays = [self._array(a, port) for a, port in zip(args, f.inputs, strict=True)]
         if any(a.dtype == object for a in arrays):
@@ -69,17 +79,67 @@ class _General:
         if batch == () and out is None:
             door = self.single()
             if door is not None:
-                return door(*(np.ascontiguousarray(a) if a.ndim else a for a in arrays))
+                return door(*(self._exact(a) for a in arrays))
+        if self.interpreted:
+            return self._interpret(arrays, out)
         rows = int(np.prod(batch, dtype=np.int64))
-        if threads is not None and threads > 1 and batch and rows >= 2 * _ROWS_PER_THREAD:
+        many = threads is not None and threads > 1 and rows >= 2 * _ROWS_PER_THREAD
+        if many and batch and (out is None or self._is_apart(arrays, out, batch)):
+            assert threads is not None
             return self._threaded(arrays, batch, out, min(threads, rows // _ROWS_PER_THREAD))
         return self.ufunc(*arrays) if out is None else self.ufunc(*arrays, out=out)
+
+    def _bind(self, args: tuple[Any, ...], named: dict[str, Any]) -> tuple[Any, ...]:
+        """The arguments in order where some are passed by name."""
+        names = [p.name for p in self.function.inputs]
+        for name in named:
+            if name not in names:
+                raise TypeError(
+                    f"{self.function.name}({', '.join(names)}) has no argument {name!r}; besides its inputs it takes "
+                    "`out` and `threads`."
+                )
+            if name in names[: len(args)]:
+                raise TypeError(f"{self.function.name}({', '.join(names)}) got `{name}` twice.")
+        return (*args, *(named[name] for name in names[len(args) :] if name in named))
+
+    def _exact(self, array: Any) -> Any:
+        """An array that the fast door takes for sure: its very dtype, contiguous, aligned."""
+        exact = np.empty(array.shape, self.dtype)
+        exact[...] = array
+        return exact
+
+    def _interpret(self, arrays: Sequence[Any], out: Any) -> Any:
+        """Evaluates a function that no generalised ufunc can be: with an axis of length 0, or without inputs."""
+        f = self.function
+        results = f(*arrays)
+        results = [r.astype(self.dtype) for r in ((results,) if f.single else results)]
+        if out is not None:
+            given = out if isinstance(out, tuple) else (out,)
+            for target, result in zip(given, results, strict=True):
+                np.copyto(target, result)
+            results = given
+        if f.single:
+            return results[0] if results[0].ndim else results[0][()]
+        return tuple(results)
+
+    def _is_apart(self, arrays: Sequence[Any], out: Any, batch: tuple[int, ...]) -> bool:
+        """Whether parts of the batch can be written to `out` independently; else NumPy must see the whole."""
+        f = self.function
+        given = out if isinstance(out, tuple) else (out,)
+        return len(given) == len(f.outputs) and all(
+            isinstance(o, np.ndarray)
+            and o.shape == batch + p.shape
+            and not any(np.may_share_memory(o, a) for a in arrays)
+            for o, p in zip(given, f.outputs, strict=True)
+        )
 
     def _array(self, value: Any, port: Port) -> Any:
         try:
             array = np.asarray(value)
         except ValueError as error:  # ragged lists
-            raise ShapeError(port.name, (), f"an array of numbers, shape {_shown(port)}", f"NumPy says: {error}.") from None
+            raise InputError(
+                f"`{port.name}` is ragged; expected an array of numbers, shape {_shown(port)}. NumPy says: {error}"
+            ) from None
         if array.dtype != self.dtype:
             if array.dtype == object:
                 return self._objects(array, port)
@@ -96,10 +156,14 @@ class _General:
 
         if any(isinstance(v, Value) for v in array.reshape(-1)):
             return array
+        odd = next((v for v in array.reshape(-1) if v is None or isinstance(v, (str, bytes))), 0)
+        if odd != 0:  # NumPy would make nan of None and parse text
+            raise DtypeError(port.name, f"object and holds {odd!r}")
         try:
-            return self._array(array.astype(self.dtype), port)
+            numbers = array.astype(self.dtype)
         except (TypeError, ValueError) as error:
             raise DtypeError(port.name, "object", mend=f"NumPy says: {error}.") from None
+        return self._array(numbers, port)
 
     def _batch(self, arrays: Sequence[Any]) -> tuple[int, ...]:
         ports = self.function.inputs
@@ -135,6 +199,11 @@ class _General:
         with ThreadPoolExecutor(len(cuts) - 1) as pool:
             list(pool.map(part, range(len(cuts) - 1)))
         return given[0] if f.single else tuple(given)
+
+
+def _is_foreign(value: Any) -> bool:
+    """Whether an argument brings its own meaning of ufuncs: subclasses of ndarray, Dask arrays and the like."""
+    return type(value) is not np.ndarray and hasattr(value, "__array_ufunc__") and not isinstance(value, np.generic)
 
 
 def _shown(port: Port) -> str:
@@ -288,6 +357,7 @@ def _entry_ir(general: _General) -> str:
 
 def compile(
     f: Function | Callable[..., Any],
+    /,
     dtype: Any = np.float64,
     checked: bool = False,
     **shapes: tuple[int, ...] | int,

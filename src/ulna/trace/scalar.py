@@ -5,6 +5,9 @@ It travels in NumPy object arrays: `@`, `*`, `np.sin` and the like call the meth
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, NoReturn
 
 import numpy as np
@@ -34,8 +37,32 @@ class Value:
     def __bool__(self) -> NoReturn:
         raise TraceError(
             "A traced value has no truth: `if`, `and`, `or`, `min()`, `max()`, np.minimum and np.clip cannot "
-            "branch on it. Use ulna.numeric.where, minimum, maximum or clip; combine conditions with & | ~."
+            "branch on it, and `<` cannot compare an array of them. Use ulna.numeric.where, minimum, maximum, clip, "
+            "and less for arrays; combine conditions with & | ~."
         )
+
+    def _loop_(self, condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple[Any, ...]:
+        """The hook of numeric.loop: iterates `body` on the flat `state` while `condition`, lane by lane."""
+        outer = innermost(self, *state)
+        current = _under_trace.graphs[-1] if _under_trace.graphs else outer
+        if is_inside(current, outer):  # the state may start from values further out
+            outer = current
+        inner = Graph(relaxed=outer.relaxed, parent=outer)
+        variables = tuple(Scalar(inner, inner.input()) for _ in state)
+        with tracing(inner):
+            following = body(*variables)
+            holds = condition(*variables)
+        if not isinstance(following, (tuple, list)) or len(following) != len(state):
+            raise TraceError(
+                f"The body of a loop returned {_described(following)}; expected a tuple of {len(state)} numbers, "
+                "the state that follows."
+            )
+        if not isinstance(holds, (Condition, bool, np.bool_)):
+            raise TraceError(f"The condition of a loop returned {type(holds).__name__}; expected a comparison.")
+        follows = tuple(number_in(inner, value) for value in following)
+        loop = Loop(inner, len(state), index_in(inner, holds), follows, int(limit))
+        args = [number_in(outer, value) for value in state] + inner.captured
+        return tuple(Scalar(outer, item) for item in outer.loop(loop, args))
 
 
 class Condition(Value):
@@ -70,7 +97,7 @@ class Condition(Value):
         if isinstance(a, (Condition, bool, np.bool_)) and isinstance(b, (Condition, bool, np.bool_)):
             return (self & a) | (~self & b)
         g = innermost(self, a, b)
-        return Scalar(g, g.node(Op.SELECT, index_in(g, self), index_in(g, a), index_in(g, b)))
+        return Scalar(g, g.node(Op.SELECT, index_in(g, self), number_in(g, a), number_in(g, b)))
 
 
 class Scalar(Value):
@@ -250,19 +277,29 @@ class Scalar(Value):
     def _maximum_(self, other: Any) -> Any:
         return self._binary(Op.MAX, other)
 
-    def _loop_(self, condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple[Any, ...]:
-        """The hook of numeric.loop: iterates `body` on the flat `state` while `condition`, lane by lane."""
-        outer = innermost(*state)
-        inner = Graph(relaxed=outer.relaxed, parent=outer)
-        variables = tuple(Scalar(inner, inner.input()) for _ in state)
-        follows = tuple(index_in(inner, value) for value in body(*variables))
-        holds = condition(*variables)
-        if not isinstance(holds, (Condition, bool, np.bool_)):
-            raise TraceError(f"The condition of a loop returned {type(holds).__name__}; expected a comparison.")
-        goes_on = index_in(inner, holds)
-        loop = Loop(inner, len(state), goes_on, follows, limit)
-        args = [index_in(outer, value) for value in state] + inner.captured
-        return tuple(Scalar(outer, item) for item in outer.loop(loop, args))
+
+class _UnderTrace(threading.local):
+    """The graphs that this thread is making, innermost last."""
+
+    def __init__(self) -> None:
+        self.graphs: list[Graph] = []
+
+
+_under_trace = _UnderTrace()
+
+
+@contextmanager
+def tracing(graph: Graph) -> Iterator[None]:
+    """While the block runs, `graph` is the one under trace: a loop met there becomes one of its nodes."""
+    _under_trace.graphs.append(graph)
+    try:
+        yield
+    finally:
+        _under_trace.graphs.pop()
+
+
+def _described(value: Any) -> str:
+    return f"{len(value)} values" if isinstance(value, (tuple, list)) else type(value).__name__
 
 
 def _integer_power(base: Any, exponent: int) -> Any:
@@ -290,11 +327,19 @@ def index_in(graph: Graph, value: Any) -> int:
     raise TraceError(f"A traced function met {value!r} of type {type(value).__name__}; expected a real number.")
 
 
+def number_in(graph: Graph, value: Any) -> int:
+    """As `index_in`, where a number is needed: a truth value counts as 1.0 or 0.0."""
+    index = index_in(graph, value)
+    if isinstance(value, (Condition, bool, np.bool_)):
+        return graph.node(Op.SELECT, index, graph.constant(1.0), graph.constant(0.0))
+    return index
+
+
 def innermost(*values: Any) -> Graph:
     """The deepest graph among the traced values; numbers have none."""
     found: Graph | None = None
     for value in values:
-        if isinstance(value, Value) and (found is None or _is_inside(value.graph, found)):
+        if isinstance(value, Value) and (found is None or is_inside(value.graph, found)):
             found = value.graph
     if found is None:
         raise TraceError("None of the values is traced.")
@@ -307,7 +352,8 @@ def meet(a: Value, b: Value) -> tuple[Graph, int, int]:
     return graph, index_in(graph, a), index_in(graph, b)
 
 
-def _is_inside(graph: Graph | None, other: Graph) -> bool:
+def is_inside(graph: Graph | None, other: Graph) -> bool:
+    """Whether `graph` is `other` or the body of a loop in it, at any depth."""
     while graph is not None:
         if graph is other:
             return True
