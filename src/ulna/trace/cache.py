@@ -1,7 +1,7 @@
 """Keeps compiled kernels on disk: content-addressed, verified before use, private to the user.
 
 The key of an entry is the hash of everything that decides its bytes (IR, LLVM version, processor, options), so a
-stale entry is never found. An entry carries the hash of its own content, is written beside its place and renamed, and
+stale entry is never found. An entry carries the hash of its key and content, is written beside its place and renamed, and
 is read only from a folder that nobody else can write. Whatever goes wrong costs a compilation, never a wrong result.
 
 The folder is `$ULNA_CACHE`, else the platform's cache folder; `ULNA_CACHE=0` turns the cache off.
@@ -21,7 +21,7 @@ from pathlib import Path
 
 from ulna.errors import CacheWarning
 
-_MAGIC = b"ulna kernel 1\n"
+_MAGIC = b"ulna kernel 2\n"
 _LIMIT = 512 * 2**20  # bytes the folder may hold before the entries unused for longest go
 _warned: set[str] = set()
 
@@ -31,15 +31,20 @@ def folder() -> Path | None:
     chosen = os.environ.get("ULNA_CACHE", "")
     if chosen == "0":
         return None
-    if chosen:
+    if not chosen and sys.platform == "win32":
+        chosen = os.path.join(os.environ.get("LOCALAPPDATA") or "~/AppData/Local", "ulna")
+    elif not chosen and sys.platform == "darwin":
+        chosen = "~/Library/Caches/ulna"
+    elif not chosen:
+        chosen = os.path.join(os.environ.get("XDG_CACHE_HOME") or "~/.cache", "ulna")
+    try:
         return Path(chosen).expanduser()
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA") or str(Path("~/AppData/Local").expanduser())
-    elif sys.platform == "darwin":
-        base = str(Path("~/Library/Caches").expanduser())
-    else:
-        base = os.environ.get("XDG_CACHE_HOME") or str(Path("~/.cache").expanduser())
-    return Path(base) / "ulna"
+    except RuntimeError:  # a user without a home, as in some containers
+        _warn(
+            f"The kernel cache {chosen} cannot be found, because this user has no home folder; kernels are compiled "
+            "anew in each process. Set ULNA_CACHE to a folder you can write, or to 0 for none."
+        )
+        return None
 
 
 def key(*parts: str | bytes) -> str:
@@ -61,13 +66,16 @@ def read(name: str) -> bytes | None:
         descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0))
     except OSError:
         return None
-    with os.fdopen(descriptor, "rb") as file:
-        if not stat.S_ISREG(os.fstat(descriptor).st_mode) or not _is_private(os.fstat(descriptor)):
-            return None
-        data = file.read()
+    try:
+        with os.fdopen(descriptor, "rb") as file:
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode) or not _is_private(os.fstat(descriptor)):
+                return None
+            data = file.read()
+    except OSError:  # a failing disk
+        return None
     head = len(_MAGIC) + 32
     content = data[head:]
-    if data[: len(_MAGIC)] != _MAGIC or data[len(_MAGIC) : head] != hashlib.sha256(content).digest():
+    if data[: len(_MAGIC)] != _MAGIC or data[len(_MAGIC) : head] != _seal(name, content):
         with contextlib.suppress(OSError):  # damaged: make room for a good one
             path.unlink()
         return None
@@ -85,7 +93,7 @@ def write(name: str, content: bytes) -> None:
         descriptor, temporary = tempfile.mkstemp(dir=place, prefix="new-")
         try:
             with os.fdopen(descriptor, "wb") as file:
-                file.write(_MAGIC + hashlib.sha256(content).digest() + content)
+                file.write(_MAGIC + _seal(name, content) + content)
             os.replace(temporary, place / name)
         except BaseException:
             with contextlib.suppress(OSError):
@@ -96,6 +104,11 @@ def write(name: str, content: bytes) -> None:
     except OSError as error:
         _warn(f"The kernel cache {place} cannot be written ({error.strerror or error}); kernels are compiled anew in "
               "each process. Mend the folder, or set ULNA_CACHE to another one, or to 0 for none.")  # fmt: skip
+
+
+def _seal(name: str, content: bytes) -> bytes:
+    """What an entry must carry to be believed: content under a wrong name is as bad as damaged content."""
+    return hashlib.sha256(name.encode() + content).digest()
 
 
 def clear() -> int:

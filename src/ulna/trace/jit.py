@@ -12,6 +12,7 @@ from typing import Any
 from ulna.errors import CompileError
 from ulna.trace import cache as disk
 
+_RECIPE = "level 1, codegen 2"  # part of the cache's key: change it when `_optimised` or `_machine` change
 _lock = threading.RLock()  # LLVM's contexts are not safe to share
 
 
@@ -76,7 +77,7 @@ def _machine() -> Any:
 def load(ir: str, names: tuple[str, ...]) -> Code:
     """Machine code of `ir`, from the cache or from LLVM, with the addresses of `names`."""
     t = target()
-    key = disk.key(ir, t.triple, t.cpu, t.features, t.version)
+    key = disk.key(ir, t.triple, t.cpu, t.features, t.version, _RECIPE)
     with _lock:
         start = time.perf_counter()
         content = disk.read(key)
