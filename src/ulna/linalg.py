@@ -18,33 +18,31 @@ from ulna.typing import Array
 _Rows = list[list[Any]]
 
 
-def orthogonalise(a: Array) -> tuple[Array, Array, Array]:
+def orthogonalise(a: Array, noise: float = 0.0) -> tuple[Array, Array, Array, Array]:
     """Splits `a = l @ q` into a unit lower triangle and orthogonal rows, by modified Gram-Schmidt (GVL 5.2.8).
-
-    A row that depends on the rows above it leaves a zero row in `q` and zeros below it in `l`; nothing is divided
-    by zero.
 
     Args:
         a: (..., m, n).
+        noise: A row is left out of the further elimination, and keeps zeros below it in `l`, when no more than this
+            part of its length remains because it depends on the rows above it.
 
     Returns:
-        l (..., m, m), q (..., m, n), and the squared lengths of the rows of `q` (..., m).
+        l (..., m, m), q (..., m, n), the squared lengths of the rows of `q` (..., m), and their reciprocals (..., m),
+        zero for the rows that were left out.
     """
     m = a.shape[-2]
     rows = [a[..., i, :] for i in range(m)]
     zero, one = 0.0 * a[..., 0, 0], 0.0 * a[..., 0, 0] + 1.0
     lower: _Rows = [[one if i == j else zero for j in range(m)] for i in range(m)]
-    squares = []
+    floors = [numeric.dot(row, row) * (noise * noise) if noise else 0.0 for row in rows]
+    squares, reciprocals = [], []
     for j in range(m):
-        square = numeric.dot(rows[j], rows[j])
-        squares.append(square)
-        if j + 1 < m:
-            scale = reciprocal_or_zero(square)
-            for i in range(j + 1, m):
-                factor = numeric.dot(rows[j], rows[i]) * scale
-                lower[i][j] = factor
-                rows[i] = rows[i] - _column(factor) * rows[j]
-    return numeric.matrix(lower), np.stack(rows, axis=-2), numeric.vector(*squares)
+        squares.append(numeric.dot(rows[j], rows[j]))
+        reciprocals.append(_reciprocal_above(squares[j], floors[j]))
+        for i in range(j + 1, m):
+            lower[i][j] = numeric.dot(rows[j], rows[i]) * reciprocals[j]
+            rows[i] = rows[i] - _column(lower[i][j]) * rows[j]
+    return numeric.matrix(lower), np.stack(rows, axis=-2), numeric.vector(*squares), numeric.vector(*reciprocals)
 
 
 def volume(a: Array) -> Any:
@@ -241,10 +239,10 @@ def _pick(condition: Any, a: Any, b: Any) -> Any:
     return numeric.where(condition, a, b)
 
 
-def reciprocal_or_zero(x: Any) -> Any:
-    """1 / x for x > 0, else 0, elementwise."""
-    positive = numeric.less(0.0, x)
-    return numeric.where(positive, 1.0 / numeric.where(positive, x, 1.0), 0.0)
+def _reciprocal_above(x: Any, floor: Any) -> Any:
+    """1 / x for x > floor, else 0, elementwise."""
+    above = numeric.less(floor, x)
+    return numeric.where(above, 1.0 / numeric.where(above, x, 1.0), 0.0)
 
 
 def _column(x: Any) -> Any:

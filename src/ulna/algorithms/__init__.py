@@ -1,5 +1,37 @@
-"""The book: one algorithm a file, free pure functions of a model and numbers, symbols or traced scalars.
+"""The book: one algorithm a file, free pure functions of a model and of numbers, symbols or traced scalars.
 
-Every file opens with its table of symbols. Page references: Featherstone, Rigid Body Dynamics Algorithms (2008);
-Lynch & Park, Modern Robotics (2017); Siciliano et al., Robotics: Modelling, Planning and Control (2009).
+Every file opens with its table of symbols. They refer to Featherstone, Rigid Body Dynamics Algorithms (2008); Lynch &
+Park, Modern Robotics (2017); Siciliano et al., Robotics: Modelling, Planning and Control (2009).
 """
+
+from ulna.algorithms.analytical_jacobian import Representation as Representation
+from ulna.algorithms.analytical_jacobian import analytical_jacobian as analytical_jacobian
+from ulna.algorithms.analytical_jacobian import analytical_jacobian_dot as analytical_jacobian_dot
+from ulna.algorithms.configuration import difference as difference
+from ulna.algorithms.configuration import difference_derivatives as difference_derivatives
+from ulna.algorithms.configuration import distance as distance
+from ulna.algorithms.configuration import integrate as integrate
+from ulna.algorithms.configuration import integrate_derivatives as integrate_derivatives
+from ulna.algorithms.configuration import interpolate as interpolate
+from ulna.algorithms.configuration import is_same as is_same
+from ulna.algorithms.configuration import neutral as neutral
+from ulna.algorithms.configuration import normalize as normalize
+from ulna.algorithms.configuration import random as random
+from ulna.algorithms.configuration import squared_distance as squared_distance
+from ulna.algorithms.hessian import frame_hessian as frame_hessian
+from ulna.algorithms.jacobian import frame_jacobian as frame_jacobian
+from ulna.algorithms.jacobian import joint_jacobians as joint_jacobians
+from ulna.algorithms.jacobian_dot import frame_jacobian_dot as frame_jacobian_dot
+from ulna.algorithms.kinematics import frame_acceleration as frame_acceleration
+from ulna.algorithms.kinematics import frame_pose as frame_pose
+from ulna.algorithms.kinematics import frame_poses as frame_poses
+from ulna.algorithms.kinematics import frame_velocity as frame_velocity
+from ulna.algorithms.kinematics import joint_poses as joint_poses
+from ulna.algorithms.kinematics import joint_velocities as joint_velocities
+from ulna.algorithms.manipulability import manipulability as manipulability
+from ulna.algorithms.manipulability import manipulability_gradient as manipulability_gradient
+from ulna.algorithms.references import Reference as Reference
+from ulna.algorithms.velocity_derivatives import (
+    frame_acceleration_derivatives as frame_acceleration_derivatives,
+)
+from ulna.algorithms.velocity_derivatives import frame_velocity_derivatives as frame_velocity_derivatives

@@ -77,8 +77,7 @@ def manipulability(
 def manipulability_gradient(model: Model, q: Array, frame: Frame, axes: Axes = "all") -> Array:
     """The derivative of Yoshikawa's measure by q, shape (..., nv).
 
-    At a singular configuration the measure has a kink and no derivative; what comes out there is finite, and zero where
-    the measure itself is exactly zero.
+    At a singular configuration the measure has a kink and no derivative; there the result is as good as zero.
 
     Args:
         model: The robot.
@@ -128,9 +127,9 @@ def chosen_rows(axes: Axes) -> list[int]:
 
 def _pseudoinverse_transposed(J: Array) -> tuple[Array, Any]:
     """P = (J J^T)^-1 J, with zeros for rows that depend on others, and the measure m."""
-    L, Q, squares = linalg.orthogonalise(J)
+    L, Q, squares, reciprocals = linalg.orthogonalise(J, noise=1e-14)
     count = J.shape[-2]
-    rows = [Q[..., i, :] * column(linalg.reciprocal_or_zero(squares[..., i])) for i in range(count)]
+    rows = [Q[..., i, :] * column(reciprocals[..., i]) for i in range(count)]
     for i in reversed(range(count)):
         for k in range(i + 1, count):
             rows[i] = rows[i] - column(L[..., k, i]) * rows[k]

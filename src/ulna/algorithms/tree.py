@@ -140,8 +140,13 @@ def poses(tree: Sequence[Step], q: Array) -> list[SE3]:
 
 
 def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
-    """T of the last step of a chain, times `placement`."""
-    return poses(tree, q)[-1] @ placement if tree else placement
+    """T of the last step of a chain, times `placement`; what turns about the last axis is multiplied first."""
+    if not tree:
+        return placement
+    *before, last = tree
+    tip = last.transform(q) @ placement
+    fixed = poses(before, q)[-1] @ last.placement if before else last.placement
+    return fixed @ tip
 
 
 def blank(shape: tuple[int, ...], *inputs: Array) -> Array:
