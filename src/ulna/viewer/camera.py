@@ -41,7 +41,11 @@ class Camera:
 
 
 def frame(
-    scene: Scene, aspect: float = 1.6, direction: tuple[float, float, float] = DIRECTION, margin: float = 1.3
+    scene: Scene,
+    aspect: float = 1.6,
+    direction: tuple[float, float, float] = DIRECTION,
+    margin: float = 1.3,
+    aside: float = 0.0,
 ) -> Camera:
     """A camera that has the whole scene in view.
 
@@ -50,6 +54,7 @@ def frame(
         aspect: Width over height of the picture.
         direction: From the scene towards the camera.
         margin: How much larger than the scene the picture is.
+        aside: How far to the left of the middle the scene stands, as a share of the picture's width.
     """
     points = scene.points()
     if not len(points):
@@ -65,6 +70,7 @@ def frame(
         seen_x, seen_y = x / (distance - z), y / (distance - z)
         middle = np.array([seen_x.min() + seen_x.max(), seen_y.min() + seen_y.max(), 0.0]) / 2
         target = target + rotation @ (middle * distance)
+    target = target + rotation[:, 0] * (aside * 2 * np.tan(fov / 2) * aspect * distance)
     position = target + distance * rotation[:, 2]
     return Camera(_triple(position), _triple(target), fov)
 

@@ -160,12 +160,6 @@ def srgb(linear: Array) -> Array:
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.power(np.maximum(linear, 1e-8), 1 / 2.4) - 0.055)
 
 
-def linear(encoded: Array) -> Array:
-    """The inverse of `srgb`."""
-    encoded = np.asarray(encoded, dtype=float)
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-
-
 def gaussian(image: Array, sigma: float) -> Array:
     """The image (h, w) blurred by a Gaussian of `sigma` samples; beyond the edge it is 0."""
     reach = max(int(np.ceil(2.6 * sigma)), 1)

@@ -12,7 +12,7 @@ from ulna.viewer import light
 from ulna.viewer.camera import Camera, frame
 from ulna.viewer.png import write_png
 from ulna.viewer.scene import Scene
-from ulna.viewer.surface import unit
+from ulna.viewer.surface import paint, unit
 from ulna.viewer.zbuffer import clip_near, rasterise
 
 __all__ = ["render", "write_png"]
@@ -163,10 +163,7 @@ def _colours(
     away = np.einsum("ij,ij->i", face, towards_eye) < 0  # an open surface from behind is lit as from its front
     normal = np.where(away[:, None], -normal, normal)
     rgba = triangles.rgba[seen]
-    albedo = light.linear(rgba[:, :3])
-    # paint is never quite white (the lamps would bleach it), and dark grey never quite black (its form would be lost)
-    bright, dull = albedo.max(axis=1, keepdims=True), albedo.min(axis=1, keepdims=True)
-    albedo = 0.74 * albedo + 0.06 * (1 - bright) * (1 - (bright - dull) / np.maximum(bright, 1e-6))
+    albedo = paint(rgba[:, :3])
     lit = shadows.lit(point, normal)
     shaded = light.display(light.shade(albedo.astype(np.float32), *(a.astype(np.float32) for a in (normal, towards_eye)), lit))
     opacity = rgba[:, 3:]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ulna.errors import InputError, ShapeError
-from ulna.typing import Array, Floats
+from ulna.typing import Array, ArrayLike, Floats
 
 RGBA = tuple[float, float, float, float]
 """Red, green, blue (sRGB) and opacity, each from 0 to 1."""
@@ -82,3 +82,19 @@ def unit(vectors: Floats) -> Floats:
     """Vectors of length 1 along `vectors`; those too short to have a direction become +z."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.where(length > 1e-300, vectors / np.maximum(length, 1e-300), (0.0, 0.0, 1.0))
+
+
+def paint(rgb: Array) -> Floats:
+    """The linear reflectance that colours (..., 3), as a model states them, are drawn with.
+
+    Paint is never quite white (lamps would bleach it), and dark grey never quite black (its form would be lost).
+    """
+    linear = linear_from_srgb(rgb)
+    bright, dull = linear.max(axis=-1, keepdims=True), linear.min(axis=-1, keepdims=True)
+    return 0.74 * linear + 0.06 * (1 - bright) * (1 - (bright - dull) / np.maximum(bright, 1e-6))
+
+
+def linear_from_srgb(encoded: ArrayLike) -> Floats:
+    """Linear colours from those encoded for a screen (IEC 61966-2-1)."""
+    x = np.asarray(encoded, dtype=float)
+    return np.where(x <= 0.04045, x / 12.92, ((np.maximum(x, 0.0) + 0.055) / 1.055) ** 2.4)

@@ -1,0 +1,76 @@
+"""Surfaces as binary glTF, the format a browser draws directly: exact normals, one material for each colour."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from ulna.typing import Array
+from ulna.viewer.surface import Surface, paint
+
+_FLOAT, _UINT32 = 5126, 5125
+_VERTICES, _INDICES = 34962, 34963
+
+
+def glb(surfaces: Iterable[Surface]) -> bytes:
+    """A binary glTF 2.0 file with one mesh, one primitive for each surface."""
+    views: list[dict[str, Any]] = []
+    accessors: list[dict[str, Any]] = []
+    primitives: list[dict[str, Any]] = []
+    materials: list[dict[str, Any]] = []
+    data = bytearray()
+
+    def accessor(values: Array, component: int, target: int, **more: Any) -> int:
+        content = np.ascontiguousarray(values).tobytes()
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(content), "target": target})
+        data.extend(content)  # every type here is four bytes wide, so that all views are aligned
+        kind = "SCALAR" if values.ndim == 1 else "VEC3"
+        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": len(values)})
+        accessors[-1].update(type=kind, **more)
+        return len(accessors) - 1
+
+    for surface in surfaces:
+        if not len(surface.triangles):
+            continue
+        vertices = surface.vertices.astype("<f4")
+        bounds = {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
+        attributes = {
+            "POSITION": accessor(vertices, _FLOAT, _VERTICES, **bounds),
+            "NORMAL": accessor(surface.normals.astype("<f4"), _FLOAT, _VERTICES),
+        }
+        indices = accessor(surface.triangles.astype("<u4").reshape(-1), _UINT32, _INDICES)
+        primitives.append({"attributes": attributes, "indices": indices, "material": len(materials)})
+        materials.append(_material(surface))
+    document: dict[str, Any] = {"asset": {"version": "2.0", "generator": "ulna"}, "scene": 0, "scenes": [{"nodes": []}]}
+    if primitives:
+        document |= {
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": primitives}],
+            "materials": materials,
+            "accessors": accessors,
+            "bufferViews": views,
+            "buffers": [{"byteLength": len(data)}],
+        }
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
+    if primitives:
+        chunks += struct.pack("<II", len(data), 0x004E4942) + bytes(data)
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def _material(surface: Surface) -> dict[str, Any]:
+    opacity = surface.rgba[3]
+    factor = [*(float(c) for c in paint(np.asarray(surface.rgba[:3]))), opacity]
+    out: dict[str, Any] = {
+        "pbrMetallicRoughness": {"baseColorFactor": factor, "metallicFactor": 0.0, "roughnessFactor": 0.36},
+        "doubleSided": True,
+    }
+    if opacity < 0.999:
+        out["alphaMode"] = "BLEND"
+    return out

@@ -1,0 +1,47 @@
+"""Whether anyone can look: is there a screen, a browser, a person at the terminal?"""
+
+from __future__ import annotations
+
+import os
+import sys
+import webbrowser
+
+_TEXT_ONLY = ("lynx", "w3m", "links", "elinks", "www-browser")
+
+
+def has_screen() -> bool:
+    """Whether a browser window can be opened here. `ULNA_HEADLESS=1` in the environment says no."""
+    if os.environ.get("ULNA_HEADLESS", "") not in ("", "0"):
+        return False
+    if sys.platform in ("darwin", "win32"):
+        screen = "SSH_CONNECTION" not in os.environ
+    else:
+        screen = bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return screen and _browser() is not None
+
+
+def somebody_can_look() -> bool:
+    """Whether a browser can be opened here, or a person at the terminal could open one elsewhere (a tunnel)."""
+    if os.environ.get("ULNA_HEADLESS", "") not in ("", "0"):
+        return False
+    return has_screen() or bool(sys.stdin and sys.stdin.isatty() and sys.stdout.isatty())
+
+
+def open_browser(url: str) -> bool:
+    """Open a page in the user's browser; False where there is none."""
+    browser = _browser() if has_screen() else None
+    if browser is None:
+        return False
+    try:
+        return bool(browser.open(url))
+    except (webbrowser.Error, OSError):
+        return False
+
+
+def _browser() -> webbrowser.BaseBrowser | None:
+    try:
+        browser = webbrowser.get()
+    except webbrowser.Error:
+        return None
+    # a browser in the terminal would take the terminal over and show nothing
+    return None if os.path.basename(getattr(browser, "name", "")) in _TEXT_ONLY else browser
