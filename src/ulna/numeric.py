@@ -184,7 +184,10 @@ def _where(condition: Any, a: Any, b: Any) -> Any:
         return hook(a, b)
     import sympy
 
-    return sympy.Piecewise((a, condition), (b, True))
+    if condition in (sympy.true, sympy.false):
+        return a if condition else b
+    # Unevaluated: SymPy's own tidying of nested cases takes minutes where there are a dozen.
+    return sympy.Piecewise((a, condition), (b, True), evaluate=False)
 
 
 def _minimum(a: Any, b: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Every kind of joint obeys the same laws: its pose, velocity and acceleration agree, and so do its coordinates."""
+"""Every kind of joint obeys the same laws: pose, velocity and acceleration agree, and so do coordinates."""
 
 from __future__ import annotations
 
@@ -51,7 +51,9 @@ KINDS: dict[str, JointKind] = {
     "planar": Planar(SKEW),
     "spherical": Spherical(),
     "free flyer": FreeFlyer(),
-    "composite": Composite((Revolute((1, 0, 0)), Prismatic(SKEW), Continuous((0, 1, 0))), (TILT, TILT, SE3.trans(0, 0, 1))),
+    "composite": Composite(
+        (Revolute((1, 0, 0)), Prismatic(SKEW), Continuous((0, 1, 0))), (TILT, TILT, SE3.trans(0, 0, 1))
+    ),
     "composite of many": Composite((Spherical(), Universal(SKEW, (0, 1, 0)), Planar()), (TILT, TILT, TILT)),
 }
 MOVING = [name for name, kind in KINDS.items() if kind.nv]
@@ -65,7 +67,7 @@ def rng_of(name: str) -> np.random.Generator:
 
 
 def samples(name: str, n: int = 12) -> tuple[JointKind, np.ndarray, np.ndarray]:
-    """A kind with positions (n, nq) and velocities (n, nv): tiny, moderate and large steps, and next to half turns."""
+    """A kind with positions (n, nq) and velocities (n, nv): none, tiny, moderate and large steps."""
     kind, rng = KINDS[name], rng_of(name)
     q = kind.random(rng, size=(n,))
     v = rng.standard_normal((n, kind.nv))
@@ -214,7 +216,7 @@ def test_random_rotations_are_spread_evenly() -> None:
     np.testing.assert_allclose((r * r).mean(axis=0), 1 / 3, atol=0.015)
 
 
-def numerical(kind: JointKind, f, x, step) -> np.ndarray:  # noqa: ANN001
+def numerical(kind: JointKind, f, x, step) -> np.ndarray:
     """Central differences of f(x moved by step(x, d)), one column for each direction."""
     h, columns = 1e-6, []
     for k in range(kind.nv):
@@ -290,7 +292,8 @@ def test_symbols_give_the_same_as_numbers(name: str) -> None:
         return np.array([float(sympy.sympify(x).subs(values)) for x in array.ravel()]).reshape(array.shape)
 
     np.testing.assert_allclose(number(kind.transform(at).matrix()), poses(kind, q[4]), atol=1e-14)
-    np.testing.assert_allclose(number(kind.bias(at, rate).vector()), kind.bias(q[4], v[4]).vector(), atol=1e-14)
+    bias = number(kind.bias(at, rate).vector())
+    np.testing.assert_allclose(bias, kind.bias(q[4], v[4]).vector(), atol=1e-14)
     np.testing.assert_allclose(number(kind.integrate(at, rate)), kind.integrate(q[4], v[4]), atol=1e-14)
     for symbolic, numeric in zip(kind.motion_subspace(at), kind.motion_subspace(q[4]), strict=True):
         np.testing.assert_allclose(number(symbolic.vector()), numeric.vector(), atol=1e-14)

@@ -1,4 +1,4 @@
-"""The kinds of joints against Pinocchio's: pose, motion subspace, bias, integrate, difference and derivatives."""
+"""The kinds of joints against Pinocchio's: pose, subspace, bias, integrate, difference, derivatives."""
 
 from __future__ import annotations
 

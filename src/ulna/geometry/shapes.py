@@ -164,8 +164,8 @@ class Plane(Shape):
 class Mesh(Shape):
     """A triangle mesh in a file, named but not read here.
 
-    A model's fingerprint takes in the file's name and the scale only: the folder a file lies in is a fact about one
-    machine, and so is whether it was found.
+    A model's fingerprint takes in the file's name and the scale only: the folder a file lies in is a fact
+    about one machine, and so is whether it was found.
 
     Args:
         path: The file, or None when a model named none.

@@ -1,152 +1,55 @@
-"""From what a builder was told to a model: checks how the parts fit, orders the tree, merges what is fixed."""
+"""From what a builder was told to a model: checks the fit, merges what is fixed, numbers what moves."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Mapping
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from ulna.errors import ModelError, ModelWarning, UnknownName
+from ulna.errors import ModelWarning, UnknownName
+from ulna.model.check import checked_gravity
 from ulna.model.joints.axes import constant, snap_pose
 from ulna.model.model import Model
 from ulna.model.parts import Frame, Joint, Link, Mimic
 from ulna.model.positions import position
-from ulna.model.records import FrameRecord, JointRecord, LinkRecord, at
+from ulna.model.records import FrameRecord, JointRecord, LinkRecord, Told, at, wrong
+from ulna.model.tree import depth_first, joints_above, root_link
 from ulna.spatial import SE3, Inertia
 
 
-def assemble(
-    name: str,
-    links: Mapping[str, LinkRecord],
-    joints: Mapping[str, JointRecord],
-    frames: Mapping[str, FrameRecord],
-    root_joint: JointRecord | None,
-    configurations: Mapping[str, Any],
-    tool: str | None,
-    gravity: np.ndarray,
-    disabled_pairs: tuple[tuple[str, str], ...],
-    groups: Mapping[str, tuple[str, ...]],
-    source: str | None,
-) -> Model:
-    """The model made of these records; see `ModelBuilder.build`."""
-    if gravity.shape != (3,) or not np.isfinite(gravity).all():
-        raise ModelError(f"`gravity` is {gravity}; expected 3 finite numbers [m/s^2], such as (0, 0, -9.81).")
-    above = _joints_above(name, links, joints)
-    root = _root(name, links, above)
-    if root_joint is not None and root_joint.name in joints:
-        raise ModelError(
-            at(
-                root_joint.where,
-                f"The root joint and another joint are both named {root_joint.name!r}. Rename one.",
-            )
-        )
-    order = _depth_first(name, root, links, above)
-    connecting = dict(above) if root_joint is None else {**above, root: root_joint}
-    built_joints, built_links = _place(order, links, connecting)
-    built_frames = _frames(built_links, connecting, frames)
-    inertias, base_inertia = _aggregate(built_joints, built_links)
+def assemble(told: Told) -> Model:
+    """The model made of what was told; see `ModelBuilder.build`."""
+    name, links, root_joint = told.name, told.links, told.root_joint
+    above = joints_above(name, links, told.joints)
+    root = root_link(name, links, above)
+    if root_joint is not None and root_joint.name in told.joints:
+        what = f"The root joint and another joint are both named {root_joint.name!r}"
+        raise wrong(root_joint.where, f"{what}. Rename one of them.")
+    order = depth_first(name, root, links, above)
+    connecting = above if root_joint is None else {**above, root: root_joint}
+    joints, placed = _place(order, links, connecting)
+    inertias, base_inertia = _aggregate(joints, placed)
     _warn_of_inertias(name, links)
     model = Model(
         name=name,
-        joints=built_joints,
-        links=built_links,
-        frames=built_frames,
+        joints=joints,
+        links=placed,
+        frames=_frames(placed, connecting, told.frames),
         inertias=inertias,
         base_inertia=base_inertia,
-        gravity=gravity + 0.0,
+        gravity=checked_gravity(told.gravity),
         configurations={},
-        tool=_default_tool(built_joints, built_links) if tool is None else tool,
-        disabled_pairs=_checked_pairs(disabled_pairs, links),
-        groups=_checked_groups(groups, joints, root_joint),
-        source=source,
+        tool=_default_tool(joints, placed) if told.tool is None else told.tool,
+        disabled_pairs=_checked_pairs(told.disabled_pairs, links),
+        groups=_checked_groups(told.groups, {joint.name: joint for joint in connecting.values()}),
+        source=told.source,
     )
-    if tool is not None and tool not in model.frame_names:
-        raise UnknownName("frame", tool, model.frame_names, "It is to be the tool.")
-    if not configurations:
-        return model
-    return _with_configurations(model, configurations)
-
-
-def _with_configurations(model: Model, configurations: Mapping[str, Any]) -> Model:
-    from dataclasses import replace
-
-    told = {name: position(model, q, f"configuration {name!r}") for name, q in configurations.items()}
-    return replace(model, configurations=told)
-
-
-def _joints_above(
-    model: str, links: Mapping[str, LinkRecord], joints: Mapping[str, JointRecord]
-) -> dict[str, JointRecord]:
-    """For each link but the root, the joint that moves it."""
-    if not links:
-        raise ModelError(f"Model {model!r} has no links; expected at least one. Add it with add_link(name).")
-    above: dict[str, JointRecord] = {}
-    for joint in joints.values():
-        for role, link in (("parent", joint.parent), ("child", joint.child)):
-            if link not in links:
-                raise UnknownName(
-                    "link", link, links, at(joint.where, f"It is the {role} of joint {joint.name!r}.")
-                )
-        if joint.child in above:
-            raise ModelError(
-                at(
-                    joint.where,
-                    f"Link {joint.child!r} is the child of two joints, {above[joint.child].name!r} and "
-                    f"{joint.name!r}; expected one. A loop is closed by a constraint, not by a second parent.",
-                )
-            )
-        above[joint.child] = joint
-    return above
-
-
-def _root(model: str, links: Mapping[str, LinkRecord], above: Mapping[str, JointRecord]) -> str:
-    roots = [link for link in links if link not in above]
-    if not roots:
-        raise ModelError(f"Model {model!r} has no root link: {_cycle(next(iter(links)), above)}.")
-    if len(roots) > 1:
-        shown = ", ".join(map(repr, roots[:8])) + (" ..." if len(roots) > 8 else "")
-        raise ModelError(
-            f"Model {model!r} has {len(roots)} root links, {shown}; expected one. "
-            "Connect the others to it with joints; Fixed() will do."
-        )
-    return roots[0]
-
-
-def _cycle(start: str, above: Mapping[str, JointRecord]) -> str:
-    """The circle of links that walking up from `start` ends in, as text."""
-    seen: dict[str, int] = {}
-    walk: list[str] = []
-    link = start
-    while link not in seen:
-        seen[link] = len(walk)
-        walk.append(link)
-        link = above[link].parent or ""
-    circle = [*walk[seen[link] :], link]
-    return "the joints run in a circle, " + " -> ".join(repr(name) for name in reversed(circle))
-
-
-def _depth_first(
-    model: str, root: str, links: Mapping[str, LinkRecord], above: Mapping[str, JointRecord]
-) -> list[str]:
-    """The links, parents before children, siblings in the order their joints were told."""
-    below: dict[str, list[str]] = {link: [] for link in links}
-    for child, joint in above.items():
-        below[joint.parent or ""].append(child)
-    order: list[str] = []
-    waiting = [root]
-    while waiting:
-        link = waiting.pop()
-        order.append(link)
-        waiting.extend(reversed(below[link]))
-    if len(order) < len(links):
-        reached = set(order)
-        lost = next(link for link in links if link not in reached)
-        raise ModelError(
-            f"Model {model!r}: link {lost!r} does not hang on the root {root!r}; {_cycle(lost, above)}."
-        )
-    return order
+    if model.tool not in model.frame_names:
+        raise UnknownName("frame", model.tool, model.frame_names, "It is to be the tool.")
+    positions = {n: position(model, q, f"configuration {n!r}") for n, q in told.configurations.items()}
+    return replace(model, configurations=positions) if positions else model
 
 
 def _place(
@@ -222,7 +125,7 @@ def _number(moving: list[tuple[JointRecord, int, SE3]], children: Mapping[str, s
 
 
 def _followed(record: JointRecord, records: Mapping[str, JointRecord]) -> tuple[str, float, float]:
-    """The joint with a position of its own that `record` follows in the end, with the composed ratio and offset."""
+    """The joint that `record` follows in the end, and the ratio and offset of the whole chain."""
     multiplier, offset = 1.0, 0.0
     walked = [record.name]
     current = record
@@ -235,17 +138,12 @@ def _followed(record: JointRecord, records: Mapping[str, JointRecord]) -> tuple[
             )
         if name in walked:
             circle = " -> ".join(repr(n) for n in [*walked[walked.index(name) :], name])
-            raise ModelError(at(record.where, f"Mimic joints follow one another in a circle: {circle}."))
+            raise wrong(record.where, f"Mimic joints follow one another in a circle: {circle}.")
         walked.append(name)
         current = records[name]
     if (current.kind.nq, current.kind.nv) != (1, 1):
-        raise ModelError(
-            at(
-                record.where,
-                f"Joint {record.name!r} mimics {current.name!r} ({current.kind.describe()}); "
-                "only joints with one coordinate can be followed.",
-            )
-        )
+        what = f"Joint {record.name!r} mimics {current.name!r} ({current.kind.describe()})"
+        raise wrong(record.where, f"{what}; only joints with one coordinate can be followed.")
     return current.name, multiplier, offset
 
 
@@ -271,12 +169,8 @@ def _frames(
                 "link", record.link, by_name, at(record.where, f"Frame {record.name!r} is to be on it.")
             )
         if record.name in taken:
-            raise ModelError(
-                at(
-                    record.where,
-                    f"Frame {record.name!r} has the name of a {taken[record.name].replace('_', ' ')}. Rename it.",
-                )
-            )
+            other = taken[record.name].replace("_", " ")
+            raise wrong(record.where, f"Frame {record.name!r} has the name of a {other}. Rename it.")
         link = by_name[record.link]
         pose = snap_pose(link.placement @ record.placement)
         frames.append(Frame(record.name, link.joint, pose, record.kind, link.name, record.placement))
@@ -300,15 +194,15 @@ def _aggregate(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> tuple[tupl
 
 
 def _warn_of_inertias(model: str, links: Mapping[str, LinkRecord]) -> None:
-    wrong = []
+    odd = []
     for link in links.values():
         moments = np.linalg.eigvalsh(link.inertia.inertia)
         if moments[0] < -1e-9 * max(float(np.abs(moments).max()), 1e-12):
-            wrong.append(at(link.where, f"{link.name!r} ({moments[0]:.3g} kg m^2)"))
-    if wrong:
+            odd.append(at(link.where, f"{link.name!r} ({moments[0]:.3g} kg m^2)"))
+    if odd:
         warnings.warn(
-            f"Model {model!r}: no body has these inertias, a principal moment is negative: {', '.join(wrong)}. "
-            "Kinematics are right; do not trust the dynamics.",
+            f"Model {model!r} has inertias that no body has, with a negative principal moment: "
+            f"{', '.join(odd)}. Kinematics are right; do not trust the dynamics.",
             ModelWarning,
             stacklevel=4,
         )
@@ -325,9 +219,9 @@ def _default_tool(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> str:
 
 
 def _checked_pairs(
-    pairs: tuple[tuple[str, str], ...], links: Mapping[str, LinkRecord]
+    pairs: Iterable[tuple[str, str]], links: Mapping[str, LinkRecord]
 ) -> tuple[tuple[str, str], ...]:
-    for pair in pairs:
+    for pair in sorted(pairs):
         for link in pair:
             if link not in links:
                 raise UnknownName("link", link, links, "Its collision check is to be disabled.")
@@ -335,11 +229,10 @@ def _checked_pairs(
 
 
 def _checked_groups(
-    groups: Mapping[str, tuple[str, ...]], joints: Mapping[str, JointRecord], root_joint: JointRecord | None
+    groups: Mapping[str, tuple[str, ...]], joints: Mapping[str, JointRecord]
 ) -> dict[str, tuple[str, ...]]:
-    every = dict(joints) if root_joint is None else {**joints, root_joint.name: root_joint}
     for group, names in groups.items():
         for name in names:
-            if name not in every:
-                raise UnknownName("joint", name, every, f"It is to be in group {group!r}.")
-    return {group: tuple(n for n in names if every[n].movable) for group, names in groups.items()}
+            if name not in joints:
+                raise UnknownName("joint", name, joints, f"It is to be in group {group!r}.")
+    return {group: tuple(n for n in names if joints[n].movable) for group, names in groups.items()}

@@ -3,53 +3,83 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Self
+from dataclasses import replace
+from typing import Any, Self
 
 import numpy as np
 
 from ulna.errors import ModelError, UnknownName
 from ulna.geometry import Geometry
-from ulna.model import records
 from ulna.model.assemble import assemble
+from ulna.model.check import (
+    ValueOrSequence,
+    checked_geometries,
+    checked_gravity,
+    checked_inertia,
+    checked_kind,
+    checked_limits,
+    checked_mimic,
+    checked_name,
+    checked_numbers,
+    checked_pose,
+)
 from ulna.model.joints import JointKind
 from ulna.model.model import Model
 from ulna.model.parts import FrameKind
-from ulna.model.records import FrameRecord, JointRecord, LinkRecord, ValueOrSequence, at
+from ulna.model.records import FrameRecord, JointRecord, LinkRecord, Told, wrong
 from ulna.spatial import SE3, Inertia
-from ulna.typing import ArrayLike
+from ulna.typing import ArrayLike, Floats
 
-Position = ArrayLike | Mapping[str, "float | Sequence[float] | np.ndarray"]
+Position = ArrayLike | Mapping[str, ValueOrSequence]
 
 
 class ModelBuilder:
     """Collects what a model consists of.
 
-    Each method checks what it is given on its own; `build` checks how it all fits together. Where a model comes from
-    a file, `where` (such as ``"arm.urdf:12"``) leads the messages about that element.
+    Each method checks what it is given on its own and returns the builder; `build` checks how it all fits
+    together. Where a model comes from a file, `where` (such as ``"arm.urdf:12"``) leads the messages about
+    that element.
 
-    >>> builder = ModelBuilder("pendulum")
-    >>> builder.add_link("base")
-    >>> builder.add_link("rod", Inertia.from_point(1.0, (0.0, 0.0, -0.5)))
-    >>> builder.add_joint("hinge", Revolute((0, 1, 0)), "base", "rod", SE3.trans(0.0, 0.0, 1.0))
-    >>> model = builder.build()
+        builder = ModelBuilder("pendulum")
+        builder.add_link("base")
+        builder.add_link("rod", Inertia.from_point(1.0, (0.0, 0.0, -0.5)))
+        builder.add_joint("hinge", Revolute((0, 1, 0)), "base", "rod", SE3.trans(0.0, 0.0, 1.0))
+        model = builder.build()
 
     Args:
         name: The model's name.
-        source: The file it is read from, for messages and for finding meshes.
+        source: The file it is read from.
     """
 
     def __init__(self, name: str, source: str | None = None) -> None:
-        self.name = records.name_of("model", name, "")
-        self.source = source
-        self.gravity: ArrayLike = (0.0, 0.0, -9.81)
-        self._links: dict[str, LinkRecord] = {}
-        self._joints: dict[str, JointRecord] = {}
-        self._frames: dict[str, FrameRecord] = {}
-        self._root_joint: JointRecord | None = None
-        self._configurations: dict[str, Position] = {}
-        self._tool: str | None = None
-        self._disabled_pairs: dict[tuple[str, str], None] = {}
-        self._groups: dict[str, tuple[str, ...]] = {}
+        self._told = Told(checked_name("model", name), source)
+
+    def __repr__(self) -> str:
+        return f"<ModelBuilder {self.name!r}: {len(self.link_names)} links, {len(self.joint_names)} joints>"
+
+    @property
+    def name(self) -> str:
+        """The model's name."""
+        return self._told.name
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """Names of the links told so far."""
+        return tuple(self._told.links)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints told so far, fixed ones included."""
+        return tuple(self._told.joints)
+
+    @property
+    def gravity(self) -> Floats:
+        """Acceleration of free fall in the world frame, shape (3,) [m/s^2]; (0, 0, -9.81) unless set."""
+        return np.asarray(self._told.gravity, dtype=float)
+
+    @gravity.setter
+    def gravity(self, gravity: ArrayLike) -> None:
+        self._told.gravity = checked_gravity(gravity)
 
     def add_link(
         self,
@@ -72,13 +102,13 @@ class ModelBuilder:
         Raises:
             ModelError: the name is taken, or the inertia cannot be one.
         """
-        records.name_of("link", name, where)
-        self._refuse_twice("link", name, self._links, where)
-        self._links[name] = LinkRecord(
+        links = self._told.links
+        _refuse_twice("link", checked_name("link", name, where), links, where)
+        links[name] = LinkRecord(
             name,
-            records.inertia_of(name, inertia, where),
-            records.geometries_of(f"visuals of link {name!r}", visuals, where),
-            records.geometries_of(f"collisions of link {name!r}", collisions, where),
+            checked_inertia(name, inertia, where),
+            checked_geometries(f"visuals of link {name!r}", visuals, where),
+            checked_geometries(f"collisions of link {name!r}", collisions, where),
             where,
         )
         return self
@@ -110,7 +140,8 @@ class ModelBuilder:
             parent: Name of the link it is fixed to; may be added later.
             child: Name of the link it moves; may be added later.
             placement: T_parent_joint, its place on the parent link; None for the parent's frame.
-            offset: T_joint_child, the child link's place in the moving frame; None for the moving frame itself.
+            offset: T_joint_child, the child link's place in the moving frame; None for the moving frame
+                itself.
             lower: Smallest position [rad, m]; None for no limit.
             upper: Largest position [rad, m]; None for no limit.
             velocity: Largest speed [rad/s, m/s]; None for no limit.
@@ -124,13 +155,26 @@ class ModelBuilder:
         Raises:
             ModelError: the name is taken, or a value cannot be used.
         """
-        records.name_of("joint", name, where)
-        self._refuse_twice("joint", name, self._joints, where)
-        records.name_of(f"parent of joint {name!r}", parent, where)
-        self._joints[name] = _joint_record(
-            name, kind, parent, child, placement, offset, lower, upper, velocity, effort,
-            damping, friction, armature, mimic, where,
-        )  # fmt: skip
+        _refuse_twice("joint", checked_name("joint", name, where), self._told.joints, where)
+        kind = checked_kind(name, kind, where)
+        if checked_name(f"parent of joint {name!r}", parent, where) == child:
+            raise wrong(where, f"Joint {name!r} connects link {parent!r} with itself; expected two links.")
+        self._told.joints[name] = JointRecord(
+            name=name,
+            kind=kind,
+            parent=parent,
+            child=checked_name(f"child of joint {name!r}", child, where),
+            placement=checked_pose(f"joint {name!r}", _pose(placement), where),
+            offset=checked_pose(f"the child of joint {name!r}", _pose(offset), where),
+            limits=checked_limits(
+                name, kind, {"lower": lower, "upper": upper, "velocity": velocity, "effort": effort}, where
+            ),
+            damping=checked_numbers(f"`damping` of joint {name!r}", damping, kind.nv, where=where),
+            friction=checked_numbers(f"`friction` of joint {name!r}", friction, kind.nv, where=where),
+            armature=checked_numbers(f"`armature` of joint {name!r}", armature, kind.nv, where=where),
+            mimic=checked_mimic(name, mimic, kind, where),
+            where=where,
+        )
         return self
 
     def root_joint(
@@ -138,27 +182,26 @@ class ModelBuilder:
         kind: JointKind,
         name: str = "root_joint",
         placement: SE3 | None = None,
-        *,
-        offset: SE3 | None = None,
-        lower: ValueOrSequence | None = None,
-        upper: ValueOrSequence | None = None,
-        velocity: ValueOrSequence | None = None,
-        effort: ValueOrSequence | None = None,
-        damping: ValueOrSequence = 0.0,
-        friction: ValueOrSequence = 0.0,
-        armature: ValueOrSequence = 0.0,
-        where: str = "",
+        **rest: Any,
     ) -> Self:
         """Connects the root link to the world; replaces what was said before.
 
-        Without it the root link stands still at the world's origin. `root_joint(Fixed(), placement=...)` puts it
-        elsewhere. The arguments are those of `add_joint`.
+        Without it the root link stands still at the world's origin. `root_joint(Fixed(), placement=...)` puts
+        it elsewhere.
+
+        Args:
+            kind: What motion it allows, such as `FreeFlyer()`.
+            name: Its name, not given to another joint.
+            placement: T_world_joint; None for the world's origin.
+            rest: As for `add_joint`: `offset`, limits and the like, `where`. It cannot mimic.
+
+        Raises:
+            ModelError: a value cannot be used.
         """
-        records.name_of("joint", name, where)
-        self._root_joint = _joint_record(
-            name, kind, None, "", placement, offset, lower, upper, velocity, effort,
-            damping, friction, armature, None, where,
-        )  # fmt: skip
+        if rest.get("mimic") is not None:
+            raise wrong(rest.get("where", ""), f"The root joint {name!r} is to mimic a joint; it cannot.")
+        alone = ModelBuilder(self.name).add_joint(name, kind, "world", "root", placement, **rest)
+        self._told.root_joint = replace(alone._told.joints[name], parent=None, child="")
         return self
 
     def add_frame(
@@ -182,21 +225,23 @@ class ModelBuilder:
         Raises:
             ModelError: the name is taken, or a value cannot be used.
         """
-        records.name_of("frame", name, where)
-        self._refuse_twice("frame", name, self._frames, where)
+        frames = self._told.frames
+        _refuse_twice("frame", checked_name("frame", name, where), frames, where)
         if kind not in ("user", "tool"):
-            raise ModelError(
-                at(where, f"Frame {name!r} is to be of kind {kind!r}; expected 'user' or 'tool'.")
-            )
-        pose = SE3.identity() if placement is None else placement
-        self._frames[name] = FrameRecord(
-            name, link, records.pose_of(f"frame {name!r}", pose, where), kind, where
+            raise wrong(where, f"Frame {name!r} is to be of kind {kind!r}; expected 'user' or 'tool'.")
+        link = checked_name(f"link of frame {name!r}", link, where)
+        frames[name] = FrameRecord(
+            name, link, checked_pose(f"frame {name!r}", _pose(placement), where), kind, where
         )
         return self
 
     def set_tool(self, name: str) -> Self:
-        """Names the frame that is meant when none is named: a link, a joint or a frame."""
-        self._tool = records.name_of("tool", name, "")
+        """Names the frame that is meant when none is named: a link, a joint or a frame.
+
+        Without it, it is the leaf link with the most joints before it (mimic joints do not count), the first
+        of those.
+        """
+        self._told.tool = checked_name("tool", name)
         return self
 
     def add_configuration(self, name: str, q: Position) -> Self:
@@ -204,16 +249,16 @@ class ModelBuilder:
 
         Args:
             name: Its name; a second position of that name replaces the first.
-            q: The whole position (nq,), or a dictionary from joint names to positions, where the joints left out
-                stand at neutral and mimic joints may be listed but follow their source.
+            q: The whole position (nq,), or a dictionary from joint names to positions, where the joints left
+                out stand at neutral and mimic joints may be listed but follow their source.
         """
-        self._configurations[records.name_of("configuration", name, "")] = q
+        self._told.configurations[checked_name("configuration", name)] = q
         return self
 
     def disable_pair(self, link_a: str, link_b: str) -> Self:
         """Says that two links need no collision check."""
-        pair = (link_a, link_b) if link_a <= link_b else (link_b, link_a)
-        self._disabled_pairs[pair] = None
+        first, second = sorted((checked_name("link", link_a), checked_name("link", link_b)))
+        self._told.disabled_pairs.add((first, second))
         return self
 
     def add_group(self, name: str, joints: Iterable[str]) -> Self:
@@ -222,7 +267,7 @@ class ModelBuilder:
             raise ModelError(
                 f"The joints of group {name!r} are the string {joints!r}; expected a list of names."
             )
-        self._groups[records.name_of("group", name, "")] = tuple(joints)
+        self._told.groups[checked_name("group", name)] = tuple(joints)
         return self
 
     def add_model(
@@ -233,7 +278,7 @@ class ModelBuilder:
         *,
         prefix: str = "",
         joint: str | None = None,
-        locked: Mapping[str, np.ndarray] | None = None,
+        locked: Mapping[str, Floats] | None = None,
     ) -> Self:
         """Adds all of a finished model: links, joints, frames, disabled pairs and groups.
 
@@ -244,8 +289,8 @@ class ModelBuilder:
             link: Name of the link its root is fixed to; None makes its root the root of this one.
             placement: T_link_root, where its world frame lies on that link.
             prefix: Put before every name.
-            joint: Name of the new fixed joint; None makes one from the root's name. Where the model has a movable
-                root joint, that one connects it instead.
+            joint: Name of the new fixed joint; None makes one from the root's name. Where the model has a
+                movable root joint, that one connects it instead.
             locked: For joints that shall not move any more, their position (kind.nq,).
 
         Raises:
@@ -253,84 +298,34 @@ class ModelBuilder:
         """
         from ulna.model.merge import add_model
 
-        add_model(self, model, link, placement, prefix, joint, locked or {})
+        add_model(self, model, link, placement, prefix=prefix, mount=joint, locked=locked)
         return self
 
     def build(self) -> Model:
         """The model.
 
-        Fixed joints are merged: their links keep their own inertia and place, and move with the last movable joint
-        before them. Rounding noise below 1e-15 in rotations and translations is cleaned off.
+        Fixed joints are merged: their links keep their own inertia and place, and move with the last movable
+        joint before them. Rounding noise below 1e-15 in rotations and translations is cleaned off.
 
         Raises:
             ModelError: the parts contradict one another; the message says how to mend it.
             UnknownName: a name is used that nothing bears; offers the nearest one.
         """
-        return assemble(
-            self.name,
-            self._links,
-            self._joints,
-            self._frames,
-            self._root_joint,
-            self._configurations,
-            self._tool,
-            np.asarray(self.gravity, dtype=float),
-            tuple(self._disabled_pairs),
-            self._groups,
-            self.source,
-        )
-
-    def _refuse_twice(
-        self, what: str, name: str, taken: Mapping[str, LinkRecord | JointRecord | FrameRecord], where: str
-    ) -> None:
-        if name in taken:
-            first = f", first at {taken[name].where}" if taken[name].where else ""
-            raise ModelError(at(where, f"There are two {what}s named {name!r}{first}. Rename one of them."))
-
-    def link_names(self) -> tuple[str, ...]:
-        """Names of the links told so far."""
-        return tuple(self._links)
+        return assemble(self._told)
 
     def require_link(self, name: str, mend: str = "") -> None:
         """Raises UnknownName unless a link of that name was told."""
-        if name not in self._links:
-            raise UnknownName("link", name, self._links, mend)
+        if name not in self._told.links:
+            raise UnknownName("link", name, self._told.links, mend)
 
 
-def _joint_record(
-    name: str,
-    kind: JointKind,
-    parent: str | None,
-    child: str,
-    placement: SE3 | None,
-    offset: SE3 | None,
-    lower: ValueOrSequence | None,
-    upper: ValueOrSequence | None,
-    velocity: ValueOrSequence | None,
-    effort: ValueOrSequence | None,
-    damping: ValueOrSequence,
-    friction: ValueOrSequence,
-    armature: ValueOrSequence,
-    mimic: object,
-    where: str,
-) -> JointRecord:
-    kind = records.kind_of(name, kind, where)
-    if parent is not None and parent == child:
-        raise ModelError(
-            at(where, f"Joint {name!r} connects link {parent!r} with itself; expected two links.")
-        )
-    identity = SE3.identity()
-    return JointRecord(
-        name=name,
-        kind=kind,
-        parent=parent,
-        child=child,
-        placement=records.pose_of(f"joint {name!r}", identity if placement is None else placement, where),
-        offset=records.pose_of(f"the child of joint {name!r}", identity if offset is None else offset, where),
-        limits=records.limits_of(name, kind, lower, upper, velocity, effort, where),
-        damping=records.numbers_of(name, "damping", damping, kind.nv, 0.0, where, 0.0),
-        friction=records.numbers_of(name, "friction", friction, kind.nv, 0.0, where, 0.0),
-        armature=records.numbers_of(name, "armature", armature, kind.nv, 0.0, where, 0.0),
-        mimic=records.mimic_of(name, mimic, kind, where),
-        where=where,
-    )
+def _pose(pose: SE3 | None) -> SE3:
+    return SE3.identity() if pose is None else pose
+
+
+def _refuse_twice(
+    what: str, name: str, taken: Mapping[str, LinkRecord | JointRecord | FrameRecord], where: str
+) -> None:
+    if name in taken:
+        first = f", the first one at {taken[name].where}" if taken[name].where else ""
+        raise wrong(where, f"There are two {what}s named {name!r}{first}. Rename one of them.")

@@ -1,4 +1,4 @@
-"""Models with one thing changed: the tool, a named configuration, gravity, the root joint, pairs not to check."""
+"""Models with one thing changed: tool, named configuration, gravity, root joint, pairs not to check."""
 
 from __future__ import annotations
 
@@ -6,10 +6,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from ulna.errors import ModelError
-from ulna.model import records
+from ulna.model.check import checked_gravity, checked_name, checked_pose
 from ulna.model.joints import JointKind
 from ulna.model.joints.axes import snap_pose
 from ulna.model.model import Model
@@ -36,13 +34,13 @@ def with_tool(model: Model, frame: str, placement: SE3 | None = None, name: str 
     base = model.frame(frame)
     if placement is None:
         return replace(model, tool=frame)
-    records.name_of("tool", name, "")
+    checked_name("tool", name)
     taken = next((f for f in model.frames if f.name == name and f.kind != "tool"), None)
     if taken is not None:
         raise ModelError(
             f"The name {name!r} is that of a {taken.kind.replace('_', ' ')} frame; give another `name`."
         )
-    origin = snap_pose(base.origin @ records.pose_of(f"tool {name!r}", placement, ""))
+    origin = snap_pose(base.origin @ checked_pose(f"tool {name!r}", placement))
     pose = snap_pose(model.link(base.link).placement @ origin)
     kept = tuple(f for f in model.frames if f.name != name)
     return replace(model, frames=(*kept, Frame(name, base.joint, pose, "tool", base.link, origin)), tool=name)
@@ -56,17 +54,14 @@ def with_configuration(model: Model, name: str, q: Any) -> Model:
         name: Its name; a position of that name is replaced.
         q: The position (nq,); or a dictionary from joint names to positions, the others at neutral.
     """
-    records.name_of("configuration", name, "")
+    checked_name("configuration", name)
     told = {**model.configurations, name: position(model, q, f"configuration {name!r}")}
     return replace(model, configurations=told)
 
 
 def with_gravity(model: Model, gravity: ArrayLike) -> Model:
     """The model under another acceleration of free fall (3,) in the world frame [m/s^2]."""
-    g = np.asarray(gravity, dtype=float)
-    if g.shape != (3,) or not np.isfinite(g).all():
-        raise ModelError(f"`gravity` is {gravity}; expected 3 finite numbers [m/s^2], such as (0, 0, -9.81).")
-    return replace(model, gravity=g + 0.0)
+    return replace(model, gravity=checked_gravity(gravity))
 
 
 def with_root_joint(
@@ -87,7 +82,7 @@ def with_root_joint(
 
 
 def with_disabled_pairs(model: Model, pairs: Iterable[tuple[str, str]]) -> Model:
-    """The model with more pairs of links that need no collision check. Raises UnknownName for an unknown link."""
+    """The model with more pairs of links that need no collision check; UnknownName for an unknown link."""
     added = set()
     for a, b in pairs:
         first, second = sorted((model.link(a).name, model.link(b).name))

@@ -1,7 +1,7 @@
 """A model's content as bytes, the same in every process and on every machine, and its fingerprint.
 
-Python's own hashes differ from one process to the next, and pickles from one version to the next; compiled kernels
-are found again on disk by this one.
+Python's own hashes differ from one process to the next, and pickles from one version to the next; compiled
+kernels are found again on disk by this one.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def fingerprint(*values: Any) -> str:
 
 
 def _pieces(value: Any) -> Iterator[bytes]:
-    """The bytes of a value; each begins with its type and length, so that no two values run into each other."""
+    """The bytes of a value, led by its type and length, so that no two values run into each other."""
     if value is None:
         yield b"n"
     elif isinstance(value, (bool, np.bool_)):

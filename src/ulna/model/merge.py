@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
 from ulna.errors import ModelError
 from ulna.model.builder import ModelBuilder
-from ulna.model.joints import Fixed
+from ulna.model.joints import Fixed, JointKind
 from ulna.model.model import Model
 from ulna.model.parts import Joint, Link
 from ulna.spatial import SE3
@@ -27,18 +29,19 @@ def attach(
 ) -> Model:
     """Fixes one model to a frame of another.
 
-    Names, limits, mimic relations, visuals, disabled pairs and groups of both stay. A configuration that both have
-    is joined; one that only one has stands at neutral in the other.
+    Names, limits, mimic relations, visuals, disabled pairs and groups of both stay. A configuration that both
+    have is joined; one that only one has stands at neutral in the other.
 
     Args:
         base: The model that carries; it gives its gravity and, if `name` is None, its name.
         addition: The model that is carried.
         frame: The frame of `base` it is fixed to; None for its tool.
-        placement: T_frame_addition, the place of the addition's world frame in that frame; None for the frame itself.
+        placement: T_frame_addition, the place of the addition's world frame in that frame; None for the frame
+            itself.
         prefix: Put before the names of the addition's links, joints, frames and groups.
         name: Name of the whole.
-        tool: Name of the whole's tool frame. None takes the addition's tool where the addition is fixed to the body
-            that carries the base's tool (or the base has no joints), else the base's.
+        tool: Name of the whole's tool frame. None takes the addition's tool where the addition is fixed to
+            the body that carries the base's tool (or the base has no joints), else the base's.
 
     Returns:
         The joined model.
@@ -71,38 +74,37 @@ def attach(
 def copy_position(old: Model, old_q: Floats, new: Model, new_q: Floats, prefix: str = "") -> None:
     """Writes into `new_q` the positions that `old_q` gives to the joints both models have."""
     for joint in old.joints:
-        other = new._joint_places.get(prefix + joint.name)
-        if joint.mimic is None and other is not None:
-            there = new.joints[other]
+        if joint.mimic is None and prefix + joint.name in new.joint_names:
+            there = new.joint(prefix + joint.name)
             new_q[there.idx_q : there.idx_q + there.nq] = old_q[joint.idx_q : joint.idx_q + joint.nq]
 
 
 def add_model(
     builder: ModelBuilder,
     model: Model,
-    onto: str | None,
-    placement: SE3 | None,
-    prefix: str,
-    mount: str | None,
-    locked: Mapping[str, Floats],
+    onto: str | None = None,
+    placement: SE3 | None = None,
+    *,
+    prefix: str = "",
+    mount: str | None = None,
+    locked: Mapping[str, Floats] | None = None,
 ) -> None:
     """Adds all of a model to a builder; see `ModelBuilder.add_model`."""
     if onto is not None:
         builder.require_link(onto, "The model is to be fixed to it; add it first.")
     _refuse_shared_names(builder, model, prefix)
+    copy = _Copy(builder, model, prefix, locked or {})
     place = SE3.identity() if placement is None else placement
     for link in model.links:
         builder.add_link(prefix + link.name, link.inertia, link.visuals, link.collisions)
         joint = model.joint(link.parent_joint) if link.parent_joint in model.joint_names else None
         if link.parent is None:
-            _connect_root(builder, model, link, joint, onto, place, prefix, mount, locked)
+            copy.root(link, joint, onto, place, mount)
         elif joint is None:
-            builder.add_joint(
-                prefix + str(link.parent_joint), Fixed(), prefix + link.parent, prefix + link.name, link.origin,
-                offset=link.offset,
-            )  # fmt: skip
+            name, parent = prefix + str(link.parent_joint), prefix + link.parent
+            builder.add_joint(name, Fixed(), parent, prefix + link.name, link.origin, offset=link.offset)
         else:
-            _connect(builder, model, link, joint, prefix + link.parent, link.origin, prefix, locked)
+            copy.joint(link, joint, prefix + link.parent, link.origin)
     for frame in model.frames:
         if frame.kind in ("user", "tool"):
             builder.add_frame(prefix + frame.name, prefix + frame.link, frame.origin, kind=frame.kind)
@@ -113,74 +115,57 @@ def add_model(
 
 
 def _refuse_shared_names(builder: ModelBuilder, model: Model, prefix: str) -> None:
-    taken = set(builder.link_names())
-    shared = [prefix + name for name in model.link_names if prefix + name in taken]
-    if shared:
-        raise ModelError(
-            f"Model {model.name!r} has {len(shared)} link name{'s' if len(shared) > 1 else ''} that "
-            f"{builder.name!r} has, too, such as {shared[0]!r}. "
-            f"Give a prefix that tells them apart, such as prefix={model.name + '_'!r}."
-        )
+    joints = [f.name for f in model.frames if f.kind in ("joint", "fixed_joint")]
+    for what, names, taken in (
+        ("link", model.link_names, builder.link_names),
+        ("joint", joints, builder.joint_names),
+    ):
+        shared = [prefix + name for name in names if prefix + name in taken]
+        if shared:
+            raise ModelError(
+                f"{builder.name!r} has a {what} named {shared[0]!r} already"
+                + (f" (and {len(shared) - 1} more that {model.name!r} has)" if len(shared) > 1 else "")
+                + f". Give a prefix that tells the parts apart, such as prefix={model.name + '_'!r}."
+            )
 
 
-def _connect(
-    builder: ModelBuilder,
-    model: Model,
-    link: Link,
-    joint: Joint,
-    parent: str | None,
-    origin: SE3,
-    prefix: str,
-    locked: Mapping[str, Floats],
-) -> None:
-    """Adds a movable joint, or a fixed one in its place where it is locked; the parent None is the world."""
-    name = prefix + joint.name
-    if joint.name in locked:
-        origin = origin @ joint.kind.transform(np.asarray(locked[joint.name], dtype=float))
-        if parent is None:
-            builder.root_joint(Fixed(), name, origin, offset=link.offset)
+@dataclass(frozen=True)
+class _Copy:
+    """The copying of one model into a builder."""
+
+    builder: ModelBuilder
+    model: Model
+    prefix: str
+    locked: Mapping[str, Floats]
+
+    def joint(self, link: Link, joint: Joint, parent: str | None, origin: SE3) -> None:
+        """Adds a movable joint, or a fixed one where it is locked; the parent None is the world."""
+        name, child = self.prefix + joint.name, self.prefix + link.name
+        kind: JointKind = joint.kind
+        rest: dict[str, Any] = {"offset": link.offset}
+        if joint.name in self.locked:
+            origin = origin @ kind.transform(np.asarray(self.locked[joint.name], dtype=float))
+            kind = Fixed()
         else:
-            builder.add_joint(name, Fixed(), parent, prefix + link.name, origin, offset=link.offset)
-        return
-    limits = {
-        "lower": joint.limits.lower,
-        "upper": joint.limits.upper,
-        "velocity": joint.limits.velocity,
-        "effort": joint.limits.effort,
-        "damping": joint.damping,
-        "friction": joint.friction,
-        "armature": joint.armature,
-    }
-    if parent is None:
-        builder.root_joint(joint.kind, name, origin, offset=link.offset, **limits)
-        return
-    mimic = None
-    if joint.mimic is not None:
-        mimic = (prefix + model.joints[joint.mimic.source].name, joint.mimic.multiplier, joint.mimic.offset)
-    builder.add_joint(
-        name, joint.kind, parent, prefix + link.name, origin, offset=link.offset, mimic=mimic, **limits
-    )
+            rest |= asdict(joint.limits)
+            rest |= {"damping": joint.damping, "friction": joint.friction, "armature": joint.armature}
+            if joint.mimic is not None:
+                source = self.prefix + self.model.joints[joint.mimic.source].name
+                rest["mimic"] = (source, joint.mimic.multiplier, joint.mimic.offset)
+        if parent is None:
+            self.builder.root_joint(kind, name, origin, **rest)
+        else:
+            self.builder.add_joint(name, kind, parent, child, origin, **rest)
 
-
-def _connect_root(
-    builder: ModelBuilder,
-    model: Model,
-    root: Link,
-    joint: Joint | None,
-    onto: str | None,
-    placement: SE3,
-    prefix: str,
-    mount: str | None,
-    locked: Mapping[str, Floats],
-) -> None:
-    """Puts the root link on the link `onto`, or on the world."""
-    if joint is not None:
-        _connect(builder, model, root, joint, onto, placement @ root.origin, prefix, locked)
-        return
-    own = root.parent_joint
-    if onto is not None:
-        name = mount or (prefix + own if own else f"{prefix}{root.name}_mount")
-        builder.add_joint(name, Fixed(), onto, prefix + root.name, placement @ root.placement)
-    elif own or placement != SE3.identity():
-        name = mount or (prefix + own if own else "root_joint")
-        builder.root_joint(Fixed(), name, placement @ root.origin, offset=root.offset)
+    def root(self, root: Link, joint: Joint | None, onto: str | None, place: SE3, mount: str | None) -> None:
+        """Puts the root link on the link `onto`, or on the world."""
+        own = root.parent_joint
+        if joint is not None:
+            self.joint(root, joint, onto, place @ root.origin)
+        elif onto is not None:
+            name = mount or self.prefix + (own or f"{root.name}_mount")
+            child = self.prefix + root.name
+            self.builder.add_joint(name, Fixed(), onto, child, place @ root.origin, offset=root.offset)
+        elif own or place != SE3.identity():
+            name = mount or self.prefix + (own or "root_joint")
+            self.builder.root_joint(Fixed(), name, place @ root.origin, offset=root.offset)

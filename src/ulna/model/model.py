@@ -25,8 +25,9 @@ _LOOKUP_ORDER: tuple[FrameKind, ...] = ("link", "tool", "user", "joint", "fixed_
 class Model:
     """A tree of joints with the bodies they carry.
 
-    Two models are equal when their content is; the hash and `fingerprint` go by content too and are the same in
-    every process. Everything in it is read-only; functions such as `ulna.model.lock_joints` return new models.
+    Two models are equal when their content is; the hash and `fingerprint` go by content too and are the same
+    in every process. Everything in it is read-only; functions such as `ulna.model.lock_joints` return new
+    models.
 
     Attributes:
         name: Its name.
@@ -63,7 +64,7 @@ class Model:
         set_field(self, "configurations", Named("configuration", positions))
         set_field(self, "groups", Named("group", self.groups))
 
-    # sizes and vectors ---------------------------------------------------------------------------------------
+    # sizes and vectors -------------------------------------------------------------------------------------
 
     @cached_property
     def nq(self) -> int:
@@ -112,7 +113,7 @@ class Model:
 
     @cached_property
     def neutral(self) -> Floats:
-        """The position with every joint's moving frame on its fixed frame, shape (nq,); limits play no part."""
+        """The position (nq,) with every joint's moving frame on its fixed frame; limits play no part."""
         return self._gather(lambda joint: joint.kind.neutral())
 
     @cached_property
@@ -123,7 +124,7 @@ class Model:
     def _gather(self, part: Callable[[Joint], Iterable[float]]) -> Floats:
         return constant([x for joint in self.joints if joint.mimic is None for x in part(joint)])
 
-    # names ---------------------------------------------------------------------------------------------------
+    # names -------------------------------------------------------------------------------------------------
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
@@ -159,7 +160,7 @@ class Model:
         return self.links[self.link_index(name)]
 
     def frame(self, name: str, kind: FrameKind | None = None) -> Frame:
-        """The frame of that name; where a link and a joint share it, the link's, unless `kind` says otherwise.
+        """The frame of that name; where a link and a joint share it, the link's, unless `kind` is given.
 
         Raises:
             UnknownName: there is none; offers the nearest one.
@@ -210,7 +211,7 @@ class Model:
                     places.setdefault(frame.name, i)
         return places
 
-    # the tree ------------------------------------------------------------------------------------------------
+    # the tree ----------------------------------------------------------------------------------------------
 
     def children(self, joint: int) -> tuple[int, ...]:
         """Indices of the joints that follow `joint` at once; -1 asks for those on the world."""
@@ -232,7 +233,7 @@ class Model:
                 inside.add(i)
         return tuple(sorted(inside - {-1}))
 
-    # content -------------------------------------------------------------------------------------------------
+    # content -----------------------------------------------------------------------------------------------
 
     @cached_property
     def fingerprint(self) -> str:
@@ -262,7 +263,8 @@ class Model:
         return self.table()
 
     def __repr__(self) -> str:
-        return f"<Model {self.name!r}: {len(self.joints)} joints, nq={self.nq}, nv={self.nv}, tool={self.tool!r}>"
+        sizes = f"{len(self.joints)} joints, nq={self.nq}, nv={self.nv}"
+        return f"<Model {self.name!r}: {sizes}, tool={self.tool!r}>"
 
 
 def _plain(value: Any) -> Any:

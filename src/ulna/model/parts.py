@@ -95,7 +95,7 @@ class Joint:
         return part if self.mimic is None else self.mimic.multiplier * part + self.mimic.offset
 
     def v_of(self, v: Array) -> Array:
-        """Its own velocity, shape (..., kind.nv), out of the model's v (..., nv); serves accelerations too."""
+        """Its own velocity (..., kind.nv) out of the model's v (..., nv); serves accelerations, too."""
         part = v[..., self.idx_v : self.idx_v + self.kind.nv]
         return part if self.mimic is None else self.mimic.multiplier * part
 
@@ -112,7 +112,8 @@ class Link:
         visuals: What it looks like.
         collisions: What it collides with.
         parent: Name of the link before it; None for the root.
-        parent_joint: Name of the joint that connects it to its parent, movable or fixed; None for a bare root.
+        parent_joint: Name of the joint that connects it to its parent, movable or fixed; None for a bare
+            root.
         origin: T_parent_joint, the pose of that joint's fixed frame in the parent link's frame.
         offset: T_joint_link, its pose in that joint's moving frame; the identity in URDF models.
     """

@@ -17,8 +17,8 @@ def position(model: Model, q: Any, what: str = "q", base: Floats | None = None) 
 
     Args:
         model: The model.
-        q: The position (nq,); or numbers by joint name, where those left out stand as in `base` and mimic joints may
-            be listed but follow their source; or the name of a configuration.
+        q: The position (nq,); or numbers by joint name, where those left out stand as in `base` and mimic
+            joints may be listed but follow their source; or the name of a configuration.
         what: What it is called in messages.
         base: Where the joints left out stand; None for neutral.
 

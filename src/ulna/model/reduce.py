@@ -18,16 +18,16 @@ from ulna.typing import Floats
 def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any = None) -> Model:
     """The model with some joints held still; their links move with the bodies before them.
 
-    Names, limits, visuals, frames, the tool and the configurations stay; the configurations lose the entries of the
-    locked joints. The frame of a locked joint becomes that of a fixed joint. A mimic joint whose source is locked
-    is locked where the source's position puts it.
+    Names, limits, visuals, frames, the tool and the configurations stay; the configurations lose the entries
+    of the locked joints. The frame of a locked joint becomes that of a fixed joint. A mimic joint whose
+    source is locked is locked where the source's position puts it.
 
     Args:
         model: The model.
-        joints: Names of the joints to lock, at the position `q` gives them; or a dictionary from names to positions
-            [rad, m], one number or (nq of the joint,).
-        q: The position (nq,) the named joints are locked at, the name of a configuration, or a dictionary; None for
-            neutral. Joints with a position of their own in `joints` do not look at it.
+        joints: Names of the joints to lock, at the position `q` gives them; or a dictionary from names to
+            positions [rad, m], one number or (nq of the joint,).
+        q: The position (nq,) the named joints are locked at, the name of a configuration, or a dictionary;
+            None for neutral. Joints with a position of their own in `joints` do not look at it.
 
     Returns:
         The reduced model.
@@ -55,9 +55,9 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
             if joint.mimic is None:
                 whole[joint.idx_q : joint.idx_q + joint.nq] = own
     for joint in model.joints:
-        if joint.mimic is not None and joint.name not in locked:
-            if model.joints[joint.mimic.source].name in locked:
-                locked[joint.name] = np.asarray(joint.q_of(whole))
+        follows = joint.mimic is not None and model.joints[joint.mimic.source].name in locked
+        if follows and joint.name not in locked:
+            locked[joint.name] = np.asarray(joint.q_of(whole))
     return rebuilt(model, locked=locked)
 
 

@@ -16,7 +16,14 @@ def table(model: Model) -> str:
     if model.configurations:
         names = [joint.name for joint in model.joints if joint.mimic is None]
         rows = [
-            [name, *(_position(j, q[j.idx_q : j.idx_q + j.nq]) for j in model.joints if j.mimic is None)]
+            [
+                name,
+                *(
+                    _position(j, q[j.idx_q : j.idx_q + j.nq].tolist())
+                    for j in model.joints
+                    if j.mimic is None
+                ),
+            ]
             for name, q in model.configurations.items()
         ]
         lines.append(_grid(["configuration", *names], rows, right=set(range(1, len(names) + 1))))

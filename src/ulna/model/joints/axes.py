@@ -1,14 +1,14 @@
 """Unit axes and rotations about them, with exact zeros and ones wherever the axis has them.
 
-A compiled kernel folds constants that are exactly 0 or 1, so a rotation about z must cost two products with sine
-and cosine per column, not nine entries of rounding noise.
+A compiled kernel folds constants that are exactly 0 or 1, so a rotation about z must cost two products with
+sine and cosine per column, not nine entries of rounding noise.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -54,7 +54,7 @@ def unit_axis(axis: Iterable[float], what: str = "axis") -> Axis:
     return (x, y, z)
 
 
-@lru_cache(maxsize=None)
+@cache
 def unit(axis: Axis) -> Floats:
     """`axis` as a read-only array."""
     return constant(axis)
@@ -70,7 +70,8 @@ def constant(values: Any) -> Floats:
 def snap_pose(pose: SE3) -> SE3:
     """`pose` with rounding noise cleaned off and its arrays read-only.
 
-    Entries of the rotation within `SNAP` of 0, 1 or -1 become exactly that, and translations below `SNAP` [m] become
+    Entries of the rotation within `SNAP` of 0, 1 or -1 become exactly that, and translations below `SNAP` [m]
+    become
     0: what a rotation by pi/2 leaves behind would otherwise be computed with in every compiled kernel.
     """
     rotation = [[snap(float(entry)) for entry in row] for row in pose.rotation]
@@ -85,8 +86,8 @@ EYE = constant(np.eye(3))
 def rotation_about(axis: Axis, angle: Any) -> Array:
     """The rotation matrix about a unit axis: a a^T + cos(angle) (I - a a^T) + sin(angle) [a]x.
 
-    Rodrigues' formula with the constant matrices left as numbers; see Featherstone, Rigid Body Dynamics Algorithms
-    (2008), section 2.2.
+    Rodrigues' formula (Barfoot, State Estimation for Robotics, 2017, eq. 7.11), its constant matrices worked out
+    beforehand.
 
     Args:
         axis: Unit axis a.

@@ -43,7 +43,7 @@ _SLIDES = (length("x"), length("y"), length("z"))
 
 @dataclass(frozen=True)
 class Spherical(JointKind):
-    """Turns freely about a point; q is a unit quaternion xyzw and v the angular velocity in the moving frame."""
+    """Turns freely about a point; q is a unit quaternion xyzw, v the angular velocity in the moving frame."""
 
     name: ClassVar[str] = "spherical"
     symbol: ClassVar[str] = "S"
@@ -162,7 +162,7 @@ class FreeFlyer(JointKind):
         upper: Array | None = None,
         size: tuple[int, ...] = (),
     ) -> Floats:
-        """Places within the limits of x, y, z ([-1, 1] m where there are none), turned evenly over all rotations."""
+        """Places within the limits of x, y, z ([-1, 1] m without), turned evenly over all rotations."""
         place = super().random(rng, lower, upper, size)[..., :3]
         return np.concatenate([place, random_quaternion(rng, size)], axis=-1)
 

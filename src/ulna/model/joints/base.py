@@ -1,4 +1,4 @@
-"""What every kind of joint must be able to say: its pose, its motion subspace, and the geometry of its coordinates.
+"""What every kind of joint must be able to say: its pose, its motion subspace, its coordinates' geometry.
 
 | symbol | meaning | shape | unit |
 |---|---|---|---|
@@ -28,7 +28,7 @@ from ulna.typing import Array, Floats
 
 
 class Coordinate(NamedTuple):
-    """One entry of q or v: its short name, its unit, and the range to draw from where no limit says otherwise."""
+    """One entry of q or v: its short name, its unit, and the range to draw from where there is no limit."""
 
     name: str
     unit: str
@@ -94,7 +94,7 @@ class JointKind(abc.ABC):
     def describe(self) -> str:
         """A few words for tables, for example ``"revolute about z"``."""
 
-    # the mechanism -------------------------------------------------------------------------------------------
+    # the mechanism -----------------------------------------------------------------------------------------
 
     @abc.abstractmethod
     def transform(self, q: Array) -> SE3:
@@ -112,7 +112,7 @@ class JointKind(abc.ABC):
         """(dS/dt) v, in the moving frame [m/s^2, rad/s^2]; zero where S is constant."""
         return Motion.zero()
 
-    # the space of its coordinates ----------------------------------------------------------------------------
+    # the space of its coordinates --------------------------------------------------------------------------
 
     @abc.abstractmethod
     def integrate(self, q: Array, v: Array) -> Array:
@@ -147,9 +147,9 @@ class JointKind(abc.ABC):
     ) -> Floats:
         """Positions drawn evenly within the limits.
 
-        Where a coordinate has no limit, angles are drawn from [-pi, pi] and lengths from [-1, 1] m; where it has one
-        limit, from an interval of that same width on the allowed side. Quaternions are drawn evenly over all
-        rotations, whatever their limits say.
+        Where a coordinate has no limit, angles are drawn from [-pi, pi] and lengths from [-1, 1] m; where it
+        has one limit, from an interval of that same width on the allowed side. Quaternions are drawn evenly
+        over all rotations, whatever their limits say.
 
         Args:
             rng: Where randomness comes from.
@@ -171,7 +171,7 @@ class JointKind(abc.ABC):
         return (d * d).sum(axis=-1)
 
     def interpolate(self, q0: Array, q1: Array, t: Any) -> Array:
-        """The position at fraction `t` (...) of the way from `q0` (t = 0) to `q1` (t = 1), shape (..., nq)."""
+        """The position (..., nq) at fraction `t` (...) of the way from `q0` (t = 0) to `q1` (t = 1)."""
         d = self.difference(q0, q1)
         return self.integrate(q0, d * column(t))
 

@@ -19,12 +19,12 @@ from ulna.typing import Array, Floats
 
 @dataclass(frozen=True)
 class Composite(JointKind):
-    """A chain of kinds, each placed in the moving frame of the one before; q and v are theirs, one after another.
+    """A chain of kinds, each placed in the moving frame of the one before; q and v are theirs in a row.
 
     Args:
         kinds: The kinds from the fixed frame outward; at least one, none of them fixed or composite.
-        placements: For each kind, the pose of its fixed frame in the moving frame before it (for the first one, in
-            the composite's fixed frame). None puts all on the frame before.
+        placements: For each kind, the pose of its fixed frame in the moving frame before it (for the first
+            one, in the composite's fixed frame). None puts all on the frame before.
     """
 
     kinds: tuple[JointKind, ...]
@@ -84,7 +84,7 @@ class Composite(JointKind):
         return tuple(columns)
 
     def bias(self, q: Array, v: Array) -> Motion:
-        """(dS/dt) v, by the recursion a' = X a + c + V x (S v) along the chain (Featherstone 2008, eq. 5.8)."""
+        """(dS/dt) v, by the recursion a' = X a + c + V x (S v) along the chain (Featherstone, eq. 5.8)."""
         velocity, total = Motion.zero(), Motion.zero()
         for step, kind, part, rates in self._steps(q):
             own = Motion.zero()
@@ -143,7 +143,7 @@ class Composite(JointKind):
             i, j = i + kind.nq, j + kind.nv
 
     def _steps(self, q: Array) -> Iterator[tuple[SE3, JointKind, Array, slice]]:
-        """For each kind: the pose of its moving frame in the one before, the kind, its part of q, its part of v."""
+        """For each kind: its pose in the moving frame before, the kind, its part of q, its part of v."""
         assert self.placements is not None  # __post_init__ filled them in
         for (kind, i, j), place in zip(self._slices(), self.placements, strict=True):
             part = q[..., i]

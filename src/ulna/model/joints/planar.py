@@ -12,8 +12,14 @@ from ulna.model.joints.base import Coordinate, JointKind, angle, length
 from ulna.model.joints.turning import wrap
 from ulna.model.joints.words import axis_name
 from ulna.numeric import matrix, sincos, vector
-from ulna.spatial import SE3, Motion, so3_left_jacobian, so3_left_jacobian_inverse
-from ulna.spatial import se3_right_jacobian, se3_right_jacobian_inverse
+from ulna.spatial import (
+    SE3,
+    Motion,
+    se3_right_jacobian,
+    se3_right_jacobian_inverse,
+    so3_left_jacobian,
+    so3_left_jacobian_inverse,
+)
 from ulna.typing import Array, Floats
 
 _IN_SE3 = [0, 1, 5]  # where (vx, vy, w) of the plane z = 0 stand among the six of a spatial twist
@@ -21,11 +27,11 @@ _IN_SE3 = [0, 1, 5]  # where (vx, vy, w) of the plane z = 0 stand among the six 
 
 @dataclass(frozen=True)
 class Planar(JointKind):
-    """Slides and turns in a plane; q is (x, y, theta) [m, m, rad] and v the twist (vx, vy, w) in the moving frame.
+    """Slides and turns in a plane; q is (x, y, theta) [m, m, rad], v is (vx, vy, w) in the moving frame.
 
-    With the normal z the plane's axes are x and y of the fixed frame. For another normal, the plane's first axis is
-    the projection of the coordinate axis that follows the normal's largest component in the order x, y, z, x; so the
-    normal x gives (y, z) and the normal y gives (z, x).
+    With the normal z the plane's axes are x and y of the fixed frame. For another normal, the plane's first
+    axis is the projection of the coordinate axis that follows the normal's largest component in the order x,
+    y, z, x; so the normal x gives (y, z) and the normal y gives (z, x).
 
     Args:
         normal: Normal of the plane in the fixed frame; scaled to length 1.

@@ -12,7 +12,7 @@ from ulna.errors import InputError
 from ulna.model.joints.axes import ZERO, Axis, rotate_about, rotation_about, scaled_axis, unit, unit_axis
 from ulna.model.joints.base import Coordinate, VectorKind, angle
 from ulna.model.joints.words import axis_name
-from ulna.numeric import arctan2, cross, is_symbolic, sincos
+from ulna.numeric import ceil, cross
 from ulna.spatial import SE3, Motion
 from ulna.spatial.batched import column
 from ulna.typing import Array
@@ -20,10 +20,7 @@ from ulna.typing import Array
 
 def wrap(x: Any) -> Any:
     """The angle in (-pi, pi] that differs from `x` by whole turns; numbers already there keep their bits."""
-    if is_symbolic(x):
-        s, c = sincos(x)
-        return arctan2(s, c)
-    return x - 2.0 * math.pi * np.ceil((x - math.pi) / (2.0 * math.pi))
+    return x - 2.0 * math.pi * ceil((x - math.pi) / (2.0 * math.pi))
 
 
 @dataclass(frozen=True)
