@@ -10,39 +10,56 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from ulna import errors as errors
+from ulna import numeric as numeric
+from ulna.load import load as load
+from ulna.load import load_model as load_model
+from ulna.model import Model as Model
+from ulna.model import ModelBuilder as ModelBuilder
+from ulna.robot import Robot as Robot
+from ulna.robot import compile as compile
+from ulna.spatial import SE3 as SE3
+from ulna.spatial import SO3 as SO3
+from ulna.spatial import Force as Force
+from ulna.spatial import Inertia as Inertia
+from ulna.spatial import Motion as Motion
+from ulna.trace import trace as trace
 
 if TYPE_CHECKING:
-    from ulna import errors as errors
-    from ulna import numeric as numeric
-    from ulna.load import load as load
-    from ulna.load import load_model as load_model
-    from ulna.model import Model as Model
-    from ulna.model import ModelBuilder as ModelBuilder
-    from ulna.robot import Robot as Robot
-    from ulna.robot import compile as compile
-    from ulna.spatial import SE3 as SE3
-    from ulna.spatial import SO3 as SO3
-    from ulna.spatial import Force as Force
-    from ulna.spatial import Inertia as Inertia
-    from ulna.spatial import Motion as Motion
-    from ulna.trace import trace as trace
+    from ulna.control import p_servo as p_servo
+    from ulna.viewer import show as show
 
-_HOME = {
-    "SE3": "ulna.spatial",
-    "SO3": "ulna.spatial",
-    "Force": "ulna.spatial",
-    "Inertia": "ulna.spatial",
-    "Motion": "ulna.spatial",
-    "Model": "ulna.model",
-    "ModelBuilder": "ulna.model",
-    "Robot": "ulna.robot",
-    "compile": "ulna.robot",
-    "load": "ulna.load",
-    "load_model": "ulna.load",
-    "trace": "ulna.trace",
-    "errors": "",
-    "numeric": "",
-}
+__version__ = "0.1.0"
 
-__all__ = [*_HOME, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
+_LATER = {"p_servo": "ulna.control", "show": "ulna.viewer"}
+"""Names of rooms that are loaded when first used, so that `import ulna` stays light."""
+
+__all__ = [
+    "SE3",
+    "SO3",
+    "Force",
+    "Inertia",
+    "Model",
+    "ModelBuilder",
+    "Motion",
+    "Robot",
+    "__version__",
+    "compile",
+    "errors",
+    "load",
+    "load_model",
+    "numeric",
+    "p_servo",
+    "show",
+    "trace",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LATER:
+        return getattr(importlib.import_module(_LATER[name]), name)
+    raise AttributeError(f"module 'ulna' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -30,6 +30,7 @@ from ulna.algorithms.kinematics import joint_poses as joint_poses
 from ulna.algorithms.kinematics import joint_velocities as joint_velocities
 from ulna.algorithms.manipulability import manipulability as manipulability
 from ulna.algorithms.manipulability import manipulability_gradient as manipulability_gradient
+from ulna.algorithms.manipulability import measure_of as measure_of
 from ulna.algorithms.references import Reference as Reference
 from ulna.algorithms.velocity_derivatives import (
     frame_acceleration_derivatives as frame_acceleration_derivatives,

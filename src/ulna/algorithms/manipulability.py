@@ -56,9 +56,14 @@ def manipulability(
             which have no formula. Compute it from the compiled Jacobian.
         UnknownName, InputError: no such measure, no such axes.
     """
+    return measure_of(frame_jacobian(model, q, frame), measure, axes)
+
+
+def measure_of(J: Array, measure: Measure = "yoshikawa", axes: Axes = "all") -> Any:
+    """The measure of a Jacobian in local_world_aligned, shape (..., 6, nv); see `manipulability`."""
     if measure not in _MEASURES:
         raise UnknownName("measure of manipulability", measure, _MEASURES)
-    J = frame_jacobian(model, q, frame)[..., chosen_rows(axes), :]
+    J = J[..., chosen_rows(axes), :]
     if measure == "yoshikawa":
         return linalg.volume(J)
     if is_symbolic(J):

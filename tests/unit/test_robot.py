@@ -1,0 +1,207 @@
+"""A robot answers by name, in batches, and complains helpfully."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna import algorithms, kernels
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
+
+
+@pytest.fixture(scope="module")
+def panda() -> ulna.Robot:
+    return ulna.load("panda", visuals="simple")
+
+
+@pytest.fixture(scope="module")
+def qr(panda: ulna.Robot) -> np.ndarray:
+    return panda.configurations["qr"]
+
+
+def test_fk_of_the_tool_as_recorded(panda: ulna.Robot, qr: np.ndarray) -> None:
+    T = panda.fk(qr)
+    np.testing.assert_allclose(T[:3, 3], [0.48404681539304417, 0.0, 0.4126297754623028], atol=1e-15)
+    np.testing.assert_allclose(T[0, :3], [0.9950041652780257, 0.0, 0.09983341664682799], atol=1e-15)
+
+
+@pytest.mark.parametrize("name", kernels.RECIPES)
+def test_every_kernel_equals_its_algorithm_on_floats_and_in_batches(panda: ulna.Robot, name: str) -> None:
+    rng = np.random.default_rng(3)
+    recipe = kernels.RECIPES[name]
+    size = {"nq": panda.nq, "nv": panda.nv}
+    shapes = [(size[s],) if isinstance(s, str) else s for _, s in recipe.arguments]
+    batch = [rng.uniform(0.1, 1.0, (13, *shape)) for shape in shapes]
+    plain = recipe.build(panda.model, **dict(recipe.options))
+    kernel = panda.kernel(name)
+    expected = plain(*batch)
+    got = kernel(*batch)
+    one = kernel(*(b[4] for b in batch))
+    pairs = zip(expected, got, one, strict=True) if isinstance(expected, tuple) else [(expected, got, one)]
+    for e, g, o in pairs:
+        np.testing.assert_allclose(g, e, rtol=1e-11, atol=1e-12)
+        np.testing.assert_allclose(o, e[4], rtol=1e-11, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("method", "count"),
+    [
+        ("fk", 1),
+        ("link_poses", 1),
+        ("jacobian", 1),
+        ("jacobian_dot", 2),
+        ("hessian", 1),
+        ("frame_velocity", 2),
+        ("frame_acceleration", 3),
+        ("analytical_jacobian", 1),
+        ("manipulability", 1),
+        ("manipulability_gradient", 1),
+        ("integrate", 2),
+        ("difference", 2),
+        ("distance", 2),
+        ("normalize", 1),
+    ],
+)
+def test_every_method_takes_batches_and_refuses_nan(panda: ulna.Robot, method: str, count: int) -> None:
+    rng = np.random.default_rng(4)
+    arrays = [rng.uniform(0.1, 1.0, (2, 3, panda.nq)) for _ in range(count)]
+    f = getattr(panda, method)
+    whole = f(*arrays)
+    np.testing.assert_allclose(whole[1, 2], f(*(a[1, 2] for a in arrays)), rtol=1e-12, atol=1e-13)
+    arrays[-1][0, 1, 2] = np.nan
+    with pytest.raises(NonFiniteError, match=r"\[0, 1, 2\]` is nan"):
+        f(*arrays)
+    with pytest.raises(NonFiniteError, match=r"\[2\]` is nan"):
+        f(*(a[0, 1] for a in arrays))
+
+
+def test_other_measures_of_manipulability(panda: ulna.Robot, qr: np.ndarray) -> None:
+    s = np.linalg.svd(panda.jacobian(qr), compute_uv=False)
+    assert panda.manipulability(qr) == pytest.approx(np.prod(s), rel=1e-12)
+    assert panda.manipulability(qr) == pytest.approx(0.0837515096811334, rel=1e-12)
+    assert panda.manipulability(qr, "inverse_condition") == pytest.approx(s[-1] / s[0], rel=1e-12)
+    assert panda.manipulability(qr, "minimum_singular_value") == pytest.approx(s[-1], rel=1e-12)
+    with pytest.raises(UnknownName, match="yoshikawa"):
+        panda.manipulability(qr, "yoshikava")
+
+
+def test_frames_by_name_list_and_all(panda: ulna.Robot, qr: np.ndarray) -> None:
+    two = panda.fk(qr, ["panda_hand", "panda_link4"])
+    np.testing.assert_allclose(two[0], panda.fk(qr, "panda_hand"), atol=1e-15)
+    assert panda.fk(qr, "all").shape == (len(panda.frame_names), 4, 4)
+    assert panda.link_poses(qr).shape == (len(panda.link_names), 4, 4)
+
+
+def test_names_that_do_not_exist_offer_the_nearest(panda: ulna.Robot, qr: np.ndarray) -> None:
+    with pytest.raises(UnknownName, match="Did you mean 'panda_hand'") as caught:
+        panda.fk(qr, "panda_hnd")
+    assert caught.value.nearest == "panda_hand"
+    with pytest.raises(UnknownName, match="'local'"):
+        panda.jacobian(qr, reference="locl")  # type: ignore[arg-type]
+    with pytest.raises(UnknownName, match="'jacobian'"):
+        panda.kernel("jacobain")
+    with pytest.raises(UnknownName, match="'frame'"):
+        panda.kernel("fk", fram="panda_hand")
+    with pytest.raises(UnknownName, match="rpy/xyz"):
+        panda.analytical_jacobian(qr, "rpy/xzy")
+
+
+@pytest.mark.parametrize(
+    ("q", "error", "text"),
+    [
+        (np.zeros(6), ShapeError, r"`q` has shape \(6,\); expected \(..., 7\). The last axis holds the 7 numbers"),
+        (np.zeros((7, 3)), ShapeError, r"\(7, 3\); expected \(..., 7\). The batch axis comes first"),
+        (0.0, ShapeError, r"`q` has shape \(\)"),
+        (["a"] * 7, DtypeError, "`q` has dtype <U1; expected real numbers"),
+        ([1j] * 7, DtypeError, "complex128"),
+        (None, DtypeError, "`q` has dtype object"),
+        ([np.inf, 0, 0, 0, 0, 0, 0], NonFiniteError, r"`q\[0\]` is inf; expected finite numbers"),
+        ([[0, 1], [2]], InputError, "expected an array of numbers"),
+    ],
+)
+def test_wrong_configurations_are_refused(panda: ulna.Robot, q: object, error: type[Exception], text: str) -> None:
+    with pytest.raises(error, match=text):
+        panda.fk(q)  # type: ignore[arg-type]
+
+
+def test_lists_integers_and_float32_are_configurations(panda: ulna.Robot) -> None:
+    expected = panda.fk(np.array([0.0, 1, 0, -1, 0, 1, 0]))
+    for q in ([0, 1, 0, -1, 0, 1, 0], (0.0, 1.0, 0, -1, 0, 1, 0), np.array([0, 1, 0, -1, 0, 1, 0], np.float32)):
+        np.testing.assert_array_equal(panda.fk(q), expected)
+
+
+def test_equal_robots_share_kernels_and_survive_pickle_and_copy(panda: ulna.Robot, qr: np.ndarray) -> None:
+    for twin in (pickle.loads(pickle.dumps(panda)), copy.deepcopy(panda), ulna.Robot(panda.model)):
+        assert twin == panda and hash(twin) == hash(panda)
+        assert twin.kernel("fk") is panda.kernel("fk")
+        np.testing.assert_array_equal(twin.fk(qr), panda.fk(qr))
+
+
+def test_bare_kernels_let_nan_through_and_show_themselves(panda: ulna.Robot, qr: np.ndarray) -> None:
+    fk = panda.kernel("fk", frame="panda_hand")
+    assert np.isnan(fk(np.full(7, np.nan))[:3, 3]).all()
+    assert fk.operations == sum(fk.operation_counts.values()) < 200
+    assert "define" in fk.ir() and "panda" in (fk.function.doc or "")
+    assert fk.signature == "(7)->(4,4)"
+    single = panda.kernel("fk", dtype=np.float32)
+    assert single(qr.astype(np.float32)).dtype == np.float32
+    np.testing.assert_allclose(single(qr.astype(np.float32)), panda.fk(qr), atol=1e-6)
+
+
+def test_out_and_threads(panda: ulna.Robot) -> None:
+    Q = panda.random_configuration(5000, seed=0)
+    out = np.empty((5000, 4, 4))
+    assert panda.fk(Q, out=out) is out
+    np.testing.assert_array_equal(panda.fk(Q, threads=2), out)
+    with ThreadPoolExecutor(4) as pool:
+        for result in pool.map(panda.fk, [Q] * 8):
+            np.testing.assert_array_equal(result, out)
+
+
+def test_random_configurations_are_within_limits_and_repeat(panda: ulna.Robot) -> None:
+    Q = panda.random_configuration((10, 20), seed=7)
+    assert Q.shape == (10, 20, 7)
+    assert panda.limits.contains(Q).all()
+    np.testing.assert_array_equal(Q, panda.random_configuration((10, 20), seed=7))
+    assert not panda.limits.contains(Q + 10.0).any()
+    assert panda.limits.contains(panda.limits.clip(Q + 10.0)).all()
+
+
+def test_compile_a_function_of_the_robot(panda: ulna.Robot, qr: np.ndarray) -> None:
+    def distance_to(q: np.ndarray, target: np.ndarray) -> np.ndarray:
+        d = panda.fk(q)[:3, 3] - target
+        return np.sqrt(d @ d)
+
+    f = ulna.compile(distance_to, panda, target=(3,))
+    target = np.array([0.1, 0.2, 0.3])
+    assert f(qr, target) == pytest.approx(np.linalg.norm(panda.fk(qr)[:3, 3] - target), rel=1e-14)
+    gradient = f.jacobian()(qr, target)
+    h = 1e-6
+    numeric = [(f(qr + h * e, target) - f(qr - h * e, target)) / (2 * h) for e in np.eye(7)]
+    np.testing.assert_allclose(gradient, numeric, atol=1e-8)
+    with pytest.raises(UnknownName, match=r"compile\(f, robot, target=\(3,\)\)"):
+        ulna.compile(distance_to, panda)
+    with pytest.raises(UnknownName, match="or pass the robot"):
+        ulna.compile(distance_to)
+
+
+def test_a_free_flyer_has_more_positions_than_velocities() -> None:
+    robot = ulna.load("panda", visuals="simple", root="free_flyer")
+    assert (robot.nq, robot.nv) == (14, 13)
+    q = robot.random_configuration(seed=1)
+    v = 0.5 * np.random.default_rng(2).normal(size=robot.nv)
+    np.testing.assert_allclose(robot.difference(q, robot.integrate(q, v)), v, atol=1e-12)
+    np.testing.assert_allclose(robot.frame_velocity(q, v), robot.jacobian(q) @ v, atol=1e-12)
+    middle = robot.interpolate(q, robot.integrate(q, v), np.linspace(0, 1, 5))
+    np.testing.assert_allclose(middle[-1], robot.integrate(q, v), atol=1e-12)
+
+
+def test_prints(panda: ulna.Robot) -> None:
+    assert "panda_joint4" in str(panda) and "@panda_hand_tcp" in str(panda)
+    assert repr(panda) == "<robot 'panda': 7 joints, nq=7, nv=7, tool 'panda_hand_tcp'>"
+    assert algorithms.neutral(panda.model).shape == panda.neutral.shape
