@@ -133,7 +133,7 @@ def model_from_dh(
             row.name or f"joint{i}", _kind(row), parent, link, head, offset=tail, **limits, **row.extra
         )
         parent = link
-    builder.add_frame("tool", parent, tool or SE3.identity())
+    builder.add_frame("tool", parent, tool)
     builder.set_tool("tool")
     for key, q in (configurations or {}).items():
         builder.add_configuration(key, q)

@@ -316,7 +316,7 @@ def _other_kind(tag: str, kind: str) -> str:
         "COLLADA": "This is a mesh, not a robot.",
         "html": "This is a web page; the download went wrong.",
     }
-    return known.get(tag, f"This is not a {kind}.")
+    return known.get(tag, f"This is no {kind}.")
 
 
 def _too_large(size: int, file: str | None) -> FormatError:

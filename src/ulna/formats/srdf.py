@@ -135,7 +135,7 @@ def _group(node: Node) -> SrdfGroup:
 def _state(node: Node) -> SrdfState:
     values: dict[str, tuple[float, ...]] = {}
     for joint in node.children("joint"):
-        count = len((joint.string("value") or "0").split())
+        count = len((joint.string("value") or "").split())
         if joint.name() in values:
             joint.warn(f"a second value for joint {joint.name()!r}; the last one is used")
         values[joint.name()] = joint.vector("value", max(count, 1))

@@ -35,7 +35,8 @@ def _position(model: Model, state: SrdfState) -> Floats | None:
     names = set(model.joint_names)
     q = np.array(model.neutral)
     known = False
-    for name, values in state.values.items():
+    for written, values in state.values.items():
+        name = written if written in names else written.rpartition("/")[2]  # some write "robot/joint"
         if name not in names:
             continue
         joint = model.joint(name)

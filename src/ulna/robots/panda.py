@@ -78,6 +78,18 @@ _INERTIAS = {
     "panda_rightfinger": (0.015, (0.0, 0.0, 0.0), (2.375e-06, 0.0, 0.0, 2.375e-06, 0.0, 7.5e-07)),
 }
 
+# pairs of links that touch by construction, or whose rounded shapes touch where the real ones do not
+_TOUCHING = (
+    *((f"panda_link{i}", f"panda_link{i + 1}") for i in range(7)),
+    ("panda_link5", "panda_link7"),
+    ("panda_link5", "panda_hand"),
+    ("panda_link6", "panda_hand"),
+    ("panda_link7", "panda_hand"),
+    ("panda_hand", "panda_leftfinger"),
+    ("panda_hand", "panda_rightfinger"),
+    ("panda_leftfinger", "panda_rightfinger"),
+)
+
 FINGER_OPENING = 0.035
 """How far each finger of the model with rigid fingers stands from the middle [m]."""
 
@@ -130,6 +142,8 @@ def panda(
     builder.add_joint("panda_hand_joint", fixed, "panda_link8", "panda_hand", pose(rpy=hand_turn))
     builder.add_joint("panda_hand_tcp_joint", fixed, "panda_hand", "panda_hand_tcp", pose((0.0, 0.0, 0.1034)))
     _add_fingers(builder, fingers)
+    for pair in _TOUCHING:
+        builder.disable_pair(*pair)
     builder.set_tool("panda_hand_tcp")
     for name, q in CONFIGURATIONS.items():
         values = {f"panda_joint{i}": angle for i, angle in enumerate(q, 1)}
@@ -211,15 +225,15 @@ def _bodies() -> dict[str, list[Geometry]]:
         ],
         "panda_link7": [
             tube((0.0, 0.0, 0.06), (0.0, 0.0, 0.107), 0.044, WHITE),
-            rod((0.03, 0.03, 0.08), (0.05, 0.05, 0.08), 0.022, WHITE),
-            tube((0.05, 0.05, 0.1), (0.05, 0.05, 0.106), 0.013, GREY),
+            block((0.035, 0.035, 0.082), (0.066, 0.052, 0.036), WHITE, (0.0, 0.0, math.pi / 4)),
+            block((0.045, 0.045, 0.1005), (0.03, 0.018, 0.003), GREY, (0.0, 0.0, math.pi / 4)),
         ],
         "panda_link8": [],
         "panda_hand": [
             tube((0.0, 0.0, 0.0), (0.0, 0.0, 0.012), 0.0315, SILVER),
-            rod((0.0, -0.072, 0.032), (0.0, 0.072, 0.032), 0.0305, WHITE),
-            block((0.0, 0.0, 0.035), (0.061, 0.144, 0.056), WHITE),
-            block((0.0, 0.0, 0.0635), (0.022, 0.175, 0.005), DARK),
+            block((0.0, 0.0, 0.034), (0.058, 0.204, 0.058), WHITE),
+            block((0.0, 0.0, 0.0635), (0.022, 0.17, 0.005), DARK),
+            block((0.0, 0.0, 0.036), (0.06, 0.12, 0.012), GREY),
         ],
         "panda_hand_tcp": [],
         "panda_leftfinger": [

@@ -84,6 +84,7 @@ def ur5(
             velocity=velocity,
             effort=effort,
         )
+        builder.disable_pair(parent, child)
         parent = child
     # The controller's base frame looks the other way than the arm's first link.
     builder.add_joint("base_link-base_fixed_joint", fixed, "base_link", "base", pose(rpy=(0.0, 0.0, math.pi)))
