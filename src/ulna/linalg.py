@@ -42,7 +42,12 @@ def orthogonalise(a: Array, noise: float = 0.0) -> tuple[Array, Array, Array, Ar
         for i in range(j + 1, m):
             lower[i][j] = numeric.dot(rows[j], rows[i]) * reciprocals[j]
             rows[i] = rows[i] - _column(lower[i][j]) * rows[j]
-    return numeric.matrix(lower), np.stack(rows, axis=-2), numeric.vector(*squares), numeric.vector(*reciprocals)
+    return (
+        numeric.matrix(lower),
+        np.stack(rows, axis=-2),
+        numeric.vector(*squares),
+        numeric.vector(*reciprocals),
+    )
 
 
 def volume(a: Array) -> Any:

@@ -40,7 +40,12 @@ class Case:
 
 TREES: dict[str, dict] = {
     "every_kind": {"mimics": 2},
-    "floating": {"root": "free_flyer", "kinds": ("revolute", "universal", "prismatic"), "joints": 8, "mimics": 3},
+    "floating": {
+        "root": "free_flyer",
+        "kinds": ("revolute", "universal", "prismatic"),
+        "joints": 8,
+        "mimics": 3,
+    },
     "sliding": {"root": "planar", "kinds": ("revolute", "spherical"), "joints": 6},
 }
 
@@ -66,7 +71,9 @@ def twist_of(rate: Floats, T: SE3, reference: str) -> Floats:
 @pytest.mark.parametrize("reference", REFERENCES)
 def test_jacobian_is_the_derivative_of_the_pose(case: Case, reference: str) -> None:
     for frame in case.frames:
-        rates = by_configuration(case.model, case.q, lambda q, f=frame: alg.frame_pose(case.model, q, f).matrix())
+        rates = by_configuration(
+            case.model, case.q, lambda q, f=frame: alg.frame_pose(case.model, q, f).matrix()
+        )
         T = alg.frame_pose(case.model, case.q, frame)
         expected = np.stack([twist_of(rate, T, reference) for rate in rates], axis=-1)
         close(alg.frame_jacobian(case.model, case.q, frame, reference), expected)
@@ -238,7 +245,9 @@ def _angles(R: Floats, representation: str) -> Floats:
 
 
 @pytest.mark.parametrize("representation", ["rpy/xyz", "rpy/zyx", "eul", "exp"])
-def test_analytical_jacobian_is_the_derivative_of_position_and_angles(case: Case, representation: str) -> None:
+def test_analytical_jacobian_is_the_derivative_of_position_and_angles(
+    case: Case, representation: str
+) -> None:
     model, frame = case.model, case.frames[0]
     q = _far_from_singular(case, representation)
     T = alg.frame_pose(model, q, frame)

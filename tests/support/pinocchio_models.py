@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
+from ulna.errors import ModelWarning
 from ulna.model import (
     Composite,
     Continuous,
     Frame,
     FreeFlyer,
     Helical,
-
     JointKind,
     Model,
     ModelBuilder,
@@ -88,9 +89,8 @@ def from_pinocchio(source: pin.Model) -> Twin:
     """The robot of a Pinocchio model; every frame of it becomes a frame."""
     builder = ModelBuilder("twin")
     builder.gravity = source.gravity.linear
-    neutral = pin.neutral(source)
     data = source.createData()
-    pin.forwardKinematics(source, data, neutral)
+    pin.forwardKinematics(source, data, pin.neutral(source))  # fills the motion subspaces
     bodies = ["body0"]
     builder.add_link("body0")
     for i in range(1, source.njoints):
@@ -111,7 +111,9 @@ def from_pinocchio(source: pin.Model) -> Twin:
     names = [f"{k}:{frame.name}" for k, frame in enumerate(source.frames)]
     for name, frame in zip(names, source.frames, strict=True):
         builder.add_frame(name, bodies[frame.parentJoint], _pose(frame.placement))
-    model = builder.build()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ModelWarning)  # some robots have inertias that no body has
+        model = builder.build()
     return Twin(model, source, tuple((model.frame(name), k) for k, name in enumerate(names)))
 
 
@@ -174,7 +176,9 @@ def to_pinocchio(model: Model) -> Twin:
     for index, joint in enumerate(model.joints):
         if joint.mimic is not None:
             source = ids[joint.mimic.source]
-            out = pin.transformJointIntoMimic(out, source, ids[index], joint.mimic.multiplier, joint.mimic.offset)
+            out = pin.transformJointIntoMimic(
+                out, source, ids[index], joint.mimic.multiplier, joint.mimic.offset
+            )
     return Twin(model, out, tuple(frames))
 
 

@@ -100,9 +100,7 @@ def integrate_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, Arra
 
     Both map a change of the argument, a tangent vector, to the change of the result, a tangent vector at the result.
     """
-    return _blocks(
-        model, (q, v), lambda joint: joint.kind.integrate_derivatives(_q(joint, q), _v(joint, v))
-    )
+    return _blocks(model, (q, v), lambda joint: joint.kind.integrate_derivatives(_q(joint, q), _v(joint, v)))
 
 
 def difference_derivatives(model: Model, q0: Array, q1: Array) -> tuple[Array, Array]:

@@ -70,9 +70,7 @@ def joint_jacobians(model: Model, q: Array) -> Array:
     return J
 
 
-def frame_columns(
-    tree: Sequence[Step], q: Array, placement: SE3, reference: Reference
-) -> list[Column]:
+def frame_columns(tree: Sequence[Step], q: Array, placement: SE3, reference: Reference) -> list[Column]:
     """The columns of a chain, for a frame at `placement` in its last moving frame; root first."""
     check_reference(reference)
     if reference == "world":

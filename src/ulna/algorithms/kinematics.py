@@ -33,9 +33,7 @@ def joint_poses(model: Model, q: Array) -> list[SE3]:
         q: Configuration, shape (..., nq).
     """
     tree = steps(model)
-    return [
-        spread_pose(T, q) for T, step in zip(poses(tree, q), tree, strict=True) if step.is_last
-    ]
+    return [spread_pose(T, q) for T, step in zip(poses(tree, q), tree, strict=True) if step.is_last]
 
 
 def frame_pose(model: Model, q: Array, frame: Frame) -> SE3:
@@ -61,9 +59,7 @@ def frame_poses(model: Model, q: Array, frames: Sequence[Frame]) -> list[SE3]:
     tree = steps(model, needed)
     last = [T for T, step in zip(poses(tree, q), tree, strict=True) if step.is_last]
     of_joint = dict(zip(needed, last, strict=True))
-    return [
-        spread_pose(of_joint[f.joint] @ f.placement if f.joint >= 0 else f.placement, q) for f in frames
-    ]
+    return [spread_pose(of_joint[f.joint] @ f.placement if f.joint >= 0 else f.placement, q) for f in frames]
 
 
 def joint_velocities(model: Model, q: Array, v: Array) -> list[Motion]:
