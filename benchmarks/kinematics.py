@@ -21,31 +21,31 @@ import numpy as np
 import pinocchio as pin
 from _timing import medians, shown, table
 
-import ulna
+from ulna.load import load_model
+from ulna.model import lock_joints
+from ulna.robot import Robot
 from ulna.robots import example_robot_data as data
 
 ROBOTS = {
     "Panda": ("panda", ["panda_finger_joint1", "panda_finger_joint2"], "panda_hand"),
-    "UR5": ("ur5_robot", [], "tool0"),
-    "G1": ("g1_29dof_rev_1_0", [], "left_rubber_hand"),
+    "UR5": ("ur5", [], "tool0"),
+    "G1": ("g1", [], "left_rubber_hand"),
 }
 
 
-def load(name: str, locked: list[str], frame: str) -> tuple[ulna.Robot, pin.Model, str]:
+def load(name: str, locked: list[str], frame: str) -> tuple[Robot, pin.Model, str]:
     """The robot in both libraries, from one file."""
-    path = data.urdf_path(name)
-    from ulna.model import lock_joints
-
-    model = ulna.load_model(path)
+    path, _ = data.files(name)
+    model = load_model(path)
     peer = pin.buildModelFromUrdf(str(path))
     if locked:
         model = lock_joints(model, [j for j in locked if j in model.joint_names])
         ids = [peer.getJointId(j) for j in locked if peer.existJointName(j)]
         peer = pin.buildReducedModel(peer, ids, pin.neutral(peer))
-    return ulna.Robot(model), peer, frame
+    return Robot(model), peer, frame
 
 
-def single_calls(label: str, robot: ulna.Robot, peer: pin.Model, frame: str) -> list[list[str]]:
+def single_calls(label: str, robot: Robot, peer: pin.Model, frame: str) -> list[list[str]]:
     """One configuration at a time."""
     memory, index = peer.createData(), peer.getFrameId(frame)
     q = pin.randomConfiguration(peer)
@@ -73,7 +73,7 @@ def single_calls(label: str, robot: ulna.Robot, peer: pin.Model, frame: str) -> 
     return rows
 
 
-def batches(label: str, robot: ulna.Robot, peer: pin.Model, frame: str, count: int) -> list[list[str]]:
+def batches(label: str, robot: Robot, peer: pin.Model, frame: str, count: int) -> list[list[str]]:
     """Row-major configurations, one core."""
     memory, index = peer.createData(), peer.getFrameId(frame)
     rng = np.random.default_rng(0)

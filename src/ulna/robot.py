@@ -10,9 +10,11 @@ from typing import Any, Literal, final
 import numpy as np
 
 from ulna import algorithms, kernels
+from ulna import model as models
 from ulna.algorithms.references import Reference
 from ulna.errors import UnknownName
 from ulna.model import Model
+from ulna.spatial import SE3
 from ulna.trace import Function, trace
 from ulna.trace import compile as compile_function
 from ulna.typing import ArrayLike, Floats
@@ -268,6 +270,24 @@ class Robot:
         """
         shape = (size,) if isinstance(size, int) else tuple(size)
         return algorithms.random(self.model, np.random.default_rng(seed), shape)
+
+    def lock(self, joints: Mapping[str, Any] | Sequence[str], q: Any = None) -> Robot:
+        """The robot with some joints held still; see `ulna.model.lock_joints`."""
+        return Robot(models.lock_joints(self.model, joints, q))
+
+    def attach(
+        self, other: Robot, frame: str | None = None, placement: SE3 | None = None, prefix: str = "", **options: Any
+    ) -> Robot:
+        """This robot carrying another: a gripper on an arm, an arm on a base; see `ulna.model.attach`."""
+        return Robot(models.attach(self.model, other.model, frame, placement, prefix, **options))
+
+    def with_tool(self, frame: str, placement: SE3 | None = None, name: str = "tool") -> Robot:
+        """The robot with another tool: a frame, or a new one at `placement` (T_frame_tool) in it."""
+        return Robot(models.with_tool(self.model, frame, placement, name))
+
+    def with_configuration(self, name: str, q: Any) -> Robot:
+        """The robot with a named configuration: numbers (nq,), or a dictionary from joint names to positions."""
+        return Robot(models.with_configuration(self.model, name, q))
 
     def kernel(self, name: str, *, dtype: Any = np.float64, checked: bool = False, **options: Any) -> Any:
         """The bare compiled kernel of a quantity, for hot loops: `fk = robot.kernel("fk", frame="panda_hand")`.
