@@ -86,8 +86,7 @@ EYE = constant(np.eye(3))
 def rotation_about(axis: Axis, angle: Any) -> Array:
     """The rotation matrix about a unit axis: a a^T + cos(angle) (I - a a^T) + sin(angle) [a]x.
 
-    Rodrigues' formula (Barfoot, State Estimation for Robotics, 2017, eq. 7.11), its constant matrices worked out
-    beforehand.
+    This is Rodrigues' formula, its constant matrices worked out beforehand.
 
     Args:
         axis: Unit axis a.
