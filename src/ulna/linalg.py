@@ -1,8 +1,8 @@
 """Small dense linear algebra on floats, symbols and traced scalars alike.
 
-Float matrices (with any leading batch axes) go to LAPACK. Object matrices are eliminated in unrolled steps, so that
-structural zeros cost nothing; the order is that of Golub & Van Loan, Matrix Computations (2013), the section named
-at each function. Sizes are those of robotics, up to a few dozen rows.
+Float matrices (with any leading batch axes) go to LAPACK. Object matrices are eliminated in unrolled steps,
+so that structural zeros cost nothing; the order is that of Golub & Van Loan, Matrix Computations (2013), the
+section named at each function. Sizes are those of robotics, up to a few dozen rows.
 """
 
 from __future__ import annotations
@@ -19,16 +19,17 @@ _Rows = list[list[Any]]
 
 
 def orthogonalise(a: Array, noise: float = 0.0) -> tuple[Array, Array, Array, Array]:
-    """Splits `a = l @ q` into a unit lower triangle and orthogonal rows, by modified Gram-Schmidt (GVL 5.2.8).
+    """Splits `a = l @ q`, l unit lower triangular, rows of q orthogonal: modified Gram-Schmidt (GVL 5.2.8).
 
     Args:
         a: (..., m, n).
-        noise: A row is left out of the further elimination, and keeps zeros below it in `l`, when no more than this
+        noise: A row is left out of the further elimination, and keeps zeros below it in `l`, when no more
+        than this
             part of its length remains because it depends on the rows above it.
 
     Returns:
-        l (..., m, m), q (..., m, n), the squared lengths of the rows of `q` (..., m), and their reciprocals (..., m),
-        zero for the rows that were left out.
+        l (..., m, m), q (..., m, n), the squared lengths of the rows of `q` (..., m), and their reciprocals
+        (..., m), zero for the rows that were left out.
     """
     m = a.shape[-2]
     rows = [a[..., i, :] for i in range(m)]
@@ -51,7 +52,9 @@ def orthogonalise(a: Array, noise: float = 0.0) -> tuple[Array, Array, Array, Ar
 
 
 def volume(a: Array) -> Any:
-    """Volume spanned by the rows of `a` (..., m, n): the square root of `det(a @ a.T)`, without squaring its error.
+    """Volume spanned by the rows of `a` (..., m, n), the square root of `det(a @ a.T)`.
+
+    It loses no digits to the squaring of `a`.
 
     Zero when the rows are dependent, hence whenever m > n.
     """
@@ -84,7 +87,7 @@ def ldl(a: Array) -> tuple[Array, Array]:
 
 
 def cholesky(a: Array) -> Array:
-    """The lower triangle l with `a = l @ l.T` of a symmetric positive definite `a` (..., n, n) (GVL 4.2.5)."""
+    """The lower triangle l with `a = l @ l.T`, `a` (..., n, n) symmetric positive definite (GVL 4.2.5)."""
     if not is_symbolic(a):
         return np.linalg.cholesky(a)
     lower, d = ldl(a)
@@ -121,8 +124,8 @@ def solve_spd(a: Array, b: Array) -> Array:
 def solve(a: Array, b: Array) -> Array:
     """Solves `a @ x = b` for any invertible `a` by elimination with row pivoting (GVL 3.4).
 
-    A traced matrix is pivoted by selection, in the same order as a float one. Symbols cannot be compared: their
-    pivots are the first entries that are not the number zero.
+    A traced matrix is pivoted by selection, in the same order as a float one. Symbols cannot be compared:
+    their pivots are the first entries that are not the number zero.
 
     Args:
         a: (..., n, n).
@@ -199,7 +202,7 @@ def _ldl(a: _Rows) -> tuple[_Rows, list[Any]]:
 
 
 def _eliminate(rows: _Rows, n: int) -> Any:
-    """Brings the first n columns of `rows` to upper triangular form in place; returns the sign of the row swaps."""
+    """Brings the first n columns of `rows` to a triangle, in place; returns the sign of the swaps."""
     sign: Any = 1.0
     for k in range(n):
         for i in range(k + 1, n):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from support.derivatives import along, by_configuration, by_vector
 from support.random_models import KINDS, random_model
-
 from ulna import algorithms as alg
 from ulna.model import Model
 from ulna.spatial import (
@@ -126,7 +126,7 @@ def test_classical_acceleration_is_that_of_the_point(case: Case) -> None:
 
     def velocity(t: float) -> Floats:
         q = alg.integrate(case.model, case.q, t * case.v + 0.5 * t * t * case.a)
-        # to first order in t, the tangent vector of that curve is v + t a (plus a bracket of v with v, which is 0)
+        # to first order in t the velocity along that curve is v + t a (plus the bracket of v with itself: 0)
         return alg.frame_velocity(case.model, q, case.v + t * case.a, frame).linear
 
     h = 1e-4
@@ -178,7 +178,7 @@ def test_poses_and_velocities_of_all_joints_and_frames(case: Case) -> None:
             V = frame.placement.act_inverse(twists[frame.joint])
             assert V.is_close(alg.frame_velocity(model, q, v, frame, "local"), 1e-13)
         else:
-            assert T == frame.placement
+            assert frame.placement == T
             assert alg.frame_velocity(model, q, v, frame) == Motion.zero()
             assert alg.frame_acceleration(model, q, v, case.a, frame) == Motion.zero()
             assert not alg.frame_jacobian(model, q, frame).any()

@@ -1,13 +1,14 @@
 """Kinematics against Pinocchio: robots of example-robot-data, and random robots with every kind of joint.
 
-Three answers of Pinocchio 4.1 are not asked for, because they are not the derivatives they are meant to be (the laws in
-tests/laws check ours by differences): the derivatives of the Jacobian of composite joints, which take their motion
-subspace for constant, and of mimic joints; and the Hessian in LOCAL between coordinates of one joint.
+Three answers of Pinocchio 4.1 are not asked for, because they are not the derivatives they are meant to be
+(the laws in tests/laws check ours by differences): the derivatives of the Jacobian of composite joints, which
+take their motion subspace for constant, and of mimic joints; and the Hessian in LOCAL between coordinates of
+one joint.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 import pytest
@@ -16,7 +17,6 @@ pin = pytest.importorskip("pinocchio")
 
 from support.pinocchio_models import REFERENCES, Twin, from_pinocchio, to_pinocchio  # noqa: E402
 from support.random_models import KINDS, random_model  # noqa: E402
-
 from ulna import algorithms as alg  # noqa: E402
 from ulna.model import Continuous  # noqa: E402
 from ulna.robots import example_robot_data  # noqa: E402
@@ -27,7 +27,7 @@ FLOATING = ("talos", "g1", "solo12", "anymal", "hector")
 PLAIN = [kind for kind in KINDS if kind not in ("universal", "composite", "composite_ball")]
 
 
-@lru_cache(maxsize=None)
+@cache
 def twin(name: str) -> Twin:
     if name.startswith("random"):
         number = int(name.split("-")[1])
@@ -73,7 +73,7 @@ def robot(request: pytest.FixtureRequest) -> Twin:
 
 def some_frames(t: Twin) -> list:
     """The last of every tenth of the frames: fingers, feet, heads."""
-    return list(t.frames[:: max(1, len(t.frames) // 6)]) + [t.frames[-1]]
+    return [*t.frames[:: max(1, len(t.frames) // 6)], t.frames[-1]]
 
 
 def check_kinematics(t: Twin) -> None:

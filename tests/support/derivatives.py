@@ -19,14 +19,14 @@ _WEIGHTS = np.array([3 / 4, -3 / 4, -3 / 20, 3 / 20, 1 / 60, -1 / 60]) / _STEP  
 
 
 def along(model: Model, q: Floats, direction: Floats, f: Callable[[Floats], Floats]) -> Floats:
-    """d f(integrate(q, t direction)) / dt at t = 0, for one direction (nv,) or several (n, nv)."""
+    """The derivative of f(integrate(q, t direction)) by t at 0, for one `direction` or several (n, nv)."""
     times = _TIMES.reshape(-1, *[1] * direction.ndim)
     values = f(configuration.integrate(model, q, times * direction))
     return np.tensordot(_WEIGHTS, values, 1)
 
 
 def by_configuration(model: Model, q: Floats, f: Callable[[Floats], Floats]) -> Floats:
-    """The derivatives of `f` along every direction of the tangent space, stacked in a first axis of length nv."""
+    """The derivatives of `f` along every direction of the tangent space, stacked in a first axis (nv)."""
     return along(model, q, np.eye(model.nv), f)
 
 

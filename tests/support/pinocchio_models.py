@@ -37,7 +37,7 @@ REFERENCES = {
 
 @dataclass(frozen=True)
 class Twin:
-    """A model, Pinocchio's model of the same robot, and the names under which they know the same joints and frames."""
+    """A model, Pinocchio's model of the same robot, and how their coordinates and frames correspond."""
 
     model: Model
     pin: pin.Model
@@ -82,7 +82,7 @@ class Twin:
                 yield joint, self.pin.idx_qs[i], self.pin.nqs[i], self.pin.idx_vs[i]
 
 
-# ------------------------------------------------------------------------------------------- from Pinocchio to Ulna
+# ------------------------------------------------------------------------------------ from Pinocchio to Ulna
 
 
 def from_pinocchio(source: pin.Model) -> Twin:
@@ -144,14 +144,14 @@ def _kind(joint: pin.JointModel, data: pin.JointData) -> JointKind:
     return Continuous(tuple(angular)) if joint.nq == 2 else Revolute(tuple(angular))
 
 
-# ------------------------------------------------------------------------------------------- from Ulna to Pinocchio
+# ------------------------------------------------------------------------------------ from Ulna to Pinocchio
 
 
 def to_pinocchio(model: Model) -> Twin:
     """The robot of a model for Pinocchio; free angles become plain ones, mimic joints mimic joints.
 
-    Pinocchio's planar joint lies across z. Another normal is had by turning the frames around the joint, and turning
-    them back at whatever it carries.
+    Pinocchio's planar joint lies across z. Another normal is had by turning the frames around the joint, and
+    turning them back at whatever it carries.
     """
     out = pin.Model()
     out.gravity.linear = np.array(model.gravity)

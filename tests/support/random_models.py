@@ -1,4 +1,4 @@
-"""Random robots of every kind of joint, with branches, fixed joints and mimic joints; the same for the same seed."""
+"""Random robots with every kind of joint, branches, fixed and mimic joints; the same for the same seed."""
 
 from __future__ import annotations
 

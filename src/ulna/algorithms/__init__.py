@@ -1,7 +1,7 @@
 """The book: one algorithm a file, free pure functions of a model and of numbers, symbols or traced scalars.
 
-Every file opens with its table of symbols. They refer to Featherstone, Rigid Body Dynamics Algorithms (2008); Lynch &
-Park, Modern Robotics (2017); Siciliano et al., Robotics: Modelling, Planning and Control (2009).
+Every file opens with its table of symbols. They refer to Featherstone, Rigid Body Dynamics Algorithms (2008);
+Lynch & Park, Modern Robotics (2017); Siciliano et al., Robotics: Modelling, Planning and Control (2009).
 """
 
 from ulna.algorithms.analytical_jacobian import Representation as Representation

@@ -9,15 +9,16 @@
 | "rpy/xyz" | roll r, pitch p, yaw y | (3) | [rad] | R = Rx(y) Ry(p) Rz(r), cos p >= 0 |
 | "eul" | phi, theta, psi | (3) | [rad] | R = Rz(phi) Ry(theta) Rz(psi), sin theta >= 0 |
 | "exp" | rotation vector u | (3) | [rad] | R = exp(skew(u)), norm(u) <= pi |
-| u1, u2, u3 | axes of the three turns, as they stand in the world | (3) | | u1 = e_i, u3 = R e_k, u2 = sign u1 x u3 / s |
+| u1, u2, u3 | axes of the three turns in the world | (3) | | u1 = e_i, u3 = R e_k, u2 = sign u1 x u3 / s |
 | s | sine of the angle between first and last axis | () | | s = norm(u1 x u3) |
 | B | rates of the angles = B w | (3, 3) | | Siciliano section 3.6, inverted |
-| | first, second, last row, by the dual basis of u1, u2, u3 | (3) | | -sign (u2 x u3) / s, u2, -sign (u1 x u2) / s |
-| | for "exp" | (3, 3) | | inverse left Jacobian I - U/2 + D U^2, D = (1 - (t/2) cot(t/2)) / t^2, t = norm(u) |
+| | its rows: the dual basis of u1, u2, u3 | (3) | | -sign (u2 x u3) / s, u2, -sign (u1 x u2) / s |
+| | for "exp", t = norm(u) | (3, 3) | | I - U/2 + D U^2, U = skew(u), D = (1 - (t/2) cot(t/2)) / t^2 |
 | J_a | analytical Jacobian | (6, nv) | | J_a = [J_lin; B J_ang] |
 
-The three axes are read from R, so no angle is computed. Where first and last axis are in line (s = 0: pitch +-pi/2,
-theta 0 or pi) the angles are singular and the result is inf or nan. The rotation vector jumps where norm(u) = pi.
+The three axes are read from R, so no angle is computed. Where first and last axis are in line (s = 0: pitch
++-pi/2, theta 0 or pi) the angles are singular and the result is inf or nan. The rotation vector jumps where
+norm(u) = pi.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ Representation: TypeAlias = Literal["rpy/xyz", "rpy/zyx", "eul", "exp"]
 
 
 class _Turns(NamedTuple):
-    """First and last axis, the sign of e_i x e_k against the second axis, and which rate stands in which row."""
+    """First and last axis, the sign of e_i x e_k against the second, and which rate stands in which row."""
 
     first: int
     last: int

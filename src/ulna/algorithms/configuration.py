@@ -6,7 +6,7 @@
 | v | tangent vector at q, in the moving frames | (..., nv) | [rad], [m] | |
 | integrate | q (+) v, the configuration reached | (..., nq) | | q exp(v), joint by joint |
 | difference | q1 (-) q0, the tangent vector that leads there | (..., nv) | | log(q0^-1 q1) |
-| d integrate | derivatives by q and by v, on the tangent spaces | (..., nv, nv) | | Ad(exp(v))^-1 and J_r(v), by blocks |
+| d integrate | its derivatives by q and by v | (..., nv, nv) | | Ad(exp(v))^-1 and J_r(v), in blocks |
 
 Source: Sola, Deray & Atchuthan, A micro Lie theory (2018), sections II and III. A mimic joint has no
 coordinate of its own, so it does not appear here.
@@ -39,7 +39,7 @@ def difference(model: Model, q0: Array, q1: Array) -> Array:
 
 
 def interpolate(model: Model, q0: Array, q1: Array, t: Any) -> Array:
-    """The configuration at the fraction `t` (...) of the way from `q0` (t = 0) to `q1` (t = 1), shape (..., nq)."""
+    """The configuration a part `t` (...) of the way from `q0` (t = 0) to `q1` (t = 1), shape (..., nq)."""
     inputs = (q0, q1, np.asarray(t)[..., None])
     return _join(model, inputs, lambda joint: joint.kind.interpolate(_q(joint, q0), _q(joint, q1), t))
 
@@ -61,7 +61,9 @@ def random(
     lower: Floats | None = None,
     upper: Floats | None = None,
 ) -> Floats:
-    """Configurations drawn evenly within the limits, shape (*size, nq); see `JointKind.random` where there are none.
+    """Configurations drawn evenly within the limits, shape (*size, nq).
+
+    Where there are no limits `JointKind.random` says what is drawn from.
 
     Args:
         model: The robot.
@@ -98,13 +100,14 @@ def is_same(model: Model, q0: Floats, q1: Floats, tolerance: float = 1e-9) -> An
 def integrate_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, Array]:
     """The derivatives of `integrate` by q and by v, each (..., nv, nv).
 
-    Both map a change of the argument, a tangent vector, to the change of the result, a tangent vector at the result.
+    Both map a change of the argument, a tangent vector, to the change of the result, a tangent vector at the
+    result.
     """
     return _blocks(model, (q, v), lambda joint: joint.kind.integrate_derivatives(_q(joint, q), _v(joint, v)))
 
 
 def difference_derivatives(model: Model, q0: Array, q1: Array) -> tuple[Array, Array]:
-    """The derivatives of `difference` by q0 and by q1, each (..., nv, nv), q0 and q1 changing in their tangent spaces."""
+    """The derivatives of `difference` by q0 and by q1, each along its tangent space, each (..., nv, nv)."""
     return _blocks(
         model, (q0, q1), lambda joint: joint.kind.difference_derivatives(_q(joint, q0), _q(joint, q1))
     )

@@ -9,11 +9,11 @@
 | | local_world_aligned: angular | (3) | | w_k x w_j where k <= j, else 0 |
 | | linear | (3) | | w_k x l_j where k <= j, else w_j x l_k |
 
-Source: the derivative of Ad_T along a twist (Featherstone, section 2.10); for "local_world_aligned", whose linear part is
-symmetric in j and k, Haviland & Corke, Manipulator Differential Kinematics part 2 (2023). The
-columns of one step count as equal. A coordinate of a spherical joint, free flyer or planar joint is a direction of
-its tangent space: dJ / dq_k is the derivative of J(integrate(q, t e_k)) by t at 0. The columns of a mimic joint add to
-those of its source in both places.
+Source: the derivative of Ad_T along a twist (Featherstone, section 2.10); for "local_world_aligned", whose
+linear part is symmetric in j and k, Haviland & Corke, Manipulator Differential Kinematics part 2 (2023). The
+columns of one step count as equal. A coordinate of a spherical joint, free flyer or planar joint is a
+direction of its tangent space: dJ / dq_k is the derivative of J(integrate(q, t e_k)) by t at 0. The columns
+of a mimic joint add to those of its source in both places.
 """
 
 from __future__ import annotations

@@ -5,11 +5,12 @@
 | S_j | column of the motion subspace in the moving frame of its step | Motion | [1] or [m/rad] | constant |
 | T_j, R_j, p_j | pose of that moving frame in the world | SE3 | [m] | |
 | p | origin of the frame in the world | (3) | [m] | |
-| w_j, l_j | column in local_world_aligned: angular, linear | (3), (3) | | w = R S.ang, l = R S.lin + w x (p - p_j) |
+| w_j, l_j | column in local_world_aligned | (3) | | w = R_j S.angular, l = R_j S.linear + w x (p - p_j) |
 | J | frame Jacobian, twist = J v, linear rows first | (6, nv) | | sum over columns |
 
-In "world" a column is T_j S_j (the space Jacobian of Lynch & Park, definition 5.1), in "local" it is T_frame_j S_j
-(their body Jacobian, definition 5.2), passed inward from the tip so that no pose in the world is needed.
+In "world" a column is T_j S_j (the space Jacobian of Lynch & Park, definition 5.1), in "local" it is
+T_frame_j S_j (their body Jacobian, definition 5.2), passed inward from the tip so that no pose in the world
+is needed.
 """
 
 from __future__ import annotations
@@ -57,7 +58,8 @@ def frame_jacobian(
 def joint_jacobians(model: Model, q: Array) -> Array:
     """The columns of all joints in the reference "world", shape (..., 6, nv).
 
-    The columns of the joints that a frame stands on, the others set to zero, are its Jacobian in that reference.
+    The columns of the joints that a frame stands on, the others set to zero, are its Jacobian in that
+    reference.
 
     Args:
         model: The robot.

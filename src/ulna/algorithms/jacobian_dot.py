@@ -3,13 +3,15 @@
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | J_j | column of the Jacobian | Motion | | see jacobian.py |
-| V_j | twist of the body behind step j, in the reference | Motion | [m/s, rad/s] | V_j = sum of J_k v_k over steps k <= j |
+| V_j | twist of the body behind step j | Motion | [m/s, rad/s] | V_j = sum of J_k v_k over steps k <= j |
 | dJ_j | its derivative: world | Motion | per s | dJ_j = V_j x J_j |
 | | local | Motion | per s | dJ_j = J_j x (sum of J_k v_k over k > j) |
-| | local_world_aligned: l_j, w_j | (3), (3) | per s | w_j' = W_j x w_j, l_j' = W_j x l_j + w_j x (sum of l_k v_k over k > j) |
+| | local_world_aligned: w_j | (3) | per s | dw_j = W_j x w_j |
+| | local_world_aligned: l_j | (3) | per s | dl_j = W_j x l_j + w_j x (sum of l_k v_k over k > j) |
 
-Source: Featherstone, section 2.10. In the last line W_j is the angular part of V_j: the column turns rigidly with its body, except that the frame's origin
-also moves relative to it. Every S is constant in its moving frame (tree.py), so no other term exists.
+Source: Featherstone, section 2.10. In the last lines W_j is the angular part of V_j: the column turns rigidly
+with its body, except that the frame's origin also moves relative to it. Every S is constant in its moving
+frame (tree.py), so no other term exists.
 """
 
 from __future__ import annotations

@@ -2,15 +2,16 @@
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| q, v, a | position, velocity, acceleration of the joints | (nq), (nv), (nv) | [rad] or [m], per s, per s^2 | |
+| q, v, a | position, velocity, acceleration | (nq), (nv), (nv) | [rad] or [m], per s, per s^2 | |
 | T_i | pose of the moving frame of step i in the world | SE3 | [m] | T_i = T_p P_i J_i(q) |
 | V_i | twist of body i in its own frame | Motion | [m/s, rad/s] | V_i = X_i^-1 V_p + S_i v_i |
-| A_i | spatial acceleration of body i in its own frame | Motion | [m/s^2, rad/s^2] | A_i = X_i^-1 A_p + S_i a_i + V_i x S_i v_i |
-| F | constant pose of the frame in the moving frame it is fixed to | SE3 | [m] | T_f = T_i F, V_f = F^-1 V_i |
-| A' | classical acceleration: of the frame's origin, as an accelerometer moves | Motion | [m/s^2, rad/s^2] | A'.linear = A.linear + w x V.linear |
+| A_i | its spatial acceleration | Motion | [m/s^2, rad/s^2] | A_i = X_i^-1 A_p + S_i a_i + V_i x S_i v_i |
+| F | constant pose of the frame on body i | SE3 | [m] | T_f = T_i F, V_f = F^-1 V_i, A_f = F^-1 A_i |
+| A' | classical acceleration (of the point) | Motion | [m/s^2, rad/s^2] | A' = A + (w x V.linear; 0) |
 
-Source: Featherstone, sections 2.11 (classical and spatial acceleration) and 5.3 (the recursions, with S constant). The acceleration of
-gravity is not in A. Twists are passed outward in body coordinates: their recursion needs no pose of any body.
+Source: Featherstone, sections 2.11 (classical and spatial acceleration) and 5.3 (the recursions, with S
+constant). The acceleration of gravity is not in A. Twists are passed outward in body coordinates: their
+recursion needs no pose of any body.
 """
 
 from __future__ import annotations
@@ -106,8 +107,9 @@ def frame_acceleration(
 ) -> Motion:
     """The acceleration of a frame [m/s^2, rad/s^2], without gravity.
 
-    The derivatives of the twist's components are the spatial acceleration in the references "world" and "local", and
-    the classical acceleration in "local_world_aligned": there J a + (dJ/dt) v is what this returns.
+    The derivatives of the twist's components are the spatial acceleration in the references "world" and
+    "local", and the classical acceleration in "local_world_aligned": there J a + (dJ/dt) v is what this
+    returns.
 
     Args:
         model: The robot.
@@ -116,8 +118,8 @@ def frame_acceleration(
         a: Acceleration, shape (..., nv); None for zero, which leaves (dJ/dt) v.
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
-        classical: Whether the linear part is the acceleration of the point at the origin (which moves with the body),
-            instead of the spatial one.
+        classical: Whether the linear part is the acceleration of the body's point at the origin, instead of
+            the spatial one.
     """
     check_reference(reference)
     inputs = (q, v) if a is None else (q, v, a)

@@ -10,8 +10,8 @@
 | n_j, f_j | with a, b the linear and angular part of column j of P | (3) | | n = l x a + w x b, f = a x w |
 | s | singular values of J | (m) | | inverse condition: s_min / s_max; minimum singular value: s_min |
 
-The gradient contracts the Hessian of hessian.py without forming it, by w_k x l_j . a_j = w_k . (l_j x a_j), so that it
-costs nv, not nv^2. The measure mixes metres and radians where both kinds of rows are chosen.
+The gradient contracts the Hessian of hessian.py without forming it, by w_k x l_j . a_j = w_k . (l_j x a_j),
+so that it costs nv, not nv^2. The measure mixes metres and radians where both kinds of rows are chosen.
 """
 
 from __future__ import annotations
@@ -46,14 +46,15 @@ def manipulability(
         model: The robot.
         q: Configuration, shape (..., nq).
         frame: A frame of the model.
-        measure: "yoshikawa", the volume of the ellipsoid of velocities; "inverse_condition", from 0 (singular) to 1
-            (equally well in every direction); "minimum_singular_value", the velocity in the worst direction.
+        measure: "yoshikawa", the volume of the ellipsoid of velocities; "inverse_condition", from 0
+            (singular) to 1 (equally well in every direction); "minimum_singular_value", the velocity in the
+            worst direction.
         axes: Rows of the Jacobian in local_world_aligned: "all", "trans", "rot", or six truth values for
             x, y, z, and rotation about x, y, z.
 
     Raises:
-        TraceError: a measure other than Yoshikawa's was asked of traced or symbolic numbers; it needs singular values,
-            which have no formula. Compute it from the compiled Jacobian.
+        TraceError: a measure other than Yoshikawa's was asked of traced or symbolic numbers; it needs
+            singular values, which have no formula. Compute it from the compiled Jacobian.
         UnknownName, InputError: no such measure, no such axes.
     """
     return measure_of(frame_jacobian(model, q, frame), measure, axes)
@@ -125,7 +126,7 @@ def chosen_rows(axes: Axes) -> list[int]:
     mask = list(axes)
     if len(mask) != 6 or not any(mask):
         raise InputError(
-            f"`axes` is {axes!r}; expected 'all', 'trans', 'rot', or six truth values of which at least one holds."
+            f"`axes` is {axes!r}; expected 'all', 'trans', 'rot', or six truth values, of which one is true."
         )
     return [i for i, keep in enumerate(mask) if keep]
 

@@ -11,8 +11,9 @@
 
 Source: Featherstone, sections 4.1 to 4.4. A *step* is a joint, or one part of a joint that is made of parts
 (composite, universal). Unfolding joints into steps makes every S constant in its own moving frame, so that no
-algorithm needs a derivative of S. Only the last step of a joint carries links and frames. A mimic joint is a step
-whose position is affine in that of its source; its columns of S, times the multiplier, belong to the source's velocity.
+algorithm needs a derivative of S. Only the last step of a joint carries links and frames. A mimic joint is a
+step whose position is affine in that of its source; its columns of S, times the multiplier, belong to the
+source's velocity.
 """
 
 from __future__ import annotations
@@ -140,7 +141,7 @@ def poses(tree: Sequence[Step], q: Array) -> list[SE3]:
 
 
 def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
-    """T of the last step of a chain, times `placement`; what turns about the last axis is multiplied first."""
+    """T of the last step of a chain, times `placement`; what turns about the last axis is joined first."""
     if not tree:
         return placement
     *before, last = tree
@@ -150,7 +151,7 @@ def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
 
 
 def blank(shape: tuple[int, ...], *inputs: Array) -> Array:
-    """Zeros of the batch of `inputs` (each (..., n)) and then of `shape`; for symbols when an input holds them."""
+    """Zeros of the batch of `inputs`, each (..., n), then of `shape`; objects when an input holds symbols."""
     if is_symbolic(*inputs):
         return np.full(shape, 0.0, dtype=object)
     return np.zeros(_batch(inputs) + shape)
@@ -177,8 +178,8 @@ def _unfold(kind: JointKind, placement: SE3) -> list[tuple[SE3, JointKind]]:
     if isinstance(kind, Universal):
         return [(placement, Revolute(kind.axis1)), (SE3.identity(), Revolute(kind.axis2))]
     if isinstance(kind, Composite):
-        between = kind.placements or ()
-        places = [placement @ between[0], *between[1:]]
+        assert kind.placements is not None  # a Composite fills them in
+        places = [placement @ kind.placements[0], *kind.placements[1:]]
         return [part for k, place in zip(kind.kinds, places, strict=True) for part in _unfold(k, place)]
     return [(placement, kind)]
 

@@ -3,16 +3,16 @@
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | J_k | column of the Jacobian in "local" | Motion | | see jacobian.py |
-| U_k, C_k | twist, spatial acceleration of the body before step k, seen from the frame | Motion | | sums over steps < k |
-| V, V_k | twist of the frame; of the body behind step k, seen from the frame | Motion | | V_k: sum over steps <= k |
+| U_k, C_k | twist and spatial acceleration of the body before step k | Motion | | sums over steps < k |
+| V, V_k | twist of the frame; of the body behind step k | Motion | | V_k: sum over steps <= k |
 | dV/dq_k | | Motion | | U_k x J_k |
 | dV/dv_k | | Motion | | J_k |
 | dA/dq_k | | Motion | | C_k x J_k + (U_k x J_k) x (V - U_k) |
 | dA/dv_k | | Motion | | U_k x J_k + J_k x (V - V_k) |
 | dA/da_k | | Motion | | J_k |
 
-Source: Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics Algorithms (2018), section III, written here
-at the frame. Derivatives by q are along the tangent space, as in hessian.py.
+All are seen from the frame. Source: Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics
+Algorithms (2018), section III. Derivatives by q are along the tangent space, as in hessian.py.
 """
 
 from __future__ import annotations
