@@ -186,7 +186,6 @@ def _where(condition: Any, a: Any, b: Any) -> Any:
 
     if condition in (sympy.true, sympy.false):
         return a if condition else b
-    # Unevaluated: SymPy's own tidying of nested cases takes minutes where there are a dozen.
     return sympy.Piecewise((a, condition), (b, True), evaluate=False)
 
 

@@ -22,20 +22,21 @@ def checked(name: str, value: Any, shape: tuple[int, ...], mend: str = "") -> Ar
         DtypeError: not real numbers.
         NonFiniteError: nan or inf among the numbers.
     """
-    if isinstance(value, np.ndarray) or not is_symbolic(value):
+    expected = "(" + ", ".join(["...", *map(str, shape)]) + ")"
+    try:
         array = np.asarray(value)
-    else:
-        array = np.array(value, dtype=object)
+    except ValueError:
+        raise InputError(f"`{name}` is made of rows of different lengths; expected {expected}.") from None
     if array.dtype == object:
-        pass
+        wrong = [x for x in array.flat if isinstance(x, (str, bytes, complex, type(None)))]
+        if wrong:
+            raise DtypeError(name, type(wrong[0]).__name__)
     elif array.dtype.kind not in "fiub":
         raise DtypeError(name, str(array.dtype))
-    else:
+    if array.dtype != object or not any(is_symbolic(x) for x in array.flat):
         array = array.astype(float, copy=False)
-    if array.shape[array.ndim - len(shape) :] != shape or array.ndim < len(shape):
-        raise ShapeError(
-            name, array.shape, f"(..., {', '.join(map(str, shape))})" if shape else "(...)", mend
-        )
+    if array.ndim < len(shape) or array.shape[array.ndim - len(shape) :] != shape:
+        raise ShapeError(name, array.shape, expected, mend)
     if array.dtype != object and not np.isfinite(array).all():
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise NonFiniteError(name, index, float(array[index]))
