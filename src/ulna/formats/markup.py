@@ -230,7 +230,8 @@ def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) 
         )
     root = _parse_tree(data, file, encoding)
     _refuse_entities(root, file)
-    namespace = etree.QName(root).namespace or ""
+    tag = str(root.tag)
+    namespace = tag[1:].split("}")[0] if tag.startswith("{") else ""
     if "xacro" in namespace:
         namespace = ""
     node = Node(root, file, namespace)
