@@ -247,6 +247,8 @@ class Scalar(Value):
         """The smallest whole number that is not smaller."""
         return -((-self).floor())
 
+    __floor__, __ceil__ = floor, ceil  # what NumPy calls for np.floor and np.ceil
+
     def square(self) -> Scalar:
         """The square."""
         return self * self
