@@ -38,9 +38,7 @@ def position(model: Model, q: Any, what: str = "q", base: Floats | None = None) 
             if joint.mimic is None:
                 out[joint.idx_q : joint.idx_q + joint.nq] = local
     else:
-        out = local_position(
-            model.nq, q, what, f"one number for each of {', '.join(model.position_names[:8])}"
-        )
+        out = local_position(model.nq, q, what, _each(model.position_names))
     for joint in model.joints:
         if joint.mimic is None and joint.kind.has_quaternion:
             part = slice(joint.idx_q, joint.idx_q + joint.nq)
@@ -65,3 +63,8 @@ def local_position(count: int, value: Any, what: str, each: str = "") -> Floats:
     if not np.isfinite(out).all():
         raise ModelError(f"The {what} holds nan or inf; expected finite numbers.")
     return out
+
+
+def _each(names: tuple[str, ...]) -> str:
+    shown = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
+    return f"one number for each of {shown}" if names else ""

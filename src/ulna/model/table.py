@@ -38,7 +38,7 @@ def _headline(model: Model) -> str:
     mimics = sum(joint.mimic is not None for joint in model.joints)
     parts = [
         f"{_count(len(model.joints), 'joint')}" + (f" ({letters})" if 0 < len(letters) <= 40 else ""),
-        *([f"{mimics} of them mimic"] if mimics else []),
+        *([_count(mimics, "mimic joint")] if mimics else []),
         f"nq {model.nq}",
         f"nv {model.nv}",
         _count(len(model.links), "link"),

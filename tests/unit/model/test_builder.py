@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from support.small_robots import arm, arm_builder
 
+from support.small_robots import arm, arm_builder
 from ulna.errors import ModelError, ModelWarning, UnknownName
 from ulna.geometry import Box, Geometry
 from ulna.model import (
@@ -31,7 +31,7 @@ def pair() -> ModelBuilder:
     return ModelBuilder("pair").add_link("a").add_link("b")
 
 
-# ------------------------------------------------------------------------------------------------- what comes out
+# -------- what comes out
 
 
 def test_joints_and_links_come_depth_first_in_the_order_told() -> None:
@@ -179,7 +179,7 @@ def test_quarter_turns_leave_no_rounding_noise() -> None:
         assert set(np.abs(link.placement.rotation).ravel()) == {0.0, 1.0}
 
 
-# ------------------------------------------------------------------------------------------------------- mimics
+# -------- mimics
 
 
 def test_a_mimic_joint_has_no_position_of_its_own() -> None:
@@ -213,7 +213,7 @@ def test_a_mimic_may_be_named_by_its_source_alone() -> None:
     assert b.build().joint("k").mimic == Mimic(0, 1.0, 0.0)
 
 
-# -------------------------------------------------------------------------------------------- tool, root, positions
+# -------- tool, root, positions
 
 
 def test_the_default_tool_is_the_leaf_behind_the_most_joints() -> None:
@@ -279,7 +279,7 @@ def test_a_link_alone_is_a_model() -> None:
     assert isinstance(m, Model)
 
 
-# --------------------------------------------------------------------------------------------------- what is wrong
+# -------- what is wrong
 
 NAN = math.nan
 Build = Callable[[], object]
