@@ -2,16 +2,15 @@
 
 All take t2, the squared angle [rad^2], because it is smooth where the angle itself is not. With t = sqrt(t2):
 
-| name      | function                            | at 0  |
-|-----------|-------------------------------------|-------|
-| `half`    | sin(t/2) / (t/2), cos(t/2)          | 1, 1  |
-| `first`   | A = sin t / t                       | 1     |
-| `second`  | B = (1 - cos t) / t^2               | 1/2   |
-| `third`   | C = (t - sin t) / t^3               | 1/6   |
-| `fourth`  | E = (t^2 + 2 cos t - 2) / (2 t^4)   | 1/24  |
-| `fifth`   | F = (2 t - 3 sin t + t cos t) / (2 t^5) | 1/120 |
-| `inverse` | D = (1 - (t/2) cot(t/2)) / t^2      | 1/12  |
-| `inverse_slope` | G = (dD/dt) / t               | 1/360 |
+| function        | value                                   | at 0  |
+|-----------------|-----------------------------------------|-------|
+| `half`          | sin(t/2) / (t/2) and cos(t/2)           | 1, 1  |
+| `first_second`  | A = sin t / t, B = (1 - cos t) / t^2    | 1, 1/2 |
+| `third`         | C = (t - sin t) / t^3                   | 1/6   |
+| `fourth`        | E = (t^2 + 2 cos t - 2) / (2 t^4)       | 1/24  |
+| `fifth`         | F = (2 t - 3 sin t + t cos t) / (2 t^5) | 1/120 |
+| `inverse`       | D = (1 - (t/2) cot(t/2)) / t^2          | 1/12  |
+| `inverse_slope` | G = (dD/dt) / t                         | 1/360 |
 
 Below t = 0.2 they are their own power series: five terms reach full precision there, both values and
 derivatives. Above, the closed forms cancel by at most 1 / t^2, which the factors w w^T they are multiplied
@@ -33,14 +32,8 @@ _HALF_COS = [(-1) ** k / factorial(2 * k) / 4**k for k in range(6)]
 _THIRD = [(-1) ** k / factorial(2 * k + 3) for k in _TERMS]
 _FOURTH = [(-1) ** k / factorial(2 * k + 4) for k in _TERMS]
 _FIFTH = [(-1) ** k * (k + 1) / factorial(2 * k + 5) for k in _TERMS]
-_INVERSE = [
-    1 / 12,
-    1 / 720,
-    1 / 30240,
-    1 / 1209600,
-    1 / 47900160,
-    691 / 1307674368000,
-]  # |Bernoulli(2k)| / (2k)!
+# |Bernoulli(2k)| / (2k)!
+_INVERSE = [1 / 12, 1 / 720, 1 / 30240, 1 / 1209600, 1 / 47900160, 691 / 1307674368000]
 _SLOPE = [2 * k * d for k, d in enumerate(_INVERSE)][1:]
 
 

@@ -39,6 +39,8 @@ class Inertia(Batched):
         if type(self.com) is not np.ndarray or type(self.inertia) is not np.ndarray:
             object.__setattr__(self, "com", as_array(self.com))
             object.__setattr__(self, "inertia", as_array(self.inertia))
+        if type(self.mass) is list:
+            object.__setattr__(self, "mass", as_array(self.mass))
 
     @classmethod
     def zero(cls) -> Inertia:

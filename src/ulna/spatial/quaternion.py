@@ -10,6 +10,7 @@ from typing import Any
 
 from ulna.numeric import arctan2, cross, dot, less, matrix, sqrt, vector, where
 from ulna.spatial import coefficients
+from ulna.spatial.batched import column
 from ulna.typing import Array
 
 _SMALL = 1e-3  # squared tangent of the half angle below which the arc tangent is its series
@@ -46,11 +47,10 @@ def matrix_to_quat_xyzw(rotation: Array) -> Array:
 
 
 def _multiple(r: Array) -> tuple[Any, Any, Any, Any, Any]:
-    """A multiple x, y, z, w of the quaternion, and its largest component's square times four.
+    """A multiple x, y, z, w of the quaternion, and the square t of its length, over four.
 
     Each row of the matrix 4 q q^T is a multiple of q, and its entries are sums of entries of R. Of the four
-    rows the one is taken whose component on the diagonal is safely away from zero: the chosen t is at least
-    1.
+    rows the one is taken whose entry t on the diagonal is safely away from zero: at least 1.
     Source: M. Day, Converting a Rotation Matrix to a Quaternion, Insomniac Games.
     """
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = ([r[..., i, j] for j in range(3)] for i in range(3))
@@ -92,7 +92,7 @@ def quat_conjugate(quat: Array) -> Array:
 
 def quat_normalize(quat: Array) -> Array:
     """The quaternion xyzw scaled to unit length."""
-    return quat / _column(sqrt(dot(quat, quat)))
+    return quat / column(sqrt(dot(quat, quat)))
 
 
 def quat_rotate(quat: Array, v: Array) -> Array:
@@ -142,8 +142,4 @@ def _log(x: Any, y: Any, z: Any, w: Any) -> tuple[Array, Any]:
 def quat_slerp(a: Array, b: Array, t: Any) -> Array:
     """The quaternion xyzw a part `t` of the shorter way from `a` to `b`, at constant rate."""
     step = quat_log(quat_multiply(quat_conjugate(a), b))
-    return quat_multiply(a, quat_exp(_column(t) * step))
-
-
-def _column(value: Any) -> Any:
-    return value[..., None] if getattr(value, "ndim", 0) else value
+    return quat_multiply(a, quat_exp(column(t) * step))

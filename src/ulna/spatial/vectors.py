@@ -9,7 +9,7 @@ chapter 2 (which writes the angular part first).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self, overload
+from typing import Any, ClassVar, Self, final, overload
 
 import numpy as np
 
@@ -88,6 +88,7 @@ class SpatialVector(Batched):
         return self.vector()
 
 
+@final
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Motion(SpatialVector):
     """A twist: velocity [m/s] of the point at the origin, and angular velocity [rad/s], both (..., 3)."""
@@ -131,6 +132,7 @@ class Motion(SpatialVector):
         return Motion(apply(back, self.linear - cross(translation, self.angular)), apply(back, self.angular))
 
 
+@final
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Force(SpatialVector):
     """A wrench: force [N], and moment [N m] about the frame's origin, both (..., 3)."""

@@ -69,6 +69,7 @@ def test_from_origin_and_from_six_numbers() -> None:
     body = Inertia.from_com(2.0, [0.1, 0.2, 0.3], [1.0, 0.01, 0.02, 2.0, 0.03, 2.5])
     close(body.inertia, [[1.0, 0.01, 0.02], [0.01, 2.0, 0.03], [0.02, 0.03, 2.5]])
     assert Inertia.from_origin(2.0, body.com, body.about_origin()).is_close(body, 1e-15)
+    assert Inertia([1.0, 2.0], [0, 0, 0], np.eye(3)) == Inertia.from_com([1.0, 2.0], np.zeros(3), np.eye(3))
     assert Inertia.from_com([1.0, 2.0], np.zeros(3), np.eye(3)).batch_shape == (2,)
 
 
