@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 
 import numpy as np
 
@@ -229,9 +230,10 @@ def _write_block(module: _Module, f: Function, name: str, layout: Lanes, width: 
     ports = [*((f"i{k}", p) for k, p in enumerate(f.inputs)), *((f"o{k}", p) for k, p in enumerate(f.outputs))]
     parameters = []
     for port, _ in ports:
-        parameters.append(f"ptr noalias %{port}" if port[0] == "o" else f"ptr %{port}")
-        if layout.lanes > 1:
-            parameters.append(f"i64 %{port}s")
+        if layout.lanes == 1:  # a single call writes to new arrays
+            parameters.append(f"ptr noalias %{port}" if port[0] == "o" else f"ptr %{port}")
+        else:  # the outputs of a batch may be its inputs, which is sound because all loads come before all stores
+            parameters += [f"ptr %{port}", f"i64 %{port}s"]
     live = set(f.graph.live(f.results))
     node = 0
     for k, port in enumerate(f.inputs):
@@ -427,16 +429,24 @@ def _batch_loop(f: Function, element: DType, lanes: int) -> str:
         w.append(f"  call void @block({', '.join(call)})")
 
     w.append(f"dense:\n  %many = icmp uge i64 %n, {lanes}\n  br i1 %many, label %full, label %few")
-    # Whole blocks; the last one is moved back to end at the last row, so it may redo rows, with equal results.
-    w.append(f"full:\n  %last = sub i64 %n, {lanes}\n  br label %step")
-    w.append("step:\n  %i = phi i64 [ 0, %full ], [ %j, %step ]")
+    # Whole blocks; the last one is moved back to end at the last row, so it redoes rows, with equal results, unless
+    # an output is an input (NumPy then makes no copy if they are the very same array): then row by row.
+    w.append("full:")
+    shared = "false"
+    for number, (i, o) in enumerate(product(range(inputs), range(inputs, len(ports)))):
+        w.append(f"  %same{number} = icmp eq ptr %a{i}, %a{o}\n  %shared{number} = or i1 {shared}, %same{number}")
+        shared = f"%shared{number}"
+    w.append(f"  %last = sub i64 %n, {lanes}\n  br label %step")
+    w.append("step:\n  %i = phi i64 [ 0, %full ], [ %j, %move ]")
     block_call("%i", "b", dense=True)
     w.append(f"  %next = add i64 %i, {lanes}")
-    w.append("  %over = icmp ugt i64 %next, %last\n  %j = select i1 %over, i64 %last, i64 %next")
-    w.append("  %end = icmp eq i64 %i, %last\n  br i1 %end, label %done, label %step")
+    w.append("  %end = icmp eq i64 %i, %last\n  br i1 %end, label %done, label %more")
+    w.append(f"more:\n  %over = icmp ugt i64 %next, %last\n  %alone = and i1 %over, {shared}")
+    w.append("  br i1 %alone, label %row, label %move")
+    w.append("move:\n  %j = select i1 %over, i64 %last, i64 %next\n  br label %step")
     # Fewer rows than lanes: one row in all lanes at a time.
     w.append("few:\n  %none = icmp eq i64 %n, 0\n  br i1 %none, label %done, label %row")
-    w.append("row:\n  %k = phi i64 [ 0, %few ], [ %k1, %row ]")
+    w.append("row:\n  %k = phi i64 [ 0, %few ], [ %next, %more ], [ %k1, %row ]")
     block_call("%k", "f", dense=False)
     w.append("  %k1 = add i64 %k, 1\n  %kend = icmp eq i64 %k1, %n\n  br i1 %kend, label %done, label %row")
     # Strides inside the samples: copy each sample to scratch, work there, copy back.

@@ -68,7 +68,7 @@ class _General:
                 for a, port in zip(args, f.inputs, strict=True):
                     if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others, as Dask's, may be lazy
                         _check_finite(port.name, np.asarray(a, self.dtype))
-            return self.ufunc(*args) if out is None else self.ufunc(*args, out=out)
+            return self._apply(args, out)
         arrays = [self._array(a, port) for a, port in zip(args, f.inputs, strict=True)]
         if any(a.dtype == object for a in arrays):
             return f(*arrays)  # inside a trace: inline
@@ -87,7 +87,11 @@ class _General:
         if many and batch and (out is None or self._is_apart(arrays, out, batch)):
             assert threads is not None
             return self._threaded(arrays, batch, out, min(threads, rows // _ROWS_PER_THREAD))
-        return self.ufunc(*arrays) if out is None else self.ufunc(*arrays, out=out)
+        return self._apply(arrays, out)
+
+    def _apply(self, args: Sequence[Any], out: Any) -> Any:
+        result = self.ufunc(*args) if out is None else self.ufunc(*args, out=out)
+        return result if self.function.single or isinstance(result, tuple) else (result,)
 
     def _bind(self, args: tuple[Any, ...], named: dict[str, Any]) -> tuple[Any, ...]:
         """The arguments in order where some are passed by name."""
