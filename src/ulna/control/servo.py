@@ -20,15 +20,17 @@ def p_servo(
 ) -> tuple[Floats, bool]:
     """The twist that leads from one pose towards another, in proportion to what lacks.
 
-    The error is that of the goal as seen from the frame, T^-1 T_goal: its position, and its rotation as roll, pitch,
-    yaw ("rpy": the angles about the fixed x, y, z axes with R = Rz(yaw) Ry(pitch) Rx(roll)) or as rotation vector
-    ("angle-axis"). The twist belongs with the Jacobian in the frame's own axes, reference "local".
+    The error is that of the goal as seen from the frame, T^-1 T_goal: its position, and its rotation as
+    roll, pitch, yaw ("rpy": the angles about the fixed x, y, z axes with R = Rz(yaw) Ry(pitch) Rx(roll)) or
+    as rotation vector ("angle-axis"). The twist belongs with the Jacobian in the frame's own axes, reference
+    "local".
 
     Args:
         T: Where the frame is, T_world_frame, shape (4, 4).
         T_goal: Where it should be, T_world_goal, shape (4, 4).
         gain: Gain [1/s], one or six of them: along x, y, z and about them.
-        threshold: The goal counts as reached when the absolute values of the error add up to less [m and rad].
+        threshold: The goal counts as reached when the absolute values of the error add up to less [m and
+            rad].
         method: How the rotation error is expressed.
 
     Returns:
@@ -39,7 +41,8 @@ def p_servo(
         NonFiniteError: A pose or the gain holds nan or inf.
         UnknownName: There is no such method.
 
-    Source: Corke, "Robotics, Vision and Control", 2023, section 15.1 (position-based servoing); with method "rpy" the
+    Source: Corke, "Robotics, Vision and Control", 2023, section 15.1 (position-based servoing); with method
+        "rpy" the
     same numbers as `p_servo` of the Robotics Toolbox.
     """
     here, there = _pose("T", T), _pose("T_goal", T_goal)

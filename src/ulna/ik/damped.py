@@ -2,7 +2,8 @@
 
 | symbol | meaning | shape, unit | source |
 |---|---|---|---|
-| e | position error and rotation vector from the frame to the goal, world axes | (6,), m and rad | Siciliano 3.7.3 |
+| e | position error and rotation vector from the frame to the goal, world axes | (6,), m and rad | Siciliano
+3.7.3 |
 | J | Jacobian at the origin of the frame, world axes | (6, nv) | |
 | lambda | damping: grows with the error, vanishes at the goal | 1 | Sugihara 2011, eq. 18 |
 | dq | J^T (J J^T + lambda^2 I)^-1 e | (nv,), rad and m | Nakamura & Hanafusa 1986, eq. 16 |
@@ -42,8 +43,8 @@ def damped_step(
 ) -> DampedStep:
     """One step from `q` towards a configuration that puts the frame at the goal.
 
-    Joints stay within their limits: one that the step would push out of them stands at its limit and the others take
-    over its part. Only joints with one coordinate move (a free-flying base stays where it is).
+    Joints stay within their limits: one that the step would push out of them stands at its limit and the
+    others take over its part. Only joints with one coordinate move (a free-flying base stays where it is).
 
     Args:
         robot: An `ulna.Robot`.
@@ -65,7 +66,10 @@ def damped_step(
     error = np.concatenate([position, rotation]) * weight
     lower, upper = robot.model.lower_position, robot.model.upper_position
     joints = [j for j in robot.model.joints if j.mimic is None and j.kind.nq == 1 and j.kind.nv == 1]
-    at_q, at_v = np.array([j.idx_q for j in joints], dtype=int), np.array([j.idx_v for j in joints], dtype=int)
+    at_q, at_v = (
+        np.array([j.idx_q for j in joints], dtype=int),
+        np.array([j.idx_v for j in joints], dtype=int),
+    )
     columns = jacobian[:, at_v] * weight[:, None]
     low, high = lower[at_q] - q[at_q], upper[at_q] - q[at_q]
     step = np.zeros(len(joints))

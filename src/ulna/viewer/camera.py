@@ -30,7 +30,7 @@ class Camera:
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
     def axes(self) -> Floats:
-        """Right, up and backwards of the picture as columns, in the world: rotation camera to world, shape (3, 3)."""
+        """R_world_camera, shape (3, 3): right, up and backwards of the picture as columns."""
         back = np.subtract(self.position, self.target)
         back = back / max(float(np.linalg.norm(back)), 1e-12)
         right = np.cross(self.up, back)

@@ -1,4 +1,4 @@
-"""Surfaces as binary glTF, the format a browser draws directly: exact normals, one material for each colour."""
+"""Surfaces as binary glTF, which a browser draws directly: exact normals, a material for each colour."""
 
 from __future__ import annotations
 
@@ -45,7 +45,11 @@ def glb(surfaces: Iterable[Surface]) -> bytes:
         indices = accessor(surface.triangles.astype("<u4").reshape(-1), _UINT32, _INDICES)
         primitives.append({"attributes": attributes, "indices": indices, "material": len(materials)})
         materials.append(_material(surface))
-    document: dict[str, Any] = {"asset": {"version": "2.0", "generator": "ulna"}, "scene": 0, "scenes": [{"nodes": []}]}
+    document: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "ulna"},
+        "scene": 0,
+        "scenes": [{"nodes": []}],
+    }
     if primitives:
         document |= {
             "scenes": [{"nodes": [0]}],

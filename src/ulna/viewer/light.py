@@ -1,8 +1,8 @@
 """How light falls on surfaces: a studio of three lamps, a sky, and a key light that throws shadows.
 
 Colours are linear here; `display` turns them into what a screen shows. The surface model is the usual one of
-real-time graphics: Lambert below a thin GGX coat with Schlick's Fresnel term (Walter et al., "Microfacet models for
-refraction", 2007, eq. 33; Schlick, "An inexpensive BRDF model", 1994, eq. 15).
+real-time graphics: Lambert below a thin GGX coat with Schlick's Fresnel term (Walter et al., "Microfacet
+models for refraction", 2007, eq. 33; Schlick, "An inexpensive BRDF model", 1994, eq. 15).
 """
 
 from __future__ import annotations
@@ -30,13 +30,14 @@ _SELF_SHADOW = 0.55  # a robot half in its own shadow is hard to read; a studio 
 
 @dataclass(frozen=True, eq=False)
 class ShadowMap:
-    """What the key light sees, looking along parallel rays: how near the nearest surface is, on a square grid.
+    """What the key light sees along its parallel rays: how near the nearest surface is, on a square grid.
 
     Args:
         rotation: Axes of the light as rows: right, up, towards the light; shape (3, 3).
         centre: The middle of the map in the world [m].
         half: Half the width of the map [m].
-        nearness: 1 plus the distance [m] towards the light above the plane through the lowest point, 0 for nothing.
+        nearness: 1 plus the distance [m] towards the light above the plane through the lowest point, 0 for
+            nothing.
         base: The height of that plane along the light [m].
         soft: Blurred share of the light that is held back, for the floor.
     """
@@ -104,7 +105,7 @@ def shadow_map(corners: Floats, floor: float, size: int = 1536, blur: float = 0.
     if not len(points):
         nothing = np.zeros((8, 8), dtype=np.float32)
         return ShadowMap(rotation, np.zeros(3), 1.0, nothing, 0.0, nothing)
-    # along the light everything falls where its shadow falls, so the map that holds the things holds their shadows
+    # along the light everything falls where its shadow falls, so a map of the things holds their shadows
     local = points @ rotation.T
     low, high = local.min(axis=0), local.max(axis=0)
     centre = ((low + high) / 2) @ rotation
@@ -157,7 +158,9 @@ def display(linear: Array) -> Array:
 
 def srgb(linear: Array) -> Array:
     """The sRGB transfer function (IEC 61966-2-1)."""
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.power(np.maximum(linear, 1e-8), 1 / 2.4) - 0.055)
+    return np.where(
+        linear <= 0.0031308, 12.92 * linear, 1.055 * np.power(np.maximum(linear, 1e-8), 1 / 2.4) - 0.055
+    )
 
 
 def gaussian(image: Array, sigma: float) -> Array:

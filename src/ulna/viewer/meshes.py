@@ -21,8 +21,8 @@ CREASE = np.deg2rad(38.0)
 def load_mesh(path: str) -> tuple[Surface, ...]:
     """The surfaces of a mesh file, one for each colour, in the frame of the file, in metres.
 
-    A COLLADA file's unit is applied and its up axis is not, as the robotics tools do. A texture is drawn in its mean
-    colour. A surface whose file says nothing about colour gets `DEFAULT_COLOUR`.
+    A COLLADA file's unit is applied and its up axis is not, as the robotics tools do. A texture is drawn in
+    its mean colour. A surface whose file says nothing about colour gets `DEFAULT_COLOUR`.
 
     Raises:
         MissingExtra: trimesh (or pycollada, for .dae) is not installed.
@@ -79,16 +79,20 @@ def _load(path: str, stamp: int) -> tuple[Surface, ...]:
     return tuple(surfaces)
 
 
-def smooth(vertices: Floats, triangles: Array, rgba: RGBA = DEFAULT_COLOUR, crease: float = CREASE) -> Surface:
+def smooth(
+    vertices: Floats, triangles: Array, rgba: RGBA = DEFAULT_COLOUR, crease: float = CREASE
+) -> Surface:
     """Loose triangles as a surface whose vertices are shared exactly where it is smooth.
 
-    Two triangles share a vertex when they meet at an edge that turns by less than `crease` [rad]; the normal of a
-    vertex is the mean of its triangles' normals weighted by area, which is also what a browser computes from the
-    shared indices. Triangles without area are dropped.
+    Two triangles share a vertex when they meet at an edge that turns by less than `crease` [rad]; the normal
+    of a vertex is the mean of its triangles' normals weighted by area, which is also what a browser computes
+    from the shared indices. Triangles without area are dropped.
     """
     place, index = _weld(np.asarray(vertices, dtype=float))
     corners = index[np.asarray(triangles, dtype=np.int64)]
-    whole = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
+    whole = (
+        (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
+    )
     corners = corners[whole]
     a, b, c = (place[corners[:, k]] for k in range(3))
     weighted = np.cross(b - a, c - a)
@@ -105,7 +109,7 @@ def smooth(vertices: Floats, triangles: Array, rgba: RGBA = DEFAULT_COLOUR, crea
 
 
 def _weld(vertices: Floats) -> tuple[Floats, Array]:
-    """Vertices that lie together become one: the distinct positions, and for each vertex its position's index."""
+    """Vertices that lie together become one: the distinct positions, and each vertex's index among them."""
     if not len(vertices):
         return vertices, np.zeros(0, dtype=np.int64)
     low = vertices.min(axis=0)
@@ -187,6 +191,8 @@ def _material_colour(material: Any) -> RGBA:
     if value is None:
         return DEFAULT_COLOUR
     numbers = np.asarray(value, dtype=float).reshape(-1)
-    rgba = colour(numbers / 255.0 if numbers.max(initial=0.0) > 1.0 or np.asarray(value).dtype.kind == "u" else numbers)
+    rgba = colour(
+        numbers / 255.0 if numbers.max(initial=0.0) > 1.0 or np.asarray(value).dtype.kind == "u" else numbers
+    )
     # COLLADA writers disagree about which end of transparency is opaque; an invisible part is never meant
     return rgba if rgba[3] > 0.02 else (*rgba[:3], 1.0)

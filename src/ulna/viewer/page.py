@@ -1,10 +1,10 @@
-"""The page in the browser: the one file that knows viser, bound to this machine and sending only the newest poses.
+"""The page in the browser: the one file that knows viser, bound to this machine, sending the newest only.
 
-A program never waits for the browser. It writes poses into the scene; a thread of the page looks 60 times a second and
-sends all of them in one message, through a hook in the page's own queue. Where the hook is not known to work (another
-version of viser) every node is set through viser's public interface instead: slower, the same picture. Changes of
-sliders and of the dragged target come back through that thread, one after the other and the newest only, so that the
-functions which handle them need no locks among themselves.
+A program never waits for the browser. It writes poses into the scene; a thread of the page looks 60 times a
+second and sends all of them in one message, through a hook in the page's own queue. Where the hook is not
+known to work (another version of viser) every node is set through viser's public interface instead: slower,
+the same picture. Changes of sliders and of the dragged target come back through that thread, one after the
+other and the newest only, so that the functions which handle them need no locks among themselves.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ class Page:
         """Call `function` on the thread of the page, 60 times a second, before poses are sent."""
         self._ticks.append(function)
 
-    # controls ------------------------------------------------------------------------------------------------------
+    # controls ------------------------------------------------------------------------------------------------
 
     @contextlib.contextmanager
     def folder(self, label: str, open: bool = True) -> Iterator[None]:
@@ -173,11 +173,13 @@ class Page:
         hint: str | None = None,
     ) -> Control:
         """A slider; `on_change` is called with its value when someone moves it."""
-        handle = self._server.gui.add_slider(label, low, high, step, float(np.clip(value, low, high)), hint=hint)
+        handle = self._server.gui.add_slider(
+            label, low, high, step, float(np.clip(value, low, high)), hint=hint
+        )
         return self._control(handle, on_change)
 
     def buttons(self, label: str, options: tuple[str, ...], on_click: Callable[[str], None]) -> Control:
-        """A row of buttons, or a menu where they are many; `on_click` is called with the one that was chosen."""
+        """A row of buttons, or a menu of many; `on_click` is called with the one that was chosen."""
         if len(options) <= 6:
             handle = self._server.gui.add_button_group(label, options)
             return self._control(handle, on_click, handle.on_click)
@@ -187,18 +189,27 @@ class Page:
         """A piece of text in Markdown; setting `value` replaces it."""
         return Control(self._server.gui.add_markdown(content), "content")
 
-    def gizmo(self, name: str, pose: Floats, on_drag: Callable[[tuple[Floats, str]], None], size: float = 0.2) -> Gizmo:
-        """A pose that can be dragged; `on_drag` is called with (T_world_gizmo, "start" | "update" | "end")."""
+    def gizmo(
+        self, name: str, pose: Floats, on_drag: Callable[[tuple[Floats, str]], None], size: float = 0.2
+    ) -> Gizmo:
+        """A pose to drag; `on_drag` is called with (T_world_gizmo, "start" | "update" | "end")."""
         position, wxyz = _position_wxyz(pose)
         handle = self._server.scene.add_transform_controls(
-            f"/{name}", scale=size, line_width=3.0, depth_test=False, opacity=0.9, position=position, wxyz=wxyz
+            f"/{name}",
+            scale=size,
+            line_width=3.0,
+            depth_test=False,
+            opacity=0.9,
+            position=position,
+            wxyz=wxyz,
         )
         gizmo = Gizmo(handle)
 
         @handle.on_update
         async def _(event: Any) -> None:  # async: on viser's own loop, so that events stay in order
             gizmo.held = event.phase != "end"
-            key = id(handle) if event.phase == "update" else -next(self._count)  # starts and ends are never dropped
+            # starts and ends are never dropped, of updates only the newest counts
+            key = id(handle) if event.phase == "update" else -next(self._count)
             self._notice(key, on_drag, (gizmo.pose, event.phase))
 
         return gizmo
@@ -216,7 +227,7 @@ class Page:
             self._events.pop(key, None)  # the newest only, and in the order of the newest
             self._events[key] = (function, value)
 
-    # the thread ----------------------------------------------------------------------------------------------------
+    # the thread ----------------------------------------------------------------------------------------------
 
     def _run(self) -> None:
         due = time.monotonic()
@@ -237,7 +248,7 @@ class Page:
             self._stop.wait(due - time.monotonic())
 
     async def _greet(self, client: Any) -> None:
-        # a newcomer replays the scene, and its hook may come after the poses; send those again until it has settled
+        # a newcomer replays the scene, and its hook may come after the poses; those are sent again for a while
         self._again = time.monotonic() + 3.0
 
     def _publish(self) -> None:
@@ -275,12 +286,16 @@ class Page:
             position, wxyz = _position_wxyz(pose)
             path = self._paths[node.name] = self._path(node.name)
             self._handles[node.name] = self._server.scene.add_glb(
-                path, glb(node.surfaces), position=position, wxyz=wxyz, cast_shadow=node.shadow and not node.translucent
+                path,
+                glb(node.surfaces),
+                position=position,
+                wxyz=wxyz,
+                cast_shadow=node.shadow and not node.translucent,
             )
         self._again = max(self._again, time.monotonic() + 1.0)
 
     def _path(self, name: str) -> str:
-        """A path under which viser nests nothing with a pose: groups are only for display, poses are of the world."""
+        """A path with no other pose above it: groups are for display, poses are of the world."""
         group, _, rest = name.partition("/")
         if rest:
             return f"/{group}/{rest.replace('/', ' ')}"
@@ -347,10 +362,11 @@ def _serve(host: str, port: int, title: str) -> Any:
     if not 0 <= port <= 65535:
         raise InputError(f"`port` is {port}; expected 0 (any free one) to 65535.")
     any_host = host not in guard.LOOPBACK
-    original, guarded = sockets.serve, []
+    original: Any = sockets.serve
+    guarded: list[bool] = []
 
     def serve(*args: Any, **options: Any) -> Any:
-        answer = options.get("process_request")
+        answer: Any = options.get("process_request")
         if getattr(answer, "__module__", "").startswith("viser"):  # leave servers of other threads alone
 
             def process_request(connection: Any, request: Any) -> Any:
@@ -372,18 +388,19 @@ def _serve(host: str, port: int, title: str) -> Any:
     if not guarded:
         server.stop()
         raise ViewerError(
-            f"viser {viser.__version__} opens its socket in a way that cannot be guarded against other web pages. "
-            "Install a version that can: pip install 'ulna[viewer]'"
+            f"viser {viser.__version__} opens its socket in a way that cannot be guarded against other web "
+            "pages. Install a version that can: pip install 'ulna[viewer]'"
         )
     from viser import _messages
 
-    for kind in ("ShareUrlRequest", "ShareUrlDisconnect"):  # anyone in the page could open a tunnel to the world
+    # else anyone in the page could open a tunnel to the world
+    for kind in ("ShareUrlRequest", "ShareUrlDisconnect"):
         server._websock_server.unregister_handler(getattr(_messages, kind))
     return server
 
 
 def _channel(server: Any) -> tuple[Any, bool]:
-    """viser's messages, and whether all poses can travel in one of them."""
+    """The messages of viser, and whether all poses can travel in one of them."""
     import viser
     from viser import _messages
 
@@ -396,7 +413,9 @@ def _channel(server: Any) -> tuple[Any, bool]:
 def _decorate(server: Any, camera: Camera) -> None:
     """The look: a calm studio, soft shadows, a quiet floor, and a camera that has the scene in view."""
     scene, gui = server.scene, server.gui
-    gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(37, 99, 235), control_width="medium")
+    gui.configure_theme(
+        show_logo=False, show_share_button=False, brand_color=(37, 99, 235), control_width="medium"
+    )
     scene.configure_default_lights(False)
     scene.configure_environment_map("studio", environment_intensity=0.30)
     scene.add_light_hemisphere(

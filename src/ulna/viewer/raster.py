@@ -1,8 +1,8 @@
-"""A picture of a scene without a browser and without a graphics card: triangles, light and shadow in NumPy."""
+"""A picture of a scene without a browser or a graphics card: triangles, light and shadow in NumPy."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,12 +26,21 @@ _SHADOW = np.array([0.20, 0.195, 0.185])  # how much a full shadow takes from re
 
 @dataclass(frozen=True, eq=False)
 class _Triangles:
-    """Everything of a scene in the world: corners and normals (m, 3, 3), colours (m, 4), who casts a shadow (m,)."""
+    """Everything of a scene, in the world.
+
+    Args:
+        corners: Corners [m], shape (m, 3, 3).
+        normals: Normals at the corners, shape (m, 3, 3).
+        rgba: Colours, shape (m, 4).
+        shadow: Which cast a shadow, shape (m,).
+        through: Which show faintly through what hides them, shape (m,).
+    """
 
     corners: Floats
     normals: Floats
     rgba: Floats
     shadow: Array
+    through: Array
 
 
 def render(
@@ -50,7 +59,10 @@ def render(
         The picture, shape (height, width, 3), uint8.
     """
     if not (0 < width <= 16384 and 0 < height <= 16384 and 1 <= samples <= 4):
-        raise InputError(f"A picture is 1 to 16384 pixels wide and high, with 1 to 4 samples; got {width} x {height}, {samples}.")
+        raise InputError(
+            "A picture is 1 to 16384 pixels wide and high, with 1 to 4 samples; "
+            f"got {width} x {height} with {samples}."
+        )
     camera = camera or frame(scene, width / height)
     triangles = _gather(scene)
     solid = triangles.rgba[:, 3] >= 0.999
@@ -61,6 +73,10 @@ def render(
     view = _View(camera, width * samples, height * samples)
     for chosen in (solid, ~solid):
         picture, view.depth = _layer(picture, view, triangles, np.flatnonzero(chosen), shadows, samples)
+    if triangles.through.any():  # once more over everything, faintly: no change where they were in sight
+        faint = replace(triangles, rgba=triangles.rgba * (1.0, 1.0, 1.0, 0.3))
+        view.depth = None
+        picture, _ = _layer(picture, view, faint, np.flatnonzero(triangles.through), shadows, samples)
     # half a step of noise hides the bands of slow gradients
     noise = np.random.default_rng(0).random((height, width, 1), dtype=np.float32) - 0.5
     return np.clip(picture * 255 + 0.5 + 0.9 * noise, 0, 255).astype(np.uint8)
@@ -94,7 +110,8 @@ class _View:
 
 def _gather(scene: Scene) -> _Triangles:
     _, _, nodes, poses = scene.snapshot()
-    corners, normals, rgba, shadow = [np.zeros((0, 3, 3))], [np.zeros((0, 3, 3))], [np.zeros((0, 4))], [np.zeros(0, bool)]
+    corners, normals, rgba = [np.zeros((0, 3, 3))], [np.zeros((0, 3, 3))], [np.zeros((0, 4))]
+    shadow, through = [np.zeros(0, bool)], [np.zeros(0, bool)]
     for node, pose in zip(nodes, poses, strict=True):
         rotation, translation = pose[:3, :3], pose[:3, 3]
         for surface in node.surfaces:
@@ -105,13 +122,14 @@ def _gather(scene: Scene) -> _Triangles:
             normals.append((surface.normals @ rotation.T)[surface.triangles])
             rgba.append(np.broadcast_to(surface.rgba, (count, 4)))
             shadow.append(np.full(count, node.shadow))
-    return _Triangles(*(np.concatenate(part) for part in (corners, normals, rgba, shadow)))
+            through.append(np.full(count, node.through))
+    return _Triangles(*(np.concatenate(part) for part in (corners, normals, rgba, shadow, through)))
 
 
 def _layer(
     picture: Array, view: _View, triangles: _Triangles, chosen: Array, shadows: light.ShadowMap, samples: int
 ) -> tuple[Array, Array | None]:
-    """The picture with the chosen triangles drawn over it, and how near they are; only the nearest of them show."""
+    """The picture with the nearest of the chosen triangles drawn over it, and how near these are."""
     pieces, owner = clip_near(view.local(triangles.corners[chosen]), _NEAR)
     if not len(pieces):
         return picture, view.depth
@@ -127,7 +145,7 @@ def _layer(
     window = (slice(low[1], high[1]), slice(low[0], high[0]))
     seen = near > 0
     if view.depth is not None:
-        seen &= near > view.depth[window]
+        seen &= near > 1.002 * view.depth[window]  # where two surfaces coincide, the solid one shows
     row, column = np.nonzero(seen)
     colours = np.zeros((height, width, 4), dtype=np.float32)
     for start in range(0, len(row), 400_000):
@@ -145,11 +163,12 @@ def _layer(
 def _colours(
     view: _View, triangles: _Triangles, seen: Array, column: Array, row: Array, shadows: light.ShadowMap
 ) -> Array:
-    """What is seen at samples: colour as displayed, weighted with the opacity, and the opacity; shape (n, 4)."""
+    """What is seen at samples: displayed colour, weighted with the opacity, and the opacity; (n, 4)."""
     ray = view.rays(column, row)
     corner = triangles.corners[seen]
     edge_1, edge_2 = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    across = np.cross(ray, edge_2)  # Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997
+    # Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997, section 2
+    across = np.cross(ray, edge_2)
     volume = np.einsum("ij,ij->i", edge_1, across)
     inverse = 1.0 / np.where(np.abs(volume) > 1e-15, volume, 1e-15)
     from_corner = view.eye - corner[:, 0]
@@ -160,12 +179,14 @@ def _colours(
     normal = unit(own[:, 0] + u[:, None] * (own[:, 1] - own[:, 0]) + v[:, None] * (own[:, 2] - own[:, 0]))
     towards_eye = unit(view.eye - point)
     face = np.cross(edge_1, edge_2)
-    away = np.einsum("ij,ij->i", face, towards_eye) < 0  # an open surface from behind is lit as from its front
+    # an open surface seen from behind is lit as from its front
+    away = np.einsum("ij,ij->i", face, towards_eye) < 0
     normal = np.where(away[:, None], -normal, normal)
     rgba = triangles.rgba[seen]
     albedo = paint(rgba[:, :3])
     lit = shadows.lit(point, normal)
-    shaded = light.display(light.shade(albedo.astype(np.float32), *(a.astype(np.float32) for a in (normal, towards_eye)), lit))
+    albedo, normal, towards_eye = (a.astype(np.float32) for a in (albedo, normal, towards_eye))
+    shaded = light.display(light.shade(albedo, normal, towards_eye, lit))
     opacity = rgba[:, 3:]
     return np.concatenate([shaded * opacity, opacity], axis=1)
 
@@ -173,7 +194,7 @@ def _colours(
 def _ground(
     camera: Camera, width: int, height: int, floor: float, shadows: light.ShadowMap, casting: Floats
 ) -> Array:
-    """The background and the floor with its grid and shadows, one sample a pixel; shape (height, width, 3)."""
+    """The background and the floor with its grid and shadows, one sample a pixel; (height, width, 3)."""
     view = _View(camera, width, height)
     share = np.clip((np.arange(height) + 0.5) / height / 0.33, 0, 1) ** 0.8
     background = (_TOP + (_HORIZON - _TOP) * share[:, None])[:, None, :]
@@ -228,7 +249,9 @@ def _shelter(casting: Floats, floor: float, size: int = 384):
     scale = size / (2 * half)
     top = float(casting[:, :, 2].max())
     screen = (casting[:, :, :2] - centre + half) * scale
-    nearness, _ = rasterise(screen, top - casting[:, :, 2] + 1.0, np.zeros(len(casting), np.int64), size, size)
+    nearness, _ = rasterise(
+        screen, top - casting[:, :, 2] + 1.0, np.zeros(len(casting), np.int64), size, size
+    )
     height = np.where(nearness > 0, top + 1.0 - nearness - floor, np.inf)
     hidden = light.gaussian((1.0 / (1.0 + (height / 0.08) ** 2)).astype(np.float32), max(0.035 * scale, 1.0))
 

@@ -23,14 +23,17 @@ class Node:
     Args:
         name: Its name, unique in the scene; `/` groups nodes for display.
         surfaces: What it looks like, in its own frame.
-        parent: The name of the node it belongs to (they are removed together), or None. Poses are always world poses.
+        parent: The name of the node it belongs to (they are removed together), or None. Poses are always
+            world poses.
         shadow: Whether it casts a shadow.
+        through: Whether pictures show it faintly through what hides it, as is good for lines and axes.
     """
 
     name: str
     surfaces: tuple[Surface, ...]
     parent: str | None = None
     shadow: bool = True
+    through: bool = False
 
     @property
     def translucent(self) -> bool:
@@ -41,8 +44,9 @@ class Node:
 class Scene:
     """Named nodes and one array of world poses.
 
-    Everything may be called from any thread. A program's loop writes poses (`set_poses`, about a microsecond); whoever
-    draws reads them when it is ready to (`snapshot`), so a slow screen never slows the loop.
+    Everything may be called from any thread. A program's loop writes poses (`set_poses`, about a
+    microsecond); whoever draws reads them when it is ready to (`snapshot`), so a slow screen never slows the
+    loop.
     """
 
     def __init__(self) -> None:
@@ -112,6 +116,7 @@ class Scene:
         pose: ArrayLike | None = None,
         parent: str | None = None,
         shadow: bool = True,
+        through: bool = False,
     ) -> Node:
         """Add a node, or replace the one of that name.
 
@@ -121,13 +126,16 @@ class Scene:
             pose: T_world_node, shape (4, 4); the identity when not given.
             parent: The node it belongs to.
             shadow: Whether it casts a shadow.
+            through: Whether pictures show it faintly through what hides it.
         """
         if not name or name != name.strip("/"):
-            raise InputError(f"A node's name is not empty and neither begins nor ends with '/'; got {name!r}.")
+            raise InputError(
+                f"A node's name is not empty and neither begins nor ends with '/'; got {name!r}."
+            )
         if parent is not None:
             self.row(parent)
         matrix = np.eye(4) if pose is None else _poses(pose, (4, 4))
-        node = Node(name, tuple(surfaces), parent, shadow)
+        node = Node(name, tuple(surfaces), parent, shadow, through)
         with self._lock:
             if name in self._nodes:
                 self._poses[self._row[name]] = matrix
@@ -170,13 +178,13 @@ class Scene:
 
     def add_axes(self, name: str, pose: ArrayLike | None = None, length: float = 0.1) -> Node:
         """Add three arrows in red, green, blue along x, y, z; `length` in metres."""
-        return self.add(name, axes(length), pose, shadow=False)
+        return self.add(name, axes(length), pose, shadow=False, through=True)
 
     def add_path(
         self, name: str, points: ArrayLike, rgba: Iterable[float] = (0.95, 0.45, 0.10), radius: float = 0.004
     ) -> Node:
         """Add a line through `points` (n, 3) [m], drawn as a tube."""
-        return self.add(name, (tube(points, radius, colour(rgba)),), shadow=False)
+        return self.add(name, (tube(points, radius, colour(rgba)),), shadow=False, through=True)
 
     def add_robot(
         self, robot: Any, q: ArrayLike, name: str | None = None, rgba: Iterable[float] | None = None
@@ -206,7 +214,9 @@ class Scene:
         step = max(total // most, 1)
         parts = [np.zeros((0, 3))]
         for node, pose in zip(nodes, poses, strict=True):
-            parts += [s.vertices[::step] @ pose[:3, :3].T + pose[:3, 3] for s in node.surfaces if s.rgba[3] > 0.0]
+            parts += [
+                s.vertices[::step] @ pose[:3, :3].T + pose[:3, 3] for s in node.surfaces if s.rgba[3] > 0.0
+            ]
         return np.concatenate(parts)
 
 
@@ -233,7 +243,8 @@ class RobotInScene:
 def link_surfaces(link: Any, rgba: RGBA | None = None) -> tuple[Surface, ...]:
     """What a link looks like, in the link's frame: its visuals as surfaces, those of one colour joined.
 
-    A mesh that is missing or broken is left out with a `ModelWarning`: a robot without a shell is still a robot.
+    A mesh that is missing or broken is left out with a `ModelWarning`: a robot without a shell is still a
+    robot.
 
     Args:
         link: A link of a model; its `visuals` are drawn.
@@ -253,7 +264,9 @@ def link_surfaces(link: Any, rgba: RGBA | None = None) -> tuple[Surface, ...]:
             try:
                 parts = [s.moved(pose, shape.scale) for s in load_mesh(shape.path)]
             except UlnaError as error:
-                warnings.warn(f"Link {link.name!r} is drawn without a mesh. {error}", ModelWarning, stacklevel=2)
+                warnings.warn(
+                    f"Link {link.name!r} is drawn without a mesh. {error}", ModelWarning, stacklevel=2
+                )
                 continue
             if stated is not None:  # a model's material speaks for meshes that bring no colour of their own
                 parts = [s.coloured(stated) if s.rgba == DEFAULT_COLOUR else s for s in parts]

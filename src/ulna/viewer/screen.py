@@ -21,7 +21,7 @@ def has_screen() -> bool:
 
 
 def somebody_can_look() -> bool:
-    """Whether a browser can be opened here, or a person at the terminal could open one elsewhere (a tunnel)."""
+    """Whether a browser can be opened here, or someone at the terminal could open one elsewhere."""
     if os.environ.get("ULNA_HEADLESS", "") not in ("", "0"):
         return False
     return has_screen() or bool(sys.stdin and sys.stdin.isatty() and sys.stdout.isatty())

@@ -14,6 +14,7 @@ from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.ik import damped_step
 from ulna.spatial import matrix_to_rpy
 from ulna.typing import ArrayLike, Floats
+from ulna.viewer.camera import Camera
 from ulna.viewer.page import Control, Gizmo, Page
 from ulna.viewer.scene import Scene
 from ulna.viewer.screen import open_browser, somebody_can_look
@@ -30,24 +31,26 @@ def show(
     host: str = "127.0.0.1",
     browser: bool = True,
     scene: Scene | None = None,
+    camera: Camera | None = None,
 ) -> Show:
     """Open a page that shows a robot, with sliders and a target to drag, and return at once.
 
     Args:
         robot: An `ulna.Robot`.
-        q: Its configuration: an array (nq,), the name of one of `robot.configurations`, or None for the first of these
-            ("qr" where there is one).
+        q: Its configuration: an array (nq,), the name of one of `robot.configurations`, or None for the
+            first of these ("qr" where there is one).
         port: Port of the page; the next free one is taken when it is in use, 0 takes any.
         host: Address to listen on. Beyond the loopback anyone who can reach it can look and drag.
         browser: Whether to open a browser window, where there is a screen.
         scene: A scene to show the robot in, with other things; an empty one when not given.
+        camera: Where it is looked at from at first; from the front right when not given.
 
     Raises:
         MissingExtra: The package viser is not installed.
         ShapeError, NonFiniteError, UnknownName: `q` is not a configuration of the robot.
     """
     start = configuration(robot, q)
-    out = Show(robot, start, scene if scene is not None else Scene(), port, host)
+    out = Show(robot, start, scene if scene is not None else Scene(), port, host, camera)
     if browser:
         open_browser(out.url)
     return out
@@ -81,7 +84,9 @@ def configuration(robot: Any, q: ArrayLike | str | None) -> Floats:
 class Show:
     """A robot in a page. `q` is where it stands; setting it moves the robot, the sliders and the target."""
 
-    def __init__(self, robot: Any, q: Floats, scene: Scene, port: int, host: str) -> None:
+    def __init__(
+        self, robot: Any, q: Floats, scene: Scene, port: int, host: str, camera: Camera | None
+    ) -> None:
         self.robot, self.scene = robot, scene
         self._q = np.array(q, dtype=float)
         self._lock = threading.RLock()
@@ -90,7 +95,7 @@ class Show:
         self._told = np.full_like(self._q, np.nan)
         self._told_at = 0.0
         self._in_scene = scene.add_robot(robot, self._q)
-        self.page = Page(scene, title=robot.name, port=port, host=host)
+        self.page = Page(scene, title=robot.name, port=port, host=host, camera=camera)
         self._sliders: dict[int, Control] = {}
         self._build_panel()
         self.page.each_tick(self._tick)
@@ -151,7 +156,7 @@ class Show:
     def __repr__(self) -> str:
         return f"<page of {self.robot.name!r} at {self.url}>"
 
-    # the panel -----------------------------------------------------------------------------------------------------
+    # the panel -----------------------------------------------------------------------------------------------
 
     def _build_panel(self) -> None:
         model, page = self.robot.model, self.page
@@ -200,7 +205,7 @@ class Show:
         extent = float(np.ptp(points, axis=0).max()) if len(points) else 1.0
         return float(np.clip(0.2 * extent, 0.05, 0.4))
 
-    # what happens on the thread of the page ------------------------------------------------------------------------
+    # what happens on the thread of the page ------------------------------------------------------------------
 
     def _dragged(self, event: tuple[Floats, str]) -> None:
         pose, _ = event
@@ -259,11 +264,13 @@ def hold(page: Page) -> None:
     if page.closed:
         return
     if page.clients == 0 and not somebody_can_look():
-        print(f"Nobody can look at {page.url} (no screen here), so nothing is held open.", flush=True)
+        print(f"Nobody can look at {page.url} (no screen here), so it is not held open.", flush=True)
         return
     print(f"Look at {page.url}. Ctrl-C ends it.", flush=True)
     if "SSH_CONNECTION" in os.environ:
-        print(f"From another machine: ssh -L {page.port}:localhost:{page.port} ... and open the same address there.")
+        print(
+            f"From elsewhere: ssh -L {page.port}:localhost:{page.port} ... and open the same address there."
+        )
     seen, gone = False, 0.0
     try:
         while not page.closed:

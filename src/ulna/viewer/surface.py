@@ -24,7 +24,8 @@ class Surface:
     Args:
         vertices: Positions [m], shape (n, 3).
         triangles: Indices of vertices, anticlockwise seen from outside, shape (m, 3).
-        normals: Unit normals of the vertices, shape (n, 3). Vertices on a sharp edge occur once for each side.
+        normals: Unit normals of the vertices, shape (n, 3). Vertices on a sharp edge occur once for each
+            side.
         rgba: The colour.
     """
 
@@ -41,17 +42,17 @@ class Surface:
         if self.normals.shape != self.vertices.shape:
             raise ShapeError("normals", self.normals.shape, f"one for each vertex, {self.vertices.shape}")
         count = len(self.vertices)
-        if self.triangles.size and not (0 <= self.triangles.min() and self.triangles.max() < count):
+        if self.triangles.size and (self.triangles.min() < 0 or self.triangles.max() >= count):
             raise InputError(f"`triangles` points outside the {count} vertices of the surface.")
         object.__setattr__(self, "rgba", colour(self.rgba))
 
     def moved(self, pose: Array, scale: Iterable[float] = (1.0, 1.0, 1.0)) -> Surface:
-        """The surface scaled along its own axes, then placed at `pose` (4, 4). Mirroring turns the triangles over."""
+        """The surface scaled along its own axes, then placed at `pose`, (4, 4); turned over if mirrored."""
         factors = np.asarray(tuple(scale), dtype=float)
         rotation, translation = np.asarray(pose, dtype=float)[:3, :3], np.asarray(pose, dtype=float)[:3, 3]
         linear = rotation * factors
         triangles = self.triangles if np.linalg.det(linear) >= 0 else self.triangles[:, ::-1]
-        # normals go with the inverse transpose; a factor of 0 flattens the surface and leaves any normal as good
+        # normals go with the inverse transpose; a factor of 0 leaves any normal as good
         with np.errstate(divide="ignore"):
             inverse = np.where(factors != 0, 1.0 / factors, 0.0)
         normals = (self.normals * inverse) @ rotation.T
@@ -73,7 +74,9 @@ def colour(value: Iterable[float]) -> RGBA:
     if len(numbers) == 3:
         numbers = (*numbers, 1.0)
     if len(numbers) != 4 or not np.isfinite(numbers).all():
-        raise InputError(f"A colour is 3 or 4 finite numbers from 0 to 1 (red, green, blue, opacity); got {numbers}.")
+        raise InputError(
+            f"A colour is 3 or 4 finite numbers from 0 to 1 (red, green, blue, opacity); got {numbers}."
+        )
     r, g, b, a = (min(max(c, 0.0), 1.0) for c in numbers)
     return (r, g, b, a)
 
@@ -87,7 +90,8 @@ def unit(vectors: Floats) -> Floats:
 def paint(rgb: Array) -> Floats:
     """The linear reflectance that colours (..., 3), as a model states them, are drawn with.
 
-    Paint is never quite white (lamps would bleach it), and dark grey never quite black (its form would be lost).
+    Paint is never quite white (lamps would bleach it), and dark grey never quite black (its form would be
+    lost).
     """
     linear = linear_from_srgb(rgb)
     bright, dull = linear.max(axis=-1, keepdims=True), linear.min(axis=-1, keepdims=True)

@@ -12,7 +12,11 @@ from ulna.viewer.surface import DEFAULT_COLOUR, RGBA, Surface, unit
 AROUND = 40
 """Facets around a round shape."""
 
-AXIS_COLOURS: tuple[RGBA, RGBA, RGBA] = ((0.86, 0.20, 0.22, 1.0), (0.20, 0.66, 0.28, 1.0), (0.16, 0.39, 0.92, 1.0))
+AXIS_COLOURS: tuple[RGBA, RGBA, RGBA] = (
+    (0.86, 0.20, 0.22, 1.0),
+    (0.20, 0.66, 0.28, 1.0),
+    (0.16, 0.39, 0.92, 1.0),
+)
 """Red, green, blue for x, y, z."""
 
 
@@ -40,7 +44,9 @@ def tessellate(shape: Shape, rgba: RGBA = DEFAULT_COLOUR, around: int = AROUND) 
             x, y = (s or 10.0 for s in shape.size)
             corners = np.array([(-x, -y, 0), (x, -y, 0), (x, y, 0), (-x, y, 0)]) / 2
             return Surface(corners, np.array([(0, 1, 2), (0, 2, 3)]), np.tile((0.0, 0.0, 1.0), (4, 1)), rgba)
-    raise InputError(f"Cannot cut {shape!r} into triangles; expected a box, ball, cylinder, capsule, cone or ellipsoid.")
+    raise InputError(
+        f"Cannot cut {shape!r} into triangles; expected a box, ball, cylinder, capsule, cone or ellipsoid."
+    )
 
 
 def axes(length: float = 0.1, radius: float | None = None) -> tuple[Surface, Surface, Surface]:
@@ -78,8 +84,11 @@ def tube(points: ArrayLike, radius: float, rgba: RGBA, around: int = 8) -> Surfa
         around: Facets around it.
     """
     path = np.asarray(points, dtype=float).reshape(-1, 3)
-    if len(path) > 1:
-        keep = np.concatenate(([True], np.linalg.norm(np.diff(path, axis=0), axis=1) > 0.2 * radius))
+    if len(path) > 1:  # one ring for every half radius of way, and one at the end
+        way = np.concatenate([[0.0], np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()])
+        step = np.floor(way / (0.5 * radius))
+        keep = np.concatenate([[True], step[1:] > step[:-1]])
+        keep[-1] = way[-1] > 0.0
         path = path[keep]
     if len(path) < 2:
         empty = np.zeros((0, 3))
@@ -160,15 +169,19 @@ def _capsule_profile(radius: float, length: float, around: int) -> Floats:
 
 
 def _revolve(strips: list[Floats], rgba: RGBA, around: int) -> Surface:
-    """The surface of revolution about z of profile strips: rows (r, z, normal r, normal z), going up the outside."""
+    """The surface of revolution about z of profile strips, rows (r, z, normal r, normal z), going up."""
     angle = np.linspace(0, 2 * np.pi, around, endpoint=False)
     c, s = np.cos(angle), np.sin(angle)
     vertices, normals, triangles = [], [], []
     first = 0
     for strip in strips:
         r, z, nr, nz = (strip[:, k, None] for k in range(4))
-        vertices.append(np.stack([r * c, r * s, np.broadcast_to(z, (len(strip), around))], axis=-1).reshape(-1, 3))
-        normals.append(np.stack([nr * c, nr * s, np.broadcast_to(nz, (len(strip), around))], axis=-1).reshape(-1, 3))
+        vertices.append(
+            np.stack([r * c, r * s, np.broadcast_to(z, (len(strip), around))], axis=-1).reshape(-1, 3)
+        )
+        normals.append(
+            np.stack([nr * c, nr * s, np.broadcast_to(nz, (len(strip), around))], axis=-1).reshape(-1, 3)
+        )
         i = first + np.arange(len(strip) - 1)[:, None] * around
         j = np.arange(around)[None, :]
         k = (j + 1) % around

@@ -28,7 +28,14 @@ def clip_near(corners: Floats, near: float) -> tuple[Floats, Array]:
     if len(one):  # turn the corner that stays to the front, and shorten both its edges
         turned = _turn(corners[one], beyond[one].argmax(axis=1))
         pieces.append(
-            np.stack([turned[:, 0], _cut(turned[:, 0], turned[:, 1], near), _cut(turned[:, 0], turned[:, 2], near)], 1)
+            np.stack(
+                [
+                    turned[:, 0],
+                    _cut(turned[:, 0], turned[:, 1], near),
+                    _cut(turned[:, 0], turned[:, 2], near),
+                ],
+                1,
+            )
         )
         owner.append(one)
     if len(two):  # turn the corner that goes to the front; a four-sided piece stays
@@ -49,12 +56,15 @@ def _cut(inside: Floats, outside: Floats, near: float) -> Floats:
     return inside + t[:, None] * (outside - inside)
 
 
-def rasterise(points: Floats, nearness: Floats, owner: Array, width: int, height: int) -> tuple[Floats, Array]:
+def rasterise(
+    points: Floats, nearness: Floats, owner: Array, width: int, height: int
+) -> tuple[Floats, Array]:
     """The nearest triangle at every sample.
 
     Args:
         points: Corners on the screen in samples, x to the right and y down, shape (m, 3, 2).
-        nearness: A positive number at each corner that is linear on the screen and larger nearer by, shape (m, 3).
+        nearness: A positive number at each corner that is linear on the screen and larger nearer by, shape
+            (m, 3).
         owner: A number below 2**32 for each triangle, to be found again, shape (m,).
         width: Samples across.
         height: Samples down.
@@ -91,7 +101,9 @@ def rasterise(points: Floats, nearness: Floats, owner: Array, width: int, height
             rows = min(band, int(h) - top)
             _fill(keys, p, edge_1, edge_2, area, nearness, owner, corner, part, int(w), rows, width, height)
     found = (keys >> np.uint64(32)).astype(np.uint32).view(np.float32)
-    return found.reshape(height, width), (keys & np.uint64(0xFFFFFFFF)).astype(np.int64).reshape(height, width)
+    return found.reshape(height, width), (keys & np.uint64(0xFFFFFFFF)).astype(np.int64).reshape(
+        height, width
+    )
 
 
 def _fill(
@@ -109,7 +121,7 @@ def _fill(
     width: int,
     height: int,
 ) -> None:
-    """Enter the triangles `part` into the keys, all with blocks of `across` x `down` samples from `low` on."""
+    """Enter the triangles `part` into the keys, each with a block of `across` x `down` samples at `low`."""
     origin = low[part] + np.float32(0.5) - p[part, 0]
     x = origin[:, 0, None, None] + np.arange(across, dtype=np.float32)
     y = origin[:, 1, None, None] + np.arange(down, dtype=np.float32)[:, None]
@@ -125,7 +137,7 @@ def _fill(
     value = near[which, 0] + u[which, j, i] * (near[which, 1] - near[which, 0])
     value += v[which, j, i] * (near[which, 2] - near[which, 0])
     value = np.maximum(value, np.float32(1e-30))
-    key = (value.astype(np.float32).view(np.uint32).astype(np.uint64) << np.uint64(32)) | owner[part][which].astype(
-        np.uint64
-    )
+    key = (value.astype(np.float32).view(np.uint32).astype(np.uint64) << np.uint64(32)) | owner[part][
+        which
+    ].astype(np.uint64)
     np.maximum.at(keys, row[which, j, 0] * width + column[which, 0, i], key)

@@ -1,0 +1,188 @@
+"""The command `ulna`: robots listed, told about and shown, a demonstration, the cache of kernels."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+from ulna.errors import InputError, UlnaError
+
+_ABOUT = "Ulna compiles your robot: kinematics of articulated robots, from the textbook into machine code."
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit code: 0 well, 2 for what the user can mend, 130 for Ctrl-C.
+
+    Args:
+        arguments: The words after `ulna`; those of the process when not given.
+    """
+    parser = _parser()
+    chosen = parser.parse_args(arguments)
+    if not hasattr(chosen, "run"):
+        parser.print_help()
+        return 0
+    with warnings.catch_warnings():
+        warnings.showwarning = _warn
+        try:
+            chosen.run(chosen)
+            sys.stdout.flush()
+        except UlnaError as error:
+            print(f"ulna: {' '.join(str(error).split())}", file=sys.stderr)
+            return 2
+        except KeyboardInterrupt:
+            print(file=sys.stderr)
+            return 130
+        except BrokenPipeError:  # the reader of a pipe has seen enough
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 0
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    from ulna import __version__
+
+    parser = argparse.ArgumentParser(prog="ulna", description=_ABOUT)
+    parser.add_argument("--version", action="version", version=f"ulna {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
+
+    def command(name: str, run: Any, about: str, more: str = "") -> argparse.ArgumentParser:
+        sub = commands.add_parser(
+            name, help=about, description=f"{about[0].upper()}{about[1:]}. {more}".strip()
+        )
+        sub.set_defaults(run=run)
+        return sub
+
+    robot = "a name that `ulna list` gives, or the path of a .urdf or .xacro file"
+    command("list", _list, "list the robots that can be loaded by name").add_argument(
+        "words", nargs="*", metavar="WORD", help="only those whose name or description holds all of these"
+    )
+    command("info", _info, "tell about a robot: its joints, links, limits and configurations").add_argument(
+        "name", metavar="NAME", help=robot
+    )
+    show = command(
+        "show",
+        _show,
+        "show a robot in the browser, with sliders and a target to drag",
+        "With --headless it writes a picture instead, and needs neither a browser nor a screen.",
+    )
+    show.add_argument("name", metavar="NAME", help=robot)
+    show.add_argument(
+        "--q",
+        nargs="+",
+        metavar="VALUE",
+        help="configuration: one of the robot's own by name (qr), or a number for each joint [rad or m]",
+    )
+    _picture_options(show, "ulna-NAME.png")
+    demo = command(
+        "demo",
+        _demo,
+        "show a Panda servoing its tool to a goal",
+        "In the browser where there is a screen, else headless: a report and a picture.",
+    )
+    _picture_options(demo, "ulna-demo.png")
+    cache = command("cache", _cache, "tell where compiled kernels are kept, and how many")
+    cache.add_argument("--clear", action="store_true", help="remove them; they are compiled anew when needed")
+    return parser
+
+
+def _picture_options(parser: argparse.ArgumentParser, file: str) -> None:
+    parser.add_argument("--headless", action="store_true", help="no page: write a picture and end")
+    parser.add_argument("--output", metavar="PNG", help=f"file of the picture (headless: {file})")
+    parser.add_argument(
+        "--port", type=int, default=8080, help="port of the page (default 8080; 0: any free one)"
+    )
+
+
+def _list(chosen: argparse.Namespace) -> None:
+    from ulna.robots.catalogue import entries
+
+    words = [w.lower() for w in chosen.words]
+    found = [e for e in entries() if all(w in f"{e.name} {e.about} {e.source}".lower() for w in words)]
+    if not found:
+        raise InputError(f"No robot matches {' '.join(chosen.words)!r}. `ulna list` shows all of them.")
+    width = max(len(e.name) for e in found)
+    source = ""
+    for entry in found:
+        if entry.source != source:
+            print(f"{entry.source}:" if not source else f"\n{entry.source}:")
+            source = entry.source
+        print(f"  {entry.name:<{width}}  {entry.about}".rstrip())
+
+
+def _info(chosen: argparse.Namespace) -> None:
+    from ulna.load import load_model
+
+    print(load_model(chosen.name))
+
+
+def _show(chosen: argparse.Namespace) -> None:
+    from ulna.load import load
+    from ulna.viewer.screen import somebody_can_look
+    from ulna.viewer.show import configuration, show
+
+    robot = load(chosen.name)
+    q = configuration(robot, _values(chosen.q))
+    if chosen.headless or chosen.output:
+        from ulna.viewer.raster import render, write_png
+        from ulna.viewer.scene import Scene
+
+        scene = Scene()
+        scene.add_robot(robot, q)
+        print(write_png(chosen.output or f"ulna-{robot.name}.png", render(scene)))
+    if not chosen.headless:
+        with show(robot, q, port=chosen.port) as page:
+            page.hold()
+        if not (chosen.output or somebody_can_look()):
+            print("`ulna show NAME --headless` writes a picture instead.")
+
+
+def _values(words: list[str] | None) -> Any:
+    """A configuration as typed: None, a name, or numbers parted by blanks or commas."""
+    if words is None:
+        return None
+    parts = [p for word in words for p in word.replace(",", " ").split()]
+    try:
+        return [float(p) for p in parts]
+    except ValueError:
+        if len(parts) == 1:
+            return parts[0]
+        wrong = next(p for p in parts if not _is_number(p))
+        raise InputError(f"--q holds {wrong!r}; expected numbers, or one name such as qr.") from None
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _demo(chosen: argparse.Namespace) -> None:
+    from ulna.demo import demo
+
+    demo(True if chosen.headless else None, chosen.output, chosen.port)
+
+
+def _cache(chosen: argparse.Namespace) -> None:
+    from ulna.trace import cache
+
+    place = cache.folder()
+    if place is None:
+        print("The cache is off (ULNA_CACHE=0).")
+        return
+    if chosen.clear:
+        count = cache.clear()
+        print(f"Removed {count} kernel{'' if count == 1 else 's'} from {place}")
+        return
+    files = cache.entries(place) if place.is_dir() else []
+    size = sum(f.stat().st_size for f in files)
+    print(f"{place}\n{len(files)} kernel{'' if len(files) == 1 else 's'}, {size / 2**20:.1f} MiB")
+
+
+def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
+    print(f"ulna: warning: {' '.join(str(message).split())}", file=sys.stderr)
