@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, final
 
-from lxml import etree
+from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 from ulna.errors import FormatError, ModelWarning
 
@@ -231,7 +231,7 @@ def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) 
     root = _parse_tree(data, file, encoding)
     _refuse_entities(root, file)
     tag = str(root.tag)
-    namespace = tag[1:].split("}")[0] if tag.startswith("{") else ""
+    namespace = tag[1:].partition("}")[0] if tag.startswith("{") else ""
     if "xacro" in namespace:
         namespace = ""
     node = Node(root, file, namespace)

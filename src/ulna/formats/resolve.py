@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import final
 from urllib.parse import unquote
 
-from lxml import etree
+from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 _PACKAGE = re.compile(r"(?:package|model):/+([^/]+)/*(.*)", re.DOTALL)
 _FILE = re.compile(r"file:(?://localhost(?=/)|//)?(.+)", re.DOTALL)

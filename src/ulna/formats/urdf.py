@@ -157,14 +157,15 @@ def _add_joint(builder: ModelBuilder, joint: UrdfJoint, mimic: bool, where: str)
 
 
 def _kind(joint: UrdfJoint) -> JointKind:
+    x, y, z = joint.axis
     if joint.kind == "revolute":
-        return Revolute(joint.axis)
+        return Revolute((x, y, z))
     if joint.kind == "continuous":
-        return Continuous(joint.axis)
+        return Continuous((x, y, z))
     if joint.kind == "prismatic":
-        return Prismatic(joint.axis)
+        return Prismatic((x, y, z))
     if joint.kind == "planar":
-        return Planar(joint.axis)
+        return Planar((x, y, z))
     if joint.kind == "floating":
         return FreeFlyer()
     if joint.kind == "spherical":

@@ -7,6 +7,7 @@ import re
 import threading
 import warnings
 from collections.abc import Mapping
+from typing import Any
 
 from ulna.errors import FormatError, MissingExtra
 from ulna.formats.markup import read_file
@@ -43,6 +44,7 @@ def expand_xacro(
     except ImportError:
         raise MissingExtra("xacro", "xacro", f"Expanding {file!r}") from None
     packages = resolver or Resolver(path)
+    mappings = {name: str(value) for name, value in (arguments or {}).items()}
 
     def find(name: str) -> str:
         folder = packages.find_package(name)
@@ -61,9 +63,7 @@ def expand_xacro(
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
-                document = xacro.process_file(
-                    file, mappings={k: str(v) for k, v in (arguments or {}).items()}
-                )
+                document: Any = xacro.process_file(file, mappings=mappings)
                 return document.toxml()
         except FormatError:
             raise

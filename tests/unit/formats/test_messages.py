@@ -14,7 +14,8 @@ LIMIT = '<limit lower="-1" upper="1" velocity="1" effort="1"/>'
 
 
 def joint(body: str, kind: str = "revolute", name: str = "j", ends: tuple[str, str] = ("base", "tip")) -> str:
-    return f'<joint name="{name}" type="{kind}"><parent link="{ends[0]}"/><child link="{ends[1]}"/>{body}</joint>\n'
+    links = f'<parent link="{ends[0]}"/><child link="{ends[1]}"/>'
+    return f'<joint name="{name}" type="{kind}">{links}{body}</joint>\n'
 
 
 def robot(*parts: str) -> str:
@@ -52,7 +53,7 @@ CASES = {
     ),
     "external": ('<!DOCTYPE r SYSTEM "file:///etc/passwd"><robot/>', "an external DTD (file:///etc/passwd)"),
     "xacro": (
-        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro">\n<xacro:include filename="a"/><link name="a"/></robot>',
+        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro">\n<xacro:include filename="a"/></robot>',
         "f.urdf:2: <xacro:include> is xacro that was not expanded. In <robot>. Name the file *.xacro",
     ),
     "undeclared xacro": ("<robot><xacro:macro/></robot>", "<xacro:macro> is xacro that was not expanded."),
@@ -94,7 +95,8 @@ CASES = {
     "no limit": (
         robot(joint("")),
         "f.urdf:4: a revolute joint needs a <limit>. In joint 'j'. "
-        'Write <limit lower="..." upper="..." velocity="..." effort="..."/> [rad], or make it type="continuous".',
+        'Write <limit lower="..." upper="..." velocity="..." effort="..."/> [rad], '
+        'or make it type="continuous".',
     ),
     "no limit, sliding": (
         robot(joint("", "prismatic")),
@@ -175,7 +177,7 @@ CASES = {
     ),
     "no size": (
         link("<visual><geometry><box/></geometry></visual>"),
-        '<box> has no attribute "size". In <box> of <geometry> of <visual> of link \'base\'. Write <box size="0 0 0">.',
+        "In <box> of <geometry> of <visual> of link 'base'. Write <box size=\"0 0 0\">.",
     ),
     "negative size": (
         link('<visual><geometry><sphere radius="-1"/></geometry></visual>'),
@@ -193,7 +195,7 @@ CASES = {
     "no inertia": (link('<inertial><mass value="1"/></inertial>'), "<inertial> has no <inertia>."),
     "half an inertia": (
         link('<inertial><mass value="1"/><inertia ixx="1" iyy="1"/></inertial>'),
-        '<inertia> has no attribute "izz". In <inertia> of <inertial> of link \'base\'. Write <inertia izz="...">.',
+        "In <inertia> of <inertial> of link 'base'. Write <inertia izz=\"...\">.",
     ),
 }
 

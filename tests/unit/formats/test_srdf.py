@@ -17,7 +17,7 @@ SRDF = """<robot name="r">
   <group name="arm"><chain base_link="base" tip_link="c"/></group>
   <group name="upper"><joint name="ja"/><joint name="gone"/></group>
   <group name="tip"><link name="c"/><link name="base"/></group>
-  <group name="both"><group name="upper"/><group name="tip"/><group name="both"/><group name="nowhere"/></group>
+  <group name="both"><group name="upper"/><group name="tip"/><group name="both"/><group name="no"/></group>
   <group name="none"><joint name="gone"/></group>
   <group_state name="home" group="arm"><joint name="ja" value="0.5"/><joint name="jb" value="0. 1."/>
      <joint name="r/jc" value="0.1"/><joint name="root_joint" value="0 0 0.5 0 0 0 2"/></group_state>
@@ -77,7 +77,8 @@ def test_twins_warn():
         parse_srdf('<robot><group name="g"/><group name="g"/></robot>')
     with pytest.warns(ModelWarning, match="a second value for joint 'j'"):
         parse_srdf(
-            '<robot><group_state name="s"><joint name="j" value="0"/><joint name="j" value="1"/></group_state></robot>'
+            '<robot><group_state name="s"><joint name="j" value="0"/>'
+            '<joint name="j" value="1"/></group_state></robot>'
         )
 
 

@@ -32,14 +32,17 @@ ALL_KINDS = """<?xml version="1.0"?>
     <collision><geometry><capsule radius="0.1" length="0.3"/></geometry></collision>
   </link>
   <link name="a"><visual><geometry><sphere radius="1"/></geometry><material name="green"/></visual></link>
-  <link name="b"/><link name="c"/><link name="d"/><link name="e"/><link name="f"/><link name="g"/><link name="h"/>
+  <link name="b"/><link name="c"/><link name="d"/><link name="e"/><link name="f"/><link name="g"/>
+  <link name="h"/>
   <joint name="ja" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>
     <limit lower="-1" upper="2" velocity="3" effort="4"/><dynamics damping="0.5" friction="0.25"/>
     <safety_controller k_velocity="1"/><calibration rising="0"/></joint>
-  <joint name="jb" type="continuous"><origin xyz="0 0 1"/><parent link="a"/><child link="b"/><axis xyz="0 0 2"/>
+  <joint name="jb" type="continuous"><origin xyz="0 0 1"/><parent link="a"/><child link="b"/>
+    <axis xyz="0 0 2"/>
     <limit velocity="1" effort="2"/></joint>
   <joint name="jc" type="prismatic"><parent link="a"/><child link="c"/>
-    <limit lower="0" upper="0.1" velocity="1" effort="inf"/><mimic joint="ja" multiplier="2" offset="0.5"/></joint>
+    <limit lower="0" upper="0.1" velocity="1" effort="inf"/>
+    <mimic joint="ja" multiplier="2" offset="0.5"/></joint>
   <joint name="jd" type="fixed"><origin xyz="0 1 0" rpy="1.5707963267948966 0 0"/><parent link="base"/>
     <child link="d"/></joint>
   <joint name="je" type="planar"><parent link="d"/><child link="e"/><axis xyz="0 0 1"/></joint>
@@ -116,7 +119,7 @@ def test_inertia_is_turned_into_link_axes(zoo):
     inertia = zoo.link("base").inertia
     assert inertia.mass == 2
     np.testing.assert_array_equal(inertia.com, [0.1, 0, 0])
-    # a quarter turn about z exchanges xx and yy and turns the sign of xy; exactly, since right angles are snapped
+    # a quarter turn about z exchanges xx and yy and turns the sign of xy; exactly, as it is snapped
     np.testing.assert_array_equal(inertia.inertia, [[2, -0.1, 0], [-0.1, 1, 0], [0, 0, 2.5]])
 
 

@@ -21,22 +21,26 @@ SECONDS = 1.0
 SMALL = """<?xml version="1.0" encoding="utf-8"?>
 <robot name="small">
   <material name="blue"><color rgba="0 0 0.8 1"/></material>
-  <link name="base"><visual><geometry><box size="0.6 0.1 0.2"/></geometry><material name="blue"/></visual></link>
+  <link name="base"><visual><geometry><box size="0.6 0.1 0.2"/></geometry>
+    <material name="blue"/></visual></link>
   <link name="arm">
     <inertial><origin xyz="0 0 0.1" rpy="0 0.2 0"/><mass value="1.5"/>
       <inertia ixx="0.1" ixy="0" ixz="0.01" iyy="0.2" iyz="0" izz="0.15"/></inertial>
     <visual><geometry><mesh filename="package://small/arm.stl" scale="1 1 1"/></geometry></visual>
-    <collision><origin xyz="0 0 1" rpy="1 0 0"/><geometry><cylinder radius="0.1" length="1"/></geometry></collision>
+    <collision><origin xyz="0 0 1" rpy="1 0 0"/><geometry><cylinder radius="0.1" length="1"/></geometry>
+    </collision>
   </link>
   <link name="hand"/><link name="left"/><link name="right"/>
   <joint name="shoulder" type="revolute"><origin xyz="0 0 0.5" rpy="0 1.57079632679 0"/><parent link="base"/>
     <child link="arm"/><axis xyz="0 0 1"/><limit lower="-1.5" upper="1.5" velocity="2" effort="10"/>
     <dynamics damping="0.1" friction="0.2"/></joint>
-  <joint name="wrist" type="continuous"><parent link="arm"/><child link="hand"/><axis xyz="0.6 0 0.8"/></joint>
+  <joint name="wrist" type="continuous"><parent link="arm"/><child link="hand"/>
+    <axis xyz="0.6 0 0.8"/></joint>
   <joint name="grip" type="prismatic"><parent link="hand"/><child link="left"/><axis xyz="0 1 0"/>
     <limit lower="0" upper="0.04" velocity="1" effort="5"/></joint>
   <joint name="grip2" type="prismatic"><parent link="hand"/><child link="right"/><axis xyz="0 -1 0"/>
-    <limit lower="0" upper="0.04" velocity="1" effort="5"/><mimic joint="grip" multiplier="1" offset="0"/></joint>
+    <limit lower="0" upper="0.04" velocity="1" effort="5"/>
+    <mimic joint="grip" multiplier="1" offset="0"/></joint>
 </robot>
 """
 
