@@ -104,7 +104,7 @@ def solve_spd(a: Array, b: Array) -> Array:
     if not is_symbolic(a, b):
         return _lapack_solve(a, b)
     lower, d = _ldl(_rows(a))
-    inverse = [1.0 / x for x in d]
+    inverse = [1 / x for x in d]
     n = len(d)
 
     def one(column: list[Any]) -> list[Any]:
@@ -139,7 +139,7 @@ def solve(a: Array, b: Array) -> Array:
     _eliminate(rows, n)
     k = right.shape[1]
     for i in reversed(range(n)):
-        inverse = 1.0 / rows[i][i]
+        inverse = 1 / rows[i][i]  # an integer keeps symbols exact
         for c in range(n, n + k):
             value = rows[i][c]
             for j in range(i + 1, n):
@@ -203,7 +203,7 @@ def _ldl(a: _Rows) -> tuple[_Rows, list[Any]]:
 
 def _eliminate(rows: _Rows, n: int) -> Any:
     """Brings the first n columns of `rows` to a triangle, in place; returns the sign of the swaps."""
-    sign: Any = 1.0
+    sign: Any = 1
     for k in range(n):
         for i in range(k + 1, n):
             swap = _is_better_pivot(rows[i][k], rows[k][k])

@@ -134,10 +134,12 @@ def frame_acceleration(
             A = A + step.motion(a)
     V, A = (frame.placement.act_inverse(m) for m in (velocities[-1], A))
     T = tip_pose(tree, q, frame.placement)
-    A = in_reference(A, T, reference)
+    if reference == "world":
+        V, A = T.act(V), T.act(A)
     if classical:
-        V = in_reference(V, T, reference)
         A = Motion(A.linear + cross(V.angular, V.linear), A.angular)
+    if reference == "local_world_aligned":
+        A = in_reference(A, T, reference)
     return spread_motion(A, *inputs)
 
 
