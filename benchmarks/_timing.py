@@ -8,7 +8,9 @@ import time
 from collections.abc import Callable, Sequence
 
 
-def medians(candidates: Sequence[Callable[[], object]], repeat: int = 21, seconds: float = 0.02) -> list[float]:
+def medians(
+    candidates: Sequence[Callable[[], object]], repeat: int = 21, seconds: float = 0.02
+) -> list[float]:
     """Median seconds of one call of each candidate; rounds interleave the candidates."""
     counts = []
     for f in candidates:

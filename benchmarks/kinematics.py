@@ -63,8 +63,16 @@ def single_calls(label: str, robot: Robot, peer: pin.Model, frame: str) -> list[
     cases: list[tuple[str, Callable[[], object], Callable[[], object]]] = [
         ("FK: kernel / pin.forwardKinematics", lambda: fk(q_ours), pin_fk),
         ("FK: robot.fk / pin with the pose", lambda: robot.fk(q_ours, frame), pin_pose),
-        ("Jacobian: kernel / pin.computeFrameJacobian", lambda: jac(q_ours), lambda: pin.computeFrameJacobian(peer, memory, q, index)),
-        ("Jacobian: robot.jacobian / the same", lambda: robot.jacobian(q_ours, frame, "local"), lambda: pin.computeFrameJacobian(peer, memory, q, index)),
+        (
+            "Jacobian: kernel / pin.computeFrameJacobian",
+            lambda: jac(q_ours),
+            lambda: pin.computeFrameJacobian(peer, memory, q, index),
+        ),
+        (
+            "Jacobian: robot.jacobian / the same",
+            lambda: robot.jacobian(q_ours, frame, "local"),
+            lambda: pin.computeFrameJacobian(peer, memory, q, index),
+        ),
     ]
     empty = medians([lambda: None])[0]  # the lambda around each candidate costs both sides the same
     for what, ours, theirs in cases:
@@ -127,7 +135,9 @@ def main() -> None:
         batch += batches(label, robot, peer, tip, count)
         for kind in ("fk", "jacobian"):
             sizes.append([label, kind, str(robot.nv), str(robot.function(kind, frame=tip).operations)])
-    print(f"Python {sys.version.split()[0]}, NumPy {np.__version__}, pin {pin.__version__}, {platform.machine()}\n")
+    print(
+        f"Python {sys.version.split()[0]}, NumPy {np.__version__}, pin {pin.__version__}, {platform.machine()}\n"
+    )
     head = ["robot", "ours / peer", "ours", "peer", "ratio"]
     print(table("One call from Python", head, single))
     print(table(f"Batches of {count:,}, one core, per configuration", head, batch))

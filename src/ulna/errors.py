@@ -1,21 +1,21 @@
 """Every exception and warning of Ulna, in one tree, each carrying its data and the mend.
 
-    UlnaError
-    ├── InputError (ValueError)          what was passed in cannot be used
-    │   ├── ShapeError                   an array has the wrong shape
-    │   ├── DtypeError                   an array has a type that does not convert to real numbers
-    │   └── NonFiniteError               an array holds nan or inf
-    ├── UnknownName (LookupError)        a frame, joint, robot, kernel ... of that name does not exist
-    ├── ModelError (ValueError)          a robot model contradicts itself
-    │   └── FormatError                  a model file is broken: file, line, element, mend
-    ├── MissingExtra (ImportError)       an optional dependency is not installed
-    ├── TraceError (TypeError)           a traced function does what cannot be traced
-    ├── CompileError (RuntimeError)      LLVM refused a kernel (a bug in Ulna; please report it)
-    └── ViewerError (RuntimeError)       the viewer cannot do what was asked
+UlnaError
+├── InputError (ValueError)          what was passed in cannot be used
+│   ├── ShapeError                   an array has the wrong shape
+│   ├── DtypeError                   an array has a type that does not convert to real numbers
+│   └── NonFiniteError               an array holds nan or inf
+├── UnknownName (LookupError)        a frame, joint, robot, kernel ... of that name does not exist
+├── ModelError (ValueError)          a robot model contradicts itself
+│   └── FormatError                  a model file is broken: file, line, element, mend
+├── MissingExtra (ImportError)       an optional dependency is not installed
+├── TraceError (TypeError)           a traced function does what cannot be traced
+├── CompileError (RuntimeError)      LLVM refused a kernel (a bug in Ulna; please report it)
+└── ViewerError (RuntimeError)       the viewer cannot do what was asked
 
-    UlnaWarning (UserWarning)
-    ├── ModelWarning                     a model file is odd but usable (a missing mesh, a massless link)
-    └── CacheWarning                     the kernel cache cannot be used; costs time, never correctness
+UlnaWarning (UserWarning)
+├── ModelWarning                     a model file is odd but usable (a missing mesh, a massless link)
+└── CacheWarning                     the kernel cache cannot be used; costs time, never correctness
 """
 
 from __future__ import annotations
@@ -89,7 +89,13 @@ class FormatError(ModelError):
     """A model file is broken; says where and what mends it."""
 
     def __init__(
-        self, message: str, *, file: str | None = None, line: int | None = None, element: str = "", mend: str = ""
+        self,
+        message: str,
+        *,
+        file: str | None = None,
+        line: int | None = None,
+        element: str = "",
+        mend: str = "",
     ) -> None:
         self.message, self.file, self.line, self.element, self.mend = message, file, line, element, mend
         place = f"{file or '<string>'}" + (f":{line}" if line else "")
@@ -106,7 +112,9 @@ class MissingExtra(UlnaError, ImportError):
 
     def __init__(self, package: str, extra: str, purpose: str) -> None:
         self.package, self.extra, self.purpose = package, extra, purpose
-        super().__init__(f"{purpose} needs the package {package!r}. Install it with: pip install 'ulna[{extra}]'")
+        super().__init__(
+            f"{purpose} needs the package {package!r}. Install it with: pip install 'ulna[{extra}]'"
+        )
 
 
 class TraceError(UlnaError, TypeError):

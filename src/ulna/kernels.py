@@ -92,7 +92,9 @@ def _velocity(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
 
 def _acceleration(model: Model, frame: Any, reference: Any, classical: bool) -> Callable[..., Any]:
     one = frame_of(model, frame)
-    return lambda q, v, a: algorithms.frame_acceleration(model, q, v, a, one, reference, classical=classical).vector()
+    return lambda q, v, a: algorithms.frame_acceleration(
+        model, q, v, a, one, reference, classical=classical
+    ).vector()
 
 
 def _analytical(model: Model, frame: Any, representation: str) -> Callable[..., Any]:
@@ -127,28 +129,48 @@ RECIPES: dict[str, Recipe] = {
     "hessian": Recipe(_hessian, _Q, _IN_FRAME, "Derivative of the Jacobian by q, (nv, 6, nv)."),
     "frame_velocity": Recipe(_velocity, _QV, _IN_FRAME, "Twist of a frame, (6,) [m/s, rad/s]."),
     "frame_acceleration": Recipe(
-        _acceleration, _QVA, {**_IN_FRAME, "classical": False}, "Acceleration of a frame, (6,) [m/s^2, rad/s^2]."
+        _acceleration,
+        _QVA,
+        {**_IN_FRAME, "classical": False},
+        "Acceleration of a frame, (6,) [m/s^2, rad/s^2].",
     ),
     "analytical_jacobian": Recipe(
         _analytical, _Q, {**_FRAME, "representation": "rpy/xyz"}, "Jacobian with angle rates, (6, nv)."
     ),
-    "manipulability": Recipe(_manipulability, _Q, {**_FRAME, "axes": "all"}, "Yoshikawa's manipulability, ()."),
+    "manipulability": Recipe(
+        _manipulability, _Q, {**_FRAME, "axes": "all"}, "Yoshikawa's manipulability, ()."
+    ),
     "manipulability_gradient": Recipe(
         _manipulability_gradient, _Q, {**_FRAME, "axes": "all"}, "Gradient of the manipulability by q, (nv,)."
     ),
-    "integrate": Recipe(_on_model(algorithms.integrate), _QV, {}, "Configuration reached from q by the step v."),
-    "difference": Recipe(_on_model(algorithms.difference), _QQ, {}, "The step that leads from q0 to q1, (nv,)."),
+    "integrate": Recipe(
+        _on_model(algorithms.integrate), _QV, {}, "Configuration reached from q by the step v."
+    ),
+    "difference": Recipe(
+        _on_model(algorithms.difference), _QQ, {}, "The step that leads from q0 to q1, (nv,)."
+    ),
     "interpolate": Recipe(
-        _on_model(algorithms.interpolate), (*_QQ, ("t", ())), {}, "Point at t on the geodesic from q0 to q1, (nq,)."
+        _on_model(algorithms.interpolate),
+        (*_QQ, ("t", ())),
+        {},
+        "Point at t on the geodesic from q0 to q1, (nq,).",
     ),
     "normalize": Recipe(_on_model(algorithms.normalize), _Q, {}, "q with unit quaternions, (nq,)."),
     "distance": Recipe(_on_model(algorithms.distance), _QQ, {}, "Length of the difference, ()."),
-    "squared_distance": Recipe(_on_model(algorithms.squared_distance), _QQ, {}, "Its square, joint by joint."),
+    "squared_distance": Recipe(
+        _on_model(algorithms.squared_distance), _QQ, {}, "Its square, joint by joint."
+    ),
     "integrate_derivatives": Recipe(
-        _on_model(algorithms.integrate_derivatives), _QV, {}, "Derivatives of integrate by q and v, (nv, nv) each."
+        _on_model(algorithms.integrate_derivatives),
+        _QV,
+        {},
+        "Derivatives of integrate by q and v, (nv, nv) each.",
     ),
     "difference_derivatives": Recipe(
-        _on_model(algorithms.difference_derivatives), _QQ, {}, "Derivatives of difference by q0 and q1, (nv, nv) each."
+        _on_model(algorithms.difference_derivatives),
+        _QQ,
+        {},
+        "Derivatives of difference by q0 and q1, (nv, nv) each.",
     ),
 }
 

@@ -237,5 +237,7 @@ def _loop_hook(traced: Any) -> Any:
     value = traced.reshape(-1)[0] if isinstance(traced, np.ndarray) else traced
     hook = getattr(value, "_loop_", None)
     if hook is None:
-        raise TypeError(f"A loop cannot run on values of type {type(value).__name__}; pass numbers or traced scalars.")
+        raise TypeError(
+            f"A loop cannot run on values of type {type(value).__name__}; pass numbers or traced scalars."
+        )
     return hook

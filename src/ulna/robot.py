@@ -62,7 +62,9 @@ class Robot:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        self.limits = Limits(model.lower_position, model.upper_position, model.velocity_limit, model.effort_limit)
+        self.limits = Limits(
+            model.lower_position, model.upper_position, model.velocity_limit, model.effort_limit
+        )
         self._kernels: dict[Any, Any] = {}
         self._fk: dict[Any, Any] = {}
         self._jacobian: dict[Any, Any] = {}
@@ -128,7 +130,9 @@ class Robot:
         """The neutral configuration, (nq,): zeros, and unit quaternions."""
         return self.model.neutral
 
-    def fk(self, q: ArrayLike, frame: FrameName = None, *, out: Any = None, threads: int | None = None) -> Any:
+    def fk(
+        self, q: ArrayLike, frame: FrameName = None, *, out: Any = None, threads: int | None = None
+    ) -> Any:
         """Forward kinematics: the pose of a frame in the world.
 
         Args:
@@ -185,7 +189,11 @@ class Robot:
         return kernel(q, out=out, threads=threads)
 
     def jacobian_dot(
-        self, q: ArrayLike, v: ArrayLike, frame: str | None = None, reference: Reference = "local_world_aligned"
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        frame: str | None = None,
+        reference: Reference = "local_world_aligned",
     ) -> Any:
         """Time derivative of the Jacobian along the velocity `v`, (..., 6, nv)."""
         return self._checked("jacobian_dot", frame=frame, reference=reference)(q, v)
@@ -197,7 +205,11 @@ class Robot:
         return self._checked("hessian", frame=frame, reference=reference)(q)
 
     def frame_velocity(
-        self, q: ArrayLike, v: ArrayLike, frame: str | None = None, reference: Reference = "local_world_aligned"
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        frame: str | None = None,
+        reference: Reference = "local_world_aligned",
     ) -> Any:
         """Twist of a frame, (..., 6) [m/s, rad/s]."""
         return self._checked("frame_velocity", frame=frame, reference=reference)(q, v)
@@ -215,7 +227,9 @@ class Robot:
         options = {"frame": frame, "reference": reference, "classical": classical}
         return self._checked("frame_acceleration", **options)(q, v, a)
 
-    def analytical_jacobian(self, q: ArrayLike, representation: str = "rpy/xyz", frame: str | None = None) -> Any:
+    def analytical_jacobian(
+        self, q: ArrayLike, representation: str = "rpy/xyz", frame: str | None = None
+    ) -> Any:
         """Jacobian whose lower rows give rates of angles, (..., 6, nv).
 
         `representation` is "rpy/xyz", "rpy/zyx", "eul" or "exp".
@@ -262,6 +276,22 @@ class Robot:
         """Length of the difference of two configurations, (...)."""
         return self._checked("distance")(q0, q1)
 
+    def squared_distance(self, q0: ArrayLike, q1: ArrayLike) -> Any:
+        """Square of the distance of two configurations, (...)."""
+        return self._checked("squared_distance")(q0, q1)
+
+    def is_same_configuration(self, q0: ArrayLike, q1: ArrayLike, tolerance: float = 1e-9) -> Any:
+        """Whether two configurations place the robot alike, (...): no entry of their difference is larger."""
+        return (np.abs(self.difference(q0, q1)) <= tolerance).all(axis=-1)
+
+    def integrate_derivatives(self, q: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats]:
+        """Derivatives of `integrate` by `q` and by `v` on the tangent spaces, (..., nv, nv) each."""
+        return self._checked("integrate_derivatives")(q, v)
+
+    def difference_derivatives(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
+        """Derivatives of `difference` by `q0` and by `q1` on the tangent spaces, (..., nv, nv) each."""
+        return self._checked("difference_derivatives")(q0, q1)
+
     def random_configuration(self, size: int | tuple[int, ...] = (), seed: Any = None) -> Floats:
         """Random configurations within the limits, (*size, nq).
 
@@ -276,7 +306,12 @@ class Robot:
         return Robot(models.lock_joints(self.model, joints, q))
 
     def attach(
-        self, other: Robot, frame: str | None = None, placement: SE3 | None = None, prefix: str = "", **options: Any
+        self,
+        other: Robot,
+        frame: str | None = None,
+        placement: SE3 | None = None,
+        prefix: str = "",
+        **options: Any,
     ) -> Robot:
         """This robot carrying another: a gripper on an arm, an arm on a base; see `ulna.model.attach`."""
         return Robot(models.attach(self.model, other.model, frame, placement, prefix, **options))
@@ -313,7 +348,12 @@ class Robot:
 
 
 def compile(
-    f: Callable[..., Any], robot: Robot | None = None, *, dtype: Any = np.float64, checked: bool = False, **shapes: Any
+    f: Callable[..., Any],
+    robot: Robot | None = None,
+    *,
+    dtype: Any = np.float64,
+    checked: bool = False,
+    **shapes: Any,
 ) -> Any:
     """Compiles your own function of arrays, alone or for a robot.
 
@@ -337,7 +377,10 @@ def compile(
     missing = [name for name in names if name not in shapes]
     if missing:
         raise UnknownName(
-            "shape of argument", missing[0], shapes, f"Give it: compile(f, {missing[0]}=(3,)), or pass the robot."
+            "shape of argument",
+            missing[0],
+            shapes,
+            f"Give it: compile(f, {missing[0]}=(3,)), or pass the robot.",
         )
     return compile_function(trace(f, **{name: shapes[name] for name in names}), dtype=dtype, checked=checked)
 

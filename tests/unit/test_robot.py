@@ -114,7 +114,11 @@ def test_names_that_do_not_exist_offer_the_nearest(panda: ulna.Robot, qr: np.nda
 @pytest.mark.parametrize(
     ("q", "error", "text"),
     [
-        (np.zeros(6), ShapeError, r"`q` has shape \(6,\); expected \(..., 7\). The last axis holds the 7 numbers"),
+        (
+            np.zeros(6),
+            ShapeError,
+            r"`q` has shape \(6,\); expected \(..., 7\). The last axis holds the 7 numbers",
+        ),
         (np.zeros((7, 3)), ShapeError, r"\(7, 3\); expected \(..., 7\). The batch axis comes first"),
         (0.0, ShapeError, r"`q` has shape \(\)"),
         (["a"] * 7, DtypeError, "`q` has dtype <U1; expected real numbers"),
@@ -124,14 +128,20 @@ def test_names_that_do_not_exist_offer_the_nearest(panda: ulna.Robot, qr: np.nda
         ([[0, 1], [2]], InputError, "expected an array of numbers"),
     ],
 )
-def test_wrong_configurations_are_refused(panda: ulna.Robot, q: object, error: type[Exception], text: str) -> None:
+def test_wrong_configurations_are_refused(
+    panda: ulna.Robot, q: object, error: type[Exception], text: str
+) -> None:
     with pytest.raises(error, match=text):
         panda.fk(q)  # type: ignore[arg-type]
 
 
 def test_lists_integers_and_float32_are_configurations(panda: ulna.Robot) -> None:
     expected = panda.fk(np.array([0.0, 1, 0, -1, 0, 1, 0]))
-    for q in ([0, 1, 0, -1, 0, 1, 0], (0.0, 1.0, 0, -1, 0, 1, 0), np.array([0, 1, 0, -1, 0, 1, 0], np.float32)):
+    for q in (
+        [0, 1, 0, -1, 0, 1, 0],
+        (0.0, 1.0, 0, -1, 0, 1, 0),
+        np.array([0, 1, 0, -1, 0, 1, 0], np.float32),
+    ):
         np.testing.assert_array_equal(panda.fk(q), expected)
 
 
@@ -197,6 +207,14 @@ def test_a_free_flyer_has_more_positions_than_velocities() -> None:
     v = 0.5 * np.random.default_rng(2).normal(size=robot.nv)
     np.testing.assert_allclose(robot.difference(q, robot.integrate(q, v)), v, atol=1e-12)
     np.testing.assert_allclose(robot.frame_velocity(q, v), robot.jacobian(q) @ v, atol=1e-12)
+    assert robot.is_same_configuration(q, robot.normalize(q)) and not robot.is_same_configuration(
+        q, robot.neutral
+    )
+    assert robot.squared_distance(q, robot.integrate(q, v)) == pytest.approx(v @ v, rel=1e-12)
+    by_q, by_v = robot.integrate_derivatives(q, v)
+    by_q0, by_q1 = robot.difference_derivatives(q, robot.integrate(q, v))
+    np.testing.assert_allclose(by_q1 @ by_v, np.eye(robot.nv), atol=1e-10)  # difference undoes integrate
+    np.testing.assert_allclose(by_q1 @ by_q, -by_q0, atol=1e-10)
     middle = robot.interpolate(q, robot.integrate(q, v), np.linspace(0, 1, 5))
     np.testing.assert_allclose(middle[-1], robot.integrate(q, v), atol=1e-12)
 
