@@ -10,6 +10,7 @@ import numpy as np
 
 from ulna.errors import ModelWarning, UnknownName
 from ulna.model.check import checked_gravity
+from ulna.model.joints import Continuous, JointKind, Revolute
 from ulna.model.joints.axes import constant, snap_pose
 from ulna.model.model import Model
 from ulna.model.parts import Frame, Joint, Link, Mimic
@@ -31,7 +32,7 @@ def assemble(told: Told) -> Model:
     connecting = above if root_joint is None else {**above, root: root_joint}
     joints, placed = _place(order, links, connecting)
     inertias, base_inertia = _aggregate(joints, placed)
-    _warn_of_inertias(name, links)
+    _warn_of_inertias(told)
     model = Model(
         name=name,
         joints=joints,
@@ -90,24 +91,28 @@ def _number(moving: list[tuple[JointRecord, int, SE3]], children: Mapping[str, s
     """The joints with their parts of q and v; mimic joints point to those of their source."""
     records = {record.name: record for record, _, _ in moving}
     index = {name: i for i, name in enumerate(records)}
+    followed = {
+        record.name: _followed(record, records) for record, _, _ in moving if record.mimic is not None
+    }
     starts: dict[str, tuple[int, int]] = {}
     nq = nv = 0
     for record in records.values():
         if record.mimic is None:
             starts[record.name] = (nq, nv)
             nq, nv = nq + record.kind.nq, nv + record.kind.nv
+    geared = _geared(followed, records)
     joints = []
     for record, parent, placement in moving:
         mimic = None
         source = record.name
         if record.mimic is not None:
-            source, multiplier, offset = _followed(record, records)
+            source, multiplier, offset = followed[record.name]
             mimic = Mimic(index[source], multiplier, offset)
         idx_q, idx_v = starts[source]
         joints.append(
             Joint(
                 name=record.name,
-                kind=record.kind,
+                kind=geared.get(record.name, record.kind),
                 parent=parent,
                 placement=placement,
                 idx_q=idx_q,
@@ -145,6 +150,19 @@ def _followed(record: JointRecord, records: Mapping[str, JointRecord]) -> tuple[
         what = f"Joint {record.name!r} mimics {current.name!r} ({current.kind.describe()})"
         raise wrong(record.where, f"{what}; only joints with one coordinate can be followed.")
     return current.name, multiplier, offset
+
+
+def _geared(
+    followed: Mapping[str, tuple[str, float, float]], records: Mapping[str, JointRecord]
+) -> dict[str, JointKind]:
+    """The continuous joints to which a turn more or less is another place, because of what follows them."""
+    geared: dict[str, JointKind] = {}
+    for name, (source, multiplier, _) in followed.items():
+        turns_whole = isinstance(records[name].kind, Revolute) and multiplier == round(multiplier)
+        kind = records[source].kind
+        if isinstance(kind, Continuous) and not turns_whole:
+            geared[source] = Revolute(kind.axis)
+    return geared
 
 
 def _frames(
@@ -193,15 +211,16 @@ def _aggregate(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> tuple[tupl
     return tuple(done[:-1]), done[-1]
 
 
-def _warn_of_inertias(model: str, links: Mapping[str, LinkRecord]) -> None:
+def _warn_of_inertias(told: Told) -> None:
     odd = []
-    for link in links.values():
+    for link in told.links.values():
         moments = np.linalg.eigvalsh(link.inertia.inertia)
-        if moments[0] < -1e-9 * max(float(np.abs(moments).max()), 1e-12):
+        impossible = moments[0] < -1e-9 * max(float(np.abs(moments).max()), 1e-12)
+        if impossible and link.name not in told.from_models:
             odd.append(at(link.where, f"{link.name!r} ({moments[0]:.3g} kg m^2)"))
     if odd:
         warnings.warn(
-            f"Model {model!r} has inertias that no body has, with a negative principal moment: "
+            f"Model {told.name!r} has inertias that no body has, with a negative principal moment: "
             f"{', '.join(odd)}. Kinematics are right; do not trust the dynamics.",
             ModelWarning,
             stacklevel=4,

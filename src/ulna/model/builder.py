@@ -23,6 +23,7 @@ from ulna.model.check import (
     checked_numbers,
     checked_pose,
 )
+from ulna.model.copying import add_model
 from ulna.model.joints import JointKind
 from ulna.model.model import Model
 from ulna.model.parts import FrameKind
@@ -71,6 +72,11 @@ class ModelBuilder:
     def joint_names(self) -> tuple[str, ...]:
         """Names of the joints told so far, fixed ones included."""
         return tuple(self._told.joints)
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """Names of the frames told so far, not counting those of links and joints."""
+        return tuple(self._told.frames)
 
     @property
     def gravity(self) -> Floats:
@@ -262,12 +268,13 @@ class ModelBuilder:
         return self
 
     def add_group(self, name: str, joints: Iterable[str]) -> Self:
-        """Names a group of joints; joints that turn out fixed are left out of it."""
+        """Names a group of joints, or adds joints to it; those that turn out fixed are left out."""
         if isinstance(joints, str):
             raise ModelError(
                 f"The joints of group {name!r} are the string {joints!r}; expected a list of names."
             )
-        self._told.groups[checked_name("group", name)] = tuple(joints)
+        before = self._told.groups.get(checked_name("group", name), ())
+        self._told.groups[name] = tuple(dict.fromkeys([*before, *joints]))
         return self
 
     def add_model(
@@ -296,9 +303,8 @@ class ModelBuilder:
         Raises:
             ModelError: a name is taken; another `prefix` mends that.
         """
-        from ulna.model.merge import add_model
-
         add_model(self, model, link, placement, prefix=prefix, mount=joint, locked=locked)
+        self._told.from_models.update(prefix + name for name in model.link_names)
         return self
 
     def build(self) -> Model:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from functools import cache
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -23,51 +24,62 @@ _VERSION = "ulna model 1"
 
 def fingerprint(*values: Any) -> str:
     """The SHA-256 of the values' content, 64 hexadecimal digits."""
-    digest = hashlib.sha256(_VERSION.encode())
+    out = bytearray(_VERSION.encode())
     for value in values:
-        for piece in _pieces(value):
-            digest.update(piece)
-    return digest.hexdigest()
+        _write(value, out)
+    return hashlib.sha256(out).hexdigest()
 
 
-def _pieces(value: Any) -> Iterator[bytes]:
-    """The bytes of a value, led by its type and length, so that no two values run into each other."""
+def _write(value: Any, out: bytearray) -> None:
+    """Appends a value's bytes, led by its type and length, so that no two values run into each other."""
     if value is None:
-        yield b"n"
+        out += b"n"
     elif isinstance(value, (bool, np.bool_)):
-        yield b"t" if value else b"f"
-    elif isinstance(value, (int, np.integer)):
-        yield _headed(b"i", str(int(value)).encode())
+        out += b"t" if value else b"f"
     elif isinstance(value, (float, np.floating)):
-        yield b"d" + struct.pack("<d", float(value) + 0.0)  # + 0.0: -0.0 is the same number as 0.0
+        out += b"d" + _FLOAT(float(value) + 0.0)  # + 0.0: -0.0 is the same number as 0.0
+    elif isinstance(value, (int, np.integer)):
+        _text(b"i", str(int(value)), out)
     elif isinstance(value, str):
-        yield _headed(b"s", value.encode())
+        _text(b"s", value, out)
     elif isinstance(value, np.ndarray):
-        yield from _pieces(value.shape)
-        yield _headed(b"a", (value.astype("<f8") + 0.0).tobytes())
+        _write(value.shape, out)
+        out += b"a" + (value.astype("<f8") + 0.0).tobytes()
     elif isinstance(value, (tuple, list)):
-        yield _headed(b"l", str(len(value)).encode())
+        out += b"l" + _LENGTH(len(value))
         for item in value:
-            yield from _pieces(item)
+            _write(item, out)
     elif isinstance(value, Mapping):
-        yield _headed(b"m", str(len(value)).encode())
+        out += b"m" + _LENGTH(len(value))
         for key in value:
-            yield from _pieces(key)
-            yield from _pieces(value[key])
+            _write(key, out)
+            _write(value[key], out)
     elif isinstance(
         value, Mesh
     ):  # not its folder, nor whether it was found: those are facts about one machine
-        yield from _pieces(("Mesh", value.file_name, value.scale))
+        _write(("Mesh", value.file_name, value.scale), out)
     elif isinstance(value, Material):
         texture = PurePosixPath(value.texture.replace("\\", "/")).name if value.texture else None
-        yield from _pieces(("Material", value.name, value.rgba, texture))
+        _write(("Material", value.name, value.rgba, texture), out)
     elif dataclasses.is_dataclass(value):
-        kind = type(value)
-        yield from _pieces((kind.__module__, kind.__qualname__))
-        yield from _pieces([getattr(value, field.name) for field in dataclasses.fields(value)])
+        title, names = _layout(type(value))
+        _text(b"o", title, out)
+        for name in names:
+            _write(getattr(value, name), out)
     else:
         raise TypeError(f"{type(value).__name__} has no defined content; make it a frozen dataclass.")
 
 
-def _headed(tag: bytes, payload: bytes) -> bytes:
-    return tag + struct.pack("<Q", len(payload)) + payload
+_FLOAT = struct.Struct("<d").pack
+_LENGTH = struct.Struct("<Q").pack
+
+
+def _text(tag: bytes, text: str, out: bytearray) -> None:
+    payload = text.encode()
+    out += tag + _LENGTH(len(payload)) + payload
+
+
+@cache
+def _layout(kind: type) -> tuple[str, tuple[str, ...]]:
+    """The full name of a dataclass and the names of its fields."""
+    return f"{kind.__module__}.{kind.__qualname__}", tuple(field.name for field in dataclasses.fields(kind))

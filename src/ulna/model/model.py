@@ -15,6 +15,7 @@ from ulna.model.content import fingerprint
 from ulna.model.joints.axes import constant
 from ulna.model.named import Named
 from ulna.model.parts import Frame, FrameKind, Joint, Link
+from ulna.model.table import table
 from ulna.spatial import Inertia
 from ulna.typing import Floats
 
@@ -255,8 +256,6 @@ class Model:
 
     def table(self) -> str:
         """Joints, kinds, axes, limits, parents and masses as a text table."""
-        from ulna.model.table import table
-
         return table(self)
 
     def __str__(self) -> str:

@@ -34,6 +34,9 @@ class Limits:
 class Mimic:
     """A joint that has no position of its own: q = multiplier * q_source + offset.
 
+    A continuous joint that is followed by a slide, or not in a whole ratio, comes out of the builder as a
+    revolute one without limits: a turn more or less is another place for its follower.
+
     Attributes:
         source: Index of the joint it follows; never itself a mimic joint.
         multiplier: Ratio of the positions, and of the velocities.

@@ -72,6 +72,9 @@ class Told:
     tool: str | None = None
     disabled_pairs: set[tuple[str, str]] = field(default_factory=set)
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    from_models: set[str] = field(
+        default_factory=set
+    )  # links of finished models, warned of when those were built
 
 
 def at(where: str, text: str) -> str:

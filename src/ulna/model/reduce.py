@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ulna.errors import InputError, UnknownName
 from ulna.model.builder import ModelBuilder
-from ulna.model.merge import copy_position
+from ulna.model.copying import copy_position
 from ulna.model.model import Model
 from ulna.model.positions import local_position, position
 from ulna.typing import Floats
@@ -67,6 +68,10 @@ def rebuilt(
     """The model built anew, with joints locked or with another root joint (arguments of `root_joint`)."""
     builder = ModelBuilder(model.name, model.source)
     builder.gravity = model.gravity
+    gone = model.links[0].parent_joint
+    if root is not None and root["name"] != gone:
+        groups = {name: tuple(j for j in joints if j != gone) for name, joints in model.groups.items()}
+        model = replace(model, groups=groups)
     builder.add_model(model, locked=locked)
     if root is not None:
         builder.root_joint(**root)

@@ -4,28 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from ulna.model.joints import Coordinate
-from ulna.model.model import Model
 from ulna.model.parts import Joint
+
+if TYPE_CHECKING:
+    from ulna.model.model import Model
 
 
 def table(model: Model) -> str:
     """The table: one row for each link and each further frame; the tool is marked with ``@``."""
     lines = [_headline(model), _grid(_HEADER, _rows(model), right={0, 7})]
-    if model.configurations:
-        names = [joint.name for joint in model.joints if joint.mimic is None]
+    if model.configurations and model.nq:
         rows = [
-            [
-                name,
-                *(
-                    _position(j, q[j.idx_q : j.idx_q + j.nq].tolist())
-                    for j in model.joints
-                    if j.mimic is None
-                ),
-            ]
-            for name, q in model.configurations.items()
+            [joint.name, *(_position(joint, joint.q_of(q).tolist()) for q in model.configurations.values())]
+            for joint in model.joints
+            if joint.mimic is None
         ]
+        names = list(model.configurations)
         lines.append(_grid(["configuration", *names], rows, right=set(range(1, len(names) + 1))))
     return "\n".join(lines)
 
@@ -89,10 +86,19 @@ def _limits(model: Model, joint: Joint) -> str:
 
 
 def _interval(c: Coordinate, low: float, high: float) -> str:
-    text = f"{low:.4g} .. {high:.4g}" + (f" {c.unit}" if c.unit else "")
-    if c.unit == "rad":
-        text += f" ({math.degrees(low):.4g}° .. {math.degrees(high):.4g}°)"
-    return text
+    degrees = f" ({_span(_degrees(low), _degrees(high), '°')})" if c.unit == "rad" else ""
+    return _span(f"{low:.4g}", f"{high:.4g}", f" {c.unit}" if c.unit else "") + degrees
+
+
+def _span(low: str, high: str, unit: str) -> str:
+    if low == f"-{high}":
+        return f"±{high}{unit}"
+    return f"{low} .. {high}{unit}"
+
+
+def _degrees(x: float) -> str:
+    """An angle [rad] in degrees, to a tenth, without a sign on zero."""
+    return f"{round(math.degrees(x), 1) + 0.0:.6g}"
 
 
 def _rates(joint: Joint) -> str:
@@ -107,7 +113,7 @@ def _rates(joint: Joint) -> str:
 
 def _position(joint: Joint, q: Sequence[float]) -> str:
     return " ".join(
-        f"{math.degrees(x) + 0.0:.4g}°" if c.unit == "rad" else f"{x:.4g}" + (f" {c.unit}" if c.unit else "")
+        f"{_degrees(x)}°" if c.unit == "rad" else f"{x:.4g}" + (f" {c.unit}" if c.unit else "")
         for c, x in zip(joint.kind.coordinates, q, strict=True)
     )
 

@@ -13,14 +13,17 @@ from support.small_robots import arm, arm_builder
 from ulna.errors import ModelError, ModelWarning, UnknownName
 from ulna.geometry import Box, Geometry
 from ulna.model import (
+    Continuous,
     Fixed,
     FreeFlyer,
+    JointKind,
     Mimic,
     Model,
     ModelBuilder,
     Prismatic,
     Revolute,
     Spherical,
+    lock_joints,
 )
 from ulna.spatial import SE3, Inertia
 
@@ -206,6 +209,22 @@ def test_mimics_of_mimics_are_resolved_and_may_come_first() -> None:
     assert m.joint("ja").mimic == Mimic(2, 6.0, pytest.approx(0.5))
     assert m.joint("jb").mimic == Mimic(2, 3.0, 0.2)
     np.testing.assert_allclose(m.joint("ja").q_of(np.array([1.0])), [6.5])
+
+
+@pytest.mark.parametrize(
+    ("kind", "ratio", "free"),
+    [(HINGE, -2.0, True), (HINGE, 0.5, False), (Continuous(), 1.0, True), (Prismatic(), 1.0, False)],
+)
+def test_a_free_joint_with_a_gear_counts_its_turns(kind: JointKind, ratio: float, free: bool) -> None:
+    b = pair().add_link("c").add_joint("j", Continuous((1, 0, 0)), "a", "b")
+    m = b.add_joint("k", kind, "b", "c", mimic=("j", ratio, 0.1)).build()
+    assert m.joint("j").kind == (Continuous((1, 0, 0)) if free else Revolute((1, 0, 0)))
+    a_turn_more = m.joint("j").kind.normalize(np.array([0.5 + 2 * math.pi]))
+    there, here = (
+        m.joint("k").kind.transform(m.joint("k").q_of(q))
+        for q in (np.array([0.5 + 2 * math.pi]), a_turn_more)
+    )
+    assert there.is_close(here, 1e-14)
 
 
 def test_a_mimic_may_be_named_by_its_source_alone() -> None:
@@ -506,6 +525,18 @@ def test_impossible_inertias_are_warned_of_and_used() -> None:
     with pytest.warns(ModelWarning, match=r"f:4: 'c' \(-0.1 kg m\^2\)"):
         m = b.build()
     assert m.inertias[1].inertia[0, 0] == -0.1
+
+
+def test_the_warning_is_given_once() -> None:
+    b = pair().add_joint("j", HINGE, "a", "b")
+    b.add_link("c", Inertia(1.0, np.zeros(3), np.diag([-0.1, 1.0, 1.0]))).add_joint(
+        "k", Prismatic(), "b", "c"
+    )
+    with pytest.warns(ModelWarning):
+        m = b.build()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert lock_joints(m, ["k"]).nq == 1
 
 
 def test_possible_inertias_are_not_warned_of() -> None:

@@ -204,9 +204,23 @@ def test_attaching_the_same_names_asks_for_a_prefix() -> None:
         attach(arm(), arm())
     with pytest.raises(UnknownName, match=r"No frame named 'tpc'\. Did you mean 'tcp'"):
         attach(arm(), gripper(), "tpc")
+    eye = ModelBuilder("o").add_link("x").add_frame("camera", "x").build()
+    with pytest.raises(ModelError, match="has a frame named 'camera' already"):
+        attach(arm(), eye)
     other = ModelBuilder("o").add_link("x").add_link("y").add_joint("j0", Fixed(), "x", "y").build()
     with pytest.raises(ModelError, match="has a joint named 'j0' already"):
         attach(arm(), other)
+
+
+def test_groups_of_one_name_are_joined() -> None:
+    b = (
+        ModelBuilder("g")
+        .add_link("x")
+        .add_link("y")
+        .add_joint("j9", Planar(), "x", "y")
+        .add_group("all", ["j9"])
+    )
+    assert attach(arm(), b.build()).groups["all"] == ("j0", "j1", "j2", "j9")
 
 
 def test_models_side_by_side() -> None:
@@ -242,6 +256,15 @@ def test_another_root_joint() -> None:
     standing = with_root_joint(rolling, Fixed(), placement=SE3.trans(0.0, 0.0, 1.0))
     assert_same_poses(poses(standing, q[7:]), poses(m, q[7:]), SE3.trans(0.0, 0.0, 1.0).matrix())
     assert [j.name for j in standing.joints] == [j.name for j in m.joints]
+
+
+def test_a_root_joint_that_goes_leaves_its_groups() -> None:
+    b = arm_builder().root_joint(FreeFlyer()).add_group("body", ["root_joint", "j0"])
+    m = b.add_configuration("zero", {}).build()
+    assert m.groups["body"] == ("root_joint", "j0")
+    assert with_root_joint(m, Planar(), "wheels").groups["body"] == ("j0",)
+    assert with_root_joint(m, Planar()).groups["body"] == ("root_joint", "j0")
+    assert with_root_joint(m, Fixed()).groups["body"] == ("j0",)
 
 
 def test_a_standing_model_is_attached_where_it_stands() -> None:

@@ -106,9 +106,10 @@ class Pair:
 def test_different_values_have_different_bytes() -> None:
     values = [
         None, True, False, 0, 1, 2, -1, 0.0, 1.0, -1.0, float("inf"), "", "a", "b", "ab", (), ("a",),
-        ("a", "b"), ("ab",), (("a",), "b"), ("a", ("b",)), {}, {"a": 1}, {"a": 1.0}, {"b": 1}, np.zeros(2), np.zeros(3),
-        np.zeros((1, 2)), np.ones(2), Pair(1, 2), Pair(2, 1), Pair((1,), 2), Sphere(1.0), Sphere(2.0),
-        SE3.identity(), SE3.trans(1.0, 0.0, 0.0), Inertia.zero(), Mesh("a.stl"), Mesh(None), Material(""),
+        ("a", "b"), ("ab",), (("a",), "b"), ("a", ("b",)), {}, {"a": 1}, {"a": 1.0}, {"b": 1}, np.zeros(2),
+        np.zeros(3), np.zeros((1, 2)), np.ones(2), Pair(1, 2), Pair(2, 1), Pair((1,), 2), Sphere(1.0),
+        Sphere(2.0), SE3.identity(), SE3.trans(1.0, 0.0, 0.0), Inertia.zero(), Mesh("a.stl"),
+        Mesh(None), Material(""),
     ]  # fmt: skip
     assert len({fingerprint(v) for v in values}) == len(values)
     assert fingerprint("a", "b") != fingerprint("ab")

@@ -92,7 +92,7 @@ class JointKind(abc.ABC):
 
     @abc.abstractmethod
     def describe(self) -> str:
-        """A few words for tables, for example ``"revolute about z"``."""
+        """A few words for tables, for example ``"revolute z"``."""
 
     # the mechanism -----------------------------------------------------------------------------------------
 

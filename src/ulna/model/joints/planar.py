@@ -57,7 +57,7 @@ class Planar(JointKind):
 
     def describe(self) -> str:
         """A few words for tables."""
-        return f"planar across {axis_name(self.normal)}"
+        return f"planar {axis_name(self.normal)}"
 
     def transform(self, q: Array) -> SE3:
         """T_fixed_moving: a translation in the plane, then a rotation about the normal."""

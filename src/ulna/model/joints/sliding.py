@@ -30,7 +30,7 @@ class Prismatic(VectorKind):
 
     def describe(self) -> str:
         """A few words for tables."""
-        return f"prismatic along {axis_name(self.axis)}"
+        return f"prismatic {axis_name(self.axis)}"
 
     def transform(self, q: Array) -> SE3:
         """T_fixed_moving: a translation by q along the axis."""

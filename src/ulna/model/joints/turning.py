@@ -41,7 +41,7 @@ class Revolute(VectorKind):
 
     def describe(self) -> str:
         """A few words for tables."""
-        return f"{self.name} about {axis_name(self.axis)}"
+        return f"{self.name} {axis_name(self.axis)}"
 
     def transform(self, q: Array) -> SE3:
         """T_fixed_moving: a rotation by q about the axis."""
@@ -94,7 +94,7 @@ class Helical(VectorKind):
 
     def describe(self) -> str:
         """A few words for tables."""
-        return f"helical about {axis_name(self.axis)}, {self.pitch:g} m/rad"
+        return f"helical {axis_name(self.axis)}, {self.pitch:g} m/rad"
 
     def transform(self, q: Array) -> SE3:
         """T_fixed_moving: a rotation by q about the axis and a translation by pitch * q along it."""
@@ -136,7 +136,7 @@ class Universal(VectorKind):
 
     def describe(self) -> str:
         """A few words for tables."""
-        return f"universal about {axis_name(self.axis1)}, {axis_name(self.axis2)}"
+        return f"universal {axis_name(self.axis1)}, {axis_name(self.axis2)}"
 
     def transform(self, q: Array) -> SE3:
         """T_fixed_moving: R(axis1, q1) R(axis2, q2)."""

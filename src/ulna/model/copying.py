@@ -1,0 +1,121 @@
+"""Copying a finished model into a builder, joint by joint, under other names and with joints locked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ulna.errors import ModelError
+from ulna.model.joints import Fixed, JointKind
+from ulna.model.model import Model
+from ulna.model.parts import Joint, Link
+from ulna.spatial import SE3
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from ulna.model.builder import ModelBuilder
+
+
+def add_model(
+    builder: ModelBuilder,
+    model: Model,
+    onto: str | None = None,
+    placement: SE3 | None = None,
+    *,
+    prefix: str = "",
+    mount: str | None = None,
+    locked: Mapping[str, Floats] | None = None,
+) -> None:
+    """Adds all of a model to a builder; see `ModelBuilder.add_model`."""
+    if onto is not None:
+        builder.require_link(onto, "The model is to be fixed to it; add it first.")
+    _refuse_shared_names(builder, model, prefix)
+    copy = _Copy(builder, model, prefix, locked or {})
+    place = SE3.identity() if placement is None else placement
+    for link in model.links:
+        builder.add_link(prefix + link.name, link.inertia, link.visuals, link.collisions)
+        joint = model.joint(link.parent_joint) if link.parent_joint in model.joint_names else None
+        if link.parent is None:
+            copy.root(link, joint, onto, place, mount)
+        elif joint is None:
+            name, parent = prefix + str(link.parent_joint), prefix + link.parent
+            builder.add_joint(name, Fixed(), parent, prefix + link.name, link.origin, offset=link.offset)
+        else:
+            copy.joint(link, joint, prefix + link.parent, link.origin)
+    for frame in model.frames:
+        if frame.kind in ("user", "tool"):
+            builder.add_frame(prefix + frame.name, prefix + frame.link, frame.origin, kind=frame.kind)
+    for a, b in model.disabled_pairs:
+        builder.disable_pair(prefix + a, prefix + b)
+    for group, names in model.groups.items():
+        builder.add_group(prefix + group, [prefix + name for name in names])
+
+
+def _refuse_shared_names(builder: ModelBuilder, model: Model, prefix: str) -> None:
+    joints = [f.name for f in model.frames if f.kind in ("joint", "fixed_joint")]
+    points = [f.name for f in model.frames if f.kind in ("user", "tool")]
+    for what, names, taken in (
+        ("link", model.link_names, builder.link_names),
+        ("joint", joints, builder.joint_names),
+        ("frame", points, builder.frame_names),
+    ):
+        shared = [prefix + name for name in names if prefix + name in taken]
+        if shared:
+            raise ModelError(
+                f"{builder.name!r} has a {what} named {shared[0]!r} already"
+                + (f" (and {len(shared) - 1} more that {model.name!r} has)" if len(shared) > 1 else "")
+                + f". Give a prefix that tells the parts apart, such as prefix={model.name + '_'!r}."
+            )
+
+
+@dataclass(frozen=True)
+class _Copy:
+    """The copying of one model into a builder."""
+
+    builder: ModelBuilder
+    model: Model
+    prefix: str
+    locked: Mapping[str, Floats]
+
+    def joint(self, link: Link, joint: Joint, parent: str | None, origin: SE3) -> None:
+        """Adds a movable joint, or a fixed one where it is locked; the parent None is the world."""
+        name, child = self.prefix + joint.name, self.prefix + link.name
+        kind: JointKind = joint.kind
+        rest: dict[str, Any] = {"offset": link.offset}
+        if joint.name in self.locked:
+            origin = origin @ kind.transform(np.asarray(self.locked[joint.name], dtype=float))
+            kind = Fixed()
+        else:
+            rest |= asdict(joint.limits)
+            rest |= {"damping": joint.damping, "friction": joint.friction, "armature": joint.armature}
+            if joint.mimic is not None:
+                source = self.prefix + self.model.joints[joint.mimic.source].name
+                rest["mimic"] = (source, joint.mimic.multiplier, joint.mimic.offset)
+        if parent is None:
+            self.builder.root_joint(kind, name, origin, **rest)
+        else:
+            self.builder.add_joint(name, kind, parent, child, origin, **rest)
+
+    def root(self, root: Link, joint: Joint | None, onto: str | None, place: SE3, mount: str | None) -> None:
+        """Puts the root link on the link `onto`, or on the world."""
+        own = root.parent_joint
+        if joint is not None:
+            self.joint(root, joint, onto, place @ root.origin)
+        elif onto is not None:
+            name = mount or self.prefix + (own or f"{root.name}_mount")
+            child = self.prefix + root.name
+            self.builder.add_joint(name, Fixed(), onto, child, place @ root.origin, offset=root.offset)
+        elif own or place != SE3.identity():
+            name = mount or self.prefix + (own or "root_joint")
+            self.builder.root_joint(Fixed(), name, place @ root.origin, offset=root.offset)
+
+
+def copy_position(old: Model, old_q: Floats, new: Model, new_q: Floats, prefix: str = "") -> None:
+    """Writes into `new_q` the positions that `old_q` gives to the joints both models have."""
+    for joint in old.joints:
+        if joint.mimic is None and prefix + joint.name in new.joint_names:
+            there = new.joint(prefix + joint.name)
+            new_q[there.idx_q : there.idx_q + there.nq] = old_q[joint.idx_q : joint.idx_q + joint.nq]
