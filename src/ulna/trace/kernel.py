@@ -344,6 +344,10 @@ class SlowKernel(KernelBase):
         return self._general(*args, **options)
 
 
+def _let_go(*_: Any) -> None:
+    """Nothing is left to do: the references go with the call."""
+
+
 _NATIVE: Any = None
 _native_made = False
 
@@ -401,7 +405,9 @@ def compile(
         print(ir)
     code = jit.load(ir, ("entry",))
     instance = native.make_instance(door, code.address("entry"), general, general.element)
-    instance.__dict__["_code"] = code
+    # Machine code reads `general` through a bare pointer: both stay until the instance goes, whatever happens to its
+    # attributes.
+    weakref.finalize(instance, _let_go, general, code).atexit = False
     if "asm" in os.environ.get("ULNA_DEBUG", ""):
         print(jit.assembly(ir))
     general.single = weakref.ref(instance)
