@@ -113,9 +113,12 @@ class _Copy:
             self.builder.root_joint(Fixed(), name, place @ root.origin, offset=root.offset)
 
 
-def copy_position(old: Model, old_q: Floats, new: Model, new_q: Floats, prefix: str = "") -> None:
-    """Writes into `new_q` the positions that `old_q` gives to the joints both models have."""
+def copy_position(
+    old: Model, old_q: Floats, new: Model, new_q: Floats, prefix: str = "", leave: str | None = None
+) -> None:
+    """Writes into `new_q` the positions that `old_q` gives to the joints both models have, `leave` excepted."""
     for joint in old.joints:
-        if joint.mimic is None and prefix + joint.name in new.joint_names:
-            there = new.joint(prefix + joint.name)
+        name = prefix + joint.name
+        if joint.mimic is None and name != leave and name in new.joint_names:
+            there = new.joint(name)
             new_q[there.idx_q : there.idx_q + there.nq] = old_q[joint.idx_q : joint.idx_q + joint.nq]

@@ -79,6 +79,6 @@ def rebuilt(
     bare = builder.build()
     for name, old in model.configurations.items():
         new = np.array(bare.neutral)
-        copy_position(model, old, bare, new)
+        copy_position(model, old, bare, new, leave=root["name"] if root is not None else None)
         builder.add_configuration(name, new)
     return builder.build() if model.configurations else bare

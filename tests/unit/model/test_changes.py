@@ -267,6 +267,16 @@ def test_a_root_joint_that_goes_leaves_its_groups() -> None:
     assert with_root_joint(m, Fixed()).groups["body"] == ("j0",)
 
 
+def test_a_new_root_joint_stands_at_neutral_in_every_configuration() -> None:
+    flying = with_root_joint(arm(), FreeFlyer())
+    high = with_configuration(flying, "high", {"root_joint": [0, 0, 9, 0, 0, 0, 1], "j0": 0.5})
+    np.testing.assert_array_equal(
+        with_root_joint(high, Planar()).configurations["high"], [0, 0, 0, 0.5, 0, 0, 0]
+    )
+    again = with_root_joint(high, FreeFlyer(), placement=SE3.trans(1.0, 0.0, 0.0)).configurations["high"]
+    np.testing.assert_array_equal(again, [0, 0, 0, 0, 0, 0, 1, 0.5, 0, 0, 0])
+
+
 def test_a_standing_model_is_attached_where_it_stands() -> None:
     raised = with_root_joint(gripper(), Fixed(), placement=SE3.trans(0.0, 0.0, 1.0))
     both = attach(arm(), raised, "base")

@@ -1,6 +1,5 @@
 """The table of a model shows what moves how, between which limits, and what it weighs."""
 
-# ruff: noqa: E501  a table is as wide as it is
 from __future__ import annotations
 
 from support.small_robots import arm
