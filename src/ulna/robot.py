@@ -180,10 +180,10 @@ class Robot:
         Reference: Featherstone 2008, section 4.1; Siciliano et al. 2009, section 3.1.
         """
         try:
-            kernel = self._jacobian[frame, reference]
-        except KeyError:
+            kernel = self._jacobian[reference][frame]
+        except (KeyError, TypeError):
             kernel = self._checked("jacobian", frame=frame, reference=reference)
-            self._jacobian[frame, reference] = kernel
+            self._jacobian.setdefault(reference, {})[frame] = kernel
         if out is None and threads is None:
             return kernel(q)
         return kernel(q, out=out, threads=threads)
