@@ -25,6 +25,7 @@ from ulna.model import (
     Universal,
 )
 from ulna.spatial import SE3, so3_exp
+from ulna.trace import trace
 
 SKEW = (0.3, -0.5, 0.8)
 TILT = SE3(so3_exp(np.array([0.4, -0.2, 0.9])), np.array([0.1, -0.3, 0.2]))
@@ -297,6 +298,28 @@ def test_symbols_give_the_same_as_numbers(name: str) -> None:
     np.testing.assert_allclose(number(kind.integrate(at, rate)), kind.integrate(q[4], v[4]), atol=1e-14)
     for symbolic, numeric in zip(kind.motion_subspace(at), kind.motion_subspace(q[4]), strict=True):
         np.testing.assert_allclose(number(symbolic.vector()), numeric.vector(), atol=1e-14)
+
+
+@moving
+def test_traces_give_the_same_as_numbers(name: str) -> None:
+    kind, q, v = samples(name)
+    other = kind.random(rng_of(name + "other"), size=(len(q),))
+    for f, args, widths in (
+        (lambda q: kind.transform(q).matrix(), (q,), {"q": kind.nq}),
+        (lambda q, v: kind.bias(q, v).vector(), (q, v), {"q": kind.nq, "v": kind.nv}),
+        (kind.integrate, (q, v), {"q": kind.nq, "v": kind.nv}),
+        (kind.difference, (q, other), {"q0": kind.nq, "q1": kind.nq}),
+        (kind.normalize, (q,), {"q": kind.nq}),
+        (lambda q, v: np.stack(kind.integrate_derivatives(q, v)), (q, v), {"q": kind.nq, "v": kind.nv}),
+        (
+            lambda q0, q1: np.stack(kind.difference_derivatives(q0, q1)),
+            (q, other),
+            {"q0": kind.nq, "q1": kind.nq},
+        ),
+    ):
+        traced = trace(f, **{label: (n,) for label, n in widths.items()})(*args)
+        singles = np.stack([f(*(a[i] for a in args)) for i in range(len(q))])
+        np.testing.assert_allclose(traced, singles, rtol=1e-13, atol=1e-13)
 
 
 @every
