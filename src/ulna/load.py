@@ -6,7 +6,7 @@ import dataclasses
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ulna.errors import UnknownName
 from ulna.formats.markup import read_file
@@ -27,14 +27,26 @@ _ENDINGS = (".urdf", ".xacro", ".xml", ".srdf", ".mjcf", ".sdf")
 PathLike = str | os.PathLike[str]
 
 
-def load(name_or_path: PathLike, **options: Any) -> Robot:
+def load(
+    name_or_path: PathLike,
+    *,
+    root: str | JointKind | None = None,
+    visuals: str = "auto",
+    package_dirs: Sequence[PathLike] = (),
+    srdf: PathLike | None = None,
+    mimic: bool = True,
+    xacro_args: Mapping[str, str] | None = None,
+) -> Robot:
     """The robot of that name or in that file, ready to compute with.
-
-    Takes the arguments of `load_model`.
 
     Args:
         name_or_path: "panda", "ur5", any name of `ulna.robots.catalogue.names()`, or the path of a file.
-        **options: root, visuals, package_dirs, srdf, mimic, xacro_args; see `load_model`.
+        root: how the base hangs in the world; see `load_model`, also for the others.
+        visuals: "auto", "simple" or "cad".
+        package_dirs: folders to look for packages in.
+        srdf: a file with groups and named configurations.
+        mimic: whether mimic joints follow their leader.
+        xacro_args: values for the arguments of a .xacro file.
 
     Raises:
         UnknownName: no robot of that name; offers the nearest one.
@@ -43,7 +55,16 @@ def load(name_or_path: PathLike, **options: Any) -> Robot:
     """
     from ulna.robot import Robot
 
-    return Robot(load_model(name_or_path, **options))
+    model = load_model(
+        name_or_path,
+        root=root,
+        visuals=visuals,
+        package_dirs=package_dirs,
+        srdf=srdf,
+        mimic=mimic,
+        xacro_args=xacro_args,
+    )
+    return Robot(model)
 
 
 def load_model(
@@ -98,16 +119,14 @@ class _Options:
 def _is_file(given: PathLike) -> bool:
     if not isinstance(given, str):
         return True
-    text = given.strip()
-    if text.startswith("<") or "/" in text or os.sep in text or text.lower().endswith(_ENDINGS):
-        return True
-    return os.path.isfile(text)
+    text = given.strip("\ufeff \t\r\n")
+    return text.startswith("<") or "/" in text or os.sep in text or text.lower().endswith(_ENDINGS)
 
 
 def _from_file(given: PathLike, options: _Options) -> Model:
     file: str | None = None
-    if isinstance(given, str) and given.lstrip().startswith("<"):
-        text: bytes | str = given.lstrip()
+    if isinstance(given, str) and given.lstrip("\ufeff \t\r\n").startswith("<"):
+        text: bytes | str = given.lstrip("\ufeff \t\r\n")
     else:
         file = os.path.expanduser(os.fspath(given))
         text = b""

@@ -27,7 +27,7 @@ WARNED = {
     "alex_psyonic_hands": "mimics 'index_q1', and there is no such joint; did you mean 'Left_index_q1'",
     "centauro": "neither lower nor upper is given",
     "quadruped": "neither lower nor upper is given",
-    "romeo_laas_small": "Torso.mesh' and 19 more was not found",
+    "romeo_laas_small": "Torso.mesh' and 19 more were not found",
     "talos_corrected": "no material 'FlatBlack' is defined",
     "tiago": "negative",
     "tiago_dual": "negative",

@@ -12,9 +12,10 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, final, overload
 
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.formats.poses import tidy
 from ulna.model import JointKind, Model, ModelBuilder, Prismatic, Revolute
 from ulna.numeric import is_symbolic
@@ -45,6 +46,12 @@ class ET:
     flip: bool = False
     limits: tuple[float, float] | None = None
     pose: SE3 | None = None
+
+    def __post_init__(self) -> None:
+        if self.name not in (*_NAMES, "SE3"):
+            raise UnknownName("elementary transform", self.name, (*_NAMES, "SE3"))
+        if (self.name == "SE3") != (self.pose is not None):
+            raise InputError("A constant pose is written ET.se3(pose), the others ET.rx(...) to ET.tz(...).")
 
     @classmethod
     def rx(cls, value: float | None = None, **joint: Any) -> ET:
@@ -126,7 +133,9 @@ class ETS:
 
     transforms: tuple[ET, ...] = ()
 
-    def __post_init__(self) -> None:
+    @cached_property
+    def joint_indices(self) -> tuple[int | None, ...]:
+        """The joint coordinate of each transform; None for the constant ones."""
         following = 0
         numbered = []
         for et in self.transforms:
@@ -135,12 +144,7 @@ class ETS:
                 index = following if index is None else index
                 following = max(following, index + 1)
             numbered.append(index)
-        object.__setattr__(self, "_numbers", tuple(numbered))
-
-    @property
-    def joint_indices(self) -> tuple[int | None, ...]:
-        """The joint coordinate of each transform; None for the constant ones."""
-        return self.__dict__["_numbers"]
+        return tuple(numbered)
 
     @property
     def n(self) -> int:

@@ -6,7 +6,7 @@ import difflib
 import os
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, final
 
@@ -19,6 +19,9 @@ MAX_BYTES = 64 * 1024 * 1024
 
 MAX_NUMBER = 1e50
 """Numbers above this magnitude are refused: their products would leave the range of a double."""
+
+MAX_CHOICES = 2000
+"""Among more names than this no look-alike is searched for: it would cost more than reading the file."""
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
@@ -60,8 +63,8 @@ class Node:
                 yield node
 
     def foreign(self) -> Iterator[tuple[str, int | None]]:
-        """The tags of child elements with a namespace of their own, with their lines."""
-        for element in self._element.iterchildren(tag=etree.Element):
+        """The tags, at any depth, with a namespace of their own, and their lines."""
+        for element in self._element.iterdescendants(tag=etree.Element):
             tag = _local(element.tag, self._namespace)
             if _is_foreign(tag):
                 yield tag, element.sourceline
@@ -349,6 +352,14 @@ def _local(tag: Any, namespace: str) -> str:
 
 def _is_foreign(tag: str) -> bool:
     return tag.startswith("{") or ":" in tag
+
+
+def nearest(name: str, choices: Collection[str], words: str) -> str:
+    """`words` with the choice most like `name` for {}; "" where none is, or there are too many to look."""
+    if len(choices) > MAX_CHOICES:
+        return ""
+    near = difflib.get_close_matches(name, choices, n=1, cutoff=0.5)
+    return words.format(repr(near[0])) if near else ""
 
 
 def _short(text: str, limit: int = 60) -> str:

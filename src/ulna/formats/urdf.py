@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from typing import Any
 
@@ -71,7 +72,9 @@ def model_from_urdf(
         raise
     except (ModelError, InputError) as error:
         # What the parser lets through and the builder does not is still a fault of the file.
-        raise FormatError(str(error), file=document.file) from error
+        place = re.match(re.escape(document.file or "<string>") + r":(\d+): ", str(error))
+        text = str(error)[place.end() :] if place else str(error)
+        raise FormatError(text, file=document.file, line=int(place[1]) if place else None) from error
 
 
 def urdf_builder(
@@ -179,7 +182,7 @@ class _Shapes:
     def __init__(self, file: str | None, resolver: Resolver) -> None:
         self._file, self._resolver = file, resolver
         self._found: dict[str, str | None] = {}
-        self._missing: list[tuple[str, int | None, tuple[str, ...]]] = []
+        self._missing: list[tuple[str, str, int | None, tuple[str, ...]]] = []
 
     def geometries(self, link: str, bodies: tuple[UrdfBody, ...]) -> tuple[Geometry, ...]:
         out = []
@@ -205,29 +208,29 @@ class _Shapes:
         if shape.kind == "capsule":
             return Capsule(size[0], size[1])
         scale = (shape.scale[0], shape.scale[1], shape.scale[2])
-        path = self._path(shape.uri, shape.line)
+        path = self._path("mesh", shape.uri, shape.line)
         return Mesh(path or shape.uri, scale, missing=path is None)
 
     def _material(self, material: UrdfMaterial) -> Material:
-        texture = self._path(material.texture, None) if material.texture else None
+        texture = self._path("texture", material.texture, None) if material.texture else None
         rgba = material.rgba
         return Material(material.name, (rgba[0], rgba[1], rgba[2], rgba[3]) if rgba else None, texture)
 
-    def _path(self, uri: str, line: int | None) -> str | None:
+    def _path(self, what: str, uri: str, line: int | None) -> str | None:
         if uri not in self._found:
             resolution = self._resolver.resolve(uri)
             self._found[uri] = resolution.path
             if resolution.path is None:
-                self._missing.append((uri, line, resolution.tried))
+                self._missing.append((what, uri, line, resolution.tried))
         return self._found[uri]
 
     def report(self) -> None:
         """Warn about what was not found, once for the whole file."""
         if not self._missing:
             return
-        uri, line, tried = self._missing[0]
+        what, uri, line, tried = self._missing[0]
         count = len(self._missing)
-        others = f" and {count - 1} more" if count > 1 else ""
+        others = f" and {count - 1} more were" if count > 1 else " was"
         place = (self._file or "<string>") + (f":{line}" if line else "")
         if uri.startswith(("http://", "https://", "ftp://")):
             where = "It lies on the network, where Ulna does not go."
@@ -236,7 +239,7 @@ class _Shapes:
             where = f"Looked in: {places or 'nowhere'}."
         ros = os.environ.get("ROS_PACKAGE_PATH")
         warnings.warn(
-            f"{place}: the mesh {uri!r}{others} was not found. {where} "
+            f"{place}: the {what} {uri!r}{others} not found. {where} "
             f"ROS_PACKAGE_PATH is {ros or 'not set'}. Set it, or pass package_dirs=[folder of the packages]. "
             "The robot is loaded without it.",
             ModelWarning,

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterable
 from dataclasses import replace
 
 from ulna.errors import FormatError
-from ulna.formats.markup import Node, parse_markup
+from ulna.formats.markup import Node, nearest, parse_markup
 from ulna.formats.urdf_document import (
     UrdfBody,
     UrdfDocument,
@@ -52,10 +51,10 @@ def parse_urdf(data: bytes | str, file: str | None = None) -> UrdfDocument:
     """
     root = parse_markup(data, file, "robot", "URDF")
     _refuse_xacro(root)
-    materials = _materials(root)
+    palette = _Palette(root)
     links: dict[str, UrdfLink] = {}
     for node in root.children("link"):
-        link = _link(node, materials)
+        link = _link(node, palette)
         _refuse_twin(node, "link", link.name, links)
         links[link.name] = link
     joints: dict[str, UrdfJoint] = {}
@@ -69,7 +68,7 @@ def parse_urdf(data: bytes | str, file: str | None = None) -> UrdfDocument:
     _check_mimics(joints, nodes)
     top = _check_tree(links, joints, nodes, root)
     name = root.string("name") or "robot"
-    return UrdfDocument(name, tuple(links.values()), tuple(joints.values()), materials, top, file)
+    return UrdfDocument(name, tuple(links.values()), tuple(joints.values()), palette.named, top, file)
 
 
 def _refuse_xacro(root: Node) -> None:
@@ -92,26 +91,47 @@ def _refuse_twin(node: Node, kind: str, name: str, seen: dict) -> None:
         )
 
 
-def _materials(root: Node) -> dict[str, UrdfMaterial]:
-    """The materials by name: those of the robot, then those that a visual defines on the way."""
-    found: dict[str, UrdfMaterial] = {}
-    inline = (
-        m for link in root.children("link") for v in link.children("visual") for m in v.children("material")
-    )
-    for node in (*root.children("material"), *inline):
-        material = _material(node)
+class _Palette:
+    """The materials of a file by name: those of the robot, then those that a visual defines on the way."""
+
+    def __init__(self, root: Node) -> None:
+        self.named: dict[str, UrdfMaterial] = {}
+        self._undefined: set[str] = set()
+        for node in root.children("material"):
+            self._add(_material(node))
+        for link in root.children("link"):
+            for visual in link.children("visual"):
+                for node in visual.children("material"):
+                    self._add(_material(node, quiet=True))  # its oddities are told when the visual is read
+
+    def _add(self, material: UrdfMaterial) -> None:
         if material.name and (material.rgba or material.texture):
-            found.setdefault(material.name, material)
-    return found
+            self.named.setdefault(material.name, material)
+
+    def of(self, node: Node) -> UrdfMaterial:
+        """The material that a visual means, its own or one by name; warns once of a name that is not defined."""
+        own = _material(node)
+        known = self.named.get(own.name)
+        if own.texture is not None or own.rgba is not None:
+            return replace(own, rgba=known.rgba) if own.rgba is None and known else own
+        if known is not None:
+            return known
+        if own.name and own.name not in self._undefined:
+            self._undefined.add(own.name)
+            hint = nearest(own.name, self.named, "; did you mean {}?")
+            node.warn(f"no material {own.name!r} is defined{hint}")
+        return own
 
 
-def _material(node: Node) -> UrdfMaterial:
-    color, texture = node.child("color"), node.child("texture")
+def _material(node: Node, quiet: bool = False) -> UrdfMaterial:
+    color = next(node.children("color"), None) if quiet else node.child("color")
+    texture = next(node.children("texture"), None) if quiet else node.child("texture")
     rgba = None
     if color is not None:
         rgba = color.vector("rgba", 4)
         if not all(0.0 <= c <= 1.0 for c in rgba):
-            color.warn("a colour outside 0..1 is held to it")
+            if not quiet:
+                color.warn("a colour outside 0..1 is held to it")
             rgba = tuple(min(max(c, 0.0), 1.0) for c in rgba)
     return UrdfMaterial(node.string("name") or "", rgba, texture.string("filename") if texture else None)
 
@@ -123,15 +143,15 @@ def _origin(node: Node) -> UrdfOrigin:
     return UrdfOrigin(origin.vector("xyz", 3, (0.0, 0.0, 0.0)), origin.vector("rpy", 3, (0.0, 0.0, 0.0)))
 
 
-def _link(node: Node, materials: dict[str, UrdfMaterial]) -> UrdfLink:
+def _link(node: Node, palette: _Palette) -> UrdfLink:
     name = node.name()
     node.warn_of_strangers(_OF_LINK)
     inertial = node.child("inertial")
     return UrdfLink(
         name,
         _inertial(inertial) if inertial else None,
-        tuple(_body(n, materials) for n in node.children("visual")),
-        tuple(_body(n, materials) for n in node.children("collision")),
+        tuple(_body(n, palette) for n in node.children("visual")),
+        tuple(_body(n, palette) for n in node.children("collision")),
         node.line,
     )
 
@@ -150,22 +170,14 @@ def _inertial(node: Node) -> UrdfInertial:
     return UrdfInertial(mass, _origin(node), entries)
 
 
-def _body(node: Node, materials: dict[str, UrdfMaterial]) -> UrdfBody:
+def _body(node: Node, palette: _Palette) -> UrdfBody:
     shape = _shape(
         node.required_child("geometry", f"Write <geometry><box size=.../></geometry> in <{node.tag}>.")
     )
     material = None
     given = node.child("material")
     if given is not None and node.tag == "visual":
-        material = _material(given)
-        if material.rgba is None and material.texture is None and material.name:
-            if material.name not in materials:
-                near = difflib.get_close_matches(material.name, materials, n=1)
-                hint = f"; did you mean {near[0]!r}?" if near else ""
-                given.warn(f"no material {material.name!r} is defined{hint}")
-            material = materials.get(material.name, material)
-        elif material.rgba is None and material.name in materials:
-            material = replace(material, rgba=materials[material.name].rgba)
+        material = palette.of(given)
     return UrdfBody(node.string("name"), _origin(node), shape, material)
 
 
@@ -174,8 +186,7 @@ def _shape(geometry: Node) -> UrdfShape:
     known = [n for n in nodes if n.tag in SHAPES]
     if not known:
         given = f"holds <{nodes[0].tag}>" if nodes else "is empty"
-        near = difflib.get_close_matches(nodes[0].tag, SHAPES, n=1) if nodes else []
-        mend = f"Did you mean <{near[0]}>?" if near else ""
+        mend = nearest(nodes[0].tag, SHAPES, "Did you mean {}?") if nodes else ""
         geometry.fail(f"<geometry> {given}; expected one of {', '.join(SHAPES)}.", mend)
     if len(known) > 1:
         known[1].warn(
@@ -204,16 +215,16 @@ def _joint(node: Node, links: dict[str, UrdfLink]) -> UrdfJoint:
     node.warn_of_strangers(_OF_JOINT)
     kind = node.name("type")
     if kind not in JOINT_KINDS:
-        near = difflib.get_close_matches(kind.lower(), JOINT_KINDS, n=1, cutoff=0.5)
-        mend = f"Did you mean {near[0]!r}?" if near else f"There are: {', '.join(JOINT_KINDS)}."
+        mend = (
+            nearest(kind.lower(), JOINT_KINDS, "Did you mean {}?") or f"There are: {', '.join(JOINT_KINDS)}."
+        )
         node.fail(f"there is no joint type {kind!r}.", mend)
     ends = []
     for tag in ("parent", "child"):
         end = node.required_child(tag, f'Write <{tag} link="..."/>.')
         link = end.name("link")
         if link not in links:
-            near = difflib.get_close_matches(link, links, n=1, cutoff=0.5)
-            end.fail(f"there is no link {link!r}.", f"Did you mean {near[0]!r}?" if near else "")
+            end.fail(f"there is no link {link!r}.", nearest(link, links, "Did you mean {}?"))
         ends.append(link)
     axis = (1.0, 0.0, 0.0)
     axis_node = node.child("axis")
@@ -287,15 +298,17 @@ def _check_mimics(joints: dict[str, UrdfJoint], nodes: dict[str, Node]) -> None:
             if joint.kind != "fixed":
                 nodes[joint.name].warn(f"{problem}; it moves on its own")
             joints[joint.name] = replace(joint, mimic=None)
+    harmless: set[str] = set()
     for joint in joints.values():
-        seen = [joint.name]
+        seen = {joint.name: None}
         leader = joint.mimic
-        while leader is not None:
+        while leader is not None and leader.joint not in harmless:
             if leader.joint in seen:
                 ring = " -> ".join([*seen, leader.joint])
                 nodes[joint.name].fail(f"it mimics itself: {ring}.", "One joint of the ring must be free.")
-            seen.append(leader.joint)
+            seen[leader.joint] = None
             leader = joints[leader.joint].mimic
+        harmless.update(seen)
 
 
 def _mimic_problem(joint: UrdfJoint, joints: dict[str, UrdfJoint]) -> str:
@@ -305,8 +318,7 @@ def _mimic_problem(joint: UrdfJoint, joints: dict[str, UrdfJoint]) -> str:
         return f"a {joint.kind} joint cannot mimic another"
     leader = joints.get(joint.mimic.joint)
     if leader is None:
-        near = difflib.get_close_matches(joint.mimic.joint, joints, n=1, cutoff=0.5)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        hint = nearest(joint.mimic.joint, joints, "; did you mean {}?")
         return f"it mimics {joint.mimic.joint!r}, and there is no such joint{hint}"
     if leader.kind not in _ONE_NUMBER:
         return f"it mimics {leader.name!r}, which is {leader.kind}"
@@ -363,10 +375,11 @@ def _unreached(top: str, links: Iterable[str], joints: Iterable[UrdfJoint]) -> s
 
 
 def _loop(link: str, parent_of: dict[str, UrdfJoint]) -> str:
-    seen: list[str] = []
+    seen: dict[str, None] = {}
     while link not in seen:
-        seen.append(link)
+        seen[link] = None
         link = parent_of[link].parent
-    ring = [*seen[seen.index(link) :], link]
+    walk = list(seen)
+    ring = [*walk[walk.index(link) :], link]
     ring = ring if len(ring) < 8 else [*ring[:6], "...", ring[-1]]
     return " <- ".join(ring)

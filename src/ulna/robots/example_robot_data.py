@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,7 +65,7 @@ _FIXED = """
     ur10_limited              ur_description/urdf/ur10_joint_limited_robot.urdf
     xarm7                     xarm_description/urdf/xarm7.urdf                               xarm7 home
     z1                        z1_description/urdf/z1.urdf                                    z1 arm_up
-"""  # noqa: E501
+"""
 
 _FLOATING = """
     a1                        a1_description/urdf/a1.urdf                                    a1 standing
@@ -125,6 +124,8 @@ DESCRIPTIONS: dict[str, Description] = dict(sorted((_table(_FIXED, False) | _tab
 
 def share_folder() -> Path | None:
     """The folder example-robot-data of the installed package (it holds robots/), or None."""
+    import importlib.metadata  # slow to import, and needed only here
+
     try:
         distribution = importlib.metadata.distribution("example-robot-data")
     except importlib.metadata.PackageNotFoundError:

@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ulna.errors import MissingExtra, ModelError, UnknownName
+from ulna.errors import ModelError, UnknownName
 
 _PACKAGE = "robot_descriptions"
 _ENDING = "_description"
@@ -56,12 +56,13 @@ def fetch(name: str) -> Checkout:
     """The description on disk; the package downloads it when it is not there yet.
 
     Raises:
-        MissingExtra: the package is not installed.
         UnknownName: there is no such description.
-        ModelError: it could not be downloaded, or it has neither a URDF nor a xacro file.
+        ModelError: the package is not installed, could not download it, or has neither URDF nor xacro for it.
     """
     if not names():
-        raise MissingExtra(_PACKAGE, "robots", f"The robot {name!r}")
+        raise ModelError(
+            f"The robot {name!r} needs the package {_PACKAGE!r}. Install it with: pip install {_PACKAGE}"
+        )
     module = module_name(name)
     if module is None:
         raise UnknownName("description of robot_descriptions", name, names())

@@ -41,6 +41,19 @@ def test_batches():
     np.testing.assert_allclose(poses[2, 1], chain.transform(q[2, 1]).matrix(), atol=1e-15)
 
 
+def test_symbols_and_traces():
+    sympy = pytest.importorskip("sympy")
+    from ulna.trace import trace
+
+    chain = ETS.parse("tz(0.5) Rz(q) tx(2) Rx(90 deg) tx(-q)")
+    a, b = sympy.symbols("a b")
+    pose = chain.transform(np.array([a, b], dtype=object))
+    assert sympy.simplify(pose.translation[0] - (2 - b) * sympy.cos(a)) == 0
+    function = trace(lambda q: chain.transform(q).matrix(), q=(2,))
+    q = np.array([0.3, 0.7])
+    np.testing.assert_allclose(function(q), chain.transform(q).matrix(), atol=1e-15)
+
+
 def test_objects_compose():
     chain = ET.rz() * ET.tx(0.3) * ET.rz(flip=True) * (ET.tx(0.2) * ET.tz(limits=(0.0, 0.5)))
     assert chain.n == 3

@@ -57,6 +57,10 @@ CASES = {
         "f.urdf:2: <xacro:include> is xacro that was not expanded. In <robot>. Name the file *.xacro",
     ),
     "undeclared xacro": ("<robot><xacro:macro/></robot>", "<xacro:macro> is xacro that was not expanded."),
+    "nested xacro": (
+        '<robot xmlns:xacro="http://ros.org/xacro"><link name="a">\n<xacro:box/></link></robot>',
+        "f.urdf:2: <xacro:box> is xacro that was not expanded.",
+    ),
     # names
     "nameless link": (
         "<robot><link/></robot>",
@@ -173,7 +177,7 @@ CASES = {
     "unknown shape": (
         link("<visual><geometry><cilinder/></geometry></visual>"),
         "<geometry> holds <cilinder>; expected one of box, cylinder, sphere, capsule, mesh. "
-        "In <geometry> of <visual> of link 'base'. Did you mean <cylinder>?",
+        "In <geometry> of <visual> of link 'base'. Did you mean 'cylinder'?",
     ),
     "no size": (
         link("<visual><geometry><box/></geometry></visual>"),

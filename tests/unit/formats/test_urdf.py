@@ -182,7 +182,7 @@ def test_missing_meshes_are_reported_once(tmp_path, monkeypatch):
     assert len(caught) == 1
     text = str(caught[0].message)
     assert text.startswith(
-        f"{file}:2: the mesh 'package://gone/m1.stl' and 1 more was not found. Looked in: "
+        f"{file}:2: the mesh 'package://gone/m1.stl' and 1 more were not found. Looked in: "
     )
     assert "ROS_PACKAGE_PATH is /opt/nowhere" in text
     assert "package_dirs=" in text
@@ -204,6 +204,44 @@ def test_meshes_and_textures_are_found(tmp_path):
     assert geometry.material.texture == str(tmp_path / "arm" / "urdf" / "t.png")
 
 
+def test_an_oddity_is_told_once():
+    visual = '<visual><geometry><box size="1 1 1"/></geometry><material name="{}">{}</material></visual>'
+    colour = '<color rgba="3 0 0 1"/>'
+    text = (
+        f'<robot><link name="a">{visual.format("gone", "") * 3}{visual.format("loud", colour)}</link></robot>'
+    )
+    with pytest.warns(ModelWarning) as caught:
+        document = parse_urdf(text)
+    assert ["gone" in str(w.message) for w in caught] == [True, False]
+    assert document.links[0].visuals[3].material.rgba == (1, 0, 0, 1)
+    assert list(document.materials) == ["loud"]
+
+
+def chain(n: int, mimic) -> str:
+    """A chain of n joints, without the end tag; `mimic(i)` names the leader of joint i, or None."""
+    text = "<robot>" + "".join(f'<link name="l{i}"/>' for i in range(n + 1))
+    for i in range(n):
+        follows = f'<mimic joint="{mimic(i)}"/>' if mimic(i) else ""
+        ends = f'<parent link="l{i}"/><child link="l{i + 1}"/>'
+        text += f'<joint name="j{i}" type="continuous">{ends}{follows}</joint>'
+    return text
+
+
+def test_many_oddities_cost_no_search_each():
+    n = 3000
+    with pytest.warns(ModelWarning) as caught:
+        document = parse_urdf(chain(n, lambda i: f"gone{i}" if i % 2 else None) + "</robot>")
+    assert len(caught) == n // 2
+    assert not any(j.mimic for j in document.joints)
+
+
+def test_long_chains_of_mimics():
+    n = 3000
+    assert len(parse_urdf(chain(n, lambda i: f"j{i + 1}" if i < n - 1 else None) + "</robot>").joints) == n
+    with pytest.raises(FormatError, match="it mimics itself"):
+        parse_urdf(chain(n, lambda i: f"j{(i + 1) % n}") + "</robot>")
+
+
 def test_documents_are_values():
     plain = ALL_KINDS.replace('<axis xyz="0 0 2"/>', "")
     document = parse_urdf(plain)
@@ -213,12 +251,7 @@ def test_documents_are_values():
 
 
 def test_long_chains():
-    links = "".join(f'<link name="l{i}"/>' for i in range(3001))
-    joints = "".join(
-        f'<joint name="j{i}" type="continuous"><parent link="l{i}"/><child link="l{i + 1}"/></joint>'
-        for i in range(3000)
-    )
-    assert len(parse_urdf(f'<robot name="r">{links}{joints}</robot>').joints) == 3000
+    assert model_from_urdf(parse_urdf(chain(1500, lambda i: None) + "</robot>")).nq == 1500
 
 
 def test_size_limit(tmp_path):

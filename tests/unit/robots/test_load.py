@@ -52,6 +52,9 @@ def test_by_file(file, monkeypatch):
     assert load_model(URDF).source is None
     assert load_model(file, root="free_flyer").nq == 8
     assert load_model(file, root="auto").nq == 1
+    assert load_model("\ufeff\n" + URDF) == model
+    (file.parent / "panda").write_text("not a robot")  # a file without an ending does not hide a name
+    assert load_model("panda", visuals="simple").nq == 7
 
 
 def test_visuals_of_files(file):
@@ -102,7 +105,7 @@ def test_unknown_names(no_packages):
         load_model("urdf:panda")
     with pytest.raises(MissingExtra):
         load_model("example-robot-data:panda")
-    with pytest.raises(MissingExtra):
+    with pytest.raises(ModelError, match="pip install robot_descriptions"):
         load_model("robot_descriptions:panda")
     with pytest.raises(FormatError, match="no such file"):
         load_model("pandaa.urdf")
