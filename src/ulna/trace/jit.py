@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+import llvmlite.binding as llvm
+
 from ulna.errors import CompileError
 from ulna.trace import cache as disk
 
@@ -46,19 +48,10 @@ class Target:
 
 
 @cache
-def _llvm() -> Any:
-    """llvmlite's binding, ready for this machine."""
-    import llvmlite.binding as llvm
-
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    return llvm
-
-
-@cache
 def target() -> Target:
     """This machine."""
-    llvm = _llvm()
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
     return Target(
         llvm.get_process_triple(),
         llvm.get_host_cpu_name(),
@@ -70,7 +63,7 @@ def target() -> Target:
 @cache
 def _machine() -> Any:
     t = target()
-    found = _llvm().Target.from_triple(t.triple)
+    found = llvm.Target.from_triple(t.triple)
     return found.create_target_machine(cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True)
 
 
@@ -86,7 +79,6 @@ def load(ir: str, names: tuple[str, ...]) -> Code:
             content = _machine().emit_object(_optimised(ir))
             disk.write(key, content)
         seconds = time.perf_counter() - start if fresh else 0.0
-        llvm = _llvm()
         engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_for_engine())
         engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(content))
         engine.finalize_object()
@@ -101,13 +93,12 @@ def load(ir: str, names: tuple[str, ...]) -> Code:
 def _machine_for_engine() -> Any:
     """A machine of its own for each engine, which takes it over."""
     t = target()
-    found = _llvm().Target.from_triple(t.triple)
+    found = llvm.Target.from_triple(t.triple)
     return found.create_target_machine(cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True)
 
 
 def _optimised(ir: str) -> Any:
     """The module after LLVM's level 1 pipeline; the graph is folded and shared already, and lanes are explicit."""
-    llvm = _llvm()
     try:
         module = llvm.parse_assembly(ir)
         module.verify()
