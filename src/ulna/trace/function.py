@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna import numeric
 from ulna.errors import InputError, ShapeError, TraceError
 from ulna.numeric import is_symbolic
 from ulna.trace.graph import Graph, Loop
@@ -174,10 +175,9 @@ def trace(
     single = not isinstance(returned, tuple)
     outputs, results = [], []
     for number, value in enumerate((returned,) if single else returned):
-        try:
-            array = np.asarray(value, dtype=object)
-        except ValueError as error:
-            raise TraceError(f"The function returned a ragged list; return a tuple of arrays. NumPy says: {error}") from None
+        array = np.asarray(value, dtype=object)
+        if any(isinstance(element, np.ndarray) for element in array.reshape(-1)):
+            raise TraceError("The function returned a list of arrays of different shapes; return a tuple of them.")
         outputs.append(Port("out" if single else f"out{number}", array.shape))
         results.extend(number_in(graph, element) for element in array.reshape(-1))
     title = name or getattr(f, "__name__", "function").strip("<>")
@@ -217,12 +217,52 @@ def copy_into(target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequen
 
 
 def _replay_on_objects(function: Function, flat: Sequence[Any]) -> list[Any]:
-    """Evaluates on symbols through the object arithmetic of NumPy."""
-    if any(op in (Op.LOOP, Op.SELECT, Op.MIN, Op.MAX, Op.LT, Op.LE, Op.EQ) for op in function.graph.op):
-        raise TraceError(f"{function.name} has branches or loops and cannot be replayed on {type(flat[0]).__name__}.")
-    cells = [np.array(v, dtype=object) for v in flat]
-    values = interpret(function.graph, cells, function.results)
-    return [v[()] if isinstance(v, np.ndarray) else v for v in values]
+    """Evaluates on symbols of another kind, such as SymPy's."""
+    graph = function.graph
+    values: dict[int, Any] = {}
+    for index in graph.live(function.results):
+        op, args, data = graph.op[index], graph.args[index], graph.data[index]
+        if op in (Op.LOOP, Op.ITEM):
+            raise TraceError(f"{function.name} has a loop and cannot be replayed on {type(flat[0]).__name__}.")
+        if op == Op.INPUT:
+            values[index] = flat[data]
+        else:
+            values[index] = data if op in (Op.CONST, Op.BOOL) else _on_symbols(op, [values[a] for a in args])
+    return [values[r] for r in function.results]
+
+
+def _on_symbols(op: int, args: Sequence[Any]) -> Any:
+    row = TABLE[op]
+    assert row.numpy is not None
+    if not is_symbolic(*args):
+        return row.numpy(*args)
+    if op in _PYTHON:
+        return _PYTHON[op](*args)
+    name = row.numpy.__name__
+    if op != Op.EQ and hasattr(args[0], name):
+        return getattr(args[0], name)(*args[1:])
+    import sympy
+
+    return getattr(sympy, _SYMPY.get(name, name))(*args)
+
+
+_PYTHON: dict[int, Callable[..., Any]] = {
+    Op.NEG: operator.neg,
+    Op.ABS: abs,
+    Op.ADD: operator.add,
+    Op.SUB: operator.sub,
+    Op.MUL: operator.mul,
+    Op.DIV: operator.truediv,
+    Op.LT: operator.lt,
+    Op.LE: operator.le,
+    Op.AND: operator.and_,
+    Op.OR: operator.or_,
+    Op.NOT: operator.invert,
+    Op.MIN: numeric.minimum,
+    Op.MAX: numeric.maximum,
+    Op.SELECT: numeric.where,
+}
+_SYMPY = {"arcsin": "asin", "arccos": "acos", "arctan2": "atan2", "equal": "Eq"}
 
 
 def _object_array(values: Sequence[Any]) -> Any:

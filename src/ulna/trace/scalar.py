@@ -90,8 +90,6 @@ class Condition(Value):
     def __invert__(self) -> Condition:
         return Condition(self.graph, self.graph.node(Op.NOT, self.index))
 
-    logical_not = __invert__
-
     def _where_(self, a: Any, b: Any) -> Any:
         """`a` where this holds, else `b`: the hook of numeric.where."""
         if isinstance(a, (Condition, bool, np.bool_)) and isinstance(b, (Condition, bool, np.bool_)):
