@@ -95,7 +95,12 @@ def servo(
     return Servoing(goal, recording, arrived, error, spent / max(len(recording), 1))
 
 
-def demo(headless: bool | None = None, output: str | None = None, port: int = 8080) -> Servoing:
+def demo(
+    headless: bool | None = None,
+    output: str | None = None,
+    port: int = 8080,
+    size: tuple[int, int] = (1600, 1000),
+) -> Servoing:
     """Show the Panda servoing to a goal.
 
     With a screen a page opens, the motion runs in real time, and the page stays open at the end for sliders
@@ -105,6 +110,7 @@ def demo(headless: bool | None = None, output: str | None = None, port: int = 80
         headless: Whether to do without a page; None decides by whether there is a screen.
         output: File of the picture. Without a screen "ulna-demo.png" when not given; with one, none.
         port: Port of the page.
+        size: Width and height of the picture [pixels].
     """
     from ulna.load import load
     from ulna.viewer.scene import Scene
@@ -117,7 +123,7 @@ def demo(headless: bool | None = None, output: str | None = None, port: int = 80
     if headless:
         result = servo(robot, start, goal)
         print(report(robot, result))
-        _picture(robot, start, result, output or "ulna-demo.png")
+        _picture(robot, start, result, output or "ulna-demo.png", size)
         return result
     scene = Scene()
     _set_up(scene, robot, start, goal)
@@ -127,14 +133,14 @@ def demo(headless: bool | None = None, output: str | None = None, port: int = 80
         page = show(robot, start, port=port, scene=scene, camera=_view(scene, 1.6, 0.06))
     except MissingExtra as error:
         print(f"{error} Going on without a page.")
-        return demo(True, output, port)
+        return demo(True, output, port, size)
     print(f"Servoing in the browser: {page.url}", flush=True)
     try:
         _wait_for_eyes(page)
         result = _perform(robot, start, goal, page)
         print(report(robot, result))
         if output is not None:
-            _picture(robot, start, result, output)
+            _picture(robot, start, result, output, size)
         page.hold()
     finally:
         page.close()
@@ -198,7 +204,7 @@ def _set_up(scene: Scene, robot: Any, start: Floats, goal: Floats) -> None:
     scene.add_robot(robot, start, name="start", rgba=_GHOST)
 
 
-def _picture(robot: Any, start: Floats, result: Servoing, output: str) -> Path:
+def _picture(robot: Any, start: Floats, result: Servoing, output: str, size: tuple[int, int]) -> Path:
     """The start as a ghost, the way of the tool, the goal and the robot at the end, into a PNG file."""
     from ulna.viewer.raster import render, write_png
     from ulna.viewer.scene import Scene
@@ -208,7 +214,7 @@ def _picture(robot: Any, start: Floats, result: Servoing, output: str) -> Path:
     scene.add_robot(robot, result.q)
     way = np.concatenate([np.asarray(robot.fk(start))[None, :3, 3], result.recording["T"][:, :3, 3]])
     scene.add_path("trace", way, _TRACE)
-    path = write_png(output, render(scene, camera=_view(scene, 1.25)))
+    path = write_png(output, render(scene, *size, camera=_view(scene, 1.25)))
     print(f"  {'picture':<10} {path}")
     return path
 

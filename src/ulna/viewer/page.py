@@ -153,7 +153,7 @@ class Page:
         """Call `function` on the thread of the page, 60 times a second, before poses are sent."""
         self._ticks.append(function)
 
-    # controls ------------------------------------------------------------------------------------------------
+    # controls -----------------------------------------------------------------------------------------------
 
     @contextlib.contextmanager
     def folder(self, label: str, open: bool = True) -> Iterator[None]:
@@ -227,7 +227,7 @@ class Page:
             self._events.pop(key, None)  # the newest only, and in the order of the newest
             self._events[key] = (function, value)
 
-    # the thread ----------------------------------------------------------------------------------------------
+    # the thread --------------------------------------------------------------------------------------------
 
     def _run(self) -> None:
         due = time.monotonic()

@@ -185,8 +185,10 @@ def _colours(
     rgba = triangles.rgba[seen]
     albedo = paint(rgba[:, :3])
     lit = shadows.lit(point, normal)
-    albedo, normal, towards_eye = (a.astype(np.float32) for a in (albedo, normal, towards_eye))
-    shaded = light.display(light.shade(albedo, normal, towards_eye, lit))
+    seen_as = light.shade(
+        albedo.astype(np.float32), normal.astype(np.float32), towards_eye.astype(np.float32), lit
+    )
+    shaded = light.display(seen_as)
     opacity = rgba[:, 3:]
     return np.concatenate([shaded * opacity, opacity], axis=1)
 

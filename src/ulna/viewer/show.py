@@ -156,7 +156,7 @@ class Show:
     def __repr__(self) -> str:
         return f"<page of {self.robot.name!r} at {self.url}>"
 
-    # the panel -----------------------------------------------------------------------------------------------
+    # the panel ----------------------------------------------------------------------------------------------
 
     def _build_panel(self) -> None:
         model, page = self.robot.model, self.page
@@ -205,7 +205,7 @@ class Show:
         extent = float(np.ptp(points, axis=0).max()) if len(points) else 1.0
         return float(np.clip(0.2 * extent, 0.05, 0.4))
 
-    # what happens on the thread of the page ------------------------------------------------------------------
+    # what happens on the thread of the page -----------------------------------------------------------------
 
     def _dragged(self, event: tuple[Floats, str]) -> None:
         pose, _ = event

@@ -81,7 +81,7 @@ def colour(value: Iterable[float]) -> RGBA:
     return (r, g, b, a)
 
 
-def unit(vectors: Floats) -> Floats:
+def unit(vectors: Array) -> Array:
     """Vectors of length 1 along `vectors`; those too short to have a direction become +z."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.where(length > 1e-300, vectors / np.maximum(length, 1e-300), (0.0, 0.0, 1.0))

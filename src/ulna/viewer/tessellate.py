@@ -93,7 +93,7 @@ def tube(points: ArrayLike, radius: float, rgba: RGBA, around: int = 8) -> Surfa
     if len(path) < 2:
         empty = np.zeros((0, 3))
         return Surface(empty, empty, empty, rgba)
-    tangent = unit(np.gradient(path, axis=0))
+    tangent = unit(np.asarray(np.gradient(path, axis=0)))
     # carry one normal along the path, so that the tube does not twist
     helper = np.eye(3)[np.argmin(np.abs(tangent[0]))]
     normal = np.empty_like(path)

@@ -56,9 +56,7 @@ def _cut(inside: Floats, outside: Floats, near: float) -> Floats:
     return inside + t[:, None] * (outside - inside)
 
 
-def rasterise(
-    points: Floats, nearness: Floats, owner: Array, width: int, height: int
-) -> tuple[Floats, Array]:
+def rasterise(points: Array, nearness: Array, owner: Array, width: int, height: int) -> tuple[Array, Array]:
     """The nearest triangle at every sample.
 
     Args:

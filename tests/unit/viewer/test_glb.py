@@ -1,0 +1,59 @@
+"""Surfaces as binary glTF: read back by the specification, and by trimesh."""
+
+import io
+import json
+import struct
+
+import numpy as np
+import pytest
+
+from ulna.geometry import Box, Sphere
+from ulna.viewer.glb import glb
+from ulna.viewer.tessellate import tessellate
+
+BOX = tessellate(Box((0.1, 0.2, 0.3)), (1.0, 0.0, 0.0, 1.0))
+BALL = tessellate(Sphere(0.2), (0.0, 0.0, 1.0, 0.4))
+
+
+def parts(content: bytes) -> tuple[dict, bytes]:
+    magic, version, length = struct.unpack_from("<4sII", content)
+    assert (magic, version, length) == (b"glTF", 2, len(content))
+    size, kind = struct.unpack_from("<II", content, 12)
+    assert (size % 4, kind) == (0, 0x4E4F534A)
+    document = json.loads(content[20 : 20 + size])
+    return document, content[28 + size :]
+
+
+def test_numbers_survive() -> None:
+    document, data = parts(glb([BOX, BALL]))
+    for primitive, surface in zip(document["meshes"][0]["primitives"], (BOX, BALL), strict=True):
+        for name, values in (("POSITION", surface.vertices), ("NORMAL", surface.normals)):
+            accessor = document["accessors"][primitive["attributes"][name]]
+            view = document["bufferViews"][accessor["bufferView"]]
+            found = np.frombuffer(data, "<f4", accessor["count"] * 3, view["byteOffset"]).reshape(-1, 3)
+            np.testing.assert_array_equal(found, values.astype(np.float32))
+        accessor = document["accessors"][primitive["indices"]]
+        view = document["bufferViews"][accessor["bufferView"]]
+        found = np.frombuffer(data, "<u4", accessor["count"], view["byteOffset"])
+        np.testing.assert_array_equal(found, surface.triangles.reshape(-1))
+    assert document["buffers"][0]["byteLength"] == len(data)
+
+
+def test_translucent_surfaces_say_so() -> None:
+    solid, ghost = parts(glb([BOX, BALL]))[0]["materials"]
+    assert "alphaMode" not in solid
+    assert ghost["alphaMode"] == "BLEND"
+    assert ghost["pbrMetallicRoughness"]["baseColorFactor"][3] == 0.4
+
+
+def test_nothing_is_still_a_file() -> None:
+    document, data = parts(glb([]))
+    assert document["scenes"] == [{"nodes": []}]
+    assert data == b""
+
+
+def test_another_reader_agrees() -> None:
+    trimesh = pytest.importorskip("trimesh")
+    scene = trimesh.load(io.BytesIO(glb([BOX, BALL])), file_type="glb", force="scene")
+    assert sorted(len(g.faces) for g in scene.geometry.values()) == sorted((12, len(BALL.triangles)))
+    np.testing.assert_allclose(scene.bounds, [(-0.2,) * 3, (0.2,) * 3], atol=1e-6)

@@ -1,0 +1,172 @@
+"""The scene: named nodes, one array of poses, robots that come in whole or not at all."""
+
+import threading
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ulna.errors import InputError, ModelWarning, NonFiniteError, ShapeError, UnknownName
+from ulna.geometry import Box, Geometry, Material, Mesh, Sphere
+from ulna.spatial import SE3
+from ulna.viewer.scene import Scene, link_surfaces
+from ulna.viewer.tessellate import tessellate
+
+
+def at(x: float, y: float = 0.0, z: float = 0.0) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+def three() -> Scene:
+    scene = Scene()
+    for k, name in enumerate("abc"):
+        scene.add(name, pose=at(k))
+    return scene
+
+
+def test_names_and_poses_keep_one_order() -> None:
+    scene = three()
+    assert scene.names == ("a", "b", "c")
+    np.testing.assert_array_equal(scene.poses[:, 0, 3], [0, 1, 2])
+
+
+def test_poses_are_written_by_rows() -> None:
+    scene = three()
+    scene.set_poses([at(7), at(8)], scene.rows(["c", "a"]))
+    np.testing.assert_array_equal(scene.poses[:, 0, 3], [8, 1, 7])
+    scene.set_pose("b", at(9))
+    assert scene.poses[1, 0, 3] == 9
+
+
+def test_what_is_read_is_a_copy() -> None:
+    scene = three()
+    scene.poses[:] = 0
+    assert scene.poses[1, 0, 3] == 1
+
+
+def test_adding_a_name_again_replaces_it_in_its_place() -> None:
+    scene = three()
+    scene.add("b", [tessellate(Sphere(0.1))], at(5))
+    assert scene.names == ("a", "b", "c")
+    assert scene.poses[1, 0, 3] == 5
+    assert len(scene.node("b").surfaces) == 1
+
+
+def test_a_node_takes_what_belongs_to_it_away() -> None:
+    scene = three()
+    scene.add("a/1", parent="a")
+    scene.add("a/1/x", parent="a/1")
+    scene.remove("a")
+    assert scene.names == ("b", "c")
+    np.testing.assert_array_equal(scene.poses[:, 0, 3], [1, 2])
+    assert scene.row("c") == 1
+
+
+def test_versions_tell_structure_from_motion() -> None:
+    scene = three()
+    structure, motion = scene.version
+    scene.set_pose("a", at(1))
+    assert scene.version == (structure, motion + 1)
+    scene.remove("a")
+    assert scene.version == (structure + 1, motion + 1)
+
+
+def test_mistakes_are_named() -> None:
+    scene = three()
+    with pytest.raises(UnknownName, match="No node named 'd'"):
+        scene.node("d")
+    with pytest.raises(UnknownName):
+        scene.add("x", parent="nobody")
+    with pytest.raises(InputError, match="not empty"):
+        scene.add("")
+    with pytest.raises(ShapeError):
+        scene.set_pose("a", np.eye(3))
+    with pytest.raises(NonFiniteError):
+        scene.add("x", pose=at(np.nan))
+    assert scene.names == ("a", "b", "c")
+
+
+def test_writers_and_a_reader_do_not_meet_half_way() -> None:
+    scene = three()
+    torn = []
+
+    def write(value: float) -> None:
+        for k in range(300):
+            scene.set_poses(np.broadcast_to(at(value + k), (3, 4, 4)))
+
+    writers = [threading.Thread(target=write, args=(v,)) for v in (0.0, 1000.0)]
+    for w in writers:
+        w.start()
+    while any(w.is_alive() for w in writers):
+        x = scene.poses[:, 0, 3]
+        if not (x == x[0]).all() and not np.array_equal(x, [0, 1, 2]):
+            torn.append(x)
+    for w in writers:
+        w.join()
+    assert not torn
+
+
+class Slider:
+    """A stand-in with the part of a robot that scenes use: two links, the second sliding along x."""
+
+    name = "slider"
+
+    def __init__(self, *visuals: Geometry) -> None:
+        links = (SimpleNamespace(name="base", visuals=()), SimpleNamespace(name="cart", visuals=visuals))
+        self.model = SimpleNamespace(links=links)
+
+    def link_poses(self, q: np.ndarray) -> np.ndarray:
+        return np.stack([np.eye(4), at(float(q[0]))])
+
+
+BALL = Geometry("ball", Sphere(0.1), SE3.trans(0, 0, 1), Material("red", (1.0, 0.0, 0.0, 1.0)))
+
+
+def test_a_robot_moves_and_goes_as_one() -> None:
+    scene = three()
+    robot = scene.add_robot(Slider(BALL), [0.5])
+    assert scene.names[3:] == ("slider/base", "slider/cart")
+    robot.move(np.array([2.0]))
+    assert scene.poses[scene.row("slider/cart"), 0, 3] == 2.0
+    scene.remove("a")  # rows change; the robot finds its own
+    robot.move(np.array([3.0]))
+    assert scene.poses[scene.row("slider/cart"), 0, 3] == 3.0
+    np.testing.assert_array_equal(scene.poses[:2, 0, 3], [1, 2])
+    robot.remove()
+    assert scene.names == ("b", "c")
+
+
+def test_visuals_are_placed_and_painted() -> None:
+    (surface,) = link_surfaces(Slider(BALL).model.links[1])
+    assert surface.rgba == (1.0, 0.0, 0.0, 1.0)
+    np.testing.assert_allclose((surface.vertices.max(axis=0) + surface.vertices.min(axis=0)) / 2, (0, 0, 1))
+    (ghost,) = link_surfaces(Slider(BALL).model.links[1], (0.0, 0.0, 1.0, 0.2))
+    assert ghost.rgba == (0.0, 0.0, 1.0, 0.2)
+
+
+def test_visuals_of_one_colour_are_joined() -> None:
+    box = Geometry("box", Box((1, 1, 1)), SE3.identity(), BALL.material)
+    (surface,) = link_surfaces(Slider(BALL, box).model.links[1])
+    assert len(surface.triangles) == 12 + len(tessellate(Sphere(0.1)).triangles)
+
+
+def test_a_mesh_that_cannot_be_read_is_left_out_with_a_warning(tmp_path) -> None:
+    pytest.importorskip("trimesh")
+    (tmp_path / "a.stl").write_text("no mesh")
+    broken = Geometry("shell", Mesh(str(tmp_path / "a.stl")))
+    with pytest.warns(ModelWarning, match="'cart' is drawn without a mesh"):
+        assert len(link_surfaces(Slider(BALL, broken).model.links[1])) == 1
+
+
+def test_a_missing_mesh_is_left_out_in_silence() -> None:
+    assert link_surfaces(Slider(Geometry("shell", Mesh("a.stl", missing=True))).model.links[1]) == ()
+    assert link_surfaces(Slider(Geometry("shell", Mesh(None))).model.links[1]) == ()
+
+
+def test_a_robot_that_cannot_be_shown_leaves_nothing_behind() -> None:
+    scene = Scene()
+    with pytest.raises(NonFiniteError):
+        scene.add_robot(Slider(BALL), [np.nan])
+    assert scene.names == ()
