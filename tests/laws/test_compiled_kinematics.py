@@ -99,9 +99,9 @@ BUDGET = {
     "pose": 150,
     "jacobian": 190,
     "jacobian local": 175,
-    "velocity": 295,
+    "velocity": 260,
     "jacobian dot": 420,
-    "acceleration": 400,
+    "acceleration": 375,
     "manipulability": 320,
 }
 

@@ -59,7 +59,7 @@ def joint_jacobians(model: Model, q: Array) -> Array:
     """The columns of all joints in the reference "world", shape (..., 6, nv).
 
     The columns of the joints that a frame stands on, the others set to zero, are its Jacobian in that
-    reference.
+    reference; but the columns of mimic joints are added to their source's, wherever they stand.
 
     Args:
         model: The robot.
@@ -99,7 +99,7 @@ def local_columns(tree: Sequence[Step], q: Array, placement: SE3) -> list[Column
             for index, S in zip(step.indices, step.subspace(), strict=True)
         ]
         if step.parent >= 0:
-            T_step_frame = step.inward(T_step_frame, q)
+            T_step_frame = step.pose_in_parent(T_step_frame, q)
     return sorted(columns, key=lambda column: column.order)
 
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ulna.algorithms.references import Reference, check_reference, in_reference
+from ulna.algorithms.references import Reference, check_reference, in_reference, relevant_placement
 from ulna.algorithms.tree import Step, chain, outward, poses, spread_motion, spread_pose, steps, tip_pose
 from ulna.model import Frame, Model
 from ulna.numeric import cross
@@ -92,8 +92,9 @@ def frame_velocity(
     tree = chain(model, frame)
     if not tree:
         return spread_motion(Motion.zero(), q, v)
-    local = frame.placement.act_inverse(_velocities(tree, q, v)[-1])
-    return spread_motion(in_reference(local, tip_pose(tree, q, frame.placement), reference), q, v)
+    placement = relevant_placement(frame.placement, reference)
+    V = placement.act_inverse(_velocities(tree, q, v)[-1])
+    return spread_motion(in_reference(V, tip_pose(tree, q, placement), reference), q, v)
 
 
 def frame_acceleration(
@@ -107,15 +108,14 @@ def frame_acceleration(
 ) -> Motion:
     """The acceleration of a frame [m/s^2, rad/s^2], without gravity.
 
-    The derivatives of the twist's components are the spatial acceleration in the references "world" and
-    "local", and the classical acceleration in "local_world_aligned": there J a + (dJ/dt) v is what this
-    returns.
+    With the Jacobian of the same reference, J a + (dJ/dt) v is the spatial acceleration in "world" and
+    "local", and the classical one in "local_world_aligned".
 
     Args:
         model: The robot.
         q: Configuration, shape (..., nq).
         v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv); None for zero, which leaves (dJ/dt) v.
+        a: Acceleration, shape (..., nv); None for zero.
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
         classical: Whether the linear part is the acceleration of the body's point at the origin, instead of
@@ -126,20 +126,23 @@ def frame_acceleration(
     tree = chain(model, frame)
     if not tree:
         return spread_motion(Motion.zero(), *inputs)
-    velocities = _velocities(tree, q, v)
-    A = Motion.zero()
-    for step, V in zip(tree, velocities, strict=True):
-        A = step.carry(A, q) + V.cross(step.motion(v))
-        if a is not None:
-            A = A + step.motion(a)
-    V, A = (frame.placement.act_inverse(m) for m in (velocities[-1], A))
-    T = tip_pose(tree, q, frame.placement)
-    if reference == "world":
-        V, A = T.act(V), T.act(A)
-    if classical:
+
+    def advance(step: Step, before: tuple[Motion, Motion]) -> tuple[Motion, Motion]:
+        own = step.motion(v)
+        V = step.carry(before[0], q) + own
+        A = step.carry(before[1], q) + V.cross(own)
+        return V, A if a is None else A + step.motion(a)
+
+    V, A = outward(tree, (Motion.zero(), Motion.zero()), advance)[-1]
+    placement = relevant_placement(frame.placement, reference)
+    V, A = placement.act_inverse(V), placement.act_inverse(A)
+    T = tip_pose(tree, q, placement)
+    if classical and reference != "world":  # the frame's axes do as well as the world's, and cost less
         A = Motion(A.linear + cross(V.angular, V.linear), A.angular)
-    if reference == "local_world_aligned":
-        A = in_reference(A, T, reference)
+    A = in_reference(A, T, reference)
+    if classical and reference == "world":
+        V = in_reference(V, T, reference)
+        A = Motion(A.linear + cross(V.angular, V.linear), A.angular)
     return spread_motion(A, *inputs)
 
 

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias, get_args
 
+import numpy as np
+
 from ulna.errors import UnknownName
 from ulna.numeric import apply
 from ulna.spatial import SE3, Motion
@@ -24,8 +26,15 @@ def check_reference(reference: str) -> None:
         raise UnknownName("reference", reference, get_args(Reference))
 
 
+def relevant_placement(placement: SE3, reference: Reference) -> SE3:
+    """The part of a frame's placement on its body that the frame's twist in `reference` depends on."""
+    if reference == "world":
+        return SE3.identity()
+    return placement if reference == "local" else SE3(np.eye(3), placement.translation)
+
+
 def in_reference(local: Motion, T_world_frame: SE3, reference: Reference) -> Motion:
-    """A twist written in its own frame, rewritten in `reference`."""
+    """A twist written in the frame itself, rewritten in `reference`."""
     if reference == "local":
         return local
     if reference == "world":

@@ -69,13 +69,13 @@ class Step:
         """J(q)."""
         return self.kind.transform(self.joint.q_of(q)[..., self.start_q : self.start_q + self.kind.nq])
 
-    def outward(self, T: SE3 | None, q: Array) -> SE3:
-        """T P J(q): the pose of the moving frame, from the pose T of the parent's; None is the world's."""
+    def pose(self, T: SE3 | None, q: Array) -> SE3:
+        """T P J(q): the pose of the moving frame, where T is that of the parent's; None for the world's."""
         fixed = self.placement if T is None else T @ self.placement
         return fixed @ self.transform(q)
 
-    def inward(self, T: SE3, q: Array) -> SE3:
-        """P J(q) T: a pose known in the moving frame, in the parent's moving frame."""
+    def pose_in_parent(self, T: SE3, q: Array) -> SE3:
+        """P J(q) T: a pose T in the moving frame, seen from the parent's moving frame."""
         return self.placement @ (self.transform(q) @ T)
 
     def carry(self, motion: Motion, q: Array) -> Motion:
@@ -137,7 +137,7 @@ def inward(tree: Sequence[Step], values: Sequence[Any], f: Callable[[Step, Any],
 def poses(tree: Sequence[Step], q: Array) -> list[SE3]:
     """T of every step."""
     root: Any = None
-    return outward(tree, root, lambda step, T: step.outward(T, q))
+    return outward(tree, root, lambda step, T: step.pose(T, q))
 
 
 def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
