@@ -1,8 +1,7 @@
 """Forward and reverse derivatives, from graph to graph, with the partials of the table of operations.
 
 Both sweeps work on a copy of the function's graph, so shared subexpressions of value and derivative are computed
-once. A `where` passes the derivative of the branch that is taken; the other branch must still have a finite value,
-as its partials may meet 0 * inf. Reference: Griewank and Walther 2008, chapters 3.1 and 3.2.
+once. A `where` passes the derivative of the branch that is taken, whatever the other one is. Reference: Griewank and Walther 2008, chapters 3.1 and 3.2.
 """
 
 from __future__ import annotations
@@ -94,36 +93,57 @@ def _forward(g: Graph, tangents: dict[int, int], outputs: Sequence[int]) -> list
 
 
 def _reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) -> list[int]:
-    """Cotangents of `inputs` where output y has cotangent `seed`."""
-    bar: dict[int, Any] = {}
+    """Cotangents of `inputs` where output y has cotangent `seed`.
 
-    def accumulate(index: int, value: Any) -> None:
-        bar[index] = bar[index] + value if index in bar else value
+    A cotangent that came through one side of a `where` carries the condition and is set to zero only where it meets
+    others: multiplied as zero by the partials of the side not taken it could become nan, which are inf or nan there.
+    """
+    bar: dict[int, tuple[Any, Condition | None]] = {}
+
+    def held(value: Any, condition: Condition | None) -> Any:
+        return value if condition is None else condition._where_(value, 0.0)
+
+    def accumulate(index: int, value: Any, condition: Condition | None) -> None:
+        if index not in bar:
+            bar[index] = value, condition
+            return
+        other, its_condition = bar[index]
+        if _same(condition, its_condition):
+            bar[index] = other + value, condition
+            return
+        either = None if condition is None or its_condition is None else its_condition | condition
+        if either is not None and g.op[either.index] == Op.BOOL:  # c or not c
+            either = None
+        bar[index] = held(other, its_condition) + held(value, condition), either
 
     order = g.live([y for y, _ in seeds])
     for y, seed in seeds:
-        accumulate(y, Scalar(g, seed))
+        accumulate(y, Scalar(g, seed), None)
     reached = set(inputs)
     for index in order:  # only nodes that depend on the inputs carry a cotangent
         if any(a in reached for a in g.args[index]):
             reached.add(index)
     for index in reversed(order):
-        if index not in bar or index not in reached or index in inputs:
+        if index not in bar or index not in reached or g.op[index] == Op.INPUT:
             continue
+        value, condition = bar[index]
         if g.op[index] == Op.SELECT:
             c, a, b = g.args[index]
-            condition = Condition(g, c)
-            if a in reached:
-                accumulate(a, condition._where_(bar[index], 0.0))
-            if b in reached:
-                accumulate(b, condition._where_(0.0, bar[index]))
+            here = Condition(g, c)
+            for x, side in ((a, here), (b, ~here)):
+                if x in reached:
+                    accumulate(x, value, side if condition is None else condition & side)
             continue
         for position, a in enumerate(g.args[index]):
             if a in reached:
                 partial = _partial(g, index, position)
                 if partial is not None:
-                    accumulate(a, bar[index] * partial)
-    return [index_in(g, bar.get(x, 0.0)) for x in inputs]
+                    accumulate(a, value * partial, condition)
+    return [index_in(g, held(*bar[x]) if x in bar else 0.0) for x in inputs]
+
+
+def _same(a: Condition | None, b: Condition | None) -> bool:
+    return a is b if a is None or b is None else a.index == b.index
 
 
 def _partial(g: Graph, index: int, position: int) -> Any:

@@ -158,6 +158,8 @@ def _and(g: Graph, a: int, b: int) -> int | None:
     for x, y in ((a, b), (b, a)):
         if g.op[y] == Op.BOOL:
             return x if g.data[y] else y
+        if g.op[y] == Op.NOT and g.args[y][0] == x:
+            return g.truth(False)
     return _idempotent(g, a, b)
 
 
@@ -165,6 +167,8 @@ def _or(g: Graph, a: int, b: int) -> int | None:
     for x, y in ((a, b), (b, a)):
         if g.op[y] == Op.BOOL:
             return y if g.data[y] else x
+        if g.op[y] == Op.NOT and g.args[y][0] == x:
+            return g.truth(True)
     return _idempotent(g, a, b)
 
 

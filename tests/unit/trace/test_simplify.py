@@ -37,6 +37,7 @@ CONDITIONS: list[Term] = [
     (False,),
     *((op, a, b) for op in (Op.LT, Op.LE, Op.EQ) for a in (X, Y) for b in (X, Y)),
     (Op.NOT, (Op.LT, X, Y)),
+    (Op.NOT, (Op.EQ, X, Y)),
     (Op.LT, X, (0.0,)),
     (Op.LE, (-0.0,), X),
 ]
@@ -87,10 +88,11 @@ def shown(term: Term) -> str:
 
 @pytest.mark.parametrize("terms", [all_terms, all_conditions])
 def test_exact_rules_hold_bit_for_bit(terms):
-    g = new_graph(relaxed=False)
     x, y = grid(2)
     wrong = []
-    for term in terms():
+    for number, term in enumerate(terms()):
+        if number % 50 == 0:  # a small graph is quick to walk, and its nodes are still shared
+            g = new_graph(relaxed=False)
         expected = evaluate(term, x, y)
         (got,) = interpret(g, [x, y], [build(g, term)])
         good = same_bits(got, expected)
@@ -104,10 +106,11 @@ def test_exact_rules_hold_bit_for_bit(terms):
 
 @pytest.mark.parametrize("terms", [all_terms, all_conditions])
 def test_relaxed_rules_hold_for_finite_numbers_up_to_the_sign_of_zero(terms):
-    g = new_graph(relaxed=True)
     x, y = grid(2, [v for v in SPECIAL if np.isfinite(v)])
     wrong = []
-    for term in terms():
+    for number, term in enumerate(terms()):
+        if number % 50 == 0:
+            g = new_graph(relaxed=True)
         parts = [np.broadcast_to(np.asarray(evaluate(t, x, y), float), x.shape) for t in term[1:]]
         expected = np.asarray(evaluate(term, x, y), float)
         counts = np.isfinite(expected) & np.logical_and.reduce([np.isfinite(p) for p in parts])
