@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 
-from ulna.formats.markup import Node, parse_markup, read_file
+from ulna.formats.markup import parse_markup, read_file
+from ulna.formats.node import Node
 
 
 @dataclass(frozen=True)

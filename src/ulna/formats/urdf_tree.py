@@ -1,0 +1,107 @@
+"""Checks how the joints of a URDF fit together: one tree, one root, mimic joints that lead somewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from ulna.formats.node import Node, nearest
+from ulna.formats.urdf_document import UrdfJoint, UrdfLink
+
+ONE_NUMBER = ("revolute", "continuous", "prismatic")
+"""The joint types with one coordinate."""
+
+
+def check_mimics(joints: dict[str, UrdfJoint], nodes: dict[str, Node]) -> None:
+    """Drop, with a warning, what cannot be followed (other readers drop it silently); refuse rings."""
+    for joint in list(joints.values()):
+        problem = _mimic_problem(joint, joints)
+        if problem:
+            if joint.kind != "fixed":
+                nodes[joint.name].warn(f"{problem}; it moves on its own")
+            joints[joint.name] = replace(joint, mimic=None)
+    harmless: set[str] = set()
+    for joint in joints.values():
+        seen = {joint.name: None}
+        leader = joint.mimic
+        while leader is not None and leader.joint not in harmless:
+            if leader.joint in seen:
+                ring = " -> ".join([*seen, leader.joint])
+                nodes[joint.name].fail(f"it mimics itself: {ring}.", "One joint of the ring must be free.")
+            seen[leader.joint] = None
+            leader = joints[leader.joint].mimic
+        harmless.update(seen)
+
+
+def _mimic_problem(joint: UrdfJoint, joints: dict[str, UrdfJoint]) -> str:
+    if joint.mimic is None:
+        return ""
+    if joint.kind not in ONE_NUMBER:
+        return f"a {joint.kind} joint cannot mimic another"
+    leader = joints.get(joint.mimic.joint)
+    if leader is None:
+        hint = nearest(joint.mimic.joint, joints, "; did you mean {}?")
+        return f"it mimics {joint.mimic.joint!r}, and there is no such joint{hint}"
+    if leader.kind not in ONE_NUMBER:
+        return f"it mimics {leader.name!r}, which is {leader.kind}"
+    return ""
+
+
+def check_tree(
+    links: dict[str, UrdfLink], joints: dict[str, UrdfJoint], nodes: dict[str, Node], root: Node
+) -> str:
+    """Check that the joints make one tree; the name of its root link."""
+    parent_of: dict[str, UrdfJoint] = {}
+    for joint in joints.values():
+        node = nodes[joint.name]
+        if joint.child in parent_of:
+            first = parent_of[joint.child].name
+            node.fail(
+                f"link {joint.child!r} already has a parent, through joint {first!r}.",
+                "A URDF is a tree; close a loop outside it.",
+            )
+        if joint.child == joint.parent:
+            node.fail(f"it joins link {joint.child!r} to itself.")
+        parent_of[joint.child] = joint
+    tops = [name for name in links if name not in parent_of]
+    if not tops:
+        joint = next(iter(joints.values()))
+        nodes[joint.name].fail(
+            f"the joints form a loop: {_loop(joint.child, parent_of)}.", "One link must be nobody's child."
+        )
+    if len(tops) > 1:
+        shown = ", ".join(repr(t) for t in tops[:6]) + (", ..." if len(tops) > 6 else "")
+        root.fail(
+            f"there are {len(tops)} links without a parent: {shown}; expected one.",
+            f"Join them, for example by a fixed joint from {tops[0]!r} to {tops[1]!r}.",
+        )
+    stray = _unreached(tops[0], links, joints.values())
+    if stray:
+        nodes[parent_of[stray].name].fail(
+            f"the joints form a loop: {_loop(stray, parent_of)}.",
+            f"Nothing joins it to the root link {tops[0]!r}.",
+        )
+    return tops[0]
+
+
+def _unreached(top: str, links: Iterable[str], joints: Iterable[UrdfJoint]) -> str | None:
+    below: dict[str, list[str]] = {}
+    for joint in joints:
+        below.setdefault(joint.parent, []).append(joint.child)
+    reached, waiting = {top}, [top]
+    while waiting:
+        for child in below.get(waiting.pop(), ()):
+            reached.add(child)
+            waiting.append(child)
+    return next((name for name in links if name not in reached), None)
+
+
+def _loop(link: str, parent_of: dict[str, UrdfJoint]) -> str:
+    seen: dict[str, None] = {}
+    while link not in seen:
+        seen[link] = None
+        link = parent_of[link].parent
+    walk = list(seen)
+    ring = [*walk[walk.index(link) :], link]
+    ring = ring if len(ring) < 8 else [*ring[:6], "...", ring[-1]]
+    return " <- ".join(ring)
