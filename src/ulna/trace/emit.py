@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import product
 
 import numpy as np
 
+from ulna.trace.elementary import OPERATIONS, elementary_ir
 from ulna.trace.function import Function
 from ulna.trace.graph import Graph, Loop
 from ulna.trace.irtext import DType, IRFunction, Lanes
@@ -21,6 +23,7 @@ from ulna.trace.ops import TABLE, Op
 from ulna.trace.sincos import sincos_ir
 
 _BYTES = {"double": 8, "float": 4}
+_sincos_ir, _elementary_ir = cache(sincos_ir), cache(elementary_ir)  # the same text for every node
 
 
 @dataclass
@@ -113,6 +116,10 @@ class _Body:
             return f"select {lay.truth} {x[0]}, {lay.real} {x[1]}, {lay.real} {x[2]}"
         if op in (Op.AND, Op.OR):
             return f"{word} {lay.truth} {x[0]}, {x[1]}"
+        if (name := TABLE[op].op.name.lower()) in OPERATIONS:
+            code = _elementary_ir(name, lay.lanes, lay.dtype)
+            self.module.use(code)
+            return f"call {lay.real} @{code.name}({', '.join(f'{lay.real} {v}' for v in x)})"
         if word.startswith("@"):
             name = f"@llvm.{word[1:]}.{lay.suffix}"
             self.module.declare(f"declare {lay.real} {name}({', '.join([lay.real] * len(x))})")
@@ -125,7 +132,7 @@ class _Body:
         packed = self.layout.lanes == 1 and len(arguments) > 1
         width = self.layout.lanes if not packed else 1 << (len(arguments) - 1).bit_length()
         lay = Lanes(width, self.layout.dtype)
-        code = sincos_ir(width, lay.dtype)
+        code = _sincos_ir(width, lay.dtype)
         self.module.use(code)
         if packed:
             x = "poison"

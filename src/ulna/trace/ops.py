@@ -59,7 +59,7 @@ class Row:
     op: Op
     arity: int
     numpy: Callable[..., Any] | None = None
-    llvm: str = ""  # an instruction on two values, or "@name" for the intrinsic llvm.name
+    llvm: str = ""  # an instruction on two values, or "@name" for the intrinsic llvm.name; else `emit` knows
     partials: tuple[Partial | None, ...] = ()  # None where the derivative is zero almost everywhere
     commutes: bool = False
     is_condition: bool = False
@@ -79,11 +79,11 @@ _ROWS = (
     Row(Op.SQRT, 1, np.sqrt, "@sqrt", (lambda a, y: _half(y),)),
     Row(Op.SIN, 1, np.sin, "", (lambda a, y: a.cos(),)),
     Row(Op.COS, 1, np.cos, "", (lambda a, y: -a.sin(),)),
-    Row(Op.TAN, 1, np.tan, "@tan", (lambda a, y: 1.0 + y * y,)),
-    Row(Op.ASIN, 1, np.arcsin, "@asin", (lambda a, y: 1.0 / (1.0 - a * a).sqrt(),)),
-    Row(Op.ACOS, 1, np.arccos, "@acos", (lambda a, y: -1.0 / (1.0 - a * a).sqrt(),)),
-    Row(Op.EXP, 1, np.exp, "@exp", (lambda a, y: y,)),
-    Row(Op.LOG, 1, np.log, "@log", (lambda a, y: 1.0 / a,)),
+    Row(Op.TAN, 1, np.tan, "", (lambda a, y: 1.0 + y * y,)),
+    Row(Op.ASIN, 1, np.arcsin, "", (lambda a, y: 1.0 / (1.0 - a * a).sqrt(),)),
+    Row(Op.ACOS, 1, np.arccos, "", (lambda a, y: -1.0 / (1.0 - a * a).sqrt(),)),
+    Row(Op.EXP, 1, np.exp, "", (lambda a, y: y,)),
+    Row(Op.LOG, 1, np.log, "", (lambda a, y: 1.0 / a,)),
     Row(Op.FLOOR, 1, np.floor, "@floor", (None,)),
     Row(Op.ADD, 2, np.add, "fadd", (lambda a, b, y: 1.0, lambda a, b, y: 1.0), commutes=True),
     Row(Op.SUB, 2, np.subtract, "fsub", (lambda a, b, y: 1.0, lambda a, b, y: -1.0)),
@@ -109,7 +109,7 @@ _ROWS = (
         Op.ATAN2,
         2,
         np.arctan2,
-        "@atan2",
+        "",
         (lambda a, b, y: b / (a * a + b * b), lambda a, b, y: -(a / (a * a + b * b))),
     ),
     Row(Op.LT, 2, np.less, "fcmp olt", (None, None), is_condition=True),
