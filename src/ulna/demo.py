@@ -35,7 +35,7 @@ class Servoing:
         recording: Times, configurations ("q"), velocities ("v") and tool poses ("T"), one row a step; a
             step's row holds what it led to.
         arrived: Whether the goal was reached.
-        error: The error that the last step saw, as `p_servo` measures it: sum of absolute values [m and rad].
+        error: What is left over, as `p_servo` measures it: sum of absolute errors [m and rad].
         seconds_a_step: How long computing a step took, on average [s].
     """
 
@@ -81,7 +81,7 @@ def servo(
         each_step: Called with the time and the configuration after each step; it may return False to stop.
     """
     recording = Recording()
-    arrived, spent, v = False, 0.0, np.zeros(6)
+    arrived, spent = False, 0.0
     while not arrived and len(recording) * dt < _PATIENCE:
         began = time.perf_counter()
         v, arrived = p_servo(robot.fk(q), goal, gain, threshold)
@@ -91,7 +91,7 @@ def servo(
         recording.add((len(recording) + 1) * dt, q, v=velocity, T=robot.fk(q))
         if each_step is not None and each_step(recording.t[-1], q) is False:
             break
-    error = float(np.abs(v / gain).sum())
+    error = float(np.abs(p_servo(robot.fk(q), goal)[0]).sum())
     return Servoing(goal, recording, arrived, error, spent / max(len(recording), 1))
 
 

@@ -20,10 +20,13 @@ def p_servo(
 ) -> tuple[Floats, bool]:
     """The twist that leads from one pose towards another, in proportion to what lacks.
 
-    The error is that of the goal as seen from the frame, T^-1 T_goal: its position, and its rotation as
-    roll, pitch, yaw ("rpy": the angles about the fixed x, y, z axes with R = Rz(yaw) Ry(pitch) Rx(roll)) or
-    as rotation vector ("angle-axis"). The twist belongs with the Jacobian in the frame's own axes, reference
-    "local".
+    The method says how the error is expressed, and in whose axes; these meanings are those of the Robotics Toolbox.
+
+    - "rpy": of the goal as seen from the frame, T^-1 T_goal, the position and roll, pitch, yaw (the angles about the
+      fixed x, y, z axes, R = Rz(yaw) Ry(pitch) Rx(roll)), in the frame's own axes. The twist belongs with the
+      Jacobian of reference "local".
+    - "angle-axis": the difference of the positions and the rotation vector of R_goal R^T, in the axes of the world.
+      The twist belongs with the Jacobian of reference "local_world_aligned".
 
     Args:
         T: Where the frame is, T_world_frame, shape (4, 4).
@@ -31,7 +34,7 @@ def p_servo(
         gain: Gain [1/s], one or six of them: along x, y, z and about them.
         threshold: The goal counts as reached when the absolute values of the error add up to less [m and
             rad].
-        method: How the rotation error is expressed.
+        method: How the error is expressed: "rpy" or "angle-axis".
 
     Returns:
         The twist, linear part first, shape (6,) [m/s, rad/s], and whether the goal is reached.
@@ -41,9 +44,7 @@ def p_servo(
         NonFiniteError: A pose or the gain holds nan or inf.
         UnknownName: There is no such method.
 
-    Source: Corke, "Robotics, Vision and Control", 2023, section 15.1 (position-based servoing); with method
-        "rpy" the
-    same numbers as `p_servo` of the Robotics Toolbox.
+    Source: Corke, "Robotics, Vision and Control", 2023, section 15.1.
     """
     here, there = _pose("T", T), _pose("T_goal", T_goal)
     factors = np.asarray(gain, dtype=float)
@@ -51,15 +52,14 @@ def p_servo(
         raise ShapeError("gain", factors.shape, "one number or (6,)")
     if not np.isfinite(factors).all():
         raise InputError(f"`gain` is {gain}; expected finite numbers [1/s].")
-    turn = here[:3, :3].T
-    rotation = turn @ there[:3, :3]
     if method == "rpy":
-        angles = matrix_to_rpy(rotation)
+        turn = here[:3, :3].T
+        place, angles = turn @ (there[:3, 3] - here[:3, 3]), matrix_to_rpy(turn @ there[:3, :3])
     elif method == "angle-axis":
-        angles = so3_log(rotation)
+        place, angles = there[:3, 3] - here[:3, 3], so3_log(there[:3, :3] @ here[:3, :3].T)
     else:
         raise UnknownName("method", method, ("rpy", "angle-axis"))
-    error = np.concatenate([turn @ (there[:3, 3] - here[:3, 3]), angles])
+    error = np.concatenate([place, angles])
     return factors * error, bool(np.abs(error).sum() < threshold)
 
 

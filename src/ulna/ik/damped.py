@@ -20,6 +20,9 @@ from ulna.spatial import so3_log
 from ulna.typing import ArrayLike, Floats
 
 
+_HALVINGS = 6
+
+
 class DampedStep(NamedTuple):
     """What a step led to.
 
@@ -59,31 +62,46 @@ def damped_step(
     goal = np.asarray(T_goal, dtype=float)
     if goal.shape != (4, 4):
         raise ShapeError("T_goal", goal.shape, "(4, 4), a pose in the world")
-    pose = robot.fk(q, frame)
-    jacobian = robot.jacobian(q, frame, "local_world_aligned")
     weight = np.repeat((1.0, rotation_weight), 3)
-    position, rotation = goal[:3, 3] - pose[:3, 3], so3_log(goal[:3, :3] @ pose[:3, :3].T)
-    error = np.concatenate([position, rotation]) * weight
-    lower, upper = robot.model.lower_position, robot.model.upper_position
+    error = _error(robot.fk(q, frame), goal)
+    weighted = weight * error
+    here = float(weighted @ weighted)
     joints = [j for j in robot.model.joints if j.mimic is None and j.kind.nq == 1 and j.kind.nv == 1]
-    at_q, at_v = (
-        np.array([j.idx_q for j in joints], dtype=int),
-        np.array([j.idx_v for j in joints], dtype=int),
-    )
-    columns = jacobian[:, at_v] * weight[:, None]
-    low, high = lower[at_q] - q[at_q], upper[at_q] - q[at_q]
-    step = np.zeros(len(joints))
-    free = np.ones(len(joints), dtype=bool)
-    square = damping**2 + 0.1 * float(error @ error)
-    for _ in range(len(joints) + 1):
-        rest = error - columns[:, ~free] @ step[~free]
+    at_q = np.array([j.idx_q for j in joints], dtype=int)
+    at_v = np.array([j.idx_v for j in joints], dtype=int)
+    lower, upper = robot.model.lower_position[at_q], robot.model.upper_position[at_q]
+    columns = robot.jacobian(q, frame, "local_world_aligned")[:, at_v] * weight[:, None]
+    step = _solve(columns, weighted, damping**2 + 0.1 * here, lower - q[at_q], upper - q[at_q], largest)
+    out = q
+    for _ in range(_HALVINGS):  # far from straight, near the edge of reach, a whole step may lead away
+        trial = q.copy()
+        trial[at_q] = np.clip(q[at_q] + step, lower, upper)
+        there = weight * _error(robot.fk(trial, frame), goal)
+        if float(there @ there) < here:
+            out = trial
+            break
+        step = 0.5 * step
+    return DampedStep(out, float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:])))
+
+
+def _error(pose: Floats, goal: Floats) -> Floats:
+    return np.concatenate([goal[:3, 3] - pose[:3, 3], so3_log(goal[:3, :3] @ pose[:3, :3].T)])
+
+
+def _solve(
+    columns: Floats, error: Floats, damping: float, low: Floats, high: Floats, largest: float
+) -> Floats:
+    """The damped step within bounds: joints that would leave them stay there, the others take their part over."""
+    step = np.zeros(columns.shape[1])
+    free = np.ones(len(step), dtype=bool)
+    for _ in range(len(step) + 1):
         part = columns[:, free]
-        move = part.T @ np.linalg.solve(part @ part.T + square * np.eye(6), rest)
+        rest = error - columns[:, ~free] @ step[~free]
+        move = part.T @ np.linalg.solve(part @ part.T + damping * np.eye(6), rest)
         step[free] = move * min(1.0, largest / max(float(np.abs(move).max(initial=0.0)), 1e-300))
         out = free & ((step < low) | (step > high))
         if not out.any():
             break
         step[out] = np.clip(step[out], low[out], high[out])
         free &= ~out
-    q[at_q] = np.clip(q[at_q] + step, lower[at_q], upper[at_q])
-    return DampedStep(q, float(np.linalg.norm(position)), float(np.linalg.norm(rotation)))
+    return step

@@ -1,0 +1,174 @@
+"""The command `ulna`: what it says, what it writes, and errors of one line."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ulna import cli
+from ulna.cli import main
+from ulna.errors import InputError
+
+
+@pytest.fixture
+def headless(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    monkeypatch.setenv("ULNA_HEADLESS", "1")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    from ulna.viewer import raster
+
+    render = raster.render
+    monkeypatch.setattr(raster, "render", lambda scene, *_, **__: render(scene, 64, 40))
+
+
+def test_help_of_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    for command in ("list", "info", "show", "demo", "cache"):
+        with pytest.raises(SystemExit) as end:
+            main([command, "--help"])
+        assert end.value.code == 0
+        assert command in capsys.readouterr().out
+
+
+def test_without_a_command_it_tells_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    said = capsys.readouterr().out
+    for command in ("list", "info", "show", "demo", "cache"):
+        assert command in said
+
+
+def test_list(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    assert "panda" in capsys.readouterr().out
+    assert main(["list", "universal", "UR5"]) == 0
+    said = capsys.readouterr().out
+    assert "ur5" in said
+    assert "Franka" not in said
+
+
+def test_info(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", "panda"]) == 0
+    said = capsys.readouterr().out
+    for words in ("panda_joint4", "panda_hand_tcp", "qr"):
+        assert words in said
+
+
+def test_show_writes_a_picture(
+    headless: Path, small_pictures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["show", "panda", "--headless", "--output", "x/p.png", "--q", "qz"]) == 0
+    assert (headless / "x" / "p.png").read_bytes().startswith(b"\x89PNG")
+    assert main(["show", "ur5", "--headless", "--q", "0", "-1", "1", "0", "0", "-.5"]) == 0
+    assert (headless / "ulna-ur5.png").is_file()
+    assert str(Path("ulna-ur5.png")) in capsys.readouterr().out
+
+
+def test_show_does_not_wait_where_nobody_can_look(
+    headless: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("viser")
+    assert main(["show", "ur5", "--port", "0"]) == 0
+    said = capsys.readouterr().out
+    assert "Nobody can look" in said
+    assert "--headless" in said
+
+
+def test_the_cache_is_told_about_and_cleared(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "kernels"))
+    assert main(["cache"]) == 0
+    assert "0 kernels" in capsys.readouterr().out
+    assert main(["cache", "--clear"]) == 0
+    assert "Removed 0 kernels" in capsys.readouterr().out
+    monkeypatch.setenv("ULNA_CACHE", "0")
+    assert main(["cache"]) == 0
+    assert "off" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["info", "pandda"], "'panda'"),
+        (["info", "nowhere.urdf"], "nowhere.urdf"),
+        (["list", "zzzz"], "zzzz"),
+        (["show", "panda", "--headless", "--q", "1", "2"], "expected (7,)"),
+        (["show", "panda", "--headless", "--q", "qx"], "'qr'"),
+        (["show", "panda", "--headless", "--q", "1", "x", "2"], "'x'"),
+        (["show", "panda", "--headless", "--q", "nan", *"000000"], "nan"),
+        (["show", "panda", "--port", "99999"], "99999"),
+    ],
+)
+def test_errors_are_one_line_that_mends(
+    headless: Path, capsys: pytest.CaptureFixture[str], words: list[str], expected: str
+) -> None:
+    assert main(words) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("ulna: ")
+    assert err.count("\n") == 1
+    assert expected in err
+
+
+def test_a_word_that_is_no_command_is_an_error_of_use(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["dance"])
+    assert end.value.code == 2
+    assert "dance" in capsys.readouterr().err
+
+
+def test_ctrl_c_ends_quietly(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def interrupt(_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "_list", interrupt)
+    assert main(["list"]) == 130
+    assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "value"),
+    [
+        (None, None),
+        (["qr"], "qr"),
+        (["1", "-2.5", "3e-1"], [1.0, -2.5, 0.3]),
+        (["1,2, -3"], [1.0, 2.0, -3.0]),
+        (["7"], [7.0]),
+    ],
+)
+def test_configurations_as_typed(words: list[str] | None, value: object) -> None:
+    assert cli._values(words) == value
+
+
+def test_configurations_mistyped() -> None:
+    with pytest.raises(InputError, match="'b'"):
+        cli._values(["1", "b"])
+
+
+def test_the_module_runs_and_a_closed_pipe_is_no_accident() -> None:
+    command = f"{sys.executable!r} -m ulna list | head -n 1"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout == "ulna:\n"
+    assert done.stderr == ""
+
+
+def test_importing_ulna_imports_nothing_heavy() -> None:
+    code = "import sys, ulna, ulna.cli; print(sorted({'viser', 'trimesh', 'collada', 'ulna.viewer'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout == "[]\n"
+
+
+def test_numbers_in_a_picture_name_what_is_shown(headless: Path, small_pictures: None) -> None:
+    from ulna.viewer import show
+
+    with pytest.MonkeyPatch.context() as patch:
+        seen: list[np.ndarray] = []
+        original = show.configuration
+        patch.setattr(show, "configuration", lambda *a: seen.append(original(*a)) or seen[-1])
+        assert main(["show", "panda", "--headless", "--q", "0,-0.3,0,-2.2,0,2,0.5"]) == 0
+    np.testing.assert_array_equal(seen[0], [0, -0.3, 0, -2.2, 0, 2, 0.5])

@@ -1,0 +1,235 @@
+"""The page without a browser: it answers its own machine only, goes without a trace, and follows the scene."""
+
+import http.client
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("viser", reason="viser, which serves the page, is not installed")
+
+from ulna.errors import InputError, MissingExtra
+from ulna.geometry import Box
+from ulna.viewer import page as page_module
+from ulna.viewer import show as show_module
+from ulna.viewer.page import Page
+from ulna.viewer.scene import Scene
+from ulna.viewer.tessellate import tessellate
+
+
+def at(x: float) -> np.ndarray:
+    pose = np.eye(4)
+    pose[0, 3] = x
+    return pose
+
+
+def box_scene() -> Scene:
+    scene = Scene()
+    scene.add("robot/box", [tessellate(Box((0.1, 0.1, 0.1)))], at(1.0))
+    return scene
+
+
+@pytest.fixture
+def page() -> Iterator[Page]:
+    with Page(box_scene(), port=0) as page:
+        yield page
+
+
+def status(page: Page, path: str = "/", **headers: str) -> int:
+    connection = http.client.HTTPConnection("127.0.0.1", page.port, timeout=10)
+    try:
+        connection.request("GET", path, headers={"Host": f"localhost:{page.port}", **headers})
+        return connection.getresponse().status
+    finally:
+        connection.close()
+
+
+UPGRADE = {
+    "Connection": "Upgrade",
+    "Upgrade": "websocket",
+    "Sec-WebSocket-Version": "13",
+    "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",
+    "Sec-WebSocket-Protocol": "viser-v0",
+}
+
+
+def wait(condition, patience: float = 5.0) -> bool:
+    due = time.monotonic() + patience
+    while time.monotonic() < due:
+        if condition():
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def test_the_page_is_served_to_its_own_machine(page: Page) -> None:
+    assert page.url == f"http://localhost:{page.port}"
+    assert status(page) == 200
+    assert status(page, Host="evil.example") == 403
+    assert status(page, Origin="http://evil.example") == 403
+
+
+def test_a_foreign_page_cannot_open_the_socket(page: Page) -> None:
+    assert status(page, Origin="http://evil.example", **UPGRADE) == 403
+    assert status(page, Origin="http://localhost:1", **UPGRADE) == 403
+    assert status(page, Origin="null", **UPGRADE) == 403
+    assert status(page, Origin=page.url, **UPGRADE) == 101
+
+
+def test_it_listens_on_the_loopback_only(page: Page) -> None:
+    sockets = page._server._websock_server
+    assert sockets._host == "127.0.0.1"
+    with pytest.raises(OSError):
+        socket.create_connection(("127.0.0.2", page.port), timeout=0.5).close()
+
+
+def test_nobody_can_share_it(page: Page) -> None:
+    from viser import _messages
+
+    handlers = page._server._websock_server._incoming_handlers
+    assert _messages.ShareUrlRequest not in handlers
+    assert _messages.ShareUrlDisconnect not in handlers
+
+
+def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
+    Page(box_scene(), port=0).close()
+    assert capfd.readouterr() == ("", "")
+
+
+def test_it_leaves_no_thread_and_no_socket_behind() -> None:
+    before = set(threading.enumerate())
+    page = Page(box_scene(), port=0)
+    port = page.port
+    page.close()
+    page.close()
+    assert page.closed
+    assert page.clients == 0
+    assert wait(lambda: set(threading.enumerate()) <= before), threading.enumerate()
+    with socket.socket() as again:
+        again.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        again.bind(("127.0.0.1", port))
+
+
+def test_a_port_in_use_gives_the_next() -> None:
+    with Page(Scene(), port=0) as first, Page(Scene(), port=first.port) as second:
+        assert second.port != first.port
+
+
+def test_a_port_that_is_none_is_refused() -> None:
+    with pytest.raises(InputError, match="65535"):
+        Page(Scene(), port=70000)
+
+
+def test_without_viser_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    monkeypatch.setitem(sys.modules, "viser", None)
+    with pytest.raises(MissingExtra, match=r"ulna\[viewer\]"):
+        Page(Scene(), port=0)
+
+
+def buffered(page: Page, kind: str) -> list:
+    buffer = page._server._websock_server._broadcast_buffer
+    with buffer.buffer_lock:
+        return [m for m in buffer.message_from_id.values() if type(m).__name__ == kind]
+
+
+def sent(page: Page) -> dict[str, np.ndarray]:
+    """The newest poses as they were sent, by path."""
+    messages = [m for m in buffered(page, "SceneNodeUpdateMessage") if m.name == "/__ulna_poses"]
+    return dict(zip(messages[-1].updates["names"], messages[-1].updates["p"], strict=True))
+
+
+def test_all_poses_travel_in_one_message_and_the_newest_win(page: Page) -> None:
+    page.scene.add("robot/second", [tessellate(Box((0.1, 0.1, 0.1)))])
+    for k in range(50):
+        page.scene.set_poses([at(k), at(-k)])
+    assert wait(lambda: sent(page).get("/robot/second", [0])[0] == -49)
+    assert sent(page)["/robot/box"][0] == 49
+    assert len([m for m in buffered(page, "SceneNodeUpdateMessage") if m.name == "/__ulna_poses"]) == 1
+
+
+def test_small_moves_are_sent_too(page: Page) -> None:
+    page.scene.set_pose("robot/box", at(1.000001))
+    assert wait(lambda: sent(page)["/robot/box"][0] == np.float32(1.000001))
+
+
+def test_at_rest_newcomers_find_the_poses_in_the_public_state(page: Page) -> None:
+    page.scene.set_pose("robot/box", at(3.0))
+    assert wait(lambda: page._handles["robot/box"].position[0] == 3.0)
+
+
+def test_another_version_of_viser_is_driven_through_its_public_interface(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(page_module, "_KNOWN", ("0.0.",))
+    with Page(box_scene(), port=0) as page:
+        page.scene.set_pose("robot/box", at(4.0))
+        assert wait(lambda: page._handles["robot/box"].position[0] == 4.0)
+        assert not buffered(page, "RunJavascriptMessage")
+
+
+def test_nodes_come_and_go_with_the_scene(page: Page) -> None:
+    page.scene.add("mark", [tessellate(Box((1, 1, 1)))])
+    page.flush()
+    assert set(page._handles) == {"robot/box", "mark"}
+    page.scene.remove("robot/box")
+    page.flush()
+    assert set(page._handles) == {"mark"}
+
+
+def test_a_node_that_has_the_name_of_a_group_does_not_carry_the_group_along(page: Page) -> None:
+    page.scene.add("robot", [tessellate(Box((1, 1, 1)))], at(5.0))
+    page.flush()
+    paths = list(page._paths.values())
+    assert len(set(paths)) == len(paths)
+    for a in paths:
+        assert not any(b.startswith(a + "/") for b in paths)
+
+
+def test_a_mistake_in_a_users_function_does_not_stop_the_page(
+    page: Page, capfd: pytest.CaptureFixture[str]
+) -> None:
+    called = []
+
+    def wrong() -> None:
+        called.append(1)
+        if len(called) == 1:
+            raise ValueError("oh")
+
+    page.each_tick(wrong)
+    assert wait(lambda: len(called) > 2)
+    assert "ValueError: oh" in capfd.readouterr().err
+
+
+def test_hold_returns_at_once_where_nobody_can_look(
+    page: Page, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(show_module, "somebody_can_look", lambda: False)
+    show_module.hold(page)
+    assert "Nobody can look" in capsys.readouterr().out
+
+
+def test_hold_ends_with_ctrl_c(
+    page: Page, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupt(_: float) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(show_module, "somebody_can_look", lambda: True)
+    monkeypatch.setattr(show_module, "time", SimpleNamespace(sleep=interrupt))
+    show_module.hold(page)
+    assert page.closed
+
+
+def test_hold_ends_when_the_page_is_closed(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(show_module, "somebody_can_look", lambda: True)
+    timer = threading.Timer(0.2, page.close)
+    timer.start()
+    show_module.hold(page)
+    timer.join()
+    assert page.closed
