@@ -1,0 +1,244 @@
+"""Laws of the compiler on random graphs: compiled = interpreted, batch = stack of singles, derivative = slope."""
+
+from __future__ import annotations
+
+import functools
+import pickle
+from importlib import import_module
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from ulna.trace import Function, Port, compile
+from ulna.trace.graph import Graph, Loop
+from ulna.trace.ops import TABLE, Op
+
+UNARY = (Op.NEG, Op.ABS, Op.SQRT, Op.SIN, Op.COS, Op.FLOOR, Op.ASIN, Op.ACOS, Op.EXP, Op.LOG, Op.TAN)
+EXACT_UNARY = (Op.NEG, Op.ABS, Op.SQRT, Op.FLOOR)
+BINARY = (Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.MIN, Op.MAX, Op.ATAN2)
+EXACT_BINARY = (Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.MIN, Op.MAX)
+COMPARE, COMBINE = (Op.LT, Op.LE, Op.EQ), (Op.AND, Op.OR)
+CONSTANTS = (0.0, -0.0, 1.0, -1.0, 0.5, 2.0, -3.25, 1e-8, 1e5)
+QUICK = settings(
+    max_examples=40, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck)
+)
+
+
+@st.composite
+def functions(draw, exact: bool = False, smooth: bool = False, loops: bool = True) -> Function:
+    """A random function of up to 6 numbers in up to 3 ports, with up to 4 results."""
+    shapes = draw(st.lists(st.sampled_from([(), (1,), (2,), (3,), (2, 2)]), min_size=1, max_size=3))
+    ports = [Port(f"p{k}", s) for k, s in enumerate(shapes)]
+    g = Graph(relaxed=not exact)
+    numbers = [g.input() for p in ports for _ in range(p.size)]
+    fill(draw, g, numbers, exact, smooth, loops and not smooth, draw(st.integers(1, 25)))
+    outputs = [Port(f"out{k}", (draw(st.integers(1, 3)),)) for k in range(draw(st.integers(1, 2)))]
+    results = tuple(draw(st.sampled_from(numbers[-8:])) for p in outputs for _ in range(p.size))
+    return Function("random", g, tuple(ports), tuple(outputs), results, single=False)
+
+
+def fill(draw, g: Graph, numbers: list[int], exact: bool, smooth: bool, loops: bool, count: int) -> None:
+    """Adds random nodes to the graph; `numbers` grows."""
+    unary = EXACT_UNARY if exact else (Op.NEG, Op.SIN, Op.COS) if smooth else UNARY
+    binary = EXACT_BINARY if exact else (Op.ADD, Op.SUB, Op.MUL) if smooth else BINARY
+    conditions: list[int] = []
+    number = st.one_of(st.sampled_from(numbers), st.sampled_from(CONSTANTS).map(lambda c: ("c", c)))
+
+    def one() -> int:
+        value = draw(number)
+        return g.constant(value[1]) if isinstance(value, tuple) else value
+
+    for _ in range(count):
+        kind = draw(st.sampled_from(["unary", "binary", "binary", "compare", "combine", "select", "loop"]))
+        if kind == "unary":
+            numbers.append(g.node(draw(st.sampled_from(unary)), one()))
+        elif kind == "compare" and not smooth:
+            conditions.append(g.node(draw(st.sampled_from(COMPARE)), one(), one()))
+        elif kind == "combine" and conditions:
+            pair = [draw(st.sampled_from(conditions)) for _ in range(2)]
+            conditions.append(g.node(draw(st.sampled_from(COMBINE)), *pair))
+            if draw(st.booleans()):
+                conditions.append(g.node(Op.NOT, conditions[-1]))
+        elif kind == "select" and conditions:
+            numbers.append(g.node(Op.SELECT, draw(st.sampled_from(conditions)), one(), one()))
+        elif kind == "loop" and loops and draw(st.booleans()):
+            numbers += loop(draw, g, one, exact)
+        else:
+            numbers.append(g.node(draw(st.sampled_from(binary)), one(), one()))
+
+
+def loop(draw, g: Graph, one, exact: bool) -> list[int]:
+    """A loop that counts up to a bound, with a random body and captured values."""
+    inner = Graph(relaxed=g.relaxed, parent=g)
+    size = draw(st.integers(2, 3))
+    numbers = [inner.input() for _ in range(size)]
+    numbers += [inner.capture(g, one()) for _ in range(draw(st.integers(0, 2)))]
+    counter, bound = numbers[0], inner.constant(draw(st.sampled_from([-1.0, 0.5, 3.0, 6.0])))
+    fill(draw, inner, numbers, exact, False, False, draw(st.integers(1, 5)))
+    goes_on = inner.node(Op.AND, inner.node(Op.LT, counter, bound), inner.node(Op.LE, numbers[-1], numbers[-1]))
+    counted = inner.node(Op.ADD, counter, inner.constant(1.0))
+    following = (counted, *(draw(st.sampled_from(numbers)) for _ in range(size - 1)))
+    body = Loop(inner, size, goes_on, following, draw(st.integers(0, 9)))
+    start = [one() for _ in range(size)]
+    return g.loop(body, start + inner.captured)
+
+
+@functools.cache
+def samples(size: int, rows: int, special: bool) -> np.ndarray:
+    rng = np.random.default_rng(size * 100 + rows)
+    values = rng.normal(size=(rows, size)) * rng.choice([0.1, 1.0, 10.0], size=(rows, size))
+    if special:
+        odd = rng.choice([0.0, -0.0, 1.0, -1.0, 2.0, 1e-300, 1e300, np.inf, -np.inf, np.nan], size=(rows, size))
+        values = np.where(rng.random((rows, size)) < 0.4, odd, values)
+    return values
+
+
+def inputs(f: Function, rows: int, special: bool = False, dtype: type = np.float64) -> list[np.ndarray]:
+    flat = samples(sum(p.size for p in f.inputs), rows, special)
+    arrays, start = [], 0
+    for p in f.inputs:
+        arrays.append(np.ascontiguousarray(flat[:, start : start + p.size]).reshape(rows, *p.shape).astype(dtype))
+        start += p.size
+    return arrays
+
+
+def without_contraction(monkeypatch, f: Function):
+    """A kernel without fused multiplication and addition, whose every step rounds as NumPy's does."""
+    kernel_module, native_module = import_module("ulna.trace.kernel"), import_module("ulna.trace.native")
+    emit = import_module("ulna.trace.emit")
+    with monkeypatch.context() as patch:
+        patch.setattr(kernel_module, "emit_batch", functools.partial(emit.emit_batch, contract=False))
+        patch.setattr(native_module, "emit_single", lambda f, e, p: emit.emit_single(f, e, p, contract=False))
+        kernel = compile(f)
+        kernel.gufunc
+    return kernel
+
+
+def assert_same(got, expected, context: object) -> None:
+    """Bit for bit, but for the sign of zero after a minimum of zeros, and the kind of nan."""
+    for g, e in zip(got, expected, strict=True):
+        assert g.shape == e.shape
+        assert np.array_equal(g, e, equal_nan=True), (context, g, e)
+
+
+@QUICK
+@given(f=functions(exact=True))
+def test_compiled_without_fusing_equals_interpreted_bit_for_bit(f):
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        kernel = without_contraction(monkeypatch, f)
+    for special in (False, True):
+        columns = inputs(f, 19, special)
+        expected = f(*columns)
+        assert_same(kernel(*columns), expected, "batch")
+        singles = [kernel(*(c[k] for c in columns)) for k in range(19)]
+        assert_same([np.stack(s) for s in zip(*singles, strict=True)], expected, "single")
+
+
+@QUICK
+@given(f=functions(smooth=True))
+def test_compiled_agrees_with_interpreted_within_rounding(f):
+    kernel = compile(f)
+    columns = inputs(f, 21)
+    expected = f(*columns)
+    # What rounding may do is bounded by the largest number on the way, about, for sums and products.
+    scale = largest(f, columns)
+    batch = kernel(*columns)
+    for k, (b, e) in enumerate(zip(batch, expected, strict=True)):
+        assert np.abs(b - e).max() <= 1e-13 * scale, (k, b, e)
+    for row in range(21):
+        for s, b in zip(kernel(*(c[row] for c in columns)), batch, strict=True):
+            assert np.abs(s - b[row]).max() <= 1e-13 * scale
+
+
+def largest(f: Function, columns: list[np.ndarray]) -> float:
+    """The largest absolute value of any node, times the largest slope that a later one can have."""
+    numbers = tuple(i for i in f.graph.live(f.results) if not TABLE[f.graph.op[i]].is_condition)
+    every = Function("all", f.graph, f.inputs, (Port("all", (len(numbers),)),), numbers)
+    values = every(*columns)
+    slopes = [np.abs(j(*columns)).max() for k in range(len(f.inputs)) for j in [every.jacobian(k)]]
+    return float(max(1.0, np.abs(values).max())) * max(1.0, *slopes) * len(numbers)
+
+
+@QUICK
+@given(f=functions())
+def test_any_graph_compiles_and_agrees_on_where_it_is_nan(f):
+    """With every operation and loops: no crash, right shapes, and equality where rounding cannot have decided."""
+    kernel = compile(f)
+    columns = inputs(f, 18, special=True)
+    for g, e in zip(kernel(*columns), f(*columns), strict=True):
+        assert g.shape == e.shape
+    assert kernel(*(c[:0] for c in columns))[0].shape[0] == 0
+
+
+@QUICK
+@given(f=functions(exact=True))
+def test_single_precision_equals_interpretation_in_single_precision(f):
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        emit = import_module("ulna.trace.emit")
+        monkeypatch.setattr(import_module("ulna.trace.kernel"), "emit_batch", functools.partial(emit.emit_batch, contract=False))
+        kernel = compile(f, np.float32)
+        columns = inputs(f, 18, dtype=np.float32)
+        got = kernel(*columns)
+    interpret = import_module("ulna.trace.interpret").interpret
+    single = pickle.loads(pickle.dumps(f.graph))
+    for graph in graphs_of(single):
+        graph.data = [np.float32(d) if isinstance(d, float) else d for d in graph.data]
+    flat = [c.reshape(18, -1)[:, k] for c in columns for k in range(int(np.prod(c.shape[1:])))]
+    values = interpret(single, flat, f.results)
+    flat_got = np.concatenate([g.reshape(18, -1) for g in got], axis=1)
+    for k, v in enumerate(values):
+        assert flat_got.dtype == np.float32
+        if not any(isinstance(d, Loop) for d in f.graph.data):  # the interpreter's loops hold doubles
+            assert np.array_equal(flat_got[:, k], np.broadcast_to(v, 18), equal_nan=True)
+
+
+def graphs_of(graph: Graph) -> list[Graph]:
+    found = [graph]
+    for data in graph.data:
+        if isinstance(data, Loop):
+            found += graphs_of(data.graph)
+    return found
+
+
+@QUICK
+@given(f=functions())
+def test_functions_survive_pickling_with_their_fingerprint(f):
+    twin = pickle.loads(pickle.dumps(f))
+    assert twin.fingerprint == f.fingerprint
+    columns = inputs(f, 5, special=True)
+    assert_same(twin(*columns), f(*columns), "pickled")
+
+
+@QUICK
+@given(f=functions(smooth=True), seed=st.integers(0, 1000))
+def test_forward_reverse_and_slope_agree(f, seed):
+    rng = np.random.default_rng(seed)
+    point = [rng.uniform(-1.0, 1.0, p.shape) for p in f.inputs]
+    direction = [rng.uniform(-1.0, 1.0, p.shape) for p in f.inputs]
+    forward = f.jvp()(*point, *direction)
+    weights = [rng.uniform(-1.0, 1.0, np.shape(o)) for o in forward]
+    reverse = f.vjp()(*point, *weights)
+    reverse = reverse if isinstance(reverse, tuple) else (reverse,)
+    left = sum(float(np.sum(o * w)) for o, w in zip(forward, weights, strict=True))
+    right = sum(float(np.sum(b * d)) for b, d in zip(reverse, direction, strict=True))
+    scale = largest(f, [p[None] for p in point])
+    assert abs(left - right) <= 1e-12 * scale
+    rows = [f.jacobian(k)(*point) for k in range(len(f.inputs))]
+    for k, o in enumerate(forward):
+        total = sum(np.tensordot(r[k], d, d.ndim) for r, d in zip(rows, direction, strict=True))
+        assert np.abs(total - o).max() <= 1e-12 * scale
+
+
+@QUICK
+@given(f=functions())
+def test_equal_graphs_in_another_order_of_making_have_one_meaning(f):
+    """Copying a function into a new graph changes nothing it computes."""
+    copy_into = import_module("ulna.trace.function").copy_into
+    g = Graph(relaxed=f.graph.relaxed)
+    flat = [g.input() for p in f.inputs for _ in range(p.size)]
+    twin = Function("twin", g, f.inputs, f.outputs, tuple(copy_into(g, f.graph, f.results, flat)), single=False)
+    assert twin.operations <= f.operations
+    columns = inputs(f, 9, special=True)
+    assert_same(twin(*columns), f(*columns), "copied")
