@@ -27,11 +27,11 @@ from ulna.trace import trace as trace
 
 if TYPE_CHECKING:
     from ulna.control import p_servo as p_servo
-    from ulna.viewer import show as show
+    from ulna.viewer.show import show as show
 
 __version__ = "0.1.0"
 
-_LATER = {"p_servo": "ulna.control", "show": "ulna.viewer"}
+_LATER = {"p_servo": "ulna.control", "show": "ulna.viewer.show"}
 """Names of rooms that are loaded when first used, so that `import ulna` stays light."""
 
 __all__ = [

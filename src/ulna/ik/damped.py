@@ -19,7 +19,6 @@ from ulna.errors import ShapeError
 from ulna.spatial import so3_log
 from ulna.typing import ArrayLike, Floats
 
-
 _HALVINGS = 6
 
 

@@ -9,6 +9,7 @@ other and the newest only, so that the functions which handle them need no locks
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import itertools
 import threading
@@ -96,6 +97,8 @@ class Page:
         self._ticks: list[Callable[[], None]] = []
         self._stop = threading.Event()
         # robots reach further than they stand, and the panel covers the right
+        atexit.unregister(self._server.stop)  # it would say goodbye; ours does not
+        atexit.register(self.close)
         _decorate(self._server, camera or frame(scene, margin=1.75, aside=0.10))
         self._server.on_client_connect(self._greet)
         with self._tick_lock:
@@ -133,6 +136,7 @@ class Page:
         with _quiet():
             self._server.stop()
         self._server._thread_executor.shutdown(wait=False)
+        atexit.unregister(self.close)
 
     def __enter__(self) -> Page:
         return self

@@ -9,7 +9,7 @@ from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Plane, Shape,
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.surface import DEFAULT_COLOUR, RGBA, Surface, unit
 
-AROUND = 40
+AROUND = 36
 """Facets around a round shape."""
 
 AXIS_COLOURS: tuple[RGBA, RGBA, RGBA] = (

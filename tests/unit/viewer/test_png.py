@@ -27,7 +27,9 @@ def read_png(path: Path) -> np.ndarray:
     assert depth == 8
     rows = np.frombuffer(zlib.decompress(chunks[b"IDAT"]), np.uint8).reshape(height, -1)
     out = np.zeros((height, width, channels), np.uint8)
-    for y, (kind, row) in enumerate(zip(rows[:, 0], rows[:, 1:].reshape(height, width, channels), strict=True)):
+    for y, (kind, row) in enumerate(
+        zip(rows[:, 0], rows[:, 1:].reshape(height, width, channels), strict=True)
+    ):
         if kind == 0:
             out[y] = row
         elif kind == 1:

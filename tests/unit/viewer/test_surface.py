@@ -66,4 +66,6 @@ def test_paint_keeps_white_below_white_and_black_above_black_and_does_not_grey_r
 
 
 def test_srgb_is_undone_at_its_known_points() -> None:
-    np.testing.assert_allclose(linear_from_srgb([0.0, 0.04045, 0.5, 1.0]), [0, 0.04045 / 12.92, 0.21404114, 1.0])
+    np.testing.assert_allclose(
+        linear_from_srgb([0.0, 0.04045, 0.5, 1.0]), [0, 0.04045 / 12.92, 0.21404114, 1.0]
+    )
