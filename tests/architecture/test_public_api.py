@@ -1,0 +1,41 @@
+"""The public names: all there, one home each, documented, and light to import."""
+
+from __future__ import annotations
+
+import inspect
+import subprocess
+import sys
+
+import pytest
+
+import ulna
+
+HEAVY = ("viser", "trimesh", "matplotlib", "scipy", "xacro", "ulna.viewer", "dask", "sympy")
+
+
+@pytest.mark.parametrize("name", ulna.__all__)
+def test_every_name_is_there_and_documented(name: str) -> None:
+    value = getattr(ulna, name)
+    assert name.startswith("__") or inspect.getdoc(value), f"ulna.{name} has no docstring"
+    assert not inspect.ismodule(value) or name in ("errors", "numeric")
+
+
+def test_there_are_few_names() -> None:
+    assert len(ulna.__all__) <= 30
+    assert len(set(ulna.__all__)) == len(ulna.__all__)
+
+
+def test_importing_ulna_imports_nothing_heavy() -> None:
+    script = f"import sys, ulna; print([m for m in {HEAVY!r} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("kind", [ulna.Robot, ulna.Model, ulna.ModelBuilder, ulna.SE3, ulna.SO3, ulna.Motion])
+def test_every_public_method_is_documented(kind: type) -> None:
+    silent = [
+        name
+        for name, member in inspect.getmembers(kind)
+        if not name.startswith("_") and (callable(member) or isinstance(member, property)) and not inspect.getdoc(member)
+    ]
+    assert not silent
