@@ -88,104 +88,110 @@ entry:
   %s0 = load i64, ptr %s0.p
   %c0.0.p = getelementptr i64, ptr %steps, i64 2
   %c0.0 = load i64, ptr %c0.0.p
-  %c0.0.ok = icmp eq i64 %c0.0, 8
+  %odd0.0 = icmp ne i64 %c0.0, 8
+  %odd0.or0 = or i1 false, %odd0.0
+  %dense0 = xor i1 %odd0.or0, true
+  %t0 = alloca double, i64 12
   %a1.p = getelementptr ptr, ptr %args, i64 1
   %a1 = load ptr, ptr %a1.p
   %s1.p = getelementptr i64, ptr %steps, i64 1
   %s1 = load i64, ptr %s1.p
   %c1.0.p = getelementptr i64, ptr %steps, i64 3
   %c1.0 = load i64, ptr %c1.0.p
-  %c1.0.ok = icmp eq i64 %c1.0, 8
-  %ok0 = and i1 true, %c0.0.ok
-  %ok1 = and i1 %ok0, %c1.0.ok
-  br i1 %ok1, label %dense, label %sparse
-dense:
-  %many = icmp uge i64 %n, 4
-  br i1 %many, label %full, label %few
-full:
-  %same0 = icmp eq ptr %a0, %a1
-  %shared0 = or i1 false, %same0
+  %odd1.0 = icmp ne i64 %c1.0, 8
+  %odd1.or0 = or i1 false, %odd1.0
+  %dense1 = xor i1 %odd1.or0, true
+  %t1 = alloca double, i64 12
+  %shared.0 = icmp eq ptr %a0, %a1
+  %shared.or0 = or i1 false, %shared.0
   %last = sub i64 %n, 4
-  br label %step
-step:
-  %i = phi i64 [ 0, %full ], [ %j, %move ]
-  %b.o0 = mul i64 %i, %s0
-  %b.r0 = getelementptr i8, ptr %a0, i64 %b.o0
-  %b.o1 = mul i64 %i, %s1
-  %b.r1 = getelementptr i8, ptr %a1, i64 %b.o1
-  call void @block(ptr %b.r0, i64 %s0, ptr %b.r1, i64 %s1)
-  %next = add i64 %i, 4
-  %end = icmp eq i64 %i, %last
-  br i1 %end, label %done, label %more
-more:
-  %over = icmp ugt i64 %next, %last
-  %alone = and i1 %over, %shared0
-  br i1 %alone, label %row, label %move
-move:
-  %j = select i1 %over, i64 %last, i64 %next
-  br label %step
-few:
+  %enough = icmp uge i64 %n, 4
   %none = icmp eq i64 %n, 0
-  br i1 %none, label %done, label %row
-row:
-  %k = phi i64 [ 0, %few ], [ %next, %more ], [ %k1, %row ]
-  %f.o0 = mul i64 %k, %s0
-  %f.r0 = getelementptr i8, ptr %a0, i64 %f.o0
-  %f.o1 = mul i64 %k, %s1
-  %f.r1 = getelementptr i8, ptr %a1, i64 %f.o1
-  call void @block(ptr %f.r0, i64 0, ptr %f.r1, i64 0)
-  %k1 = add i64 %k, 1
-  %kend = icmp eq i64 %k1, %n
-  br i1 %kend, label %done, label %row
-sparse:
-  %t0 = alloca double, i64 3
-  %t1 = alloca double, i64 3
-  %empty = icmp eq i64 %n, 0
-  br i1 %empty, label %done, label %gather
-gather:
-  %g = phi i64 [ 0, %sparse ], [ %g1, %scattered ]
-  %in0.off = mul i64 %g, %s0
-  %in0.at = getelementptr i8, ptr %a0, i64 %in0.off
-  br label %in0.h0
-in0.h0:
-  %in0.k0 = phi i64 [ 0, %gather ], [ %in0.n0, %in0.l0 ]
-  %in0.d0 = mul i64 %in0.k0, %c0.0
-  %in0.q0 = getelementptr i8, ptr %in0.at, i64 %in0.d0
-  %in0.m0 = mul i64 0, 3
-  %in0.f0 = add i64 %in0.m0, %in0.k0
-  %in0.s = getelementptr double, ptr %t0, i64 %in0.f0
-  %in0.v = load double, ptr %in0.q0, align 8
-  store double %in0.v, ptr %in0.s, align 8
-  br label %in0.l0
-in0.l0:
-  %in0.n0 = add i64 %in0.k0, 1
-  %in0.e0 = icmp eq i64 %in0.n0, 3
-  br i1 %in0.e0, label %in0.x0, label %in0.h0
-in0.x0:
-  call void @block(ptr %t0, i64 0, ptr %t1, i64 0)
-  %out1.off = mul i64 %g, %s1
-  %out1.at = getelementptr i8, ptr %a1, i64 %out1.off
-  br label %out1.h0
-out1.h0:
-  %out1.k0 = phi i64 [ 0, %in0.x0 ], [ %out1.n0, %out1.l0 ]
-  %out1.d0 = mul i64 %out1.k0, %c1.0
-  %out1.q0 = getelementptr i8, ptr %out1.at, i64 %out1.d0
-  %out1.m0 = mul i64 0, 3
-  %out1.f0 = add i64 %out1.m0, %out1.k0
-  %out1.s = getelementptr double, ptr %t1, i64 %out1.f0
-  %out1.v = load double, ptr %out1.s, align 8
-  store double %out1.v, ptr %out1.q0, align 8
-  br label %out1.l0
-out1.l0:
-  %out1.n0 = add i64 %out1.k0, 1
-  %out1.e0 = icmp eq i64 %out1.n0, 3
-  br i1 %out1.e0, label %out1.x0, label %out1.h0
-out1.x0:
-  br label %scattered
-scattered:
-  %g1 = add i64 %g, 1
-  %gend = icmp eq i64 %g1, %n
-  br i1 %gend, label %done, label %gather
+  br i1 %none, label %done, label %step
+step:
+  %i = phi i64 [ 0, %entry ], [ %j, %again ]
+  %wide = phi i1 [ %enough, %entry ], [ %still, %again ]
+  %count = select i1 %wide, i64 4, i64 1
+  br label %get0
+get0:
+  br i1 %dense0, label %get1, label %get0.row
+get0.row:
+  %get0.row.k = phi i64 [ 0, %get0 ], [ %get0.row.n, %get0.row.end ]
+  %get0.row.at = add i64 %i, %get0.row.k
+  %get0.row.o = mul i64 %get0.row.at, %s0
+  %get0.row.p = getelementptr i8, ptr %a0, i64 %get0.row.o
+  br label %get0.x0
+get0.x0:
+  %get0.x0.k = phi i64 [ 0, %get0.row ], [ %get0.x0.n, %get0.x0.end ]
+  %get0.x0.m = mul i64 %get0.row.k, 3
+  %get0.x0.f = add i64 %get0.x0.m, %get0.x0.k
+  %get0.x0.o = mul i64 %get0.x0.k, %c0.0
+  %get0.x0.p = getelementptr i8, ptr %get0.row.p, i64 %get0.x0.o
+  %get0.s = getelementptr double, ptr %t0, i64 %get0.x0.f
+  %get0.v = load double, ptr %get0.x0.p, align 8
+  store double %get0.v, ptr %get0.s, align 8
+  br label %get0.x0.end
+get0.x0.end:
+  %get0.x0.n = add i64 %get0.x0.k, 1
+  %get0.x0.over = icmp eq i64 %get0.x0.n, 3
+  br i1 %get0.x0.over, label %get0.row.end, label %get0.x0
+get0.row.end:
+  %get0.row.n = add i64 %get0.row.k, 1
+  %get0.row.over = icmp eq i64 %get0.row.n, %count
+  br i1 %get0.row.over, label %get1, label %get0.row
+get1:
+  %o0 = mul i64 %i, %s0
+  %p0 = getelementptr i8, ptr %a0, i64 %o0
+  %r0 = select i1 %dense0, ptr %p0, ptr %t0
+  %d0 = select i1 %dense0, i64 %s0, i64 24
+  %e0 = select i1 %wide, i64 %d0, i64 0
+  %o1 = mul i64 %i, %s1
+  %p1 = getelementptr i8, ptr %a1, i64 %o1
+  %r1 = select i1 %dense1, ptr %p1, ptr %t1
+  %d1 = select i1 %dense1, i64 %s1, i64 24
+  %e1 = select i1 %wide, i64 %d1, i64 0
+  call void @block(ptr %r0, i64 %e0, ptr %r1, i64 %e1)
+  br label %put1
+put1:
+  br i1 %dense1, label %put2, label %put1.row
+put1.row:
+  %put1.row.k = phi i64 [ 0, %put1 ], [ %put1.row.n, %put1.row.end ]
+  %put1.row.at = add i64 %i, %put1.row.k
+  %put1.row.o = mul i64 %put1.row.at, %s1
+  %put1.row.p = getelementptr i8, ptr %a1, i64 %put1.row.o
+  br label %put1.x0
+put1.x0:
+  %put1.x0.k = phi i64 [ 0, %put1.row ], [ %put1.x0.n, %put1.x0.end ]
+  %put1.x0.m = mul i64 %put1.row.k, 3
+  %put1.x0.f = add i64 %put1.x0.m, %put1.x0.k
+  %put1.x0.o = mul i64 %put1.x0.k, %c1.0
+  %put1.x0.p = getelementptr i8, ptr %put1.row.p, i64 %put1.x0.o
+  %put1.s = getelementptr double, ptr %t1, i64 %put1.x0.f
+  %put1.v = load double, ptr %put1.s, align 8
+  store double %put1.v, ptr %put1.x0.p, align 8
+  br label %put1.x0.end
+put1.x0.end:
+  %put1.x0.n = add i64 %put1.x0.k, 1
+  %put1.x0.over = icmp eq i64 %put1.x0.n, 3
+  br i1 %put1.x0.over, label %put1.row.end, label %put1.x0
+put1.row.end:
+  %put1.row.n = add i64 %put1.row.k, 1
+  %put1.row.over = icmp eq i64 %put1.row.n, %count
+  br i1 %put1.row.over, label %put2, label %put1.row
+put2:
+  %next = add i64 %i, %count
+  %left = sub i64 %n, %next
+  %end = icmp eq i64 %left, 0
+  br i1 %end, label %done, label %again
+again:
+  %fits = icmp uge i64 %left, 4
+  %free = xor i1 %shared.or0, true
+  %may = or i1 %fits, %free
+  %still = and i1 %wide, %may
+  %short = xor i1 %fits, true
+  %back = and i1 %still, %short
+  %j = select i1 %back, i64 %last, i64 %next
+  br label %step
 done:
   %flags = call i32 @feclearexcept(i32 -1)
   ret void

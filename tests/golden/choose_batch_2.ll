@@ -51,106 +51,140 @@ entry:
   %a0 = load ptr, ptr %a0.p
   %s0.p = getelementptr i64, ptr %steps, i64 0
   %s0 = load i64, ptr %s0.p
+  %dense0 = xor i1 false, true
+  %t0 = alloca double, i64 2
   %a1.p = getelementptr ptr, ptr %args, i64 1
   %a1 = load ptr, ptr %a1.p
   %s1.p = getelementptr i64, ptr %steps, i64 1
   %s1 = load i64, ptr %s1.p
+  %dense1 = xor i1 false, true
+  %t1 = alloca double, i64 2
   %a2.p = getelementptr ptr, ptr %args, i64 2
   %a2 = load ptr, ptr %a2.p
   %s2.p = getelementptr i64, ptr %steps, i64 2
   %s2 = load i64, ptr %s2.p
+  %dense2 = xor i1 false, true
+  %t2 = alloca double, i64 2
   %a3.p = getelementptr ptr, ptr %args, i64 3
   %a3 = load ptr, ptr %a3.p
   %s3.p = getelementptr i64, ptr %steps, i64 3
   %s3 = load i64, ptr %s3.p
-  br i1 true, label %dense, label %sparse
-dense:
-  %many = icmp uge i64 %n, 2
-  br i1 %many, label %full, label %few
-full:
-  %same0 = icmp eq ptr %a0, %a2
-  %shared0 = or i1 false, %same0
-  %same1 = icmp eq ptr %a0, %a3
-  %shared1 = or i1 %shared0, %same1
-  %same2 = icmp eq ptr %a1, %a2
-  %shared2 = or i1 %shared1, %same2
-  %same3 = icmp eq ptr %a1, %a3
-  %shared3 = or i1 %shared2, %same3
+  %dense3 = xor i1 false, true
+  %t3 = alloca double, i64 2
+  %shared.0 = icmp eq ptr %a0, %a2
+  %shared.or0 = or i1 false, %shared.0
+  %shared.1 = icmp eq ptr %a0, %a3
+  %shared.or1 = or i1 %shared.or0, %shared.1
+  %shared.2 = icmp eq ptr %a1, %a2
+  %shared.or2 = or i1 %shared.or1, %shared.2
+  %shared.3 = icmp eq ptr %a1, %a3
+  %shared.or3 = or i1 %shared.or2, %shared.3
   %last = sub i64 %n, 2
-  br label %step
-step:
-  %i = phi i64 [ 0, %full ], [ %j, %move ]
-  %b.o0 = mul i64 %i, %s0
-  %b.r0 = getelementptr i8, ptr %a0, i64 %b.o0
-  %b.o1 = mul i64 %i, %s1
-  %b.r1 = getelementptr i8, ptr %a1, i64 %b.o1
-  %b.o2 = mul i64 %i, %s2
-  %b.r2 = getelementptr i8, ptr %a2, i64 %b.o2
-  %b.o3 = mul i64 %i, %s3
-  %b.r3 = getelementptr i8, ptr %a3, i64 %b.o3
-  call void @block(ptr %b.r0, i64 %s0, ptr %b.r1, i64 %s1, ptr %b.r2, i64 %s2, ptr %b.r3, i64 %s3)
-  %next = add i64 %i, 2
-  %end = icmp eq i64 %i, %last
-  br i1 %end, label %done, label %more
-more:
-  %over = icmp ugt i64 %next, %last
-  %alone = and i1 %over, %shared3
-  br i1 %alone, label %row, label %move
-move:
-  %j = select i1 %over, i64 %last, i64 %next
-  br label %step
-few:
+  %enough = icmp uge i64 %n, 2
   %none = icmp eq i64 %n, 0
-  br i1 %none, label %done, label %row
-row:
-  %k = phi i64 [ 0, %few ], [ %next, %more ], [ %k1, %row ]
-  %f.o0 = mul i64 %k, %s0
-  %f.r0 = getelementptr i8, ptr %a0, i64 %f.o0
-  %f.o1 = mul i64 %k, %s1
-  %f.r1 = getelementptr i8, ptr %a1, i64 %f.o1
-  %f.o2 = mul i64 %k, %s2
-  %f.r2 = getelementptr i8, ptr %a2, i64 %f.o2
-  %f.o3 = mul i64 %k, %s3
-  %f.r3 = getelementptr i8, ptr %a3, i64 %f.o3
-  call void @block(ptr %f.r0, i64 0, ptr %f.r1, i64 0, ptr %f.r2, i64 0, ptr %f.r3, i64 0)
-  %k1 = add i64 %k, 1
-  %kend = icmp eq i64 %k1, %n
-  br i1 %kend, label %done, label %row
-sparse:
-  %t0 = alloca double, i64 1
-  %t1 = alloca double, i64 1
-  %t2 = alloca double, i64 1
-  %t3 = alloca double, i64 1
-  %empty = icmp eq i64 %n, 0
-  br i1 %empty, label %done, label %gather
-gather:
-  %g = phi i64 [ 0, %sparse ], [ %g1, %scattered ]
-  %in0.off = mul i64 %g, %s0
-  %in0.at = getelementptr i8, ptr %a0, i64 %in0.off
-  %in0.s = getelementptr double, ptr %t0, i64 0
-  %in0.v = load double, ptr %in0.at, align 8
-  store double %in0.v, ptr %in0.s, align 8
-  %in1.off = mul i64 %g, %s1
-  %in1.at = getelementptr i8, ptr %a1, i64 %in1.off
-  %in1.s = getelementptr double, ptr %t1, i64 0
-  %in1.v = load double, ptr %in1.at, align 8
-  store double %in1.v, ptr %in1.s, align 8
-  call void @block(ptr %t0, i64 0, ptr %t1, i64 0, ptr %t2, i64 0, ptr %t3, i64 0)
-  %out2.off = mul i64 %g, %s2
-  %out2.at = getelementptr i8, ptr %a2, i64 %out2.off
-  %out2.s = getelementptr double, ptr %t2, i64 0
-  %out2.v = load double, ptr %out2.s, align 8
-  store double %out2.v, ptr %out2.at, align 8
-  %out3.off = mul i64 %g, %s3
-  %out3.at = getelementptr i8, ptr %a3, i64 %out3.off
-  %out3.s = getelementptr double, ptr %t3, i64 0
-  %out3.v = load double, ptr %out3.s, align 8
-  store double %out3.v, ptr %out3.at, align 8
-  br label %scattered
-scattered:
-  %g1 = add i64 %g, 1
-  %gend = icmp eq i64 %g1, %n
-  br i1 %gend, label %done, label %gather
+  br i1 %none, label %done, label %step
+step:
+  %i = phi i64 [ 0, %entry ], [ %j, %again ]
+  %wide = phi i1 [ %enough, %entry ], [ %still, %again ]
+  %count = select i1 %wide, i64 2, i64 1
+  br label %get0
+get0:
+  br i1 %dense0, label %get1, label %get0.row
+get0.row:
+  %get0.row.k = phi i64 [ 0, %get0 ], [ %get0.row.n, %get0.row.end ]
+  %get0.row.at = add i64 %i, %get0.row.k
+  %get0.row.o = mul i64 %get0.row.at, %s0
+  %get0.row.p = getelementptr i8, ptr %a0, i64 %get0.row.o
+  %get0.s = getelementptr double, ptr %t0, i64 %get0.row.k
+  %get0.v = load double, ptr %get0.row.p, align 8
+  store double %get0.v, ptr %get0.s, align 8
+  br label %get0.row.end
+get0.row.end:
+  %get0.row.n = add i64 %get0.row.k, 1
+  %get0.row.over = icmp eq i64 %get0.row.n, %count
+  br i1 %get0.row.over, label %get1, label %get0.row
+get1:
+  br i1 %dense1, label %get2, label %get1.row
+get1.row:
+  %get1.row.k = phi i64 [ 0, %get1 ], [ %get1.row.n, %get1.row.end ]
+  %get1.row.at = add i64 %i, %get1.row.k
+  %get1.row.o = mul i64 %get1.row.at, %s1
+  %get1.row.p = getelementptr i8, ptr %a1, i64 %get1.row.o
+  %get1.s = getelementptr double, ptr %t1, i64 %get1.row.k
+  %get1.v = load double, ptr %get1.row.p, align 8
+  store double %get1.v, ptr %get1.s, align 8
+  br label %get1.row.end
+get1.row.end:
+  %get1.row.n = add i64 %get1.row.k, 1
+  %get1.row.over = icmp eq i64 %get1.row.n, %count
+  br i1 %get1.row.over, label %get2, label %get1.row
+get2:
+  %o0 = mul i64 %i, %s0
+  %p0 = getelementptr i8, ptr %a0, i64 %o0
+  %r0 = select i1 %dense0, ptr %p0, ptr %t0
+  %d0 = select i1 %dense0, i64 %s0, i64 8
+  %e0 = select i1 %wide, i64 %d0, i64 0
+  %o1 = mul i64 %i, %s1
+  %p1 = getelementptr i8, ptr %a1, i64 %o1
+  %r1 = select i1 %dense1, ptr %p1, ptr %t1
+  %d1 = select i1 %dense1, i64 %s1, i64 8
+  %e1 = select i1 %wide, i64 %d1, i64 0
+  %o2 = mul i64 %i, %s2
+  %p2 = getelementptr i8, ptr %a2, i64 %o2
+  %r2 = select i1 %dense2, ptr %p2, ptr %t2
+  %d2 = select i1 %dense2, i64 %s2, i64 8
+  %e2 = select i1 %wide, i64 %d2, i64 0
+  %o3 = mul i64 %i, %s3
+  %p3 = getelementptr i8, ptr %a3, i64 %o3
+  %r3 = select i1 %dense3, ptr %p3, ptr %t3
+  %d3 = select i1 %dense3, i64 %s3, i64 8
+  %e3 = select i1 %wide, i64 %d3, i64 0
+  call void @block(ptr %r0, i64 %e0, ptr %r1, i64 %e1, ptr %r2, i64 %e2, ptr %r3, i64 %e3)
+  br label %put2
+put2:
+  br i1 %dense2, label %put3, label %put2.row
+put2.row:
+  %put2.row.k = phi i64 [ 0, %put2 ], [ %put2.row.n, %put2.row.end ]
+  %put2.row.at = add i64 %i, %put2.row.k
+  %put2.row.o = mul i64 %put2.row.at, %s2
+  %put2.row.p = getelementptr i8, ptr %a2, i64 %put2.row.o
+  %put2.s = getelementptr double, ptr %t2, i64 %put2.row.k
+  %put2.v = load double, ptr %put2.s, align 8
+  store double %put2.v, ptr %put2.row.p, align 8
+  br label %put2.row.end
+put2.row.end:
+  %put2.row.n = add i64 %put2.row.k, 1
+  %put2.row.over = icmp eq i64 %put2.row.n, %count
+  br i1 %put2.row.over, label %put3, label %put2.row
+put3:
+  br i1 %dense3, label %put4, label %put3.row
+put3.row:
+  %put3.row.k = phi i64 [ 0, %put3 ], [ %put3.row.n, %put3.row.end ]
+  %put3.row.at = add i64 %i, %put3.row.k
+  %put3.row.o = mul i64 %put3.row.at, %s3
+  %put3.row.p = getelementptr i8, ptr %a3, i64 %put3.row.o
+  %put3.s = getelementptr double, ptr %t3, i64 %put3.row.k
+  %put3.v = load double, ptr %put3.s, align 8
+  store double %put3.v, ptr %put3.row.p, align 8
+  br label %put3.row.end
+put3.row.end:
+  %put3.row.n = add i64 %put3.row.k, 1
+  %put3.row.over = icmp eq i64 %put3.row.n, %count
+  br i1 %put3.row.over, label %put4, label %put3.row
+put4:
+  %next = add i64 %i, %count
+  %left = sub i64 %n, %next
+  %end = icmp eq i64 %left, 0
+  br i1 %end, label %done, label %again
+again:
+  %fits = icmp uge i64 %left, 2
+  %free = xor i1 %shared.or3, true
+  %may = or i1 %fits, %free
+  %still = and i1 %wide, %may
+  %short = xor i1 %fits, true
+  %back = and i1 %still, %short
+  %j = select i1 %back, i64 %last, i64 %next
+  br label %step
 done:
   %flags = call i32 @feclearexcept(i32 -1)
   ret void

@@ -8,6 +8,7 @@ from math import isnan
 from typing import Literal, final
 
 DType = Literal["double", "float"]
+BYTES = {"double": 8, "float": 4}
 
 
 @final
