@@ -6,7 +6,9 @@ import pytest
 from ulna.control import p_servo
 from ulna.spatial import SE3
 
-toolbox = pytest.importorskip("roboticstoolbox", reason="the Robotics Toolbox, the judge here, is not installed")
+toolbox = pytest.importorskip(
+    "roboticstoolbox", reason="the Robotics Toolbox, the judge here, is not installed"
+)
 
 
 @pytest.mark.parametrize("method", ["rpy", "angle-axis"])

@@ -68,9 +68,7 @@ def test_show_writes_a_picture(
     assert str(Path("ulna-ur5.png")) in capsys.readouterr().out
 
 
-def test_show_does_not_wait_where_nobody_can_look(
-    headless: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_show_does_not_wait_where_nobody_can_look(headless: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("viser")
     assert main(["show", "ur5", "--port", "0"]) == 0
     said = capsys.readouterr().out
@@ -159,7 +157,9 @@ def test_the_module_runs_and_a_closed_pipe_is_no_accident() -> None:
 
 def test_importing_ulna_imports_nothing_heavy() -> None:
     code = "import sys, ulna, ulna.cli; print(sorted({'viser', 'trimesh', 'collada', 'ulna.viewer'} & set(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120
+    )
     assert done.stdout == "[]\n"
 
 

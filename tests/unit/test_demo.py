@@ -89,7 +89,14 @@ def test_headless_it_reports_and_draws(
     result = demo(headless=True, size=(160, 100))
     assert result.steps == STEPS
     said = capsys.readouterr().out
-    for words in ("reached after 431 steps", "4.31 s", "5.91 mm", "-0.2146", "panda_hand_tcp", "ulna-demo.png"):
+    for words in (
+        "reached after 431 steps",
+        "4.31 s",
+        "5.91 mm",
+        "-0.2146",
+        "panda_hand_tcp",
+        "ulna-demo.png",
+    ):
         assert words in said
     assert (tmp_path / "ulna-demo.png").read_bytes().startswith(b"\x89PNG")
 

@@ -14,6 +14,7 @@ from ulna.viewer.surface import Surface, paint
 
 _FLOAT, _UINT32 = 5126, 5125
 _VERTICES, _INDICES = 34962, 34963
+_INSET = 0.0007  # m
 
 
 def glb(surfaces: Iterable[Surface]) -> bytes:
@@ -37,6 +38,8 @@ def glb(surfaces: Iterable[Surface]) -> bytes:
         if not len(surface.triangles):
             continue
         vertices = surface.vertices.astype("<f4")
+        if surface.rgba[3] < 0.999:  # a ghost just within the solid thing it coincides with does not flicker
+            vertices = (surface.vertices - _INSET * surface.normals).astype("<f4")
         bounds = {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
         attributes = {
             "POSITION": accessor(vertices, _FLOAT, _VERTICES, **bounds),
@@ -73,7 +76,7 @@ def _material(surface: Surface) -> dict[str, Any]:
     factor = [*(float(c) for c in paint(np.asarray(surface.rgba[:3]))), opacity]
     out: dict[str, Any] = {
         "pbrMetallicRoughness": {"baseColorFactor": factor, "metallicFactor": 0.0, "roughnessFactor": 0.36},
-        "doubleSided": True,
+        "doubleSided": opacity >= 0.999,
     }
     if opacity < 0.999:
         out["alphaMode"] = "BLEND"

@@ -8,7 +8,9 @@ from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.spatial import SE3
 
 
-def pose(rpy: tuple[float, float, float] = (0, 0, 0), place: tuple[float, float, float] = (0, 0, 0)) -> np.ndarray:
+def pose(
+    rpy: tuple[float, float, float] = (0, 0, 0), place: tuple[float, float, float] = (0, 0, 0)
+) -> np.ndarray:
     return np.asarray(SE3.from_rpy(rpy, place).matrix())
 
 
