@@ -7,40 +7,40 @@ define internal void @block(ptr %i0, i64 %i0s, ptr %i1, i64 %i1s, ptr %o0, i64 %
 entry:
   %i0.r1 = getelementptr i8, ptr %i0, i64 %i0s
   %p1 = getelementptr double, ptr %i0, i64 0
-  %i0.0.0 = load double, ptr %p1, align 8
-  %t2 = insertelement <2 x double> poison, double %i0.0.0, i32 0
+  %x2 = load double, ptr %p1, align 8
   %p3 = getelementptr double, ptr %i0.r1, i64 0
-  %i0.0.1 = load double, ptr %p3, align 8
-  %t4 = insertelement <2 x double> %t2, double %i0.0.1, i32 1
+  %x4 = load double, ptr %p3, align 8
+  %t5 = insertelement <2 x double> poison, double %x2, i32 0
+  %t6 = insertelement <2 x double> %t5, double %x4, i32 1
   %i1.r1 = getelementptr i8, ptr %i1, i64 %i1s
-  %p5 = getelementptr double, ptr %i1, i64 0
-  %i1.0.0 = load double, ptr %p5, align 8
-  %t6 = insertelement <2 x double> poison, double %i1.0.0, i32 0
-  %p7 = getelementptr double, ptr %i1.r1, i64 0
-  %i1.0.1 = load double, ptr %p7, align 8
-  %t8 = insertelement <2 x double> %t6, double %i1.0.1, i32 1
-  %v2 = fcmp olt <2 x double> %t4, %t8
-  %v4 = fcmp oeq <2 x double> %t8, splat (double 0x0000000000000000)
+  %p7 = getelementptr double, ptr %i1, i64 0
+  %x8 = load double, ptr %p7, align 8
+  %p9 = getelementptr double, ptr %i1.r1, i64 0
+  %x10 = load double, ptr %p9, align 8
+  %t11 = insertelement <2 x double> poison, double %x8, i32 0
+  %t12 = insertelement <2 x double> %t11, double %x10, i32 1
+  %v2 = fcmp olt <2 x double> %t6, %t12
+  %v4 = fcmp oeq <2 x double> %t12, splat (double 0x0000000000000000)
   %v5 = xor <2 x i1> %v4, splat (i1 true)
   %v6 = and <2 x i1> %v2, %v5
-  %v7 = call <2 x double> @llvm.sqrt.v2f64(<2 x double> %t4)
-  %v8 = call <2 x double> @llvm.fabs.v2f64(<2 x double> %t4)
-  %v9 = call <2 x double> @llvm.minimum.v2f64(<2 x double> %t8, <2 x double> %v8)
+  %v7 = call <2 x double> @llvm.sqrt.v2f64(<2 x double> %t6)
+  %v8 = call <2 x double> @llvm.fabs.v2f64(<2 x double> %t6)
+  %v9 = call <2 x double> @llvm.minimum.v2f64(<2 x double> %t12, <2 x double> %v8)
   %v10 = select <2 x i1> %v6, <2 x double> %v7, <2 x double> %v9
   %o0.r1 = getelementptr i8, ptr %o0, i64 %o0s
-  %t9 = extractelement <2 x double> %v10, i32 0
-  %t10 = extractelement <2 x double> %v10, i32 1
-  %p11 = getelementptr double, ptr %o0, i64 0
-  store double %t9, ptr %p11, align 8
-  %p12 = getelementptr double, ptr %o0.r1, i64 0
-  store double %t10, ptr %p12, align 8
-  %o1.r1 = getelementptr i8, ptr %o1, i64 %o1s
-  %t13 = extractelement <2 x double> %t8, i32 0
-  %t14 = extractelement <2 x double> %t8, i32 1
-  %p15 = getelementptr double, ptr %o1, i64 0
+  %t13 = extractelement <2 x double> %v10, i32 0
+  %t14 = extractelement <2 x double> %v10, i32 1
+  %p15 = getelementptr double, ptr %o0, i64 0
   store double %t13, ptr %p15, align 8
-  %p16 = getelementptr double, ptr %o1.r1, i64 0
+  %p16 = getelementptr double, ptr %o0.r1, i64 0
   store double %t14, ptr %p16, align 8
+  %o1.r1 = getelementptr i8, ptr %o1, i64 %o1s
+  %t17 = extractelement <2 x double> %t12, i32 0
+  %t18 = extractelement <2 x double> %t12, i32 1
+  %p19 = getelementptr double, ptr %o1, i64 0
+  store double %t17, ptr %p19, align 8
+  %p20 = getelementptr double, ptr %o1.r1, i64 0
+  store double %t18, ptr %p20, align 8
   ret void
 }
 

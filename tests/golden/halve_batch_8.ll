@@ -11,34 +11,34 @@ entry:
   %i0.r6 = getelementptr i8, ptr %i0.r5, i64 %i0s
   %i0.r7 = getelementptr i8, ptr %i0.r6, i64 %i0s
   %p1 = getelementptr double, ptr %i0, i64 0
-  %i0.0.0 = load double, ptr %p1, align 8
-  %t2 = insertelement <8 x double> poison, double %i0.0.0, i32 0
+  %x2 = load double, ptr %p1, align 8
   %p3 = getelementptr double, ptr %i0.r1, i64 0
-  %i0.0.1 = load double, ptr %p3, align 8
-  %t4 = insertelement <8 x double> %t2, double %i0.0.1, i32 1
+  %x4 = load double, ptr %p3, align 8
   %p5 = getelementptr double, ptr %i0.r2, i64 0
-  %i0.0.2 = load double, ptr %p5, align 8
-  %t6 = insertelement <8 x double> %t4, double %i0.0.2, i32 2
+  %x6 = load double, ptr %p5, align 8
   %p7 = getelementptr double, ptr %i0.r3, i64 0
-  %i0.0.3 = load double, ptr %p7, align 8
-  %t8 = insertelement <8 x double> %t6, double %i0.0.3, i32 3
+  %x8 = load double, ptr %p7, align 8
   %p9 = getelementptr double, ptr %i0.r4, i64 0
-  %i0.0.4 = load double, ptr %p9, align 8
-  %t10 = insertelement <8 x double> %t8, double %i0.0.4, i32 4
+  %x10 = load double, ptr %p9, align 8
   %p11 = getelementptr double, ptr %i0.r5, i64 0
-  %i0.0.5 = load double, ptr %p11, align 8
-  %t12 = insertelement <8 x double> %t10, double %i0.0.5, i32 5
+  %x12 = load double, ptr %p11, align 8
   %p13 = getelementptr double, ptr %i0.r6, i64 0
-  %i0.0.6 = load double, ptr %p13, align 8
-  %t14 = insertelement <8 x double> %t12, double %i0.0.6, i32 6
+  %x14 = load double, ptr %p13, align 8
   %p15 = getelementptr double, ptr %i0.r7, i64 0
-  %i0.0.7 = load double, ptr %p15, align 8
-  %t16 = insertelement <8 x double> %t14, double %i0.0.7, i32 7
+  %x16 = load double, ptr %p15, align 8
+  %t17 = insertelement <8 x double> poison, double %x2, i32 0
+  %t18 = insertelement <8 x double> %t17, double %x4, i32 1
+  %t19 = insertelement <8 x double> %t18, double %x6, i32 2
+  %t20 = insertelement <8 x double> %t19, double %x8, i32 3
+  %t21 = insertelement <8 x double> %t20, double %x10, i32 4
+  %t22 = insertelement <8 x double> %t21, double %x12, i32 5
+  %t23 = insertelement <8 x double> %t22, double %x14, i32 6
+  %t24 = insertelement <8 x double> %t23, double %x16, i32 7
   br label %L2.head
 L2.head:
   %L2.n = phi i64 [ 0, %entry ], [ %L2.n1, %L2.body ]
   %L2.alive = phi <8 x i1> [ splat (i1 true), %entry ], [ %L2.active, %L2.body ]
-  %L2.x0 = phi <8 x double> [ %t16, %entry ], [ %L2.y0, %L2.body ]
+  %L2.x0 = phi <8 x double> [ %t24, %entry ], [ %L2.y0, %L2.body ]
   %L2.x1 = phi <8 x double> [ splat (double 0x0000000000000000), %entry ], [ %L2.y1, %L2.body ]
   %L2.v7 = fcmp olt <8 x double> splat (double 0x3FF0000000000000), %L2.x0
   %L2.active = and <8 x i1> %L2.alive, %L2.v7
@@ -48,7 +48,7 @@ L2.head:
   br i1 %L2.go, label %L2.body, label %L2.after
 L2.body:
   %L2.v3 = fmul contract <8 x double> %L2.x0, splat (double 0x3FE0000000000000)
-  %L2.v5 = fadd contract <8 x double> %L2.x1, %t16
+  %L2.v5 = fadd contract <8 x double> %L2.x1, %t24
   %L2.y0 = select <8 x i1> %L2.active, <8 x double> %L2.v3, <8 x double> %L2.x0
   %L2.y1 = select <8 x i1> %L2.active, <8 x double> %L2.v5, <8 x double> %L2.x1
   %L2.n1 = add i64 %L2.n, 1
@@ -61,30 +61,30 @@ L2.after:
   %o0.r5 = getelementptr i8, ptr %o0.r4, i64 %o0s
   %o0.r6 = getelementptr i8, ptr %o0.r5, i64 %o0s
   %o0.r7 = getelementptr i8, ptr %o0.r6, i64 %o0s
-  %t17 = extractelement <8 x double> %L2.x0, i32 0
-  %t18 = extractelement <8 x double> %L2.x0, i32 1
-  %t19 = extractelement <8 x double> %L2.x0, i32 2
-  %t20 = extractelement <8 x double> %L2.x0, i32 3
-  %t21 = extractelement <8 x double> %L2.x0, i32 4
-  %t22 = extractelement <8 x double> %L2.x0, i32 5
-  %t23 = extractelement <8 x double> %L2.x0, i32 6
-  %t24 = extractelement <8 x double> %L2.x0, i32 7
-  %p25 = getelementptr double, ptr %o0, i64 0
-  store double %t17, ptr %p25, align 8
-  %p26 = getelementptr double, ptr %o0.r1, i64 0
-  store double %t18, ptr %p26, align 8
-  %p27 = getelementptr double, ptr %o0.r2, i64 0
-  store double %t19, ptr %p27, align 8
-  %p28 = getelementptr double, ptr %o0.r3, i64 0
-  store double %t20, ptr %p28, align 8
-  %p29 = getelementptr double, ptr %o0.r4, i64 0
-  store double %t21, ptr %p29, align 8
-  %p30 = getelementptr double, ptr %o0.r5, i64 0
-  store double %t22, ptr %p30, align 8
-  %p31 = getelementptr double, ptr %o0.r6, i64 0
-  store double %t23, ptr %p31, align 8
-  %p32 = getelementptr double, ptr %o0.r7, i64 0
-  store double %t24, ptr %p32, align 8
+  %t25 = extractelement <8 x double> %L2.x0, i32 0
+  %t26 = extractelement <8 x double> %L2.x0, i32 1
+  %t27 = extractelement <8 x double> %L2.x0, i32 2
+  %t28 = extractelement <8 x double> %L2.x0, i32 3
+  %t29 = extractelement <8 x double> %L2.x0, i32 4
+  %t30 = extractelement <8 x double> %L2.x0, i32 5
+  %t31 = extractelement <8 x double> %L2.x0, i32 6
+  %t32 = extractelement <8 x double> %L2.x0, i32 7
+  %p33 = getelementptr double, ptr %o0, i64 0
+  store double %t25, ptr %p33, align 8
+  %p34 = getelementptr double, ptr %o0.r1, i64 0
+  store double %t26, ptr %p34, align 8
+  %p35 = getelementptr double, ptr %o0.r2, i64 0
+  store double %t27, ptr %p35, align 8
+  %p36 = getelementptr double, ptr %o0.r3, i64 0
+  store double %t28, ptr %p36, align 8
+  %p37 = getelementptr double, ptr %o0.r4, i64 0
+  store double %t29, ptr %p37, align 8
+  %p38 = getelementptr double, ptr %o0.r5, i64 0
+  store double %t30, ptr %p38, align 8
+  %p39 = getelementptr double, ptr %o0.r6, i64 0
+  store double %t31, ptr %p39, align 8
+  %p40 = getelementptr double, ptr %o0.r7, i64 0
+  store double %t32, ptr %p40, align 8
   %o1.r1 = getelementptr i8, ptr %o1, i64 %o1s
   %o1.r2 = getelementptr i8, ptr %o1.r1, i64 %o1s
   %o1.r3 = getelementptr i8, ptr %o1.r2, i64 %o1s
@@ -92,30 +92,30 @@ L2.after:
   %o1.r5 = getelementptr i8, ptr %o1.r4, i64 %o1s
   %o1.r6 = getelementptr i8, ptr %o1.r5, i64 %o1s
   %o1.r7 = getelementptr i8, ptr %o1.r6, i64 %o1s
-  %t33 = extractelement <8 x double> %L2.x1, i32 0
-  %t34 = extractelement <8 x double> %L2.x1, i32 1
-  %t35 = extractelement <8 x double> %L2.x1, i32 2
-  %t36 = extractelement <8 x double> %L2.x1, i32 3
-  %t37 = extractelement <8 x double> %L2.x1, i32 4
-  %t38 = extractelement <8 x double> %L2.x1, i32 5
-  %t39 = extractelement <8 x double> %L2.x1, i32 6
-  %t40 = extractelement <8 x double> %L2.x1, i32 7
-  %p41 = getelementptr double, ptr %o1, i64 0
-  store double %t33, ptr %p41, align 8
-  %p42 = getelementptr double, ptr %o1.r1, i64 0
-  store double %t34, ptr %p42, align 8
-  %p43 = getelementptr double, ptr %o1.r2, i64 0
-  store double %t35, ptr %p43, align 8
-  %p44 = getelementptr double, ptr %o1.r3, i64 0
-  store double %t36, ptr %p44, align 8
-  %p45 = getelementptr double, ptr %o1.r4, i64 0
-  store double %t37, ptr %p45, align 8
-  %p46 = getelementptr double, ptr %o1.r5, i64 0
-  store double %t38, ptr %p46, align 8
-  %p47 = getelementptr double, ptr %o1.r6, i64 0
-  store double %t39, ptr %p47, align 8
-  %p48 = getelementptr double, ptr %o1.r7, i64 0
-  store double %t40, ptr %p48, align 8
+  %t41 = extractelement <8 x double> %L2.x1, i32 0
+  %t42 = extractelement <8 x double> %L2.x1, i32 1
+  %t43 = extractelement <8 x double> %L2.x1, i32 2
+  %t44 = extractelement <8 x double> %L2.x1, i32 3
+  %t45 = extractelement <8 x double> %L2.x1, i32 4
+  %t46 = extractelement <8 x double> %L2.x1, i32 5
+  %t47 = extractelement <8 x double> %L2.x1, i32 6
+  %t48 = extractelement <8 x double> %L2.x1, i32 7
+  %p49 = getelementptr double, ptr %o1, i64 0
+  store double %t41, ptr %p49, align 8
+  %p50 = getelementptr double, ptr %o1.r1, i64 0
+  store double %t42, ptr %p50, align 8
+  %p51 = getelementptr double, ptr %o1.r2, i64 0
+  store double %t43, ptr %p51, align 8
+  %p52 = getelementptr double, ptr %o1.r3, i64 0
+  store double %t44, ptr %p52, align 8
+  %p53 = getelementptr double, ptr %o1.r4, i64 0
+  store double %t45, ptr %p53, align 8
+  %p54 = getelementptr double, ptr %o1.r5, i64 0
+  store double %t46, ptr %p54, align 8
+  %p55 = getelementptr double, ptr %o1.r6, i64 0
+  store double %t47, ptr %p55, align 8
+  %p56 = getelementptr double, ptr %o1.r7, i64 0
+  store double %t48, ptr %p56, align 8
   ret void
 }
 

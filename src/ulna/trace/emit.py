@@ -245,7 +245,7 @@ def _write_block(module: _Module, f: Function, name: str, layout: Lanes, width: 
     node = 0
     for k, port in enumerate(f.inputs):
         wanted = [j for j in range(port.size) if f.graph.inputs[node + j] in live]
-        for j, value in load(body, f"i{k}", wanted):
+        for j, value in load(body, f"i{k}", port.size, wanted):
             body.names[f.graph.inputs[node + j]] = value
         node += port.size
     for kind, what in schedule(f.graph, f.results, width):

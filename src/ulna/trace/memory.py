@@ -1,4 +1,9 @@
-"""Reads and writes the rows of a batch: memory holds samples, registers hold lanes, so both ways transpose."""
+"""Reads and writes the rows of a batch: memory holds samples, registers hold lanes, so both ways transpose.
+
+A row is read and written in chunks of a power of two of columns, each with one wide instruction. Between `w` vectors
+that hold whole rows, w columns of each, and `w` vectors that hold one column each, log2(w) rounds of shuffles exchange
+the bits of a vector's number with the low bits of the place in it.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +16,37 @@ if TYPE_CHECKING:
     from ulna.trace.emit import Writer
 
 
+def load(to: Writer, port: str, size: int, wanted: Sequence[int]) -> Iterator[tuple[int, str]]:
+    """The columns `wanted` of `size` in a row, each with its value in all lanes."""
+    if not wanted:
+        return
+    rows = _rows(to, port)
+    if to.layout.lanes == 1:
+        for j in wanted:
+            yield j, _read(to, rows[0], j, 1)
+        return
+    for start, width in _chunks(to, size):
+        chosen = [j for j in wanted if start <= j < start + width]
+        if chosen:
+            columns = _columns(to, [_read(to, row, start, width) for row in rows], width)
+            yield from ((j, columns[j - start]) for j in chosen)
+
+
+def store(to: Writer, port: str, values: Sequence[str]) -> None:
+    """Writes `values[j]` of every lane to element j of the lane's row."""
+    if not values:
+        return
+    rows = _rows(to, port)
+    if to.layout.lanes == 1:
+        for j, value in enumerate(values):
+            _write(to, rows[0], j, 1, value)
+        return
+    for start, width in _chunks(to, len(values)):
+        parts = _parts(to, values[start : start + width])
+        for row, part in zip(rows, parts, strict=True):
+            _write(to, row, start, width, part)
+
+
 def _rows(to: Writer, port: str) -> list[str]:
     """Pointers to each lane's row."""
     rows = [f"%{port}"]
@@ -21,97 +57,92 @@ def _rows(to: Writer, port: str) -> list[str]:
     return rows
 
 
-def load(to: Writer, port: str, wanted: Sequence[int]) -> Iterator[tuple[int, str]]:
-    element, lanes = to.layout.dtype, to.layout.lanes
-    if not wanted:
-        return
-    rows = _rows(to, port)
-    for j in wanted:
-        vector = "poison"
-        for lane, row in enumerate(rows):
-            at, value = to.fresh("p"), f"%{port}.{j}.{lane}"
-            to.write(f"{at} = getelementptr {element}, ptr {row}, i64 {j}")
-            to.write(f"{value} = load {element}, ptr {at}, align {BYTES[element]}")
-            if lanes == 1:
-                vector = value
-            else:
-                name = to.fresh()
-                to.write(f"{name} = insertelement {to.layout.real} {vector}, {element} {value}, i32 {lane}")
-                vector = name
-        yield j, vector
+def _chunks(to: Writer, size: int) -> Iterator[tuple[int, int]]:
+    """First column and number of columns of each chunk; none reaches beyond the row."""
+    start = 0
+    while start < size:
+        width = to.layout.lanes
+        while width > size - start:
+            width //= 2
+        yield start, width
+        start += width
 
 
-def store(to: Writer, port: str, values: Sequence[str]) -> None:
-    """Writes `values[j]` of every lane to element j of the lane's row."""
-    element, lanes = to.layout.dtype, to.layout.lanes
-    if not values:
-        return
-    rows = _rows(to, port)
-    if lanes == 1:
-        for j, value in enumerate(values):
-            at = to.fresh("p")
-            to.write(f"{at} = getelementptr {element}, ptr {rows[0]}, i64 {j}")
-            to.write(f"store {element} {value}, ptr {at}, align {BYTES[element]}")
-        return
-    # Transpose in registers, a power of two of columns at a time, so that each row is written in wide stores.
-    j = 0
-    while j < len(values):
-        columns = lanes
-        while columns > len(values) - j:
-            columns //= 2
-        wide = f"<{columns} x {element}>" if columns > 1 else element
-        for row, chunk in zip(rows, _transpose(to, values[j : j + columns]), strict=True):
-            at = to.fresh("p")
-            to.write(f"{at} = getelementptr {element}, ptr {row}, i64 {j}")
-            to.write(f"store {wide} {chunk}, ptr {at}, align {BYTES[element]}")
-        j += columns
+def _read(to: Writer, row: str, start: int, width: int) -> str:
+    element, at, value = to.layout.dtype, to.fresh("p"), to.fresh("x")
+    to.write(f"{at} = getelementptr {element}, ptr {row}, i64 {start}")
+    to.write(f"{value} = load {_kind(to, width)}, ptr {at}, align {BYTES[element]}")
+    return value
 
 
-def _transpose(to: Writer, columns: Sequence[str]) -> list[str]:
-    """From `columns` (vectors over lanes) the rows (vectors over columns), one for each lane."""
+def _write(to: Writer, row: str, start: int, width: int, value: str) -> None:
+    element, at = to.layout.dtype, to.fresh("p")
+    to.write(f"{at} = getelementptr {element}, ptr {row}, i64 {start}")
+    to.write(f"store {_kind(to, width)} {value}, ptr {at}, align {BYTES[element]}")
+
+
+def _kind(to: Writer, width: int) -> str:
+    return to.layout.dtype if width == 1 else f"<{width} x {to.layout.dtype}>"
+
+
+def _columns(to: Writer, parts: Sequence[str], width: int) -> list[str]:
+    """From a part of each lane's row, `width` columns wide, those columns, each a vector over lanes."""
     lanes, element = to.layout.lanes, to.layout.dtype
-    if len(columns) == 1:
-        rows = []
+    if width == 1:
+        column = "poison"
+        for lane, part in enumerate(parts):
+            name = to.fresh()
+            to.write(f"{name} = insertelement {to.layout.real} {column}, {element} {part}, i32 {lane}")
+            column = name
+        return [column]
+    vectors = []
+    for k in range(width):  # rows k, k + w, k + 2 w ... in one register
+        group = list(parts[k::width])
+        while len(group) > 1:
+            held = lanes // len(group)
+            group = [
+                _shuffle(to, held, a, b, range(2 * held)) for a, b in zip(group[::2], group[1::2], strict=True)
+            ]
+        vectors += group
+    return _exchange(to, vectors)
+
+
+def _parts(to: Writer, columns: Sequence[str]) -> list[str]:
+    """The inverse of `_columns`: from columns, vectors over lanes, the part of each lane's row."""
+    lanes, width = to.layout.lanes, len(columns)
+    if width == 1:
+        parts = []
         for lane in range(lanes):
-            name = to.fresh()
-            to.write(f"{name} = extractelement {to.layout.real} {columns[0]}, i32 {lane}")
-            rows.append(name)
-        return rows
-    # Interleave halves of the columns: after each round a vector holds twice as many columns of half the lanes.
-    vectors, count = list(columns), len(columns)
-    width = lanes  # numbers in one vector
-    groups: list[list[str]] = [vectors]  # groups[k] covers lanes k * lanes / len(groups) ..., its vectors the columns
-    held = 1  # columns in one vector
-    while held < count:
-        following: list[list[str]] = []
-        for group in groups:
-            low, high = [], []
-            half = len(group) // 2
-            for a, b in zip(group[:half], group[half:], strict=True):
-                for side, target in ((0, low), (1, high)):
-                    target.append(_interleave(to, a, b, width, side))
-            following += [low, high]
-        groups, held = following, held * 2
-    # Each group now has one vector: `width / count` rows of `count` columns each.
-    rows = []
-    for group in groups:
-        for k in range(width // count):
-            if width == count:
-                rows.append(group[0])
-                continue
-            name = to.fresh()
-            mask = ", ".join(f"i32 {k * count + c}" for c in range(count))
-            kind = f"<{width} x {element}>"
-            to.write(f"{name} = shufflevector {kind} {group[0]}, {kind} poison, <{count} x i32> <{mask}>")
-            rows.append(name)
-    return rows
+            parts.append(to.fresh())
+            to.write(f"{parts[-1]} = extractelement {to.layout.real} {columns[0]}, i32 {lane}")
+        return parts
+    vectors = _exchange(to, columns)
+    if width == lanes:
+        return vectors
+    return [
+        _shuffle(to, lanes, vectors[lane % width], "poison", range(first, first + width))
+        for lane in range(lanes)
+        for first in [lane // width * width]
+    ]
 
 
-def _interleave(to: Writer, a: str, b: str, width: int, side: int) -> str:
-    """Low (0) or high (1) half of a0 b0 a1 b1 ..."""
-    start = side * width // 2
-    mask = ", ".join(f"i32 {start + i // 2 + (width if i % 2 else 0)}" for i in range(width))
-    name = to.fresh()
-    kind = f"<{width} x {to.layout.dtype}>"
-    to.write(f"{name} = shufflevector {kind} {a}, {kind} {b}, <{width} x i32> <{mask}>")
+def _exchange(to: Writer, vectors: Sequence[str]) -> list[str]:
+    """Swaps the bits of a vector's number with the low bits of the place in it; its own inverse."""
+    lanes, vectors = to.layout.lanes, list(vectors)
+    bit = 1
+    while bit < len(vectors):
+        for k in range(len(vectors)):
+            if not k & bit:
+                a, b = vectors[k], vectors[k | bit]
+                vectors[k] = _shuffle(to, lanes, a, b, [i if not i & bit else lanes + i - bit for i in range(lanes)])
+                vectors[k | bit] = _shuffle(to, lanes, a, b, [i + bit if not i & bit else lanes + i for i in range(lanes)])
+        bit *= 2
+    return vectors
+
+
+def _shuffle(to: Writer, held: int, a: str, b: str, places: Sequence[int]) -> str:
+    """Picks `places` from a and b one after the other, vectors of `held` elements."""
+    name, kind = to.fresh(), f"<{held} x {to.layout.dtype}>"
+    mask = ", ".join(f"i32 {place}" for place in places)
+    to.write(f"{name} = shufflevector {kind} {a}, {kind} {b}, <{len(places)} x i32> <{mask}>")
     return name
