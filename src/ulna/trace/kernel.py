@@ -28,9 +28,10 @@ class _General:
     def __init__(self, function: Function, dtype: np.dtype[Any], checked: bool) -> None:
         self.function, self.dtype, self.checked = function, dtype, checked
         self.single: Callable[[], Any] = lambda: None  # the fast door, once there is one
-        # NumPy's generalised ufuncs need an input, an output and axes longer than 0.
-        self.interpreted = not function.inputs or not function.outputs or not all(
-            port.size for port in native.ports_of(function)
+        # NumPy's generalised ufuncs need an input, an output, axes longer than 0, and at most 64 arrays.
+        ports = native.ports_of(function)
+        self.interpreted = (
+            not function.inputs or not function.outputs or not all(p.size for p in ports) or len(ports) > 64
         )
         self._ufunc: np.ufunc | None = None
         self._lock = threading.Lock()
@@ -113,7 +114,7 @@ class _General:
         return exact
 
     def _interpret(self, arrays: Sequence[Any], out: Any) -> Any:
-        """Evaluates a function that no generalised ufunc can be: with an axis of length 0, or without inputs."""
+        """Evaluates a function that no generalised ufunc can be, such as one with an axis of length 0."""
         f = self.function
         results = f(*arrays)
         results = [r.astype(self.dtype) for r in ((results,) if f.single else results)]

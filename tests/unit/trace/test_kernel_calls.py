@@ -254,6 +254,21 @@ def test_axes_of_length_zero():
     assert compile(lambda a: (), a=(2,))(np.zeros((5, 2))) == ()
 
 
+def test_more_arrays_than_a_ufunc_takes():
+    shapes = {f"a{k}": () for k in range(70)}
+    kernel = compile(lambda *a: sum(a), **shapes)
+    assert kernel(*range(70)) == 2415.0
+    assert kernel(*[np.ones(9)] * 70).tolist() == [70.0] * 9
+
+
+def test_no_floating_point_error_is_reported_and_none_is_left_behind():
+    kernel = compile(lambda x: 1.0 / x + np.exp(1e6 * x) * np.sqrt(x - 1.0), x=(1,))
+    with np.errstate(all="raise"):
+        for rows in ((1,), (3, 1), (20, 1)):
+            assert not np.isfinite(kernel(np.zeros(rows))).any()
+            assert np.ones(3).sum() * np.float64(2.0) == 6.0
+
+
 def test_unused_inputs_and_constant_outputs():
     kernel = compile(lambda a, b: np.array([1.0, b[0], 2.5]), a=(4,), b=(1,))
     assert kernel(np.full(4, np.nan), [7.0]).tolist() == [1.0, 7.0, 2.5]
