@@ -2,17 +2,17 @@
 define internal void @one(ptr %i0, ptr noalias %o0) nounwind {
 entry:
   %p1 = getelementptr double, ptr %i0, i64 0
-  %x2 = load double, ptr %p1, align 8
+  %w2 = load double, ptr %p1, align 8
   %p3 = getelementptr double, ptr %i0, i64 1
-  %x4 = load double, ptr %p3, align 8
+  %w4 = load double, ptr %p3, align 8
   %p5 = getelementptr double, ptr %i0, i64 2
-  %x6 = load double, ptr %p5, align 8
-  %v4 = fmul contract double %x6, 0x4000000000000000
-  %v5 = fmul contract double %x4, 0x4000000000000000
-  %v6 = fmul contract double %x2, 0x4000000000000000
-  %v7 = fadd contract double %x2, %v4
-  %v8 = fadd contract double %x2, %v5
-  %v9 = fadd contract double %x2, %v6
+  %w6 = load double, ptr %p5, align 8
+  %v4 = fmul contract double %w6, 0x4000000000000000
+  %v5 = fmul contract double %w4, 0x4000000000000000
+  %v6 = fmul contract double %w2, 0x4000000000000000
+  %v7 = fadd contract double %w2, %v4
+  %v8 = fadd contract double %w2, %v5
+  %v9 = fadd contract double %w2, %v6
   %p7 = getelementptr double, ptr %o0, i64 0
   store double %v7, ptr %p7, align 8
   %p8 = getelementptr double, ptr %o0, i64 1

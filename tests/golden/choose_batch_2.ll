@@ -7,18 +7,18 @@ define internal void @block(ptr %i0, i64 %i0s, ptr %i1, i64 %i1s, ptr %o0, i64 %
 entry:
   %i0.r1 = getelementptr i8, ptr %i0, i64 %i0s
   %p1 = getelementptr double, ptr %i0, i64 0
-  %x2 = load double, ptr %p1, align 8
+  %w2 = load double, ptr %p1, align 8
   %p3 = getelementptr double, ptr %i0.r1, i64 0
-  %x4 = load double, ptr %p3, align 8
-  %t5 = insertelement <2 x double> poison, double %x2, i32 0
-  %t6 = insertelement <2 x double> %t5, double %x4, i32 1
+  %w4 = load double, ptr %p3, align 8
+  %t5 = insertelement <2 x double> poison, double %w2, i32 0
+  %t6 = insertelement <2 x double> %t5, double %w4, i32 1
   %i1.r1 = getelementptr i8, ptr %i1, i64 %i1s
   %p7 = getelementptr double, ptr %i1, i64 0
-  %x8 = load double, ptr %p7, align 8
+  %w8 = load double, ptr %p7, align 8
   %p9 = getelementptr double, ptr %i1.r1, i64 0
-  %x10 = load double, ptr %p9, align 8
-  %t11 = insertelement <2 x double> poison, double %x8, i32 0
-  %t12 = insertelement <2 x double> %t11, double %x10, i32 1
+  %w10 = load double, ptr %p9, align 8
+  %t11 = insertelement <2 x double> poison, double %w8, i32 0
+  %t12 = insertelement <2 x double> %t11, double %w10, i32 1
   %v2 = fcmp olt <2 x double> %t6, %t12
   %v4 = fcmp oeq <2 x double> %t12, splat (double 0x0000000000000000)
   %v5 = xor <2 x i1> %v4, splat (i1 true)

@@ -21,6 +21,8 @@ def golden(request: pytest.FixtureRequest) -> Callable[[str, str], None]:
         if request.config.getoption("--update", default=False):
             path.write_text(text, encoding="utf-8", newline="\n")
         assert path.exists(), f"{name} does not exist; make it with: pytest tests/golden --update"
-        assert text == path.read_text(encoding="utf-8"), f"{name} differs; if that is meant: pytest tests/golden --update"
+        assert text == path.read_text(encoding="utf-8"), (
+            f"{name} differs; if that is meant: pytest tests/golden --update"
+        )
 
     return compare

@@ -77,7 +77,9 @@ def loop(draw, g: Graph, one, exact: bool) -> list[int]:
     numbers += [inner.capture(g, one()) for _ in range(draw(st.integers(0, 2)))]
     counter, bound = numbers[0], inner.constant(draw(st.sampled_from([-1.0, 0.5, 3.0, 6.0])))
     fill(draw, inner, numbers, exact, False, False, draw(st.integers(1, 5)))
-    goes_on = inner.node(Op.AND, inner.node(Op.LT, counter, bound), inner.node(Op.LE, numbers[-1], numbers[-1]))
+    goes_on = inner.node(
+        Op.AND, inner.node(Op.LT, counter, bound), inner.node(Op.LE, numbers[-1], numbers[-1])
+    )
     counted = inner.node(Op.ADD, counter, inner.constant(1.0))
     following = (counted, *(draw(st.sampled_from(numbers)) for _ in range(size - 1)))
     body = Loop(inner, size, goes_on, following, draw(st.integers(0, 9)))
@@ -90,7 +92,9 @@ def samples(size: int, rows: int, special: bool) -> np.ndarray:
     rng = np.random.default_rng(size * 100 + rows)
     values = rng.normal(size=(rows, size)) * rng.choice([0.1, 1.0, 10.0], size=(rows, size))
     if special:
-        odd = rng.choice([0.0, -0.0, 1.0, -1.0, 2.0, 1e-300, 1e300, np.inf, -np.inf, np.nan], size=(rows, size))
+        odd = rng.choice(
+            [0.0, -0.0, 1.0, -1.0, 2.0, 1e-300, 1e300, np.inf, -np.inf, np.nan], size=(rows, size)
+        )
         values = np.where(rng.random((rows, size)) < 0.4, odd, values)
     return values
 
@@ -99,7 +103,9 @@ def inputs(f: Function, rows: int, special: bool = False, dtype: type = np.float
     flat = samples(sum(p.size for p in f.inputs), rows, special)
     arrays, start = [], 0
     for p in f.inputs:
-        arrays.append(np.ascontiguousarray(flat[:, start : start + p.size]).reshape(rows, *p.shape).astype(dtype))
+        arrays.append(
+            np.ascontiguousarray(flat[:, start : start + p.size]).reshape(rows, *p.shape).astype(dtype)
+        )
         start += p.size
     return arrays
 
@@ -177,7 +183,11 @@ def test_any_graph_compiles_and_agrees_on_where_it_is_nan(f):
 def test_single_precision_equals_interpretation_in_single_precision(f):
     with pytest.MonkeyPatch.context() as monkeypatch:
         emit = import_module("ulna.trace.emit")
-        monkeypatch.setattr(import_module("ulna.trace.kernel"), "emit_batch", functools.partial(emit.emit_batch, contract=False))
+        monkeypatch.setattr(
+            import_module("ulna.trace.kernel"),
+            "emit_batch",
+            functools.partial(emit.emit_batch, contract=False),
+        )
         kernel = compile(f, np.float32)
         columns = inputs(f, 18, dtype=np.float32)
         got = kernel(*columns)
@@ -238,7 +248,9 @@ def test_equal_graphs_in_another_order_of_making_have_one_meaning(f):
     copy_into = import_module("ulna.trace.function").copy_into
     g = Graph(relaxed=f.graph.relaxed)
     flat = [g.input() for p in f.inputs for _ in range(p.size)]
-    twin = Function("twin", g, f.inputs, f.outputs, tuple(copy_into(g, f.graph, f.results, flat)), single=False)
+    twin = Function(
+        "twin", g, f.inputs, f.outputs, tuple(copy_into(g, f.graph, f.results, flat)), single=False
+    )
     assert twin.operations <= f.operations
     columns = inputs(f, 9, special=True)
     assert_same(twin(*columns), f(*columns), "copied")

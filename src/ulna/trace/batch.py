@@ -27,7 +27,8 @@ def batch_loop(f: Function, element: DType, lanes: int) -> str:
         _arguments(w, k, port, inner, element)
         w.append(f"  %t{k} = alloca {element}, i64 {max(rows * port.size, 1)}")
         inner += len(port.shape)
-    shared = _any(w, "shared", [f"icmp eq ptr %a{i}, %a{o}" for i, o in product(range(inputs), range(inputs, len(ports)))])
+    pairs = product(range(inputs), range(inputs, len(ports)))
+    shared = _any(w, "shared", [f"icmp eq ptr %a{i}, %a{o}" for i, o in pairs])
     w.append(f"  %last = sub i64 %n, {lanes}\n  %enough = icmp uge i64 %n, {lanes}")
     if rows == 1:
         strided = _any(w, "strided", [f"xor i1 %dense{k}, true" for k in range(len(ports))])
@@ -71,7 +72,9 @@ def _arguments(w: list[str], k: int, port: Port, inner: int, element: DType) -> 
     expected, odd = BYTES[element], []
     for axis in reversed(range(len(port.shape))):
         name = f"%c{k}.{axis}"
-        w.append(f"  {name}.p = getelementptr i64, ptr %steps, i64 {inner + axis}\n  {name} = load i64, ptr {name}.p")
+        w.append(
+            f"  {name}.p = getelementptr i64, ptr %steps, i64 {inner + axis}\n  {name} = load i64, ptr {name}.p"
+        )
         if port.shape[axis] > 1:
             odd.append(f"icmp ne i64 {name}, {expected}")
         expected *= port.shape[axis]
@@ -101,9 +104,12 @@ def _move(w: list[str], label: str, following: str, k: int, port: Port, element:
         if level:
             w.append(f"  br label %{name}\n{name}:")
             w.append(f"  %{name}.k = phi i64 [ 0, %{names[level - 1]} ], [ %{name}.n, %{name}.end ]")
-            w.append(f"  %{name}.m = mul i64 {flat}, {bounds[level]}\n  %{name}.f = add i64 %{name}.m, %{name}.k")
+            w.append(
+                f"  %{name}.m = mul i64 {flat}, {bounds[level]}\n  %{name}.f = add i64 %{name}.m, %{name}.k"
+            )
             flat, index = f"%{name}.f", f"%{name}.k"
-        w.append(f"  %{name}.o = mul i64 {index}, {stride}\n  %{name}.p = getelementptr i8, ptr {pointer}, i64 %{name}.o")
+        w.append(f"  %{name}.o = mul i64 {index}, {stride}")
+        w.append(f"  %{name}.p = getelementptr i8, ptr {pointer}, i64 %{name}.o")
         pointer = f"%{name}.p"
     w.append(f"  %{label}.s = getelementptr {element}, ptr %t{k}, i64 {flat}")
     source, target = (pointer, f"%{label}.s") if gather else (f"%{label}.s", pointer)
@@ -112,5 +118,6 @@ def _move(w: list[str], label: str, following: str, k: int, port: Port, element:
     w.append(f"  br label %{names[-1]}.end")
     for level in reversed(range(len(names))):
         name, after = names[level], f"{names[level - 1]}.end" if level else following
-        w.append(f"{name}.end:\n  %{name}.n = add i64 %{name}.k, 1\n  %{name}.over = icmp eq i64 %{name}.n, {bounds[level]}")
+        w.append(f"{name}.end:\n  %{name}.n = add i64 %{name}.k, 1")
+        w.append(f"  %{name}.over = icmp eq i64 %{name}.n, {bounds[level]}")
         w.append(f"  br i1 %{name}.over, label %{after}, label %{name}")

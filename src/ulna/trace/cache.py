@@ -1,8 +1,9 @@
 """Keeps compiled kernels on disk: content-addressed, verified before use, private to the user.
 
 The key of an entry is the hash of everything that decides its bytes (IR, LLVM version, processor, options), so a
-stale entry is never found. An entry carries the hash of its key and content, is written beside its place and renamed, and
-is read only from a folder that nobody else can write. Whatever goes wrong costs a compilation, never a wrong result.
+stale entry is never found. An entry carries the hash of its key and content, is written beside its place and renamed,
+and is read only from a folder that nobody else can write. Whatever goes wrong costs a compilation, never a wrong
+result.
 
 The folder is `$ULNA_CACHE`, else the platform's cache folder; `ULNA_CACHE=0` turns the cache off.
 """

@@ -1,7 +1,8 @@
 """Forward and reverse derivatives, from graph to graph, with the partials of the table of operations.
 
 Both sweeps work on a copy of the function's graph, so shared subexpressions of value and derivative are computed
-once. A `where` passes the derivative of the branch that is taken, whatever the other one is. Reference: Griewank and Walther 2008, chapters 3.1 and 3.2.
+once. A `where` passes the derivative of the branch that is taken, whatever the other one is.
+Reference: Griewank and Walther 2008, chapters 3.1 and 3.2.
 """
 
 from __future__ import annotations

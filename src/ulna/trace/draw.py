@@ -89,7 +89,9 @@ def _kind(op: int) -> str:
         return "loop"
     if op in (Op.CONST, Op.BOOL):
         return "constant"
-    return "sum" if op in _SUMS else "product" if op in _PRODUCTS else "choice" if op in _CHOICES else "function"
+    return (
+        "sum" if op in _SUMS else "product" if op in _PRODUCTS else "choice" if op in _CHOICES else "function"
+    )
 
 
 def _elements(ports: Sequence[Port]) -> Iterator[str]:
@@ -179,7 +181,9 @@ def _place(boxes: dict[Any, _Box]) -> None:
     for sweep in range(_SWEEPS):
         for depth in sorted(layers, reverse=bool(sweep % 2)):
             layer = layers[depth]
-            wish = {id(b): sum(n.y for n in near[id(b)]) / len(near[id(b)]) if near[id(b)] else b.y for b in layer}
+            wish = {
+                id(b): sum(n.y for n in near[id(b)]) / len(near[id(b)]) if near[id(b)] else b.y for b in layer
+            }
             if layer[0].kind not in ("input", "output"):  # those keep the order of their numbers
                 layer.sort(key=lambda b: wish[id(b)])
             floor = float("-inf")

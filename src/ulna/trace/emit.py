@@ -2,8 +2,7 @@
 
 Names `%v12` are graph indices, so IR, graph and profile can be read side by side. Three layouts come out of the
 same node writer: the scalar block (lanes = 1) of a single call, the lane block (lanes = 8, say) of a batch, and, for
-a LOOP node, a region that iterates in the lanes. Samples are read and written where they lie, row-major, each lane
-from its own row.
+a LOOP node, a region that iterates in the lanes. `memory` writes how rows get into lanes, `batch` the loop around.
 """
 
 from __future__ import annotations
@@ -70,27 +69,33 @@ class Writer:
         self._fresh = 0
 
     def fresh(self, hint: str = "t") -> str:
+        """A name that is not in use."""
         self._fresh += 1
         return f"%{self.prefix}{hint}{self._fresh}"
 
     def write(self, line: str) -> None:
+        """Appends an instruction."""
         self.lines.append("  " + line)
 
     def assign(self, index: int, text: str) -> None:
+        """Appends the instruction whose result is node `index`."""
         name = f"%{self.prefix}v{index}"
         self.write(f"{name} = {text}")
         self.names[index] = name
 
     def open_block(self, label: str) -> None:
+        """Begins a basic block."""
         self.lines.append(f"{label}:")
         self.block = label
 
     def nodes(self, order: Sequence[int]) -> None:
+        """Writes the nodes that are not written yet."""
         for index in order:
             if index not in self.names:
                 self.node(index)
 
     def node(self, index: int) -> None:
+        """Writes one node; its arguments are written already."""
         g, lay = self.graph, self.layout
         op, args, data = g.op[index], g.args[index], g.data[index]
         if op == Op.CONST:
@@ -107,6 +112,7 @@ class Writer:
             self.assign(index, self.instruction(op, [self.names[a] for a in args]))
 
     def instruction(self, op: int, x: Sequence[str]) -> str:
+        """The instruction of an operation on named values."""
         lay, word = self.layout, TABLE[op].llvm
         if op == Op.NOT:
             return f"xor {lay.truth} {x[0]}, {_truth(lay, True)}"
@@ -197,7 +203,9 @@ class Writer:
         end = inner.block
         self.lines += inner.lines
         lines = [f"%{tag}.n = phi i64 [ 0, %{before} ], [ %{tag}.n1, %{end} ]"]
-        lines.append(f"%{tag}.alive = phi {lay.truth} [ {_truth(lay, True)}, %{before} ], [ {active}, %{end} ]")
+        lines.append(
+            f"%{tag}.alive = phi {lay.truth} [ {_truth(lay, True)}, %{before} ], [ {active}, %{end} ]"
+        )
         for k in range(loop.size):
             start = self.names[args[k]]
             lines.append(f"{state[k]} = phi {lay.real} [ {start}, %{before} ], [ {following[k]}, %{end} ]")
@@ -232,9 +240,12 @@ def schedule(graph: Graph, outputs: Sequence[int], width: int) -> list[tuple[str
 
 
 def _write_block(module: _Module, f: Function, name: str, layout: Lanes, width: int, contract: bool) -> None:
-    """`void name(ptr in, i64 stride, ..., ptr out, i64 stride, ...)`: lane j reads and writes rows j * stride [bytes]."""
+    """`void name(ptr in, i64 stride, ..., ptr out, i64 stride, ...)`: lane j has the rows j * stride [byte]."""
     body = Writer(module, f.graph, layout, "", contract)
-    ports = [*((f"i{k}", p) for k, p in enumerate(f.inputs)), *((f"o{k}", p) for k, p in enumerate(f.outputs))]
+    ports = [
+        *((f"i{k}", p) for k, p in enumerate(f.inputs)),
+        *((f"o{k}", p) for k, p in enumerate(f.outputs)),
+    ]
     parameters = []
     for port, _ in ports:
         if layout.lanes == 1:  # a single call writes to new arrays
@@ -284,5 +295,7 @@ def emit_batch(f: Function, element: DType = "double", lanes: int = 8, contract:
     module.declare("declare i32 @feclearexcept(i32)")
     module.definitions["batch"] = batch_loop(f, element, lanes)
     text = module.text()
-    return text + f'\nattributes #0 = {{ "prefer-vector-width"="{lanes * BYTES[element] * 8}" '\
+    return (
+        text + f'\nattributes #0 = {{ "prefer-vector-width"="{lanes * BYTES[element] * 8}" '
         f'"min-legal-vector-width"="{lanes * BYTES[element] * 8}" }}\n'
+    )

@@ -56,7 +56,9 @@ class Function:
         """Evaluates on floats by interpretation, or inlines into the trace under way."""
         if len(args) != len(self.inputs):
             names = ", ".join(p.name for p in self.inputs)
-            raise TypeError(f"{self.name}({names}) takes {len(self.inputs)} arguments; {len(args)} were given.")
+            raise TypeError(
+                f"{self.name}({names}) takes {len(self.inputs)} arguments; {len(args)} were given."
+            )
         if is_symbolic(*args):
             return self._inline(args)
         arrays = [np.asarray(a, dtype=float) for a in args]
@@ -68,7 +70,9 @@ class Function:
             flat.extend(rows[..., k] for k in range(port.size))
         values = interpret(self.graph, flat, self.results)
         columns = [np.broadcast_to(np.asarray(v, dtype=float), batch) for v in values]
-        return self._pack(columns, lambda part: np.stack(part, axis=-1) if part else np.zeros((*batch, 0)), batch)
+        return self._pack(
+            columns, lambda part: np.stack(part, axis=-1) if part else np.zeros((*batch, 0)), batch
+        )
 
     def _pack(self, flat: Sequence[Any], join: Callable[[Sequence[Any]], Any], batch: Shape = ()) -> Any:
         arrays, start = [], 0
@@ -82,13 +86,15 @@ class Function:
         for a, port in zip(args, self.inputs, strict=True):
             array = np.asarray(a, dtype=object)
             if array.shape != port.shape:
-                raise ShapeError(port.name, array.shape, str(port.shape), "A traced call takes one sample, no batch.")
+                raise ShapeError(
+                    port.name, array.shape, str(port.shape), "A traced call takes one sample, no batch."
+                )
             flat.extend(array.reshape(-1))
         if not any(isinstance(v, Value) for v in flat):  # symbols of another kind
             return self._pack(_replay_on_objects(self, flat), lambda part: np.array(part, dtype=object))
         graph = innermost(*flat)
         nodes = copy_into(graph, self.graph, self.results, [index_in(graph, v) for v in flat])
-        return self._pack([Scalar(graph, n) for n in nodes], lambda part: _object_array(part))
+        return self._pack([Scalar(graph, n) for n in nodes], _object_array)
 
     @cached_property
     def operation_counts(self) -> dict[str, int]:
@@ -177,12 +183,20 @@ def trace(
     for number, value in enumerate((returned,) if single else returned):
         array = np.asarray(value, dtype=object)
         if any(isinstance(element, np.ndarray) for element in array.reshape(-1)):
-            raise TraceError("The function returned a list of arrays of different shapes; return a tuple of them.")
+            raise TraceError(
+                "The function returned a list of arrays of different shapes; return a tuple of them."
+            )
         outputs.append(Port("out" if single else f"out{number}", array.shape))
         results.extend(number_in(graph, element) for element in array.reshape(-1))
     title = name or getattr(f, "__name__", "function").strip("<>")
     return Function(
-        title, graph, tuple(ports), tuple(outputs), tuple(results), single, doc or (getattr(f, "__doc__", "") or "")
+        title,
+        graph,
+        tuple(ports),
+        tuple(outputs),
+        tuple(results),
+        single,
+        doc or (getattr(f, "__doc__", "") or ""),
     )
 
 
@@ -192,7 +206,9 @@ def _shape(name: str, given: Any) -> Shape:
     except TypeError:
         shape = (-1,)
     if min(shape, default=0) < 0:
-        raise InputError(f"{name}={given!r}: expected a shape, a whole number or a tuple of them, none negative.")
+        raise InputError(
+            f"{name}={given!r}: expected a shape, a whole number or a tuple of them, none negative."
+        )
     return shape
 
 
@@ -223,7 +239,9 @@ def _replay_on_objects(function: Function, flat: Sequence[Any]) -> list[Any]:
     for index in graph.live(function.results):
         op, args, data = graph.op[index], graph.args[index], graph.data[index]
         if op in (Op.LOOP, Op.ITEM):
-            raise TraceError(f"{function.name} has a loop and cannot be replayed on {type(flat[0]).__name__}.")
+            raise TraceError(
+                f"{function.name} has a loop and cannot be replayed on {type(flat[0]).__name__}."
+            )
         if op == Op.INPUT:
             values[index] = flat[data]
         else:

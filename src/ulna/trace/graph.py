@@ -145,7 +145,9 @@ class Graph:
         return len(self.op) - 1
 
 
-def _rebuild(op: list[int], args: list[tuple[int, ...]], data: list[Any], inputs: list[int], relaxed: bool) -> Graph:
+def _rebuild(
+    op: list[int], args: list[tuple[int, ...]], data: list[Any], inputs: list[int], relaxed: bool
+) -> Graph:
     graph = Graph(relaxed=relaxed)
     graph.op, graph.args, graph.data, graph.inputs = list(op), list(args), list(data), list(inputs)
     for index, (o, a, d) in enumerate(zip(op, args, data, strict=True)):

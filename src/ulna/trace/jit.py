@@ -64,7 +64,9 @@ def target() -> Target:
 def _machine() -> Any:
     t = target()
     found = llvm.Target.from_triple(t.triple)
-    return found.create_target_machine(cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True)
+    return found.create_target_machine(
+        cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True
+    )
 
 
 def load(ir: str, names: tuple[str, ...]) -> Code:
@@ -84,7 +86,9 @@ def load(ir: str, names: tuple[str, ...]) -> Code:
         engine.finalize_object()
         code = Code(engine, {name: engine.get_function_address(name) for name in names}, seconds)
     if "time" in os.environ.get("ULNA_DEBUG", ""):
-        print(f"[ulna] {', '.join(names)}: {1e3 * seconds:.1f} ms {'in LLVM' if fresh else '(from the cache)'}")
+        print(
+            f"[ulna] {', '.join(names)}: {1e3 * seconds:.1f} ms {'in LLVM' if fresh else '(from the cache)'}"
+        )
     if not all(code.addresses.values()):
         raise CompileError(f"LLVM made no code for {[n for n, a in code.addresses.items() if not a]}.")
     return code
@@ -94,7 +98,9 @@ def _machine_for_engine() -> Any:
     """A machine of its own for each engine, which takes it over."""
     t = target()
     found = llvm.Target.from_triple(t.triple)
-    return found.create_target_machine(cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True)
+    return found.create_target_machine(
+        cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True
+    )
 
 
 def _optimised(ir: str) -> Any:
@@ -103,7 +109,9 @@ def _optimised(ir: str) -> Any:
         module = llvm.parse_assembly(ir)
         module.verify()
     except RuntimeError as error:
-        raise CompileError(f"LLVM refused a kernel, which is a bug in Ulna; please report it.\n{error}") from None
+        raise CompileError(
+            f"LLVM refused a kernel, which is a bug in Ulna; please report it.\n{error}"
+        ) from None
     module.triple = target().triple
     module.data_layout = str(_machine().target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=1)

@@ -1,4 +1,4 @@
-"""A compiled function, as users hold it: called like a NumPy ufunc, 100 ns for the exact case, batches in SIMD lanes."""
+"""A compiled function, as users hold it: called like a NumPy ufunc, 100 ns a call, batches in SIMD lanes."""
 
 from __future__ import annotations
 
@@ -184,8 +184,10 @@ class _General:
     def _threaded(self, arrays: Sequence[Any], batch: tuple[int, ...], out: Any, threads: int) -> Any:
         """Cuts the batch into equal parts along one axis; the GIL is free in the loops."""
         f = self.function
-        outs = [np.empty(batch + p.shape, self.dtype) for p in f.outputs] if out is None else None
-        given = outs if outs is not None else list(out if isinstance(out, tuple) else (out,))
+        if out is None:
+            given = [np.empty(batch + p.shape, self.dtype) for p in f.outputs]
+        else:
+            given = list(out if isinstance(out, tuple) else (out,))
         wide = [
             np.broadcast_to(a, batch + p.shape) if a.ndim > len(p.shape) else a
             for a, p in zip(arrays, f.inputs, strict=True)
@@ -208,7 +210,11 @@ class _General:
 
 def _is_foreign(value: Any) -> bool:
     """Whether an argument brings its own meaning of ufuncs: subclasses of ndarray, Dask arrays and the like."""
-    return type(value) is not np.ndarray and hasattr(value, "__array_ufunc__") and not isinstance(value, np.generic)
+    return (
+        type(value) is not np.ndarray
+        and hasattr(value, "__array_ufunc__")
+        and not isinstance(value, np.generic)
+    )
 
 
 def _shown(port: Port) -> str:
@@ -302,7 +308,7 @@ class KernelBase:
     def dask(self, *args: Any) -> Any:
         """Applies the kernel to Dask arrays, lazily: `dask.array.apply_gufunc` with this kernel's signature."""
         try:
-            import dask.array as da
+            import dask.array as da  # pyright: ignore[reportMissingImports]
         except ImportError:
             from ulna.errors import MissingExtra
 
@@ -326,7 +332,9 @@ class KernelBase:
         return self.function.name
 
     def __repr__(self) -> str:
-        return f"<kernel {self.function.name}{self.signature} {self.dtype.name}, {self.operations} operations>"
+        return (
+            f"<kernel {self.function.name}{self.signature} {self.dtype.name}, {self.operations} operations>"
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         return compile, (self.function, self.dtype.name, self._general.checked)
@@ -389,7 +397,7 @@ def compile(
         DtypeError: If `dtype` is neither float64 nor float32.
     """
     if not isinstance(f, Function):
-        f = trace(f, **shapes)
+        f = trace(f, **dict[str, Any](shapes))
     elif shapes:
         raise TypeError("Shapes are given for a function that is traced already.")
     kind = np.dtype(dtype)

@@ -69,7 +69,7 @@ def _chunks(to: Writer, size: int) -> Iterator[tuple[int, int]]:
 
 
 def _read(to: Writer, row: str, start: int, width: int) -> str:
-    element, at, value = to.layout.dtype, to.fresh("p"), to.fresh("x")
+    element, at, value = to.layout.dtype, to.fresh("p"), to.fresh("w")
     to.write(f"{at} = getelementptr {element}, ptr {row}, i64 {start}")
     to.write(f"{value} = load {_kind(to, width)}, ptr {at}, align {BYTES[element]}")
     return value
@@ -101,7 +101,8 @@ def _columns(to: Writer, parts: Sequence[str], width: int) -> list[str]:
         while len(group) > 1:
             held = lanes // len(group)
             group = [
-                _shuffle(to, held, a, b, range(2 * held)) for a, b in zip(group[::2], group[1::2], strict=True)
+                _shuffle(to, held, a, b, range(2 * held))
+                for a, b in zip(group[::2], group[1::2], strict=True)
             ]
         vectors += group
     return _exchange(to, vectors)
@@ -134,8 +135,9 @@ def _exchange(to: Writer, vectors: Sequence[str]) -> list[str]:
         for k in range(len(vectors)):
             if not k & bit:
                 a, b = vectors[k], vectors[k | bit]
-                vectors[k] = _shuffle(to, lanes, a, b, [i if not i & bit else lanes + i - bit for i in range(lanes)])
-                vectors[k | bit] = _shuffle(to, lanes, a, b, [i + bit if not i & bit else lanes + i for i in range(lanes)])
+                low = [lanes + i - bit if i & bit else i for i in range(lanes)]
+                high = [lanes + i if i & bit else i + bit for i in range(lanes)]
+                vectors[k], vectors[k | bit] = _shuffle(to, lanes, a, b, low), _shuffle(to, lanes, a, b, high)
         bit *= 2
     return vectors
 

@@ -26,9 +26,8 @@ from ulna.trace.irtext import DType
 
 _WORD = 8
 # The instance: PyObject head, then one word each.
-_VECTORCALL, _DICT, _WEAKREFS, _GENERAL, _ARRAY_TYPE, _DESCRIPTOR, _ARRAY_NEW, _CALL, _TUPLE_NEW, _ARRAY_RETURN, _END = (
-    16 + _WORD * k for k in range(11)
-)
+_VECTORCALL, _DICT, _WEAKREFS, _GENERAL, _ARRAY_TYPE, _DESCRIPTOR = (16 + _WORD * k for k in range(6))
+_ARRAY_NEW, _CALL, _TUPLE_NEW, _ARRAY_RETURN, _END = (16 + _WORD * k for k in range(6, 11))
 # PyArrayObject: data, number of axes, lengths, descriptor, flags.
 _DATA, _NDIM, _LENGTHS, _ARRAY_DESCRIPTOR, _FLAGS = 16, 24, 32, 56, 64
 _WANTED_FLAGS = 0x0101  # C-contiguous, aligned
@@ -52,7 +51,9 @@ def entry_ir(f: Function, element: DType = "double", checked: bool = False, pack
     w.append(f"  %count.ok = icmp eq i64 %count, {len(f.inputs)}\n  %plain = icmp eq ptr %keywords, null")
     w.append("  %begin = and i1 %count.ok, %plain")
     for name, offset in (("array_type", _ARRAY_TYPE), ("descriptor", _DESCRIPTOR), ("array_new", _ARRAY_NEW)):
-        w.append(f"  %{name}.p = getelementptr i8, ptr %self, i64 {offset}\n  %{name} = load ptr, ptr %{name}.p")
+        w.append(
+            f"  %{name}.p = getelementptr i8, ptr %self, i64 {offset}\n  %{name} = load ptr, ptr %{name}.p"
+        )
     w.append(f"  br i1 %begin, label %{'type0' if f.inputs else 'work'}, label %general")
     for k, port in enumerate(f.inputs):
         _check_argument(w, k, port, last=k + 1 == len(f.inputs))
@@ -64,9 +65,15 @@ def entry_ir(f: Function, element: DType = "double", checked: bool = False, pack
             f"  %out{k} = call ptr %array_new(ptr %array_type, i32 {len(port.shape)}, ptr @lengths{k}, "
             f"i32 {_TYPE_NUMBER[element]}, ptr null, ptr null, i32 0, i32 0, ptr null)"
         )
-        w.append(f"  %bad{k} = icmp eq ptr %out{k}, null\n  br i1 %bad{k}, label %failed, label %made{k}\nmade{k}:")
-        w.append(f"  %res{k}.p = getelementptr i8, ptr %out{k}, i64 {_DATA}\n  %res{k} = load ptr, ptr %res{k}.p")
-    pointers = [f"ptr %data{k}" for k in range(len(f.inputs))] + [f"ptr %res{k}" for k in range(len(f.outputs))]
+        w.append(
+            f"  %bad{k} = icmp eq ptr %out{k}, null\n  br i1 %bad{k}, label %failed, label %made{k}\nmade{k}:"
+        )
+        w.append(
+            f"  %res{k}.p = getelementptr i8, ptr %out{k}, i64 {_DATA}\n  %res{k} = load ptr, ptr %res{k}.p"
+        )
+    pointers = [f"ptr %data{k}" for k in range(len(f.inputs))] + [
+        f"ptr %res{k}" for k in range(len(f.outputs))
+    ]
     w.append(f"  call void @one({', '.join(pointers)})")
     results = []
     for k, port in enumerate(f.outputs):
@@ -90,14 +97,18 @@ def entry_ir(f: Function, element: DType = "double", checked: bool = False, pack
     w.append("failed:\n  ret ptr null\ngeneral:")
     w.append(f"  %call.p = getelementptr i8, ptr %self, i64 {_CALL}\n  %call = load ptr, ptr %call.p")
     w.append(f"  %gen.p = getelementptr i8, ptr %self, i64 {_GENERAL}\n  %gen = load ptr, ptr %gen.p")
-    w.append("  %slow = call ptr %call(ptr %gen, ptr %args, i64 %flagged, ptr %keywords)\n  ret ptr %slow\n}\n")
+    w.append(
+        "  %slow = call ptr %call(ptr %gen, ptr %args, i64 %flagged, ptr %keywords)\n  ret ptr %slow\n}\n"
+    )
     return emit_single(f, element, pack) + "\n".join(w)
 
 
 def _check_argument(w: list[str], k: int, port: Port, last: bool) -> None:
     """Branches to the general path unless argument k is exactly what the block reads."""
     following = "work" if last else f"type{k + 1}"
-    w.append(f"type{k}:\n  %arg{k}.p = getelementptr ptr, ptr %args, i64 {k}\n  %arg{k} = load ptr, ptr %arg{k}.p")
+    w.append(
+        f"type{k}:\n  %arg{k}.p = getelementptr ptr, ptr %args, i64 {k}\n  %arg{k} = load ptr, ptr %arg{k}.p"
+    )
     w.append(f"  %kind{k}.p = getelementptr i8, ptr %arg{k}, i64 8\n  %kind{k} = load ptr, ptr %kind{k}.p")
     w.append(f"  %kind{k}.ok = icmp eq ptr %kind{k}, %array_type")
     w.append(f"  br i1 %kind{k}.ok, label %fields{k}, label %general\nfields{k}:")
@@ -119,7 +130,9 @@ def _check_argument(w: list[str], k: int, port: Port, last: bool) -> None:
     good = "true"
     for axis, n in enumerate(port.shape):
         w.append(f"  %n{k}.{axis}.p = getelementptr i64, ptr %lengths{k}, i64 {axis}")
-        w.append(f"  %n{k}.{axis} = load i64, ptr %n{k}.{axis}.p\n  %n{k}.{axis}.ok = icmp eq i64 %n{k}.{axis}, {n}")
+        w.append(
+            f"  %n{k}.{axis} = load i64, ptr %n{k}.{axis}.p\n  %n{k}.{axis}.ok = icmp eq i64 %n{k}.{axis}, {n}"
+        )
         w.append(f"  %all{k}.{axis} = and i1 {good}, %n{k}.{axis}.ok")
         good = f"%all{k}.{axis}"
     w.append(f"  br i1 {good}, label %{following}, label %general")
@@ -135,7 +148,8 @@ def _check_finite(w: list[str], f: Function, element: DType, size: int) -> None:
             w.append(f"  %f{k}.{j}.z = fmul {element} %f{k}.{j}, 0.0")
             w.append(f"  %f{k}.{j}.s = fadd reassoc {element} {total}, %f{k}.{j}.z")
             total = f"%f{k}.{j}.s"
-    w.append(f"  %infinite = fcmp uno {element} {total}, 0.0\n  br i1 %infinite, label %general, label %finite\nfinite:")
+    w.append(f"  %infinite = fcmp uno {element} {total}, 0.0")
+    w.append("  br i1 %infinite, label %general, label %finite\nfinite:")
 
 
 class _MemberDef(ctypes.Structure):

@@ -58,7 +58,9 @@ class Value:
                 "the state that follows."
             )
         if not isinstance(holds, (Condition, bool, np.bool_)):
-            raise TraceError(f"The condition of a loop returned {type(holds).__name__}; expected a comparison.")
+            raise TraceError(
+                f"The condition of a loop returned {type(holds).__name__}; expected a comparison."
+            )
         follows = tuple(number_in(inner, value) for value in following)
         loop = Loop(inner, len(state), index_in(inner, holds), follows, int(limit))
         args = [number_in(outer, value) for value in state] + inner.captured
@@ -111,7 +113,7 @@ class Scalar(Value):
             else:
                 g, a, b = meet(self, other)
         elif isinstance(other, _NUMBERS):
-            a, b = self.index, g.constant(other)
+            a, b = self.index, g.constant(float(other))
         else:
             return NotImplemented
         result = g.node(op, b, a) if swap else g.node(op, a, b)
@@ -324,7 +326,9 @@ def index_in(graph: Graph, value: Any) -> int:
         return graph.truth(bool(value))
     if isinstance(value, _NUMBERS):
         return graph.constant(float(value))
-    raise TraceError(f"A traced function met {value!r} of type {type(value).__name__}; expected a real number.")
+    raise TraceError(
+        f"A traced function met {value!r} of type {type(value).__name__}; expected a real number."
+    )
 
 
 def number_in(graph: Graph, value: Any) -> int:

@@ -8,6 +8,7 @@ existing node or a strictly simpler one, so rewriting ends by construction.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -188,7 +189,7 @@ def _select(g: Graph, c: int, a: int, b: int) -> int | None:
     return g.node(Op.SELECT, g.args[c][0], b, a) if g.op[c] == Op.NOT else None
 
 
-_RULES = {
+_RULES: dict[int, Callable[..., int | None]] = {
     Op.NEG: _neg,
     Op.ABS: _abs,
     Op.SIN: _odd(Op.SIN),

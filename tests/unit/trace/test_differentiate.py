@@ -77,7 +77,9 @@ def test_operations_of_two_arguments(op):
     for x, y in POINTS_2:
         expected = [along(exact, [x, y], [1, 0]), along(exact, [x, y], [0, 1])]
         for got in both_ways(function, x, y):
-            np.testing.assert_allclose(got, expected, rtol=4e-15, atol=1e-15, err_msg=f"{op.name} at {x}, {y}")
+            np.testing.assert_allclose(
+                got, expected, rtol=4e-15, atol=1e-15, err_msg=f"{op.name} at {x}, {y}"
+            )
 
 
 def test_every_operation_with_a_derivative_is_tested():
@@ -89,7 +91,9 @@ def busy(q, v):
     """All kinds of operations, sharing parts."""
     r = np.sqrt(q @ q + 1.0)
     s = np.sin(q * v[0]) / r
-    return np.array([s[0] * v[1] + np.exp(-r), nm.where(q[1] < v[0], s[1], np.arctan2(v[1], r)), q[2] ** 3]), r * v
+    return np.array(
+        [s[0] * v[1] + np.exp(-r), nm.where(q[1] < v[0], s[1], np.arctan2(v[1], r)), q[2] ** 3]
+    ), r * v
 
 
 def check_jacobian(f: Function, wrt: int, *point: np.ndarray) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 from xml.etree import ElementTree
 
 import numpy as np
@@ -31,7 +32,16 @@ def test_a_small_graph_shows_every_node_once(tmp_path):
     assert path.read_text(encoding="utf-8") == text
     root, words, edges = parts(text)
     assert words[0] == "f<&>(2),()->(2),(): 7 operations"
-    for word, count in {"q[0]": 1, "q[1]": 1, "x": 1, "sin": 2, "× 2.5": 2, "+": 2, "out0[0]": 1, "out0[1]": 1}.items():
+    for word, count in {
+        "q[0]": 1,
+        "q[1]": 1,
+        "x": 1,
+        "sin": 2,
+        "× 2.5": 2,
+        "+": 2,
+        "out0[0]": 1,
+        "out0[1]": 1,
+    }.items():
         assert words.count(word) == count, word
     assert "out1 = 4.25" in words
     assert len(edges) == 2 + 2 + 2 + 4 + 2
@@ -43,7 +53,7 @@ def test_boxes_do_not_overlap_and_lie_in_the_picture():
     root, _, _ = parts(f.draw())
     width, height = float(root.get("width")), float(root.get("height"))
     found = sorted(boxes(root))
-    for (x0, y0, w, h), (x1, y1, _, _) in zip(found, found[1:], strict=False):
+    for (x0, y0, w, h), (x1, y1, _, _) in pairwise(found):
         assert x1 >= x0 + w or y1 >= y0 + h - 0.2
         assert x0 >= 0 and x0 + w <= width and y0 >= 0 and y0 + h <= height
 

@@ -158,7 +158,9 @@ def test_an_unreadable_entry_is_compiled_anew(place, compilations, monkeypatch):
 def test_a_folder_that_others_can_write_is_refused(place, compilations, mode):
     use()
     place.chmod(mode)
-    with pytest.warns(CacheWarning, match=r"is not used, because others could put code there.*chmod 700") as caught:
+    with pytest.warns(
+        CacheWarning, match=r"is not used, because others could put code there.*chmod 700"
+    ) as caught:
         use()
     assert len(compilations) == 4
     assert len([w for w in caught if w.category is CacheWarning]) == 1, "once is enough"
@@ -215,7 +217,9 @@ def test_a_folder_as_an_entry_is_harmless(place):
 
 def test_a_file_where_the_folder_should_be(place, compilations):
     place.write_text("something else")
-    with pytest.warns(CacheWarning, match=r"cannot be made.*Set ULNA_CACHE to a folder you can write, or to 0"):
+    with pytest.warns(
+        CacheWarning, match=r"cannot be made.*Set ULNA_CACHE to a folder you can write, or to 0"
+    ):
         use()
     assert len(compilations) == 2
     assert place.read_text() == "something else"
@@ -226,7 +230,9 @@ def test_a_folder_that_cannot_be_written_warns_once(place, compilations, monkeyp
         raise PermissionError(errno.EACCES, "Permission denied")
 
     monkeypatch.setattr(cache.tempfile, "mkstemp", refuse)
-    with pytest.warns(CacheWarning, match=r"cannot be written \(Permission denied\); kernels are compiled anew") as caught:
+    with pytest.warns(
+        CacheWarning, match=r"cannot be written \(Permission denied\); kernels are compiled anew"
+    ) as caught:
         use()
         use()
     assert len(compilations) == 4
@@ -263,7 +269,9 @@ def test_a_really_full_device_warns(place, monkeypatch):
     place.mkdir(mode=0o700)
     (place / "new-full").symlink_to("/dev/full")
     monkeypatch.setattr(
-        cache.tempfile, "mkstemp", lambda dir, prefix: (os.open("/dev/full", os.O_WRONLY), str(place / "new-full"))
+        cache.tempfile,
+        "mkstemp",
+        lambda dir, prefix: (os.open("/dev/full", os.O_WRONLY), str(place / "new-full")),
     )
     with pytest.warns(CacheWarning, match="No space left"):
         use()
@@ -327,7 +335,7 @@ def _fill(start, folder: str, failures) -> None:
             kernel = compile(lambda x, k=k: x * float(k + 2) + 0.25, x=(2,))
             if kernel(np.ones(2)).tolist() != [k + 2.25] * 2 or kernel(np.ones((20, 2)))[3, 0] != k + 2.25:
                 failures.put(f"kernel {k}")
-    except BaseException as error:  # noqa: BLE001
+    except BaseException as error:
         failures.put(repr(error))
 
 
@@ -354,7 +362,9 @@ def test_a_key_depends_on_every_part_and_on_where_they_part():
 def test_an_entry_of_another_processor_is_another_entry(place, compilations, monkeypatch):
     use()
     here = jit.target()
-    monkeypatch.setattr(jit, "target", lambda: jit.Target(here.triple, here.cpu, here.features + ",", here.version))
+    monkeypatch.setattr(
+        jit, "target", lambda: jit.Target(here.triple, here.cpu, here.features + ",", here.version)
+    )
     use()
     assert len(compilations) == 4
 

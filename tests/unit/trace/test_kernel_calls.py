@@ -46,7 +46,11 @@ def check(kernel, q, m, **options):
     for g, e in zip(got, expected, strict=True):
         assert type(g) is np.ndarray
         assert g.dtype == np.float64
-        assert g.shape == np.broadcast_shapes(np.shape(q)[:-1], np.shape(m)[:-2]) + e.shape[-(2 if e is expected[1] else 1):]
+        assert (
+            g.shape
+            == np.broadcast_shapes(np.shape(q)[:-1], np.shape(m)[:-2])
+            + e.shape[-(2 if e is expected[1] else 1) :]
+        )
         np.testing.assert_allclose(g, np.broadcast_to(e, g.shape), rtol=1e-13, atol=1e-13)
 
 
@@ -74,7 +78,11 @@ def test_strides_of_every_kind(kernel):
     check(kernel, q[:, ::-1], m[:, ::-1, ::-1])
     check(kernel, np.asfortranarray(q), np.asfortranarray(m))
     check(kernel, q, np.swapaxes(m, -1, -2))
-    check(kernel, np.repeat(q, 2, axis=-1)[:, ::2], np.moveaxis(np.ascontiguousarray(np.moveaxis(m, 0, -1)), -1, 0))
+    check(
+        kernel,
+        np.repeat(q, 2, axis=-1)[:, ::2],
+        np.moveaxis(np.ascontiguousarray(np.moveaxis(m, 0, -1)), -1, 0),
+    )
     check(kernel, np.broadcast_to(q[0], (9, 3)), np.broadcast_to(m[0, 0], (9, 3, 3)))
     check(kernel, np.broadcast_to(q[:, :1], (12, 3)), m)
     check(kernel, q[0, ::-1], m[0].T)
@@ -131,7 +139,9 @@ def test_arguments_by_name(kernel):
         np.testing.assert_array_equal(got[0], kernel(q, m)[0])
     with pytest.raises(TypeError, match=r"_f\(q, m\) got `q` twice"):
         kernel(q, m, q=q)
-    with pytest.raises(TypeError, match=r"_f\(q, m\) has no argument 'dtype'; besides its inputs it takes `out`"):
+    with pytest.raises(
+        TypeError, match=r"_f\(q, m\) has no argument 'dtype'; besides its inputs it takes `out`"
+    ):
         kernel(q, m, dtype=float)
     with pytest.raises(TypeError, match=r"_f\(q, m\) takes 2 arguments; 1 were given"):
         kernel(m=m)
@@ -139,7 +149,12 @@ def test_arguments_by_name(kernel):
 
 def test_numbers_in_and_out():
     kernel = compile(lambda x, y: x / y, x=(), y=())
-    for got in (kernel(1.0, 4.0), kernel(np.float64(1.0), np.array(4.0)), kernel(1, 4), kernel(np.float32(1), 4.0)):
+    for got in (
+        kernel(1.0, 4.0),
+        kernel(np.float64(1.0), np.array(4.0)),
+        kernel(1, 4),
+        kernel(np.float32(1), 4.0),
+    ):
         assert type(got) is np.float64
         assert got == 0.25
     assert kernel(np.ones(5), 4.0).tolist() == [0.25] * 5
@@ -184,7 +199,11 @@ def test_out_of_a_single_output(double):
 @pytest.mark.parametrize("threads", [None, 3])
 def test_out_may_overlap_the_inputs(double, rows, threads):
     whole = np.arange(3.0 * (rows + 2)).reshape(rows + 2, 3)
-    for source, target in ((slice(rows), slice(rows)), (slice(rows), slice(2, None)), (slice(2, None), slice(rows))):
+    for source, target in (
+        (slice(rows), slice(rows)),
+        (slice(rows), slice(2, None)),
+        (slice(2, None), slice(rows)),
+    ):
         buffer = whole.copy()
         expected = 2.0 * buffer[source] + 1.0
         double(buffer[source], out=buffer[target], threads=threads)
@@ -415,7 +434,9 @@ def test_a_kernel_inside_a_trace_is_inlined(double):
     assert outer.operations <= 7
     mixed = compile(lambda q: double([q[0], 2.0, 1]) + double(np.ones(3)), q=(1,))
     assert mixed([4.0]).tolist() == [9.0 + 3.0, 5.0 + 3.0, 3.0 + 3.0]
-    with pytest.raises(ShapeError, match=r"`q` has shape \(2, 3\); expected \(3,\). A traced call takes one sample"):
+    with pytest.raises(
+        ShapeError, match=r"`q` has shape \(2, 3\); expected \(3,\). A traced call takes one sample"
+    ):
         trace(lambda a: double(a), a=(2, 3))
 
 

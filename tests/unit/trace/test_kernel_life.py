@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import gc
 import multiprocessing
@@ -26,7 +27,9 @@ from ulna.trace.kernel import KernelBase
 
 def _mixed(q, v):
     """A function with sines, a choice, a loop, and two outputs."""
-    root = nm.loop(lambda x: abs(x * x - 2.0) > 1e-12, lambda x: (0.5 * (x + 2.0 / x),), (1.0 + v[0] * v[0],), 60)[0]
+    root = nm.loop(
+        lambda x: abs(x * x - 2.0) > 1e-12, lambda x: (0.5 * (x + 2.0 / x),), (1.0 + v[0] * v[0],), 60
+    )[0]
     return nm.where(q[0] < v[1], np.sin(q) * root, np.cos(q)), q @ v
 
 
@@ -135,10 +138,8 @@ def test_single_calls_neither_leak_memory_nor_references(kernel):
             one(3.0)
             one(Q[0])
             kernel(QQ[0:2], V)
-            try:
+            with contextlib.suppress(TypeError):
                 kernel(Q)
-            except TypeError:
-                pass
 
     rounds(200)
     gc.collect()
@@ -240,7 +241,9 @@ def test_the_gil_is_free_in_a_batch():
     """Another Python thread goes on while one batch runs in machine code."""
 
     def slow(x):
-        return nm.loop(lambda v, n: n < 3000.0, lambda v, n: (v / (1.0 + v * v) + 0.5, n + 1.0), (x, 0.0), 3000)[0]
+        return nm.loop(
+            lambda v, n: n < 3000.0, lambda v, n: (v / (1.0 + v * v) + 0.5, n + 1.0), (x, 0.0), 3000
+        )[0]
 
     kernel = compile(slow, x=())
     x = np.linspace(0, 1, 20_000)
@@ -297,7 +300,9 @@ def test_without_the_fast_door_everything_is_the_same(kernel, tmp_path):
         check=False,
     )
     assert child.returncode == 0, child.stderr.decode()
-    one, batch, broadcast, number, kind, empty, message, tupled, named, shown, twin, signature = pickle.loads(child.stdout)
+    one, batch, broadcast, number, kind, empty, message, tupled, named, shown, twin, signature = pickle.loads(
+        child.stdout
+    )
     for got, expected in (
         (one, kernel(Q, V)),
         (batch, kernel(QQ, VV)),

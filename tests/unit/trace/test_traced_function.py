@@ -68,13 +68,24 @@ def test_storing_into_a_float_array_is_refused():
 def test_values_of_another_trace_are_refused():
     kept = []
     trace(lambda x: kept.append(x) or x, x=())
-    for f in (lambda y: y + kept[0], lambda y: kept[0], lambda y: nm.where(y < 1.0, kept[0], y), lambda y: kept[0] * 2.0):
+    for f in (
+        lambda y: y + kept[0],
+        lambda y: kept[0],
+        lambda y: nm.where(y < 1.0, kept[0], y),
+        lambda y: kept[0] * 2.0,
+    ):
         with pytest.raises(TraceError, match="another trace is used here; pass it as an argument"):
             trace(f, y=())
 
 
 def test_arithmetic_with_what_is_no_number_is_a_type_error():
-    for f in (lambda x: x + "a", lambda x: x * None, lambda x: 2j - x, lambda x: (x > 1.0) + 1.0, lambda x: x & True):
+    for f in (
+        lambda x: x + "a",
+        lambda x: x * None,
+        lambda x: 2j - x,
+        lambda x: (x > 1.0) + 1.0,
+        lambda x: x & True,
+    ):
         with pytest.raises(TypeError):
             trace(f, x=())
     with pytest.raises(TypeError, match="unhashable"):
@@ -103,17 +114,37 @@ NUMPY = {
     "dot": lambda m, v: np.dot(v, m),
     "block": lambda m, v: np.block([[m, v[:, None]], [v[None], np.ones((1, 1))]]),
     "functions": lambda m, v: (
-        np.sin(v) + np.cos(v) * np.sqrt(np.abs(v)) + np.exp(-np.square(v)) + np.hypot(v, 1.0) + np.arctan(v)
-        + np.tan(v) + np.deg2rad(v) + np.rad2deg(v) + np.radians(v) + np.degrees(v)
-        + np.floor(v) + np.ceil(v) + np.conjugate(v) + np.absolute(v) + np.negative(v) + np.positive(v) + np.power(v, 2)
+        np.sin(v)
+        + np.cos(v) * np.sqrt(np.abs(v))
+        + np.exp(-np.square(v))
+        + np.hypot(v, 1.0)
+        + np.arctan(v)
+        + np.tan(v)
+        + np.deg2rad(v)
+        + np.rad2deg(v)
+        + np.radians(v)
+        + np.degrees(v)
+        + np.floor(v)
+        + np.ceil(v)
+        + np.conjugate(v)
+        + np.absolute(v)
+        + np.negative(v)
+        + np.positive(v)
+        + np.power(v, 2)
     ),
-    "inverse functions": lambda m, v: np.arcsin(v * 0.1) + np.arccos(v * 0.1) + np.log(v * v) + np.arctan2(v, m[0]),
+    "inverse functions": lambda m, v: (
+        np.arcsin(v * 0.1) + np.arccos(v * 0.1) + np.log(v * v) + np.arctan2(v, m[0])
+    ),
     "scalars of numpy": lambda m, v: np.float64(2.0) * v[0] + v[1] * np.float32(0.5) - np.int64(3) / v[2],
     "numbers on the left": lambda m, v: 2.0 - v + 1 / v + 3 * v + 2.0**v + True * v,
     "in place": lambda m, v: _in_place(m),
     "nested lists": lambda m, v: [[v[0], 1], [2.0, v[1]]],
-    "numeric": lambda m, v: nm.vector(nm.dot(v, m[0]), *nm.cross(v, m[1]), *nm.apply(m, v), *nm.skew(v).reshape(-1)),
-    "elementwise": lambda m, v: nm.where(nm.less(v, m[0]), nm.minimum(v, 0.5), nm.maximum(m[0], nm.clip(v, -1, 1))),
+    "numeric": lambda m, v: nm.vector(
+        nm.dot(v, m[0]), *nm.cross(v, m[1]), *nm.apply(m, v), *nm.skew(v).reshape(-1)
+    ),
+    "elementwise": lambda m, v: nm.where(
+        nm.less(v, m[0]), nm.minimum(v, 0.5), nm.maximum(m[0], nm.clip(v, -1, 1))
+    ),
     "remainder": lambda m, v: v % 0.75,
 }
 
@@ -206,7 +237,10 @@ def test_a_trace_within_a_trace_is_apart():
 
 def test_symbols_pass_through():
     x, y = sympy.symbols("x y", real=True)
-    f = trace(lambda q: np.array([np.sin(q[0]) * q[1], q[0] / q[1] - 2.0, np.sqrt(q[0]) + np.cos(q[0] * 1.0)]), q=(2,))
+    f = trace(
+        lambda q: np.array([np.sin(q[0]) * q[1], q[0] / q[1] - 2.0, np.sqrt(q[0]) + np.cos(q[0] * 1.0)]),
+        q=(2,),
+    )
     got = f(np.array([x, y], dtype=object))
     expected = [sympy.sin(x) * y, x / y - 2, sympy.sqrt(x) + sympy.cos(x)]
     assert [sympy.nsimplify(sympy.simplify(g - e)) for g, e in zip(got, expected, strict=True)] == [0, 0, 0]
