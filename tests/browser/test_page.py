@@ -95,6 +95,10 @@ def test_the_robot_stands_where_its_kinematics_put_it(visit: Visit) -> None:
     assert visit.errors == []
 
 
+def test_the_tab_says_what_it_shows(visit: Visit) -> None:
+    assert wait(lambda: visit.tab.title() == "panda · Ulna")
+
+
 def test_no_request_leaves_the_machine(visit: Visit) -> None:
     hosts = {
         urlsplit(u).hostname for u in visit.requests if urlsplit(u).scheme in ("http", "https", "ws", "wss")

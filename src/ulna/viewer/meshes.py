@@ -40,12 +40,12 @@ def _load(path: str, stamp: int) -> tuple[Surface, ...]:
     try:
         import trimesh
     except ImportError as error:
-        raise MissingExtra("trimesh", "mesh", f"Loading {os.path.basename(path)!r}") from error
+        raise MissingExtra("trimesh", "mesh", "Reading mesh files") from error
     if path.lower().endswith(".dae"):
         try:
             import collada  # noqa: F401
         except ImportError as error:
-            raise MissingExtra("pycollada", "mesh", f"Loading {os.path.basename(path)!r}") from error
+            raise MissingExtra("pycollada", "mesh", "Reading mesh files") from error
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # trimesh and pycollada warn about numpy and about odd files

@@ -18,6 +18,7 @@ from ulna.viewer.zbuffer import clip_near, rasterise
 __all__ = ["render", "write_png"]
 
 _NEAR = 0.02
+_MOST = 2**28  # samples
 _TOP, _HORIZON = np.array([142, 163, 187]) / 255, np.array([217, 225, 233]) / 255
 _FLOOR = np.array([184, 194, 205]) / 255
 _SECTION, _CELL = np.array([141, 152, 166]) / 255, np.array([169, 179, 191]) / 255
@@ -62,6 +63,11 @@ def render(
         raise InputError(
             "A picture is 1 to 16384 pixels wide and high, with 1 to 4 samples; "
             f"got {width} x {height} with {samples}."
+        )
+    if width * height * samples**2 > _MOST:
+        raise InputError(
+            f"{width} x {height} pixels with {samples} x {samples} samples each need too much memory. "
+            "Take a smaller picture, or samples=1."
         )
     camera = camera or frame(scene, width / height)
     triangles = _gather(scene)

@@ -10,7 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, ModelWarning, NonFiniteError, ShapeError, UlnaError, UnknownName
+from ulna.errors import (
+    InputError,
+    MissingExtra,
+    ModelWarning,
+    NonFiniteError,
+    ShapeError,
+    UlnaError,
+    UnknownName,
+)
 from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.surface import DEFAULT_COLOUR, RGBA, Surface, colour
 from ulna.viewer.tessellate import axes, tessellate, tube
@@ -219,6 +227,11 @@ class Scene:
             ]
         return np.concatenate(parts)
 
+    def floor(self) -> float:
+        """The height of the floor [m]: 0, or lower where something hangs below it (legs below a pelvis)."""
+        heights = self.points(200_000)[:, 2]
+        return min(0.0, float(heights.min())) if len(heights) else 0.0
+
 
 class RobotInScene:
     """A robot's links in a scene, moved together by `move`."""
@@ -263,6 +276,9 @@ def link_surfaces(link: Any, rgba: RGBA | None = None) -> tuple[Surface, ...]:
 
             try:
                 parts = [s.moved(pose, shape.scale) for s in load_mesh(shape.path)]
+            except MissingExtra as error:  # the same words for each link, so that they are said once
+                warnings.warn(f"Meshes are left out. {error}", ModelWarning, stacklevel=2)
+                continue
             except UlnaError as error:
                 warnings.warn(
                     f"Link {link.name!r} is drawn without a mesh. {error}", ModelWarning, stacklevel=2

@@ -15,7 +15,8 @@ from ulna.ik import damped_step
 from ulna.spatial import matrix_to_rpy
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.camera import Camera
-from ulna.viewer.page import Control, Gizmo, Page
+from ulna.viewer.controls import Control, Gizmo
+from ulna.viewer.page import Page
 from ulna.viewer.scene import Scene
 from ulna.viewer.screen import open_browser, somebody_can_look
 
@@ -95,7 +96,11 @@ class Show:
         self._told = np.full_like(self._q, np.nan)
         self._told_at = 0.0
         self._in_scene = scene.add_robot(robot, self._q)
-        self.page = Page(scene, title=robot.name, port=port, host=host, camera=camera)
+        try:
+            self.page = Page(scene, title=robot.name, port=port, host=host, camera=camera)
+        except BaseException:
+            self._in_scene.remove()
+            raise
         self._sliders: dict[int, Control] = {}
         self._build_panel()
         self.page.each_tick(self._tick)
@@ -238,6 +243,7 @@ class Show:
             if still:
                 if not self._gizmo.held:  # arrived, or as near as can be: the target returns to the tool
                     self._goal = None
+                    self._told.fill(np.nan)
                 break
         self._move(q)
 
@@ -271,7 +277,7 @@ def hold(page: Page) -> None:
         print(
             f"From elsewhere: ssh -L {page.port}:localhost:{page.port} ... and open the same address there."
         )
-    seen, gone = False, 0.0
+    seen, gone = page.visited, 0.0
     try:
         while not page.closed:
             time.sleep(0.1)
@@ -290,6 +296,8 @@ def hold(page: Page) -> None:
 
 def _short(name: str, names: tuple[str, ...]) -> str:
     """A joint's name without what all joints' names begin with."""
+    if len(names) < 2:
+        return name
     first, last = min(names), max(names)
     common = 0
     while common < min(len(first), len(last)) and first[common] == last[common]:

@@ -128,6 +128,11 @@ def test_sizes_that_are_none_are_refused(size: tuple[int, int]) -> None:
         render(Scene(), *size)
 
 
+def test_a_picture_too_large_for_memory_is_refused() -> None:
+    with pytest.raises(InputError, match="smaller picture"):
+        render(Scene(), 16384, 16384, samples=4)
+
+
 @pytest.mark.parametrize("samples", [1, 2, 3])
 def test_more_samples_make_smoother_edges(samples: int) -> None:
     picture = render(boxes((0, 0, 0.5)), 60, 45, SIDE, samples=samples)

@@ -170,3 +170,24 @@ def test_a_robot_that_cannot_be_shown_leaves_nothing_behind() -> None:
     with pytest.raises(NonFiniteError):
         scene.add_robot(Slider(BALL), [np.nan])
     assert scene.names == ()
+
+
+def test_without_the_mesh_reader_the_extra_is_named_once(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    (tmp_path / "a.stl").write_text("")
+    (tmp_path / "b.stl").write_text("")
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    visuals = [Geometry(n, Mesh(str(tmp_path / n))) for n in ("a.stl", "b.stl")]
+    with pytest.warns(ModelWarning, match=r"ulna\[mesh\]") as said:
+        assert link_surfaces(Slider(*visuals).model.links[1]) == ()
+    assert len({str(w.message) for w in said}) == 1
+
+
+def test_the_floor_is_at_zero_or_below_everything() -> None:
+    scene = Scene()
+    assert scene.floor() == 0.0
+    scene.add("up", [tessellate(Box((1, 1, 1)))], at(0, 0, 3))
+    assert scene.floor() == 0.0
+    scene.add("legs", [tessellate(Box((1, 1, 1)))], at(0, 0, -1))
+    assert scene.floor() == -1.5
