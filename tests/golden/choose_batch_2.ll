@@ -47,6 +47,7 @@ entry:
 define void @batch(ptr %args, ptr %dims, ptr %steps, ptr %data) nounwind {
 entry:
   %n = load i64, ptr %dims
+  %last = sub i64 %n, 1
   %a0.p = getelementptr ptr, ptr %args, i64 0
   %a0 = load ptr, ptr %a0.p
   %s0.p = getelementptr i64, ptr %steps, i64 0
@@ -71,28 +72,29 @@ entry:
   %s3 = load i64, ptr %s3.p
   %dense3 = xor i1 false, true
   %t3 = alloca double, i64 2
-  %shared.0 = icmp eq ptr %a0, %a2
-  %shared.or0 = or i1 false, %shared.0
-  %shared.1 = icmp eq ptr %a0, %a3
-  %shared.or1 = or i1 %shared.or0, %shared.1
-  %shared.2 = icmp eq ptr %a1, %a2
-  %shared.or2 = or i1 %shared.or1, %shared.2
-  %shared.3 = icmp eq ptr %a1, %a3
-  %shared.or3 = or i1 %shared.or2, %shared.3
-  %last = sub i64 %n, 2
-  %enough = icmp uge i64 %n, 2
   %none = icmp eq i64 %n, 0
   br i1 %none, label %done, label %step
 step:
-  %i = phi i64 [ 0, %entry ], [ %j, %again ]
-  %wide = phi i1 [ %enough, %entry ], [ %still, %again ]
-  %count = select i1 %wide, i64 2, i64 1
+  %i = phi i64 [ 0, %entry ], [ %next, %put4 ]
+  %left = sub i64 %n, %i
+  %many = icmp uge i64 %left, 2
+  %single = icmp eq i64 %left, 1
+  %rows = select i1 %single, i64 1, i64 2
+  %short = select i1 %single, i64 1, i64 %left
+  %simple = or i1 %many, %single
+  %count = select i1 %many, i64 2, i64 %short
+  %direct0 = and i1 %dense0, %simple
+  %direct1 = and i1 %dense1, %simple
+  %direct2 = and i1 %dense2, %simple
+  %direct3 = and i1 %dense3, %simple
   br label %get0
 get0:
-  br i1 %dense0, label %get1, label %get0.row
+  br i1 %direct0, label %get1, label %get0.row
 get0.row:
   %get0.row.k = phi i64 [ 0, %get0 ], [ %get0.row.n, %get0.row.end ]
-  %get0.row.at = add i64 %i, %get0.row.k
+  %get0.row.here = add i64 %i, %get0.row.k
+  %get0.row.beyond = icmp ugt i64 %get0.row.here, %last
+  %get0.row.at = select i1 %get0.row.beyond, i64 %last, i64 %get0.row.here
   %get0.row.o = mul i64 %get0.row.at, %s0
   %get0.row.p = getelementptr i8, ptr %a0, i64 %get0.row.o
   %get0.s = getelementptr double, ptr %t0, i64 %get0.row.k
@@ -101,13 +103,15 @@ get0.row:
   br label %get0.row.end
 get0.row.end:
   %get0.row.n = add i64 %get0.row.k, 1
-  %get0.row.over = icmp eq i64 %get0.row.n, %count
+  %get0.row.over = icmp eq i64 %get0.row.n, %rows
   br i1 %get0.row.over, label %get1, label %get0.row
 get1:
-  br i1 %dense1, label %get2, label %get1.row
+  br i1 %direct1, label %get2, label %get1.row
 get1.row:
   %get1.row.k = phi i64 [ 0, %get1 ], [ %get1.row.n, %get1.row.end ]
-  %get1.row.at = add i64 %i, %get1.row.k
+  %get1.row.here = add i64 %i, %get1.row.k
+  %get1.row.beyond = icmp ugt i64 %get1.row.here, %last
+  %get1.row.at = select i1 %get1.row.beyond, i64 %last, i64 %get1.row.here
   %get1.row.o = mul i64 %get1.row.at, %s1
   %get1.row.p = getelementptr i8, ptr %a1, i64 %get1.row.o
   %get1.s = getelementptr double, ptr %t1, i64 %get1.row.k
@@ -116,36 +120,38 @@ get1.row:
   br label %get1.row.end
 get1.row.end:
   %get1.row.n = add i64 %get1.row.k, 1
-  %get1.row.over = icmp eq i64 %get1.row.n, %count
+  %get1.row.over = icmp eq i64 %get1.row.n, %rows
   br i1 %get1.row.over, label %get2, label %get1.row
 get2:
   %o0 = mul i64 %i, %s0
   %p0 = getelementptr i8, ptr %a0, i64 %o0
-  %r0 = select i1 %dense0, ptr %p0, ptr %t0
-  %d0 = select i1 %dense0, i64 %s0, i64 8
-  %e0 = select i1 %wide, i64 %d0, i64 0
+  %r0 = select i1 %direct0, ptr %p0, ptr %t0
+  %d0 = select i1 %direct0, i64 %s0, i64 8
+  %e0 = select i1 %single, i64 0, i64 %d0
   %o1 = mul i64 %i, %s1
   %p1 = getelementptr i8, ptr %a1, i64 %o1
-  %r1 = select i1 %dense1, ptr %p1, ptr %t1
-  %d1 = select i1 %dense1, i64 %s1, i64 8
-  %e1 = select i1 %wide, i64 %d1, i64 0
+  %r1 = select i1 %direct1, ptr %p1, ptr %t1
+  %d1 = select i1 %direct1, i64 %s1, i64 8
+  %e1 = select i1 %single, i64 0, i64 %d1
   %o2 = mul i64 %i, %s2
   %p2 = getelementptr i8, ptr %a2, i64 %o2
-  %r2 = select i1 %dense2, ptr %p2, ptr %t2
-  %d2 = select i1 %dense2, i64 %s2, i64 8
-  %e2 = select i1 %wide, i64 %d2, i64 0
+  %r2 = select i1 %direct2, ptr %p2, ptr %t2
+  %d2 = select i1 %direct2, i64 %s2, i64 8
+  %e2 = select i1 %single, i64 0, i64 %d2
   %o3 = mul i64 %i, %s3
   %p3 = getelementptr i8, ptr %a3, i64 %o3
-  %r3 = select i1 %dense3, ptr %p3, ptr %t3
-  %d3 = select i1 %dense3, i64 %s3, i64 8
-  %e3 = select i1 %wide, i64 %d3, i64 0
+  %r3 = select i1 %direct3, ptr %p3, ptr %t3
+  %d3 = select i1 %direct3, i64 %s3, i64 8
+  %e3 = select i1 %single, i64 0, i64 %d3
   call void @block(ptr %r0, i64 %e0, ptr %r1, i64 %e1, ptr %r2, i64 %e2, ptr %r3, i64 %e3)
   br label %put2
 put2:
-  br i1 %dense2, label %put3, label %put2.row
+  br i1 %direct2, label %put3, label %put2.row
 put2.row:
   %put2.row.k = phi i64 [ 0, %put2 ], [ %put2.row.n, %put2.row.end ]
-  %put2.row.at = add i64 %i, %put2.row.k
+  %put2.row.here = add i64 %i, %put2.row.k
+  %put2.row.beyond = icmp ugt i64 %put2.row.here, %last
+  %put2.row.at = select i1 %put2.row.beyond, i64 %last, i64 %put2.row.here
   %put2.row.o = mul i64 %put2.row.at, %s2
   %put2.row.p = getelementptr i8, ptr %a2, i64 %put2.row.o
   %put2.s = getelementptr double, ptr %t2, i64 %put2.row.k
@@ -157,10 +163,12 @@ put2.row.end:
   %put2.row.over = icmp eq i64 %put2.row.n, %count
   br i1 %put2.row.over, label %put3, label %put2.row
 put3:
-  br i1 %dense3, label %put4, label %put3.row
+  br i1 %direct3, label %put4, label %put3.row
 put3.row:
   %put3.row.k = phi i64 [ 0, %put3 ], [ %put3.row.n, %put3.row.end ]
-  %put3.row.at = add i64 %i, %put3.row.k
+  %put3.row.here = add i64 %i, %put3.row.k
+  %put3.row.beyond = icmp ugt i64 %put3.row.here, %last
+  %put3.row.at = select i1 %put3.row.beyond, i64 %last, i64 %put3.row.here
   %put3.row.o = mul i64 %put3.row.at, %s3
   %put3.row.p = getelementptr i8, ptr %a3, i64 %put3.row.o
   %put3.s = getelementptr double, ptr %t3, i64 %put3.row.k
@@ -173,18 +181,8 @@ put3.row.end:
   br i1 %put3.row.over, label %put4, label %put3.row
 put4:
   %next = add i64 %i, %count
-  %left = sub i64 %n, %next
-  %end = icmp eq i64 %left, 0
-  br i1 %end, label %done, label %again
-again:
-  %fits = icmp uge i64 %left, 2
-  %free = xor i1 %shared.or3, true
-  %may = or i1 %fits, %free
-  %still = and i1 %wide, %may
-  %short = xor i1 %fits, true
-  %back = and i1 %still, %short
-  %j = select i1 %back, i64 %last, i64 %next
-  br label %step
+  %end = icmp eq i64 %next, %n
+  br i1 %end, label %done, label %step
 done:
   %flags = call i32 @feclearexcept(i32 -1)
   ret void

@@ -122,6 +122,7 @@ L2.after:
 define void @batch(ptr %args, ptr %dims, ptr %steps, ptr %data) nounwind {
 entry:
   %n = load i64, ptr %dims
+  %last = sub i64 %n, 1
   %a0.p = getelementptr ptr, ptr %args, i64 0
   %a0 = load ptr, ptr %a0.p
   %s0.p = getelementptr i64, ptr %steps, i64 0
@@ -140,24 +141,28 @@ entry:
   %s2 = load i64, ptr %s2.p
   %dense2 = xor i1 false, true
   %t2 = alloca double, i64 8
-  %shared.0 = icmp eq ptr %a0, %a1
-  %shared.or0 = or i1 false, %shared.0
-  %shared.1 = icmp eq ptr %a0, %a2
-  %shared.or1 = or i1 %shared.or0, %shared.1
-  %last = sub i64 %n, 8
-  %enough = icmp uge i64 %n, 8
   %none = icmp eq i64 %n, 0
   br i1 %none, label %done, label %step
 step:
-  %i = phi i64 [ 0, %entry ], [ %j, %again ]
-  %wide = phi i1 [ %enough, %entry ], [ %still, %again ]
-  %count = select i1 %wide, i64 8, i64 1
+  %i = phi i64 [ 0, %entry ], [ %next, %put3 ]
+  %left = sub i64 %n, %i
+  %many = icmp uge i64 %left, 8
+  %single = icmp eq i64 %left, 1
+  %rows = select i1 %single, i64 1, i64 8
+  %short = select i1 %single, i64 1, i64 %left
+  %simple = or i1 %many, %single
+  %count = select i1 %many, i64 8, i64 %short
+  %direct0 = and i1 %dense0, %simple
+  %direct1 = and i1 %dense1, %simple
+  %direct2 = and i1 %dense2, %simple
   br label %get0
 get0:
-  br i1 %dense0, label %get1, label %get0.row
+  br i1 %direct0, label %get1, label %get0.row
 get0.row:
   %get0.row.k = phi i64 [ 0, %get0 ], [ %get0.row.n, %get0.row.end ]
-  %get0.row.at = add i64 %i, %get0.row.k
+  %get0.row.here = add i64 %i, %get0.row.k
+  %get0.row.beyond = icmp ugt i64 %get0.row.here, %last
+  %get0.row.at = select i1 %get0.row.beyond, i64 %last, i64 %get0.row.here
   %get0.row.o = mul i64 %get0.row.at, %s0
   %get0.row.p = getelementptr i8, ptr %a0, i64 %get0.row.o
   %get0.s = getelementptr double, ptr %t0, i64 %get0.row.k
@@ -166,31 +171,33 @@ get0.row:
   br label %get0.row.end
 get0.row.end:
   %get0.row.n = add i64 %get0.row.k, 1
-  %get0.row.over = icmp eq i64 %get0.row.n, %count
+  %get0.row.over = icmp eq i64 %get0.row.n, %rows
   br i1 %get0.row.over, label %get1, label %get0.row
 get1:
   %o0 = mul i64 %i, %s0
   %p0 = getelementptr i8, ptr %a0, i64 %o0
-  %r0 = select i1 %dense0, ptr %p0, ptr %t0
-  %d0 = select i1 %dense0, i64 %s0, i64 8
-  %e0 = select i1 %wide, i64 %d0, i64 0
+  %r0 = select i1 %direct0, ptr %p0, ptr %t0
+  %d0 = select i1 %direct0, i64 %s0, i64 8
+  %e0 = select i1 %single, i64 0, i64 %d0
   %o1 = mul i64 %i, %s1
   %p1 = getelementptr i8, ptr %a1, i64 %o1
-  %r1 = select i1 %dense1, ptr %p1, ptr %t1
-  %d1 = select i1 %dense1, i64 %s1, i64 8
-  %e1 = select i1 %wide, i64 %d1, i64 0
+  %r1 = select i1 %direct1, ptr %p1, ptr %t1
+  %d1 = select i1 %direct1, i64 %s1, i64 8
+  %e1 = select i1 %single, i64 0, i64 %d1
   %o2 = mul i64 %i, %s2
   %p2 = getelementptr i8, ptr %a2, i64 %o2
-  %r2 = select i1 %dense2, ptr %p2, ptr %t2
-  %d2 = select i1 %dense2, i64 %s2, i64 8
-  %e2 = select i1 %wide, i64 %d2, i64 0
+  %r2 = select i1 %direct2, ptr %p2, ptr %t2
+  %d2 = select i1 %direct2, i64 %s2, i64 8
+  %e2 = select i1 %single, i64 0, i64 %d2
   call void @block(ptr %r0, i64 %e0, ptr %r1, i64 %e1, ptr %r2, i64 %e2)
   br label %put1
 put1:
-  br i1 %dense1, label %put2, label %put1.row
+  br i1 %direct1, label %put2, label %put1.row
 put1.row:
   %put1.row.k = phi i64 [ 0, %put1 ], [ %put1.row.n, %put1.row.end ]
-  %put1.row.at = add i64 %i, %put1.row.k
+  %put1.row.here = add i64 %i, %put1.row.k
+  %put1.row.beyond = icmp ugt i64 %put1.row.here, %last
+  %put1.row.at = select i1 %put1.row.beyond, i64 %last, i64 %put1.row.here
   %put1.row.o = mul i64 %put1.row.at, %s1
   %put1.row.p = getelementptr i8, ptr %a1, i64 %put1.row.o
   %put1.s = getelementptr double, ptr %t1, i64 %put1.row.k
@@ -202,10 +209,12 @@ put1.row.end:
   %put1.row.over = icmp eq i64 %put1.row.n, %count
   br i1 %put1.row.over, label %put2, label %put1.row
 put2:
-  br i1 %dense2, label %put3, label %put2.row
+  br i1 %direct2, label %put3, label %put2.row
 put2.row:
   %put2.row.k = phi i64 [ 0, %put2 ], [ %put2.row.n, %put2.row.end ]
-  %put2.row.at = add i64 %i, %put2.row.k
+  %put2.row.here = add i64 %i, %put2.row.k
+  %put2.row.beyond = icmp ugt i64 %put2.row.here, %last
+  %put2.row.at = select i1 %put2.row.beyond, i64 %last, i64 %put2.row.here
   %put2.row.o = mul i64 %put2.row.at, %s2
   %put2.row.p = getelementptr i8, ptr %a2, i64 %put2.row.o
   %put2.s = getelementptr double, ptr %t2, i64 %put2.row.k
@@ -218,18 +227,8 @@ put2.row.end:
   br i1 %put2.row.over, label %put3, label %put2.row
 put3:
   %next = add i64 %i, %count
-  %left = sub i64 %n, %next
-  %end = icmp eq i64 %left, 0
-  br i1 %end, label %done, label %again
-again:
-  %fits = icmp uge i64 %left, 8
-  %free = xor i1 %shared.or1, true
-  %may = or i1 %fits, %free
-  %still = and i1 %wide, %may
-  %short = xor i1 %fits, true
-  %back = and i1 %still, %short
-  %j = select i1 %back, i64 %last, i64 %next
-  br label %step
+  %end = icmp eq i64 %next, %n
+  br i1 %end, label %done, label %step
 done:
   %flags = call i32 @feclearexcept(i32 -1)
   ret void

@@ -1,14 +1,13 @@
 """Writes the loop over a batch: NumPy's inner loop of a generalised ufunc, around the block of SIMD lanes.
 
-The block takes `lanes` rows at a time where they lie. A port whose samples have strides inside goes through a scratch
-of that many contiguous rows. What is left at the end is done by moving the last block back over rows already done;
-where a batch is written over its own input, and where there are fewer rows than lanes, row by row, in all lanes alike.
+The block takes `lanes` rows at a time where they lie, and a single row in all lanes alike. A port whose samples have
+strides inside, and every port of the last rows, fewer than lanes, go through a scratch of contiguous rows. No row is
+done twice, so a batch may be written over its own input.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
 
 from ulna.trace.function import Function, Port
 from ulna.trace.irtext import BYTES, DType
@@ -19,47 +18,46 @@ _SCRATCH = 2**16  # bytes on the stack; where more would be needed, a scratch ho
 def batch_loop(f: Function, element: DType, lanes: int) -> str:
     """IR of `void batch(ptr args, ptr dimensions, ptr steps, ptr data)`, which calls `block`."""
     ports, inputs = [*f.inputs, *f.outputs], len(f.inputs)
-    rows = lanes if lanes * BYTES[element] * sum(p.size for p in ports) <= _SCRATCH else 1
+    large = lanes * BYTES[element] * sum(p.size for p in ports) > _SCRATCH
     w = ["define void @batch(ptr %args, ptr %dims, ptr %steps, ptr %data) nounwind {", "entry:"]
-    w.append("  %n = load i64, ptr %dims")
+    w.append("  %n = load i64, ptr %dims\n  %last = sub i64 %n, 1")
     inner = len(ports)  # position in steps of the next stride inside samples
     for k, port in enumerate(ports):
         _arguments(w, k, port, inner, element)
-        w.append(f"  %t{k} = alloca {element}, i64 {max(rows * port.size, 1)}")
+        w.append(f"  %t{k} = alloca {element}, i64 {port.size if large else lanes * port.size}")
         inner += len(port.shape)
-    pairs = product(range(inputs), range(inputs, len(ports)))
-    shared = _any(w, "shared", [f"icmp eq ptr %a{i}, %a{o}" for i, o in pairs])
-    w.append(f"  %last = sub i64 %n, {lanes}\n  %enough = icmp uge i64 %n, {lanes}")
-    if rows == 1:
-        strided = _any(w, "strided", [f"xor i1 %dense{k}, true" for k in range(len(ports))])
-        w.append(f"  %straight = xor i1 {strided}, true\n  %begin = and i1 %enough, %straight")
-    begin = "%begin" if rows == 1 else "%enough"
     w.append("  %none = icmp eq i64 %n, 0\n  br i1 %none, label %done, label %step")
 
-    w.append("step:\n  %i = phi i64 [ 0, %entry ], [ %j, %again ]")
-    w.append(f"  %wide = phi i1 [ {begin}, %entry ], [ %still, %again ]")
-    w.append(f"  %count = select i1 %wide, i64 {lanes}, i64 1\n  br label %get0")
+    w.append(f"step:\n  %i = phi i64 [ 0, %entry ], [ %next, %put{len(ports)} ]")
+    w.append(f"  %left = sub i64 %n, %i\n  %many = icmp uge i64 %left, {lanes}")
+    if large:  # as many rows as lanes from where they lie, or one row
+        odd = _any(w, "odd", [f"xor i1 %dense{k}, true" for k in range(len(ports))])
+        w.append(f"  %straight = xor i1 {odd}, true\n  %wide = and i1 %many, %straight")
+        w.append("  %single = xor i1 %wide, true")
+    else:
+        w.append("  %single = icmp eq i64 %left, 1")
+    wide = "%wide" if large else "%many"
+    w.append(f"  %rows = select i1 %single, i64 1, i64 {lanes}")  # how many the block takes
+    w.append(f"  %short = select i1 %single, i64 1, i64 %left\n  %simple = or i1 {wide}, %single")
+    w.append(f"  %count = select i1 {wide}, i64 {lanes}, i64 %short")  # how many are left in them
+    for k in range(len(ports)):
+        w.append(f"  %direct{k} = and i1 %dense{k}, %simple")
+    w.append("  br label %get0")
     for k, port in enumerate(ports[:inputs]):
         _move(w, f"get{k}", f"get{k + 1}", k, port, element, gather=True)
     w.append(f"get{inputs}:")
     call = []
     for k, port in enumerate(ports):
         w.append(f"  %o{k} = mul i64 %i, %s{k}\n  %p{k} = getelementptr i8, ptr %a{k}, i64 %o{k}")
-        w.append(f"  %r{k} = select i1 %dense{k}, ptr %p{k}, ptr %t{k}")
-        w.append(f"  %d{k} = select i1 %dense{k}, i64 %s{k}, i64 {BYTES[element] * port.size}")
-        w.append(f"  %e{k} = select i1 %wide, i64 %d{k}, i64 0")
+        w.append(f"  %r{k} = select i1 %direct{k}, ptr %p{k}, ptr %t{k}")
+        w.append(f"  %d{k} = select i1 %direct{k}, i64 %s{k}, i64 {BYTES[element] * port.size}")
+        w.append(f"  %e{k} = select i1 %single, i64 0, i64 %d{k}")
         call.append(f"ptr %r{k}, i64 %e{k}")
     w.append(f"  call void @block({', '.join(call)})\n  br label %put{inputs}")
     for k, port in enumerate(ports[inputs:], inputs):
         _move(w, f"put{k}", f"put{k + 1}", k, port, element, gather=False)
-    w.append(f"put{len(ports)}:\n  %next = add i64 %i, %count\n  %left = sub i64 %n, %next")
-    w.append("  %end = icmp eq i64 %left, 0\n  br i1 %end, label %done, label %again")
-    # A block moved back redoes rows, with equal results unless an output is an input: NumPy makes no copy when they
-    # are the very same array.
-    w.append(f"again:\n  %fits = icmp uge i64 %left, {lanes}\n  %free = xor i1 {shared}, true")
-    w.append("  %may = or i1 %fits, %free\n  %still = and i1 %wide, %may")
-    w.append("  %short = xor i1 %fits, true\n  %back = and i1 %still, %short")
-    w.append("  %j = select i1 %back, i64 %last, i64 %next\n  br label %step")
+    w.append(f"put{len(ports)}:\n  %next = add i64 %i, %count\n  %end = icmp eq i64 %next, %n")
+    w.append("  br i1 %end, label %done, label %step")
     # The bits of the exceptions differ between processors; C libraries pay heed only to those that exist.
     w.append("done:\n  %flags = call i32 @feclearexcept(i32 -1)\n  ret void\n}\n")
     return "\n".join(w)
@@ -91,14 +89,19 @@ def _any(w: list[str], tag: str, tests: Sequence[str]) -> str:
 
 
 def _move(w: list[str], label: str, following: str, k: int, port: Port, element: DType, gather: bool) -> None:
-    """Block `label`: copies %count rows from %i on between port k and its scratch, unless the port is dense."""
-    w.append(f"{label}:\n  br i1 %dense{k}, label %{following}, label %{label}.row")
+    """Block `label`: copies rows from %i on between port k and its scratch, unless the block reads it directly.
+
+    In go as many as the block takes, the last row again and again where there are no more; out come the real ones.
+    """
+    w.append(f"{label}:\n  br i1 %direct{k}, label %{following}, label %{label}.row")
     # One loop over the rows and one for each axis; the counters are the index.
-    bounds: list[int | str] = ["%count", *port.shape]
+    bounds: list[int | str] = ["%rows" if gather else "%count", *port.shape]
     strides = [f"%s{k}", *(f"%c{k}.{axis}" for axis in range(len(port.shape)))]
     names = [f"{label}.row", *(f"{label}.x{axis}" for axis in range(len(port.shape)))]
     w.append(f"{names[0]}:\n  %{names[0]}.k = phi i64 [ 0, %{label} ], [ %{names[0]}.n, %{names[0]}.end ]")
-    w.append(f"  %{names[0]}.at = add i64 %i, %{names[0]}.k")
+    w.append(f"  %{names[0]}.here = add i64 %i, %{names[0]}.k")
+    w.append(f"  %{names[0]}.beyond = icmp ugt i64 %{names[0]}.here, %last")
+    w.append(f"  %{names[0]}.at = select i1 %{names[0]}.beyond, i64 %last, i64 %{names[0]}.here")
     pointer, flat, index = f"%a{k}", f"%{names[0]}.k", f"%{names[0]}.at"
     for level, (name, stride) in enumerate(zip(names, strides, strict=True)):
         if level:

@@ -22,7 +22,7 @@ def jvp(f: Function) -> Function:
     g, primals, results = _copy(f)
     tangents = [g.input() for _ in primals]
     d = _forward(g, dict(zip(primals, tangents, strict=True)), results)
-    ports = (*f.inputs, *(Port("d_" + p.name, p.shape) for p in f.inputs))
+    ports = (*f.inputs, *_named("d_", f.inputs, f.inputs))
     return Function(f"{f.name}_jvp", g, ports, f.outputs, tuple(d), f.single)
 
 
@@ -31,8 +31,8 @@ def vjp(f: Function) -> Function:
     g, primals, results = _copy(f)
     seeds = [g.input() for _ in results]
     bars = _reverse(g, list(zip(results, seeds, strict=True)), primals)
-    ports = (*f.inputs, *(Port("bar_" + p.name, p.shape) for p in f.outputs))
-    outputs = tuple(Port("bar_" + p.name, p.shape) for p in f.inputs)
+    ports = (*f.inputs, *_named("bar_", f.outputs, f.inputs))
+    outputs = _named("bar_", f.inputs)
     return Function(f"{f.name}_vjp", g, ports, outputs, tuple(bars), len(f.inputs) == 1)
 
 
@@ -60,6 +60,18 @@ def jacobian(f: Function, wrt: str | int = 0) -> Function:
         entries = [bar for y in results for bar in _reverse(g, [(y, g.constant(1.0))], chosen)]
     outputs = tuple(Port(f"d{p.name}_d{port.name}", p.shape + port.shape) for p in f.outputs)
     return Function(f"{f.name}_jacobian", g, f.inputs, outputs, tuple(entries), f.single)
+
+
+def _named(prefix: str, ports: Sequence[Port], beside: Sequence[Port] = ()) -> tuple[Port, ...]:
+    """The ports with `prefix` before their names, once more where a port of `beside` has that name."""
+    taken, named = {p.name for p in beside}, []
+    for port in ports:
+        name = prefix + port.name
+        while name in taken:
+            name = prefix + name
+        taken.add(name)
+        named.append(Port(name, port.shape))
+    return tuple(named)
 
 
 def _copy(f: Function) -> tuple[Graph, list[int], list[int]]:

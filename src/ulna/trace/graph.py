@@ -103,6 +103,8 @@ class Graph:
         op = self.parent.op[index]
         if op == Op.CONST:
             return self.constant(self.parent.data[index])
+        if op == Op.BOOL:
+            return self.truth(self.parent.data[index])
         if index not in self._captured:
             self._captured[index] = self.input()
         return self._captured[index]

@@ -343,14 +343,20 @@ class KernelBase:
 class SlowKernel(KernelBase):
     """A kernel whose single calls go through the gufunc: where the fast door does not work."""
 
-    __slots__ = ("__weakref__", "_general")
+    __slots__ = ("__dict__", "__weakref__", "_general")
 
     def __init__(self, general: _General) -> None:
         self._general = general
+        self.__dict__["__doc__"] = _doc(general.function)
 
     def __call__(self, *args: Any, **options: Any) -> Any:
         """Evaluates the kernel; see `Kernel`."""
         return self._general(*args, **options)
+
+
+def _doc(f: Function) -> str:
+    """What help() says of a kernel."""
+    return f"{f.name}({', '.join(p.name for p in f.inputs)}): {f.signature}\n\n{f.doc}".rstrip()
 
 
 def _let_go(*_: Any) -> None:
@@ -414,6 +420,7 @@ def compile(
         print(ir)
     code = jit.load(ir, ("entry",))
     instance = native.make_instance(door, code.address("entry"), general, general.element)
+    instance.__dict__["__doc__"] = _doc(f)
     # Machine code reads `general` through a bare pointer: both stay until the instance goes, whatever happens to its
     # attributes.
     weakref.finalize(instance, _let_go, general, code).atexit = False

@@ -1,8 +1,8 @@
 """Peephole rules, applied as each node is made, so that no pass over the graph is ever needed.
 
-Exact rules hold for every double, bit for bit. Relaxed rules hold for finite numbers up to the sign of zero;
-a graph made with `relaxed=False` does not use them. Each rule looks at most one node deep and returns an
-existing node or a strictly simpler one, so rewriting ends by construction.
+Exact rules hold for every double, bit for bit. Relaxed rules hold up to the sign of zero where every value on the
+way is finite (0 / x -> 0 also where x is 0); a graph made with `relaxed=False` does not use them. Each rule looks at
+most one node deep and returns an existing node or a strictly simpler one, so rewriting ends by construction.
 """
 
 from __future__ import annotations

@@ -140,6 +140,9 @@ def test_shapes_and_names():
     assert [p.shape for p in f.vjp().inputs] == [(3,), (2,), (3,), (2,)]
     assert [(p.name, p.shape) for p in f.vjp().outputs] == [("bar_q", (3,)), ("bar_v", (2,))]
     assert trace(lambda x: x * x, x=()).jacobian().outputs[0].shape == ()
+    twice = trace(lambda x: np.sin(x), x=()).jvp().jvp()
+    assert [p.name for p in twice.inputs] == ["x", "d_x", "d_d_x", "d_d_d_x"]
+    assert twice(0.5, 1.0, 1.0, 0.0) == pytest.approx(-np.sin(0.5), rel=1e-15)
     with pytest.raises(UnknownName, match="No input named 'w'"):
         f.jacobian("w")
     for wrong in (2, -1):

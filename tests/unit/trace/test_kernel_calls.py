@@ -414,6 +414,7 @@ def test_properties(kernel):
     assert repr(kernel) == f"<kernel _f(3),(3,3)->(3),(3,3) float64, {kernel.operations} operations>"
     assert kernel.operations == sum(kernel.operation_counts.values()) > 20
     assert kernel.__name__ == "_f"
+    assert kernel.__doc__.startswith("_f(q, m): (3),(3,3)->(3),(3,3)\n\nMixes everything")
     assert kernel.function.doc.startswith("Mixes everything")
     assert kernel.gufunc.__doc__.endswith("so that a misplaced number shows.")
     assert "define ptr @entry" in kernel.ir()
