@@ -138,6 +138,15 @@ def test_compiled_without_fusing_equals_interpreted_bit_for_bit(f):
         columns = inputs(f, 19, special)
         expected = f(*columns)
         assert_same(kernel(*columns), expected, "batch")
+        for odd in (
+            np.asfortranarray,
+            lambda c: np.flip(np.flip(c).copy()),
+            lambda c: np.repeat(c, 2, -1)[..., ::2],
+        ):
+            strided = [odd(c) if c.ndim > 1 else c for c in columns]
+            out = tuple(np.asfortranarray(np.zeros(e.shape)) for e in expected)
+            assert_same(kernel(*strided, out=out), expected, "strided")
+        assert_same(kernel(*(c[:5] for c in columns)), [e[:5] for e in expected], "few rows")
         singles = [kernel(*(c[k] for c in columns)) for k in range(19)]
         assert_same([np.stack(s) for s in zip(*singles, strict=True)], expected, "single")
 
