@@ -365,12 +365,14 @@ def _let_go(*_: Any) -> None:
 
 _NATIVE: Any = None
 _native_made = False
+_native_lock = threading.Lock()
 
 
 def _native_type() -> Any:
     global _NATIVE, _native_made
-    if not _native_made:
-        _NATIVE, _native_made = native.make_type(KernelBase), True
+    with _native_lock:
+        if not _native_made:
+            _NATIVE, _native_made = native.make_type(KernelBase), True
     return _NATIVE
 
 

@@ -148,13 +148,18 @@ class Scalar(Value):
         """Remainder with the sign of the divisor, as np.mod."""
         return self - (self / other).floor() * other
 
+    def __floordiv__(self, other: Any) -> Any:
+        """The largest whole number not above the quotient."""
+        return (self / other).floor()
+
     def __pow__(self, exponent: Any) -> Any:
-        """Integer powers by repeated squaring; 0.5 by the square root; others as exp(exponent * log(self))."""
+        """Integer powers by repeated squaring, halves by the square root; others as exp(exponent * log(self))."""
         if isinstance(exponent, _NUMBERS):
             if float(exponent).is_integer() and abs(exponent) <= 64:
                 return _integer_power(self, int(exponent))
-            if float(exponent) == 0.5:
-                return self.sqrt()
+            if float(2.0 * exponent).is_integer() and abs(exponent) <= 64:
+                power = _integer_power(self, int(abs(exponent) - 0.5)) * self.sqrt()
+                return power if exponent > 0 else 1.0 / power
         return (self.log() * exponent).exp()
 
     def __rpow__(self, base: Any) -> Any:

@@ -136,6 +136,11 @@ def test_powers(exponent):
     np.testing.assert_allclose(kernel(x), x**exponent, rtol=2e-15)
 
 
+def test_halves_are_taken_by_the_square_root():
+    counts = [trace(lambda x, e=e: x**e, x=()).operation_counts for e in (0.5, 1.5, -0.5, 2.5)]
+    assert counts == [{"sqrt": 1}, {"mul": 1, "sqrt": 1}, {"div": 1, "sqrt": 1}, {"mul": 2, "sqrt": 1}]
+
+
 def test_a_power_with_the_traced_value_above():
     kernel = compile(lambda x: 2.0**x, x=())
     np.testing.assert_allclose(kernel(np.linspace(-3, 3, 20)), 2.0 ** np.linspace(-3, 3, 20), rtol=2e-15)

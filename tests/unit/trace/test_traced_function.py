@@ -145,7 +145,7 @@ NUMPY = {
     "elementwise": lambda m, v: nm.where(
         nm.less(v, m[0]), nm.minimum(v, 0.5), nm.maximum(m[0], nm.clip(v, -1, 1))
     ),
-    "remainder": lambda m, v: v % 0.75,
+    "remainder": lambda m, v: v % 0.75 + v // 0.5 + np.floor_divide(v, 2.0) + np.mod(v, 3.0),
 }
 
 
