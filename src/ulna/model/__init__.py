@@ -8,6 +8,13 @@ from ulna.model.change import (
     with_root_joint,
     with_tool,
 )
+from ulna.model.inertial import (
+    dynamic_parameters,
+    perturbed,
+    with_dynamic_parameters,
+    with_joint_dynamics,
+    with_link_inertias,
+)
 from ulna.model.joints import (
     Composite,
     Continuous,
@@ -26,6 +33,7 @@ from ulna.model.joints import (
 from ulna.model.merge import attach
 from ulna.model.model import Model
 from ulna.model.parts import Frame, Joint, Limits, Link, Mimic
+from ulna.model.payload import Drive, with_drives, with_payload
 from ulna.model.positions import position
 from ulna.model.reduce import lock_joints
 
@@ -33,6 +41,7 @@ __all__ = [
     "Composite",
     "Continuous",
     "Coordinate",
+    "Drive",
     "Fixed",
     "Frame",
     "FreeFlyer",
@@ -51,11 +60,18 @@ __all__ = [
     "Translation",
     "Universal",
     "attach",
+    "dynamic_parameters",
     "lock_joints",
+    "perturbed",
     "position",
     "with_configuration",
     "with_disabled_pairs",
+    "with_drives",
+    "with_dynamic_parameters",
     "with_gravity",
+    "with_joint_dynamics",
+    "with_link_inertias",
+    "with_payload",
     "with_root_joint",
     "with_tool",
 ]

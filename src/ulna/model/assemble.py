@@ -31,7 +31,7 @@ def assemble(told: Told) -> Model:
     order = depth_first(name, root, links, above)
     connecting = above if root_joint is None else {**above, root: root_joint}
     joints, placed = _place(order, links, connecting)
-    inertias, base_inertia = _aggregate(joints, placed)
+    inertias, base_inertia = aggregate(joints, placed)
     _warn_of_inertias(told)
     model = Model(
         name=name,
@@ -195,7 +195,7 @@ def _frames(
     return tuple(frames)
 
 
-def _aggregate(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> tuple[tuple[Inertia, ...], Inertia]:
+def aggregate(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> tuple[tuple[Inertia, ...], Inertia]:
     """For each joint, and for the world, the inertia of the links it carries, in its moving frame."""
     sums: list[Inertia | None] = [None] * (len(joints) + 1)  # the last one is the world, index -1
     for link in links:

@@ -1,0 +1,185 @@
+"""The masses and inertias of a model, out as numbers and in again, exactly or perturbed.
+
+The ten parameters of a body are m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz, with the rotational inertia about
+the origin of its joint's moving frame [kg, kg m, kg m^2], in the order of Pinocchio. A body is all that a movable
+joint carries rigidly, as in `model.inertias`; the equations of motion are linear in these parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError, ModelError, NonFiniteError, ShapeError, UnknownName
+from ulna.model.assemble import aggregate
+from ulna.model.check import checked_inertia
+from ulna.model.joints.axes import constant
+from ulna.model.model import Model
+from ulna.model.parts import Joint
+from ulna.spatial import Inertia
+from ulna.typing import ArrayLike, Floats
+
+_OF_DRIVES = ("armature", "damping", "friction", "effort")
+
+
+def dynamic_parameters(model: Model) -> Floats:
+    """The ten parameters of each joint's body, one after the other, shape (10 nbodies,)."""
+    if not model.inertias:
+        return np.zeros(0)
+    return np.concatenate([np.asarray(body.parameters(), dtype=float) for body in model.inertias])
+
+
+def with_dynamic_parameters(model: Model, parameters: ArrayLike, *, check: bool = True) -> Model:
+    """The model whose bodies have these parameters.
+
+    Of a body that changes, the link right after the joint takes all the inertia, and the links fixed to it become
+    massless: the equations of motion do not see how a body's inertia is spread over its links. A body that keeps its
+    parameters keeps its links.
+
+    Args:
+        model: The model.
+        parameters: Ten parameters of each joint's body, shape (10 nbodies,) or (nbodies, 10).
+        check: Whether to refuse bodies that cannot exist: of negative mass, or with principal moments of inertia
+            that are negative or break the triangle inequality.
+
+    Raises:
+        ShapeError, NonFiniteError: they are not ten finite numbers for each body.
+        ModelError: a body cannot exist; or it has no mass, but first moments, which no model can hold.
+    """
+    p = np.asarray(parameters, dtype=float)
+    count = len(model.joints)
+    if p.shape not in ((10 * count,), (count, 10)):
+        raise ShapeError("parameters", p.shape, f"({10 * count},): ten for each of {count} bodies")
+    p = p.reshape(count, 10)
+    if not np.isfinite(p).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(p))[0])
+        raise NonFiniteError("parameters", where, float(p[where]))
+    before = dynamic_parameters(model).reshape(count, 10)
+    inertias, links = list(model.inertias), list(model.links)
+    for i, joint in enumerate(model.joints):
+        if (p[i] == before[i]).all():
+            continue
+        inertias[i] = body = _body(joint.name, p[i], check)
+        for k, link in enumerate(links):
+            if link.joint == i:
+                own = link.placement.act_inverse(body) if link.name == joint.child_link else Inertia.zero()
+                links[k] = replace(link, inertia=_constant(own))
+    return replace(model, inertias=tuple(inertias), links=tuple(links))
+
+
+def with_link_inertias(model: Model, inertias: Mapping[str, Inertia]) -> Model:
+    """The model with other inertias of some links.
+
+    Args:
+        model: The model.
+        inertias: For names of links, their inertia in the link's frame.
+
+    Raises:
+        UnknownName: no link of that name.
+        ModelError: an inertia cannot be one.
+    """
+    links = list(model.links)
+    for name, inertia in inertias.items():
+        k = model.link_index(name)
+        links[k] = replace(links[k], inertia=checked_inertia(name, inertia))
+    bodies, base = aggregate(model.joints, tuple(links))
+    return replace(model, links=tuple(links), inertias=bodies, base_inertia=base)
+
+
+def with_joint_dynamics(model: Model, **values: ArrayLike) -> Model:
+    """The model with other numbers of the drives.
+
+    Args:
+        model: The model.
+        values: Any of `armature` [kg, kg m^2], `damping` (viscous) [N s/m, N m s/rad], `friction` (Coulomb) [N, N m]
+            and `effort` (the greatest, may be inf) [N, N m]: one number, or one for each entry of v, none below zero.
+
+    Raises:
+        UnknownName: another name.
+        ShapeError: neither one number nor (nv,).
+        InputError: a value below zero, or nan, or inf.
+    """
+    joints = list(model.joints)
+    for name, given in values.items():
+        if name not in _OF_DRIVES:
+            raise UnknownName("number of the drives", name, _OF_DRIVES)
+        value = np.asarray(given, dtype=float)
+        if value.shape not in ((), (model.nv,)):
+            raise ShapeError(name, value.shape, f"one number or ({model.nv},)")
+        if np.isnan(value).any() or (value < 0.0).any() or (name != "effort" and np.isinf(value).any()):
+            raise InputError(f"`{name}` is {value}; expected finite numbers, none below zero.")
+        value = np.broadcast_to(value, (model.nv,))
+        for i, joint in enumerate(joints):
+            if joint.mimic is None:
+                own = value[joint.idx_v : joint.idx_v + joint.nv]
+                joints[i] = _changed(joints[i], name, tuple(float(x) for x in own))
+    return replace(model, joints=tuple(joints))
+
+
+def perturbed(
+    model: Model, fraction: float = 0.1, seed: int | np.random.Generator | None = None, com: float = 0.0
+) -> Model:
+    """A model like this one, with masses and inertias off at random: to test how much a controller takes.
+
+    The mass of each link, and its rotational inertia about the centre of mass, are multiplied by two factors drawn
+    evenly from 1 - fraction to 1 + fraction. A body that can exist stays one.
+
+    Args:
+        model: The model.
+        fraction: Greatest relative change, from 0 to below 1.
+        seed: Seed or generator; the same seed gives the same model.
+        com: Greatest shift of each coordinate of the links' centres of mass [m].
+
+    Raises:
+        InputError: `fraction` or `com` is out of range.
+    """
+    if not 0.0 <= fraction < 1.0:
+        raise InputError(f"`fraction` is {fraction}; expected a number from 0 to below 1, such as 0.1.")
+    if not (np.isfinite(com) and com >= 0.0):
+        raise InputError(f"`com` is {com}; expected a length of zero or more [m].")
+    rng = np.random.default_rng(seed)
+    changed = {}
+    for link in model.links:
+        factors, shift = rng.uniform(1.0 - fraction, 1.0 + fraction, 2), rng.uniform(-com, com, 3)
+        own = link.inertia
+        if own.mass > 0.0:
+            mass, tensor = factors[0] * own.mass, factors[1] * own.inertia
+            changed[link.name] = Inertia(mass, own.com + shift, tensor)
+    return with_link_inertias(model, changed)
+
+
+def _body(joint: str, p: Floats, check: bool) -> Inertia:
+    """The inertia of ten parameters, if a model can hold it."""
+    subject = f"The body of joint {joint!r}"
+    if p[0] == 0.0 and p[1:4].any():
+        raise ModelError(
+            f"{subject} is to have no mass, but the first moments {p[1:4]} kg m. No model can hold that: give it "
+            "a mass, or identify with physical=True."
+        )
+    if p[0] == 0.0:
+        xx, xy, yy, xz, yz, zz = p[4:]
+        inertia = Inertia(0.0, np.zeros(3), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    else:
+        inertia = Inertia.from_parameters(p)
+    if check and not inertia.is_physical():
+        moments = np.linalg.eigvalsh(inertia.inertia)
+        raise ModelError(
+            f"{subject} cannot exist: mass {p[0]:.6g} kg, principal moments {moments} kg m^2; expected a mass of zero "
+            "or more, and moments of which none is negative or larger than the other two together. Identify with "
+            "physical=True, or pass check=False."
+        )
+    return _constant(inertia)
+
+
+def _constant(inertia: Inertia) -> Inertia:
+    return Inertia(float(inertia.mass), constant(inertia.com + 0.0), constant(inertia.inertia + 0.0))
+
+
+def _changed(joint: Joint, name: str, own: tuple[float, ...]) -> Joint:
+    if name == "effort":
+        return replace(joint, limits=replace(joint.limits, effort=own))
+    told: dict[str, Any] = {name: own}
+    return replace(joint, **told)
