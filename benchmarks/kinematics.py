@@ -21,7 +21,7 @@ import numpy as np
 import pinocchio as pin
 from _timing import medians, shown, table
 
-from ulna.load import load_model
+from ulna.loading import load_model
 from ulna.model import lock_joints
 from ulna.robot import Robot
 from ulna.robots import example_robot_data as data

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from ulna import errors as errors
 from ulna import numeric as numeric
-from ulna.load import load as load
-from ulna.load import load_model as load_model
+from ulna.loading import load as load
+from ulna.loading import load_model as load_model
 from ulna.model import Model as Model
 from ulna.model import ModelBuilder as ModelBuilder
 from ulna.robot import Robot as Robot
@@ -23,7 +23,6 @@ from ulna.spatial import SO3 as SO3
 from ulna.spatial import Force as Force
 from ulna.spatial import Inertia as Inertia
 from ulna.spatial import Motion as Motion
-from ulna.trace import trace as trace
 
 if TYPE_CHECKING:
     from ulna.control import p_servo as p_servo
@@ -51,7 +50,6 @@ __all__ = [
     "numeric",
     "p_servo",
     "show",
-    "trace",
 ]
 
 

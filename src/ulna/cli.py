@@ -114,13 +114,13 @@ def _list(chosen: argparse.Namespace) -> None:
 
 
 def _info(chosen: argparse.Namespace) -> None:
-    from ulna.load import load_model
+    from ulna.loading import load_model
 
     print(load_model(chosen.name))
 
 
 def _show(chosen: argparse.Namespace) -> None:
-    from ulna.load import load
+    from ulna.loading import load
     from ulna.viewer.screen import somebody_can_look
     from ulna.viewer.show import configuration, show
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 GAIN, THRESHOLD, DT = 1.0, 0.01, 0.01
 _PATIENCE = 60.0  # simulated seconds after which a goal counts as out of reach
 _GHOST = (0.36, 0.47, 0.64, 0.26)
+_PIECE = 15  # steps
 _TRACE = (0.95, 0.45, 0.10, 1.0)
 
 
@@ -112,7 +114,7 @@ def demo(
         port: Port of the page.
         size: Width and height of the picture [pixels].
     """
-    from ulna.load import load
+    from ulna.loading import load
     from ulna.viewer.scene import Scene
     from ulna.viewer.screen import has_screen
 
@@ -176,18 +178,22 @@ def report(robot: Any, result: Servoing) -> str:
 def _perform(robot: Any, start: Floats, goal: Floats, page: Any) -> Servoing:
     """The motion in real time, with the trace of the tool growing behind it."""
     began = time.perf_counter()
-    points = [np.asarray(robot.fk(start))[:3, 3]]
+    points, count = [np.asarray(robot.fk(start))[:3, 3]], itertools.count(1)
+
+    def trace() -> None:  # in pieces: one that grows would be loaded, and flicker, again and again
+        page.scene.add_path(f"trace/{next(count)}", points, _TRACE)
+        del points[:-1]
 
     def each_step(t: float, q: Floats) -> bool:
         page.q = q
         points.append(np.asarray(robot.fk(q))[:3, 3])
-        if len(points) % 10 == 0:
-            page.scene.add_path("trace", points, _TRACE)
+        if len(points) > _PIECE:
+            trace()
         time.sleep(max(0.0, began + t - time.perf_counter()))
         return not page.page.closed
 
     result = servo(robot, start, goal, each_step=each_step)
-    page.scene.add_path("trace", points, _TRACE)
+    trace()
     return result
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from ulna.errors import FormatError, ModelWarning
 from ulna.formats.urdf import model_from_urdf
-from ulna.load import load_model
+from ulna.loading import load_model
 from ulna.model import Continuous
 from ulna.robots import example_robot_data
 

@@ -10,7 +10,7 @@ import pytest
 from ulna.algorithms.kinematics import frame_pose
 from ulna.errors import InputError, ShapeError
 from ulna.formats.ets import ET, ETS
-from ulna.load import load_model
+from ulna.loading import load_model
 from ulna.spatial import SE3
 
 PANDA = """tz(0.333) Rz(q0) Rx(-90 deg) Rz(q1) Rx(90°) tz(0.316) Rz(q2) tx(0.0825) Rx(pi/2) Rz(q3)

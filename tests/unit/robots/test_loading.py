@@ -11,7 +11,7 @@ import pytest
 
 from ulna.errors import FormatError, MissingExtra, ModelError, UnknownName
 from ulna.geometry import Box, Mesh, Sphere
-from ulna.load import load, load_model
+from ulna.loading import load, load_model
 from ulna.robots import catalogue, example_robot_data, robot_descriptions
 
 URDF = """<robot name="tiny"><link name="a"/><link name="b">
@@ -184,7 +184,7 @@ def test_robot_descriptions(descriptions):
 def test_loading_a_model_compiles_nothing():
     code = """
     import sys
-    from ulna.load import load_model
+    from ulna.loading import load_model
     load_model("panda", visuals="simple")
     heavy = {"viser", "trimesh", "collada", "xacro", "mujoco", "matplotlib", "robot_descriptions"}
     sys.exit(", ".join(sorted(heavy & set(sys.modules))) or 0)
