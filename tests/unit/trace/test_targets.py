@@ -11,8 +11,8 @@ import pytest
 
 from ulna import numeric as nm
 from ulna.trace import compile, trace
-from ulna.trace import kernel as kernel_module
 from ulna.trace.emit import emit_batch
+from ulna.trace.general import General
 from ulna.trace.native import entry_ir
 
 
@@ -31,7 +31,7 @@ FUNCTION = trace(_everything, q=(7,), x=())
 @pytest.mark.parametrize("lanes", [2, 4, 8, 16, 32])
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_every_number_of_lanes_computes_the_same(monkeypatch, lanes, dtype):
-    monkeypatch.setattr(kernel_module._General, "lanes", lanes)
+    monkeypatch.setattr(General, "lanes", lanes)
     kernel = compile(FUNCTION, dtype)
     rng = np.random.default_rng(lanes)
     assert f"<{lanes} x " in kernel.ir(batch=True)
