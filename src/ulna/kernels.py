@@ -112,6 +112,16 @@ def _manipulability_gradient(model: Model, frame: Any, axes: Any) -> Callable[..
     return lambda q: algorithms.manipulability_gradient(model, q, one, axes=axes)
 
 
+def _frame_regressor(model: Model, frame: Any) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q, v, a: algorithms.frame_regressor(model, q, v, a, one)
+
+
+def _payload_multiples(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q, wrench, limit: algorithms.payload_multiples(model, q, wrench, limit, one, reference)
+
+
 def _on_model(function: Callable[..., Any]) -> Callable[[Model], Callable[..., Any]]:
     """Recipe of an algorithm that needs only the model and arrays."""
 
@@ -142,6 +152,36 @@ RECIPES: dict[str, Recipe] = {
     ),
     "manipulability_gradient": Recipe(
         _manipulability_gradient, _Q, {**_FRAME, "axes": "all"}, "Gradient of the manipulability by q, (nv,)."
+    ),
+    "joint_torque_regressor": Recipe(
+        _on_model(algorithms.joint_torque_regressor),
+        _QVA,
+        {},
+        "Torques by dynamic parameters, (nv, 10 nbodies).",
+    ),
+    "gravity_regressor": Recipe(
+        _on_model(algorithms.gravity_regressor), _Q, {}, "The same at rest, (nv, 10 nbodies)."
+    ),
+    "static_regressor": Recipe(
+        _on_model(algorithms.static_regressor), _Q, {}, "Centre of mass by m and m c, (3, 4 nbodies) [1/kg]."
+    ),
+    "frame_regressor": Recipe(
+        _frame_regressor, _QVA, _FRAME, "Wrench on a body at a frame by its parameters, (6, 10)."
+    ),
+    "kinetic_energy_regressor": Recipe(
+        _on_model(algorithms.kinetic_energy_regressor),
+        _QV,
+        {},
+        "Kinetic energy by dynamic parameters, (10 nbodies,).",
+    ),
+    "potential_energy_regressor": Recipe(
+        _on_model(algorithms.potential_energy_regressor), _Q, {}, "Potential energy likewise, (10 nbodies,)."
+    ),
+    "payload_multiples": Recipe(
+        _payload_multiples,
+        (*_Q, ("wrench", (6,)), ("limit", "nv")),
+        _IN_FRAME,
+        "How many times a wrench each joint can hold at a frame, (nv,).",
     ),
     "integrate": Recipe(
         _on_model(algorithms.integrate), _QV, {}, "Configuration reached from q by the step v."

@@ -89,6 +89,16 @@ def sqrt(x: Any) -> Any:
     return _elementwise(_sqrt, x) if is_symbolic(x) else np.sqrt(x)
 
 
+def exp(x: Any) -> Any:
+    """The exponential function."""
+    return _elementwise(_exp, x) if is_symbolic(x) else np.exp(x)
+
+
+def tanh(x: Any) -> Any:
+    """Hyperbolic tangent; traced by the exponential, to an absolute error of one unit in the last place of 1."""
+    return 1.0 - 2.0 / (exp(2.0 * x) + 1.0) if is_symbolic(x) else np.tanh(x)
+
+
 def arctan2(y: Any, x: Any) -> Any:
     """Angle of the point (x, y), in (-pi, pi]."""
     return _elementwise(_arctan2, y, x) if is_symbolic(y, x) else np.arctan2(y, x)
@@ -141,6 +151,10 @@ def _cos(x: Any) -> Any:
 
 def _sqrt(x: Any) -> Any:
     return _call("sqrt", x)
+
+
+def _exp(x: Any) -> Any:
+    return _call("exp", x)
 
 
 def _call(name: str, x: Any) -> Any:

@@ -18,6 +18,8 @@ from ulna.algorithms.configuration import neutral as neutral
 from ulna.algorithms.configuration import normalize as normalize
 from ulna.algorithms.configuration import random as random
 from ulna.algorithms.configuration import squared_distance as squared_distance
+from ulna.algorithms.friction import Friction as Friction
+from ulna.algorithms.friction import friction_torque as friction_torque
 from ulna.algorithms.hessian import frame_hessian as frame_hessian
 from ulna.algorithms.jacobian import frame_jacobian as frame_jacobian
 from ulna.algorithms.jacobian import joint_jacobians as joint_jacobians
@@ -31,7 +33,15 @@ from ulna.algorithms.kinematics import joint_velocities as joint_velocities
 from ulna.algorithms.manipulability import manipulability as manipulability
 from ulna.algorithms.manipulability import manipulability_gradient as manipulability_gradient
 from ulna.algorithms.manipulability import measure_of as measure_of
+from ulna.algorithms.payload import payload_multiples as payload_multiples
 from ulna.algorithms.references import Reference as Reference
+from ulna.algorithms.regressors import body_regressor as body_regressor
+from ulna.algorithms.regressors import frame_regressor as frame_regressor
+from ulna.algorithms.regressors import gravity_regressor as gravity_regressor
+from ulna.algorithms.regressors import joint_torque_regressor as joint_torque_regressor
+from ulna.algorithms.regressors import kinetic_energy_regressor as kinetic_energy_regressor
+from ulna.algorithms.regressors import potential_energy_regressor as potential_energy_regressor
+from ulna.algorithms.regressors import static_regressor as static_regressor
 from ulna.algorithms.velocity_derivatives import (
     frame_acceleration_derivatives as frame_acceleration_derivatives,
 )

@@ -1,0 +1,127 @@
+"""Friction of joints: viscous, Coulomb, Stribeck, smooth through rest within a stated width.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| v | joint velocity | (nv) | [rad/s] or [m/s] | |
+| B | viscous friction | (nv) | [N m s/rad] or [N s/m] | |
+| Tc+, Tc- | Coulomb friction in forward and in backward motion | (nv) | [N m] or [N] | both not negative |
+| Ts | static friction, at breakaway; not below Tc | (nv) | [N m] or [N] | |
+| vs | velocity at which the excess of static friction has faded to 1/e | (nv) | [rad/s] or [m/s] | |
+| d | width: the friction at v = d is 76 % of Tc | () | [rad/s] or [m/s] | s = tanh(v / d) |
+| f | torque of friction, which opposes the motion | (nv) | [N m] or [N] | f = -(B v + (Tc + (Ts - Tc) exp(-(v/vs)^2)) s) |
+
+Source: Siciliano, section 7.2.3 (viscous and Coulomb friction); Armstrong-Helouvry, Dupont & Canudas de Wit, A survey
+of models ... for the control of machines with friction (1994), for Stribeck's curve. A step in f at v = 0 makes an
+adaptive solver crawl and a fixed step chatter; a slope does not, but cannot hold a load at rest: it creeps, at most at
+the width. Time stepping with an exact law of dry friction is in `ulna.sim`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any, final
+
+import numpy as np
+
+from ulna.errors import InputError, ShapeError
+from ulna.model import Model
+from ulna.numeric import exp, less, tanh, where
+from ulna.typing import Array, Floats
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Friction:
+    """The friction of a robot's joints; every number is one for all, or one for each entry of v.
+
+    Attributes:
+        viscous: B [N m s/rad, N s/m].
+        coulomb: Tc in forward motion, and in backward motion if `backward` is None [N m, N].
+        backward: Tc in backward motion, as a number that is not negative; None for that of forward motion.
+        static: Ts [N m, N]; None for no more than Coulomb's.
+        stribeck: vs [rad/s, m/s].
+        width: d, the velocity [rad/s, m/s] within which Coulomb friction passes smoothly through zero.
+    """
+
+    viscous: Any = 0.0
+    coulomb: Any = 0.0
+    backward: Any = None
+    static: Any = None
+    stribeck: Any = 0.05
+    width: float = 1e-2
+
+    def __post_init__(self) -> None:
+        shapes = {()}
+        for name in (f.name for f in fields(self)):
+            given = getattr(self, name)
+            if given is None:
+                continue
+            value = np.asarray(given, dtype=float)
+            least = "above" if name in ("stribeck", "width") else "not below"
+            if (
+                not np.isfinite(value).all()
+                or (value < 0.0).any()
+                or (least == "above" and (value == 0.0).any())
+            ):
+                raise InputError(f"`{name}` of a friction is {given}; expected finite numbers {least} zero.")
+            if value.ndim > 1 or (name == "width" and value.ndim):
+                raise ShapeError(name, value.shape, "one number" + (" or (nv,)" if name != "width" else ""))
+            shapes.add(value.shape)
+            value.setflags(write=False)
+            object.__setattr__(self, name, float(value) if value.ndim == 0 else value)
+        if len(shapes) > 2:
+            raise InputError(
+                f"The numbers of a friction have the shapes {sorted(shapes)}; expected one (nv,)."
+            )
+
+    @classmethod
+    def of(cls, model: Model, width: float = 1e-2) -> Friction:
+        """The friction a model names for its joints: `damping` and `friction`."""
+        return cls(np.array(model.damping), np.array(model.friction), width=width)
+
+    @property
+    def is_dry(self) -> bool:
+        """Whether there is any Coulomb or static friction."""
+        dry = (self.coulomb, self.backward, self.static)
+        return any(x is not None and np.asarray(x).any() for x in dry)
+
+    def dry_bound(self, v: Array) -> Any:
+        """How large dry friction can be at velocity `v`, in its direction, (..., nv) [N m, N]."""
+        bound: Any = self.coulomb
+        if self.backward is not None:
+            bound = where(less(v, 0.0), self.backward, bound)
+        if self.static is not None:
+            ratio = v / self.stribeck
+            bound = bound + (self.static - bound) * exp(-(ratio * ratio))
+        return bound
+
+    def torque(self, v: Array) -> Any:
+        """The torque of friction on the joints at velocity `v`, (..., nv) [N m, N]; it opposes the motion."""
+        return friction_torque(v, self)
+
+    def numbers(self, nv: int) -> tuple[Floats, Floats, Floats]:
+        """B, Tc+ and Tc- as arrays (nv,); ShapeError if they are for another robot."""
+        back = self.coulomb if self.backward is None else self.backward
+        return (
+            _spread("viscous", self.viscous, nv),
+            _spread("coulomb", self.coulomb, nv),
+            _spread("backward", back, nv),
+        )
+
+
+def friction_torque(v: Array, friction: Friction) -> Any:
+    """f, (..., nv) [N m, N]: what friction adds to the torques of the drives, against the motion.
+
+    Args:
+        v: Velocity, shape (..., nv).
+        friction: The law.
+    """
+    smooth = tanh(v / friction.width)
+    return -(friction.viscous * v + friction.dry_bound(v) * smooth)
+
+
+def _spread(name: str, value: Any, nv: int) -> Floats:
+    array = np.asarray(value, dtype=float)
+    if array.shape not in ((), (nv,)):
+        raise ShapeError(name, array.shape, f"one number or ({nv},)")
+    return np.broadcast_to(array, (nv,))
