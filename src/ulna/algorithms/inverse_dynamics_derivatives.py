@@ -1,0 +1,194 @@
+"""How the torques of inverse dynamics change with q, v and a, in closed form.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| U_i, V_i | twist of the parent of step i, of its body, in its moving frame | Motion | [m/s, rad/s] | V_i = U_i + S_i v_i |
+| C_i, A_i | acceleration of the same two, gravity taken off | Motion | | A_i = C_i + S_i a_i + U_i x S_i v_i |
+| m, c, I | inertia of all bodies from step i outward | Lump | | see lumps.py |
+| h = (p, n), D | their momentum, and the rate of I | Force, (3, 3) | | |
+| F_i | the force that moves them | Force | [N, N m] | sum of I A + V x* I V - external |
+| s | a column of S_i | Motion | | constant |
+| psi, chi, phi | what s does to the bodies beyond: | Motion | | psi = U x s, chi = C x s + U x psi, phi = V x s + psi |
+| B s | twice the Coriolis matrix of the bodies from i on | Force | | (2 w x p; D w + w x n) for s = (l; w) |
+| B^T s | a pure moment | (3) | | 2 p x l + D w + n x w |
+| r | column of the force at step i by a | Force | | I s |
+| y, z | column of the force at step i by v, by q | Force | | B s + I phi, B psi + I chi + s x* F |
+
+A column s_k of step k and a column s_j of a step j at or beneath it (k stands on j) give four entries:
+
+    d tau_k / d v_j = r_k . phi_j + B^T s_k . s_j        d tau_j / d v_k = s_j . y_k
+    d tau_k / d q_j = r_k . chi_j + B^T s_k . psi_j      d tau_j / d q_k = s_j . z_k (without s x* F when k = j)
+
+Derivatives by q are along the tangent space. Each column travels inward as a force from one moving frame to the
+next, where the subspaces are constant; B^T s, a pure moment, is only turned.
+
+Source: Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics Algorithms (2018); Singh, Russell &
+Wensing, Efficient Analytical Derivatives of Rigid-Body Dynamics using Spatial Vector Algebra (2022), whose B falls
+into p, n and D here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.algorithms.lumps import Lump, felt, steiner, turned, turning_axis
+from ulna.algorithms.tree import Step, blank, outward, steps
+from ulna.model import Model
+from ulna.numeric import apply, cross, dot
+from ulna.spatial import SE3, Force, Motion
+from ulna.typing import Array
+
+
+class _State(NamedTuple):
+    """Twists and accelerations at a step: before it (U, C) and beyond it (V, A)."""
+
+    U: Motion
+    V: Motion
+    C: Motion
+    A: Motion
+
+
+class _Beyond(NamedTuple):
+    """What is gathered of all bodies from a step outward."""
+
+    body: Lump
+    h: Force
+    D: Array
+    F: Force
+
+    def __add__(self, other: Any) -> _Beyond:
+        return _Beyond(self.body + other.body, self.h + other.h, self.D + other.D, self.F + other.F)
+
+    def moved(self, T: SE3, axis: int | None) -> _Beyond:
+        p = T.translation
+        h = T.act(self.h)
+        D = turned(T.rotation, self.D, axis) + steiner(p, h.linear)
+        return _Beyond(self.body.moved(T, axis), h, D, T.act(self.F))
+
+    def coriolis(self, s: Motion) -> Force:
+        """B s."""
+        w = s.angular
+        return Force(2.0 * cross(w, self.h.linear), apply(self.D, w) + cross(w, self.h.angular))
+
+    def coriolis_transposed(self, s: Motion) -> Array:
+        """B^T s."""
+        w = s.angular
+        return 2.0 * cross(self.h.linear, s.linear) + apply(self.D, w) + cross(self.h.angular, w)
+
+
+class _Column(NamedTuple):
+    """A column of a step, and what it does beyond."""
+
+    index: int
+    s: Motion
+    psi: Motion
+    chi: Motion
+    phi: Motion
+
+
+def inverse_dynamics_derivatives(
+    model: Model, q: Array, v: Array, a: Array, external: Sequence[Force | None] | None = None
+) -> tuple[Array, Array, Array]:
+    """The derivatives of the torques by q, v and a, each (..., nv, nv); the last is the mass matrix.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv).
+        external: For every joint of the model the force on its body, in its moving frame and fixed in it [N, N m], or
+            None.
+    """
+    tree = steps(model)
+    states = _states(model, tree, q, v, a)
+    beyond = _gather(model, tree, states, q, external)
+    columns = [_columns(step, state) for step, state in zip(tree, states, strict=True)]
+    by_q, by_v, M = (blank((model.nv, model.nv), q, v, a) for _ in range(3))
+    for i, step in enumerate(tree):
+        for column in columns[i]:
+            _spread(tree, columns, i, column, beyond[i], q, by_q, by_v, M)
+    for i in range(model.nv):
+        M[..., i, i] += model.armature[i]
+    return by_q, by_v, M
+
+
+def _spread(
+    tree: Sequence[Step],
+    columns: Sequence[Sequence[_Column]],
+    i: int,
+    column: _Column,
+    all_: _Beyond,
+    q: Array,
+    by_q: Array,
+    by_v: Array,
+    M: Array,
+) -> None:
+    """Adds the entries of a column of step i with every column of the steps it stands on."""
+    k, s = column.index, column.s
+    r = all_.body.apply(s)
+    t = all_.coriolis_transposed(s)
+    y = all_.coriolis(s) + all_.body.apply(column.phi)
+    z = all_.coriolis(column.psi) + all_.body.apply(column.chi)
+    for own in columns[i]:
+        M[..., k, own.index] += r.dot(own.s)
+        by_v[..., own.index, k] += y.dot(own.s)
+        by_q[..., own.index, k] += z.dot(own.s)
+    z = z + s.cross(all_.F)
+    j = i
+    while tree[j].parent >= 0:
+        T = tree[j]
+        r, y, z = (_inward(T, force, q) for force in (r, y, z))
+        t = apply(T.placement.rotation, apply(T.transform(q).rotation, t))
+        j = T.parent
+        for c in columns[j]:
+            m = r.dot(c.s)
+            M[..., k, c.index] += m
+            M[..., c.index, k] += m
+            by_v[..., k, c.index] += r.dot(c.phi) + dot(t, c.s.angular)
+            by_q[..., k, c.index] += r.dot(c.chi) + dot(t, c.psi.angular)
+            by_v[..., c.index, k] += y.dot(c.s)
+            by_q[..., c.index, k] += z.dot(c.s)
+
+
+def _inward(step: Step, force: Force, q: Array) -> Force:
+    return step.placement.act(step.transform(q).act(force))
+
+
+def _columns(step: Step, state: _State) -> list[_Column]:
+    found = []
+    for index, S in zip(step.indices, step.subspace(), strict=True):
+        s = S * step.multiplier
+        psi = state.U.cross(s)
+        chi = state.C.cross(s) + state.U.cross(psi)
+        found.append(_Column(index, s, psi, chi, state.V.cross(s) + psi))
+    return found
+
+
+def _states(model: Model, tree: Sequence[Step], q: Array, v: Array, a: Array) -> list[_State]:
+    def advance(step: Step, before: _State) -> _State:
+        U, C = step.carry(before.V, q), step.carry(before.A, q)
+        own = step.motion(v)
+        return _State(U, U + own, C, C + step.motion(a) + U.cross(own))
+
+    zero = Motion.zero()
+    lift = Motion(-np.asarray(model.gravity), np.zeros(3))
+    return outward(tree, _State(zero, zero, lift, lift), advance)
+
+
+def _gather(
+    model: Model, tree: Sequence[Step], states: Sequence[_State], q: Array, external: Any
+) -> list[_Beyond]:
+    gathered: list[_Beyond] = []
+    for step, state, body in zip(tree, states, felt(model, tree), strict=True):
+        h = body.apply(state.V)
+        F = body.apply(state.A) + state.V.cross(h)
+        force = external[model.joint_index(step.joint.name)] if external is not None and step.is_last else None
+        gathered.append(_Beyond(body, h, body.rate(state.V), F if force is None else F - force))
+    for i, step in reversed(list(enumerate(tree))):
+        if step.parent >= 0:
+            moved = gathered[i].moved(step.transform(q), turning_axis(step.kind)).moved(step.placement, None)
+            gathered[step.parent] = gathered[step.parent] + moved
+    return gathered
