@@ -55,11 +55,20 @@ class NonFiniteError(InputError):
 
     def __init__(self, name: str, index: tuple[int, ...], value: float) -> None:
         self.name, self.index, self.value = name, index, value
-        where = ", ".join(map(str, index))
+        where = f"[{', '.join(map(str, index))}]" if index else ""
         super().__init__(
-            f"`{name}[{where}]` is {value}; expected finite numbers. "
+            f"`{name}{where}` is {value}; expected finite numbers. "
             "Look where it comes from, or call the bare kernel (robot.kernel(...)), which lets nan through."
         )
+
+
+def _nearest(given: str, choices: tuple[str, ...]) -> list[str]:
+    """Up to three names like the given one, whatever their case, the nearest first."""
+    by_folded: dict[str, list[str]] = {}
+    for choice in choices:
+        by_folded.setdefault(choice.casefold(), []).append(choice)
+    near = difflib.get_close_matches(given.casefold(), by_folded, n=3, cutoff=0.5)
+    return [choice for folded in near for choice in by_folded[folded]][:3]
 
 
 class UnknownName(UlnaError, LookupError):
@@ -67,7 +76,7 @@ class UnknownName(UlnaError, LookupError):
 
     def __init__(self, kind: str, given: object, choices: Iterable[str], mend: str = "") -> None:
         self.kind, self.given, self.choices = kind, given, tuple(choices)
-        near = difflib.get_close_matches(str(given), self.choices, n=3, cutoff=0.5)
+        near = _nearest(str(given), self.choices)
         self.nearest = near[0] if near else None
         if near:
             hint = "Did you mean " + " or ".join(repr(n) for n in near) + "?"

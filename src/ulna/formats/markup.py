@@ -24,16 +24,18 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
         if where.is_dir():
             raise FormatError("this is a folder, not a file.", file=str(where))
         if size > MAX_BYTES:
-            raise _too_large(size, str(where))
+            raise _too_large(str(where))
         with open(where, "rb") as stream:
             data = stream.read(MAX_BYTES + 1)
+    except FormatError:  # which is a ValueError, too
+        raise
     except (FileNotFoundError, NotADirectoryError):
         raise FormatError("there is no such file.", file=str(where), mend=_neighbours(where)) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise FormatError(f"the file cannot be read: {reason}.", file=str(where)) from None
     if len(data) > MAX_BYTES:
-        raise _too_large(len(data), str(where))
+        raise _too_large(str(where))
     return data
 
 
@@ -58,7 +60,7 @@ def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) 
     if isinstance(data, str):
         data, encoding = data.encode("utf-8", errors="surrogatepass"), "utf-8"
     if len(data) > MAX_BYTES:
-        raise _too_large(len(data), file)
+        raise _too_large(file)
     if not data.strip():
         raise FormatError(
             "the file is empty.", file=file, mend=f"Expected a {kind}: <{root_tag}> ... </{root_tag}>."
@@ -108,7 +110,7 @@ def _parse_tree(data: bytes, file: str | None, encoding: str | None) -> Any:
 def _mend_of_syntax(message: str) -> str:
     if "amplification" in message or "entity" in message.lower():
         return "Write the values out instead of using XML entities."
-    if "depth" in message or "limit" in message:
+    if message.startswith(("Excessive depth", "Resource limit")) or "XML_PARSE_HUGE" in message:
         return "Elements may nest 256 deep and a text may have 10 MB; a robot needs neither."
     if "ncoding" in message:
         return "Save the file as UTF-8."
@@ -155,9 +157,9 @@ def _other_kind(tag: str, kind: str) -> str:
     return known.get(tag, f"This is no {kind}.")
 
 
-def _too_large(size: int, file: str | None) -> FormatError:
+def _too_large(file: str | None) -> FormatError:
     return FormatError(
-        f"the file has {size / 1e6:.0f} MB; expected at most {MAX_BYTES / 1e6:.0f} MB.",
+        f"the file is too large; expected at most {MAX_BYTES / 1e6:.0f} MB.",
         file=file,
         mend="Meshes belong in files of their own.",
     )

@@ -83,10 +83,10 @@ class Node:
         value = (self._element.get(attribute) or "").strip()
         if not value:
             found = ", ".join(str(a) for a in self._element.attrib) or "none"
-            self.fail(
-                f'<{self.tag}> has no attribute "{attribute}" (attributes: {found}).',
-                f'Write <{self.tag} {attribute}="...">.',
-            )
+            said = f'has no attribute "{attribute}" (attributes: {found})'
+            if self.has(attribute):
+                said = f'has an empty attribute "{attribute}"'
+            self.fail(f"<{self.tag}> {said}.", f'Write <{self.tag} {attribute}="...">.')
         return value
 
     def string(self, attribute: str, default: str | None = None) -> str | None:

@@ -79,7 +79,7 @@ def _refusal(error: Exception, file: str) -> FormatError:
         cause = cause.exc  # type: ignore[attr-defined]
     if isinstance(cause, FormatError):
         return cause
-    text = str(error).strip() or type(error).__name__
+    text = " ".join(str(error).split()).rstrip(".") or type(error).__name__
     line = re.search(r"line (\d+)", text)
     mend = ""
     if "undefined substitution argument" in text.lower():

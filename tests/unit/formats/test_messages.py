@@ -35,6 +35,10 @@ CASES = {
         "f.urdf:1: this is not well-formed XML: Start tag expected, '<' not found. Is this a text",
     ),
     "truncated": (robot(joint(LIMIT))[:-30], "f.urdf:4: this is not well-formed XML: "),
+    "truncated in a limit": (
+        robot(joint(LIMIT)).partition(" upper")[0],
+        "Look at that line and the ones above it for an unclosed tag",
+    ),
     "unclosed": (
         "<robot>\n<link>\n</robot>",
         "f.urdf:3: this is not well-formed XML: Opening and ending tag mismatch",
@@ -66,6 +70,7 @@ CASES = {
         "<robot><link/></robot>",
         '<link> has no attribute "name" (attributes: none). In <link>.',
     ),
+    "empty name": (robot('<link name=" "/>'), '<link> has an empty attribute "name".'),
     "nameless joint": (robot("<joint/>"), 'f.urdf:4: <joint> has no attribute "name"'),
     "twin links": (
         robot('<link name="tip"/>'),
@@ -222,8 +227,9 @@ def test_missing_file(tmp_path):
         read_urdf(tmp_path / "robto.urdf")
     with pytest.raises(FormatError, match="There is no folder"):
         read_urdf(tmp_path / "nowhere" / "robot.urdf")
-    with pytest.raises(FormatError, match="this is a folder, not a file"):
+    with pytest.raises(FormatError) as folder:
         read_urdf(tmp_path)
+    assert str(folder.value) == f"{tmp_path}: this is a folder, not a file."
     with pytest.raises(FormatError, match="cannot be read"):
         read_urdf("a\0b.urdf")
 

@@ -78,6 +78,7 @@ def test_refusals(file, change, words):
         expand_xacro(file)
     assert words in str(caught.value)
     assert caught.value.file == str(file)
+    assert "\n" not in str(caught.value)
 
 
 def test_missing_file(tmp_path):
@@ -92,5 +93,5 @@ def test_without_the_package(file, monkeypatch):
 
 
 def test_it_is_not_imported_for_other_files():
-    code = "import sys, ulna.load; sys.exit('xacro' in sys.modules)"
+    code = "import sys, ulna.loading; sys.exit('xacro' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,36 @@
+"""What the messages of the exception tree say."""
+
+from __future__ import annotations
+
+import pytest
+
+from ulna.errors import NonFiniteError, UnknownName
+
+
+@pytest.mark.parametrize(
+    ("index", "said"), [((), "`t` is nan;"), ((2,), "`t[2]` is nan;"), ((4, 1), "`t[4, 1]` is nan;")]
+)
+def test_where_a_number_is_not_finite(index: tuple[int, ...], said: str) -> None:
+    assert str(NonFiniteError("t", index, float("nan"))).startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("given", "nearest"),
+    [
+        ("panda_hnad", "panda_hand"),
+        ("PANDA_HAND", "panda_hand"),
+        ("Panda_Link0", "panda_link0"),
+        ("RightHand", "right_hand"),
+        ("base", "Base"),
+    ],
+)
+def test_the_nearest_name_is_found_whatever_its_case(given: str, nearest: str) -> None:
+    error = UnknownName("frame", given, ["panda_hand", "panda_link0", "right_hand", "Base"])
+    assert error.nearest == nearest
+    assert f"Did you mean {nearest!r}" in str(error)
+
+
+def test_a_name_like_no_other_is_shown_what_there_is() -> None:
+    error = UnknownName("reference", "xyz", ["world", "local"])
+    assert error.nearest is None
+    assert str(error) == "No reference named 'xyz'. There are: 'world', 'local'."
