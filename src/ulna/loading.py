@@ -1,4 +1,7 @@
-"""A robot by its name or its file: `load("panda")`, `load("arm.urdf")`, `load("g1", root="free_flyer")`."""
+"""A robot by its name or its file: `load("panda")`, `load("arm.urdf")`, `load("g1", root="free_flyer")`.
+
+Readers of files are imported when a file is read, so that `import ulna` stays light.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ulna.errors import UnknownName
-from ulna.formats.markup import read_file
-from ulna.formats.resolve import Resolver
-from ulna.formats.srdf import read_srdf
-from ulna.formats.srdf_apply import with_srdf
-from ulna.formats.urdf import model_from_urdf
-from ulna.formats.urdf_parse import parse_urdf
-from ulna.formats.xacro import expand_xacro
 from ulna.model import JointKind, Model
 from ulna.robots import catalogue, example_robot_data, robot_descriptions
 
@@ -104,7 +100,7 @@ def load_model(
         model = _from_file(name_or_path, options)
     else:
         model = _from_catalogue(str(name_or_path), options)
-    return with_srdf(model, read_srdf(srdf)) if srdf is not None else model
+    return model if srdf is None else _with_srdf(model, srdf)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -123,7 +119,20 @@ def _is_file(given: PathLike) -> bool:
     return text.startswith("<") or "/" in text or os.sep in text or text.lower().endswith(_ENDINGS)
 
 
+def _with_srdf(model: Model, file: PathLike) -> Model:
+    from ulna.formats.srdf import read_srdf
+    from ulna.formats.srdf_apply import with_srdf
+
+    return with_srdf(model, read_srdf(file))
+
+
 def _from_file(given: PathLike, options: _Options) -> Model:
+    from ulna.formats.markup import read_file
+    from ulna.formats.resolve import Resolver
+    from ulna.formats.urdf import model_from_urdf
+    from ulna.formats.urdf_parse import parse_urdf
+    from ulna.formats.xacro import expand_xacro
+
     file: str | None = None
     if isinstance(given, str) and given.lstrip("\ufeff \t\r\n").startswith("<"):
         text: bytes | str = given.lstrip("\ufeff \t\r\n")
@@ -154,7 +163,7 @@ def _from_catalogue(name: str, options: _Options) -> Model:
     if entry.source == "example-robot-data":
         urdf, srdf = example_robot_data.files(entry.name)
         model = _from_file(urdf, options)
-        return with_srdf(model, read_srdf(srdf)) if srdf is not None else model
+        return model if srdf is None else _with_srdf(model, srdf)
     checkout = robot_descriptions.fetch(entry.name)
     options = dataclasses.replace(
         options,

@@ -13,6 +13,7 @@ from ulna.errors import FormatError, InputError, ModelError, ModelWarning, Unkno
 from ulna.formats.markup import read_file
 from ulna.formats.poses import pose
 from ulna.formats.resolve import Resolver
+from ulna.formats.root import root_kind
 from ulna.formats.urdf_document import (
     UrdfBody,
     UrdfDocument,
@@ -105,20 +106,6 @@ def urdf_builder(
         _add_joint(builder, joint, mimic, _place(document, joint.line))
     shapes.report()
     return builder
-
-
-def root_kind(root: str | JointKind | None) -> JointKind | None:
-    """The joint kind that `root` means; None for a fixed base.
-
-    Raises:
-        UnknownName: it is a word that means nothing here.
-    """
-    if root is None or isinstance(root, JointKind):
-        return root
-    kinds: dict[str, JointKind | None] = {"fixed": None, "free_flyer": FreeFlyer(), "planar": Planar()}
-    if root not in kinds:
-        raise UnknownName("root joint", root, kinds)
-    return kinds[root]
 
 
 def link_visuals(document: UrdfDocument, resolver: Resolver | None = None) -> dict[str, tuple[Geometry, ...]]:

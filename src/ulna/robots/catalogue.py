@@ -18,8 +18,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ulna.errors import MissingExtra, UnknownName
-from ulna.formats.resolve import Resolver
-from ulna.formats.urdf import link_visuals, read_urdf
 from ulna.geometry import Geometry
 from ulna.model import JointKind, Model
 from ulna.robots import example_robot_data, robot_descriptions
@@ -161,6 +159,9 @@ def _cad(name: str, visuals: str) -> Mapping[str, tuple[Geometry, ...]] | None:
         if visuals == "cad":
             raise MissingExtra("example-robot-data", "robots", f"CAD meshes for {name!r}")
         return None
+    from ulna.formats.resolve import Resolver  # readers of files are imported when a file is read
+    from ulna.formats.urdf import link_visuals, read_urdf
+
     file, _ = example_robot_data.files(name.removesuffix("_fingers"))
     return link_visuals(read_urdf(file), Resolver(file, [folder.parent]))
 

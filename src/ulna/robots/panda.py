@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 
 from ulna.formats.poses import pose
-from ulna.formats.urdf import root_kind
+from ulna.formats.root import root_kind
 from ulna.geometry import Geometry
 from ulna.model import Fixed, JointKind, Model, ModelBuilder, Prismatic, Revolute
 from ulna.robots.shapes import DARK, GREY, SILVER, WHITE, block, named, rod, tube

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ulna.formats.poses import pose
-from ulna.formats.urdf import root_kind
+from ulna.formats.root import root_kind
 from ulna.geometry import Geometry
 from ulna.model import Fixed, JointKind, Model, ModelBuilder, Revolute
 from ulna.robots.shapes import BLUE, DARK, GREY, SILVER, block, named, rod, tube

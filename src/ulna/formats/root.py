@@ -1,0 +1,20 @@
+"""How the base of a robot hangs in the world, by word."""
+
+from __future__ import annotations
+
+from ulna.errors import UnknownName
+from ulna.model import FreeFlyer, JointKind, Planar
+
+
+def root_kind(root: str | JointKind | None) -> JointKind | None:
+    """The joint kind that `root` means; None for a fixed base.
+
+    Raises:
+        UnknownName: it is a word that means nothing here.
+    """
+    if root is None or isinstance(root, JointKind):
+        return root
+    kinds: dict[str, JointKind | None] = {"fixed": None, "free_flyer": FreeFlyer(), "planar": Planar()}
+    if root not in kinds:
+        raise UnknownName("root joint", root, kinds)
+    return kinds[root]
