@@ -9,6 +9,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import json
+import logging
 import threading
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -48,6 +49,8 @@ _HOOK = """(() => {
   document.title = TITLE;
 })();"""
 _construction = threading.Lock()
+_log = logging.getLogger("ulna.page")
+_log.setLevel(logging.CRITICAL)
 
 
 def serve(host: str, port: int, title: str) -> Any:
@@ -80,6 +83,7 @@ def serve(host: str, port: int, title: str) -> Any:
                 return answer(connection, request)
 
             options["process_request"] = process_request
+            options["logger"] = _log  # browsers open sockets that they may never use; that is no error
             guarded.append(True)
         return original(*args, **options)
 

@@ -100,6 +100,13 @@ def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
     assert capfd.readouterr() == ("", "")
 
 
+def test_a_connection_that_says_nothing_is_no_news(page: Page, capfd: pytest.CaptureFixture[str]) -> None:
+    socket.create_connection(("127.0.0.1", page.port)).close()
+    assert status(page) == 200
+    time.sleep(0.2)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_it_leaves_no_thread_and_no_socket_behind() -> None:
     before = set(threading.enumerate())
     page = Page(box_scene(), port=0)
