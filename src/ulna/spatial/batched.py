@@ -119,5 +119,7 @@ def as_array(value: Any) -> Array:
 
 
 def column(value: Any, rank: int = 1) -> Any:
-    """A number or batch of numbers, ready to multiply arrays that have `rank` own axes."""
+    """A number or batch of numbers (also in a list), ready to multiply arrays that have `rank` own axes."""
+    if isinstance(value, (list, tuple)):
+        value = np.asarray(value)
     return value.reshape(value.shape + (1,) * rank) if isinstance(value, np.ndarray) and value.ndim else value

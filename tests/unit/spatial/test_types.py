@@ -154,3 +154,15 @@ def test_numpy_leaves_products_to_the_types() -> None:
     for wrong in (lambda: m + Force.zero(), lambda: m * m, lambda: m / m, lambda: SE3.identity() @ m):
         with pytest.raises(TypeError):
             wrong()  # type: ignore[no-untyped-call]
+
+
+def test_a_list_of_numbers_is_a_batch() -> None:
+    m = Motion([1.0, 2.0, 3.0], [4.0, 5.0, 6.0])
+    assert m * [1.0, 2.0, 3.0] == m * np.array([1.0, 2.0, 3.0])
+    assert m / (1.0, 2.0) == m / np.array([1.0, 2.0])
+    a, b = SE3.rx(1.0) @ SE3.trans(1, 2, 3), SE3.rz(0.5)
+    part = np.array([0.0, 0.5, 1.0])
+    assert a.interpolate(b, [0, 0.5, 1]) == a.interpolate(b, part)
+    assert a.interpolate(b, [0, 0.5, 1], straight=True) == a.interpolate(b, part, straight=True)
+    turn, end = SO3(a.rotation), SO3(b.rotation)
+    assert turn.interpolate(end, [0, 0.5, 1]) == turn.interpolate(end, part)
