@@ -72,7 +72,7 @@ def render(
     camera = camera or frame(scene, width / height)
     triangles = _gather(scene)
     solid = triangles.rgba[:, 3] >= 0.999
-    floor = min(0.0, float(triangles.corners[:, :, 2].min())) if len(triangles.corners) else 0.0
+    floor = scene.floor()
     casting = triangles.corners[triangles.shadow & (triangles.rgba[:, 3] > 0.6)]
     shadows = light.shadow_map(casting, floor)
     picture = _ground(camera, width, height, floor, shadows, casting)

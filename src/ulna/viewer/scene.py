@@ -228,9 +228,17 @@ class Scene:
         return np.concatenate(parts)
 
     def floor(self) -> float:
-        """The height of the floor [m]: 0, or lower where something hangs below it (legs below a pelvis)."""
-        heights = self.points(200_000)[:, 2]
-        return min(0.0, float(heights.min())) if len(heights) else 0.0
+        """The height of the floor [m]: 0, or lower where something hangs below it (legs below a pelvis).
+
+        Things that cast no shadow, such as axes and lines, may well reach into the floor.
+        """
+        _, _, nodes, poses = self.snapshot()
+        lowest = 0.0
+        for node, pose in zip(nodes, poses, strict=True):
+            for surface in node.surfaces if node.shadow else ():
+                if len(surface.vertices):
+                    lowest = min(lowest, float((surface.vertices @ pose[2, :3]).min() + pose[2, 3]))
+        return lowest
 
 
 class RobotInScene:

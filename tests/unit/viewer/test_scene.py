@@ -189,5 +189,8 @@ def test_the_floor_is_at_zero_or_below_everything() -> None:
     assert scene.floor() == 0.0
     scene.add("up", [tessellate(Box((1, 1, 1)))], at(0, 0, 3))
     assert scene.floor() == 0.0
+    scene.add_axes("axes", at(0, 0, -2))  # they point into the floor and do not lower it
+    scene.add_path("line", [(0, 0, -5), (1, 0, -5)])
+    assert scene.floor() == 0.0
     scene.add("legs", [tessellate(Box((1, 1, 1)))], at(0, 0, -1))
     assert scene.floor() == -1.5
