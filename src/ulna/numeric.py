@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.errors import TraceError
 from ulna.typing import Array
 
 
@@ -227,6 +228,11 @@ def loop(condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple
     The state is a tuple of numbers, or of arrays of one batch shape; each element of the batch stops on its own and
     then keeps its state. `body` returns a tuple of the same length. Traced, this becomes a loop in the SIMD lanes.
     """
+    if any(isinstance(s, np.ndarray) and s.dtype == object for s in state):
+        raise TraceError(
+            "The state of a traced loop holds an array; expected numbers. Unpack it: loop(..., state=(*q, x), ...), "
+            "with a body and a condition that take that many numbers."
+        )
     traced = next((s for s in state if hasattr(s, "_loop_")), None)
     if traced is not None:
         return traced._loop_(condition, body, state, limit)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import escape
 
+from ulna.errors import InputError
 from ulna.trace.graph import Graph, Loop
 from ulna.trace.ops import TABLE, Op
 
@@ -78,6 +79,8 @@ def draw(function: Function, path: str | None = None) -> str:
         note += f", drawn in summary because the graph has {nodes} nodes (more than {LIMIT})"
     text = _svg(boxes, note)
     if path is not None:
+        if Path(path).suffix.lower() != ".svg":
+            raise InputError(f"The picture would go to {str(path)!r}; expected a name that ends in .svg.")
         Path(path).write_text(text, encoding="utf-8")
     return text
 

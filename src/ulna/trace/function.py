@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -177,7 +178,14 @@ def trace(
         array = _object_array([Scalar(graph, graph.input()) for _ in range(port.size)]).reshape(port.shape)
         arguments.append(array if port.shape else array[()])
     with tracing(graph):
-        returned = f(*arguments)
+        try:
+            returned = f(*arguments)
+        except TraceError:
+            raise
+        except TypeError as error:
+            if not re.search(r"Scalar|Condition|dtype\('O'\)|not supported for the input types", str(error)):
+                raise
+            raise TraceError(f"Traced values cannot do this: {error}. {_KNOWN}") from error
     single = not isinstance(returned, tuple)
     outputs, results = [], []
     for number, value in enumerate((returned,) if single else returned):
@@ -198,6 +206,13 @@ def trace(
         single,
         doc or (getattr(f, "__doc__", "") or ""),
     )
+
+
+_KNOWN = (
+    "They know + - * / // % **, comparisons, abs, np.sqrt, square, hypot, exp, log, floor, ceil, sin, cos, tan, "
+    "arcsin, arccos, arctan, arctan2, and where, minimum, maximum, clip and loop of ulna.numeric; "
+    "ulna.linalg solves small systems."
+)
 
 
 def _shape(name: str, given: Any) -> Shape:

@@ -62,6 +62,10 @@ class General:
     def __call__(self, *args: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
         """Evaluates; see `ulna.trace.kernel.compile` for what may be passed."""
         f = self.function
+        if threads is not None and (not isinstance(threads, (int, np.integer)) or threads < 1):
+            raise InputError(
+                f"`threads` is {threads!r}; expected a whole number, 1 or more, or None for one."
+            )
         if named:
             args = self._bind(args, named)
         if len(args) != len(f.inputs):

@@ -7,8 +7,10 @@ from itertools import pairwise
 from xml.etree import ElementTree
 
 import numpy as np
+import pytest
 
 from ulna import numeric as nm
+from ulna.errors import InputError
 from ulna.trace import compile, trace
 from ulna.trace.draw import LIMIT, draw
 
@@ -46,6 +48,12 @@ def test_a_small_graph_shows_every_node_once(tmp_path):
     assert "out1 = 4.25" in words
     assert len(edges) == 2 + 2 + 2 + 4 + 2
     assert len(boxes(root)) == 3 + f.operations + 3
+
+
+def test_a_file_of_another_kind_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"graph\.png'; expected a name that ends in \.svg"):
+        draw(trace(lambda x: x + 1.0, x=()), str(tmp_path / "graph.png"))
+    assert not list(tmp_path.iterdir())
 
 
 def test_boxes_do_not_overlap_and_lie_in_the_picture():

@@ -235,6 +235,12 @@ def test_threads_with_broadcast_inputs_and_wider_outputs(kernel, double):
         double(q, out=np.zeros((5, 3)), threads=4)
 
 
+@pytest.mark.parametrize("threads", [0, -1, 1.5, "two"])
+def test_a_number_of_threads_that_is_none_is_refused(double, threads):
+    with pytest.raises(InputError, match="expected a whole number, 1 or more"):
+        double(np.ones((4, 3)), threads=threads)
+
+
 def test_subclasses_of_arrays_keep_their_kind(double):
     q = np.arange(3.0)
     assert isinstance(double(q[None].view(np.matrix)), np.matrix)

@@ -235,6 +235,10 @@ def test_errors_of_loops_say_what_is_wrong():
         trace(lambda x: nm.loop(lambda a: a < 1.0, lambda a: a, (x,), 5)[0], x=())
     with pytest.raises(TraceError, match="The condition of a loop returned Scalar; expected a comparison"):
         trace(lambda x: nm.loop(lambda a: a, lambda a: (a,), (x,), 5)[0], x=())
+    with pytest.raises(
+        TraceError, match=r"state of a traced loop holds an array; expected numbers\. Unpack it"
+    ):
+        trace(lambda q: nm.loop(lambda a, n: n < 3.0, lambda a, n: (a * 2, n + 1), (q, 0.0), 5)[0], q=(3,))
 
 
 def test_a_value_that_leaves_its_loop_is_refused():
