@@ -42,7 +42,7 @@ from ulna.spatial import SE3, Force, Motion
 from ulna.typing import Array
 
 
-class _State(NamedTuple):
+class State(NamedTuple):
     """Twists and accelerations at a step: before it (U, C) and beyond it (V, A)."""
 
     U: Motion
@@ -51,7 +51,7 @@ class _State(NamedTuple):
     A: Motion
 
 
-class _Beyond(NamedTuple):
+class Beyond(NamedTuple):
     """What is gathered of all bodies from a step outward."""
 
     body: Lump
@@ -59,14 +59,15 @@ class _Beyond(NamedTuple):
     D: Array
     F: Force
 
-    def __add__(self, other: Any) -> _Beyond:
-        return _Beyond(self.body + other.body, self.h + other.h, self.D + other.D, self.F + other.F)
+    def __add__(self, other: Any) -> Beyond:
+        return Beyond(self.body + other.body, self.h + other.h, self.D + other.D, self.F + other.F)
 
-    def moved(self, T: SE3, axis: int | None) -> _Beyond:
+    def moved(self, T: SE3, axis: int | None) -> Beyond:
+        """The same seen from the outer frame of T, which turns about a coordinate axis if it is told which."""
         p = T.translation
         h = T.act(self.h)
         D = turned(T.rotation, self.D, axis) + steiner(p, h.linear)
-        return _Beyond(self.body.moved(T, axis), h, D, T.act(self.F))
+        return Beyond(self.body.moved(T, axis), h, D, T.act(self.F))
 
     def coriolis(self, s: Motion) -> Force:
         """B s."""
@@ -103,92 +104,125 @@ def inverse_dynamics_derivatives(
             None.
     """
     tree = steps(model)
-    states = _states(model, tree, q, v, a)
-    beyond = _gather(model, tree, states, q, external)
-    columns = [_columns(step, state) for step, state in zip(tree, states, strict=True)]
-    by_q, by_v, M = (blank((model.nv, model.nv), q, v, a) for _ in range(3))
-    for i, step in enumerate(tree):
+    known = states(model, tree, q, v, a)
+    beyond = gather(model, tree, known, q, external)
+    columns = [_columns(step, state) for step, state in zip(tree, known, strict=True)]
+    by_q, by_v = (blank((model.nv, model.nv), q, v, a) for _ in range(2))
+    for i in range(len(tree)):
         for column in columns[i]:
-            _spread(tree, columns, i, column, beyond[i], q, by_q, by_v, M)
-    for i in range(model.nv):
-        M[..., i, i] += model.armature[i]
-    return by_q, by_v, M
+            _add_pairs(tree, columns, i, column, beyond[i], q, by_q, by_v)
+    return by_q, by_v, mass_matrix_of(model, tree, beyond, q, v, a)
 
 
-def _spread(
+def _add_pairs(
     tree: Sequence[Step],
     columns: Sequence[Sequence[_Column]],
     i: int,
     column: _Column,
-    all_: _Beyond,
+    beyond: Beyond,
     q: Array,
     by_q: Array,
     by_v: Array,
-    M: Array,
 ) -> None:
     """Adds the entries of a column of step i with every column of the steps it stands on."""
     k, s = column.index, column.s
-    r = all_.body.apply(s)
-    t = all_.coriolis_transposed(s)
-    y = all_.coriolis(s) + all_.body.apply(column.phi)
-    z = all_.coriolis(column.psi) + all_.body.apply(column.chi)
+    r, t = beyond.body.apply(s), beyond.coriolis_transposed(s)
+    y = beyond.coriolis(s) + beyond.body.apply(column.phi)
+    z = beyond.coriolis(column.psi) + beyond.body.apply(column.chi)
     for own in columns[i]:
-        M[..., k, own.index] += r.dot(own.s)
         by_v[..., own.index, k] += y.dot(own.s)
         by_q[..., own.index, k] += z.dot(own.s)
-    z = z + s.cross(all_.F)
-    j = i
-    while tree[j].parent >= 0:
-        T = tree[j]
-        r, y, z = (_inward(T, force, q) for force in (r, y, z))
-        t = apply(T.placement.rotation, apply(T.transform(q).rotation, t))
-        j = T.parent
-        for c in columns[j]:
-            m = r.dot(c.s)
-            M[..., k, c.index] += m
-            M[..., c.index, k] += m
+    z = z + s.cross(beyond.F)
+    while tree[i].parent >= 0:
+        r, y, z = (_inward(tree[i], force, q) for force in (r, y, z))
+        t = apply(tree[i].placement.rotation, apply(tree[i].transform(q).rotation, t))
+        i = tree[i].parent
+        for c in columns[i]:
             by_v[..., k, c.index] += r.dot(c.phi) + dot(t, c.s.angular)
             by_q[..., k, c.index] += r.dot(c.chi) + dot(t, c.psi.angular)
             by_v[..., c.index, k] += y.dot(c.s)
             by_q[..., c.index, k] += z.dot(c.s)
 
 
-def _inward(step: Step, force: Force, q: Array) -> Force:
-    return step.placement.act(step.transform(q).act(force))
-
-
-def _columns(step: Step, state: _State) -> list[_Column]:
+def _columns(step: Step, state: State) -> list[_Column]:
     found = []
-    for index, S in zip(step.indices, step.subspace(), strict=True):
-        s = S * step.multiplier
+    for index, s in columns_of(step):
         psi = state.U.cross(s)
         chi = state.C.cross(s) + state.U.cross(psi)
         found.append(_Column(index, s, psi, chi, state.V.cross(s) + psi))
     return found
 
 
-def _states(model: Model, tree: Sequence[Step], q: Array, v: Array, a: Array) -> list[_State]:
-    def advance(step: Step, before: _State) -> _State:
+def columns_of(step: Step) -> list[tuple[int, Motion]]:
+    """The columns s of a step, and where each stands in `v`; those of a mimic joint with its multiplier."""
+    return [(k, S * step.multiplier) for k, S in zip(step.indices, step.subspace(), strict=True)]
+
+
+def states(model: Model, tree: Sequence[Step], q: Array, v: Array, a: Array) -> list[State]:
+    """The twists and accelerations at every step."""
+
+    def advance(step: Step, before: State) -> State:
         U, C = step.carry(before.V, q), step.carry(before.A, q)
         own = step.motion(v)
-        return _State(U, U + own, C, C + step.motion(a) + U.cross(own))
+        return State(U, U + own, C, C + step.motion(a) + U.cross(own))
 
     zero = Motion.zero()
     lift = Motion(-np.asarray(model.gravity), np.zeros(3))
-    return outward(tree, _State(zero, zero, lift, lift), advance)
+    return outward(tree, State(zero, zero, lift, lift), advance)
 
 
-def _gather(
-    model: Model, tree: Sequence[Step], states: Sequence[_State], q: Array, external: Any
-) -> list[_Beyond]:
-    gathered: list[_Beyond] = []
-    for step, state, body in zip(tree, states, felt(model, tree), strict=True):
+def gather(
+    model: Model,
+    tree: Sequence[Step],
+    known: Sequence[State],
+    q: Array,
+    external: Sequence[Force | None] | None,
+) -> list[Beyond]:
+    """What is beyond every step, up to what its joint cannot feel."""
+    gathered: list[Beyond] = []
+    for step, state, body in zip(tree, known, felt(model, tree), strict=True):
         h = body.apply(state.V)
         F = body.apply(state.A) + state.V.cross(h)
         force = external[model.joint_index(step.joint.name)] if external is not None and step.is_last else None
-        gathered.append(_Beyond(body, h, body.rate(state.V), F if force is None else F - force))
+        gathered.append(Beyond(body, h, body.rate(state.V), F if force is None else F - force))
     for i, step in reversed(list(enumerate(tree))):
         if step.parent >= 0:
             moved = gathered[i].moved(step.transform(q), turning_axis(step.kind)).moved(step.placement, None)
             gathered[step.parent] = gathered[step.parent] + moved
     return gathered
+
+
+def mass_matrix_of(
+    model: Model, tree: Sequence[Step], beyond: Sequence[Beyond], q: Array, *inputs: Array
+) -> Array:
+    """M with the armature on its diagonal, (..., nv, nv), from the bodies beyond every step."""
+    M = blank((model.nv, model.nv), q, *inputs)
+    for start in range(len(tree)):
+        own = columns_of(tree[start])
+        for k, s in own:
+            i, r = start, beyond[start].body.apply(s)
+            for index, other in own:
+                M[..., index, k] += r.dot(other)
+            while tree[i].parent >= 0:
+                r = _inward(tree[i], r, q)
+                i = tree[i].parent
+                for index, other in columns_of(tree[i]):
+                    m = r.dot(other)
+                    M[..., k, index] += m
+                    M[..., index, k] += m
+    for k in range(model.nv):
+        M[..., k, k] += model.armature[k]
+    return M
+
+
+def torques_of(model: Model, tree: Sequence[Step], beyond: Sequence[Beyond], a: Array, *inputs: Array) -> Array:
+    """tau, (..., nv), from the forces beyond every step."""
+    tau = blank((model.nv,), a, *inputs)
+    for step, one in zip(tree, beyond, strict=True):
+        for k, s in columns_of(step):
+            tau[..., k] += one.F.dot(s)
+    return tau + a * model.armature
+
+
+def _inward(step: Step, force: Force, q: Array) -> Force:
+    return step.placement.act(step.transform(q).act(force))
