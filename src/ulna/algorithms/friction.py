@@ -8,7 +8,7 @@
 | Ts | static friction, at breakaway; not below Tc | (nv) | [N m] or [N] | |
 | vs | velocity at which the excess of static friction has faded to 1/e | (nv) | [rad/s] or [m/s] | |
 | d | width: the friction at v = d is 76 % of Tc | () | [rad/s] or [m/s] | s = tanh(v / d) |
-| f | torque of friction, which opposes the motion | (nv) | [N m] or [N] | f = -(B v + (Tc + (Ts - Tc) exp(-(v/vs)^2)) s) |
+| f | torque of friction | (nv) | [N m] or [N] | f = -(B v + (Tc + (Ts - Tc) exp(-(v/vs)^2)) s) |
 
 Source: Siciliano, section 7.2.3 (viscous and Coulomb friction); Armstrong-Helouvry, Dupont & Canudas de Wit, A survey
 of models ... for the control of machines with friction (1994), for Stribeck's curve. A step in f at v = 0 makes an

@@ -1,0 +1,184 @@
+"""Base parameters: the combinations of dynamic parameters that torques can tell apart.
+
+| symbol | meaning | shape |
+|---|---|---|
+| W | regressors of many states, one above the other | (rows, n) |
+| p1, p2 | parameters whose columns are independent, and the others: W2 = W1 K | (b), (n - b) |
+| pi | base parameters: W p = W1 pi | (b), pi = p1 + K p2 |
+
+Source: Gautier, Numerical calculation of the base inertial parameters of robots (1991); the columns are taken one after
+the other and kept when they add something, which is the QR decomposition without pivots.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ulna.algorithms.regressors import PARAMETERS
+from ulna.errors import InputError, ShapeError
+from ulna.model import Model
+from ulna.typing import ArrayLike, Floats
+
+
+@dataclass(frozen=True, eq=False)
+class BaseParameters:
+    """What of the parameters can be told from torques.
+
+    Attributes:
+        names: Names of all parameters, (n,).
+        independent: Places of the parameters that stand for a base parameter, ascending, (b,).
+        matrix: The map from all parameters to the base parameters, (b, n).
+    """
+
+    names: tuple[str, ...]
+    independent: tuple[int, ...]
+    matrix: Floats
+
+    @property
+    def count(self) -> int:
+        """b, how many there are."""
+        return len(self.independent)
+
+    def of(self, parameters: ArrayLike) -> Floats:
+        """The base parameters (..., b) of parameters (..., n)."""
+        p = np.asarray(parameters, dtype=float)
+        if p.shape[-1:] != (len(self.names),):
+            raise ShapeError("parameters", p.shape, f"(..., {len(self.names)})")
+        return p @ self.matrix.T
+
+    def columns(self, W: Floats) -> Floats:
+        """W1: the columns (..., b) of a regressor (..., n) that belong to the base parameters."""
+        return W[..., list(self.independent)]
+
+    @property
+    def expressions(self) -> tuple[str, ...]:
+        """Each base parameter as a sum of named parameters."""
+        return tuple(self._sum(row) for row in self.matrix)
+
+    def __str__(self) -> str:
+        head = f"{self.count} base parameters of {len(self.names)} parameters"
+        return "\n".join([head, *(f"  {k:3d}  {text}" for k, text in enumerate(self.expressions))])
+
+    def _sum(self, row: Floats) -> str:
+        terms = [f"{_factor(x)}{self.names[j]}" for j, x in enumerate(row) if x != 0.0]
+        return " ".join(terms).removeprefix("+ ")
+
+
+def base_parameters(
+    robot: Any,
+    *,
+    armature: bool = False,
+    damping: bool = False,
+    friction: bool = False,
+    samples: int | None = None,
+    seed: int = 0,
+) -> BaseParameters:
+    """The base parameters of a robot, from regressors at random states.
+
+    Args:
+        robot: An `ulna.Robot`.
+        armature: Whether the inertia of the drives counts as a parameter.
+        damping: Whether viscous friction does.
+        friction: Whether Coulomb friction does.
+        samples: How many states; None for enough of them.
+        seed: Seed of the random states.
+    """
+    model: Model = robot.model
+    rng = np.random.default_rng(seed)
+    names = parameter_names(model, armature=armature, damping=damping, friction=friction)
+    count = max(50, 3 * len(names) // max(model.nv, 1)) if samples is None else samples
+    q = robot.random_configuration(count, rng)
+    v, a = rng.standard_normal((2, count, model.nv))
+    W = extended_regressor(robot, q, v, a, armature=armature, damping=damping, friction=friction)
+    return base_parameters_of(W.reshape(-1, W.shape[-1]), names)
+
+
+def base_parameters_of(
+    W: ArrayLike, names: Sequence[str] | None = None, noise: float = 1e-9
+) -> BaseParameters:
+    """The base parameters that a stack of regressors can tell apart.
+
+    With logged states in place of random ones it says what that log excites.
+
+    Args:
+        W: Regressors one above the other, shape (rows, n).
+        names: Names of the parameters; None numbers them.
+        noise: A column whose part beyond the earlier ones is less than this part of it depends on them.
+
+    Raises:
+        ShapeError: `W` is not a matrix.
+        InputError: there are not as many names as columns.
+    """
+    stack = np.asarray(W, dtype=float)
+    if stack.ndim != 2:
+        raise ShapeError("W", stack.shape, "(rows, n)")
+    n = stack.shape[1]
+    names = tuple(f"p{j}" for j in range(n)) if names is None else tuple(names)
+    if len(names) != n:
+        raise InputError(f"There are {len(names)} names for {n} parameters; expected as many.")
+    R: Floats = np.array(np.linalg.qr(stack, mode="r"))  # the columns keep their lengths and angles
+    lengths = np.sqrt((R * R).sum(axis=0))
+    least = 1e-12 * max(float(lengths.max(initial=0.0)), 1e-300)
+    basis = np.zeros((R.shape[0], 0))
+    kept: list[int] = []
+    for j in range(n):
+        if lengths[j] <= least:
+            continue
+        rest = R[:, j] / lengths[j]
+        for _ in range(2):  # once more, for the rounding errors of the first time
+            rest = rest - basis @ (basis.T @ rest)
+        size = float(np.linalg.norm(rest))
+        if size > noise:
+            kept.append(j)
+            basis = np.column_stack([basis, rest / size])
+    scales = np.where(lengths > least, lengths, 1.0)
+    K = np.linalg.lstsq(R[:, kept] / scales[kept], R / scales, rcond=None)[0] if kept else np.zeros((0, n))
+    K[np.abs(K) < 1e3 * noise] = 0.0
+    matrix = K * scales / scales[kept][:, None]
+    matrix[:, lengths <= least] = 0.0
+    matrix[:, kept] = np.eye(len(kept))
+    return BaseParameters(names, tuple(kept), matrix)
+
+
+def parameter_names(
+    model: Model, *, armature: bool = False, damping: bool = False, friction: bool = False
+) -> tuple[str, ...]:
+    """Names of the columns of `extended_regressor`."""
+    names = [f"{name}({joint.name})" for joint in model.joints for name in PARAMETERS]
+    for word, wanted in (("armature", armature), ("damping", damping), ("friction", friction)):
+        names += [f"{word}({name})" for name in model.velocity_names] if wanted else []
+    return tuple(names)
+
+
+def extended_regressor(
+    robot: Any,
+    q: Floats,
+    v: Floats,
+    a: Floats,
+    *,
+    armature: bool = False,
+    damping: bool = False,
+    friction: bool = False,
+    width: float = 1e-2,
+) -> Floats:
+    """The joint torque regressor (..., nv, n) with columns for the drives.
+
+    The further columns, nv each, are diagonal: the acceleration, the velocity, and its sign, smooth within `width`.
+    """
+    Y = robot.joint_torque_regressor(q, v, a)
+    eye = np.eye(robot.nv)
+    parts = [Y]
+    for wanted, value in ((armature, a), (damping, v), (friction, np.tanh(v / width))):
+        if wanted:
+            parts.append(value[..., None] * eye)
+    return np.concatenate(parts, axis=-1)
+
+
+def _factor(x: float) -> str:
+    sign = "-" if x < 0.0 else "+"
+    size = abs(x)
+    return f"{sign} " if abs(size - 1.0) < 1e-9 else f"{sign} {size:.4g} "

@@ -1,0 +1,289 @@
+"""Least squares for the dynamic parameters of a robot, from logged positions, velocities, accelerations and torques.
+
+| symbol | meaning | shape | equation |
+|---|---|---|---|
+| W | regressors of the log, one above the other, rows divided by the noise of their joint | (rows nv, n) | |
+| y | torques of the log, likewise, without what is known | (rows nv) | |
+| p, p0 | parameters sought, and those of the prior | (n) | |
+| D | size of each parameter, for what counts as far from the prior | (n) | m, m r, m r^2 of the body; inf for drives |
+| R, z | W and y, reduced to n rows by QR | (n, n), (n) | |
+| p | what is found | (n) | least mean of (W p - y)^2 + ridge |(p - p0)/D|^2 |
+
+Source: Siciliano, section 7.3; for the weights Gautier, Dynamic identification of robots with power model (1997).
+Without ridge the parameters that the log does not tell apart stay as near to the prior as they can.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ulna.algorithms.friction import Friction, friction_torque
+from ulna.errors import InputError, MissingExtra, NonFiniteError, ShapeError
+from ulna.identification.base import base_parameters_of, extended_regressor, parameter_names
+from ulna.identification.physical import (
+    from_log_cholesky,
+    log_cholesky,
+    log_cholesky_jacobian,
+    nearest_physical,
+    pseudo_inertia,
+)
+from ulna.identification.result import Identification
+from ulna.model import Model, dynamic_parameters
+from ulna.typing import ArrayLike, Floats
+
+_LOG = 20.0
+"""Greatest logarithm of a scale of a body: beyond e^20 there is no robot, and floats would soon overflow."""
+
+
+def identify(
+    robot: Any,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    tau: ArrayLike,
+    *,
+    armature: bool = False,
+    damping: bool = False,
+    friction: bool = False,
+    physical: bool = False,
+    prior: ArrayLike | None = None,
+    ridge: float | None = None,
+    noise: ArrayLike | Literal["auto"] | None = None,
+    width: float = 1e-2,
+) -> Identification:
+    """The dynamic parameters that explain a log best.
+
+    What is not sought of armature, damping and friction is taken from the robot's model.
+
+    Args:
+        robot: An `ulna.Robot`.
+        q: Configurations, shape (rows, nq).
+        v: Velocities, shape (rows, nv).
+        a: Accelerations, shape (rows, nv).
+        tau: Torques of the drives, shape (rows, nv) [N m, N].
+        armature: Whether to seek the inertia of the drives.
+        damping: Whether to seek viscous friction.
+        friction: Whether to seek Coulomb friction.
+        physical: Whether the bodies are to be such as can exist, and the numbers of the drives not negative; needs
+            SciPy.
+        prior: Dynamic parameters to stay near to, (10 nbodies,); None for the model's.
+        ridge: How much staying near to the prior counts: what a deviation of every parameter by its own size costs,
+            beside the mean squared residual [(N m)^2]. None for nothing, or for 1e-6 of the mean squared torque where
+            `physical`.
+        noise: Standard deviation of each joint's torque, (nv,) [N m, N]; "auto" estimates it from the residuals of
+            a first fit; None treats all joints alike.
+        width: Velocity within which Coulomb friction passes smoothly through zero [rad/s, m/s].
+
+    Raises:
+        ShapeError, NonFiniteError: The log does not fit the robot.
+        InputError: `ridge` or `noise` is out of range, or the log is too short.
+        MissingExtra: `physical` without SciPy.
+    """
+    model: Model = robot.model
+    log = _Log.checked(model, q, v, a, tau)
+    sought = {"armature": armature, "damping": damping, "friction": friction}
+    W = extended_regressor(robot, log.q, log.v, log.a, **sought, width=width)
+    known = _known(model, log, sought, width)
+    y = log.tau - known
+    own = _own(model, sought)
+    p0 = own.copy()
+    if prior is not None:
+        p0[: 10 * len(model.joints)] = _prior(model, prior)
+    sigma = _noise(noise, model.nv)
+    solver = _physical if physical else _linear
+    if ridge is not None and not (np.isfinite(ridge) and ridge >= 0.0):
+        raise InputError(f"`ridge` is {ridge}; expected a finite number of zero or more.")
+    sizes = _sizes(model, p0)
+    rounds = 2 if isinstance(noise, str) else 1
+    p, count = p0, 0
+    for _ in range(rounds):
+        R, z = _reduced(W / sigma[:, None], y / sigma)
+        weight = (1e-6 * float(z @ z) if physical else 0.0) if ridge is None else ridge
+        p, count = solver(R, z, p0, sizes, weight, len(model.joints))
+        if rounds == 2:
+            sigma = np.maximum(
+                np.sqrt(((y - W @ p) ** 2).mean(axis=0)), 1e-12 + 1e-9 * np.abs(y).max(initial=0.0)
+            )
+    return _result(model, log, W, known, p, own, sought, physical, sigma, count)
+
+
+@dataclass(frozen=True)
+class _Log:
+    """A log that fits a robot."""
+
+    q: Floats
+    v: Floats
+    a: Floats
+    tau: Floats
+
+    @classmethod
+    def checked(cls, model: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike) -> _Log:
+        arrays = {n: np.asarray(x, dtype=float) for n, x in (("q", q), ("v", v), ("a", a), ("tau", tau))}
+        rows = arrays["q"].shape[0] if arrays["q"].ndim else 0
+        for name, array in arrays.items():
+            expected = (rows, model.nq if name == "q" else model.nv)
+            if array.shape != expected:
+                raise ShapeError(name, array.shape, f"{expected}, one row per sample")
+            if not np.isfinite(array).all():
+                where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+                raise NonFiniteError(name, where, float(array[where]))
+        if rows == 0:
+            raise InputError("The log has no samples; expected one at least.")
+        return cls(**arrays)
+
+
+def _known(model: Model, log: _Log, sought: dict[str, bool], width: float) -> Floats:
+    """The torques of what is not sought."""
+    law = Friction(
+        0.0 if sought["damping"] else np.array(model.damping),
+        0.0 if sought["friction"] else np.array(model.friction),
+        width=width,
+    )
+    drives = 0.0 if sought["armature"] else model.armature * log.a
+    return drives - friction_torque(log.v, law)
+
+
+def _own(model: Model, sought: dict[str, bool]) -> Floats:
+    """The model's values of what is sought."""
+    return np.concatenate(
+        [dynamic_parameters(model), *(getattr(model, n) for n, wanted in sought.items() if wanted)]
+    )
+
+
+def _prior(model: Model, prior: ArrayLike) -> Floats:
+    p = np.asarray(prior, dtype=float)
+    if p.size != 10 * len(model.joints):
+        raise ShapeError("prior", p.shape, f"({10 * len(model.joints)},)")
+    return p.reshape(-1)
+
+
+def _noise(noise: Any, nv: int) -> Floats:
+    if noise is None or (isinstance(noise, str) and noise == "auto"):
+        return np.ones(nv)
+    if isinstance(noise, str):
+        raise InputError(f"`noise` is {noise!r}; expected 'auto', or a standard deviation for each joint.")
+    sigma = np.asarray(noise, dtype=float)
+    if sigma.shape not in ((), (nv,)):
+        raise ShapeError("noise", sigma.shape, f"one number or ({nv},)")
+    if not (np.isfinite(sigma).all() and (sigma > 0.0).all()):
+        raise InputError(f"`noise` is {noise}; expected finite numbers above zero.")
+    return np.broadcast_to(sigma, (nv,)).copy()
+
+
+def _sizes(model: Model, p0: Floats) -> Floats:
+    """D: what is a large change of each parameter."""
+    bodies = np.zeros((0, 10)) if not model.joints else p0[: 10 * len(model.joints)].reshape(-1, 10)
+    mass = np.abs(bodies[:, 0])
+    mass = np.maximum(mass, 0.1 * mass.mean()) if mass.any() else np.ones(len(bodies))
+    spread = (
+        np.abs(np.trace(pseudo_inertia(bodies)[:, :3, :3], axis1=1, axis2=2)) / mass if len(bodies) else mass
+    )
+    square = np.maximum(spread, 0.01)  # no smaller than a decimetre
+    radius = np.sqrt(square)
+    out = [np.stack([mass, *[mass * radius] * 3, *[mass * square] * 6], axis=-1).ravel()]
+    out.append(np.full(len(p0) - 10 * len(model.joints), np.inf))  # what is not known of drives is no prior
+    return np.concatenate(out)
+
+
+def _reduced(W: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """R and z, divided by the root of the number of rows, so that sums of squares are means."""
+    n = W.shape[-1]
+    whole = np.concatenate([W.reshape(-1, n), y.reshape(-1, 1)], axis=1) / np.sqrt(y.size)
+    R: Floats = np.array(np.linalg.qr(whole, mode="r"))
+    return R[:, :n], R[:, n]
+
+
+def _linear(R: Floats, z: Floats, p0: Floats, sizes: Floats, ridge: float, _: int) -> tuple[Floats, int]:
+    units = np.where(np.isinf(sizes), 1.0, sizes)
+    rows, right = R * units, z - R @ p0
+    if ridge > 0.0:
+        rows = np.concatenate([rows, np.sqrt(ridge) * np.diag(units / sizes)])
+        right = np.concatenate([right, np.zeros(len(p0))])
+    step = np.linalg.lstsq(rows, right, rcond=1e-10)[0]
+    return p0 + units * step, 1
+
+
+def _physical(
+    R: Floats, z: Floats, p0: Floats, sizes: Floats, ridge: float, count: int
+) -> tuple[Floats, int]:
+    try:
+        from scipy.optimize import least_squares
+    except ImportError:
+        raise MissingExtra("scipy", "identify", "Identification of bodies that can exist") from None
+    n = len(p0)
+    pull = np.sqrt(ridge)
+
+    def split(x: Floats) -> Floats:
+        return np.concatenate([from_log_cholesky(x[: 10 * count].reshape(-1, 10)).ravel(), x[10 * count :]])
+
+    def residual(x: Floats) -> Floats:
+        p = split(x)
+        return np.concatenate([R @ p - z, pull * (p - p0) / sizes])
+
+    def jacobian(x: Floats) -> Floats:
+        inner = np.eye(n)
+        blocks = log_cholesky_jacobian(x[: 10 * count].reshape(-1, 10))
+        for k, block in enumerate(blocks):
+            inner[10 * k : 10 * k + 10, 10 * k : 10 * k + 10] = block
+        return np.concatenate([R @ inner, pull * inner / sizes[:, None]])
+
+    start = nearest_physical(p0[: 10 * count].reshape(-1, 10))
+    x0 = np.concatenate([log_cholesky(start).ravel(), np.maximum(p0[10 * count :], 1e-6)])
+    bound = np.tile([_LOG] * 4 + [np.inf] * 6, count)
+    lower = np.concatenate([-bound, np.zeros(n - 10 * count)])
+    upper = np.concatenate([bound, np.full(n - 10 * count, np.inf)])
+    found = least_squares(
+        residual,
+        x0,
+        jac=jacobian,  # pyright: ignore[reportArgumentType]
+        bounds=(lower, upper),
+        method="trf",
+        x_scale="jac",
+        ftol=1e-12,
+        xtol=1e-10,
+        gtol=1e-12,
+    )
+    return split(found.x), int(found.njev)
+
+
+def _result(
+    model: Model,
+    log: _Log,
+    W: Floats,
+    known: Floats,
+    p: Floats,
+    own: Floats,
+    sought: dict[str, bool],
+    physical: bool,
+    sigma: Floats,
+    iterations: int,
+) -> Identification:
+    n = len(p)
+    rows = (W / sigma[:, None]).reshape(-1, n)
+    base = base_parameters_of(rows, parameter_names(model, **sought))
+    W1 = base.columns(rows)
+    lengths = np.sqrt((W1 * W1).sum(axis=0))
+    values = np.linalg.svd(W1 / lengths, compute_uv=False) if base.count else np.ones(1)
+    misfit = (((log.tau - known - W @ p) / sigma) ** 2).sum() / max(len(rows) - base.count, 1)
+    spread = np.diag(np.linalg.pinv((W1 / lengths).T @ (W1 / lengths))) if base.count else np.zeros(0)
+    drives, at = {}, 10 * len(model.joints)
+    for name, wanted in sought.items():
+        drives[name] = p[at : at + model.nv] if wanted else np.array(getattr(model, name))
+        at += model.nv * wanted
+    return Identification(
+        model=model,
+        parameters=p[: 10 * len(model.joints)],
+        **drives,
+        physical=physical,
+        base=base,
+        base_values=base.of(p),
+        base_deviations=np.sqrt(misfit * np.maximum(spread, 0.0)) / lengths,
+        condition=float(values[0] / values[-1]) if values[-1] > 0.0 else np.inf,
+        measured=log.tau,
+        fitted=W @ p + known,
+        before=W @ own + known,
+        iterations=iterations,
+    )

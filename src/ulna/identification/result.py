@@ -1,0 +1,142 @@
+"""What came out of an identification: parameters, residuals, a report, a picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import MissingExtra
+from ulna.identification.base import BaseParameters
+from ulna.model import Model, with_dynamic_parameters, with_joint_dynamics
+from ulna.typing import Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification:
+    """The parameters that explain a log best.
+
+    Attributes:
+        model: The model that was started from.
+        parameters: Dynamic parameters, ten a body, (10 nbodies,) [kg, kg m, kg m^2].
+        armature: Inertia of the drives, (nv,) [kg m^2, kg]; the model's where it was not sought.
+        damping: Viscous friction, (nv,) [N m s/rad, N s/m]; likewise.
+        friction: Coulomb friction, (nv,) [N m, N]; likewise.
+        physical: Whether the bodies are such as can exist.
+        base: What the log can tell apart of all that was sought.
+        base_values: Those base parameters, (b,).
+        base_deviations: Their standard deviations, if the residuals are independent noise, (b,).
+        condition: Condition number of the base regressor, its columns made equally long: below 100 is good, and
+            far above it the log moves the robot too little or too much alike.
+        measured: Torques of the log, (rows, nv) [N m, N].
+        fitted: Torques that the new parameters give.
+        before: Torques that the model gave.
+        iterations: Steps of the solver; 1 for the linear one.
+    """
+
+    model: Model
+    parameters: Floats
+    armature: Floats
+    damping: Floats
+    friction: Floats
+    physical: bool
+    base: BaseParameters
+    base_values: Floats
+    base_deviations: Floats
+    condition: float
+    measured: Floats
+    fitted: Floats
+    before: Floats
+    iterations: int
+
+    @property
+    def residuals(self) -> Floats:
+        """Measured less fitted torques, (rows, nv) [N m, N]."""
+        return self.measured - self.fitted
+
+    @property
+    def rms(self) -> Floats:
+        """Root mean square of the residuals of each joint, (nv,) [N m, N]."""
+        return np.sqrt((self.residuals**2).mean(axis=0))
+
+    @property
+    def rms_before(self) -> Floats:
+        """The same with the parameters of the model that was started from, (nv,) [N m, N]."""
+        return np.sqrt(((self.measured - self.before) ** 2).mean(axis=0))
+
+    @property
+    def explained(self) -> Floats:
+        """What part of each joint's variance of torque the fit explains, (nv,); at most 1."""
+        total = ((self.measured - self.measured.mean(axis=0)) ** 2).mean(axis=0)
+        return 1.0 - self.rms**2 / np.where(total > 0.0, total, np.inf)
+
+    @property
+    def new_model(self) -> Model:
+        """The model with the new parameters.
+
+        Raises:
+            ModelError: a body cannot exist; identify with `physical=True`.
+        """
+        drives = {"armature": self.armature, "damping": self.damping, "friction": self.friction}
+        drives = {name: np.maximum(value, 0.0) for name, value in drives.items()}
+        return with_joint_dynamics(with_dynamic_parameters(self.model, self.parameters), **drives)
+
+    def report(self) -> str:
+        """The residuals joint by joint, and how well the log determines the parameters, as text."""
+        rows, nv = self.measured.shape
+        kind = "physically consistent" if self.physical else "linear"
+        deviations = self.base_deviations / np.maximum(np.abs(self.base_values), 1e-12)
+        sure = int((deviations < 0.1).sum())
+        lines = [
+            f"Identification of {self.model.name!r}: {kind} least squares, {rows} samples, {nv} joints",
+            f"  {self.base.count} base parameters of {len(self.base.names)} sought, condition {self.condition:.3g}; "
+            f"{sure} known to better than 10 %",
+            "",
+            f"  {'joint':24s} {'rms before':>12s} {'rms after':>12s} {'max after':>12s} {'explained':>10s}",
+        ]
+        greatest = np.abs(self.residuals).max(axis=0)
+        for k, name in enumerate(self.model.velocity_names):
+            lines.append(
+                f"  {name:24s} {self.rms_before[k]:12.4g} {self.rms[k]:12.4g} {greatest[k]:12.4g} "
+                f"{100 * self.explained[k]:9.2f}%"
+            )
+        return "\n".join(lines)
+
+    def plot(self, path: str | Path | None = None, t: Any = None) -> Any:
+        """Measured and fitted torques with residuals, joint by joint.
+
+        Args:
+            path: Where to save the picture (.png, .svg, .pdf); None only makes it.
+            t: Times of the samples, (rows,) [s]; None numbers them.
+
+        Returns:
+            A `matplotlib.figure.Figure`.
+
+        Raises:
+            MissingExtra: Matplotlib is not installed.
+        """
+        try:
+            from matplotlib.figure import Figure
+        except ImportError:
+            raise MissingExtra("matplotlib", "plot", "Plotting an identification") from None
+        rows, nv = self.measured.shape
+        x = np.arange(rows) if t is None else np.asarray(t, dtype=float)
+        figure = Figure(figsize=(9.0, 1.6 * nv + 0.6), layout="constrained")
+        panels = figure.subplots(nv, 1, sharex=True, squeeze=False)[:, 0]
+        for k, (panel, name) in enumerate(zip(panels, self.model.velocity_names, strict=True)):
+            panel.plot(x, self.measured[:, k], color="0.6", linewidth=2.0, label="measured")
+            panel.plot(x, self.fitted[:, k], color="tab:blue", linewidth=1.0, label="fitted")
+            panel.plot(x, self.residuals[:, k], color="tab:red", linewidth=0.8, label="residual")
+            panel.set_ylabel(name, rotation=0, ha="right")
+            panel.grid(alpha=0.3)
+        panels[0].legend(loc="upper right", ncols=3, fontsize="small")
+        panels[0].set_title(f"Torques of {self.model.name} [N m, N]")
+        panels[-1].set_xlabel("sample" if t is None else "time [s]")
+        if path is not None:
+            figure.savefig(path)
+        return figure
+
+    def __repr__(self) -> str:
+        return f"<identification of {self.model.name!r}: rms {np.sqrt((self.residuals**2).mean()):.4g}>"

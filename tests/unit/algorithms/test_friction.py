@@ -1,0 +1,75 @@
+"""Friction laws and payload capacity."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.algorithms import Friction
+from ulna.errors import InputError, ShapeError
+from ulna.model import dynamic_parameters, with_payload
+
+
+def test_friction_opposes_the_motion_and_is_smooth() -> None:
+    law = Friction(viscous=0.5, coulomb=2.0, width=0.01)
+    v = np.array([-1.0, -0.01, 0.0, 0.01, 1.0])
+    f = law.torque(v)
+    np.testing.assert_allclose(f, [2.5, 2.0 * np.tanh(1.0) + 0.005, 0.0, -2.0 * np.tanh(1.0) - 0.005, -2.5])
+    assert law.is_dry and not Friction(viscous=1.0).is_dry
+
+
+def test_directions_and_stribeck() -> None:
+    law = Friction(coulomb=1.0, backward=2.0, static=3.0, stribeck=0.05, width=1e-3)
+    np.testing.assert_allclose(law.torque(np.array([10.0, -10.0])), [-1.0, 2.0])
+    np.testing.assert_allclose(law.torque(np.array([0.01]))[0], -(1.0 + 2.0 * np.exp(-0.04)), rtol=1e-6)
+    np.testing.assert_allclose(law.dry_bound(np.array([0.0, 1.0, -1.0])), [3.0, 1.0, 2.0])
+
+
+def test_compiled_friction_is_the_same() -> None:
+    law = Friction([0.1, 0.2], [1.0, 0.0], [2.0, 0.5], [3.0, 1.0])
+    kernel = ulna.compile(lambda v: law.torque(v), v=(2,))
+    v = np.random.default_rng(0).uniform(-0.2, 0.2, (50, 2))
+    np.testing.assert_allclose(kernel(v), law.torque(v), atol=1e-13)
+
+
+def test_of_a_model() -> None:
+    model = ulna.load("panda").model
+    law = Friction.of(model)
+    np.testing.assert_array_equal(law.numbers(model.nv)[0], model.damping)
+    with pytest.raises(ShapeError, match="viscous"):
+        law.numbers(3)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"viscous": -1.0}, {"coulomb": np.nan}, {"width": 0.0}, {"coulomb": [1.0, 2.0], "viscous": [1.0] * 3}],
+)
+def test_wrong_numbers_are_refused(wrong) -> None:
+    with pytest.raises(InputError):
+        Friction(**wrong)
+
+
+def test_payload_capacity_brings_one_joint_to_its_limit() -> None:
+    robot = ulna.load("panda")
+    q = robot.configurations["qr"]
+    capacity = robot.payload_capacity(q)
+    assert capacity.shape == (7,)
+    most = float(capacity.min())
+    loaded = with_payload(robot.model, None, most)
+    tau = ulna.Robot(loaded).gravity_regressor(q) @ dynamic_parameters(loaded)
+    used = np.abs(tau) / robot.limits.effort
+    assert used.max() == pytest.approx(1.0, abs=1e-9)
+    assert used.argmax() == capacity.argmin()
+
+
+def test_payload_capacity_of_batches_and_wrenches() -> None:
+    robot = ulna.load("panda")
+    q = robot.random_configuration(4, seed=0)
+    w = [0.0, 0.0, -9.81, 0.0, 0.0, 0.0]
+    effort = np.array([87.0, 87.0, 87.0, 87.0, 12.0, 12.0, np.inf])
+    found = robot.payload_capacity(q, "panda_hand_tcp", w, effort)
+    np.testing.assert_allclose(found[:, :6], robot.payload_capacity(q)[:, :6])
+    assert np.isinf(found[:, 6]).all()
+    weak = robot.payload_capacity(robot.configurations["qr"], effort=np.full(7, 1.0))
+    assert np.isnan(weak[1]) and np.isnan(weak[3])

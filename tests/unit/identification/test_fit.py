@@ -1,0 +1,164 @@
+"""Identification of known robots from logs of their own."""
+
+from __future__ import annotations
+
+import builtins
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.errors import InputError, MissingExtra, ModelError, NonFiniteError, ShapeError
+from ulna.identification import identify
+from ulna.model import dynamic_parameters, lock_joints, perturbed, with_joint_dynamics
+from ulna.robot import Robot
+from ulna.typing import Floats
+
+WRIST = [f"panda_joint{k}" for k in (1, 2, 3)]
+ALL = {"armature": True, "damping": True, "friction": True}
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    """The last four joints of the Panda."""
+    return Robot(lock_joints(ulna.load("panda").model, WRIST, "qr"))
+
+
+@pytest.fixture(scope="module")
+def true(robot: Robot) -> Robot:
+    model = perturbed(robot.model, 0.3, seed=1, com=0.01)
+    return Robot(with_joint_dynamics(model, armature=0.1, damping=1.0, friction=0.5))
+
+
+def log(robot: Robot, noise: float = 0.0, rows: int = 200) -> tuple[Floats, Floats, Floats, Floats]:
+    """Sums of sines, and the torques of the robot along them."""
+    rng = np.random.default_rng(0)
+    t = np.linspace(0.0, 10.0, rows)
+    w = 2.0 * np.pi * 0.1 * np.arange(1, 6)
+    A, B = rng.uniform(-0.5, 0.5, (2, robot.nv, 5))
+    s, c = np.sin(np.outer(t, w)), np.cos(np.outer(t, w))
+    q = (s / w) @ A.T - (c / w) @ B.T + robot.configurations["qr"]
+    v, a = c @ A.T + s @ B.T, (c * w) @ B.T - (s * w) @ A.T
+    m = robot.model
+    tau = robot.joint_torque_regressor(q, v, a) @ dynamic_parameters(m)
+    tau += m.armature * a + m.damping * v + m.friction * np.tanh(v / 1e-2)
+    return q, v, a, tau + rng.normal(0.0, noise, tau.shape) if noise else tau
+
+
+def test_a_log_without_noise_is_explained_wholly(robot: Robot, true: Robot) -> None:
+    found = identify(robot, *log(true), **ALL)
+    assert found.rms.max() < 1e-9 < found.rms_before.min()
+    np.testing.assert_allclose(found.base_values, found.base.of(_parameters(true)), atol=1e-7)
+    np.testing.assert_allclose(found.damping, 1.0, atol=1e-8)
+    np.testing.assert_allclose(found.friction, 0.5, atol=1e-8)
+    # another motion, which the fit has not seen
+    q = robot.random_configuration(20, seed=5)
+    v, a = np.random.default_rng(6).standard_normal((2, 20, robot.nv))
+    Y = robot.joint_torque_regressor(q, v, a)
+    theirs = Y @ dynamic_parameters(true.model) + 0.1 * a
+    np.testing.assert_allclose(Y @ found.parameters + found.armature * a, theirs, atol=1e-6)
+
+
+def _parameters(robot: Robot) -> Floats:
+    m = robot.model
+    return np.concatenate([dynamic_parameters(m), m.armature, m.damping, m.friction])
+
+
+def test_what_is_not_sought_is_the_models(robot: Robot, true: Robot) -> None:
+    start = Robot(with_joint_dynamics(robot.model, armature=0.1, damping=1.0, friction=0.5))
+    found = identify(start, *log(true))
+    assert found.rms.max() < 1e-9
+    assert (found.damping == 1.0).all()
+    assert not found.physical and found.iterations == 1
+
+
+def test_what_the_log_does_not_tell_stays_at_the_prior(robot: Robot, true: Robot) -> None:
+    same = identify(robot, *log(robot))
+    np.testing.assert_allclose(same.parameters, dynamic_parameters(robot.model), atol=1e-9)
+    q, v, a, tau = log(robot)
+    still = identify(robot, q[:1], 0 * v[:1], 0 * a[:1], tau[:1])
+    unseen = np.abs(still.parameters - dynamic_parameters(robot.model)).reshape(-1, 10)[:, 4:]
+    assert unseen.max() < 1e-12  # at rest, inertias do not show
+    prior = dynamic_parameters(true.model)
+    far = identify(robot, *log(true), **ALL, prior=prior, ridge=1e6)
+    np.testing.assert_allclose(far.parameters, prior, atol=1e-6)
+
+
+def test_bodies_that_can_exist(robot: Robot, true: Robot) -> None:
+    data = log(true, noise=0.05)
+    linear, physical = identify(robot, *data, **ALL), identify(robot, *data, **ALL, physical=True)
+    with pytest.raises(ModelError, match="physical=True"):
+        _ = linear.new_model
+    model = physical.new_model
+    assert all(body.is_physical() for body in model.inertias)
+    assert (physical.rms < 1.2 * linear.rms + 1e-3).all()
+    assert np.abs(physical.rms - 0.05).max() < 0.01
+    again = identify(Robot(model), *data)
+    np.testing.assert_allclose(again.rms_before, physical.rms, rtol=1e-6)
+
+
+def test_noise_of_the_joints_weighs_them(robot: Robot, true: Robot) -> None:
+    q, v, a, tau = log(true)
+    sigma = np.array([1.0, 0.01, 0.01, 0.01])
+    tau = tau + np.random.default_rng(9).normal(0.0, 1.0, tau.shape) * sigma
+    clean = identify(true, q, v, a, log(true)[3], **ALL).base_values
+    errors = []
+    for noise in (None, "auto", sigma):
+        found = identify(robot, q, v, a, tau, **ALL, noise=noise)
+        errors.append(float((np.abs(found.base_values - clean) / np.maximum(np.abs(clean), 0.01)).mean()))
+    assert errors[1] < 0.5 * errors[0]
+    assert errors[2] < 0.5 * errors[0]
+
+
+def test_deviations_tell_the_error(robot: Robot, true: Robot) -> None:
+    found = identify(robot, *log(true, noise=0.05), **ALL)
+    clean = identify(robot, *log(true), **ALL)
+    score = (found.base_values - clean.base_values) / found.base_deviations
+    assert 0.5 < np.sqrt((score**2).mean()) < 1.5
+
+
+def test_report_and_picture(robot: Robot, true: Robot, tmp_path) -> None:
+    pytest.importorskip("matplotlib")
+    found = identify(robot, *log(true, noise=0.05), **ALL)
+    text = found.report()
+    assert "linear least squares, 200 samples, 4 joints" in text
+    assert all(name in text for name in robot.joint_names)
+    figure = found.plot(tmp_path / "fit.png", t=np.linspace(0.0, 10.0, 200))
+    assert len(figure.axes) == robot.nv
+    assert (tmp_path / "fit.png").stat().st_size > 10_000
+
+
+def test_wrong_logs_are_refused(robot: Robot) -> None:
+    q, v, a, tau = log(robot, rows=5)
+    with pytest.raises(ShapeError, match="`tau`"):
+        identify(robot, q, v, a, tau[:-1])
+    with pytest.raises(NonFiniteError, match=r"a\[2, 1\]"):
+        bad = a.copy()
+        bad[2, 1] = np.nan
+        identify(robot, q, v, bad, tau)
+    with pytest.raises(InputError, match="no samples"):
+        identify(robot, q[:0], v[:0], a[:0], tau[:0])
+    with pytest.raises(InputError, match="ridge"):
+        identify(robot, q, v, a, tau, ridge=-1.0)
+    with pytest.raises(InputError, match="noise"):
+        identify(robot, q, v, a, tau, noise="automatic")  # type: ignore[arg-type]
+    with pytest.raises(ShapeError, match="prior"):
+        identify(robot, q, v, a, tau, prior=[1.0])
+
+
+@pytest.mark.parametrize(("package", "extra"), [("scipy", "identify"), ("matplotlib", "plot")])
+def test_missing_packages_are_named(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch, package: str, extra: str
+) -> None:
+    data = log(robot, rows=5)
+    found = identify(robot, *data)
+    real = builtins.__import__
+
+    def refuse(name: str, *rest, **more):
+        if name.split(".", maxsplit=1)[0] == package:
+            raise ImportError(name)
+        return real(name, *rest, **more)
+
+    monkeypatch.setattr(builtins, "__import__", refuse)
+    with pytest.raises(MissingExtra, match=rf"ulna\[{extra}\]"):
+        identify(robot, *data, physical=True) if package == "scipy" else found.plot()
