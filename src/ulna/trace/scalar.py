@@ -153,17 +153,27 @@ class Scalar(Value):
         return (self / other).floor()
 
     def __pow__(self, exponent: Any) -> Any:
-        """Integer powers by repeated squaring, halves by the square root; others as exp(exponent * log(self))."""
+        """Integer powers by repeated squaring, halves by the square root; others as exp(exponent * log(self)).
+
+        The last form is off by about exponent * log(self) ULP.
+        """
         if isinstance(exponent, _NUMBERS):
             if float(exponent).is_integer() and abs(exponent) <= 64:
                 return _integer_power(self, int(exponent))
             if float(2.0 * exponent).is_integer() and abs(exponent) <= 64:
                 power = _integer_power(self, int(abs(exponent) - 0.5)) * self.sqrt()
                 return power if exponent > 0 else 1.0 / power
-        return (self.log() * exponent).exp()
+            if not float(exponent).is_integer():
+                return (self.log() * exponent).exp()
+            exponent = Scalar(self.graph, self.graph.constant(float(exponent)))
+        return _power(self, exponent) if isinstance(exponent, Scalar) else NotImplemented
 
     def __rpow__(self, base: Any) -> Any:
-        return (self * float(np.log(base))).exp()
+        if not isinstance(base, _NUMBERS):
+            return NotImplemented
+        if base > 0.0:
+            return (self * float(np.log(base))).exp()
+        return _power(Scalar(self.graph, self.graph.constant(float(base))), self)
 
     def __neg__(self) -> Scalar:
         return self._unary(Op.NEG)
@@ -307,6 +317,18 @@ def tracing(graph: Graph) -> Iterator[None]:
 
 def _described(value: Any) -> str:
     return f"{len(value)} values" if isinstance(value, (tuple, list)) else type(value).__name__
+
+
+def _power(base: Scalar, exponent: Scalar) -> Any:
+    """The power where either may be anything, as NumPy has it but for the sign of zero, (-1)**inf and (-inf)**0.5."""
+    size = abs(base)
+    power = (size.log() * exponent).exp()
+    half = exponent * 0.5
+    odd = half.floor() != half
+    of_negative = (exponent.floor() == exponent)._where_(odd._where_(-power, power), float("nan"))
+    power = (base < 0.0)._where_(of_negative, power)
+    one = (exponent == 0.0) | (base == 1.0)
+    return one._where_(1.0, power)
 
 
 def _integer_power(base: Any, exponent: int) -> Any:

@@ -141,6 +141,28 @@ def test_halves_are_taken_by_the_square_root():
     assert counts == [{"sqrt": 1}, {"mul": 1, "sqrt": 1}, {"div": 1, "sqrt": 1}, {"mul": 2, "sqrt": 1}]
 
 
+@pytest.mark.parametrize("exponent", [100.0, -71.0, 65])
+def test_large_whole_powers_keep_the_sign(exponent):
+    x = np.array([-1.5, -0.9, 0.4, 1.2, -1.0, 1.0])
+    np.testing.assert_allclose(compile(lambda x: x**exponent, x=())(x), x**exponent, rtol=1e-13)
+
+
+def test_powers_of_two_traced_values_are_as_numpy_has_them():
+    special = [-2.5, -2.0, -0.3, 0.0, 0.5, 1.0, 2.0, 3.0, np.inf, np.nan]
+    a, b = (axis.ravel() for axis in np.meshgrid(special, [-np.inf, -1.0, *special]))
+    with np.errstate(all="ignore"):
+        expected = a**b
+    kernel = compile(lambda a, b: a**b, a=(), b=())
+    np.testing.assert_allclose(kernel(a, b), expected, rtol=1e-14)
+    np.testing.assert_allclose([kernel(x, y) for x, y in zip(a, b, strict=True)], expected, rtol=1e-14)
+    with np.errstate(all="ignore"):
+        np.testing.assert_allclose(compile(lambda b: (-2.0) ** b, b=())(b), (-2.0) ** b, rtol=1e-14)
+        np.testing.assert_allclose(compile(lambda b: 0.0**b, b=())(b), 0.0**b, rtol=1e-14)
+    slope = kernel.jacobian("a")
+    np.testing.assert_allclose(slope([-2.0, 2.0], [3.0, 0.5]), [12.0, 0.5 / np.sqrt(2.0)], rtol=1e-14)
+    np.testing.assert_allclose(kernel.jacobian("b")(2.0, 3.0), 8.0 * np.log(2.0), rtol=1e-14)
+
+
 def test_a_power_with_the_traced_value_above():
     kernel = compile(lambda x: 2.0**x, x=())
     np.testing.assert_allclose(kernel(np.linspace(-3, 3, 20)), 2.0 ** np.linspace(-3, 3, 20), rtol=2e-15)
