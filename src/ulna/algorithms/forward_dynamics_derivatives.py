@@ -29,7 +29,7 @@ from ulna.algorithms.inverse_dynamics_derivatives import (
     states,
     torques_of,
 )
-from ulna.algorithms.tree import steps
+from ulna.algorithms.tidy import tidy
 from ulna.model import Model
 from ulna.numeric import apply, is_symbolic, matrix, vector
 from ulna.spatial import Force
@@ -51,9 +51,10 @@ def forward_dynamics_derivatives(
     if not model.nv:
         a, by_q, by_v, _ = tau, *inverse_dynamics_derivatives(model, q, v, tau, external)
         return by_q, by_v, by_v
-    tree = steps(model)
+    tidied = tidy(model)
+    tree = tidied.tree
     rest = 0.0 * v if not is_symbolic(q, v, tau) else np.zeros(model.nv)
-    beyond = gather(model, tree, states(model, tree, q, v, rest), q, external)
+    beyond = gather(model, tidied, states(model, tree, q, v, rest), q, external)
     bias = torques_of(model, tree, beyond, rest, q, v)
     M = mass_matrix_of(model, tree, beyond, q, v, tau)
     if not is_symbolic(q, v, tau):

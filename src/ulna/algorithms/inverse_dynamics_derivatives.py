@@ -2,7 +2,7 @@
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| U_i, V_i | twist of the parent of step i, of its body, in its moving frame | Motion | [m/s, rad/s] | V_i = U_i + S_i v_i |
+| U_i, V_i | twist of the parent of step i, and of its body, in its frame | Motion | [m/s, rad/s] | V_i = U_i + S_i v_i |
 | C_i, A_i | acceleration of the same two, gravity taken off | Motion | | A_i = C_i + S_i a_i + U_i x S_i v_i |
 | m, c, I | inertia of all bodies from step i outward | Lump | | see lumps.py |
 | h = (p, n), D | their momentum, and the rate of I | Force, (3, 3) | | |
@@ -35,7 +35,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna.algorithms.lumps import Lump, felt, steiner, turned, turning_axis
-from ulna.algorithms.tree import Step, blank, outward, steps
+from ulna.algorithms.tidy import Tidy, tidy
+from ulna.algorithms.tree import Step, blank, outward
 from ulna.model import Model
 from ulna.numeric import apply, cross, dot
 from ulna.spatial import SE3, Force, Motion
@@ -103,9 +104,10 @@ def inverse_dynamics_derivatives(
         external: For every joint of the model the force on its body, in its moving frame and fixed in it [N, N m], or
             None.
     """
-    tree = steps(model)
+    tidied = tidy(model)
+    tree = tidied.tree
     known = states(model, tree, q, v, a)
-    beyond = gather(model, tree, known, q, external)
+    beyond = gather(model, tidied, known, q, external)
     columns = [_columns(step, state) for step, state in zip(tree, known, strict=True)]
     by_q, by_v = (blank((model.nv, model.nv), q, v, a) for _ in range(2))
     for i in range(len(tree)):
@@ -173,18 +175,21 @@ def states(model: Model, tree: Sequence[Step], q: Array, v: Array, a: Array) -> 
 
 def gather(
     model: Model,
-    tree: Sequence[Step],
+    tidied: Tidy,
     known: Sequence[State],
     q: Array,
     external: Sequence[Force | None] | None,
 ) -> list[Beyond]:
     """What is beyond every step, up to what its joint cannot feel."""
+    tree = tidied.tree
     gathered: list[Beyond] = []
-    for step, state, body in zip(tree, known, felt(model, tree), strict=True):
+    for step, frame, state, body in zip(tree, tidied.frames, known, felt(model, tidied), strict=True):
         h = body.apply(state.V)
         F = body.apply(state.A) + state.V.cross(h)
-        force = external[model.joint_index(step.joint.name)] if external is not None and step.is_last else None
-        gathered.append(Beyond(body, h, body.rate(state.V), F if force is None else F - force))
+        if external is not None and step.is_last:
+            force = external[model.joint_index(step.joint.name)]
+            F = F if force is None else F - frame.act_inverse(force)
+        gathered.append(Beyond(body, h, body.rate(state.V), F))
     for i, step in reversed(list(enumerate(tree))):
         if step.parent >= 0:
             moved = gathered[i].moved(step.transform(q), turning_axis(step.kind)).moved(step.placement, None)
@@ -215,7 +220,9 @@ def mass_matrix_of(
     return M
 
 
-def torques_of(model: Model, tree: Sequence[Step], beyond: Sequence[Beyond], a: Array, *inputs: Array) -> Array:
+def torques_of(
+    model: Model, tree: Sequence[Step], beyond: Sequence[Beyond], a: Array, *inputs: Array
+) -> Array:
     """tau, (..., nv), from the forces beyond every step."""
     tau = blank((model.nv,), a, *inputs)
     for step, one in zip(tree, beyond, strict=True):

@@ -27,6 +27,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.algorithms.tidy import Tidy
 from ulna.algorithms.tree import Step
 from ulna.model import Continuous, Helical, JointKind, Model, Prismatic, Revolute, Spherical, Translation
 from ulna.numeric import apply, cross, dot, is_symbolic, matrix
@@ -121,20 +122,22 @@ def turning_axis(kind: JointKind) -> int | None:
     return None
 
 
-def lumps(model: Model, tree: Sequence[Step]) -> list[Lump]:
+def lumps(model: Model, tidied: Tidy) -> list[Lump]:
     """Of every step the body it carries, in its moving frame; nothing for the inner parts of a joint."""
     return [
-        Lump.of(model.inertias[model.joint_index(step.joint.name)]) if step.is_last else Lump.zero()
-        for step in tree
+        Lump.of(model.inertias[model.joint_index(step.joint.name)]).moved(frame.inverse())
+        if step.is_last
+        else Lump.zero()
+        for step, frame in zip(tidied.tree, tidied.frames, strict=True)
     ]
 
 
-def felt(model: Model, tree: Sequence[Step]) -> list[Lump]:
+def felt(model: Model, tidied: Tidy) -> list[Lump]:
     """The same for torques: what the joint of a step cannot tell from inertia of its parent is given to the parent."""
-    bodies = lumps(model, tree)
+    bodies = lumps(model, tidied)
     if is_symbolic(*(x for body in bodies for x in (body.mass, body.first, body.second))):
         return bodies
-    for i, step in reversed(list(enumerate(tree))):
+    for i, step in reversed(list(enumerate(tidied.tree))):
         given = _indifferent(step, bodies[i])
         if given is None:
             continue

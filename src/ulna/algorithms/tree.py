@@ -49,6 +49,8 @@ class Step:
     """Where its velocity begins in the joint's velocity."""
     is_last: bool
     """Whether its moving frame is the joint's, which carries links and frames."""
+    offset: float = 0.0
+    """What is added to the angle of a revolute joint; see tidy.py."""
 
     @property
     def multiplier(self) -> float:
@@ -67,7 +69,8 @@ class Step:
 
     def transform(self, q: Array) -> SE3:
         """J(q)."""
-        return self.kind.transform(self.joint.q_of(q)[..., self.start_q : self.start_q + self.kind.nq])
+        position = self.joint.q_of(q)[..., self.start_q : self.start_q + self.kind.nq]
+        return self.kind.transform(position + self.offset if self.offset else position)
 
     def pose(self, T: SE3 | None, q: Array) -> SE3:
         """T P J(q): the pose of the moving frame, where T is that of the parent's; None for the world's."""
