@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import sys
 import warnings
@@ -20,6 +21,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Args:
         arguments: The words after `ulna`; those of the process when not given.
     """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # tables are drawn with signs that not every terminal knows
+            stream.reconfigure(errors="replace")
     parser = _parser()
     chosen = parser.parse_args(arguments)
     if not hasattr(chosen, "run"):
@@ -29,7 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warnings.showwarning = _warn
         try:
             chosen.run(chosen)
-            sys.stdout.flush()
+            if sys.stdout is not None:
+                sys.stdout.flush()
         except UlnaError as error:
             print(f"ulna: {' '.join(str(error).split())}", file=sys.stderr)
             return 2
@@ -37,9 +42,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(file=sys.stderr)
             return 130
         except BrokenPipeError:  # the reader of a pipe has seen enough
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            _end_output()
             return 0
+        except OSError as error:
+            _end_output()
+            print(
+                f"ulna: {error.strerror or error}{f': {error.filename}' if error.filename else ''}",
+                file=sys.stderr,
+            )
+            return 2
     return 0
+
+
+def _end_output() -> None:
+    """Writes what is left of the output; what cannot be written goes nowhere, instead of failing once more at exit."""
+    if sys.stdout is None:
+        return
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ulna.errors import UnknownName
+from ulna.errors import InputError, UnknownName
 from ulna.model import JointKind, Model
 from ulna.robots import catalogue, example_robot_data, robot_descriptions
 
@@ -28,7 +28,7 @@ def load(
     *,
     root: str | JointKind | None = None,
     visuals: str = "auto",
-    package_dirs: Sequence[PathLike] = (),
+    package_dirs: Sequence[PathLike] | PathLike = (),
     srdf: PathLike | None = None,
     mimic: bool = True,
     xacro_args: Mapping[str, str] | None = None,
@@ -36,15 +36,17 @@ def load(
     """The robot of that name or in that file, ready to compute with.
 
     Args:
-        name_or_path: "panda", "ur5", any name of `ulna.robots.catalogue.names()`, or the path of a file.
+        name_or_path: "panda", "ur5", any name that `ulna list` gives, the path of a .urdf or .xacro file, or URDF
+            text (from "<").
         root: how the base hangs in the world; see `load_model`, also for the others.
         visuals: "auto", "simple" or "cad".
         package_dirs: folders to look for packages in.
-        srdf: a file with groups and named configurations.
+        srdf: a file, or its text, with groups and named configurations.
         mimic: whether mimic joints follow their leader.
         xacro_args: values for the arguments of a .xacro file.
 
     Raises:
+        InputError: what is to be loaded is neither a name nor a path nor text.
         UnknownName: no robot of that name; offers the nearest one.
         FormatError: the file is missing or broken; says where and what mends it.
         MissingExtra: the robot needs a package that is not installed.
@@ -68,7 +70,7 @@ def load_model(
     *,
     root: str | JointKind | None = None,
     visuals: str = "auto",
-    package_dirs: Sequence[PathLike] = (),
+    package_dirs: Sequence[PathLike] | PathLike = (),
     srdf: PathLike | None = None,
     mimic: bool = True,
     xacro_args: Mapping[str, str] | None = None,
@@ -83,16 +85,24 @@ def load_model(
             CAD meshes of example-robot-data, or the meshes where they are installed. For files, "simple"
             draws the collision shapes of the links that have any.
         package_dirs: folders to look for packages in, before all others.
-        srdf: a file with groups, named configurations and disabled collision pairs; robots of
+        srdf: a file, or its text, with groups, named configurations and disabled collision pairs; robots of
             example-robot-data bring theirs.
         mimic: whether mimic joints follow their leader; False lets each move on its own.
         xacro_args: values for the arguments of a .xacro file.
 
     Raises:
+        InputError: what is to be loaded is neither a name nor a path nor text.
         UnknownName: no robot of that name; offers the nearest one.
         FormatError: the file is missing or broken; says where and what mends it.
         MissingExtra: the robot needs a package that is not installed.
     """
+    if not isinstance(name_or_path, (str, os.PathLike)):
+        raise InputError(
+            f"`name_or_path` is {_described(name_or_path)}; expected a robot's name such as 'panda', the path of a "
+            ".urdf or .xacro file, or URDF text."
+        )
+    if isinstance(package_dirs, (str, os.PathLike)):
+        package_dirs = (package_dirs,)
     if visuals not in catalogue.VISUALS:
         raise UnknownName("kind of visuals", visuals, catalogue.VISUALS)
     options = _Options(root, visuals, tuple(package_dirs), mimic, dict(xacro_args or {}))
@@ -119,11 +129,16 @@ def _is_file(given: PathLike) -> bool:
     return text.startswith("<") or "/" in text or os.sep in text or text.lower().endswith(_ENDINGS)
 
 
-def _with_srdf(model: Model, file: PathLike) -> Model:
-    from ulna.formats.srdf import read_srdf
+def _described(given: object) -> str:
+    return "None" if given is None else f"of type {type(given).__name__}"
+
+
+def _with_srdf(model: Model, given: PathLike) -> Model:
+    from ulna.formats.srdf import parse_srdf, read_srdf
     from ulna.formats.srdf_apply import with_srdf
 
-    return with_srdf(model, read_srdf(file))
+    text = given.lstrip("\ufeff \t\r\n") if isinstance(given, str) else ""
+    return with_srdf(model, parse_srdf(text) if text.startswith("<") else read_srdf(given))
 
 
 def _from_file(given: PathLike, options: _Options) -> Model:

@@ -1,5 +1,6 @@
 """The command `ulna`: what it says, what it writes, and errors of one line."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -153,6 +154,32 @@ def test_the_module_runs_and_a_closed_pipe_is_no_accident() -> None:
     done = subprocess.run(command, shell=True, capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout == "ulna:\n"
     assert done.stderr == ""
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_a_full_disk_is_said_in_one_line() -> None:
+    command = f"{sys.executable!r} -m ulna info panda >/dev/full"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 2
+    assert done.stderr == "ulna: No space left on device\n"
+
+
+def test_without_an_output_it_still_runs() -> None:
+    command = f"{sys.executable!r} -m ulna list >&-"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_tables_do_not_fail_where_their_signs_are_unknown() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "ulna", "info", "panda"],
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    assert "? 3 ? panda_joint4" in done.stdout
 
 
 def test_importing_ulna_imports_nothing_heavy() -> None:

@@ -9,7 +9,7 @@ import textwrap
 import numpy as np
 import pytest
 
-from ulna.errors import FormatError, MissingExtra, ModelError, UnknownName
+from ulna.errors import FormatError, InputError, MissingExtra, ModelError, UnknownName
 from ulna.geometry import Box, Mesh, Sphere
 from ulna.loading import load, load_model
 from ulna.robots import catalogue, example_robot_data, robot_descriptions
@@ -65,11 +65,11 @@ def test_visuals_of_files(file):
 
 
 def test_srdf_beside_it(file, tmp_path):
-    (tmp_path / "tiny.srdf").write_text(
-        '<robot><group_state name="up"><joint name="j" value="0.5"/></group_state></robot>'
-    )
-    model = load_model(file, srdf=tmp_path / "tiny.srdf")
-    np.testing.assert_array_equal(model.configurations["up"], [0.5])
+    text = '<robot><group_state name="up"><joint name="j" value="0.5"/></group_state></robot>'
+    (tmp_path / "tiny.srdf").write_text(text)
+    for given in (tmp_path / "tiny.srdf", text, "\n  " + text):
+        model = load_model(file, srdf=given)
+        np.testing.assert_array_equal(model.configurations["up"], [0.5])
 
 
 def test_xacro(tmp_path):
@@ -91,9 +91,18 @@ def test_package_dirs(tmp_path):
         '<robot name="r"><link name="a"><visual><geometry><mesh filename="package://arm/a.stl"/></geometry>'
         "</visual></link></robot>"
     )
-    shape = load_model(text, package_dirs=[tmp_path / "elsewhere"]).link("a").visuals[0].shape
-    assert shape == Mesh(str(mesh))
-    assert shape.path == str(mesh)
+    for folders in ([tmp_path / "elsewhere"], tmp_path / "elsewhere", str(tmp_path / "elsewhere")):
+        shape = load_model(text, package_dirs=folders).link("a").visuals[0].shape
+        assert shape == Mesh(str(mesh))
+        assert shape.path == str(mesh)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"), [(None, "None"), (3, "of type int"), (b"<robot/>", "of type bytes")]
+)
+def test_what_is_neither_a_name_nor_a_path_nor_text(given, said):
+    with pytest.raises(InputError, match=f"`name_or_path` is {said}; expected a robot's name"):
+        load(given)
 
 
 def test_unknown_names(no_packages):
