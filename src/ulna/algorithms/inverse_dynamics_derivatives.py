@@ -2,7 +2,7 @@
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| U_i, V_i | twist of the parent of step i, and of its body, in its frame | Motion | [m/s, rad/s] | V_i = U_i + S_i v_i |
+| U_i, V_i | twist of the parent and of the body of step i | Motion | [m/s, rad/s] | V_i = U_i + S_i v_i |
 | C_i, A_i | acceleration of the same two, gravity taken off | Motion | | A_i = C_i + S_i a_i + U_i x S_i v_i |
 | m, c, I | inertia of all bodies from step i outward | Lump | | see lumps.py |
 | h = (p, n), D | their momentum, and the rate of I | Force, (3, 3) | | |

@@ -21,7 +21,6 @@ Source: Khalil & Kleinfinger, Minimum operations and minimum parameters of the d
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
