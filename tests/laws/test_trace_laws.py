@@ -112,10 +112,10 @@ def inputs(f: Function, rows: int, special: bool = False, dtype: type = np.float
 
 def without_contraction(monkeypatch, f: Function):
     """A kernel without fused multiplication and addition, whose every step rounds as NumPy's does."""
-    kernel_module, native_module = import_module("ulna.trace.kernel"), import_module("ulna.trace.native")
+    general_module, native_module = import_module("ulna.trace.general"), import_module("ulna.trace.native")
     emit = import_module("ulna.trace.emit")
     with monkeypatch.context() as patch:
-        patch.setattr(kernel_module, "emit_batch", functools.partial(emit.emit_batch, contract=False))
+        patch.setattr(general_module, "emit_batch", functools.partial(emit.emit_batch, contract=False))
         patch.setattr(native_module, "emit_single", lambda f, e, p: emit.emit_single(f, e, p, contract=False))
         kernel = compile(f)
         kernel.gufunc
@@ -193,7 +193,7 @@ def test_single_precision_equals_interpretation_in_single_precision(f):
     with pytest.MonkeyPatch.context() as monkeypatch:
         emit = import_module("ulna.trace.emit")
         monkeypatch.setattr(
-            import_module("ulna.trace.kernel"),
+            import_module("ulna.trace.general"),
             "emit_batch",
             functools.partial(emit.emit_batch, contract=False),
         )
