@@ -115,9 +115,9 @@ def turned(R: Array, I: Array, axis: int | None = None) -> Array:
 def turning_axis(kind: JointKind) -> int | None:
     """The coordinate axis, 0, 1 or 2, about which a joint turns its moving frame; None if it is not one."""
     if isinstance(kind, (Revolute, Continuous, Helical)):
-        axis = np.abs(np.asarray(kind.axis))
-        if axis.max() == 1.0:
-            return int(axis.argmax())
+        axis = np.asarray(kind.axis)
+        if np.count_nonzero(axis) == 1:
+            return int(np.abs(axis).argmax())
     return None
 
 

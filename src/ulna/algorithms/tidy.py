@@ -15,6 +15,7 @@ fewer where that form would be denser than the file's. The choice is made once f
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import product
@@ -67,6 +68,7 @@ def tidy(model: Model) -> Tidy:
             P = _clean(P @ SE3(np.eye(3), slide * u))
             offset += turn
             C = C @ SE3(_about(u, turn), slide * u)
+        offset = math.remainder(offset, 2.0 * math.pi)
         tree.append(replace(step, placement=P, kind=kind, offset=offset))
         frames.append(C)
     return Tidy(tuple(tree), tuple(frames))
@@ -77,7 +79,7 @@ def _aligned(kind: JointKind) -> tuple[JointKind, SE3]:
     if not isinstance(kind, (Revolute, Continuous, Prismatic)):
         return kind, SE3.identity()
     u = np.asarray(kind.axis)
-    if np.abs(u).max() == 1.0:
+    if np.count_nonzero(u) == 1:
         return kind, SE3.identity()
     x = np.cross(np.eye(3)[np.abs(u).argmin()], u)
     x /= np.linalg.norm(x)
