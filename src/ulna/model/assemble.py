@@ -215,7 +215,9 @@ def _warn_of_inertias(told: Told) -> None:
     odd = []
     for link in told.links.values():
         moments = np.linalg.eigvalsh(link.inertia.inertia)
-        impossible = moments[0] < -1e-9 * max(float(np.abs(moments).max()), 1e-12)
+        # Noise in the file: beside the other moments, or beside those of the mass within a micrometre.
+        noise = max(1e-9 * float(np.abs(moments).max()), 1e-12 * float(link.inertia.mass), 1e-21)
+        impossible = moments[0] < -noise
         if impossible and link.name not in told.from_models:
             odd.append(at(link.where, f"{link.name!r} ({moments[0]:.3g} kg m^2)"))
     if odd:

@@ -544,4 +544,8 @@ def test_possible_inertias_are_not_warned_of() -> None:
         warnings.simplefilter("error")
         b = pair().add_joint("j", HINGE, "a", "b")
         b.add_link("thin", Inertia(1.0, np.zeros(3), np.diag([0.0, 1.0, 1.0])))
-        b.add_joint("k", Prismatic(), "b", "thin").build()
+        b.add_joint("k", Prismatic(), "b", "thin")
+        noise = np.zeros((3, 3))
+        noise[0, 2] = noise[2, 0] = 1.4e-20  # a point mass, as a program that cancels writes it
+        b.add_link("point", Inertia(0.3, np.zeros(3), noise))
+        b.add_joint("l", Prismatic(), "thin", "point").build()
