@@ -1,6 +1,6 @@
 """How long it takes to get going: importing, loading, the first call with a cold and a warm cache; medians of processes.
 
-    python benchmarks/startup.py [RUNS]
+python benchmarks/startup.py [RUNS]
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ print(t1 - t0, t2 - t1, t3 - t2)
 def once(cache: str) -> list[float]:
     """Seconds of import, load and first call in a new process."""
     environment = {**os.environ, "ULNA_CACHE": cache}
-    done = subprocess.run([sys.executable, "-c", _SCRIPT], env=environment, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", _SCRIPT], env=environment, capture_output=True, text=True, check=True
+    )
     return [float(word) for word in done.stdout.split()]
 
 

@@ -97,7 +97,7 @@ def _acceleration(model: Model, frame: Any, reference: Any, classical: bool) -> 
     ).vector()
 
 
-def _analytical(model: Model, frame: Any, representation: str) -> Callable[..., Any]:
+def _analytical(model: Model, frame: Any, representation: Any) -> Callable[..., Any]:
     one = frame_of(model, frame)
     return lambda q: algorithms.analytical_jacobian(model, q, one, representation)
 
@@ -221,7 +221,7 @@ _lock = threading.RLock()
 def function(model: Model, name: str, **options: Any) -> Function:
     """The traced function of recipe `name` for `model`; see `kernel` for the arguments and errors."""
     recipe, chosen = _choose(name, options)
-    shapes = {key: _shape(model, size) for key, size in recipe.arguments}
+    shapes: dict[str, Any] = {key: _shape(model, size) for key, size in recipe.arguments}
     doc = f"{recipe.doc} Robot: {model.name}."
     return trace(recipe.build(model, **chosen), name=name, doc=doc, **shapes)
 

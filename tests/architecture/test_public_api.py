@@ -36,6 +36,8 @@ def test_every_public_method_is_documented(kind: type) -> None:
     silent = [
         name
         for name, member in inspect.getmembers(kind)
-        if not name.startswith("_") and (callable(member) or isinstance(member, property)) and not inspect.getdoc(member)
+        if not name.startswith("_")
+        and (callable(member) or isinstance(member, property))
+        and not inspect.getdoc(member)
     ]
     assert not silent
