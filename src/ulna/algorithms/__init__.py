@@ -18,6 +18,7 @@ from ulna.algorithms.configuration import neutral as neutral
 from ulna.algorithms.configuration import normalize as normalize
 from ulna.algorithms.configuration import random as random
 from ulna.algorithms.configuration import squared_distance as squared_distance
+from ulna.algorithms.dry_friction import velocity_after_friction as velocity_after_friction
 from ulna.algorithms.friction import Friction as Friction
 from ulna.algorithms.friction import friction_torque as friction_torque
 from ulna.algorithms.hessian import frame_hessian as frame_hessian

@@ -18,13 +18,14 @@ the width. Time stepping with an exact law of dry friction is in `ulna.sim`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, final
 
 import numpy as np
 
 from ulna.errors import InputError, ShapeError
-from ulna.model import Model
+from ulna.model import Drive, Model
 from ulna.numeric import exp, less, tanh, where
 from ulna.typing import Array, Floats
 
@@ -79,21 +80,41 @@ class Friction:
         """The friction a model names for its joints: `damping` and `friction`."""
         return cls(np.array(model.damping), np.array(model.friction), width=width)
 
+    @classmethod
+    def of_drives(cls, model: Model, drives: Mapping[str, Drive], width: float = 1e-2) -> Friction:
+        """The friction of motors behind gears, with its two directions; of other joints what the model names."""
+        viscous, forward = np.array(model.damping), np.array(model.friction)
+        backward = forward.copy()
+        for name, drive in drives.items():
+            k = model.joint(name).idx_v
+            viscous[k] = drive.at_joint["damping"]
+            forward[k], backward[k] = (abs(drive.gear) * x for x in drive.both_ways)
+        return cls(viscous, forward, backward, width=width)
+
+    @property
+    def is_viscous(self) -> bool:
+        """Whether there is any viscous friction."""
+        return bool(np.asarray(self.viscous).any())
+
     @property
     def is_dry(self) -> bool:
         """Whether there is any Coulomb or static friction."""
         dry = (self.coulomb, self.backward, self.static)
         return any(x is not None and np.asarray(x).any() for x in dry)
 
-    def dry_bound(self, v: Array) -> Any:
-        """How large dry friction can be at velocity `v`, in its direction, (..., nv) [N m, N]."""
-        bound: Any = self.coulomb
-        if self.backward is not None:
-            bound = where(less(v, 0.0), self.backward, bound)
+    def dry_bounds(self, v: Array) -> tuple[Any, Any]:
+        """How large dry friction can be against forward and against backward motion as fast as `v` [N m, N]."""
+        bounds = [self.coulomb, self.coulomb if self.backward is None else self.backward]
         if self.static is not None:
             ratio = v / self.stribeck
-            bound = bound + (self.static - bound) * exp(-(ratio * ratio))
-        return bound
+            fading = exp(-(ratio * ratio))
+            bounds = [bound + (self.static - bound) * fading for bound in bounds]
+        return bounds[0], bounds[1]
+
+    def dry_bound(self, v: Array) -> Any:
+        """How large dry friction can be at velocity `v`, in its direction, (..., nv) [N m, N]."""
+        forward, backward = self.dry_bounds(v)
+        return forward if self.backward is None else where(less(v, 0.0), backward, forward)
 
     def torque(self, v: Array) -> Any:
         """The torque of friction on the joints at velocity `v`, (..., nv) [N m, N]; it opposes the motion."""

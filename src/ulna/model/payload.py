@@ -62,8 +62,9 @@ class Drive:
     Attributes:
         inertia: Jm, of the rotor [kg m^2].
         damping: B, viscous friction at the motor [N m s/rad].
-        friction: Tc, Coulomb friction at the motor [N m]; that of one direction where they differ, see
-            `ulna.algorithms.Friction`.
+        friction: Tc, Coulomb friction at the motor [N m], of forward motion of the joint if `backward` is given.
+        backward: Tc of backward motion, as a number that is not negative; None for the same. A model keeps the mean;
+            `ulna.algorithms.Friction.of_drives` keeps both.
         gear: G, turns of the motor per turn of the joint [1], or per metre of it [rad/m]; of either sign.
         torque: Greatest torque of the motor [N m]; None leaves the joint's limit.
     """
@@ -71,16 +72,22 @@ class Drive:
     inertia: float = 0.0
     damping: float = 0.0
     friction: float = 0.0
+    backward: float | None = None
     gear: float = 1.0
     torque: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("inertia", "damping", "friction", "torque"):
+        for name in ("inertia", "damping", "friction", "backward", "torque"):
             value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value >= 0.0):
                 raise InputError(f"`{name}` of a drive is {value}; expected a finite number of zero or more.")
         if not np.isfinite(self.gear) or self.gear == 0.0:
             raise InputError(f"`gear` of a drive is {self.gear}; expected a finite number other than zero.")
+
+    @property
+    def both_ways(self) -> tuple[float, float]:
+        """Tc of forward and of backward motion [N m]."""
+        return self.friction, self.friction if self.backward is None else self.backward
 
     @property
     def at_joint(self) -> dict[str, float]:
@@ -89,7 +96,7 @@ class Drive:
         return {
             "armature": self.inertia * square,
             "damping": self.damping * square,
-            "friction": self.friction * abs(self.gear),
+            "friction": 0.5 * sum(self.both_ways) * abs(self.gear),
         }
 
 

@@ -8,7 +8,7 @@ import pytest
 import ulna
 from ulna.algorithms import Friction
 from ulna.errors import InputError, ShapeError
-from ulna.model import dynamic_parameters, with_payload
+from ulna.model import Drive, dynamic_parameters, with_drives, with_payload
 
 
 def test_friction_opposes_the_motion_and_is_smooth() -> None:
@@ -73,3 +73,27 @@ def test_payload_capacity_of_batches_and_wrenches() -> None:
     assert np.isinf(found[:, 6]).all()
     weak = robot.payload_capacity(robot.configurations["qr"], effort=np.full(7, 1.0))
     assert np.isnan(weak[1]) and np.isnan(weak[3])
+
+
+def test_of_drives_keeps_both_directions() -> None:
+    model = ulna.load("ur5").model
+    name = model.joint_names[1]
+    drives = {name: Drive(1e-4, 1e-3, 0.2, 0.4, gear=-50.0)}
+    law = Friction.of_drives(model, drives)
+    viscous, forward, backward = law.numbers(model.nv)
+    assert viscous[1] == pytest.approx(2.5)
+    assert forward[1] == pytest.approx(10.0)
+    assert backward[1] == pytest.approx(20.0)
+    assert with_drives(model, drives).friction[1] == pytest.approx(15.0)
+    assert forward[0] == backward[0] == model.friction[0]
+
+
+def test_friction_of_a_drive_is_that_of_the_toolbox() -> None:
+    rtb = pytest.importorskip("roboticstoolbox")
+    link = rtb.RevoluteDH(Jm=2e-4, B=1.5e-3, Tc=[0.4, -0.45], G=-62.6)
+    drive = Drive(link.Jm, link.B, link.Tc[0], -link.Tc[1], gear=link.G)
+    at_joint = drive.at_joint
+    assert at_joint["armature"] == pytest.approx(2e-4 * 62.6**2)
+    law = Friction(at_joint["damping"], 62.6 * drive.both_ways[0], 62.6 * drive.both_ways[1], width=1e-4)
+    for speed in (-1.0, -0.1, 0.2, 2.0):
+        assert law.torque(np.array([speed]))[0] == pytest.approx(link.friction(speed), rel=1e-12)
