@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from support.derivatives import by_configuration, by_vector
-from support.plain_dynamics import torques
+from support.plain_dynamics import momentum, torques
 from support.random_models import KINDS, random_model
 from ulna.algorithms import random
+from ulna.algorithms.centroidal_derivatives import centroidal_derivatives, com_velocity_derivatives
 from ulna.algorithms.forward_dynamics_derivatives import forward_dynamics_derivatives
 from ulna.algorithms.inverse_dynamics_derivatives import inverse_dynamics_derivatives
 from ulna.model import Model
@@ -118,6 +119,20 @@ def test_mass_matrix_is_symmetric_and_quadratic_terms_are_skew(case: Case) -> No
     close(by_v + by_v.T, 2.0 * np.tensordot(v, rate, 1))
 
 
+def test_centroidal_momentum_by_differences(case: Case) -> None:
+    model, q, v, a = case.model, case.q, case.v, case.a
+    dh_dq, dF_dq, dF_dv, dF_da = centroidal_derivatives(model, q, v, a)
+    close(dh_dq, by_configuration(model, q, lambda x: momentum(model, x, v, a)[0]).T)
+    close(dF_dq, by_configuration(model, q, lambda x: momentum(model, x, v, a)[1]).T)
+    close(dF_dv, by_vector(v, lambda x: momentum(model, q, x, a)[1]).T)
+    close(dF_da, by_vector(a, lambda x: momentum(model, q, v, x)[1]).T)
+    close(dF_da @ v, momentum(model, q, v, a)[0])
+    mass = sum(float(body.mass) for body in model.inertias)
+    by_q, by_v = com_velocity_derivatives(model, q, v)
+    close(by_q, dh_dq[:3] / mass)
+    close(by_v, dF_da[:3] / mass)
+
+
 def test_no_joints() -> None:
     from ulna.model import ModelBuilder
 
@@ -125,3 +140,5 @@ def test_no_joints() -> None:
     nothing = np.zeros(0)
     for f in (inverse_dynamics_derivatives, forward_dynamics_derivatives):
         assert [x.shape for x in f(model, nothing, nothing, nothing)] == [(0, 0)] * 3
+    assert [x.shape for x in centroidal_derivatives(model, nothing, nothing, nothing)] == [(6, 0)] * 4
+    assert [x.shape for x in com_velocity_derivatives(model, nothing, nothing)] == [(3, 0)] * 2

@@ -1,4 +1,4 @@
-"""The torques of inverse dynamics as a sum over bodies, straight from Jacobians: slow, and plainly right."""
+"""Torques and momenta as sums over bodies, straight from Jacobians and twists: slow, and plainly right."""
 
 from __future__ import annotations
 
@@ -36,3 +36,18 @@ def torques(
             F = F - external[i]
         tau = tau + apply(np.swapaxes(alg.frame_jacobian(model, q, frame, "local"), -1, -2), F.vector())
     return tau
+
+
+def momentum(model: Model, q: Floats, v: Floats, a: Floats) -> tuple[Floats, Floats]:
+    """About the centre of mass of the moving bodies, along the axes of the world, and its rate, each (..., 6)."""
+    mass, first = 0.0, np.zeros(3)
+    h, F = Force.zero(), Force.zero()
+    for i, body in enumerate(model.inertias):
+        frame = body_frame(i)
+        T = alg.frame_pose(model, q, frame)
+        V = alg.frame_velocity(model, q, v, frame, "local")
+        A = alg.frame_acceleration(model, q, v, a, frame, "local")
+        mass, first = mass + body.mass, first + body.mass * (T @ body.com)
+        h, F = h + T.act(body.apply(V)), F + T.act(body.apply(A) + V.cross(body.apply(V)))
+    centre = SE3(np.eye(3), first / mass)
+    return centre.act_inverse(h).vector(), centre.act_inverse(F).vector()

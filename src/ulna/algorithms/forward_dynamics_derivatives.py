@@ -29,6 +29,7 @@ from ulna.algorithms.inverse_dynamics_derivatives import (
     states,
     torques_of,
 )
+from ulna.algorithms.lumps import felt
 from ulna.algorithms.tidy import tidy
 from ulna.model import Model
 from ulna.numeric import apply, is_symbolic, matrix, vector
@@ -54,7 +55,7 @@ def forward_dynamics_derivatives(
     tidied = tidy(model)
     tree = tidied.tree
     rest = 0.0 * v if not is_symbolic(q, v, tau) else np.zeros(model.nv)
-    beyond = gather(model, tidied, states(model, tree, q, v, rest), q, external)
+    beyond = gather(model, tidied, felt(model, tidied), states(tree, q, v, rest, model.gravity), q, external)
     bias = torques_of(model, tree, beyond, rest, q, v)
     M = mass_matrix_of(model, tree, beyond, q, v, tau)
     if not is_symbolic(q, v, tau):

@@ -81,7 +81,7 @@ class Beyond(NamedTuple):
         return 2.0 * cross(self.h.linear, s.linear) + apply(self.D, w) + cross(self.h.angular, w)
 
 
-class _Column(NamedTuple):
+class Effect(NamedTuple):
     """A column of a step, and what it does beyond."""
 
     index: int
@@ -106,9 +106,9 @@ def inverse_dynamics_derivatives(
     """
     tidied = tidy(model)
     tree = tidied.tree
-    known = states(model, tree, q, v, a)
-    beyond = gather(model, tidied, known, q, external)
-    columns = [_columns(step, state) for step, state in zip(tree, known, strict=True)]
+    known = states(tree, q, v, a, model.gravity)
+    beyond = gather(model, tidied, felt(model, tidied), known, q, external)
+    columns = [effects(step, state) for step, state in zip(tree, known, strict=True)]
     by_q, by_v = (blank((model.nv, model.nv), q, v, a) for _ in range(2))
     for i in range(len(tree)):
         for column in columns[i]:
@@ -118,9 +118,9 @@ def inverse_dynamics_derivatives(
 
 def _add_pairs(
     tree: Sequence[Step],
-    columns: Sequence[Sequence[_Column]],
+    columns: Sequence[Sequence[Effect]],
     i: int,
-    column: _Column,
+    column: Effect,
     beyond: Beyond,
     q: Array,
     by_q: Array,
@@ -146,12 +146,13 @@ def _add_pairs(
             by_q[..., c.index, k] += z.dot(c.s)
 
 
-def _columns(step: Step, state: State) -> list[_Column]:
+def effects(step: Step, state: State) -> list[Effect]:
+    """The columns of a step with what they do."""
     found = []
     for index, s in columns_of(step):
         psi = state.U.cross(s)
         chi = state.C.cross(s) + state.U.cross(psi)
-        found.append(_Column(index, s, psi, chi, state.V.cross(s) + psi))
+        found.append(Effect(index, s, psi, chi, state.V.cross(s) + psi))
     return found
 
 
@@ -160,8 +161,8 @@ def columns_of(step: Step) -> list[tuple[int, Motion]]:
     return [(k, S * step.multiplier) for k, S in zip(step.indices, step.subspace(), strict=True)]
 
 
-def states(model: Model, tree: Sequence[Step], q: Array, v: Array, a: Array) -> list[State]:
-    """The twists and accelerations at every step."""
+def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -> list[State]:
+    """The twists and accelerations at every step; those of free fall are taken off."""
 
     def advance(step: Step, before: State) -> State:
         U, C = step.carry(before.V, q), step.carry(before.A, q)
@@ -169,21 +170,22 @@ def states(model: Model, tree: Sequence[Step], q: Array, v: Array, a: Array) -> 
         return State(U, U + own, C, C + step.motion(a) + U.cross(own))
 
     zero = Motion.zero()
-    lift = Motion(-np.asarray(model.gravity), np.zeros(3))
+    lift = Motion(-np.asarray(gravity), np.zeros(3))
     return outward(tree, State(zero, zero, lift, lift), advance)
 
 
 def gather(
     model: Model,
     tidied: Tidy,
+    bodies: Sequence[Lump],
     known: Sequence[State],
     q: Array,
-    external: Sequence[Force | None] | None,
+    external: Sequence[Force | None] | None = None,
 ) -> list[Beyond]:
-    """What is beyond every step, up to what its joint cannot feel."""
+    """What is beyond every step, when each carries one of `bodies`."""
     tree = tidied.tree
     gathered: list[Beyond] = []
-    for step, frame, state, body in zip(tree, tidied.frames, known, felt(model, tidied), strict=True):
+    for step, frame, state, body in zip(tree, tidied.frames, known, bodies, strict=True):
         h = body.apply(state.V)
         F = body.apply(state.A) + state.V.cross(h)
         if external is not None and step.is_last:
