@@ -3,6 +3,7 @@
 You should see the reach of the Panda and how manipulability depends on it, in about a second.
 """
 
+import itertools
 import time
 
 import numpy as np
@@ -22,7 +23,7 @@ def main(count: int = 1_000_000) -> None:
         f"{count:,} poses and measures in {seconds:.2f} s; the hand reaches {reach.max():.3f} m from the shoulder"
     )
     edges = np.linspace(0.0, reach.max(), 9)
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in itertools.pairwise(edges):
         inside = (reach >= low) & (reach < high)
         if inside.any():
             print(f"  {low:.2f} .. {high:.2f} m: mean manipulability {m[inside].mean():.3f}")
