@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import io
 import os
+import re
 import sys
 import warnings
 from collections.abc import Sequence
@@ -154,12 +155,18 @@ def _show(chosen: argparse.Namespace) -> None:
 
         scene = Scene()
         scene.add_robot(robot, q)
-        print(write_png(chosen.output or f"ulna-{robot.name}.png", render(scene)))
+        print(write_png(chosen.output or _picture_of(chosen.name), render(scene)))
     if not chosen.headless:
         with show(robot, q, port=chosen.port) as page:
             page.hold()
         if not (chosen.output or somebody_can_look()):
             print("`ulna show NAME --headless` writes a picture instead.")
+
+
+def _picture_of(name: str) -> str:
+    """The file, in the working directory, for the picture of a robot of that name or in that file."""
+    stem = re.sub(r"[^\w-]+", "_", os.path.basename(name).split(".")[0])
+    return f"ulna-{stem.strip('_') or 'robot'}.png"
 
 
 def _values(words: list[str] | None) -> Any:

@@ -144,6 +144,19 @@ def test_configurations_as_typed(words: list[str] | None, value: object) -> None
     assert cli._values(words) == value
 
 
+@pytest.mark.parametrize(
+    ("name", "picture"),
+    [
+        ("so101", "ulna-so101.png"),
+        ("robots/arm.urdf.xacro", "ulna-arm.png"),
+        ("../strange name!.urdf", "ulna-strange_name.png"),
+        ("ulna:panda", "ulna-ulna_panda.png"),
+    ],
+)
+def test_pictures_are_named_by_what_was_typed(name: str, picture: str) -> None:
+    assert cli._picture_of(name) == picture
+
+
 def test_configurations_mistyped() -> None:
     with pytest.raises(InputError, match="'b'"):
         cli._values(["1", "b"])
