@@ -39,6 +39,7 @@ class Recipe:
 _Q = (("q", "nq"),)
 _QV = (*_Q, ("v", "nv"))
 _QVA = (*_QV, ("a", "nv"))
+_QVTAU = (*_QV, ("tau", "nv"))
 _QQ = (("q0", "nq"), ("q1", "nq"))
 _FRAME = {"frame": None}
 _IN_FRAME = {"frame": None, "reference": "local_world_aligned"}
@@ -122,6 +123,16 @@ def _payload_multiples(model: Model, frame: Any, reference: Any) -> Callable[...
     return lambda q, wrench, limit: algorithms.payload_multiples(model, q, wrench, limit, one, reference)
 
 
+def _velocity_derivatives(model: Model, frame: Any) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q, v: algorithms.frame_velocity_derivatives(model, q, v, one)
+
+
+def _acceleration_derivatives(model: Model, frame: Any) -> Callable[..., Any]:
+    one = frame_of(model, frame)
+    return lambda q, v, a: algorithms.frame_acceleration_derivatives(model, q, v, a, one)
+
+
 def _on_model(function: Callable[..., Any]) -> Callable[[Model], Callable[..., Any]]:
     """Recipe of an algorithm that needs only the model and arrays."""
 
@@ -182,6 +193,42 @@ RECIPES: dict[str, Recipe] = {
         (*_Q, ("wrench", (6,)), ("limit", "nv")),
         _IN_FRAME,
         "How many times a wrench each joint can hold at a frame, (nv,).",
+    ),
+    "inverse_dynamics_derivatives": Recipe(
+        _on_model(algorithms.inverse_dynamics_derivatives),
+        _QVA,
+        {},
+        "Derivatives of the torques by q, v and a, (nv, nv) each; the last is the mass matrix.",
+    ),
+    "forward_dynamics_derivatives": Recipe(
+        _on_model(algorithms.forward_dynamics_derivatives),
+        _QVTAU,
+        {},
+        "Derivatives of the accelerations by q, v and tau, (nv, nv) each; the last is the inverse mass matrix.",
+    ),
+    "centroidal_derivatives": Recipe(
+        _on_model(algorithms.centroidal_derivatives),
+        _QVA,
+        {},
+        "Derivatives of the centroidal momentum by q, and of its rate by q, v and a, (6, nv) each.",
+    ),
+    "com_velocity_derivatives": Recipe(
+        _on_model(algorithms.com_velocity_derivatives),
+        _QV,
+        {},
+        "Derivatives of the velocity of the centre of mass by q and v, (3, nv) each.",
+    ),
+    "frame_velocity_derivatives": Recipe(
+        _velocity_derivatives,
+        _QV,
+        _FRAME,
+        'Derivatives of the twist of a frame, in "local", by q and v, (6, nv) each.',
+    ),
+    "frame_acceleration_derivatives": Recipe(
+        _acceleration_derivatives,
+        _QVA,
+        _FRAME,
+        'Derivatives of the spatial acceleration of a frame, in "local", by q, v and a, (6, nv) each.',
     ),
     "integrate": Recipe(
         _on_model(algorithms.integrate), _QV, {}, "Configuration reached from q by the step v."

@@ -7,6 +7,8 @@ Lynch & Park, Modern Robotics (2017); Siciliano et al., Robotics: Modelling, Pla
 from ulna.algorithms.analytical_jacobian import Representation as Representation
 from ulna.algorithms.analytical_jacobian import analytical_jacobian as analytical_jacobian
 from ulna.algorithms.analytical_jacobian import analytical_jacobian_dot as analytical_jacobian_dot
+from ulna.algorithms.centroidal_derivatives import centroidal_derivatives as centroidal_derivatives
+from ulna.algorithms.centroidal_derivatives import com_velocity_derivatives as com_velocity_derivatives
 from ulna.algorithms.configuration import difference as difference
 from ulna.algorithms.configuration import difference_derivatives as difference_derivatives
 from ulna.algorithms.configuration import distance as distance
@@ -19,9 +21,15 @@ from ulna.algorithms.configuration import normalize as normalize
 from ulna.algorithms.configuration import random as random
 from ulna.algorithms.configuration import squared_distance as squared_distance
 from ulna.algorithms.dry_friction import velocity_after_friction as velocity_after_friction
+from ulna.algorithms.forward_dynamics_derivatives import (
+    forward_dynamics_derivatives as forward_dynamics_derivatives,
+)
 from ulna.algorithms.friction import Friction as Friction
 from ulna.algorithms.friction import friction_torque as friction_torque
 from ulna.algorithms.hessian import frame_hessian as frame_hessian
+from ulna.algorithms.inverse_dynamics_derivatives import (
+    inverse_dynamics_derivatives as inverse_dynamics_derivatives,
+)
 from ulna.algorithms.jacobian import frame_jacobian as frame_jacobian
 from ulna.algorithms.jacobian import joint_jacobians as joint_jacobians
 from ulna.algorithms.jacobian_dot import frame_jacobian_dot as frame_jacobian_dot
