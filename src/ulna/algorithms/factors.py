@@ -1,0 +1,91 @@
+"""The factors of a mass matrix that keep the tree's zeros, and what is solved with them.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| M | symmetric positive definite matrix | (nv, nv) | | |
+| L, d | unit lower triangle; diagonal | (nv, nv), (nv) | | M = L^T diag(d) L |
+| E | inverse of L | (nv, nv) | | E_k = e_k - sum_j L_kj E_j, j < k |
+| x | solution of M x = b | (nv) | | L^T y = b, z = y / d, L x = z |
+| M^-1 | inverse | (nv, nv) | | E diag(1 / d) E^T |
+
+Source: Featherstone 2008, section 6.5 (tables 6.3 and 6.4). The elimination runs from the last joint to the first, so
+that an entry of L is zero wherever neither of two joints stands on the other: such branch-induced zeros are left out,
+in E likewise. An entry of M^-1 is a sum over the joints that both of its joints stand on. What mimic joints couple
+fills in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ulna.numeric import matrix
+from ulna.typing import Array
+
+
+class Factors:
+    """L and 1/d of a matrix of numbers, batches of numbers, symbols or traced scalars.
+
+    Attributes:
+        lower: For each row of L its entries before the diagonal, by column; those that are zero are missing.
+        reciprocals: 1/d.
+    """
+
+    def __init__(self, M: Array) -> None:
+        n = M.shape[-1]
+        rows = [[M[..., i, j] for j in range(i + 1)] for i in range(n)]
+        self.lower: list[dict[int, Any]] = [{} for _ in range(n)]
+        self.reciprocals: list[Any] = [None] * n
+        for k in reversed(range(n)):
+            self.reciprocals[k] = 1.0 / rows[k][k]
+            filled = [j for j in range(k) if not _is_zero(rows[k][j])]
+            self.lower[k] = {j: rows[k][j] * self.reciprocals[k] for j in filled}
+            for i in filled:
+                for j in filled:
+                    if j <= i:
+                        rows[i][j] = rows[i][j] - self.lower[k][i] * rows[k][j]
+
+    def solve(self, b: Sequence[Any]) -> list[Any]:
+        """x with M x = b, entry by entry."""
+        y = list(b)
+        for k in reversed(range(len(y))):
+            if not _is_zero(y[k]):
+                for j, l in self.lower[k].items():
+                    y[j] = y[j] - l * y[k]
+        x: list[Any] = []
+        for k, value in enumerate(y):
+            z = value * self.reciprocals[k]
+            for j, l in self.lower[k].items():
+                z = z - l * x[j]
+            x.append(z)
+        return x
+
+    def inverse(self) -> Array:
+        """M^-1, (..., nv, nv); its two equal halves are computed once."""
+        n = len(self.lower)
+        E: list[dict[int, Any]] = []
+        for k in range(n):
+            row: dict[int, Any] = {}
+            for j, l in sorted(self.lower[k].items(), reverse=True):
+                row[j] = row[j] - l if j in row else -l
+                for c, e in E[j].items():
+                    row[c] = row[c] - l * e if c in row else -(l * e)
+            E.append(row)
+        out: list[list[Any]] = [[0.0] * n for _ in range(n)]
+        for k in range(n):
+            scaled = {j: e * self.reciprocals[j] for j, e in E[k].items()} | {k: self.reciprocals[k]}
+            for i in range(k + 1):
+                total: Any = scaled.get(i, 0.0)
+                for j, e in E[i].items():
+                    if j in scaled:
+                        total = total + scaled[j] * e
+                out[i][k] = out[k][i] = total
+        return matrix(out) if n else np.zeros((0, 0))
+
+
+def _is_zero(x: Any) -> bool:
+    if isinstance(x, np.ndarray):
+        return x.dtype != object and not x.any()
+    return isinstance(x, (int, float)) and x == 0.0
