@@ -49,14 +49,14 @@ def centroidal_derivatives(model: Model, q: Array, v: Array, a: Array) -> tuple[
     """
     tidied = tidy(model)
     tree, T = tidied.tree, poses(tidied.tree, q)
-    known = states(tree, q, v, a, np.zeros(3))
-    beyond = gather(model, tidied, lumps(model, tidied), known, q)
+    state = states(tree, q, v, a, np.zeros(3))
+    beyond = [one for _, one in gather(model, tidied, lumps(model, tidied), state, q)][::-1]
     mass, centre, h, F = _whole(tree, T, beyond)
     share = 1.0 / mass if mass or is_symbolic(mass) else 0.0
     found = [blank((6, model.nv), q, v, a) for _ in range(4)]
-    for step, pose, state, all_ in zip(tree, T, known, beyond, strict=True):
+    for i, (step, pose, all_) in enumerate(zip(tree, T, beyond, strict=True)):
         about = SE3(pose.rotation, pose.translation - centre)
-        for effect in effects(step, state):
+        for effect in effects(step, state(i)):
             s, psi = effect.s, effect.psi
             unit = about.act(all_.body.apply(s))
             c = unit.linear * share
@@ -82,13 +82,13 @@ def com_velocity_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, A
     """
     tidied = tidy(model)
     tree, T = tidied.tree, poses(tidied.tree, q)
-    known = states(tree, q, v, 0.0 * v, np.zeros(3))
-    beyond = gather(model, tidied, lumps(model, tidied), known, q)
+    state = states(tree, q, v, 0.0 * v, np.zeros(3))
+    beyond = [one for _, one in gather(model, tidied, lumps(model, tidied), state, q)][::-1]
     mass = sum(all_.body.mass for step, all_ in zip(tree, beyond, strict=True) if step.parent < 0)
     share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
     by_q, by_v = blank((3, model.nv), q, v), blank((3, model.nv), q, v)
-    for step, pose, state, all_ in zip(tree, T, known, beyond, strict=True):
-        for effect in effects(step, state):
+    for i, (step, pose, all_) in enumerate(zip(tree, T, beyond, strict=True)):
+        for effect in effects(step, state(i)):
             moved = all_.body.apply(effect.psi).linear + cross(effect.s.angular, all_.h.linear)
             own = all_.body.apply(effect.s).linear
             by_q[..., effect.index] += apply(pose.rotation, moved) * share

@@ -55,7 +55,8 @@ def forward_dynamics_derivatives(
     tidied = tidy(model)
     tree = tidied.tree
     rest = 0.0 * v if not is_symbolic(q, v, tau) else np.zeros(model.nv)
-    beyond = gather(model, tidied, felt(model, tidied), states(tree, q, v, rest, model.gravity), q, external)
+    state = states(tree, q, v, rest, model.gravity)
+    beyond = [one for _, one in gather(model, tidied, felt(model, tidied), state, q, external)][::-1]
     bias = torques_of(model, tree, beyond, rest, q, v)
     M = mass_matrix_of(model, tree, beyond, q, v, tau)
     if not is_symbolic(q, v, tau):

@@ -29,14 +29,15 @@ into p, n and D here.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ulna.algorithms.lumps import Lump, felt, steiner, turned, turning_axis
 from ulna.algorithms.tidy import Tidy, tidy
-from ulna.algorithms.tree import Step, blank, outward
+from ulna.algorithms.tree import Step, blank
 from ulna.model import Model
 from ulna.numeric import apply, cross, dot
 from ulna.spatial import SE3, Force, Motion
@@ -106,32 +107,35 @@ def inverse_dynamics_derivatives(
     """
     tidied = tidy(model)
     tree = tidied.tree
-    known = states(tree, q, v, a, model.gravity)
-    beyond = gather(model, tidied, felt(model, tidied), known, q, external)
-    columns = [effects(step, state) for step, state in zip(tree, known, strict=True)]
-    by_q, by_v = (blank((model.nv, model.nv), q, v, a) for _ in range(2))
-    for i in range(len(tree)):
-        for column in columns[i]:
-            _add_pairs(tree, columns, i, column, beyond[i], q, by_q, by_v)
-    return by_q, by_v, mass_matrix_of(model, tree, beyond, q, v, a)
+    state = states(tree, q, v, a, model.gravity)
+    effects_of = cache(lambda i: effects(tree[i], state(i)))
+    by_q, by_v, M = (blank((model.nv, model.nv), q, v, a) for _ in range(3))
+    for i, beyond in gather(model, tidied, felt(model, tidied), state, q, external):
+        for effect in effects_of(i):
+            _add_pairs(tree, effects_of, i, effect, beyond, q, by_q, by_v, M)
+    for k in range(model.nv):
+        M[..., k, k] += model.armature[k]
+    return by_q, by_v, M
 
 
 def _add_pairs(
     tree: Sequence[Step],
-    columns: Sequence[Sequence[Effect]],
+    effects_of: Callable[[int], list[Effect]],
     i: int,
-    column: Effect,
+    effect: Effect,
     beyond: Beyond,
     q: Array,
     by_q: Array,
     by_v: Array,
+    M: Array,
 ) -> None:
     """Adds the entries of a column of step i with every column of the steps it stands on."""
-    k, s = column.index, column.s
+    k, s = effect.index, effect.s
     r, t = beyond.body.apply(s), beyond.coriolis_transposed(s)
-    y = beyond.coriolis(s) + beyond.body.apply(column.phi)
-    z = beyond.coriolis(column.psi) + beyond.body.apply(column.chi)
-    for own in columns[i]:
+    y = beyond.coriolis(s) + beyond.body.apply(effect.phi)
+    z = beyond.coriolis(effect.psi) + beyond.body.apply(effect.chi)
+    for own in effects_of(i):
+        M[..., own.index, k] += r.dot(own.s)
         by_v[..., own.index, k] += y.dot(own.s)
         by_q[..., own.index, k] += z.dot(own.s)
     z = z + s.cross(beyond.F)
@@ -139,7 +143,10 @@ def _add_pairs(
         r, y, z = (_inward(tree[i], force, q) for force in (r, y, z))
         t = apply(tree[i].placement.rotation, apply(tree[i].transform(q).rotation, t))
         i = tree[i].parent
-        for c in columns[i]:
+        for c in effects_of(i):
+            m = r.dot(c.s)
+            M[..., k, c.index] += m
+            M[..., c.index, k] += m
             by_v[..., k, c.index] += r.dot(c.phi) + dot(t, c.s.angular)
             by_q[..., k, c.index] += r.dot(c.chi) + dot(t, c.psi.angular)
             by_v[..., c.index, k] += y.dot(c.s)
@@ -161,42 +168,49 @@ def columns_of(step: Step) -> list[tuple[int, Motion]]:
     return [(k, S * step.multiplier) for k, S in zip(step.indices, step.subspace(), strict=True)]
 
 
-def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -> list[State]:
-    """The twists and accelerations at every step; those of free fall are taken off."""
+def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -> Callable[[int], State]:
+    """The twists and accelerations at a step, those of free fall taken off; computed when they are asked for.
 
-    def advance(step: Step, before: State) -> State:
-        U, C = step.carry(before.V, q), step.carry(before.A, q)
+    A trace records in the order of asking; what is computed shortly before it is used stays in registers.
+    """
+    zero = Motion.zero()
+    lift = Motion(-np.asarray(gravity), np.zeros(3))
+
+    @cache
+    def state(i: int) -> State:
+        step = tree[i]
+        _, V, _, A = state(step.parent) if step.parent >= 0 else (zero, zero, lift, lift)
+        U, C = step.carry(V, q), step.carry(A, q)
         own = step.motion(v)
         return State(U, U + own, C, C + step.motion(a) + U.cross(own))
 
-    zero = Motion.zero()
-    lift = Motion(-np.asarray(gravity), np.zeros(3))
-    return outward(tree, State(zero, zero, lift, lift), advance)
+    return state
 
 
 def gather(
     model: Model,
     tidied: Tidy,
     bodies: Sequence[Lump],
-    known: Sequence[State],
+    state: Callable[[int], State],
     q: Array,
     external: Sequence[Force | None] | None = None,
-) -> list[Beyond]:
-    """What is beyond every step, when each carries one of `bodies`."""
-    tree = tidied.tree
-    gathered: list[Beyond] = []
-    for step, frame, state, body in zip(tree, tidied.frames, known, bodies, strict=True):
-        h = body.apply(state.V)
-        F = body.apply(state.A) + state.V.cross(h)
+) -> Iterator[tuple[int, Beyond]]:
+    """Every step, the leaves first, with what is beyond it when each carries one of `bodies`."""
+    waiting: dict[int, Beyond] = {}
+    for i, step in reversed(list(enumerate(tidied.tree))):
+        body, V = bodies[i], state(i).V
+        h = body.apply(V)
+        F = body.apply(state(i).A) + V.cross(h)
         if external is not None and step.is_last:
             force = external[model.joint_index(step.joint.name)]
-            F = F if force is None else F - frame.act_inverse(force)
-        gathered.append(Beyond(body, h, body.rate(state.V), F))
-    for i, step in reversed(list(enumerate(tree))):
+            F = F if force is None else F - tidied.frames[i].act_inverse(force)
+        beyond = Beyond(body, h, body.rate(V), F)
+        if i in waiting:
+            beyond = beyond + waiting.pop(i)
+        yield i, beyond
         if step.parent >= 0:
-            moved = gathered[i].moved(step.transform(q), turning_axis(step.kind)).moved(step.placement, None)
-            gathered[step.parent] = gathered[step.parent] + moved
-    return gathered
+            moved = beyond.moved(step.transform(q), turning_axis(step.kind)).moved(step.placement, None)
+            waiting[step.parent] = waiting[step.parent] + moved if step.parent in waiting else moved
 
 
 def mass_matrix_of(
