@@ -8,7 +8,8 @@ import pytest
 from support.random_models import KINDS, random_model
 from ulna import algorithms as alg
 from ulna import kernels
-from ulna.model import dynamic_parameters, perturbed, with_payload
+from ulna.algorithms.rnea import inverse_dynamics
+from ulna.model import dynamic_parameters, perturbed, with_dynamic_parameters, with_payload
 from ulna.spatial import Inertia, Motion
 from ulna.typing import Floats
 
@@ -90,6 +91,18 @@ def test_a_payload_adds_the_frame_regressor(model) -> None:
     more = alg.frame_jacobian(model, q, frame, "local").T @ wrench
     tau = [alg.joint_torque_regressor(m, q, v, a) @ dynamic_parameters(m) for m in (model, loaded)]
     np.testing.assert_allclose(tau[1] - tau[0], more, atol=1e-9)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_regressor_times_parameters_is_inverse_dynamics(model) -> None:
+    q, v, a = state(model, 10, (3,))
+    tau = alg.joint_torque_regressor(model, q, v, a) @ dynamic_parameters(model) + model.armature * a
+    np.testing.assert_allclose(tau, inverse_dynamics(model, q, v, a), rtol=1e-10, atol=1e-10)
+    other = perturbed(model, 0.5, seed=11)
+    changed = with_dynamic_parameters(model, dynamic_parameters(other))
+    np.testing.assert_allclose(
+        inverse_dynamics(changed, q, v, a), inverse_dynamics(other, q, v, a), atol=1e-9
+    )
 
 
 def test_torques_are_those_of_another_model_with_its_parameters() -> None:

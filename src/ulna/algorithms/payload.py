@@ -3,7 +3,7 @@
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | q | configuration at which the robot stands still | (nq) | [rad] or [m] | |
-| g | torques that hold the robot itself | (nv) | [N m] or [N] | g = Y(q) p, at rest |
+| g | torques that hold the robot itself | (nv) | [N m] or [N] | see rnea.py |
 | w | wrench of the load on the frame, in a reference | (6) | [N, N m] | weight of 1 kg: m g |
 | J | Jacobian of the frame in that reference | (6, nv) | | |
 | t | further torques for one such load | (nv) | [N m] or [N] | t = -J^T w |
@@ -19,8 +19,8 @@ import numpy as np
 
 from ulna.algorithms.jacobian import frame_jacobian
 from ulna.algorithms.references import Reference
-from ulna.algorithms.regressors import gravity_regressor
-from ulna.model import Frame, Model, dynamic_parameters
+from ulna.algorithms.rnea import gravity_forces
+from ulna.model import Frame, Model
 from ulna.numeric import apply, less, where
 from ulna.typing import Array
 
@@ -43,7 +43,7 @@ def payload_multiples(
         frame: Where the load acts.
         reference: In whose axes and about which point the wrench is written.
     """
-    g = apply(gravity_regressor(model, q), dynamic_parameters(model))
+    g = gravity_forces(model, q)
     J = frame_jacobian(model, q, frame, reference)
     t = -apply(np.swapaxes(J, -1, -2), wrench)
     backward = less(t, 0.0)
