@@ -439,6 +439,31 @@ class Robot:
         """The robot with another tool: a frame, or a new one at `placement` (T_frame_tool) in it."""
         return Robot(models.with_tool(self.model, frame, placement, name))
 
+    @property
+    def dynamic_parameters(self) -> Floats:
+        """Mass, first moments and inertia of each joint's body, (10 nbodies,); see `ulna.model.dynamic_parameters`."""
+        return models.dynamic_parameters(self.model)
+
+    def with_dynamic_parameters(self, parameters: ArrayLike, *, check: bool = True) -> Robot:
+        """The robot with other masses and inertias; see `ulna.model.with_dynamic_parameters`."""
+        return Robot(models.with_dynamic_parameters(self.model, parameters, check=check))
+
+    def with_payload(
+        self,
+        frame: str | None = None,
+        mass: float = 1.0,
+        com: ArrayLike = (0.0, 0.0, 0.0),
+        inertia: ArrayLike | None = None,
+        *,
+        name: str = "payload",
+    ) -> Robot:
+        """The robot carrying a body at a frame, the tool for None; see `ulna.model.with_payload`."""
+        return Robot(models.with_payload(self.model, frame, mass, com, inertia, name=name))
+
+    def perturbed(self, fraction: float = 0.1, seed: Any = None, com: float = 0.0) -> Robot:
+        """A robot like this one, with masses and inertias off at random; see `ulna.model.perturbed`."""
+        return Robot(models.perturbed(self.model, fraction, seed, com))
+
     def with_configuration(self, name: str, q: Any) -> Robot:
         """The robot with a named configuration: numbers (nq,), or a dictionary from joint names to positions."""
         return Robot(models.with_configuration(self.model, name, q))

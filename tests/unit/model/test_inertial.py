@@ -19,6 +19,7 @@ from ulna.model import (
     with_link_inertias,
     with_payload,
 )
+from ulna.robot import Robot
 from ulna.spatial import SE3, Inertia
 
 
@@ -140,3 +141,14 @@ def test_a_changed_model_keeps_the_place_of_links() -> None:
     for name in model.link_names:
         before, after = model.link(name).placement, loaded.link(name).placement
         assert SE3.is_close(before, after)
+
+
+def test_robots_offer_the_same() -> None:
+    robot = Robot(arm())
+    p = robot.dynamic_parameters
+    assert robot.with_dynamic_parameters(p) == robot
+    assert robot.with_payload("camera", 2.0).model == with_payload(robot.model, "camera", 2.0)
+    assert robot.perturbed(0.2, 1).model == perturbed(robot.model, 0.2, 1)
+    negative = p.copy()
+    negative[0] = -1.0
+    assert robot.with_dynamic_parameters(negative, check=False).dynamic_parameters[0] == -1.0
