@@ -4,9 +4,19 @@ Every file opens with its table of symbols. They refer to Featherstone, Rigid Bo
 Lynch & Park, Modern Robotics (2017); Siciliano et al., Robotics: Modelling, Planning and Control (2009).
 """
 
+from ulna.algorithms.aba import aba as aba
 from ulna.algorithms.analytical_jacobian import Representation as Representation
 from ulna.algorithms.analytical_jacobian import analytical_jacobian as analytical_jacobian
 from ulna.algorithms.analytical_jacobian import analytical_jacobian_dot as analytical_jacobian_dot
+from ulna.algorithms.centre_of_mass import center_of_mass as center_of_mass
+from ulna.algorithms.centre_of_mass import center_of_mass_acceleration as center_of_mass_acceleration
+from ulna.algorithms.centre_of_mass import center_of_mass_jacobian as center_of_mass_jacobian
+from ulna.algorithms.centre_of_mass import center_of_mass_velocity as center_of_mass_velocity
+from ulna.algorithms.centre_of_mass import total_mass as total_mass
+from ulna.algorithms.centroidal import centroidal_matrix as centroidal_matrix
+from ulna.algorithms.centroidal import centroidal_matrix_dot as centroidal_matrix_dot
+from ulna.algorithms.centroidal import centroidal_momentum as centroidal_momentum
+from ulna.algorithms.centroidal import centroidal_momentum_rate as centroidal_momentum_rate
 from ulna.algorithms.centroidal_derivatives import centroidal_derivatives as centroidal_derivatives
 from ulna.algorithms.centroidal_derivatives import com_velocity_derivatives as com_velocity_derivatives
 from ulna.algorithms.configuration import difference as difference
@@ -20,7 +30,16 @@ from ulna.algorithms.configuration import neutral as neutral
 from ulna.algorithms.configuration import normalize as normalize
 from ulna.algorithms.configuration import random as random
 from ulna.algorithms.configuration import squared_distance as squared_distance
+from ulna.algorithms.coriolis import coriolis_matrix as coriolis_matrix
+from ulna.algorithms.crba import mass_matrix as mass_matrix
 from ulna.algorithms.dry_friction import velocity_after_friction as velocity_after_friction
+from ulna.algorithms.energy import kinetic_energy as kinetic_energy
+from ulna.algorithms.energy import mechanical_energy as mechanical_energy
+from ulna.algorithms.energy import potential_energy as potential_energy
+from ulna.algorithms.external import External as External
+from ulna.algorithms.external import at_joints as at_joints
+from ulna.algorithms.forward_dynamics import by_mass_matrix as by_mass_matrix
+from ulna.algorithms.forward_dynamics import forward_dynamics as forward_dynamics
 from ulna.algorithms.forward_dynamics_derivatives import (
     forward_dynamics_derivatives as forward_dynamics_derivatives,
 )
@@ -30,6 +49,7 @@ from ulna.algorithms.hessian import frame_hessian as frame_hessian
 from ulna.algorithms.inverse_dynamics_derivatives import (
     inverse_dynamics_derivatives as inverse_dynamics_derivatives,
 )
+from ulna.algorithms.inverse_mass_matrix import inverse_mass_matrix as inverse_mass_matrix
 from ulna.algorithms.jacobian import frame_jacobian as frame_jacobian
 from ulna.algorithms.jacobian import joint_jacobians as joint_jacobians
 from ulna.algorithms.jacobian_dot import frame_jacobian_dot as frame_jacobian_dot
@@ -51,6 +71,10 @@ from ulna.algorithms.regressors import joint_torque_regressor as joint_torque_re
 from ulna.algorithms.regressors import kinetic_energy_regressor as kinetic_energy_regressor
 from ulna.algorithms.regressors import potential_energy_regressor as potential_energy_regressor
 from ulna.algorithms.regressors import static_regressor as static_regressor
+from ulna.algorithms.rnea import bias_forces as bias_forces
+from ulna.algorithms.rnea import gravity_forces as gravity_forces
+from ulna.algorithms.rnea import inverse_dynamics as inverse_dynamics
+from ulna.algorithms.rnea import static_torque as static_torque
 from ulna.algorithms.velocity_derivatives import (
     frame_acceleration_derivatives as frame_acceleration_derivatives,
 )

@@ -67,7 +67,7 @@ def aba(model: Model, q: Array, v: Array, tau: Array, external: External = None)
         )
     tidied = tidy(model)
     tree, bodies = tidied.tree, felt(model, tidied)
-    held = rates(model, tree, q, v, None)
+    held = rates(tree, q, v, None, -np.asarray(model.gravity))
     forces = [wrench(body, rate) for body, rate in zip(bodies, held, strict=True)]
     forces = less_external(model, tidied, forces, external)
     inertias = [Articulated.of(body) for body in bodies]

@@ -60,7 +60,7 @@ def inverse_dynamics(
         external: Forces on the bodies.
     """
     tidied = tidy(model)
-    moving = rates(model, tidied.tree, q, v, a)
+    moving = rates(tidied.tree, q, v, a, -np.asarray(model.gravity))
     forces = [wrench(body, rate) for body, rate in zip(felt(model, tidied), moving, strict=True)]
     inputs = [x for x in (q, v, a) if x is not None]
     inputs += batches(external)
@@ -101,8 +101,8 @@ def static_torque(model: Model, q: Array, external: External) -> Array:
     return inverse_dynamics(model, q, None, None, external)
 
 
-def rates(model: Model, tree: Sequence[Step], q: Array, v: Array | None, a: Array | None) -> list[Rates]:
-    """How the body of every step moves."""
+def rates(tree: Sequence[Step], q: Array, v: Array | None, a: Array | None, world: Array) -> list[Rates]:
+    """How the body of every step moves when the world accelerates by `world`."""
 
     def advance(step: Step, before: Rates) -> Rates:
         P, J = step.placement, step.transform(q)
@@ -123,7 +123,7 @@ def rates(model: Model, tree: Sequence[Step], q: Array, v: Array | None, a: Arra
         return Rates(w, e, b, spin(w, e))
 
     still = np.zeros(3)
-    return outward(tree, Rates(still, still, -np.asarray(model.gravity), np.zeros((3, 3))), advance)
+    return outward(tree, Rates(still, still, world, np.zeros((3, 3))), advance)
 
 
 def into(step: Step, x: Array, q: Array) -> Array:

@@ -137,6 +137,16 @@ def inward(tree: Sequence[Step], values: Sequence[Any], f: Callable[[Step, Any],
     return gathered
 
 
+def gathered_in_world(
+    tree: Sequence[Step], values: Sequence[Any], world: Any, f: Callable[[Step, Any], Any]
+) -> Any:
+    """What `inward` would bring to the world, added to `world`."""
+    for step, value in zip(tree, inward(tree, values, f), strict=True):
+        if step.parent < 0:
+            world = world + f(step, value)
+    return world
+
+
 def poses(tree: Sequence[Step], q: Array) -> list[SE3]:
     """T of every step."""
     root: Any = None
