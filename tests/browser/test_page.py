@@ -151,22 +151,30 @@ def test_moving_the_target_moves_the_tool(visit: Visit) -> None:
 
 def test_dragging_the_target_moves_the_tool(visit: Visit) -> None:
     visit.show.q = "qr"
-    time.sleep(1.0)  # the target follows the tool at 15 Hz, then the frame must be drawn
     start = visit.show.tool
     arrow = start[:3, 2]  # the blue arrow
     size = visit.show._gizmo._handle.scale
-    x, y = visit.pixel(start[:3, 3] + 0.75 * size * arrow)
-    end_x, end_y = visit.pixel(start[:3, 3] + (0.75 * size + 0.08) * arrow)
-    visit.tab.mouse.move(x, y)
-    time.sleep(0.5)
-    visit.tab.mouse.down()
-    for share in np.linspace(0, 1, 8):
-        visit.tab.mouse.move(x + share * (end_x - x), y + share * (end_y - y))
-        time.sleep(0.05)
-    time.sleep(0.3)
-    visit.tab.mouse.up()
     moved = lambda: visit.show.tool[:3, 3] - start[:3, 3]  # noqa: E731
-    assert wait(lambda: bool(moved() @ arrow > 0.03)), moved()
+
+    def drag() -> None:
+        origin = visit.show.tool[:3, 3]
+        x, y = visit.pixel(origin + 0.75 * size * arrow)
+        end_x, end_y = visit.pixel(origin + (0.75 * size + 0.08) * arrow)
+        visit.tab.mouse.move(x, y)
+        time.sleep(0.5)
+        visit.tab.mouse.down()
+        for share in np.linspace(0, 1, 8):
+            visit.tab.mouse.move(x + share * (end_x - x), y + share * (end_y - y))
+            time.sleep(0.05)
+        time.sleep(0.3)
+        visit.tab.mouse.up()
+
+    for pause in (1.0, 3.0, 6.0):  # the target must be drawn where the tool is; a busy machine takes its time
+        time.sleep(pause)
+        drag()
+        if wait(lambda: bool(moved() @ arrow > 0.03), 2.0 * pause):
+            break
+    assert moved() @ arrow > 0.03, moved()
     assert np.linalg.norm(moved() - (moved() @ arrow) * arrow) < 0.01  # along the arrow only
     assert wait(visit.agrees)
 
