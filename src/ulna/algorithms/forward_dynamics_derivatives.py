@@ -26,7 +26,7 @@ from ulna.algorithms.inverse_dynamics_derivatives import (
     gather,
     inverse_dynamics_derivatives,
     mass_matrix_of,
-    states,
+    relative_states,
     torques_of,
 )
 from ulna.algorithms.lumps import felt
@@ -55,7 +55,7 @@ def forward_dynamics_derivatives(
     tidied = tidy(model)
     tree = tidied.tree
     rest = 0.0 * v if not is_symbolic(q, v, tau) else np.zeros(model.nv)
-    state = states(tree, q, v, rest, model.gravity)
+    state = relative_states(tree, q, v, rest, model.gravity)
     beyond = [one for _, one in gather(model, tidied, felt(model, tidied), state, q, external)][::-1]
     bias = torques_of(model, tree, beyond, rest, q, v)
     M = mass_matrix_of(model, tree, beyond, q, v, tau)

@@ -5,6 +5,7 @@
 | U_i, V_i | twist of the parent and of the body of step i | Motion | [m/s, rad/s] | V_i = U_i + S_i v_i |
 | C_i, A_i | acceleration of the same two, gravity taken off | Motion | | A_i = C_i + S_i a_i + U_i x S_i v_i |
 | m, c, I | inertia of all bodies from step i outward | Lump | | see lumps.py |
+| u | velocity of the observer of step i, for that of its parent | (3) | [m/s] | see relative_states |
 | h = (p, n), D | their momentum, and the rate of I | Force, (3, 3) | | |
 | F_i | the force that moves them | Force | [N, N m] | sum of I A + V x* I V - external |
 | s | a column of S_i | Motion | | constant |
@@ -20,7 +21,8 @@ A column s_k of step k and a column s_j of a step j at or beneath it (k stands o
     d tau_k / d q_j = r_k . chi_j + B^T s_k . psi_j      d tau_j / d q_k = s_j . z_k (without s x* F when k = j)
 
 Derivatives by q are along the tangent space. Each column travels inward as a force from one moving frame to the
-next, where the subspaces are constant; B^T s, a pure moment, is only turned.
+next, where the subspaces are constant; B^T s, a pure moment, is only turned, and gains 2 u x r.linear with each
+change of observer. Rigid bodies give p, n and D; u adds m u, first moment x u, and steiner(first moment, u) to them.
 
 Source: Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics Algorithms (2018); Singh, Russell &
 Wensing, Efficient Analytical Derivatives of Rigid-Body Dynamics using Spatial Vector Algebra (2022), whose B falls
@@ -45,12 +47,13 @@ from ulna.typing import Array
 
 
 class State(NamedTuple):
-    """Twists and accelerations at a step: before it (U, C) and beyond it (V, A)."""
+    """Twists and accelerations at a step: before it (U, C) and beyond it (V, A), and u in the parent's axes."""
 
     U: Motion
     V: Motion
     C: Motion
     A: Motion
+    u: Array
 
 
 class Beyond(NamedTuple):
@@ -64,12 +67,17 @@ class Beyond(NamedTuple):
     def __add__(self, other: Any) -> Beyond:
         return Beyond(self.body + other.body, self.h + other.h, self.D + other.D, self.F + other.F)
 
-    def moved(self, T: SE3, axis: int | None) -> Beyond:
-        """The same seen from the outer frame of T, which turns about a coordinate axis if it is told which."""
-        p = T.translation
-        h = T.act(self.h)
-        D = turned(T.rotation, self.D, axis) + steiner(p, h.linear)
-        return Beyond(self.body.moved(T, axis), h, D, T.act(self.F))
+    def passed(self, step: Step, q: Array, u: Array) -> Beyond:
+        """The same seen from the parent, for whom the moving frame has the velocity u."""
+        J, P, axis = step.transform(q), step.placement.rotation, turning_axis(step.kind)
+        body, arm = self.body, arm_of(step, J)
+        first, linear, angular = (
+            apply(P, apply(J.rotation, x)) for x in (body.first, self.h.linear, self.h.angular)
+        )
+        linear = linear + u * body.mass
+        h = Force(linear, angular + cross(first, u) + cross(arm, linear))
+        D = turned(P, turned(J.rotation, self.D, axis)) + steiner(first, u) + steiner(arm, linear)
+        return Beyond(body.moved(J, axis).moved(step.placement), h, D, _inward(step, self.F, q))
 
     def coriolis(self, s: Motion) -> Force:
         """B s."""
@@ -107,12 +115,12 @@ def inverse_dynamics_derivatives(
     """
     tidied = tidy(model)
     tree = tidied.tree
-    state = states(tree, q, v, a, model.gravity)
+    state = relative_states(tree, q, v, a, model.gravity)
     effects_of = cache(lambda i: effects(tree[i], state(i)))
     by_q, by_v, M = (blank((model.nv, model.nv), q, v, a) for _ in range(3))
     for i, beyond in gather(model, tidied, felt(model, tidied), state, q, external):
         for effect in effects_of(i):
-            _add_pairs(tree, effects_of, i, effect, beyond, q, by_q, by_v, M)
+            _add_pairs(tree, state, effects_of, i, effect, beyond, q, by_q, by_v, M)
     for k in range(model.nv):
         M[..., k, k] += model.armature[k]
     return by_q, by_v, M
@@ -120,6 +128,7 @@ def inverse_dynamics_derivatives(
 
 def _add_pairs(
     tree: Sequence[Step],
+    state: Callable[[int], State],
     effects_of: Callable[[int], list[Effect]],
     i: int,
     effect: Effect,
@@ -142,6 +151,7 @@ def _add_pairs(
     while tree[i].parent >= 0:
         r, y, z = (_inward(tree[i], force, q) for force in (r, y, z))
         t = apply(tree[i].placement.rotation, apply(tree[i].transform(q).rotation, t))
+        t = t + cross(2.0 * state(i).u, r.linear)
         i = tree[i].parent
         for c in effects_of(i):
             m = r.dot(c.s)
@@ -179,12 +189,49 @@ def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -
     @cache
     def state(i: int) -> State:
         step = tree[i]
-        _, V, _, A = state(step.parent) if step.parent >= 0 else (zero, zero, lift, lift)
-        U, C = step.carry(V, q), step.carry(A, q)
+        before = state(step.parent) if step.parent >= 0 else None
+        U = step.carry(before.V, q) if before else zero
+        C = step.carry(before.A if before else lift, q)
         own = step.motion(v)
-        return State(U, U + own, C, C + step.motion(a) + U.cross(own))
+        return State(U, U + own, C, C + step.motion(a) + U.cross(own), np.zeros(3))
 
     return state
+
+
+def relative_states(
+    tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array
+) -> Callable[[int], State]:
+    """The same, each as observed by somebody who moves on evenly with the origin of the moving frame of the step.
+
+    Forces are the same to all who move evenly (Galilei), so the torques and their derivatives are, too; but half of the
+    twists is zero. The price is u, the velocity of an observer as seen by that of the parent.
+    """
+
+    @cache
+    def state(i: int) -> State:
+        step = tree[i]
+        J, own = step.transform(q), step.motion(v)
+        w, e, b = np.zeros(3), np.zeros(3), -np.asarray(gravity)
+        if step.parent >= 0:
+            before = state(step.parent)
+            w, e, b = before.V.angular, before.A.angular, before.A.linear
+        R, back = step.placement.rotation, np.swapaxes(step.placement.rotation, -1, -2)
+        inverse = np.swapaxes(J.rotation, -1, -2)
+        arm = arm_of(step, J)
+        carried = cross(w, arm)
+        u = carried + apply(R, apply(J.rotation, own.linear))
+        b = b + cross(e, arm) + cross(w, carried)
+        w, e, b = (apply(inverse, apply(back, x)) for x in (w, e, b))
+        U, C = Motion(-own.linear, w), Motion(b + cross(w, own.linear), e)
+        V = Motion(np.zeros(3), w + own.angular)
+        return State(U, V, C, C + step.motion(a) + U.cross(own), u)
+
+    return state
+
+
+def arm_of(step: Step, J: SE3) -> Array:
+    """The origin of the moving frame in the parent's, for the joint transform J."""
+    return step.placement.translation + apply(step.placement.rotation, J.translation)
 
 
 def gather(
@@ -209,7 +256,7 @@ def gather(
             beyond = beyond + waiting.pop(i)
         yield i, beyond
         if step.parent >= 0:
-            moved = beyond.moved(step.transform(q), turning_axis(step.kind)).moved(step.placement, None)
+            moved = beyond.passed(step, q, state(i).u)
             waiting[step.parent] = waiting[step.parent] + moved if step.parent in waiting else moved
 
 
