@@ -37,6 +37,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ulna.algorithms.crba import columns_of
+from ulna.algorithms.external import External
 from ulna.algorithms.lumps import Lump, felt, steiner, turned, turning_axis
 from ulna.algorithms.tidy import Tidy, tidy
 from ulna.algorithms.tree import Step, blank
@@ -101,7 +103,7 @@ class Effect(NamedTuple):
 
 
 def inverse_dynamics_derivatives(
-    model: Model, q: Array, v: Array, a: Array, external: Sequence[Force | None] | None = None
+    model: Model, q: Array, v: Array, a: Array, external: External = None
 ) -> tuple[Array, Array, Array]:
     """The derivatives of the torques by q, v and a, each (..., nv, nv); the last is the mass matrix.
 
@@ -173,11 +175,6 @@ def effects(step: Step, state: State) -> list[Effect]:
     return found
 
 
-def columns_of(step: Step) -> list[tuple[int, Motion]]:
-    """The columns s of a step, and where each stands in `v`; those of a mimic joint with its multiplier."""
-    return [(k, S * step.multiplier) for k, S in zip(step.indices, step.subspace(), strict=True)]
-
-
 def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -> Callable[[int], State]:
     """The twists and accelerations at a step, those of free fall taken off; computed when they are asked for.
 
@@ -240,10 +237,10 @@ def gather(
     bodies: Sequence[Lump],
     state: Callable[[int], State],
     q: Array,
-    external: Sequence[Force | None] | None = None,
+    external: External = None,
 ) -> Iterator[tuple[int, Beyond]]:
     """Every step, the leaves first, with what is beyond it when each carries one of `bodies`."""
-    waiting: dict[int, Beyond] = {}
+    waiting: list[list[Beyond]] = [[] for _ in tidied.tree]
     for i, step in reversed(list(enumerate(tidied.tree))):
         body, V = bodies[i], state(i).V
         h = body.apply(V)
@@ -252,46 +249,12 @@ def gather(
             force = external[model.joint_index(step.joint.name)]
             F = F if force is None else F - tidied.frames[i].act_inverse(force)
         beyond = Beyond(body, h, body.rate(V), F)
-        if i in waiting:
-            beyond = beyond + waiting.pop(i)
+        for child in waiting[i]:
+            beyond = beyond + child
+        waiting[i].clear()
         yield i, beyond
         if step.parent >= 0:
-            moved = beyond.passed(step, q, state(i).u)
-            waiting[step.parent] = waiting[step.parent] + moved if step.parent in waiting else moved
-
-
-def mass_matrix_of(
-    model: Model, tree: Sequence[Step], beyond: Sequence[Beyond], q: Array, *inputs: Array
-) -> Array:
-    """M with the armature on its diagonal, (..., nv, nv), from the bodies beyond every step."""
-    M = blank((model.nv, model.nv), q, *inputs)
-    for start in range(len(tree)):
-        own = columns_of(tree[start])
-        for k, s in own:
-            i, r = start, beyond[start].body.apply(s)
-            for index, other in own:
-                M[..., index, k] += r.dot(other)
-            while tree[i].parent >= 0:
-                r = _inward(tree[i], r, q)
-                i = tree[i].parent
-                for index, other in columns_of(tree[i]):
-                    m = r.dot(other)
-                    M[..., k, index] += m
-                    M[..., index, k] += m
-    for k in range(model.nv):
-        M[..., k, k] += model.armature[k]
-    return M
-
-
-def torques_of(
-    model: Model, tree: Sequence[Step], beyond: Sequence[Beyond], a: Array, *inputs: Array
-) -> Array:
-    """tau, (..., nv), from the forces beyond every step."""
-    tau = blank((model.nv,), a, *inputs)
-    for step, one in zip(tree, beyond, strict=True):
-        for k, s in columns_of(step):
-            tau[..., k] += one.F.dot(s)
-    return tau + a * model.armature
+            waiting[step.parent].append(beyond.passed(step, q, state(i).u))
 
 
 def _inward(step: Step, force: Force, q: Array) -> Force:
