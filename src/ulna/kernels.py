@@ -9,45 +9,18 @@ from __future__ import annotations
 import threading
 import weakref
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ulna import algorithms
 from ulna.algorithms.references import check_reference
-from ulna.errors import UnknownName
+from ulna.errors import InputError, UnknownName
 from ulna.model import Frame, Model
+from ulna.recipes import dynamics
+from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, QVTAU, Q, Recipe, frame_of, on_model
 from ulna.trace import Function, compile, trace
 from ulna.typing import Array
-
-
-@dataclass(frozen=True)
-class Recipe:
-    """How a kernel is made.
-
-    `build(model, **options)` returns a function of arrays; `arguments` are their names and sizes: "nq", "nv", or a
-    shape. `options` are the names `build` takes with their default values.
-    """
-
-    build: Callable[..., Callable[..., Any]]
-    arguments: tuple[tuple[str, str | tuple[int, ...]], ...]
-    options: Mapping[str, Any]
-    doc: str
-
-
-_Q = (("q", "nq"),)
-_QV = (*_Q, ("v", "nv"))
-_QVA = (*_QV, ("a", "nv"))
-_QVTAU = (*_QV, ("tau", "nv"))
-_QQ = (("q0", "nq"), ("q1", "nq"))
-_FRAME = {"frame": None}
-_IN_FRAME = {"frame": None, "reference": "local_world_aligned"}
-
-
-def frame_of(model: Model, name: str | None) -> Frame:
-    """The frame of that name; the model's tool for None."""
-    return model.frame(model.tool if name is None else name)
 
 
 def _fk(model: Model, frame: Any) -> Callable[..., Any]:
@@ -133,133 +106,120 @@ def _acceleration_derivatives(model: Model, frame: Any) -> Callable[..., Any]:
     return lambda q, v, a: algorithms.frame_acceleration_derivatives(model, q, v, a, one)
 
 
-def _on_model(function: Callable[..., Any]) -> Callable[[Model], Callable[..., Any]]:
-    """Recipe of an algorithm that needs only the model and arrays."""
-
-    def build(model: Model) -> Callable[..., Any]:
-        return lambda *arrays: function(model, *arrays)
-
-    return build
-
-
 RECIPES: dict[str, Recipe] = {
-    "fk": Recipe(_fk, _Q, _FRAME, "Pose T_world_frame, (4, 4); of several frames, (k, 4, 4)."),
-    "link_poses": Recipe(_link_poses, _Q, {}, "Poses T_world_link of all links, (nlinks, 4, 4)."),
-    "jacobian": Recipe(_jacobian, _Q, _IN_FRAME, "Jacobian of a frame, (6, nv), linear part first."),
-    "jacobian_dot": Recipe(_jacobian_dot, _QV, _IN_FRAME, "Time derivative of the Jacobian, (6, nv)."),
-    "hessian": Recipe(_hessian, _Q, _IN_FRAME, "Derivative of the Jacobian by q, (nv, 6, nv)."),
-    "frame_velocity": Recipe(_velocity, _QV, _IN_FRAME, "Twist of a frame, (6,) [m/s, rad/s]."),
+    "fk": Recipe(_fk, Q, FRAME, "Pose T_world_frame, (4, 4); of several frames, (k, 4, 4)."),
+    "link_poses": Recipe(_link_poses, Q, {}, "Poses T_world_link of all links, (nlinks, 4, 4)."),
+    "jacobian": Recipe(_jacobian, Q, IN_FRAME, "Jacobian of a frame, (6, nv), linear part first."),
+    "jacobian_dot": Recipe(_jacobian_dot, QV, IN_FRAME, "Time derivative of the Jacobian, (6, nv)."),
+    "hessian": Recipe(_hessian, Q, IN_FRAME, "Derivative of the Jacobian by q, (nv, 6, nv)."),
+    "frame_velocity": Recipe(_velocity, QV, IN_FRAME, "Twist of a frame, (6,) [m/s, rad/s]."),
     "frame_acceleration": Recipe(
         _acceleration,
-        _QVA,
-        {**_IN_FRAME, "classical": False},
+        QVA,
+        {**IN_FRAME, "classical": False},
         "Acceleration of a frame, (6,) [m/s^2, rad/s^2].",
     ),
     "analytical_jacobian": Recipe(
-        _analytical, _Q, {**_FRAME, "representation": "rpy/xyz"}, "Jacobian with angle rates, (6, nv)."
+        _analytical, Q, {**FRAME, "representation": "rpy/xyz"}, "Jacobian with angle rates, (6, nv)."
     ),
-    "manipulability": Recipe(
-        _manipulability, _Q, {**_FRAME, "axes": "all"}, "Yoshikawa's manipulability, ()."
-    ),
+    "manipulability": Recipe(_manipulability, Q, {**FRAME, "axes": "all"}, "Yoshikawa's manipulability, ()."),
     "manipulability_gradient": Recipe(
-        _manipulability_gradient, _Q, {**_FRAME, "axes": "all"}, "Gradient of the manipulability by q, (nv,)."
+        _manipulability_gradient, Q, {**FRAME, "axes": "all"}, "Gradient of the manipulability by q, (nv,)."
     ),
     "joint_torque_regressor": Recipe(
-        _on_model(algorithms.joint_torque_regressor),
-        _QVA,
+        on_model(algorithms.joint_torque_regressor),
+        QVA,
         {},
         "Torques by dynamic parameters, (nv, 10 nbodies).",
     ),
     "gravity_regressor": Recipe(
-        _on_model(algorithms.gravity_regressor), _Q, {}, "The same at rest, (nv, 10 nbodies)."
+        on_model(algorithms.gravity_regressor), Q, {}, "The same at rest, (nv, 10 nbodies)."
     ),
     "static_regressor": Recipe(
-        _on_model(algorithms.static_regressor), _Q, {}, "Centre of mass by m and m c, (3, 4 nbodies) [1/kg]."
+        on_model(algorithms.static_regressor), Q, {}, "Centre of mass by m and m c, (3, 4 nbodies) [1/kg]."
     ),
     "frame_regressor": Recipe(
-        _frame_regressor, _QVA, _FRAME, "Wrench on a body at a frame by its parameters, (6, 10)."
+        _frame_regressor, QVA, FRAME, "Wrench on a body at a frame by its parameters, (6, 10)."
     ),
     "kinetic_energy_regressor": Recipe(
-        _on_model(algorithms.kinetic_energy_regressor),
-        _QV,
+        on_model(algorithms.kinetic_energy_regressor),
+        QV,
         {},
         "Kinetic energy by dynamic parameters, (10 nbodies,).",
     ),
     "potential_energy_regressor": Recipe(
-        _on_model(algorithms.potential_energy_regressor), _Q, {}, "Potential energy likewise, (10 nbodies,)."
+        on_model(algorithms.potential_energy_regressor), Q, {}, "Potential energy likewise, (10 nbodies,)."
     ),
     "payload_multiples": Recipe(
         _payload_multiples,
-        (*_Q, ("wrench", (6,)), ("limit", "nv")),
-        _IN_FRAME,
+        (*Q, ("wrench", (6,)), ("limit", "nv")),
+        IN_FRAME,
         "How many times a wrench each joint can hold at a frame, (nv,).",
     ),
     "inverse_dynamics_derivatives": Recipe(
-        _on_model(algorithms.inverse_dynamics_derivatives),
-        _QVA,
+        on_model(algorithms.inverse_dynamics_derivatives),
+        QVA,
         {},
         "Derivatives of the torques by q, v and a, (nv, nv) each; the last is the mass matrix.",
     ),
     "forward_dynamics_derivatives": Recipe(
-        _on_model(algorithms.forward_dynamics_derivatives),
-        _QVTAU,
+        on_model(algorithms.forward_dynamics_derivatives),
+        QVTAU,
         {},
         "Derivatives of the accelerations by q, v and tau, (nv, nv) each; the last is the inverse mass matrix.",
     ),
     "centroidal_derivatives": Recipe(
-        _on_model(algorithms.centroidal_derivatives),
-        _QVA,
+        on_model(algorithms.centroidal_derivatives),
+        QVA,
         {},
         "Derivatives of the centroidal momentum by q, and of its rate by q, v and a, (6, nv) each.",
     ),
     "com_velocity_derivatives": Recipe(
-        _on_model(algorithms.com_velocity_derivatives),
-        _QV,
+        on_model(algorithms.com_velocity_derivatives),
+        QV,
         {},
         "Derivatives of the velocity of the centre of mass by q and v, (3, nv) each.",
     ),
     "frame_velocity_derivatives": Recipe(
         _velocity_derivatives,
-        _QV,
-        _FRAME,
+        QV,
+        FRAME,
         'Derivatives of the twist of a frame, in "local", by q and v, (6, nv) each.',
     ),
     "frame_acceleration_derivatives": Recipe(
         _acceleration_derivatives,
-        _QVA,
-        _FRAME,
+        QVA,
+        FRAME,
         'Derivatives of the spatial acceleration of a frame, in "local", by q, v and a, (6, nv) each.',
     ),
     "integrate": Recipe(
-        _on_model(algorithms.integrate), _QV, {}, "Configuration reached from q by the step v."
+        on_model(algorithms.integrate), QV, {}, "Configuration reached from q by the step v."
     ),
     "difference": Recipe(
-        _on_model(algorithms.difference), _QQ, {}, "The step that leads from q0 to q1, (nv,)."
+        on_model(algorithms.difference), QQ, {}, "The step that leads from q0 to q1, (nv,)."
     ),
     "interpolate": Recipe(
-        _on_model(algorithms.interpolate),
-        (*_QQ, ("t", ())),
+        on_model(algorithms.interpolate),
+        (*QQ, ("t", ())),
         {},
         "Point at t on the geodesic from q0 to q1, (nq,).",
     ),
-    "normalize": Recipe(_on_model(algorithms.normalize), _Q, {}, "q with unit quaternions, (nq,)."),
-    "distance": Recipe(_on_model(algorithms.distance), _QQ, {}, "Length of the difference, ()."),
-    "squared_distance": Recipe(
-        _on_model(algorithms.squared_distance), _QQ, {}, "Its square, joint by joint."
-    ),
+    "normalize": Recipe(on_model(algorithms.normalize), Q, {}, "q with unit quaternions, (nq,)."),
+    "distance": Recipe(on_model(algorithms.distance), QQ, {}, "Length of the difference, ()."),
+    "squared_distance": Recipe(on_model(algorithms.squared_distance), QQ, {}, "Its square, joint by joint."),
     "integrate_derivatives": Recipe(
-        _on_model(algorithms.integrate_derivatives),
-        _QV,
+        on_model(algorithms.integrate_derivatives),
+        QV,
         {},
         "Derivatives of integrate by q and v, (nv, nv) each.",
     ),
     "difference_derivatives": Recipe(
-        _on_model(algorithms.difference_derivatives),
-        _QQ,
+        on_model(algorithms.difference_derivatives),
+        QQ,
         {},
         "Derivatives of difference by q0 and q1, (nv, nv) each.",
     ),
-}
+} | dynamics.RECIPES
 
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
 _lock = threading.RLock()
@@ -280,7 +240,7 @@ def kernel(model: Model, name: str, dtype: Any = np.float64, checked: bool = Fal
         model: The robot's model; its numbers become constants of the code.
         name: A key of `RECIPES`.
         dtype: float64 or float32.
-        checked: Whether nan and inf in the inputs raise NonFiniteError.
+        checked: Whether nan and inf in the inputs raise NonFiniteError, and quaternions that are not unit InputError.
         **options: Options of the recipe, such as `frame` and `reference`.
 
     Raises:
@@ -291,8 +251,25 @@ def kernel(model: Model, name: str, dtype: Any = np.float64, checked: bool = Fal
     with _lock:
         found = _made.get(key)
         if found is None:
-            found = _made[key] = compile(function(model, name, **chosen), dtype=dtype, checked=checked)
+            unit = _quaternions(model, name) if checked else ()
+            traced = function(model, name, **chosen)
+            found = _made[key] = compile(traced, dtype=dtype, checked=checked, unit_entries=unit)
     return found
+
+
+def _quaternions(model: Model, name: str) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """Where configurations among the arguments hold quaternions; nowhere for `normalize`, which mends them."""
+    if name == "normalize":
+        return ()
+    starts = [
+        joint.idx_q + place
+        for joint in model.joints
+        if joint.mimic is None
+        for place, coordinate in enumerate(joint.kind.coordinates)
+        if coordinate.name.endswith("qx")
+    ]
+    inputs = [number for number, (_, size) in enumerate(RECIPES[name].arguments) if size == "nq"]
+    return tuple((number, tuple(range(start, start + 4))) for number in inputs for start in starts)
 
 
 def shapes_for(model: Model, names: Sequence[str], given: Mapping[str, Any]) -> dict[str, Any]:

@@ -13,6 +13,9 @@ from ulna import algorithms, kernels
 from ulna import model as models
 from ulna.algorithms.references import Reference
 from ulna.errors import UnknownName
+from ulna.methods.derivatives import Derivatives
+from ulna.methods.dynamics import Dynamics
+from ulna.methods.regressors import Regressors
 from ulna.model import Model
 from ulna.spatial import SE3
 from ulna.trace import Function, trace
@@ -46,7 +49,7 @@ class Limits:
 
 
 @final
-class Robot:
+class Robot(Dynamics, Derivatives, Regressors):
     """A robot: its model, and its kernels compiled when first used.
 
     Every method takes configurations of shape (..., nq) and velocities of shape (..., nv), with any leading batch
@@ -256,61 +259,6 @@ class Robot:
         """Gradient of Yoshikawa's manipulability by the configuration, (..., nv)."""
         return self._checked("manipulability_gradient", frame=frame, axes=axes)(q)
 
-    def joint_torque_regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Any:
-        """The matrix (..., nv, 10 nbodies) that makes the joint torques out of the dynamic parameters.
-
-        `regressor @ ulna.model.dynamic_parameters(robot.model)` is inverse dynamics without the drives' inertia.
-        """
-        return self._checked("joint_torque_regressor")(q, v, a)
-
-    def gravity_regressor(self, q: ArrayLike) -> Any:
-        """The same at rest, (..., nv, 10 nbodies): makes the torques that hold the robot still."""
-        return self._checked("gravity_regressor")(q)
-
-    def static_regressor(self, q: ArrayLike) -> Any:
-        """The matrix (..., 3, 4 nbodies) [1/kg] that makes the centre of mass out of each body's m and m c."""
-        return self._checked("static_regressor")(q)
-
-    def frame_regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, frame: str | None = None) -> Any:
-        """The matrix (..., 6, 10) that makes the wrench on a body at a frame out of its dynamic parameters."""
-        return self._checked("frame_regressor", frame=frame)(q, v, a)
-
-    def kinetic_energy_regressor(self, q: ArrayLike, v: ArrayLike) -> Any:
-        """The row (..., 10 nbodies) that makes the kinetic energy [J] out of the dynamic parameters."""
-        return self._checked("kinetic_energy_regressor")(q, v)
-
-    def potential_energy_regressor(self, q: ArrayLike) -> Any:
-        """The row (..., 10 nbodies) that makes the potential energy [J] out of the dynamic parameters."""
-        return self._checked("potential_energy_regressor")(q)
-
-    def payload_capacity(
-        self,
-        q: ArrayLike,
-        frame: str | None = None,
-        wrench: ArrayLike | None = None,
-        effort: ArrayLike | None = None,
-        reference: Reference = "local_world_aligned",
-    ) -> Any:
-        """How many times a load each joint can hold at a frame, standing still, (..., nv); the least counts.
-
-        Args:
-            q: Configuration, (..., nq).
-            frame: Where the load acts; None for the tool.
-            wrench: What it exerts there, (..., 6) [N, N m]; None for the weight of 1 kg, so that the answer is in kg.
-            effort: Greatest torques in both directions, (nv,) [N m or N]; None for the model's.
-            reference: In whose axes, and about which point, the wrench is written.
-
-        Returns:
-            Multiples of the load; inf where it does not burden a joint, nan where a joint cannot even hold the robot.
-        """
-        weight = np.concatenate([self.model.gravity, np.zeros(3)])
-        load = np.asarray(weight if wrench is None else wrench, dtype=float)
-        limit = np.asarray(self.limits.effort if effort is None else effort, dtype=float)
-        free = np.isinf(limit)
-        kernel = self._checked("payload_multiples", frame=frame, reference=reference)
-        found = kernel(q, load, np.where(free, np.finfo(float).max, limit))
-        return np.where(free & ~np.isnan(found), np.inf, found)
-
     def integrate(self, q: ArrayLike, v: ArrayLike) -> Any:
         """The configuration reached from `q` by the step `v` (velocity times time), (..., nq)."""
         return self._checked("integrate")(q, v)
@@ -346,70 +294,6 @@ class Robot:
     def difference_derivatives(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
         """Derivatives of `difference` by `q0` and by `q1` on the tangent spaces, (..., nv, nv) each."""
         return self._checked("difference_derivatives")(q0, q1)
-
-    def inverse_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
-    ) -> tuple[Floats, Floats, Floats]:
-        """Derivatives of the torques of inverse dynamics by `q`, `v` and `a`, (..., nv, nv) each.
-
-        That by `q` is along the tangent space (see `integrate`); that by `a` is the mass matrix.
-
-        Args:
-            q: Configuration, (..., nq) [rad or m].
-            v: Velocity, (..., nv).
-            a: Acceleration, (..., nv).
-
-        Raises:
-            ShapeError, DtypeError, NonFiniteError: If an argument cannot be what it stands for.
-
-        Reference: Carpentier & Mansard 2018; Singh, Russell & Wensing 2022.
-        """
-        return self._checked("inverse_dynamics_derivatives")(q, v, a)
-
-    def forward_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike
-    ) -> tuple[Floats, Floats, Floats]:
-        """Derivatives of the accelerations of forward dynamics by `q`, `v` and `tau`, (..., nv, nv) each.
-
-        That by `q` is along the tangent space (see `integrate`); that by `tau` is the inverse of the mass matrix.
-
-        Args:
-            q: Configuration, (..., nq) [rad or m].
-            v: Velocity, (..., nv).
-            tau: Joint torques, (..., nv) [N m or N].
-
-        Raises:
-            ShapeError, DtypeError, NonFiniteError: If an argument cannot be what it stands for.
-
-        Reference: Carpentier & Mansard 2018, section V.
-        """
-        return self._checked("forward_dynamics_derivatives")(q, v, tau)
-
-    def centroidal_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
-    ) -> tuple[Floats, Floats, Floats, Floats]:
-        """Derivatives of the centroidal momentum by `q`, and of its rate by `q`, `v` and `a`, (..., 6, nv) each.
-
-        About the centre of mass of the moving bodies, along the axes of the world, linear part first. The last is also
-        the centroidal momentum matrix.
-        """
-        return self._checked("centroidal_derivatives")(q, v, a)
-
-    def com_velocity_derivatives(self, q: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats]:
-        """Derivatives of the velocity of the centre of mass by `q` and `v`, (..., 3, nv) each, in world axes."""
-        return self._checked("com_velocity_derivatives")(q, v)
-
-    def frame_velocity_derivatives(
-        self, q: ArrayLike, v: ArrayLike, frame: str | None = None
-    ) -> tuple[Floats, Floats]:
-        """Derivatives of the twist of a frame, in "local", by `q` and `v`, (..., 6, nv) each."""
-        return self._checked("frame_velocity_derivatives", frame=frame)(q, v)
-
-    def frame_acceleration_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, frame: str | None = None
-    ) -> tuple[Floats, Floats, Floats]:
-        """Derivatives of the spatial acceleration of a frame, in "local", by `q`, `v` and `a`, (..., 6, nv) each."""
-        return self._checked("frame_acceleration_derivatives", frame=frame)(q, v, a)
 
     def random_configuration(self, size: int | tuple[int, ...] = (), seed: Any = None) -> Floats:
         """Random configurations within the limits, (*size, nq).

@@ -1,0 +1,1 @@
+"""Recipes: how algorithms become kernels, by theme; `ulna.kernels` looks them up."""
