@@ -16,6 +16,11 @@ from ulna.trace.function import Function, Port
 from ulna.trace.irtext import DType
 from ulna.trace.scalar import Value
 
+Unit = tuple[tuple[int, tuple[int, ...]], ...]
+"""Which entries of which inputs must form unit vectors, quaternions say: (number of the input, entries), ..."""
+
+# A tenth below the fast door's own, so that what that door sends here is refused and never sent back.
+_UNIT_TOLERANCE = 0.9 * native.UNIT_TOLERANCE
 ELEMENT: dict[str, DType] = {"float64": "double", "float32": "float"}
 _ROWS_PER_THREAD = 1024  # below this, starting a thread costs more than the work
 
@@ -24,8 +29,8 @@ _ROWS_PER_THREAD = 1024  # below this, starting a thread costs more than the wor
 class General:
     """Calls a function with whatever may stand for its arguments."""
 
-    def __init__(self, function: Function, dtype: np.dtype[Any], checked: bool) -> None:
-        self.function, self.dtype, self.checked = function, dtype, checked
+    def __init__(self, function: Function, dtype: np.dtype[Any], checked: bool, unit: Unit = ()) -> None:
+        self.function, self.dtype, self.checked, self.unit = function, dtype, checked, unit
         self.single: Callable[[], Any] = lambda: None  # the fast door, once there is one
         # NumPy's generalised ufuncs need an input, an output, axes longer than 0, and at most 64 arrays.
         ports = native.ports_of(function)
@@ -84,6 +89,8 @@ class General:
         if self.checked:
             for a, port in zip(arrays, f.inputs, strict=True):
                 _check_finite(port.name, a)
+            for number, entries in self.unit:
+                _check_unit(f.inputs[number].name, arrays[number], entries)
         if batch == () and out is None:
             door = self.single()
             if door is not None:
@@ -245,3 +252,15 @@ def _check_finite(name: str, array: Any) -> None:
     if bad.any():
         index = tuple(int(i) for i in np.argwhere(bad)[0])
         raise NonFiniteError(name, index, float(array[index]))
+
+
+def _check_unit(name: str, array: Any, entries: Sequence[int]) -> None:
+    part = array[..., entries]
+    wrong = abs((part * part).sum(axis=-1) - 1.0) > _UNIT_TOLERANCE
+    if np.any(wrong):
+        length = float(np.sqrt((part * part).sum(axis=-1))[wrong].reshape(-1)[0])
+        first, last = entries[0], entries[-1] + 1
+        raise InputError(
+            f"`{name}[..., {first}:{last}]` has length {length:.6g}; expected a unit quaternion (xyzw). "
+            "robot.normalize(q) makes it one."
+        )

@@ -13,7 +13,7 @@ import numpy as np
 from ulna.errors import DtypeError, MissingExtra
 from ulna.trace import jit, native
 from ulna.trace.function import Function, trace
-from ulna.trace.general import ELEMENT, General
+from ulna.trace.general import ELEMENT, General, Unit
 from ulna.trace.graph import Graph
 
 
@@ -110,7 +110,7 @@ class KernelBase:
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return compile, (self.function, self.dtype.name, self._general.checked)
+        return compile, (self.function, self.dtype.name, self._general.checked, self._general.unit)
 
 
 class SlowKernel(KernelBase):
@@ -150,7 +150,7 @@ def _native_type() -> Any:
 
 
 def _entry_ir(general: General) -> str:
-    return native.entry_ir(general.function, general.element, general.checked)
+    return native.entry_ir(general.function, general.element, general.checked, unit_entries=general.unit)
 
 
 def compile(
@@ -158,6 +158,7 @@ def compile(
     /,
     dtype: Any = np.float64,
     checked: bool = False,
+    unit_entries: Unit = (),
     **shapes: tuple[int, ...] | int,
 ) -> Any:
     """Makes a kernel of a traced function.
@@ -166,6 +167,7 @@ def compile(
         f: A `Function`, or a Python function that is traced with `shapes` (see `trace`).
         dtype: The type to compute in: float64 or float32.
         checked: Whether nan or inf in an input raises NonFiniteError instead of passing through.
+        unit_entries: With `checked`, what must be unit vectors, such as quaternions: (number of the input, its entries).
         **shapes: Shape of each argument, if `f` is not traced yet.
 
     Returns:
@@ -181,10 +183,13 @@ def compile(
         f = trace(f, **dict[str, Any](shapes))
     elif shapes:
         raise TypeError("Shapes are given for a function that is traced already.")
-    kind = np.dtype(dtype)
+    try:
+        kind = np.dtype(dtype)
+    except TypeError:
+        raise DtypeError("dtype", repr(dtype), "float64 or float32") from None
     if kind.name not in ELEMENT:
         raise DtypeError("dtype", str(kind), "float64 or float32")
-    general = General(f, np.dtype(kind.type), checked)
+    general = General(f, np.dtype(kind.type), checked, unit_entries)
     door = _native_type()
     if "graph" in os.environ.get("ULNA_DEBUG", ""):
         print(f"[ulna] {f.name}{f.signature}: {f.operations} operations {f.operation_counts}")

@@ -22,7 +22,7 @@ import numpy as np
 
 from ulna.trace.emit import emit_single
 from ulna.trace.function import Function, Port
-from ulna.trace.irtext import DType
+from ulna.trace.irtext import DType, Lanes
 
 _WORD = 8
 # The instance: PyObject head, then one word each.
@@ -31,15 +31,22 @@ _ARRAY_NEW, _CALL, _TUPLE_NEW, _ARRAY_RETURN, _END = (16 + _WORD * k for k in ra
 # PyArrayObject: data, number of axes, lengths, descriptor, flags.
 _DATA, _NDIM, _LENGTHS, _ARRAY_DESCRIPTOR, _FLAGS = 16, 24, 32, 56, 64
 _WANTED_FLAGS = 0x0101  # C-contiguous, aligned
+UNIT_TOLERANCE = 1e-5  # on the squared length of what must be a unit vector
 _TUPLE_ITEMS = 24
 _TYPE_NUMBER = {"double": 12, "float": 11}
 _NUMPY_TYPE = {"double": np.dtype(np.float64), "float": np.dtype(np.float32)}
 
 
-def entry_ir(f: Function, element: DType = "double", checked: bool = False, pack: int = 8) -> str:
+def entry_ir(
+    f: Function,
+    element: DType = "double",
+    checked: bool = False,
+    pack: int = 8,
+    unit_entries: Sequence[tuple[int, Sequence[int]]] = (),
+) -> str:
     """IR of a single call: the scalar block, and `entry`, a CPython vectorcall function around it.
 
-    With `checked`, inputs that are not finite go to the general path, which raises.
+    With `checked`, inputs that are not finite, and unit vectors that are not unit, go to the general path, which raises.
     """
     size = 8 if element == "double" else 4
     w: list[str] = []
@@ -60,6 +67,8 @@ def entry_ir(f: Function, element: DType = "double", checked: bool = False, pack
     w.append("work:")
     if checked:
         _check_finite(w, f, element, size)
+        for number, (k, entries) in enumerate(unit_entries):
+            _check_unit(w, number, k, entries, element)
     for k, port in enumerate(f.outputs):
         w.append(
             f"  %out{k} = call ptr %array_new(ptr %array_type, i32 {len(port.shape)}, ptr @lengths{k}, "
@@ -150,6 +159,22 @@ def _check_finite(w: list[str], f: Function, element: DType, size: int) -> None:
             total = f"%f{k}.{j}.s"
     w.append(f"  %infinite = fcmp uno {element} {total}, 0.0")
     w.append("  br i1 %infinite, label %general, label %finite\nfinite:")
+
+
+def _check_unit(w: list[str], number: int, k: int, entries: Sequence[int], element: DType) -> None:
+    """The squared length of some entries of input k, whose values `_check_finite` has loaded, must be 1."""
+    total = "0.0"
+    for j in entries:
+        w.append(f"  %u{number}.{j}.q = fmul {element} %f{k}.{j}, %f{k}.{j}")
+        w.append(f"  %u{number}.{j}.s = fadd {element} {total}, %u{number}.{j}.q")
+        total = f"%u{number}.{j}.s"
+    w.append(f"  %u{number}.d = fsub {element} {total}, 1.0")
+    bound = Lanes(1, element).constant(float(np.float32(UNIT_TOLERANCE)))
+    w.append(f"  %u{number}.over = fcmp ogt {element} %u{number}.d, {bound}")
+    w.append(f"  %u{number}.minus = fneg {element} %u{number}.d")
+    w.append(f"  %u{number}.under = fcmp ogt {element} %u{number}.minus, {bound}")
+    w.append(f"  %u{number}.bad = or i1 %u{number}.over, %u{number}.under")
+    w.append(f"  br i1 %u{number}.bad, label %general, label %unit{number}\nunit{number}:")
 
 
 class _MemberDef(ctypes.Structure):
