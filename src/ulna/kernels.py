@@ -19,7 +19,7 @@ from ulna.errors import InputError, UnknownName
 from ulna.model import Frame, Model
 from ulna.recipes import dynamics
 from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, QVTAU, Q, Recipe, frame_of, on_model
-from ulna.trace import Function, compile, trace
+from ulna.trace import Function, compile, element_of, trace
 from ulna.typing import Array
 
 
@@ -247,7 +247,7 @@ def kernel(model: Model, name: str, dtype: Any = np.float64, checked: bool = Fal
         UnknownName: For an unknown kernel, option, frame or reference; names the nearest.
     """
     _, chosen = _choose(name, options)
-    key = (model.fingerprint, name, np.dtype(dtype).name, checked, tuple(chosen.items()))
+    key = (model.fingerprint, name, element_of(dtype).name, checked, tuple(chosen.items()))
     with _lock:
         found = _made.get(key)
         if found is None:

@@ -12,7 +12,7 @@ import numpy as np
 from ulna import algorithms, kernels
 from ulna import model as models
 from ulna.algorithms.references import Reference
-from ulna.errors import UnknownName
+from ulna.errors import InputError, UnknownName
 from ulna.methods.derivatives import Derivatives
 from ulna.methods.dynamics import Dynamics
 from ulna.methods.regressors import Regressors
@@ -273,7 +273,12 @@ class Robot(Dynamics, Derivatives, Regressors):
 
     def normalize(self, q: ArrayLike) -> Any:
         """`q` with its quaternions made unit, (..., nq)."""
-        return self._checked("normalize")(q)
+        out = self._checked("normalize")(q)
+        if np.isnan(out).any():
+            raise InputError(
+                "`q` holds a quaternion of length 0, which is no rotation and cannot be normalised."
+            )
+        return out
 
     def distance(self, q0: ArrayLike, q1: ArrayLike) -> Any:
         """Length of the difference of two configurations, (...)."""
@@ -301,7 +306,9 @@ class Robot(Dynamics, Derivatives, Regressors):
         `seed` is a number or a `numpy.random.Generator`. Coordinates without limits are drawn as the joint kind says:
         angles from [-pi, pi], lengths from [-1, 1] m, rotations uniformly.
         """
-        shape = (size,) if isinstance(size, int) else tuple(size)
+        shape = tuple(np.atleast_1d(np.asarray(size)).tolist()) if np.size(size) else ()
+        if not all(isinstance(n, int) and n >= 0 for n in shape):
+            raise InputError(f"`size` is {size!r}; expected a count or a tuple of counts.")
         return algorithms.random(self.model, np.random.default_rng(seed), shape)
 
     def lock(self, joints: Mapping[str, Any] | Sequence[str], q: Any = None) -> Robot:
@@ -317,6 +324,8 @@ class Robot(Dynamics, Derivatives, Regressors):
         **options: Any,
     ) -> Robot:
         """This robot carrying another: a gripper on an arm, an arm on a base; see `ulna.model.attach`."""
+        if not isinstance(other, Robot):
+            raise InputError(f"`other` is {other!r}; expected a Robot, such as ulna.load(...) gives.")
         return Robot(models.attach(self.model, other.model, frame, placement, prefix, **options))
 
     def with_tool(self, frame: str, placement: SE3 | None = None, name: str = "tool") -> Robot:
@@ -390,7 +399,8 @@ def compile(
         robot: Gives the shapes of arguments called q, q0, q1 (nq,) and v, a, tau, qd, qdd (nv,).
         dtype: The type to compute in: float64 or float32.
         checked: Whether nan and inf in the inputs raise NonFiniteError.
-        **shapes: Shapes of the other arguments: `target=(3,)`, `()` for a number.
+        **shapes: Shapes of the other arguments: `target=(3,)`, `()` for a number. Arguments with a default value keep
+            it unless their shape is given.
 
     Returns:
         A kernel, called as `f` is, with any leading batch axes; `.jacobian()` is its derivative, compiled too.
@@ -399,7 +409,9 @@ def compile(
         UnknownName: If the shape of an argument is not known.
         TraceError: If `f` branches on a traced value.
     """
-    names = list(inspect.signature(f).parameters)
+    if robot is not None and not isinstance(robot, Robot):
+        raise InputError(f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) gives.")
+    names = [n for n, p in inspect.signature(f).parameters.items() if n in shapes or p.default is p.empty]
     if robot is not None:
         shapes = kernels.shapes_for(robot.model, names, shapes)
     missing = [name for name in names if name not in shapes]

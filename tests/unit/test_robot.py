@@ -223,3 +223,48 @@ def test_prints(panda: ulna.Robot) -> None:
     assert "panda_joint4" in str(panda) and "@panda_hand_tcp" in str(panda)
     assert repr(panda) == "<robot 'panda': 7 joints, nq=7, nv=7, tool 'panda_hand_tcp'>"
     assert algorithms.neutral(panda.model).shape == panda.neutral.shape
+
+
+def test_a_quaternion_that_is_not_unit_is_refused_and_normalised(panda: ulna.Robot) -> None:
+    robot = ulna.load("panda", visuals="simple", root="free_flyer")
+    q = robot.random_configuration(seed=3)
+    long = q.copy()
+    long[3:7] *= 3.0
+    for given in (long, np.stack([q, long])):
+        with pytest.raises(InputError, match=r"`q\[..., 3:7\]` has length 3; expected a unit quaternion"):
+            robot.fk(given)
+    with pytest.raises(InputError, match="`q1"):
+        robot.difference(q, long)
+    np.testing.assert_allclose(robot.normalize(long), q, atol=1e-15)
+    for noise in np.linspace(3e-6, 7e-6, 17):  # around the tolerance both doors agree
+        nearly = q.copy()
+        nearly[3:7] *= 1.0 + noise
+        try:
+            robot.fk(nearly)
+        except InputError:
+            assert noise > 4e-6
+    long[3:7] = 0.0
+    with pytest.raises(InputError, match="length 0"):
+        robot.normalize(long)
+
+
+def test_what_is_no_robot_frame_size_or_dtype_is_refused(panda: ulna.Robot, qr: np.ndarray) -> None:
+    with pytest.raises(InputError, match="expected the name of one frame"):
+        panda.jacobian(qr, ["panda_hand"])  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="expected a Robot"):
+        panda.attach(panda.model)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="expected a Robot"):
+        ulna.compile(lambda q: q, "panda")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="expected a count"):
+        panda.random_configuration(-1)
+    with pytest.raises(InputError, match="expected a count"):
+        panda.random_configuration(2.5)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="expected names in a list"):
+        panda.lock(None)  # type: ignore[arg-type]
+    with pytest.raises(DtypeError, match="float64 or float32"):
+        panda.kernel("fk", dtype="foo")
+
+
+def test_arguments_with_defaults_keep_them() -> None:
+    assert ulna.compile(lambda x, k=2.0: x * k, x=(3,))(np.ones(3)).tolist() == [2.0, 2.0, 2.0]
+    assert ulna.compile(lambda x, k=2.0: x * k, x=(3,), k=())(np.ones(3), 5.0).tolist() == [5.0, 5.0, 5.0]

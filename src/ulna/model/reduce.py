@@ -41,6 +41,10 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
         raise InputError(
             f"`joints` is the string {joints!r}; expected names in a list, such as [{joints!r}]."
         )
+    if not isinstance(joints, Iterable):
+        raise InputError(
+            f"`joints` is {joints!r}; expected names in a list, or a dictionary from names to positions."
+        )
     told: Mapping[str, Any] = joints if isinstance(joints, Mapping) else dict.fromkeys(joints)
     whole = np.array(model.neutral) if q is None else position(model, q)
     locked: dict[str, Floats] = {}

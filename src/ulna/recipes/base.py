@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ulna.errors import InputError
 from ulna.model import Frame, Model
 
 Arguments = tuple[tuple[str, str | tuple[int, ...]], ...]
@@ -42,6 +43,8 @@ class Recipe:
 
 def frame_of(model: Model, name: str | None) -> Frame:
     """The frame of that name; the model's tool for None."""
+    if name is not None and not isinstance(name, str):
+        raise InputError(f"`frame` is {name!r}; expected the name of one frame, or None for the tool.")
     return model.frame(model.tool if name is None else name)
 
 

@@ -153,6 +153,21 @@ def _entry_ir(general: General) -> str:
     return native.entry_ir(general.function, general.element, general.checked, unit_entries=general.unit)
 
 
+def element_of(dtype: Any) -> np.dtype[Any]:
+    """The type to compute in that `dtype` names.
+
+    Raises:
+        DtypeError: If it is neither float64 nor float32.
+    """
+    try:
+        kind = np.dtype(dtype)
+    except TypeError:
+        raise DtypeError("dtype", repr(dtype), "float64 or float32") from None
+    if kind.name not in ELEMENT:
+        raise DtypeError("dtype", str(kind), "float64 or float32")
+    return np.dtype(kind.type)  # without metadata, in the machine's byte order
+
+
 def compile(
     f: Function | Callable[..., Any],
     /,
@@ -183,13 +198,7 @@ def compile(
         f = trace(f, **dict[str, Any](shapes))
     elif shapes:
         raise TypeError("Shapes are given for a function that is traced already.")
-    try:
-        kind = np.dtype(dtype)
-    except TypeError:
-        raise DtypeError("dtype", repr(dtype), "float64 or float32") from None
-    if kind.name not in ELEMENT:
-        raise DtypeError("dtype", str(kind), "float64 or float32")
-    general = General(f, np.dtype(kind.type), checked, unit_entries)
+    general = General(f, element_of(dtype), checked, unit_entries)
     door = _native_type()
     if "graph" in os.environ.get("ULNA_DEBUG", ""):
         print(f"[ulna] {f.name}{f.signature}: {f.operations} operations {f.operation_counts}")

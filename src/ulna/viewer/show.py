@@ -50,6 +50,8 @@ def show(
         MissingExtra: The package viser is not installed.
         ShapeError, NonFiniteError, UnknownName: `q` is not a configuration of the robot.
     """
+    if not hasattr(robot, "link_poses"):
+        raise InputError(f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) gives.")
     start = configuration(robot, q)
     out = Show(robot, start, scene if scene is not None else Scene(), port, host, camera)
     if browser:
