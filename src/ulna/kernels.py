@@ -15,7 +15,7 @@ import numpy as np
 
 from ulna import algorithms
 from ulna.algorithms.references import check_reference
-from ulna.errors import InputError, UnknownName
+from ulna.errors import UnknownName
 from ulna.model import Frame, Model
 from ulna.recipes import dynamics
 from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, QVTAU, Q, Recipe, frame_of, on_model

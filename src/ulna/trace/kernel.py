@@ -182,7 +182,7 @@ def compile(
         f: A `Function`, or a Python function that is traced with `shapes` (see `trace`).
         dtype: The type to compute in: float64 or float32.
         checked: Whether nan or inf in an input raises NonFiniteError instead of passing through.
-        unit_entries: With `checked`, what must be unit vectors, such as quaternions: (number of the input, its entries).
+        unit_entries: With `checked`, what must be unit vectors, such as quaternions: (number of input, entries), ...
         **shapes: Shape of each argument, if `f` is not traced yet.
 
     Returns:

@@ -46,7 +46,7 @@ def entry_ir(
 ) -> str:
     """IR of a single call: the scalar block, and `entry`, a CPython vectorcall function around it.
 
-    With `checked`, inputs that are not finite, and unit vectors that are not unit, go to the general path, which raises.
+    With `checked`, inputs that are not finite or, at `unit_entries`, not unit go to the general path, which raises.
     """
     size = 8 if element == "double" else 4
     w: list[str] = []
