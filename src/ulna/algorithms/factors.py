@@ -40,7 +40,7 @@ class Factors:
         self.reciprocals: list[Any] = [None] * n
         for k in reversed(range(n)):
             self.reciprocals[k] = 1.0 / rows[k][k]
-            filled = [j for j in range(k) if not _is_zero(rows[k][j])]
+            filled = [j for j in range(k) if not is_zero(rows[k][j])]
             self.lower[k] = {j: rows[k][j] * self.reciprocals[k] for j in filled}
             for i in filled:
                 for j in filled:
@@ -51,7 +51,7 @@ class Factors:
         """x with M x = b, entry by entry."""
         y = list(b)
         for k in reversed(range(len(y))):
-            if not _is_zero(y[k]):
+            if not is_zero(y[k]):
                 for j, l in self.lower[k].items():
                     y[j] = y[j] - l * y[k]
         x: list[Any] = []
@@ -62,17 +62,22 @@ class Factors:
             x.append(z)
         return x
 
-    def inverse(self) -> Array:
-        """M^-1, (..., nv, nv); its two equal halves are computed once."""
-        n = len(self.lower)
+    def unit_inverse(self) -> list[dict[int, Any]]:
+        """For each row of E its entries before the diagonal, by column; those that are zero are missing."""
         E: list[dict[int, Any]] = []
-        for k in range(n):
+        for k in range(len(self.lower)):
             row: dict[int, Any] = {}
             for j, l in sorted(self.lower[k].items(), reverse=True):
                 row[j] = row[j] - l if j in row else -l
                 for c, e in E[j].items():
                     row[c] = row[c] - l * e if c in row else -(l * e)
             E.append(row)
+        return E
+
+    def inverse(self) -> Array:
+        """M^-1, (..., nv, nv); its two equal halves are computed once."""
+        n = len(self.lower)
+        E = self.unit_inverse()
         out: list[list[Any]] = [[0.0] * n for _ in range(n)]
         for k in range(n):
             scaled = {j: e * self.reciprocals[j] for j, e in E[k].items()} | {k: self.reciprocals[k]}
@@ -85,7 +90,8 @@ class Factors:
         return matrix(out) if n else np.zeros((0, 0))
 
 
-def _is_zero(x: Any) -> bool:
+def is_zero(x: Any) -> bool:
+    """Whether a number, or every number of a batch, is zero; nothing that is traced is known to be."""
     if isinstance(x, np.ndarray):
         return x.dtype != object and not x.any()
     return isinstance(x, (int, float)) and x == 0.0

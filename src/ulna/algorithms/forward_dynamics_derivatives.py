@@ -6,6 +6,7 @@
 | a | acceleration | (nv) | [rad/s^2] or [m/s^2] | forward_dynamics.py |
 | da/dq, da/dv | | (nv, nv) | | -M^-1 dtau/dq, -M^-1 dtau/dv, at a |
 | da/dtau | | (nv, nv) | | M^-1 |
+| E, d | factors of the inverse | (nv, nv), (nv) | | M^-1 = E diag(1 / d) E^T |
 
 Source: Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics Algorithms (2018), section V:
 differentiating tau = ID(q, v, FD(q, v, tau)). The matrix is factored once for the acceleration and all columns: in a
@@ -14,10 +15,10 @@ trace equal computations are one.
 
 from __future__ import annotations
 
-from copy import copy
+from typing import Any
 
 from ulna.algorithms.external import External
-from ulna.algorithms.factors import Factors
+from ulna.algorithms.factors import Factors, is_zero
 from ulna.algorithms.forward_dynamics import by_mass_matrix
 from ulna.algorithms.inverse_dynamics_derivatives import inverse_dynamics_derivatives
 from ulna.algorithms.tree import blank
@@ -40,15 +41,31 @@ def forward_dynamics_derivatives(
     a = by_mass_matrix(model, q, v, tau, external)
     tau_q, tau_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
     factors = Factors(M)
-    negative = copy(factors)
-    negative.reciprocals = [-r for r in factors.reciprocals]
-    a_q, a_v = (_solved(negative, by, blank(by.shape[-2:], q, v, tau)) for by in (tau_q, tau_v))
+    a_q, a_v = (_negative(factors, by, blank(by.shape[-2:], q, v, tau)) for by in (tau_q, tau_v))
     return a_q, a_v, factors.inverse() + blank((model.nv, model.nv), q, v, tau)
 
 
-def _solved(factors: Factors, b: Array, into: Array) -> Array:
-    """M^-1 b, column by column."""
-    for k in range(b.shape[-1]):
-        for i, value in enumerate(factors.solve([b[..., j, k] for j in range(b.shape[-2])])):
-            into[..., i, k] = value
+def _negative(factors: Factors, b: Array, into: Array) -> Array:
+    """-M^-1 b = -E diag(1 / d) E^T b.
+
+    A column of b is zero but for the joints its own stands on and those that stand on it, and so is E^T b; then an
+    entry of the result is a sum over the joints on which both stand, fewer than in an elimination.
+    """
+    E = factors.unit_inverse()
+    negative = [-r for r in factors.reciprocals]
+    n = b.shape[-1]
+    for k in range(n):
+        z: dict[int, Any] = {}
+        for i in range(n):
+            x = b[..., i, k]
+            if not is_zero(x):
+                for j, e in [(i, 1.0), *E[i].items()]:
+                    z[j] = z[j] + e * x if j in z else e * x
+        z = {j: x * negative[j] for j, x in z.items()}
+        for i in range(n):
+            total = z.get(i, 0.0)
+            for j, e in E[i].items():
+                if j in z:
+                    total = total + e * z[j]
+            into[..., i, k] = total
     return into
