@@ -41,7 +41,8 @@ def names() -> tuple[str, ...]:
     if spec is None or not spec.submodule_search_locations:
         return ()
     modules = (m.name for m in pkgutil.iter_modules(spec.submodule_search_locations))
-    return tuple(sorted(m for m in modules if m.endswith(_ENDING) and not m.endswith("_mj" + _ENDING)))
+    described = (m for m in modules if m.endswith(_ENDING) and not m.endswith("_mj" + _ENDING))
+    return tuple(sorted(m for m in described if not m.startswith("_")))
 
 
 def module_name(name: str) -> str | None:
