@@ -17,6 +17,7 @@ then B^T M' B, where M' is the matrix of the tree with every joint free, and v' 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from ulna.algorithms.lumps import Lump, felt, turning_axis
 from ulna.algorithms.tidy import tidy
@@ -52,18 +53,22 @@ def mass_matrix_of(model: Model, tree: Sequence[Step], bodies: Sequence[Lump], *
     M = blank((model.nv, model.nv), *inputs)
     for i in range(len(tree)):
         own = columns_of(tree[i])
-        for k, s in own:
+        for n, (k, s) in enumerate(own):
             r = bodies[i].apply(s)
-            for index, other in own:
-                M[..., index, k] += r.dot(other)
+            for index, other in own[:n]:
+                _add_twice(M, k, index, r.dot(other))
+            M[..., k, k] += r.dot(s)
             for step, seen in passed_inward(tree, i, r, q):
                 for index, other in columns_of(step):
-                    entry = seen.dot(other)
-                    M[..., k, index] += entry
-                    M[..., index, k] += entry
+                    _add_twice(M, k, index, seen.dot(other))
     for k in range(model.nv):
         M[..., k, k] += model.armature[k]
     return M
+
+
+def _add_twice(M: Array, k: int, index: int, entry: Any) -> None:
+    M[..., k, index] += entry
+    M[..., index, k] += entry
 
 
 def columns_of(step: Step) -> list[tuple[int, Motion]]:
