@@ -228,7 +228,8 @@ _lock = threading.RLock()
 def function(model: Model, name: str, **options: Any) -> Function:
     """The traced function of recipe `name` for `model`; see `kernel` for the arguments and errors."""
     recipe, chosen = _choose(name, options)
-    shapes: dict[str, Any] = {key: _shape(model, size) for key, size in recipe.arguments}
+    arguments = (*recipe.arguments, *recipe.more(chosen))
+    shapes: dict[str, Any] = {key: _shape(model, size) for key, size in arguments}
     doc = f"{recipe.doc} Robot: {model.name}."
     return trace(recipe.build(model, **chosen), name=name, doc=doc, **shapes)
 
