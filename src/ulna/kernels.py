@@ -18,7 +18,7 @@ from ulna.algorithms.references import check_reference
 from ulna.errors import UnknownName
 from ulna.model import Frame, Model
 from ulna.recipes import dynamics
-from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, QVTAU, Q, Recipe, frame_of, on_model
+from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, Q, Recipe, frame_of, on_model
 from ulna.trace import Function, compile, element_of, trace
 from ulna.typing import Array
 
@@ -155,18 +155,6 @@ RECIPES: dict[str, Recipe] = {
         (*Q, ("wrench", (6,)), ("limit", "nv")),
         IN_FRAME,
         "How many times a wrench each joint can hold at a frame, (nv,).",
-    ),
-    "inverse_dynamics_derivatives": Recipe(
-        on_model(algorithms.inverse_dynamics_derivatives),
-        QVA,
-        {},
-        "Derivatives of the torques by q, v and a, (nv, nv) each; the last is the mass matrix.",
-    ),
-    "forward_dynamics_derivatives": Recipe(
-        on_model(algorithms.forward_dynamics_derivatives),
-        QVTAU,
-        {},
-        "Derivatives of the accelerations by q, v and tau, (nv, nv) each; the last is the inverse mass matrix.",
     ),
     "centroidal_derivatives": Recipe(
         on_model(algorithms.centroidal_derivatives),

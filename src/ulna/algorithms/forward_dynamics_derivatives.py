@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ulna.algorithms.external import External
+from ulna.algorithms.external import External, batches
 from ulna.algorithms.factors import Factors, is_zero
 from ulna.algorithms.forward_dynamics import by_mass_matrix
 from ulna.algorithms.inverse_dynamics_derivatives import inverse_dynamics_derivatives
@@ -41,8 +41,10 @@ def forward_dynamics_derivatives(
     a = by_mass_matrix(model, q, v, tau, external)
     tau_q, tau_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
     factors = Factors(M)
-    a_q, a_v = (_negative(factors, by, blank(by.shape[-2:], q, v, tau)) for by in (tau_q, tau_v))
-    return a_q, a_v, factors.inverse() + blank((model.nv, model.nv), q, v, tau)
+    a_q, a_v = (
+        _negative(factors, by, blank(by.shape[-2:], q, v, tau, *batches(external))) for by in (tau_q, tau_v)
+    )
+    return a_q, a_v, factors.inverse() + blank((model.nv, model.nv), q, v, tau, *batches(external))
 
 
 def _negative(factors: Factors, b: Array, into: Array) -> Array:

@@ -38,7 +38,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna.algorithms.crba import columns_of
-from ulna.algorithms.external import External
+from ulna.algorithms.external import External, batches
 from ulna.algorithms.lumps import Lump, felt, steiner, turned, turning_axis
 from ulna.algorithms.tidy import Tidy, tidy
 from ulna.algorithms.tree import Step, blank
@@ -119,7 +119,7 @@ def inverse_dynamics_derivatives(
     tree = tidied.tree
     state = relative_states(tree, q, v, a, model.gravity)
     effects_of = cache(lambda i: effects(tree[i], state(i)))
-    by_q, by_v, M = (blank((model.nv, model.nv), q, v, a) for _ in range(3))
+    by_q, by_v, M = (blank((model.nv, model.nv), q, v, a, *batches(external)) for _ in range(3))
     for i, beyond in gather(model, tidied, felt(model, tidied), state, q, external):
         for effect in effects_of(i):
             _add_pairs(tree, state, effects_of, i, effect, beyond, q, by_q, by_v, M)

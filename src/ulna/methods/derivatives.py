@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ulna.methods.base import Part
+from ulna.methods.dynamics import Forces, stacked
 from ulna.typing import ArrayLike, Floats
 
 
@@ -12,7 +15,7 @@ class Derivatives(Part):
     __slots__ = ()
 
     def inverse_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, forces: Forces = None
     ) -> tuple[Floats, Floats, Floats]:
         """Derivatives of the torques of inverse dynamics by `q`, `v` and `a`, (..., nv, nv) each.
 
@@ -22,16 +25,19 @@ class Derivatives(Part):
             q: Configuration, (..., nq) [rad or m].
             v: Velocity, (..., nv).
             a: Acceleration, (..., nv).
+            forces: External forces that turn with the frames they act at: frame name -> wrench (..., 6) [N, N m] in
+                the axes of the frame.
 
         Raises:
             ShapeError, DtypeError, NonFiniteError: If an argument cannot be what it stands for.
+            UnknownName: If there is no such frame.
 
         Reference: Carpentier & Mansard 2018; Singh, Russell & Wensing 2022.
         """
-        return self._checked("inverse_dynamics_derivatives")(q, v, a)
+        return self._under_fixed("inverse_dynamics_derivatives", (q, v, a), forces)
 
     def forward_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, forces: Forces = None
     ) -> tuple[Floats, Floats, Floats]:
         """Derivatives of the accelerations of forward dynamics by `q`, `v` and `tau`, (..., nv, nv) each.
 
@@ -41,13 +47,14 @@ class Derivatives(Part):
             q: Configuration, (..., nq) [rad or m].
             v: Velocity, (..., nv).
             tau: Joint torques, (..., nv) [N m or N].
+            forces: As for `inverse_dynamics_derivatives`.
 
         Raises:
             ShapeError, DtypeError, NonFiniteError: If an argument cannot be what it stands for.
 
         Reference: Carpentier & Mansard 2018, section V.
         """
-        return self._checked("forward_dynamics_derivatives")(q, v, tau)
+        return self._under_fixed("forward_dynamics_derivatives", (q, v, tau), forces)
 
     def centroidal_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike
@@ -74,3 +81,8 @@ class Derivatives(Part):
     ) -> tuple[Floats, Floats, Floats]:
         """Derivatives of the spatial acceleration of a frame, in "local", by `q`, `v` and `a`, (..., 6, nv) each."""
         return self._checked("frame_acceleration_derivatives", frame=frame)(q, v, a)
+
+    def _under_fixed(self, name: str, arrays: tuple[ArrayLike, ...], forces: Forces) -> Any:
+        if not forces:
+            return self._checked(name)(*arrays)
+        return self._checked(name, forces=tuple(forces))(*arrays, stacked(forces))

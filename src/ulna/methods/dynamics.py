@@ -203,10 +203,10 @@ class Dynamics(Part):
         if not forces:
             return self._checked(name, **options)(*arrays)
         options |= {"forces": tuple(forces), "reference": reference}
-        return self._checked(name, **options)(*arrays, _stacked(forces))
+        return self._checked(name, **options)(*arrays, stacked(forces))
 
 
-def _stacked(forces: Mapping[str, ArrayLike]) -> Array:
+def stacked(forces: Mapping[str, ArrayLike]) -> Array:
     """The wrenches side by side, (..., k, 6)."""
     wrenches = [np.asarray(wrench) for wrench in forces.values()]
     for name, wrench in zip(forces, wrenches, strict=True):

@@ -37,6 +37,11 @@ def _under_forces(function: Callable[..., Any]) -> Callable[..., Callable[..., A
     return build
 
 
+def _under_fixed_forces(function: Callable[..., Any]) -> Callable[..., Callable[..., Any]]:
+    """The same for forces that are fixed in the frames they act at."""
+    return lambda model, forces: _under_forces(function)(model, forces, "local")
+
+
 def _inverse(model: Model, friction: bool | Friction, **options: Any) -> Callable[..., Any]:
     run, law = _under_forces(algorithms.inverse_dynamics)(model, **options), _law(model, friction)
     if law is None:
@@ -83,6 +88,20 @@ RECIPES: dict[str, Recipe] = {
         Q,
         _FORCES,
         "The same under external forces, (nv,).",
+        _wrenches,
+    ),
+    "inverse_dynamics_derivatives": Recipe(
+        _under_fixed_forces(algorithms.inverse_dynamics_derivatives),
+        QVA,
+        {"forces": ()},
+        "Derivatives of the torques by q, v and a, (nv, nv) each; the last is the mass matrix.",
+        _wrenches,
+    ),
+    "forward_dynamics_derivatives": Recipe(
+        _under_fixed_forces(algorithms.forward_dynamics_derivatives),
+        QVTAU,
+        {"forces": ()},
+        "Derivatives of the accelerations by q, v and tau, (nv, nv) each; the last is the inverse mass matrix.",
         _wrenches,
     ),
     "mass_matrix": Recipe(on_model(algorithms.mass_matrix), Q, {}, "Mass matrix, (nv, nv)."),

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from support.derivatives import by_configuration
 from support.plain_dynamics import torques
 from support.random_models import random_model
 from ulna.algorithms.inverse_dynamics_derivatives import inverse_dynamics_derivatives
-from ulna.errors import NonFiniteError, ShapeError
+from ulna.errors import NonFiniteError, ShapeError, UnknownName
 from ulna.model import Model, ModelBuilder, Revolute
 from ulna.robot import Robot
 from ulna.spatial import SE3, Inertia
@@ -70,6 +71,28 @@ def test_forward_inverts_inverse(robot: Robot) -> None:
     np.testing.assert_allclose(M @ inverse, np.eye(robot.nv), atol=1e-9)
     np.testing.assert_allclose(M @ a_q, -by_q, atol=1e-9 * np.abs(by_q).max())
     np.testing.assert_allclose(M @ a_v, -by_v, atol=1e-9 * np.abs(by_v).max())
+
+
+def test_forces_turn_with_their_frames(robot: Robot) -> None:
+    rng = np.random.default_rng(5)
+    q, (v, a) = robot.random_configuration(seed=6), rng.standard_normal((2, robot.nv))
+    forces = {"tip": rng.standard_normal((2, 6)), "side": rng.standard_normal(6)}
+    found = robot.inverse_dynamics_derivatives(q, v, a, forces)[0]
+    assert found.shape == (2, robot.nv, robot.nv)
+    for k in range(2):
+        given = {"tip": forces["tip"][k], "side": forces["side"]}
+        expected = by_configuration(
+            robot.model, q, lambda x, given=given: robot.inverse_dynamics(x, v, a, given, "local")
+        )
+        np.testing.assert_allclose(found[k], expected.T, atol=1e-8)
+    tau = robot.inverse_dynamics(q, v, a, forces, "local")
+    np.testing.assert_allclose(
+        robot.forward_dynamics_derivatives(q, v, tau, forces)[0],
+        -robot.inverse_mass_matrix(q) @ found,
+        atol=1e-8 * np.abs(found).max(),
+    )
+    with pytest.raises(UnknownName):
+        robot.inverse_dynamics_derivatives(q, v, a, {"tpi": np.zeros(6)})
 
 
 def test_refusals(robot: Robot) -> None:
