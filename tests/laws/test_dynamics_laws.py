@@ -175,13 +175,14 @@ def freed(m: Model) -> tuple[Model, Floats]:
     """The model with its mimic joints free and without drives, their coordinates at the end, and B: v_free = B v."""
     joints, nq, nv, rows = [], m.nq, m.nv, [np.eye(m.nv)]
     for joint in m.joints:
-        if joint.mimic is not None:
-            row = np.zeros((1, m.nv))
-            row[0, joint.idx_v] = joint.mimic.multiplier
-            rows.append(row)
-            joint = replace(joint, mimic=None, idx_q=nq, idx_v=nv, armature=(0.0,))
-            nq, nv = nq + 1, nv + 1
-        joints.append(joint)
+        if joint.mimic is None:
+            joints.append(joint)
+            continue
+        row = np.zeros((1, m.nv))
+        row[0, joint.idx_v] = joint.mimic.multiplier
+        rows.append(row)
+        joints.append(replace(joint, mimic=None, idx_q=nq, idx_v=nv, armature=(0.0,)))
+        nq, nv = nq + 1, nv + 1
     free = replace(m, joints=tuple(joints), configurations={})
     armature = np.concatenate([m.armature, np.zeros(nv - m.nv)])
     free.__dict__["armature"] = armature  # the model gathers it in the order of the joints, not of v
