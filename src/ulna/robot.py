@@ -242,17 +242,19 @@ class Robot(Dynamics, Derivatives, Regressors):
     def manipulability(
         self,
         q: ArrayLike,
-        measure: Literal["yoshikawa", "inverse_condition", "minimum_singular_value"] = "yoshikawa",
+        measure: Literal["yoshikawa", "inverse_condition", "minimum_singular_value", "asada"] = "yoshikawa",
         axes: Any = "all",
         frame: str | None = None,
     ) -> Any:
         """How far the Jacobian is from losing rank, (...): see `ulna.algorithms.manipulability`.
 
         `axes` is "all", "trans", "rot", or six truth values. Yoshikawa's measure is a compiled kernel; the others take
-        singular values of the compiled Jacobian.
+        singular values of the compiled Jacobian, or, for "asada", eigenvalues of the inertia felt at the frame.
         """
         if measure == "yoshikawa":
             return self._checked("manipulability", frame=frame, axes=axes)(q)
+        if measure == "asada":
+            return algorithms.asada(self.jacobian(q, frame), self.mass_matrix(q), axes)
         return algorithms.measure_of(self.jacobian(q, frame), measure, axes)
 
     def manipulability_gradient(self, q: ArrayLike, axes: Any = "all", frame: str | None = None) -> Any:

@@ -59,3 +59,13 @@ def test_payload_capacity(puma) -> None:
     ours = robot.payload_capacity(q, "link6", w, weak)
     np.testing.assert_allclose(ours, peer.payload_capacity(q, weak, w), rtol=1e-8)
     assert np.isnan(ours).any()
+
+
+@pytest.mark.parametrize("axes", ["all", "trans", "rot"])
+def test_manipulability_by_asada(puma, axes: str) -> None:
+    robot, _, peer = puma
+    for q in np.random.default_rng(2).uniform(-2.0, 2.0, (6, 6)):
+        theirs = peer.manipulability(q, method="asada", axes=axes)
+        assert robot.manipulability(q, "asada", axes, frame="link6") == pytest.approx(
+            float(np.squeeze(theirs)), rel=1e-8
+        )

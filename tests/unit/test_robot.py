@@ -268,3 +268,13 @@ def test_what_is_no_robot_frame_size_or_dtype_is_refused(panda: ulna.Robot, qr: 
 def test_arguments_with_defaults_keep_them() -> None:
     assert ulna.compile(lambda x, k=2.0: x * k, x=(3,))(np.ones(3)).tolist() == [2.0, 2.0, 2.0]
     assert ulna.compile(lambda x, k=2.0: x * k, x=(3,), k=())(np.ones(3), 5.0).tolist() == [5.0, 5.0, 5.0]
+
+
+def test_asada_is_the_roundness_of_the_inertia_felt_at_the_tool(panda: ulna.Robot) -> None:
+    Q = panda.random_configuration(5, seed=5)
+    got = panda.manipulability(Q, "asada", "trans")
+    for q, value in zip(Q, got, strict=True):
+        inverse = np.linalg.pinv(panda.jacobian(q))
+        e = np.linalg.eigvalsh((inverse.T @ panda.mass_matrix(q) @ inverse)[:3, :3])
+        assert value == pytest.approx(e[0] / e[-1], rel=1e-9)
+    assert ((got >= 0.0) & (got <= 1.0)).all()

@@ -59,6 +59,7 @@ from ulna.algorithms.kinematics import frame_poses as frame_poses
 from ulna.algorithms.kinematics import frame_velocity as frame_velocity
 from ulna.algorithms.kinematics import joint_poses as joint_poses
 from ulna.algorithms.kinematics import joint_velocities as joint_velocities
+from ulna.algorithms.manipulability import asada as asada
 from ulna.algorithms.manipulability import manipulability as manipulability
 from ulna.algorithms.manipulability import manipulability_gradient as manipulability_gradient
 from ulna.algorithms.manipulability import measure_of as measure_of

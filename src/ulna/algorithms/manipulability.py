@@ -28,7 +28,7 @@ from ulna.errors import InputError, TraceError, UnknownName
 from ulna.model import Frame, Model
 from ulna.numeric import cross, dot, is_symbolic
 from ulna.spatial.batched import column
-from ulna.typing import Array
+from ulna.typing import Array, Floats
 
 Axes: TypeAlias = Literal["all", "trans", "rot"] | Sequence[bool]
 Measure: TypeAlias = Literal["yoshikawa", "inverse_condition", "minimum_singular_value"]
@@ -78,6 +78,26 @@ def measure_of(J: Array, measure: Measure = "yoshikawa", axes: Axes = "all") -> 
         return smallest
     largest = s[..., 0]
     return np.divide(smallest, largest, out=np.zeros_like(largest), where=largest > 0.0)
+
+
+def asada(J: Floats, M: Floats, axes: Axes = "all") -> Any:
+    """Asada's measure: how evenly a frame accelerates in all directions, from 0 to 1, shape (...).
+
+    The ratio of the smallest to the largest eigenvalue of the inertia felt at the frame, `pinv(J)^T M pinv(J)`, in the
+    rows and columns of `axes`. Asada, A geometrical representation of manipulator dynamics (1983).
+
+    Args:
+        J: Jacobian in local_world_aligned, shape (..., 6, nv).
+        M: Mass matrix, shape (..., nv, nv).
+        axes: As for `manipulability`.
+    """
+    rows = chosen_rows(axes)
+    inverse = np.linalg.pinv(J)
+    felt = np.swapaxes(inverse, -1, -2) @ M @ inverse
+    e = np.linalg.eigvalsh(felt[..., rows, :][..., :, rows])
+    return np.divide(e[..., 0], e[..., -1], out=np.zeros_like(e[..., 0]), where=e[..., -1] > 0.0).clip(
+        0.0, 1.0
+    )
 
 
 def manipulability_gradient(model: Model, q: Array, frame: Frame, axes: Axes = "all") -> Array:
