@@ -17,7 +17,7 @@ from ulna import algorithms
 from ulna.algorithms.references import check_reference
 from ulna.errors import UnknownName
 from ulna.model import Frame, Model
-from ulna.recipes import dynamics
+from ulna.recipes import dynamics, operational
 from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, Q, Recipe, frame_of, on_model
 from ulna.trace import Function, compile, element_of, trace
 from ulna.typing import Array
@@ -207,7 +207,9 @@ RECIPES: dict[str, Recipe] = {
         {},
         "Derivatives of difference by q0 and q1, (nv, nv) each.",
     ),
-} | dynamics.RECIPES
+    **dynamics.RECIPES,
+    **operational.RECIPES,
+}
 
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
 _lock = threading.RLock()

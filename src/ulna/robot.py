@@ -15,6 +15,7 @@ from ulna.algorithms.references import Reference
 from ulna.errors import InputError, UnknownName
 from ulna.methods.derivatives import Derivatives
 from ulna.methods.dynamics import Dynamics
+from ulna.methods.operational import Operational
 from ulna.methods.regressors import Regressors
 from ulna.model import Model
 from ulna.spatial import SE3
@@ -49,7 +50,7 @@ class Limits:
 
 
 @final
-class Robot(Dynamics, Derivatives, Regressors):
+class Robot(Dynamics, Operational, Derivatives, Regressors):
     """A robot: its model, and its kernels compiled when first used.
 
     Every method takes configurations of shape (..., nq) and velocities of shape (..., nv), with any leading batch

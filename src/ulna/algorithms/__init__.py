@@ -63,6 +63,11 @@ from ulna.algorithms.manipulability import asada as asada
 from ulna.algorithms.manipulability import manipulability as manipulability
 from ulna.algorithms.manipulability import manipulability_gradient as manipulability_gradient
 from ulna.algorithms.manipulability import measure_of as measure_of
+from ulna.algorithms.operational_space import Task as Task
+from ulna.algorithms.operational_space import operational_acceleration as operational_acceleration
+from ulna.algorithms.operational_space import operational_coriolis as operational_coriolis
+from ulna.algorithms.operational_space import operational_gravity as operational_gravity
+from ulna.algorithms.operational_space import operational_inertia as operational_inertia
 from ulna.algorithms.payload import payload_multiples as payload_multiples
 from ulna.algorithms.references import Reference as Reference
 from ulna.algorithms.regressors import body_regressor as body_regressor
