@@ -13,6 +13,7 @@ from ulna import algorithms, kernels
 from ulna import model as models
 from ulna.algorithms.references import Reference
 from ulna.errors import InputError, UnknownName
+from ulna.methods.base import Plain
 from ulna.methods.derivatives import Derivatives
 from ulna.methods.dynamics import Dynamics
 from ulna.methods.operational import Operational
@@ -62,7 +63,7 @@ class Robot(Dynamics, Operational, Derivatives, Regressors):
     "local_world_aligned" (frame's origin, world axes; the default).
     """
 
-    __slots__ = ("_fk", "_jacobian", "_kernels", "limits", "model")
+    __slots__ = ("_fk", "_jacobian", "_kernels", "_plain", "limits", "model")
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -70,6 +71,7 @@ class Robot(Dynamics, Operational, Derivatives, Regressors):
             model.lower_position, model.upper_position, model.velocity_limit, model.effort_limit
         )
         self._kernels: dict[Any, Any] = {}
+        self._plain = Plain(model)
         self._fk: dict[Any, Any] = {}
         self._jacobian: dict[Any, Any] = {}
 
@@ -164,7 +166,7 @@ class Robot(Dynamics, Operational, Derivatives, Regressors):
 
     def link_poses(self, q: ArrayLike) -> Any:
         """Poses of all links in the world, T_world_link, (..., nlinks, 4, 4), in the order of `link_names`."""
-        return self._checked("link_poses")(q)
+        return self._plain["link_poses"](q)
 
     def jacobian(
         self,
@@ -264,19 +266,19 @@ class Robot(Dynamics, Operational, Derivatives, Regressors):
 
     def integrate(self, q: ArrayLike, v: ArrayLike) -> Any:
         """The configuration reached from `q` by the step `v` (velocity times time), (..., nq)."""
-        return self._checked("integrate")(q, v)
+        return self._plain["integrate"](q, v)
 
     def difference(self, q0: ArrayLike, q1: ArrayLike) -> Any:
         """The step that leads from `q0` to `q1`, (..., nv): `integrate(q0, difference(q0, q1))` is `q1`."""
-        return self._checked("difference")(q0, q1)
+        return self._plain["difference"](q0, q1)
 
     def interpolate(self, q0: ArrayLike, q1: ArrayLike, t: ArrayLike) -> Any:
         """The point at `t` in [0, 1] on the way from `q0` to `q1`, (..., nq); batches of `t` broadcast."""
-        return self._checked("interpolate")(q0, q1, t)
+        return self._plain["interpolate"](q0, q1, t)
 
     def normalize(self, q: ArrayLike) -> Any:
         """`q` with its quaternions made unit, (..., nq)."""
-        out = self._checked("normalize")(q)
+        out = self._plain["normalize"](q)
         if np.isnan(out).any():
             raise InputError(
                 "`q` holds a quaternion of length 0, which is no rotation and cannot be normalised."
@@ -285,11 +287,11 @@ class Robot(Dynamics, Operational, Derivatives, Regressors):
 
     def distance(self, q0: ArrayLike, q1: ArrayLike) -> Any:
         """Length of the difference of two configurations, (...)."""
-        return self._checked("distance")(q0, q1)
+        return self._plain["distance"](q0, q1)
 
     def squared_distance(self, q0: ArrayLike, q1: ArrayLike) -> Any:
         """Square of the distance of two configurations, (...)."""
-        return self._checked("squared_distance")(q0, q1)
+        return self._plain["squared_distance"](q0, q1)
 
     def is_same_configuration(self, q0: ArrayLike, q1: ArrayLike, tolerance: float = 1e-9) -> Any:
         """Whether two configurations place the robot alike, (...): no entry of their difference is larger."""
@@ -297,11 +299,11 @@ class Robot(Dynamics, Operational, Derivatives, Regressors):
 
     def integrate_derivatives(self, q: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats]:
         """Derivatives of `integrate` by `q` and by `v` on the tangent spaces, (..., nv, nv) each."""
-        return self._checked("integrate_derivatives")(q, v)
+        return self._plain["integrate_derivatives"](q, v)
 
     def difference_derivatives(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
         """Derivatives of `difference` by `q0` and by `q1` on the tangent spaces, (..., nv, nv) each."""
-        return self._checked("difference_derivatives")(q0, q1)
+        return self._plain["difference_derivatives"](q0, q1)
 
     def random_configuration(self, size: int | tuple[int, ...] = (), seed: Any = None) -> Floats:
         """Random configurations within the limits, (*size, nq).

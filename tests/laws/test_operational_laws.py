@@ -10,7 +10,7 @@ from support.derivatives import along
 from support.random_models import random_model
 from ulna import algorithms as alg
 from ulna.algorithms import Task
-from ulna.errors import UnknownName
+from ulna.errors import InputError, UnknownName
 from ulna.model import Model
 from ulna.robots.panda import panda
 from ulna.robots.ur5 import ur5
@@ -115,3 +115,13 @@ def test_methods_of_the_robot() -> None:
     assert np.isfinite(stretched).all()
     with pytest.raises(UnknownName, match="rpy/xyz"):
         robot.operational_inertia(q, representation="rpy/xzy")  # type: ignore[arg-type]
+
+
+def test_too_few_joints_need_damping() -> None:
+    arm = ulna.Robot(random_model(np.random.default_rng(1), ["revolute", "revolute"], mimics=0))
+    q = np.array([0.3, -0.4])
+    with pytest.raises(InputError, match="damping"):
+        alg.operational_inertia(arm.model, np.zeros(2), Task(arm.model.frame("link0")))
+    with pytest.raises(InputError, match="damping"):
+        arm.operational_inertia(q, "link0")
+    assert np.isfinite(arm.operational_inertia(q, damping=0.01)).all()

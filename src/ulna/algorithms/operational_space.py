@@ -31,10 +31,16 @@ from ulna.algorithms.jacobian import frame_jacobian
 from ulna.algorithms.jacobian_dot import frame_jacobian_dot
 from ulna.algorithms.references import Reference
 from ulna.algorithms.rnea import gravity_forces
+from ulna.errors import InputError
 from ulna.linalg import solve_spd
 from ulna.model import Frame, Model
 from ulna.numeric import apply, vector
 from ulna.typing import Array
+
+_INFINITE = (
+    "The frame cannot move in all six directions, so that its inertia is infinite in the others; bound it with a "
+    "damping, such as damping=0.01."
+)
 
 
 class Task(NamedTuple):
@@ -70,7 +76,7 @@ def operational_inertia(model: Model, q: Array, task: Task) -> Array:
         task: What of which frame.
     """
     mobility = _mobility(model, q, task)[0]
-    return solve_spd(mobility, np.broadcast_to(np.eye(6), mobility.shape))
+    return _solve(mobility, np.broadcast_to(np.eye(6), mobility.shape))
 
 
 def operational_coriolis(model: Model, q: Array, v: Array, task: Task) -> Array:
@@ -85,8 +91,8 @@ def operational_coriolis(model: Model, q: Array, v: Array, task: Task) -> Array:
     mobility, inverse = _mobility(model, q, task)
     back = np.swapaxes(inverse, -1, -2)
     change = back @ coriolis_matrix(model, q, v) - task.jacobian_dot(model, q, v)
-    consistent = np.swapaxes(solve_spd(mobility, back), -1, -2)  # J+, for L is symmetric
-    return solve_spd(mobility, change @ consistent)
+    consistent = np.swapaxes(_solve(mobility, back), -1, -2)  # J+, for L is symmetric
+    return _solve(mobility, change @ consistent)
 
 
 def operational_gravity(model: Model, q: Array, task: Task) -> Array:
@@ -98,7 +104,7 @@ def operational_gravity(model: Model, q: Array, task: Task) -> Array:
         task: What of which frame.
     """
     mobility, inverse = _mobility(model, q, task)
-    return solve_spd(mobility, apply(np.swapaxes(inverse, -1, -2), gravity_forces(model, q)))
+    return _solve(mobility, apply(np.swapaxes(inverse, -1, -2), gravity_forces(model, q)))
 
 
 def operational_acceleration(model: Model, q: Array, v: Array, tau: Array, task: Task) -> Array:
@@ -115,8 +121,17 @@ def operational_acceleration(model: Model, q: Array, v: Array, tau: Array, task:
     return apply(task.jacobian(model, q), a) + apply(task.jacobian_dot(model, q, v), v)
 
 
+def _solve(mobility: Array, b: Array) -> Array:
+    try:
+        return solve_spd(mobility, b)
+    except (ZeroDivisionError, np.linalg.LinAlgError):
+        raise InputError(_INFINITE) from None
+
+
 def _mobility(model: Model, q: Array, task: Task) -> tuple[Array, Array]:
     """J M^-1 J^T + d^2 1, and M^-1 J^T."""
+    if model.nv < 6 and not task.damping:
+        raise InputError(_INFINITE)
     J = task.jacobian(model, q)
     factors = Factors(mass_matrix(model, q))
     rows = [vector(*factors.solve([J[..., i, k] for k in range(model.nv)])) for i in range(6)]

@@ -3,9 +3,27 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import Any, final
 
+from ulna import kernels
 from ulna.model import Model
+
+
+@final
+class Plain(dict[str, Any]):
+    """The checked kernels of a model without options, by name; each is made when it is first asked for.
+
+    A look into a dictionary is all that a call costs beyond the kernel.
+    """
+
+    __slots__ = ("model",)
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+
+    def __missing__(self, name: str) -> Any:
+        kernel = self[name] = kernels.kernel(self.model, name, checked=True)
+        return kernel
 
 
 class Part(ABC):
@@ -14,6 +32,7 @@ class Part(ABC):
     __slots__ = ()
 
     model: Model
+    _plain: Plain
 
     @abstractmethod
     def _checked(self, name: str, **options: Any) -> Any:

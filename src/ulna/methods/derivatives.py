@@ -64,11 +64,11 @@ class Derivatives(Part):
         About the centre of mass of the moving bodies, along the axes of the world, linear part first. The last is also
         the centroidal momentum matrix.
         """
-        return self._checked("centroidal_derivatives")(q, v, a)
+        return self._plain["centroidal_derivatives"](q, v, a)
 
     def com_velocity_derivatives(self, q: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats]:
         """Derivatives of the velocity of the centre of mass by `q` and `v`, (..., 3, nv) each, in world axes."""
-        return self._checked("com_velocity_derivatives")(q, v)
+        return self._plain["com_velocity_derivatives"](q, v)
 
     def frame_velocity_derivatives(
         self, q: ArrayLike, v: ArrayLike, frame: str | None = None
@@ -84,5 +84,5 @@ class Derivatives(Part):
 
     def _under_fixed(self, name: str, arrays: tuple[ArrayLike, ...], forces: Forces) -> Any:
         if not forces:
-            return self._checked(name)(*arrays)
+            return self._plain[name](*arrays)
         return self._checked(name, forces=tuple(forces))(*arrays, stacked(forces))

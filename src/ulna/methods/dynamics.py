@@ -57,6 +57,8 @@ class Dynamics(Part):
 
         Reference: Luh, Walker & Paul 1980; Featherstone 2008, section 5.3.
         """
+        if not forces and friction is False:
+            return self._plain["inverse_dynamics"](q, v, a)
         return self._under("inverse_dynamics", (q, v, a), forces, reference, friction)
 
     def forward_dynamics(
@@ -84,6 +86,8 @@ class Dynamics(Part):
 
         Reference: Featherstone 2008, sections 6.5 and 7.3; see `ulna.algorithms.forward_dynamics` for which is taken.
         """
+        if not forces and friction is False:
+            return self._plain["forward_dynamics"](q, v, tau)
         return self._under("forward_dynamics", (q, v, tau), forces, reference, friction)
 
     def bias_forces(
@@ -94,11 +98,13 @@ class Dynamics(Part):
         reference: Reference = "local_world_aligned",
     ) -> Any:
         """The torques that give no acceleration, (..., nv): Coriolis, centrifugal and gravity, less external forces."""
+        if not forces:
+            return self._plain["bias_forces"](q, v)
         return self._under("bias_forces", (q, v), forces, reference)
 
     def gravity_forces(self, q: ArrayLike) -> Any:
         """The torques that hold the robot against gravity, (..., nv) [N m or N]."""
-        return self._checked("gravity_forces")(q)
+        return self._plain["gravity_forces"](q)
 
     def static_torque(
         self, q: ArrayLike, forces: Forces = None, reference: Reference = "local_world_aligned"
@@ -111,33 +117,33 @@ class Dynamics(Part):
 
         Reference: Featherstone 2008, section 6.2.
         """
-        return self._checked("mass_matrix")(q)
+        return self._plain["mass_matrix"](q)
 
     def inverse_mass_matrix(self, q: ArrayLike) -> Any:
         """The inverse of the mass matrix, (..., nv, nv).
 
         Reference: Featherstone 2008, section 6.5.
         """
-        return self._checked("inverse_mass_matrix")(q)
+        return self._plain["inverse_mass_matrix"](q)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Any:
         """The matrix C with `C @ v + gravity = bias` and `dM/dt - 2 C` skew, (..., nv, nv).
 
         Reference: Echeandia & Wensing 2021.
         """
-        return self._checked("coriolis_matrix")(q, v)
+        return self._plain["coriolis_matrix"](q, v)
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> Any:
         """Half of `v @ M @ v`, (...) [J]: armature counts."""
-        return self._checked("kinetic_energy")(q, v)
+        return self._plain["kinetic_energy"](q, v)
 
     def potential_energy(self, q: ArrayLike) -> Any:
         """The energy of all that moves in the field of gravity, (...) [J]; zero at the world's origin."""
-        return self._checked("potential_energy")(q)
+        return self._plain["potential_energy"](q)
 
     def mechanical_energy(self, q: ArrayLike, v: ArrayLike) -> Any:
         """The sum of kinetic and potential energy, (...) [J]."""
-        return self._checked("mechanical_energy")(q, v)
+        return self._plain["mechanical_energy"](q, v)
 
     def total_mass(self, subtree: str | None = None) -> float:
         """The mass of all that moves, or of what the joint `subtree` moves [kg]; `model.mass` is that of all links."""
@@ -154,20 +160,28 @@ class Dynamics(Part):
             UnknownName: If there is no such joint.
             InputError: If there is no mass.
         """
+        if subtree is None:
+            return self._plain["center_of_mass"](q)
         return self._checked("center_of_mass", subtree=subtree)(q)
 
     def center_of_mass_velocity(self, q: ArrayLike, v: ArrayLike, subtree: str | None = None) -> Any:
         """How fast the centre of mass moves in the world, (..., 3) [m/s]."""
+        if subtree is None:
+            return self._plain["center_of_mass_velocity"](q, v)
         return self._checked("center_of_mass_velocity", subtree=subtree)(q, v)
 
     def center_of_mass_acceleration(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, subtree: str | None = None
     ) -> Any:
         """How the centre of mass accelerates in the world, (..., 3) [m/s^2]."""
+        if subtree is None:
+            return self._plain["center_of_mass_acceleration"](q, v, a)
         return self._checked("center_of_mass_acceleration", subtree=subtree)(q, v, a)
 
     def center_of_mass_jacobian(self, q: ArrayLike, subtree: str | None = None) -> Any:
         """The matrix that makes the velocity of the centre of mass out of `v`, (..., 3, nv)."""
+        if subtree is None:
+            return self._plain["center_of_mass_jacobian"](q)
         return self._checked("center_of_mass_jacobian", subtree=subtree)(q)
 
     def centroidal_momentum(self, q: ArrayLike, v: ArrayLike) -> Any:
@@ -175,19 +189,19 @@ class Dynamics(Part):
 
         Reference: Orin, Goswami & Lee 2013.
         """
-        return self._checked("centroidal_momentum")(q, v)
+        return self._plain["centroidal_momentum"](q, v)
 
     def centroidal_momentum_rate(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Any:
         """The time derivative of the centroidal momentum, (..., 6) [N, N m]."""
-        return self._checked("centroidal_momentum_rate")(q, v, a)
+        return self._plain["centroidal_momentum_rate"](q, v, a)
 
     def centroidal_matrix(self, q: ArrayLike) -> Any:
         """The matrix that makes the centroidal momentum out of `v`, (..., 6, nv)."""
-        return self._checked("centroidal_matrix")(q)
+        return self._plain["centroidal_matrix"](q)
 
     def centroidal_matrix_dot(self, q: ArrayLike, v: ArrayLike) -> Any:
         """The time derivative of the centroidal matrix along the velocity `v`, (..., 6, nv)."""
-        return self._checked("centroidal_matrix_dot")(q, v)
+        return self._plain["centroidal_matrix_dot"](q, v)
 
     def _under(
         self,

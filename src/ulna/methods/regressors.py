@@ -21,15 +21,15 @@ class Regressors(Part):
 
         `regressor @ ulna.model.dynamic_parameters(robot.model)` is inverse dynamics without the drives' inertia.
         """
-        return self._checked("joint_torque_regressor")(q, v, a)
+        return self._plain["joint_torque_regressor"](q, v, a)
 
     def gravity_regressor(self, q: ArrayLike) -> Any:
         """The same at rest, (..., nv, 10 nbodies): makes the torques that hold the robot still."""
-        return self._checked("gravity_regressor")(q)
+        return self._plain["gravity_regressor"](q)
 
     def static_regressor(self, q: ArrayLike) -> Any:
         """The matrix (..., 3, 4 nbodies) [1/kg] that makes the centre of mass out of each body's m and m c."""
-        return self._checked("static_regressor")(q)
+        return self._plain["static_regressor"](q)
 
     def frame_regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, frame: str | None = None) -> Any:
         """The matrix (..., 6, 10) that makes the wrench on a body at a frame out of its dynamic parameters."""
@@ -37,11 +37,11 @@ class Regressors(Part):
 
     def kinetic_energy_regressor(self, q: ArrayLike, v: ArrayLike) -> Any:
         """The row (..., 10 nbodies) that makes the kinetic energy [J] out of the dynamic parameters."""
-        return self._checked("kinetic_energy_regressor")(q, v)
+        return self._plain["kinetic_energy_regressor"](q, v)
 
     def potential_energy_regressor(self, q: ArrayLike) -> Any:
         """The row (..., 10 nbodies) that makes the potential energy [J] out of the dynamic parameters."""
-        return self._checked("potential_energy_regressor")(q)
+        return self._plain["potential_energy_regressor"](q)
 
     def payload_capacity(
         self,
