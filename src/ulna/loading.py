@@ -1,6 +1,6 @@
 """A robot by its name or its file: `load("panda")`, `load("arm.urdf")`, `load("g1", root="free_flyer")`.
 
-Readers of files are imported when a file is read, so that `import ulna` stays light.
+Readers of files and the catalogue are imported when they are used, so that `import ulna` stays light.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from ulna.errors import InputError, UnknownName
 from ulna.model import JointKind, Model
-from ulna.robots import catalogue, example_robot_data, robot_descriptions
 
 if TYPE_CHECKING:
     from ulna.robot import Robot
@@ -103,6 +102,8 @@ def load_model(
         )
     if isinstance(package_dirs, (str, os.PathLike)):
         package_dirs = (package_dirs,)
+    from ulna.robots import catalogue
+
     if visuals not in catalogue.VISUALS:
         raise UnknownName("kind of visuals", visuals, catalogue.VISUALS)
     options = _Options(root, visuals, tuple(package_dirs), mimic, dict(xacro_args or {}))
@@ -147,6 +148,7 @@ def _from_file(given: PathLike, options: _Options) -> Model:
     from ulna.formats.urdf import model_from_urdf
     from ulna.formats.urdf_parse import parse_urdf
     from ulna.formats.xacro import expand_xacro
+    from ulna.robots import example_robot_data
 
     file: str | None = None
     if isinstance(given, str) and given.lstrip("\ufeff \t\r\n").startswith("<"):
@@ -170,6 +172,8 @@ def _from_file(given: PathLike, options: _Options) -> Model:
 
 
 def _from_catalogue(name: str, options: _Options) -> Model:
+    from ulna.robots import catalogue, example_robot_data, robot_descriptions
+
     entry = catalogue.find(name)
     if options.root == "auto":
         options = dataclasses.replace(options, root="free_flyer" if entry.floating else None)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, final
 
 import numpy as np
@@ -212,6 +211,8 @@ class General:
             rows = (*lead, slice(cuts[k], cuts[k + 1]))
             inputs = [a[rows] if a.ndim > len(p.shape) else a for a, p in zip(wide, f.inputs, strict=True)]
             self.ufunc(*inputs, out=tuple(o[rows] for o in given))
+
+        from concurrent.futures import ThreadPoolExecutor  # slow to import, and needed only here
 
         ufunc = self.ufunc  # compile before the threads start
         assert ufunc is not None
