@@ -12,7 +12,7 @@ from support.plain_dynamics import momentum, torques
 from support.random_models import KINDS, random_model
 from ulna import algorithms as alg
 from ulna.model import Model, with_gravity
-from ulna.spatial import Force
+from ulna.spatial import Force, Inertia
 from ulna.trace import compile, trace
 from ulna.typing import Floats
 
@@ -152,6 +152,13 @@ def test_centroidal_momentum(case: Case) -> None:
     A, dA = alg.centroidal_matrix(m, q), alg.centroidal_matrix_dot(m, q, v)
     close(times(A, v), alg.centroidal_momentum(m, q, v))
     close(times(dA, v) + times(A, a), alg.centroidal_momentum_rate(m, q, v, a))
+    poses, g = alg.joint_poses(m, q), alg.center_of_mass(m, q)
+    whole = sum(
+        Inertia(body.mass, body.com - g, body.inertia).about_origin()
+        for T, own in zip(poses, m.inertias, strict=True)
+        for body in (T.act(own),)
+    )
+    close(alg.centroidal_inertia(m, q), whole)
     close(dA[0], along(m, q[0], v[0], lambda there: alg.centroidal_matrix(m, there)), 1e-8)
 
 

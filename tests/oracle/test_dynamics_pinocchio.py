@@ -145,6 +145,8 @@ def check_momentum(s: State) -> None:
     pin.computeCentroidalMomentumTimeVariation(s.pin, s.data, pq, pv, pa)
     close(alg.centroidal_momentum_rate(m, q, v, a), s.data.dhg.vector)
     close(alg.centroidal_matrix(m, q), s.twin.columns(pin.computeCentroidalMap(s.pin, s.data, pq)))
+    pin.ccrba(s.pin, s.data, pq, pv)
+    close(alg.centroidal_inertia(m, q), s.data.Ig.inertia)
 
 
 def check_rates(s: State) -> None:

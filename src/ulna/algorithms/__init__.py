@@ -13,6 +13,7 @@ from ulna.algorithms.centre_of_mass import center_of_mass_acceleration as center
 from ulna.algorithms.centre_of_mass import center_of_mass_jacobian as center_of_mass_jacobian
 from ulna.algorithms.centre_of_mass import center_of_mass_velocity as center_of_mass_velocity
 from ulna.algorithms.centre_of_mass import total_mass as total_mass
+from ulna.algorithms.centroidal import centroidal_inertia as centroidal_inertia
 from ulna.algorithms.centroidal import centroidal_matrix as centroidal_matrix
 from ulna.algorithms.centroidal import centroidal_matrix_dot as centroidal_matrix_dot
 from ulna.algorithms.centroidal import centroidal_momentum as centroidal_momentum

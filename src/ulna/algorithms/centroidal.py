@@ -9,6 +9,7 @@
 | A | centroidal momentum matrix; its column for s | (6, nv) | | G_i I s |
 | h_G | centroidal momentum, linear part first, in world axes | (6) | [N s, N m s] | A v |
 | dA/dt | its column for s | (6, nv) | | G_i (I (V_i x s) + dI/dt s) less (0; dg/dt x f), f = linear of A's |
+| I_G | rotational inertia about g, joints held, in world axes | (3, 3) | [kg m^2] | that about 0, less that of m in g |
 | dh_G/dt | rate of the momentum | (6) | [N, N m] | forces of rnea.py without gravity, about g; A a + dA/dt v |
 
 Source: Orin, Goswami & Lee, Centroidal dynamics of a humanoid robot (2013); Wensing & Orin, Improved computation of the
@@ -24,8 +25,8 @@ import numpy as np
 
 from ulna.algorithms.centre_of_mass import center_of_mass, center_of_mass_velocity
 from ulna.algorithms.coriolis import Moving, velocities
-from ulna.algorithms.crba import columns_of, composites
-from ulna.algorithms.lumps import felt
+from ulna.algorithms.crba import columns_of, composites, outside
+from ulna.algorithms.lumps import Lump, felt, lumps, steiner
 from ulna.algorithms.rnea import rates, wrench
 from ulna.algorithms.tidy import tidy
 from ulna.algorithms.tree import Step, blank, gathered_in_world, inward, poses
@@ -104,6 +105,21 @@ def centroidal_momentum_rate(model: Model, q: Array, v: Array, a: Array) -> Arra
     moving = rates(tidied.tree, q, v, a, np.zeros(3))
     forces = [wrench(body, rate) for body, rate in zip(felt(model, tidied), moving, strict=True)]
     return _about_centre(model, tidied.tree, forces, q) + blank((6,), q, v, a)
+
+
+def centroidal_inertia(model: Model, q: Array) -> Array:
+    """I_G, shape (..., 3, 3) [kg m^2]: the rotational inertia of the robot as one rigid body, in world axes.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+    """
+    tidied = tidy(model)
+    whole = gathered_in_world(
+        tidied.tree, lumps(model, tidied), Lump.zero(), lambda step, body: outside(step, body, q)
+    )
+    about_centre = steiner(whole.first, center_of_mass(model, q) * 0.5)
+    return whole.second - about_centre + blank((3, 3), q)
 
 
 def _centred(tree: Sequence[Step], q: Array, g: Array) -> list[SE3]:

@@ -40,11 +40,12 @@ def mass_matrix(model: Model, q: Array) -> Array:
 
 def composites(tree: Sequence[Step], bodies: Sequence[Lump], q: Array) -> list[Lump]:
     """I^c of every step."""
-    return inward(
-        tree,
-        bodies,
-        lambda step, body: body.moved(step.transform(q), turning_axis(step.kind)).moved(step.placement),
-    )
+    return inward(tree, bodies, lambda step, body: outside(step, body, q))
+
+
+def outside(step: Step, body: Lump, q: Array) -> Lump:
+    """An inertia in the moving frame of a step, as the parent's moving frame sees it."""
+    return body.moved(step.transform(q), turning_axis(step.kind)).moved(step.placement)
 
 
 def mass_matrix_of(model: Model, tree: Sequence[Step], bodies: Sequence[Lump], *inputs: Array) -> Array:

@@ -195,6 +195,10 @@ class Dynamics(Part):
         """The time derivative of the centroidal momentum, (..., 6) [N, N m]."""
         return self._plain["centroidal_momentum_rate"](q, v, a)
 
+    def centroidal_inertia(self, q: ArrayLike) -> Any:
+        """The rotational inertia about the centre of mass, all joints held, (..., 3, 3) [kg m^2], in world axes."""
+        return self._plain["centroidal_inertia"](q)
+
     def centroidal_matrix(self, q: ArrayLike) -> Any:
         """The matrix that makes the centroidal momentum out of `v`, (..., 6, nv)."""
         return self._plain["centroidal_matrix"](q)

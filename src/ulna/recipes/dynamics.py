@@ -133,6 +133,9 @@ RECIPES: dict[str, Recipe] = {
     "centroidal_momentum_rate": Recipe(
         on_model(algorithms.centroidal_momentum_rate), QVA, {}, "Its time derivative, (6,) [N, N m]."
     ),
+    "centroidal_inertia": Recipe(
+        on_model(algorithms.centroidal_inertia), Q, {}, "Rotational inertia about the centre of mass, (3, 3)."
+    ),
     "centroidal_matrix": Recipe(
         on_model(algorithms.centroidal_matrix), Q, {}, "Matrix that makes it out of v, (6, nv)."
     ),

@@ -29,6 +29,7 @@ METHODS = {
     "center_of_mass_jacobian": 1,
     "centroidal_momentum": 2,
     "centroidal_momentum_rate": 3,
+    "centroidal_inertia": 1,
     "centroidal_matrix": 1,
     "centroidal_matrix_dot": 2,
 }
