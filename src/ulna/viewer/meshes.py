@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import functools
 import os
-import re
-import warnings
 from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, MissingExtra
+from ulna.errors import InputError
+from ulna.geometry.meshes import read_pieces
 from ulna.typing import Array, Floats
 from ulna.viewer.surface import DEFAULT_COLOUR, RGBA, Surface, colour, unit
 
@@ -37,33 +36,8 @@ def load_mesh(path: str) -> tuple[Surface, ...]:
 
 @functools.lru_cache(maxsize=512)
 def _load(path: str, stamp: int) -> tuple[Surface, ...]:
-    try:
-        import trimesh
-    except ImportError as error:
-        raise MissingExtra("trimesh", "mesh", "Reading mesh files") from error
-    if path.lower().endswith(".dae"):
-        try:
-            import collada  # noqa: F401
-        except ImportError as error:
-            raise MissingExtra("pycollada", "mesh", "Reading mesh files") from error
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # trimesh and pycollada warn about numpy and about odd files
-            loaded = trimesh.load(path, force="scene", process=False)
-    except Exception as error:  # any of a dozen parsers underneath
-        raise InputError(f"Cannot read the mesh file {path!r}: {type(error).__name__}: {error}") from error
     pieces: dict[RGBA, list[tuple[Floats, Array]]] = {}
-    scene: Any = loaded
-    for node in scene.graph.nodes_geometry:
-        transform, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        if not hasattr(mesh, "faces") or len(mesh.faces) == 0:
-            continue
-        factor = _unit(mesh.metadata.get("units"))
-        vertices = (np.asarray(mesh.vertices) @ transform[:3, :3].T + transform[:3, 3]) * factor
-        faces = np.asarray(mesh.faces, dtype=np.int64)
-        if np.linalg.det(transform[:3, :3]) < 0:
-            faces = faces[:, ::-1]
+    for vertices, faces, mesh in read_pieces(path):
         for rgba, chosen in _colours(mesh):
             pieces.setdefault(rgba, []).append((vertices, faces if chosen is None else faces[chosen]))
     surfaces = []
@@ -155,12 +129,6 @@ def _join_corners(corners: Array, facing: Floats, crease: float, count: int) -> 
         if np.array_equal(new, label):
             return label
         label = new
-
-
-def _unit(text: object) -> float:
-    """Metres in one unit of length of the file."""
-    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*\*\s*meters\s*", str(text)) if text else None
-    return float(match.group(1)) if match else 1.0
 
 
 def _colours(mesh: Any) -> list[tuple[RGBA, Array | None]]:

@@ -1,0 +1,73 @@
+"""Mesh files (dae, stl, obj, glb ...) as plain triangles, in the frame of the file, in metres."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.errors import InputError, MissingExtra
+from ulna.typing import Array, Floats
+
+
+class Piece(NamedTuple):
+    """One part of a mesh file, placed where the file puts it."""
+
+    vertices: Floats
+    """Positions [m], shape (n, 3)."""
+    triangles: Array
+    """Indices of vertices, anticlockwise seen from outside, shape (m, 3)."""
+    source: Any
+    """The trimesh object it came from, which knows its colours."""
+
+
+def read_pieces(path: str) -> tuple[Piece, ...]:
+    """The parts of a mesh file; a COLLADA file's unit is applied and its up axis is not, as the robotics tools do.
+
+    Raises:
+        MissingExtra: trimesh (or pycollada, for .dae) is not installed.
+        InputError: The file cannot be opened, cannot be read as a mesh, or holds no triangles.
+    """
+    try:
+        os.stat(path)
+    except OSError as error:
+        raise InputError(f"Cannot open the mesh file {path!r}: {error.strerror or error}.") from error
+    try:
+        import trimesh
+    except ImportError as error:
+        raise MissingExtra("trimesh", "mesh", "Reading mesh files") from error
+    if path.lower().endswith(".dae"):
+        try:
+            import collada  # noqa: F401
+        except ImportError as error:
+            raise MissingExtra("pycollada", "mesh", "Reading mesh files") from error
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # trimesh and pycollada warn about numpy and about odd files
+            scene: Any = trimesh.load(path, force="scene", process=False)
+    except Exception as error:  # any of a dozen parsers underneath
+        raise InputError(f"Cannot read the mesh file {path!r}: {type(error).__name__}: {error}") from error
+    pieces = []
+    for node in scene.graph.nodes_geometry:
+        transform, name = scene.graph[node]
+        mesh = scene.geometry[name]
+        if not hasattr(mesh, "faces") or len(mesh.faces) == 0:
+            continue
+        factor = _metres(mesh.metadata.get("units"))
+        vertices = (np.asarray(mesh.vertices) @ transform[:3, :3].T + transform[:3, 3]) * factor
+        triangles = np.asarray(mesh.faces, dtype=np.int64)
+        if np.linalg.det(transform[:3, :3]) < 0:
+            triangles = triangles[:, ::-1]
+        pieces.append(Piece(vertices, triangles, mesh))
+    if not pieces:
+        raise InputError(f"The mesh file {path!r} holds no triangles.")
+    return tuple(pieces)
+
+
+def _metres(text: object) -> float:
+    """Metres in one unit of length of the file."""
+    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*\*\s*meters\s*", str(text)) if text else None
+    return float(match.group(1)) if match else 1.0
