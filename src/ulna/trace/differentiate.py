@@ -84,7 +84,7 @@ def _forward(g: Graph, tangents: dict[int, int], outputs: Sequence[int]) -> list
     """Tangents of `outputs` where node x has tangent `tangents[x]` and every other input has none."""
     d: dict[int, Scalar] = {x: Scalar(g, t) for x, t in tangents.items()}
     for index in g.live(outputs):
-        if index in d or g.op[index] in (Op.INPUT, Op.CONST, Op.BOOL):
+        if index in d or g.op[index] in (Op.INPUT, Op.CONST, Op.BOOL, Op.LANE):
             continue
         moving = [a for a in g.args[index] if a in d]
         if not moving:
@@ -166,5 +166,7 @@ def _partial(g: Graph, index: int, position: int) -> Any:
             "Derivatives through a loop are not offered. Differentiate what the loop solves (implicit function "
             "theorem), or unroll it with a Python `for`."
         )
+    if row.op in (Op.ANY, Op.LEAST):
+        raise TraceError("Derivatives across the lanes of a race are not offered.")
     rule = row.partials[position]
     return None if rule is None else rule(*(Scalar(g, a) for a in g.args[index]), Scalar(g, index))

@@ -60,8 +60,11 @@ def _truth(lay: Lanes, value: bool) -> str:
 class Writer:
     """Writes the nodes of one graph, in order, as instructions of one layout."""
 
-    def __init__(self, module: _Module, graph: Graph, layout: Lanes, prefix: str, contract: bool) -> None:
+    def __init__(
+        self, module: _Module, graph: Graph, layout: Lanes, prefix: str, contract: bool, is_race: bool = False
+    ) -> None:
         self.module, self.graph, self.layout, self.prefix = module, graph, layout, prefix
+        self.is_race = is_race  # whether all lanes work on one sample
         self.contract = " contract" if contract else ""
         self.lines: list[str] = []
         self.names: dict[int, str] = {}
@@ -104,6 +107,12 @@ class Writer:
             self.names[index] = _truth(lay, data)
         elif op in (Op.SIN, Op.COS):
             self.sincos([args[0]])
+        elif op == Op.LANE:
+            self.names[index] = lay.numbers()
+        elif op == Op.ANY:
+            self.any_lane(index, self.names[args[0]])
+        elif op == Op.LEAST:
+            self.least_lane(index, self.names[args[0]])
         elif op == Op.LOOP:
             self.loop(index, data, args)
         elif op == Op.ITEM:
@@ -162,6 +171,29 @@ class Writer:
                     self.assign(node, f"extractelement {lay.real} {whole}, i32 {lane}")
                 else:
                     self.names[node] = whole
+
+    def any_lane(self, index: int, condition: str) -> None:
+        """Whether the condition holds in any lane, in all lanes."""
+        lay, found = self.layout, self.fresh("any")
+        self.module.declare(f"declare i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth})")
+        self.write(f"{found} = call i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth} {condition})")
+        self.names[index] = self.in_all_lanes("i1", found)
+
+    def least_lane(self, index: int, value: str) -> None:
+        """The smallest number of all lanes, in all lanes."""
+        lay, found = self.layout, self.fresh("least")
+        name = f"@llvm.vector.reduce.fmin.{lay.suffix}"
+        self.module.declare(f"declare {lay.dtype} {name}({lay.real})")
+        self.write(f"{found} = call {lay.dtype} {name}({lay.real} {value})")
+        self.names[index] = self.in_all_lanes(lay.dtype, found)
+
+    def in_all_lanes(self, element: str, value: str) -> str:
+        """A vector that holds a value in every lane."""
+        kind, first, everywhere = self.layout.of(element), self.fresh("one"), self.fresh("all")
+        self.write(f"{first} = insertelement {kind} poison, {element} {value}, i64 0")
+        zeros = f"<{self.layout.lanes} x i32> zeroinitializer"
+        self.write(f"{everywhere} = shufflevector {kind} {first}, {kind} poison, {zeros}")
+        return everywhere
 
     def loop(self, index: int, loop: Loop, args: Sequence[int]) -> None:
         """Iterates until no lane's condition holds; a lane that is done keeps its state."""
@@ -241,14 +273,17 @@ def schedule(graph: Graph, outputs: Sequence[int], width: int) -> list[tuple[str
 
 def _write_block(module: _Module, f: Function, name: str, layout: Lanes, width: int, contract: bool) -> None:
     """`void name(ptr in, i64 stride, ..., ptr out, i64 stride, ...)`: lane j has the rows j * stride [byte]."""
-    body = Writer(module, f.graph, layout, "", contract)
+    strided = layout.lanes > 1 or name == "block"
+    if f.lanes > 1:
+        layout, width = Lanes(f.lanes, layout.dtype), 1
+    body = Writer(module, f.graph, layout, "", contract, f.lanes > 1)
     ports = [
         *((f"i{k}", p) for k, p in enumerate(f.inputs)),
         *((f"o{k}", p) for k, p in enumerate(f.outputs)),
     ]
     parameters = []
     for port, _ in ports:
-        if layout.lanes == 1:  # a single call writes to new arrays
+        if not strided:  # a single call writes to new arrays
             parameters.append(f"ptr noalias %{port}" if port[0] == "o" else f"ptr %{port}")
         else:  # the outputs of a batch may be its inputs, which is sound because all loads come before all stores
             parameters += [f"ptr %{port}", f"i64 %{port}s"]
@@ -268,7 +303,7 @@ def _write_block(module: _Module, f: Function, name: str, layout: Lanes, width: 
     for k, port in enumerate(f.outputs):
         store(body, f"o{k}", [body.names[r] for r in f.results[start : start + port.size]])
         start += port.size
-    attributes = "nounwind" if layout.lanes == 1 else "noinline nounwind #0"
+    attributes = "noinline nounwind #0" if strided or f.lanes > 1 else "nounwind"
     module.definitions[name] = (
         f"define internal void @{name}({', '.join(parameters)}) {attributes} {{\nentry:\n"
         + "\n".join(body.lines)
@@ -280,7 +315,7 @@ def emit_single(f: Function, element: DType = "double", pack: int = 8, contract:
     """IR of one sample: `void one(ptr in0, ..., ptr out0, ...)` on contiguous samples."""
     module = _Module()
     _write_block(module, f, "one", Lanes(1, element), pack, contract)
-    return module.text()
+    return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
 
 
 def emit_batch(f: Function, element: DType = "double", lanes: int = 8, contract: bool = True) -> str:
@@ -294,8 +329,10 @@ def emit_batch(f: Function, element: DType = "double", lanes: int = 8, contract:
     _write_block(module, f, "block", Lanes(lanes, element), 1, contract)
     module.declare("declare i32 @feclearexcept(i32)")
     module.definitions["batch"] = batch_loop(f, element, lanes)
-    text = module.text()
-    return (
-        text + f'\nattributes #0 = {{ "prefer-vector-width"="{lanes * BYTES[element] * 8}" '
-        f'"min-legal-vector-width"="{lanes * BYTES[element] * 8}" }}\n'
-    )
+    return module.text() + _wide_registers(max(lanes, f.lanes), element)
+
+
+def _wide_registers(lanes: int, element: DType) -> str:
+    """The attributes that let a function use registers of so many lanes."""
+    bits = lanes * BYTES[element] * 8
+    return f'\nattributes #0 = {{ "prefer-vector-width"="{bits}" "min-legal-vector-width"="{bits}" }}\n'

@@ -52,6 +52,7 @@ class Function:
     results: tuple[int, ...]  # the nodes of all outputs, flat, one after the other
     single: bool = True  # whether calls return the only output instead of a tuple
     doc: str = field(default="", repr=False)
+    lanes: int = 1  # more than 1 for a race, which one sample runs in so many lanes; see `ulna.trace.race`
 
     def __call__(self, *args: Any) -> Any:
         """Evaluates on floats by interpretation, or inlines into the trace under way."""
@@ -61,6 +62,10 @@ class Function:
                 f"{self.name}({names}) takes {len(self.inputs)} arguments; {len(args)} were given."
             )
         if is_symbolic(*args):
+            if self.lanes > 1:
+                raise TraceError(
+                    f"{self.name} is a race of lanes and takes numbers only; it cannot be inlined."
+                )
             return self._inline(args)
         arrays = [np.asarray(a, dtype=float) for a in args]
         batches = [_batch_of(a, port) for a, port in zip(arrays, self.inputs, strict=True)]
@@ -69,7 +74,11 @@ class Function:
         for a, port in zip(arrays, self.inputs, strict=True):
             rows = np.broadcast_to(a, batch + port.shape).reshape(*batch, port.size)
             flat.extend(rows[..., k] for k in range(port.size))
-        values = interpret(self.graph, flat, self.results)
+        if self.lanes == 1:
+            values = interpret(self.graph, flat, self.results)
+        else:  # the lanes are one more axis, and lane 0 speaks for all
+            values = interpret(self.graph, [x[..., None] for x in flat], self.results)
+            values = [np.broadcast_to(v, (*batch, self.lanes))[..., 0] for v in values]
         columns = [np.broadcast_to(np.asarray(v, dtype=float), batch) for v in values]
         return self._pack(
             columns, lambda part: np.stack(part, axis=-1) if part else np.zeros((*batch, 0)), batch
@@ -153,6 +162,7 @@ def trace(
     name: str | None = None,
     doc: str = "",
     rules: str = "relaxed",
+    lanes: int = 1,
     **shapes: Shape | int,
 ) -> Function:
     """Calls `f` once with traced arrays and records what it computes.
@@ -163,6 +173,7 @@ def trace(
         doc: Text for the kernel's `__doc__`; default `f.__doc__`.
         rules: "relaxed" also uses simplifications that hold for finite numbers up to the sign of zero
             (x * 0 -> 0, x + 0 -> x, 0 - x -> -x, x - x -> 0); "exact" only those that hold bit for bit.
+        lanes: A power of two above 1 makes a race: each sample is evaluated in so many lanes; see `ulna.trace.race`.
         **shapes: Shape of each argument in order, `q=(7,)`; `()` is a number.
 
     Raises:
@@ -205,6 +216,7 @@ def trace(
         tuple(results),
         single,
         doc or (getattr(f, "__doc__", "") or ""),
+        lanes,
     )
 
 
@@ -238,6 +250,8 @@ def copy_into(target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequen
             where[index] = target.constant(data)
         elif op == Op.BOOL:
             where[index] = target.truth(data)
+        elif op == Op.LANE:
+            where[index] = target.lane(data)
         elif op == Op.LOOP:
             where[index] = target.loop(data, [where[a] for a in args])
         elif op == Op.ITEM:
@@ -253,7 +267,7 @@ def _replay_on_objects(function: Function, flat: Sequence[Any]) -> list[Any]:
     values: dict[int, Any] = {}
     for index in graph.live(function.results):
         op, args, data = graph.op[index], graph.args[index], graph.data[index]
-        if op in (Op.LOOP, Op.ITEM):
+        if op in (Op.LOOP, Op.ITEM, Op.LANE):
             raise TraceError(
                 f"{function.name} has a loop and cannot be replayed on {type(flat[0]).__name__}."
             )

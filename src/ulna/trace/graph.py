@@ -94,6 +94,14 @@ class Graph:
         index = self._append(Op.LOOP, tuple(args), loop)
         return [self._append(Op.ITEM, (index,), k) for k in range(loop.size)]
 
+    def lane(self, count: int) -> int:
+        """The node of the lane's number, 0 to `count` - 1."""
+        key = (Op.LANE, count)
+        index = self._interned.get(key)
+        if index is None:
+            index = self._interned[key] = self._append(Op.LANE, (), count)
+        return index
+
     def capture(self, other: Graph, index: int) -> int:
         """The node that stands here for node `index` of `other`, a graph around this one."""
         if self.parent is None:
@@ -105,6 +113,8 @@ class Graph:
             return self.constant(self.parent.data[index])
         if op == Op.BOOL:
             return self.truth(self.parent.data[index])
+        if op == Op.LANE:
+            return self.lane(self.parent.data[index])
         if index not in self._captured:
             self._captured[index] = self.input()
         return self._captured[index]
@@ -157,6 +167,8 @@ def _rebuild(
             graph._interned[struct.pack("<d", d)] = index
         elif o == Op.BOOL:
             graph._interned[d] = index
+        elif o == Op.LANE:
+            graph._interned[(Op.LANE, d)] = index
         elif o not in (Op.INPUT, Op.LOOP, Op.ITEM):
             graph._interned[(o, *a)] = index
     return graph

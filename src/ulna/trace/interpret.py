@@ -21,6 +21,8 @@ def interpret(graph: Graph, inputs: Sequence[Any], outputs: Sequence[int]) -> li
                 values[index] = inputs[data]
             elif op in (Op.CONST, Op.BOOL):
                 values[index] = data
+            elif op == Op.LANE:
+                values[index] = np.arange(float(data))
             elif op == Op.LOOP:
                 values[index] = _iterate(data, [values[a] for a in args])
             elif op == Op.ITEM:

@@ -108,6 +108,12 @@ class Lanes:
         literal = f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
         return literal if self.lanes == 1 else f"splat ({self.dtype} {literal})"
 
+    def numbers(self) -> str:
+        """The literal of each lane's own number: 0, 1, 2, ..."""
+        if self.lanes == 1:
+            return "0.0"
+        return "<" + ", ".join(f"{self.dtype} {float(k)}" for k in range(self.lanes)) + ">"
+
     def integer_constant(self, value: int) -> str:
         """The integer literal."""
         return str(value) if self.lanes == 1 else f"splat (i{self.bits} {value})"

@@ -20,11 +20,12 @@ def load(to: Writer, port: str, size: int, wanted: Sequence[int]) -> Iterator[tu
     """The columns `wanted` of `size` in a row, each with its value in all lanes."""
     if not wanted:
         return
-    rows = _rows(to, port)
-    if to.layout.lanes == 1:
+    if to.layout.lanes == 1 or to.is_race:
         for j in wanted:
-            yield j, _read(to, rows[0], j, 1)
+            value = _read(to, f"%{port}", j, 1)
+            yield j, to.in_all_lanes(to.layout.dtype, value) if to.is_race else value
         return
+    rows = _rows(to, port)
     for start, width in _chunks(to, size):
         chosen = [j for j in wanted if start <= j < start + width]
         if chosen:
@@ -36,11 +37,11 @@ def store(to: Writer, port: str, values: Sequence[str]) -> None:
     """Writes `values[j]` of every lane to element j of the lane's row."""
     if not values:
         return
-    rows = _rows(to, port)
-    if to.layout.lanes == 1:
+    if to.layout.lanes == 1 or to.is_race:
         for j, value in enumerate(values):
-            _write(to, rows[0], j, 1, value)
+            _write(to, f"%{port}", j, 1, _of_first_lane(to, value) if to.is_race else value)
         return
+    rows = _rows(to, port)
     for start, width in _chunks(to, len(values)):
         parts = _parts(to, values[start : start + width])
         for row, part in zip(rows, parts, strict=True):
@@ -55,6 +56,12 @@ def _rows(to: Writer, port: str) -> list[str]:
         to.write(f"{name} = getelementptr i8, ptr {rows[-1]}, i64 %{port}s")
         rows.append(name)
     return rows
+
+
+def _of_first_lane(to: Writer, value: str) -> str:
+    first = to.fresh("f")
+    to.write(f"{first} = extractelement {to.layout.real} {value}, i64 0")
+    return first
 
 
 def _chunks(to: Writer, size: int) -> Iterator[tuple[int, int]]:

@@ -46,6 +46,9 @@ class Op(IntEnum):
     SELECT = 27
     LOOP = 28  # iterate a subgraph until its condition fails; data = Loop
     ITEM = 29  # one result of a LOOP; data = its number
+    LANE = 30  # the number of the lane; data = how many lanes race
+    ANY = 31  # whether a condition holds in any lane
+    LEAST = 32  # the smallest number in any lane; nan does not count
 
 
 Partial = Callable[..., Any]
@@ -68,6 +71,14 @@ class Row:
 
 def _half(y: Any) -> Any:
     return 0.5 / y
+
+
+def _any_lane(c: Any) -> Any:
+    return np.any(c, axis=-1, keepdims=True) if np.ndim(c) else c
+
+
+def _least_lane(x: Any) -> Any:
+    return np.fmin.reduce(x, axis=-1, keepdims=True) if np.ndim(x) else x
 
 
 _ROWS = (
@@ -121,6 +132,9 @@ _ROWS = (
     Row(Op.SELECT, 3, np.where, "select"),
     Row(Op.LOOP, -1),
     Row(Op.ITEM, 1, cost=0),
+    Row(Op.LANE, 0, cost=0),
+    Row(Op.ANY, 1, _any_lane, is_condition=True),
+    Row(Op.LEAST, 1, _least_lane),
 )
 
 TABLE: tuple[Row, ...] = _ROWS

@@ -44,7 +44,7 @@ class Value:
     def _loop_(self, condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple[Any, ...]:
         """The hook of numeric.loop: iterates `body` on the flat `state` while `condition`, lane by lane."""
         outer = innermost(self, *state)
-        current = _under_trace.graphs[-1] if _under_trace.graphs else outer
+        current = under_trace() or outer
         if is_inside(current, outer):  # the state may start from values further out
             outer = current
         inner = Graph(relaxed=outer.relaxed, parent=outer)
@@ -303,6 +303,11 @@ class _UnderTrace(threading.local):
 
 
 _under_trace = _UnderTrace()
+
+
+def under_trace() -> Graph | None:
+    """The innermost graph that this thread is making, if any."""
+    return _under_trace.graphs[-1] if _under_trace.graphs else None
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from ulna.trace.ops import TABLE, Op
 if TYPE_CHECKING:
     from ulna.trace.graph import Graph
 
-_CONDITIONS = frozenset({Op.LT, Op.LE, Op.EQ, Op.AND, Op.OR, Op.NOT})
+_CONDITIONS = frozenset({Op.LT, Op.LE, Op.EQ, Op.AND, Op.OR, Op.NOT, Op.ANY})
 
 
 def simplify(g: Graph, op: int, args: tuple[int, ...]) -> int | None:
