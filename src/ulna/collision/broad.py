@@ -1,0 +1,96 @@
+"""Where the solids of a robot are, and lower bounds of their distances, for a whole batch at once.
+
+| symbol | meaning | shape | unit |
+|---|---|---|---|
+| R, p | pose of each solid in the world | (..., n, 3, 3), (..., n, 3) | [m] |
+| c, h | centre and half edges of the box along the world's axes around each solid | (..., n, 3) | [m] |
+| g | gap of two such boxes along each axis | (..., 3) | [m] |
+
+Two shapes are at least |max(g, 0)| apart; where all of g is negative they can be pulled apart by -max(g), so that
+their signed distance is at least max(g). Source: Ericson, Real-Time Collision Detection (2005), section 4.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ulna import algorithms
+from ulna.collision.solids import Solid
+from ulna.geometry import Capsule, Plane, Sphere
+from ulna.model import Model
+from ulna.numeric import apply, dot
+from ulna.trace import compile, trace
+from ulna.typing import Array, Floats
+
+
+def pose_kernel(model: Model, solids: Sequence[Solid]) -> Any:
+    """The kernel from a configuration (nq,) to R, p, c, h of the solids of a robot."""
+
+    def boxes(q: Array) -> tuple[Array, ...]:
+        poses = algorithms.frame_poses(model, q, solids)  # type: ignore[arg-type]
+        around = [_box(s, T.rotation, T.translation) for s, T in zip(solids, poses, strict=True)]
+        return (
+            np.stack([T.rotation for T in poses]),
+            np.stack([T.translation for T in poses]),
+            np.stack([c for c, _ in around]),
+            np.stack([h for _, h in around]),
+        )
+
+    return compile(trace(boxes, name="solids", q=(model.nq,)), checked=True)
+
+
+def boxes_at(solids: Sequence[Solid], rotation: Floats, translation: Floats) -> tuple[Floats, Floats]:
+    """c and h of solids at given poses (..., n, 3, 3), (..., n, 3)."""
+    if not solids:
+        empty = np.zeros((*translation.shape[:-2], 0, 3))
+        return empty, empty
+    around = [_box(s, rotation[..., k, :, :], translation[..., k, :]) for k, s in enumerate(solids)]
+    return np.stack([c for c, _ in around], axis=-2), np.stack([h for _, h in around], axis=-2)
+
+
+def _box(solid: Solid, rotation: Array, translation: Array) -> tuple[Array, Array]:
+    centre, half = solid.bounds
+    shape = solid.shape
+    if isinstance(shape, Plane):
+        return translation, np.full(translation.shape, np.inf)
+    middle = apply(rotation, centre) + translation if centre.any() else translation
+    if isinstance(shape, Sphere):
+        return middle, 0.0 * translation + shape.radius
+    if isinstance(shape, Capsule):
+        return middle, abs(rotation[..., :, 2]) * (shape.length / 2.0) + shape.radius
+    return middle, apply(abs(rotation), half)
+
+
+def gaps(c: Floats, h: Floats, to_c: Floats, to_h: Floats) -> Floats:
+    """Lower bounds of the signed distances between two sets of boxes, (..., n, m) [m]."""
+    worst, squares = None, None
+    for axis in range(3):
+        gap = np.abs(c[..., :, None, axis] - to_c[..., None, :, axis])
+        gap -= h[..., :, None, axis]
+        gap -= to_h[..., None, :, axis]
+        outside = np.maximum(gap, 0.0)
+        outside *= outside
+        worst = gap if worst is None else np.maximum(worst, gap, out=worst)
+        squares = outside if squares is None else np.add(squares, outside, out=squares)
+    assert worst is not None and squares is not None
+    return np.where(worst > 0.0, np.sqrt(squares), worst)
+
+
+def overlaps(c: Floats, h: Floats, to_c: Floats, to_h: Floats, margin: float) -> Array:
+    """Whether boxes come nearer than `margin` [m] along every axis, (..., n, m)."""
+    found = None
+    for axis in range(3):
+        low = (c - h)[..., :, None, axis] - margin <= (to_c + to_h)[..., None, :, axis]
+        low &= (to_c - to_h)[..., None, :, axis] <= (c + h)[..., :, None, axis] + margin
+        found = low if found is None else np.logical_and(found, low, out=found)
+    assert found is not None
+    return found
+
+
+def plane_gaps(c: Floats, h: Floats, rotation: Floats, translation: Floats) -> Floats:
+    """Lower bounds of the signed distances from boxes to a solid half space, (..., n) [m]."""
+    normal = rotation[..., None, :, 2]
+    return dot(normal, c - translation[..., None, :]) - dot(np.abs(normal), h)

@@ -1,0 +1,408 @@
+"""Exact collision checks and distances of a robot, against itself and a world, through coal.
+
+A compiled kernel places every solid of a batch, boxes around them say which pairs can matter, and coal judges only
+those. Pairs are ruled out by lower bounds alone, so that the answers are those of asking coal for every pair.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from ulna import kernels
+from ulna.collision import broad, narrow
+from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
+from ulna.collision.result import Distance, Proximity
+from ulna.collision.solids import Missing, link_solids, obstacle_solids
+from ulna.collision.world import World
+from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.geometry import Plane
+from ulna.model import Model
+from ulna.spatial import SE3
+from ulna.typing import Array, ArrayLike, Floats
+
+_CHUNK = 256  # configurations whose boxes are compared at once: what fits the second cache
+
+
+@dataclass(frozen=True)
+class _Poses:
+    """Poses of every solid, and the boxes around them, for some configurations; links first, then obstacles."""
+
+    rotation: Floats  # (rows, n, 3, 3)
+    translation: Floats  # (rows, n, 3)
+    centre: Floats  # (rows, n, 3)
+    half: Floats  # (rows, n, 3)
+
+
+@final
+class Checker:
+    """Collision checks of one robot, in one world, through coal.
+
+    It keeps coal's objects between calls; a lock lets one thread in at a time. For more threads make more checkers.
+
+    Args:
+        model: The robot.
+        world: Its obstacles; None for none.
+        pairs: Pairs of links to check against each other; None for `link_pairs(model)`, () for none.
+        without: Pairs of links, or of a link and an obstacle, to leave out.
+        convex: Whether meshes are taken by their convex hulls; faster, and larger.
+        missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
+
+    Raises:
+        MissingExtra: If coal is not installed.
+        ModelError: If the robot has no collision geometry, or a mesh is missing.
+        UnknownName: If a pair names no link.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        world: World | None = None,
+        *,
+        pairs: Iterable[LinkPair] | None = None,
+        without: Iterable[LinkPair] = (),
+        convex: bool = False,
+        missing: Missing = "error",
+    ) -> None:
+        narrow.coal()
+        self.model, self.world = model, World() if world is None else world
+        if not isinstance(self.world, World):
+            raise InputError(f"`world` is {world!r}; expected a World, as `ulna.World().add(...)` makes.")
+        links, obstacles = link_solids(model, missing), obstacle_solids(self.world, missing)
+        self.solids, self._count = (*links, *obstacles), len(links)
+        self.pairs = self._link_pairs(pairs, without)
+        self._mask = self._checks(without)
+        self._kernel = broad.pose_kernel(model, links)
+        self._fixed = np.stack([s.placement.rotation for s in obstacles]) if obstacles else np.zeros((0, 3, 3))
+        self._placed = np.stack([s.placement.translation for s in obstacles]) if obstacles else np.zeros((0, 3))
+        self._planes = [len(links) + k for k, s in enumerate(obstacles) if isinstance(s.shape, Plane)]
+        self._narrow = _Narrow([narrow.geometry_of(s, convex) for s in self.solids])
+        self._jacobians: dict[str, Any] = {}
+        self._lock = threading.Lock()
+
+    def _link_pairs(
+        self, pairs: Iterable[LinkPair] | None, without: Iterable[LinkPair]
+    ) -> tuple[LinkPair, ...]:
+        gone = [pair for pair in without if not any(name in self.world for name in pair)]
+        if pairs is None:
+            return link_pairs(self.model, without=gone)
+        skip = {frozenset(pair) for pair in checked_pairs(self.model, gone)}
+        return tuple(pair for pair in checked_pairs(self.model, pairs) if frozenset(pair) not in skip)
+
+    def _checks(self, without: Iterable[LinkPair]) -> Array:
+        """Which solids of links are checked against which solids of all, (n links, n)."""
+        among = {frozenset(pair) for pair in self.pairs}
+        skip = {frozenset(pair) for pair in without}
+        mask = np.zeros((self._count, len(self.solids)), dtype=bool)
+        for i, a in enumerate(self.solids[: self._count]):
+            for j, b in enumerate(self.solids):
+                if j < self._count:
+                    mask[i, j] = i < j and frozenset((a.owner, b.owner)) in among
+                else:
+                    obstacle = self.world[b.owner]
+                    still = a.joint < 0 and not obstacle.moving
+                    mask[i, j] = not (still or a.owner in obstacle.touches or {a.owner, b.owner} in skip)
+        for obstacle in self.world:
+            for link in obstacle.touches:
+                self.model.link_index(link)
+        return mask
+
+    # questions ---------------------------------------------------------------------------------------------
+
+    def collides(
+        self,
+        q: ArrayLike,
+        moving: Mapping[str, ArrayLike] | None = None,
+        *,
+        margin: float = 0.0,
+        broad_phase: bool = True,
+    ) -> Any:
+        """Whether anything touches, (...).
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            moving: Poses of moving obstacles by name, T_world_shape (..., 4, 4).
+            margin: Shapes that come as near as this count as touching [m]; negative lets them overlap that deep.
+            broad_phase: Whether boxes rule out pairs before coal sees them.
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If `q` or a pose cannot be one.
+            UnknownName: If `moving` names no obstacle.
+        """
+        margin = _number("margin", margin)
+        with self._lock:
+            batch, chunks = self._chunks(q, moving)
+            out = np.zeros(int(np.prod(batch)), dtype=bool)
+            for start, poses in chunks:
+                near = self._near(poses, margin) if broad_phase else self._mask[None] & self._all(poses)
+                self._touch(poses, near, margin, out[start:])
+        return out.reshape(batch) if batch else bool(out[0])
+
+    def distance(
+        self,
+        q: ArrayLike,
+        moving: Mapping[str, ArrayLike] | None = None,
+        *,
+        stop_below: float | None = None,
+        broad_phase: bool = True,
+    ) -> Distance:
+        """The least signed distance of all pairs, with witness points, normal and names; see `Distance`.
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            moving: Poses of moving obstacles by name, T_world_shape (..., 4, 4).
+            stop_below: The first pair this near ends the search [m]; there may be nearer ones then.
+            broad_phase: Whether boxes rule out pairs before coal sees them.
+        """
+        enough = -np.inf if stop_below is None else _number("stop_below", stop_below)
+        with self._lock:
+            batch, chunks = self._chunks(q, moving)
+            found = [
+                self._nearest(poses, row, bounds, enough)
+                for _, poses in chunks
+                for row, bounds in enumerate(self._bounds(poses, broad_phase))
+            ]
+        return Distance.of([self._proximity(item) for item in found], batch)
+
+    def nearest(
+        self,
+        q: ArrayLike,
+        moving: Mapping[str, ArrayLike] | None = None,
+        *,
+        within: float = np.inf,
+    ) -> tuple[Proximity, ...]:
+        """Every two owners of solids that are nearer than `within` [m] at one configuration (nq,), nearest first.
+
+        Two links, or a link and an obstacle, appear once, at their nearest solids, with the gradient of their
+        distance: the rows that dampers of a controller need.
+        """
+        if np.ndim(q) != 1:
+            raise ShapeError("q", np.shape(q), f"({self.model.nq},)", "Ask for one configuration at a time.")
+        best: dict[tuple[str, str], _Found] = {}
+        with self._lock:
+            _, chunks = self._chunks(q, moving)
+            for _, poses in chunks:
+                bounds = self._bounds(poses, True)[0]
+                for i, j in zip(*np.nonzero(bounds <= within), strict=True):
+                    key = self.solids[i].owner, self.solids[j].owner
+                    if key in best and bounds[i, j] >= best[key].distance:
+                        continue
+                    item = self._narrow.distance(poses, 0, int(i), int(j))
+                    if item.distance <= within and (key not in best or item.distance < best[key].distance):
+                        best[key] = item
+        ordered = sorted(best.values(), key=lambda item: item.distance)
+        return tuple(self._proximity(item, np.asarray(q, dtype=float)) for item in ordered)
+
+    def gradient(self, q: ArrayLike, moving: Mapping[str, ArrayLike] | None = None) -> Floats:
+        """Gradient of the least distance by the configuration's tangent, (..., nv) [m/rad or 1]; 0 without pairs.
+
+        Where two pairs are equally near, or the nearest points jump, the distance has no gradient; this is that of
+        the pair found.
+        """
+        found = self.distance(q, moving)
+        batch = found.distance.shape
+        rows = np.broadcast_to(np.asarray(q, dtype=float), (*batch, self.model.nq)).reshape(-1, self.model.nq)
+        items = found.flat()
+        out = [self._gradient(item, row) for item, row in zip(items, rows, strict=True)]
+        return np.array(out).reshape(*batch, self.model.nv)
+
+    # one batch ---------------------------------------------------------------------------------------------
+
+    def _chunks(
+        self, q: ArrayLike, moving: Mapping[str, ArrayLike] | None
+    ) -> tuple[tuple[int, ...], Iterator[tuple[int, _Poses]]]:
+        R, p, c, h = self._kernel(q)
+        stray = self._moved(moving or {})
+        batch = np.broadcast_shapes(p.shape[:-2], *(T.shape[:-2] for T in stray.values()))
+        total = int(np.prod(batch))
+        flat = [np.broadcast_to(x, batch + x.shape[p.ndim - 2 :]).reshape(total, *x.shape[p.ndim - 2 :]) for x in (R, p, c, h)]
+        poses = {k: np.broadcast_to(T, (*batch, 4, 4)).reshape(total, 4, 4) for k, T in stray.items()}
+        return batch, self._pieces(flat, poses, total)
+
+    def _pieces(
+        self, flat: Sequence[Floats], poses: Mapping[int, Floats], total: int
+    ) -> Iterator[tuple[int, _Poses]]:
+        obstacles = self.solids[self._count :]
+        fixed = broad.boxes_at(obstacles, self._fixed, self._placed)
+        for start in range(0, total, _CHUNK):
+            part = slice(start, min(start + _CHUNK, total))
+            rows = part.stop - start
+            R, p = (np.broadcast_to(x, (rows, *x.shape)) for x in (self._fixed, self._placed))
+            c, h = (np.broadcast_to(x, (rows, *x.shape)) for x in fixed)
+            if poses:
+                R, p = R.copy(), p.copy()
+                for k, T in poses.items():
+                    R[:, k], p[:, k] = T[part, :3, :3], T[part, :3, 3]
+                c, h = broad.boxes_at(obstacles, R, p)
+            pairs = zip(flat, (R, p, c, h), strict=True)
+            yield start, _Poses(*(np.concatenate([own[part], other], axis=1) for own, other in pairs))
+
+    def _moved(self, moving: Mapping[str, ArrayLike]) -> dict[int, Floats]:
+        """Poses of moving obstacles by their place among the obstacles."""
+        owners = [s.owner for s in self.solids[self._count :]]
+        found = {}
+        for name, pose in moving.items():
+            if name not in self.world:
+                raise UnknownName("obstacle", name, self.world.names)
+            if not self.world[name].moving:
+                raise InputError(
+                    f"Obstacle {name!r} does not move, and a pose was given for it. "
+                    "Add it with moving=True, or make another world with `world.move(name, pose)`."
+                )
+            matrix = pose.matrix() if isinstance(pose, SE3) else pose
+            if name in owners:  # else its mesh is missing and was skipped
+                found[owners.index(name)] = SE3.from_matrix(matrix).matrix()
+        return found
+
+    def _all(self, poses: _Poses) -> Array:
+        return np.ones((len(poses.centre), 1, 1), dtype=bool)
+
+    def _near(self, poses: _Poses, margin: float) -> Array:
+        """Which pairs boxes do not rule out, (rows, n links, n)."""
+        own = slice(0, self._count)
+        near = broad.overlaps(poses.centre[:, own], poses.half[:, own], poses.centre, poses.half, margin)
+        near &= self._mask
+        for k in self._planes:
+            near[:, :, k] &= self._over(poses, k) <= margin
+        return near
+
+    def _bounds(self, poses: _Poses, broad_phase: bool) -> Floats:
+        """Lower bounds of the distances of pairs, inf where none is asked for, (rows, n links, n)."""
+        if not broad_phase:
+            return np.where(self._mask & self._all(poses), -np.inf, np.inf)
+        own = slice(0, self._count)
+        bounds = broad.gaps(poses.centre[:, own], poses.half[:, own], poses.centre, poses.half)
+        for k in self._planes:
+            bounds[:, :, k] = self._over(poses, k)
+        bounds[:, ~self._mask] = np.inf
+        return bounds
+
+    def _over(self, poses: _Poses, k: int) -> Floats:
+        own = slice(0, self._count)
+        R, p = poses.rotation[:, k], poses.translation[:, k]
+        return broad.plane_gaps(poses.centre[:, own], poses.half[:, own], R, p)
+
+    def _touch(self, poses: _Poses, near: Array, margin: float, out: Array) -> None:
+        """Sets `out` where one of the near pairs touches; a row is done with its first contact."""
+        rows, first, second = (index.tolist() for index in np.nonzero(near))
+        ask = self._narrow.collision(margin)
+        for row, i, j in zip(rows, first, second, strict=True):
+            if not out[row] and ask(poses, row, i, j):
+                out[row] = True
+
+    def _nearest(self, poses: _Poses, row: int, bounds: Floats, enough: float) -> _Found | None:
+        """The nearest pair of one configuration: pairs in the order of their bounds, until none can be nearer."""
+        flat = bounds.reshape(-1)
+        candidates = np.flatnonzero(flat < np.inf)
+        candidates = candidates[np.argsort(flat[candidates])]
+        best: _Found | None = None
+        width = len(self.solids)
+        for index, bound in zip(candidates.tolist(), flat[candidates].tolist(), strict=True):
+            if best is not None and (bound >= best.distance or best.distance <= enough):
+                break
+            best = self._narrow.distance(poses, row, index // width, index % width, best)
+        return best
+
+    # gradients ---------------------------------------------------------------------------------------------
+
+    def _proximity(self, item: _Found | None, q: Floats | None = None) -> Proximity:
+        if item is None:
+            nowhere = np.full((2, 3), np.nan)
+            return Proximity(np.inf, nowhere, np.full(3, np.nan), ("", ""), np.zeros(self.model.nv))
+        names = (self.solids[item.first].owner, self.solids[item.second].owner)
+        bare = Proximity(item.distance, item.points, item.normal, names, np.zeros(self.model.nv))
+        return bare if q is None else bare.with_gradient(self._gradient(bare, q))
+
+    def _gradient(self, item: Proximity, q: Floats) -> Floats:
+        """d' = n . (velocity of the second point - velocity of the first), both fixed to their bodies."""
+        total = np.zeros(self.model.nv)
+        for name, point, sign in zip(item.names, item.points, (-1.0, 1.0), strict=True):
+            if not name or name in self.world:
+                continue
+            J = self._jacobian(name)(q)
+            total += sign * (item.normal @ J[:3] + np.cross(point, item.normal) @ J[3:])
+        return total
+
+    def _jacobian(self, link: str) -> Any:
+        if link not in self._jacobians:
+            self._jacobians[link] = kernels.kernel(self.model, "jacobian", frame=link, reference="world")
+        return self._jacobians[link]
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A distance that coal found, by the numbers of the two solids."""
+
+    distance: float
+    points: Floats
+    normal: Floats
+    first: int
+    second: int
+
+
+class _Narrow:
+    """Coal's objects, reused from pair to pair; not for two threads at once."""
+
+    def __init__(self, geometries: Sequence[Any]) -> None:
+        c = narrow.coal()
+        self._geometries = geometries
+        self._transforms = [c.Transform3s() for _ in geometries]
+        self._poses: _Poses | None = None
+        self._rows = [-1] * len(geometries)
+        self._collisions: dict[tuple[int, int], Any] = {}
+        self._distances: dict[tuple[int, int], Any] = {}
+        self._request, self._result = c.DistanceRequest(), c.DistanceResult()
+
+    def _place(self, poses: _Poses, row: int, k: int) -> Any:
+        if poses is not self._poses:
+            self._poses, self._rows = poses, [-1] * len(self._geometries)
+        if self._rows[k] != row:
+            self._transforms[k].setTransform(poses.rotation[row, k], poses.translation[row, k])
+            self._rows[k] = row
+        return self._transforms[k]
+
+    def collision(self, margin: float) -> Any:
+        """A function that says whether two solids come as near as `margin`."""
+        c = narrow.coal()
+        request, result = c.CollisionRequest(), c.CollisionResult()
+        request.security_margin, request.enable_contact = margin, False
+        request.num_max_contacts = 1
+        made, geometries, place = self._collisions, self._geometries, self._place
+
+        def ask(poses: _Poses, row: int, i: int, j: int) -> bool:
+            pair = made.get((i, j))
+            if pair is None:
+                pair = made[i, j] = c.ComputeCollision(geometries[i], geometries[j])
+            result.clear()
+            return pair(place(poses, row, i), place(poses, row, j), request, result) > 0
+
+        return ask
+
+    def distance(self, poses: _Poses, row: int, i: int, j: int, best: _Found | None = None) -> Any:
+        """The distance of two solids, or `best` where that is not larger."""
+        pair = self._distances.get((i, j))
+        if pair is None:
+            pair = self._distances[i, j] = narrow.coal().ComputeDistance(
+                self._geometries[i], self._geometries[j]
+            )
+        result = self._result
+        result.clear()
+        d = pair(self._place(poses, row, i), self._place(poses, row, j), self._request, result)
+        if best is not None and best.distance <= d:
+            return best
+        points = np.stack([result.getNearestPoint1(), result.getNearestPoint2()])
+        return _Found(float(d), points, np.array(result.normal), i, j)
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = np.nan
+    if not np.isfinite(number):
+        raise InputError(f"`{name}` is {value!r}; expected a finite length [m].")
+    return number

@@ -1,0 +1,65 @@
+"""Which pairs of links need a collision check: all, less those that are joined, and those the model rules out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ulna.errors import InputError
+from ulna.model import Model
+
+LinkPair = tuple[str, str]
+
+
+def link_pairs(
+    model: Model, *, without: Iterable[LinkPair] = (), adjacent: bool = False, disabled: bool = False
+) -> tuple[LinkPair, ...]:
+    """The pairs of links to check against each other, in the order of `model.links`.
+
+    Left out are links without collision geometry, links joined rigidly, links joined by one movable joint (they touch
+    by construction), and the pairs that the model's SRDF disables.
+
+    Args:
+        model: The robot.
+        without: More pairs to leave out.
+        adjacent: Whether links joined by one movable joint are checked all the same.
+        disabled: Whether the pairs that the model disables are checked all the same.
+
+    Raises:
+        UnknownName: If `without` names a link that the model does not have.
+    """
+    skip = {frozenset(pair) for pair in checked_pairs(model, without)}
+    if not disabled:
+        skip |= {frozenset(pair) for pair in model.disabled_pairs}
+    links = [link for link in model.links if link.collisions]
+    parents = [joint.parent for joint in model.joints]
+    found = []
+    for k, a in enumerate(links):
+        for b in links[k + 1 :]:
+            if a.joint == b.joint or frozenset((a.name, b.name)) in skip:
+                continue
+            near = (a.joint >= 0 and parents[a.joint] == b.joint) or (
+                b.joint >= 0 and parents[b.joint] == a.joint
+            )
+            if adjacent or not near:
+                found.append((a.name, b.name))
+    return tuple(found)
+
+
+def checked_pairs(model: Model, pairs: Iterable[LinkPair]) -> tuple[LinkPair, ...]:
+    """`pairs`, once it is sure that each is two different links of the model.
+
+    Raises:
+        InputError: If an entry is not a pair of two different names.
+        UnknownName: If there is no such link; names the nearest.
+    """
+    out = []
+    for pair in pairs:
+        if isinstance(pair, str) or len(tuple(pair)) != 2:
+            raise InputError(f"{pair!r} is no pair of links; expected two names, such as ('link1', 'link4').")
+        a, b = pair
+        for name in (a, b):
+            model.link_index(name)
+        if a == b:
+            raise InputError(f"The pair ({a!r}, {b!r}) names one link twice; expected two different links.")
+        out.append((a, b))
+    return tuple(out)

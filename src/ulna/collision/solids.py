@@ -1,0 +1,177 @@
+"""What is solid: the shapes of a robot's links and of a world's obstacles, with their meshes read and bounded."""
+
+from __future__ import annotations
+
+import functools
+import os
+import warnings
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+
+from ulna.collision.world import World
+from ulna.errors import InputError, MissingExtra, ModelError, ModelWarning
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Plane, Shape, Sphere
+from ulna.geometry.meshes import read_pieces
+from ulna.model import Model
+from ulna.spatial import SE3
+from ulna.typing import Array, Floats
+
+Missing = Literal["error", "skip"]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """One solid shape on a link or in the world.
+
+    Attributes:
+        owner: Name of the link or of the obstacle.
+        shape: The shape in its own frame.
+        joint: Index of the joint that carries it; -1 where nothing moves it.
+        placement: T_joint_shape; T_world_shape for -1.
+        vertices: Of a mesh, its points in the shape's frame, (n, 3) [m]; else empty.
+        triangles: Of a mesh, its triangles, (m, 3); else empty.
+    """
+
+    owner: str
+    shape: Shape
+    joint: int
+    placement: SE3
+    vertices: Floats
+    triangles: Array
+
+    @functools.cached_property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Centre and half edges of the box around it in its own frame, (3,) each [m]; infinite for a plane."""
+        if isinstance(self.shape, Mesh):
+            low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
+            return (low + high) / 2.0, (high - low) / 2.0
+        return np.zeros(3), np.array(_half_edges(self.shape))
+
+    @property
+    def radius(self) -> float:
+        """Radius of the ball around the centre of `bounds` that holds it [m]."""
+        centre, half = self.bounds
+        if isinstance(self.shape, Mesh):
+            return float(np.sqrt(((self.vertices - centre) ** 2).sum(axis=1).max()))
+        if isinstance(self.shape, (Sphere, Capsule, Ellipsoid)):
+            return float(half.max())
+        return float(np.sqrt((half**2).sum()))
+
+
+def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
+    """The collision geometry of a model's links.
+
+    Args:
+        model: The robot.
+        missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
+
+    Raises:
+        ModelError: If no link has collision geometry, or a mesh file is missing.
+        MissingExtra: If there are meshes and trimesh is not installed.
+    """
+    if missing not in ("error", "skip"):
+        raise InputError(f"missing={missing!r}; expected 'error' or 'skip'.")
+    found = []
+    for link in model.links:
+        for geometry in link.collisions:
+            solid = _solid(
+                f"link {link.name!r} of robot {model.name!r}",
+                link.name,
+                geometry.shape,
+                link.joint,
+                link.placement @ geometry.placement,
+                missing,
+            )
+            if solid is not None:
+                found.append(solid)
+    if not found:
+        raise ModelError(
+            f"Robot {model.name!r} has no collision geometry, so nothing can be said about its collisions. "
+            "Give its links <collision> elements, or `collisions=` of ModelBuilder.add_link."
+        )
+    return tuple(found)
+
+
+def obstacle_solids(world: World, missing: Missing = "error") -> tuple[Solid, ...]:
+    """The obstacles of a world, in order; see `link_solids`."""
+    found = (
+        _solid(f"obstacle {o.name!r}", o.name, o.shape, -1, o.pose, missing) for o in world.obstacles
+    )
+    return tuple(solid for solid in found if solid is not None)
+
+
+def _solid(
+    place: str, owner: str, shape: Shape, joint: int, placement: SE3, missing: Missing
+) -> Solid | None:
+    vertices, triangles = np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
+    if isinstance(shape, Mesh):
+        if shape.path is None or shape.missing or not os.path.isfile(shape.path):
+            text = f"The collision mesh {shape.path or '(no file named)'} of {place} was not found"
+            if missing == "error":
+                raise ModelError(f"{text}. Put the file there, or pass missing='skip' to go without that shape.")
+            warnings.warn(f"{text}; its collisions are not seen.", ModelWarning, stacklevel=3)
+            return None
+        vertices, triangles = _read(shape.path, os.stat(shape.path).st_mtime_ns)
+        vertices = vertices * np.array(shape.scale)
+        if np.prod(shape.scale) < 0:
+            triangles = triangles[:, ::-1]
+    elif not isinstance(shape, Plane) and min(_half_edges(shape)) <= 0.0:
+        raise ModelError(f"The {shape.describe()} of {place} has no volume. Give it lengths above 0.")
+    return Solid(owner, shape, joint, placement, vertices, triangles)
+
+
+@functools.lru_cache(maxsize=256)
+def _read(path: str, stamp: int) -> tuple[Floats, Array]:
+    """Vertices and triangles of a file that was changed at `stamp`, read once."""
+    pieces = read_pieces(path)
+    offsets = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
+    vertices = np.concatenate([piece.vertices for piece in pieces])
+    triangles = np.concatenate([p.triangles + o for p, o in zip(pieces, offsets, strict=False)])
+    return vertices, triangles
+
+
+def _half_edges(shape: Shape) -> tuple[float, float, float]:
+    match shape:
+        case Box(size=(x, y, z)):
+            return x / 2.0, y / 2.0, z / 2.0
+        case Sphere(radius=r):
+            return r, r, r
+        case Capsule(radius=r, length=h):
+            return r, r, h / 2.0 + r
+        case Cylinder(radius=r, length=h) | Cone(radius=r, length=h):
+            return r, r, h / 2.0
+        case Ellipsoid(radii=radii):
+            return radii
+        case Plane():
+            return np.inf, np.inf, np.inf
+    raise InputError(f"{shape.describe()} takes no part in collisions.")
+
+
+def hull(vertices: Floats) -> tuple[Floats, Array]:
+    """The convex hull of points (n, 3): its corners and its triangles, anticlockwise seen from outside.
+
+    Raises:
+        MissingExtra: If scipy is not installed.
+        InputError: If the points lie in a plane.
+    """
+    try:
+        from scipy.spatial import ConvexHull, QhullError
+    except ImportError as error:
+        raise MissingExtra("scipy", "collision", "Taking convex hulls") from error
+    try:
+        found = ConvexHull(vertices)
+    except QhullError as error:
+        raise InputError(
+            "The points of a mesh lie in a plane and have no convex hull with a volume. Use convex=False."
+        ) from error
+    corners = found.vertices
+    place = np.full(len(vertices), -1)
+    place[corners] = np.arange(len(corners))
+    triangles = found.simplices.copy()
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    inward = (np.cross(b - a, c - a) * found.equations[:, :3]).sum(axis=1) < 0
+    triangles[inward] = triangles[inward][:, ::-1]
+    return vertices[corners], place[triangles]
