@@ -179,7 +179,7 @@ def test_a_model_with_mimic_joints_is_the_projection_of_the_free_one(seed: int) 
 
 
 def freed(m: Model) -> tuple[Model, Floats]:
-    """The model with its mimic joints free and without drives, their coordinates at the end, and B: v_free = B v."""
+    """The model with its mimic joints free, their coordinates at the end, and B: v_free = B v."""
     joints, nq, nv, rows = [], m.nq, m.nv, [np.eye(m.nv)]
     for joint in m.joints:
         if joint.mimic is None:
@@ -188,12 +188,31 @@ def freed(m: Model) -> tuple[Model, Floats]:
         row = np.zeros((1, m.nv))
         row[0, joint.idx_v] = joint.mimic.multiplier
         rows.append(row)
-        joints.append(replace(joint, mimic=None, idx_q=nq, idx_v=nv, armature=(0.0,)))
+        joints.append(replace(joint, mimic=None, idx_q=nq, idx_v=nv))
         nq, nv = nq + 1, nv + 1
     free = replace(m, joints=tuple(joints), configurations={})
-    armature = np.concatenate([m.armature, np.zeros(nv - m.nv)])
+    drives = sorted(m.joints, key=lambda joint: joint.mimic is not None)
+    armature = np.array([x for joint in drives for x in joint.armature])
     free.__dict__["armature"] = armature  # the model gathers it in the order of the joints, not of v
     return free, np.concatenate(rows)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_drives_of_mimic_joints_do_their_work_at_the_source(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    m = random_model(rng, ["revolute", "prismatic", "helical", "spherical"], joints=5, mimics=3)
+    assert any(joint.mimic is not None and joint.armature[0] > 0.0 for joint in m.joints)
+    v = rng.standard_normal(m.nv)
+    own = {joint: joint.v_of(v) for joint in m.joints}
+    close(
+        sum(j.armature @ x**2 for j, x in own.items()), v @ (m.armature * v)
+    )  # twice the energy of the drives
+    close(sum(j.damping @ x**2 for j, x in own.items()), v @ (m.damping * v))  # the power of viscous friction
+    for k in range(
+        m.nv
+    ):  # the power of dry friction, one velocity at a time: its direction is that of the source
+        e = v[k] * np.eye(m.nv)[k]
+        close(sum(j.friction @ abs(j.v_of(e)) for j in m.joints), m.friction @ abs(e))
 
 
 FUNCTIONS = {

@@ -167,7 +167,7 @@ def to_pinocchio(model: Model) -> Twin:
         )
         if joint.mimic is None:
             k = out.joints[ids[index]].idx_v
-            out.armature[k : k + joint.kind.nv] = joint.armature
+            out.armature[k : k + joint.kind.nv] = model.armature[joint.idx_v : joint.idx_v + joint.kind.nv]
     frames = []
     for k, frame in enumerate(model.frames):
         placement = back[frame.joint] @ frame.placement

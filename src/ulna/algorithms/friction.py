@@ -25,8 +25,8 @@ from typing import Any, final
 import numpy as np
 
 from ulna.errors import InputError, ShapeError
-from ulna.model import Drive, Model
-from ulna.numeric import exp, less, tanh, where
+from ulna.model import Drive, Model, with_drives
+from ulna.numeric import exp, is_symbolic, less, tanh, where
 from ulna.typing import Array, Floats
 
 
@@ -55,7 +55,7 @@ class Friction:
         shapes = {()}
         for name in (f.name for f in fields(self)):
             given = getattr(self, name)
-            if given is None:
+            if given is None or is_symbolic(given):
                 continue
             value = np.asarray(given, dtype=float)
             least = "above" if name in ("stribeck", "width") else "not below"
@@ -83,13 +83,14 @@ class Friction:
     @classmethod
     def of_drives(cls, model: Model, drives: Mapping[str, Drive], width: float = 1e-2) -> Friction:
         """The friction of motors behind gears, with its two directions; of other joints what the model names."""
-        viscous, forward = np.array(model.damping), np.array(model.friction)
-        backward = forward.copy()
+        driven = with_drives(model, drives)
+        forward, backward = np.array(driven.friction), np.array(driven.friction)
         for name, drive in drives.items():
             k = model.joint(name).idx_v
-            viscous[k] = drive.at_joint["damping"]
-            forward[k], backward[k] = (abs(drive.gear) * x for x in drive.both_ways)
-        return cls(viscous, forward, backward, width=width)
+            there, back = drive.both_ways
+            forward[k] += 0.5 * abs(drive.gear) * (there - back)
+            backward[k] += 0.5 * abs(drive.gear) * (back - there)
+        return cls(np.array(driven.damping), forward, backward, width=width)
 
     @property
     def is_viscous(self) -> bool:

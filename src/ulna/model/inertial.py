@@ -20,7 +20,7 @@ from ulna.model.joints.axes import constant
 from ulna.model.model import Model
 from ulna.model.parts import Joint
 from ulna.spatial import Inertia
-from ulna.typing import ArrayLike, Floats
+from ulna.typing import Array, ArrayLike, Floats
 
 _OF_DRIVES = ("armature", "damping", "friction", "effort")
 
@@ -96,13 +96,14 @@ def with_joint_dynamics(model: Model, **values: ArrayLike) -> Model:
         model: The model.
         values: Any of `armature` [kg, kg m^2], `damping` (viscous) [N s/m, N m s/rad], `friction` (Coulomb) [N, N m]
             and `effort` (the greatest, may be inf) [N, N m]: one number, or one for each entry of v, none below zero.
+            They are all that is felt there: the drives of mimic joints, which add to `model.armature`, `damping` and
+            `friction`, count as part of them and have none of their own any more.
 
     Raises:
         UnknownName: another name.
         ShapeError: neither one number nor (nv,).
         InputError: a value below zero, or nan, or inf.
     """
-    joints = list(model.joints)
     for name, given in values.items():
         if name not in _OF_DRIVES:
             raise UnknownName("number of the drives", name, _OF_DRIVES)
@@ -111,11 +112,21 @@ def with_joint_dynamics(model: Model, **values: ArrayLike) -> Model:
             raise ShapeError(name, value.shape, f"one number or ({model.nv},)")
         if np.isnan(value).any() or (value < 0.0).any() or (name != "effort" and np.isinf(value).any()):
             raise InputError(f"`{name}` is {value}; expected finite numbers, none below zero.")
-        value = np.broadcast_to(value, (model.nv,))
-        for i, joint in enumerate(joints):
-            if joint.mimic is None:
-                own = value[joint.idx_v : joint.idx_v + joint.nv]
-                joints[i] = _changed(joints[i], name, tuple(float(x) for x in own))
+        model = told_of_drives(model, name, np.broadcast_to(value, (model.nv,)))
+    return model
+
+
+def told_of_drives(model: Model, name: str, value: Array) -> Model:
+    """The model with the entries of v told one number of the drives, (nv,), which may be traced."""
+    joints = []
+    for joint in model.joints:
+        own = tuple(value[joint.idx_v : joint.idx_v + joint.kind.nv].tolist())
+        if joint.mimic is None:
+            joints.append(_changed(joint, name, own))
+        elif name != "effort":  # what its drive adds is in its source's number
+            joints.append(_changed(joint, name, (0.0,) * len(own)))
+        else:
+            joints.append(joint)
     return replace(model, joints=tuple(joints))
 
 

@@ -99,18 +99,21 @@ class Model:
 
     @cached_property
     def damping(self) -> Floats:
-        """Viscous friction, shape (nv,) [N s/m, N m s/rad]."""
-        return self._gather(lambda joint: joint.damping)
+        """Viscous friction, shape (nv,) [N s/m, N m s/rad]; that of a mimic joint adds multiplier^2 times its own."""
+        return self._felt(lambda joint: joint.damping, lambda ratio: ratio * ratio)
 
     @cached_property
     def friction(self) -> Floats:
-        """Coulomb friction, shape (nv,) [N, N m]."""
-        return self._gather(lambda joint: joint.friction)
+        """Coulomb friction, shape (nv,) [N, N m]; that of a mimic joint adds |multiplier| times its own."""
+        return self._felt(lambda joint: joint.friction, abs)
 
     @cached_property
     def armature(self) -> Floats:
-        """Inertia of the drives seen at the joints, shape (nv,) [kg, kg m^2]."""
-        return self._gather(lambda joint: joint.armature)
+        """Inertia of the drives seen at the joints, shape (nv,) [kg, kg m^2].
+
+        That of a mimic joint adds multiplier^2 times its own, so that v . armature v / 2 is the energy of all drives.
+        """
+        return self._felt(lambda joint: joint.armature, lambda ratio: ratio * ratio)
 
     @cached_property
     def neutral(self) -> Floats:
@@ -124,6 +127,15 @@ class Model:
 
     def _gather(self, part: Callable[[Joint], Iterable[float]]) -> Floats:
         return constant([x for joint in self.joints if joint.mimic is None for x in part(joint)])
+
+    def _felt(self, part: Callable[[Joint], tuple[float, ...]], share: Callable[[float], float]) -> Floats:
+        """What drives resist with, (nv,): that of a mimic joint does its virtual work at its source."""
+        felt = [x for joint in self.joints if joint.mimic is None for x in part(joint)]
+        for joint in self.joints:
+            if joint.mimic is not None:
+                for k, own in enumerate(part(joint), start=joint.idx_v):
+                    felt[k] = felt[k] + share(joint.mimic.multiplier) * own
+        return constant(felt)
 
     # names -------------------------------------------------------------------------------------------------
 

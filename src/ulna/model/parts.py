@@ -60,9 +60,9 @@ class Joint:
         idx_q: Where its part of q begins; for a mimic joint, its source's part.
         idx_v: Where its part of v begins; for a mimic joint, its source's part.
         limits: Its limits; those of a mimic joint are kept but do not bind its source.
-        damping: Viscous friction, per entry of v [N s/m, N m s/rad].
-        friction: Coulomb friction, per entry of v [N, N m].
-        armature: Inertia of the drive seen at the joint, per entry of v [kg, kg m^2].
+        damping: Viscous friction, per entry of its own velocity [N s/m, N m s/rad].
+        friction: Coulomb friction, likewise [N, N m].
+        armature: Inertia of the drive seen at the joint, likewise [kg, kg m^2].
         mimic: Which joint it follows, if it follows one.
         parent_link: Name of the link it is fixed to; None for the world.
         child_link: Name of the link it moves.

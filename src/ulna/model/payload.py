@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ulna.errors import InputError, ModelError
 from ulna.model.builder import ModelBuilder
-from ulna.model.inertial import with_joint_dynamics
 from ulna.model.merge import attach
 from ulna.model.model import Model
 from ulna.spatial import Inertia
@@ -107,19 +106,15 @@ def with_drives(model: Model, drives: Mapping[str, Drive]) -> Model:
         UnknownName: no movable joint of that name.
         InputError: a joint that has several velocities, or mimics another.
     """
-    values: dict[str, Any] = {
-        "armature": np.array(model.armature),
-        "damping": np.array(model.damping),
-        "friction": np.array(model.friction),
-    }
-    efforts = np.array(model.effort_limit)
+    joints = list(model.joints)
     for name, drive in drives.items():
-        joint = model.joint(name)
+        k = model.joint_index(name)
+        joint = joints[k]
         if joint.nv != 1:
             why = "mimics another" if joint.mimic is not None else f"has {joint.nv} velocities"
             raise InputError(f"Joint {name!r} {why}; a drive moves a joint with one velocity of its own.")
-        for key, value in drive.at_joint.items():
-            values[key][joint.idx_v] = value
+        told: dict[str, Any] = {key: (value,) for key, value in drive.at_joint.items()}
         if drive.torque is not None:
-            efforts[joint.idx_v] = drive.torque * abs(drive.gear)
-    return with_joint_dynamics(model, effort=efforts, **values)
+            told["limits"] = replace(joint.limits, effort=(drive.torque * abs(drive.gear),))
+        joints[k] = replace(joint, **told)
+    return replace(model, joints=tuple(joints))

@@ -527,6 +527,26 @@ def test_impossible_inertias_are_warned_of_and_used() -> None:
     assert m.inertias[1].inertia[0, 0] == -0.1
 
 
+def test_a_moment_larger_than_the_others_together_is_warned_of_once_with_the_worst() -> None:
+    b = pair().add_joint("j", HINGE, "a", "b")
+    for name, moments in {"c": [1.0, 1.0, 2.3], "d": [0.5, 1.0, 2.0]}.items():
+        b.add_link(name, Inertia(1.0, np.zeros(3), np.diag(moments)), where=f"f:{name}")
+        b.add_joint(f"to_{name}", Prismatic(), "b", name)
+    with pytest.warns(ModelWarning, match=r"at 2 links, the worst f:d: 'd': 2 > 1 \+ 0.5 kg m\^2") as caught:
+        b.build()
+    assert len(caught) == 1
+
+
+def test_thin_plates_and_placeholders_are_not_warned_of() -> None:
+    b = pair().add_joint("j", HINGE, "a", "b")
+    b.add_link("plate", Inertia(1.0, np.zeros(3), np.diag([0.34, 0.34, 0.69])))  # rounded to two digits
+    b.add_link("mark", Inertia(1e-6, np.zeros(3), np.diag([1e-6, 1e-6, 3e-6])))
+    b.add_link("felt", Inertia(0.0, np.zeros(3), np.diag([0.0, 0.35, 0.0])))  # as the first body of the Puma is told
+    for name in ("plate", "mark", "felt"):
+        b.add_joint(f"to_{name}", Prismatic(), "b", name)
+    assert b.build().nq == 4
+
+
 def test_the_warning_is_given_once() -> None:
     b = pair().add_joint("j", HINGE, "a", "b")
     b.add_link("c", Inertia(1.0, np.zeros(3), np.diag([-0.1, 1.0, 1.0]))).add_joint(

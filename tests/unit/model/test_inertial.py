@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -87,6 +89,20 @@ def test_drives_are_seen_through_their_gears() -> None:
         Drive(gear=0.0)
     with pytest.raises(InputError, match="inertia"):
         Drive(inertia=-1.0)
+
+
+def test_what_mimic_joints_add_is_kept_beside_a_drive_and_replaced_by_the_whole() -> None:
+    source, follower = arm().joint("grip"), arm().joint("grip2")
+    assert follower.mimic is not None
+    ratio, k = follower.mimic.multiplier, source.idx_v
+    joints = [replace(j, armature=(0.5,), friction=(0.5,)) if j.name == "grip2" else j for j in arm().joints]
+    model = replace(arm(), joints=tuple(joints))
+    assert model.armature[k] == pytest.approx(source.armature[0] + ratio**2 * 0.5)
+    assert model.friction[k] == pytest.approx(source.friction[0] + abs(ratio) * 0.5)
+    driven = with_drives(model, {"grip": Drive(inertia=1e-3, gear=10.0)})
+    assert driven.armature[k] == pytest.approx(0.1 + ratio**2 * 0.5)
+    told = with_joint_dynamics(model, armature=0.3)
+    assert (told.armature == 0.3).all()
 
 
 def test_numbers_of_the_joints() -> None:
