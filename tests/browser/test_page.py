@@ -71,7 +71,7 @@ class Visit:
 
     def pixel(self, point: np.ndarray) -> tuple[float, float]:
         """Where a point of the world is in the tab."""
-        camera = self.show.page._server.initial_camera
+        camera = self.show.page.server.initial_camera
         from ulna.viewer.camera import Camera
 
         eye = Camera(tuple(camera.position), tuple(camera.look_at), camera.fov)
@@ -153,7 +153,7 @@ def test_dragging_the_target_moves_the_tool(visit: Visit) -> None:
     visit.show.q = "qr"
     start = visit.show.tool
     arrow = start[:3, 2]  # the blue arrow
-    size = visit.show._gizmo._handle.scale
+    size = visit.show.pendant.gizmo._handle.scale
     moved = lambda: visit.show.tool[:3, 3] - start[:3, 3]  # noqa: E731
 
     def drag() -> None:
@@ -196,7 +196,7 @@ def test_a_newcomer_sees_what_is_there_now(visit: Visit, chromium: Any) -> None:
 
 
 def test_a_lost_connection_is_taken_up_again(visit: Visit) -> None:
-    visit.show.page._server._websock_server.disconnect_all_clients()
+    visit.show.page.server._websock_server.disconnect_all_clients()
     q = visit.show.q
     q[0] = 0.77
     visit.show.q = q

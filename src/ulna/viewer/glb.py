@@ -23,13 +23,14 @@ def glb(surfaces: Iterable[Surface]) -> bytes:
     accessors: list[dict[str, Any]] = []
     primitives: list[dict[str, Any]] = []
     materials: list[dict[str, Any]] = []
+    images: list[dict[str, Any]] = []
     data = bytearray()
 
     def accessor(values: Array, component: int, target: int, **more: Any) -> int:
         content = np.ascontiguousarray(values).tobytes()
         views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(content), "target": target})
         data.extend(content)  # every type here is four bytes wide, so that all views are aligned
-        kind = "SCALAR" if values.ndim == 1 else "VEC3"
+        kind = "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}"
         accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": len(values)})
         accessors[-1].update(type=kind, **more)
         return len(accessors) - 1
@@ -45,9 +46,19 @@ def glb(surfaces: Iterable[Surface]) -> bytes:
             "POSITION": accessor(vertices, _FLOAT, _VERTICES, **bounds),
             "NORMAL": accessor(surface.normals.astype("<f4"), _FLOAT, _VERTICES),
         }
+        if surface.texture is not None:
+            # glTF counts from the upper left
+            uv = surface.texture.uv * (1.0, -1.0) + (0.0, 1.0)
+            attributes["TEXCOORD_0"] = accessor(uv.astype("<f4"), _FLOAT, _VERTICES)
         indices = accessor(surface.triangles.astype("<u4").reshape(-1), _UINT32, _INDICES)
         primitives.append({"attributes": attributes, "indices": indices, "material": len(materials)})
-        materials.append(_material(surface))
+        materials.append(_material(surface, len(images)))
+        if surface.texture is not None:
+            image = surface.texture.image
+            views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(image)})
+            data.extend(image + b"\0" * (-len(image) % 4))
+            kind = "image/png" if image.startswith(b"\x89PNG") else "image/jpeg"
+            images.append({"bufferView": len(views) - 1, "mimeType": kind})
     document: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "ulna"},
         "scene": 0,
@@ -63,6 +74,12 @@ def glb(surfaces: Iterable[Surface]) -> bytes:
             "bufferViews": views,
             "buffers": [{"byteLength": len(data)}],
         }
+    if images:
+        document |= {
+            "images": images,
+            "samplers": [{}],
+            "textures": [{"source": k, "sampler": 0} for k in range(len(images))],
+        }
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
@@ -71,13 +88,13 @@ def glb(surfaces: Iterable[Surface]) -> bytes:
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
-def _material(surface: Surface) -> dict[str, Any]:
+def _material(surface: Surface, texture: int) -> dict[str, Any]:
     opacity = surface.rgba[3]
     factor = [*(float(c) for c in paint(np.asarray(surface.rgba[:3]))), opacity]
-    out: dict[str, Any] = {
-        "pbrMetallicRoughness": {"baseColorFactor": factor, "metallicFactor": 0.0, "roughnessFactor": 0.36},
-        "doubleSided": opacity >= 0.999,
-    }
+    shine: dict[str, Any] = {"baseColorFactor": factor, "metallicFactor": 0.0, "roughnessFactor": 0.36}
+    if surface.texture is not None:
+        shine |= {"baseColorFactor": [0.8, 0.8, 0.8, opacity], "baseColorTexture": {"index": texture}}
+    out: dict[str, Any] = {"pbrMetallicRoughness": shine, "doubleSided": opacity >= 0.999}
     if opacity < 0.999:
         out["alphaMode"] = "BLEND"
     return out

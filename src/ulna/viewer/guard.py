@@ -1,8 +1,11 @@
-"""Who may talk to the page: this machine's own browser tabs, and nobody else."""
+"""Who may talk to the page: this machine's own browser tabs, and on a network those who know a token."""
 
 from __future__ import annotations
 
-from urllib.parse import urlsplit
+import hashlib
+import hmac
+from http.cookies import CookieError, SimpleCookie
+from urllib.parse import parse_qs, urlsplit
 
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
@@ -32,3 +35,27 @@ def allowed(host: str | None, origin: str | None, any_host: bool = False) -> boo
         return speaker.scheme in ("http", "https") and speaker.netloc.lower() == host.lower()
     except ValueError:  # not an address at all
         return False
+
+
+def knows(token: str, path: str, cookies: str | None) -> bool:
+    """Whether a request carries the token, in its address or in a cookie; any does where there is no token."""
+    if not token:
+        return True
+    try:
+        given = parse_qs(urlsplit(path).query).get("token", [])
+        jar = SimpleCookie(cookies or "")
+    except (ValueError, CookieError):
+        return False
+    if _name(token) in jar:
+        given.append(jar[_name(token)].value)
+    return any(hmac.compare_digest(g.encode(), token.encode()) for g in given)
+
+
+def cookie(token: str) -> str:
+    """What makes a browser remember the token for this page alone, and keep it from scripts and other sites."""
+    return f"{_name(token)}={token}; Path=/; HttpOnly; SameSite=Strict"
+
+
+def _name(token: str) -> str:
+    # pages on other ports of one machine share its cookies, so each token has a name of its own
+    return "ulna-" + hashlib.sha256(token.encode()).hexdigest()[:12]

@@ -1,37 +1,40 @@
-"""The page in the browser: a scene and controls, by way of viser, sending the newest poses only.
+"""The page in the browser: a scene by way of viser, sending the newest poses only.
 
-A program never waits for the browser. It writes poses into the scene; a thread of the page looks 60 times a
-second and sends all of them in one message. Where that is not known to work (another version of viser) every
-node is set through viser's public interface instead: slower, the same picture. Changes of sliders and of the
-dragged target come back through that thread, one after the other and the newest only, so that the functions
-which handle them need no locks among themselves.
+A program never waits for the browser. It hands its newest state to the scene; a thread of the page looks 60 times a
+second and sends all poses in one message. Where that is not known to work (another version of viser) every node is
+set through viser's public interface instead: slower, the same picture. Changes of controls and of the dragged target
+come back through that thread, one after the other and the newest only, so that the functions which handle them need
+no locks among themselves.
 """
 
 from __future__ import annotations
 
 import atexit
-import contextlib
 import itertools
+import secrets
 import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator
+import warnings
+from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from ulna.typing import Floats
+from ulna.errors import UlnaWarning
 from ulna.viewer import guard
+from ulna.viewer.build import Paths, Shown, build, dress_rows, is_drawn, look_of
 from ulna.viewer.camera import Camera, frame
 from ulna.viewer.channel import PoseChannel, serve, stop
-from ulna.viewer.controls import Control, Gizmo, pose_rows, position_wxyz
-from ulna.viewer.glb import glb
-from ulna.viewer.look import decorate
-from ulna.viewer.scene import Node, Scene
+from ulna.viewer.controls import pose_rows
+from ulna.viewer.look import decorate, lay_floor, look_from
+from ulna.viewer.scene import Node, Scene, Snapshot
+from ulna.viewer.theme import LIGHT, Theme
 
 RATE = 60.0
 """How often the page looks for something new [1/s]."""
+
+_PLAIN = (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
+_CALM = 1 / 15  # s between two new contents of one node
 
 
 class Page:
@@ -41,8 +44,10 @@ class Page:
         scene: What to show; the page follows it.
         title: What stands over the panel.
         port: Port to listen on; the next free one is taken when it is in use, 0 takes any.
-        host: Address to listen on. Beyond the loopback anyone who can reach it can look and drag.
+        host: Address to listen on. Beyond the loopback a token, which the address carries, is asked of whoever comes.
         camera: Where the scene is looked at from at first; one that has everything in view when not given.
+        theme: The colours around.
+        floor: Height of the floor [m]; below everything when not given.
 
     Raises:
         MissingExtra: viser is not installed.
@@ -56,15 +61,29 @@ class Page:
         port: int = 8080,
         host: str = "127.0.0.1",
         camera: Camera | None = None,
+        theme: Theme = LIGHT,
+        floor: float | None = None,
     ) -> None:
         self.scene, self.title = scene, title
-        self._server = serve(host, port, title)
+        exposed = host not in guard.LOOPBACK
+        self._token = secrets.token_urlsafe(24) if exposed else ""
+        self.server = serve(host, port, title, self._token)
         self._host = "localhost" if host in (*guard.LOOPBACK, "0.0.0.0", "::") else host
-        self._channel = PoseChannel(self._server, f"{title} · Ulna" if title != "Ulna" else title)
-        self._handles: dict[str, Any] = {}
-        self._shown: dict[str, Node] = {}
-        self._paths: dict[str, str] = {}
-        self._sent = (-1, -1)
+        if exposed:
+            warnings.warn(
+                f"The page is open to the network of {host}, port {self.port}: whoever has its address with the token "
+                "can look, drag and press. The connection is not encrypted. "
+                f"A tunnel is safer: ssh -L {self.port}:localhost:{self.port} ...",
+                UlnaWarning,
+                stacklevel=2,
+            )
+        self._channel = PoseChannel(self.server, f"{title} · Ulna" if title != "Ulna" else title)
+        self._shown: dict[str, Shown] = {}
+        self._paths = Paths()
+        self._route: tuple[list[str], list[int]] | None = None
+        self._revised: dict[str, float] = {}  # when contents were last sent
+        self._stale = False  # whether some are not, because they change too often
+        self._sent = (-1, -1, -1)
         self._settled = True
         self._again = self._moved_at = 0.0
         self._events: dict[int, tuple[Callable[[Any], None], Any]] = {}
@@ -74,12 +93,16 @@ class Page:
         self._ticks: list[Callable[[], None]] = []
         self._stop = threading.Event()
         self._complaint = ""
+        self._floor, self._grid = floor, True
+        self._framed = camera is not None
+        self._theme = theme
         self.visited = False
         """Whether any tab has looked at it so far."""
         atexit.register(self.close)
-        # robots reach further than they stand, and the panel covers the right
-        decorate(self._server, camera or frame(scene, margin=1.75, aside=0.10), scene.floor())
-        self._server.on_client_connect(self._greet)
+        decorate(self.server, theme)
+        lay_floor(self.server, theme, scene.floor() if floor is None else floor)
+        look_from(self.server, camera or self._view())
+        self.server.on_client_connect(self._greet)
         with self._tick_lock:
             self._publish()
         self._thread = threading.Thread(target=self._run, name="ulna-page", daemon=True)
@@ -88,17 +111,17 @@ class Page:
     @property
     def port(self) -> int:
         """The port it listens on."""
-        return int(self._server.get_port())
+        return int(self.server.get_port())
 
     @property
     def url(self) -> str:
         """Its address."""
-        return f"http://{self._host}:{self.port}"
+        return f"http://{self._host}:{self.port}" + (f"/?token={self._token}" if self._token else "")
 
     @property
     def clients(self) -> int:
         """How many tabs are looking at it."""
-        return 0 if self._stop.is_set() else len(self._server.get_clients())
+        return 0 if self._stop.is_set() else len(self.server.get_clients())
 
     @property
     def closed(self) -> bool:
@@ -112,7 +135,7 @@ class Page:
         self._stop.set()
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout=2.0)
-        stop(self._server)
+        stop(self.server)
         atexit.unregister(self.close)
 
     def __enter__(self) -> Page:
@@ -124,89 +147,49 @@ class Page:
     def _repr_html_(self) -> str:
         return f'<iframe src="{self.url}" width="100%" height="560" style="border:0"></iframe>'
 
+    def look(self, camera: Camera | None = None) -> None:
+        """Look from a camera in every tab; from one that has everything in view when not given."""
+        self._framed = True
+        look_from(self.server, camera or self._view())
+
+    def frame_once(self) -> None:
+        """Have what there is by now in view and above the floor, unless camera or floor were chosen."""
+        if not self._framed and not self.visited:
+            look_from(self.server, self._view())
+        if self._floor is None:
+            lay_floor(self.server, self._theme, self.scene.floor(), self._grid)
+
+    def dress(self, theme: Theme, floor: float | None, grid: bool = True) -> None:
+        """Change the colours around, the height of the floor [m], and whether there is one."""
+        self._theme, self._floor, self._grid = theme, floor, grid
+        decorate(self.server, theme)
+        lay_floor(self.server, theme, self.scene.floor() if floor is None else floor, grid)
+
     def flush(self) -> None:
         """Send what the scene holds now, without waiting for the thread of the page."""
         with self._tick_lock:
+            self._revised.clear()
             self._publish()
-        self._server.flush()
+        self.server.flush()
 
     def each_tick(self, function: Callable[[], None]) -> None:
         """Call `function` on the thread of the page, 60 times a second, before poses are sent."""
         self._ticks.append(function)
 
-    # controls -----------------------------------------------------------------------------------------------
+    def never_again(self, function: Callable[[], None]) -> None:
+        """Do not call `function` any more."""
+        self._ticks = [f for f in self._ticks if f != function]
 
-    @contextlib.contextmanager
-    def folder(self, label: str, open: bool = True) -> Iterator[None]:
-        """Controls that are made within stand together under a heading."""
-        with self._server.gui.add_folder(label, expand_by_default=open):
-            yield
-
-    def slider(
-        self,
-        label: str,
-        low: float,
-        high: float,
-        value: float,
-        on_change: Callable[[float], None],
-        *,
-        step: float = 0.001,
-        hint: str | None = None,
-    ) -> Control:
-        """A slider; `on_change` is called with its value when someone moves it."""
-        handle = self._server.gui.add_slider(
-            label, low, high, step, float(np.clip(value, low, high)), hint=hint
-        )
-        return self._control(handle, on_change)
-
-    def buttons(self, label: str, options: tuple[str, ...], on_click: Callable[[str], None]) -> Control:
-        """A row of buttons, or a menu of many; `on_click` is called with the one that was chosen."""
-        if len(options) <= 6:
-            handle = self._server.gui.add_button_group(label, options)
-            return self._control(handle, on_click, handle.on_click)
-        return self._control(self._server.gui.add_dropdown(label, options), on_click)
-
-    def text(self, content: str) -> Control:
-        """A piece of text in Markdown; setting `value` replaces it."""
-        return Control(self._server.gui.add_markdown(content), "content")
-
-    def gizmo(
-        self, name: str, pose: Floats, on_drag: Callable[[tuple[Floats, str]], None], size: float = 0.2
-    ) -> Gizmo:
-        """A pose to drag; `on_drag` is called with (T_world_gizmo, "start" | "update" | "end")."""
-        position, wxyz = position_wxyz(pose)
-        handle = self._server.scene.add_transform_controls(
-            f"/(page)/{name}",
-            scale=size,
-            line_width=3.0,
-            depth_test=False,
-            opacity=0.9,
-            position=position,
-            wxyz=wxyz,
-        )
-        gizmo = Gizmo(handle)
-
-        @handle.on_update
-        async def _(event: Any) -> None:  # async: on viser's own loop, so that events stay in order
-            gizmo.held = event.phase != "end"
-            # starts and ends are never dropped, of updates only the newest counts
-            key = id(handle) if event.phase == "update" else -next(self._count)
-            self._notice(key, on_drag, (gizmo.pose, event.phase))
-
-        return gizmo
-
-    def _control(self, handle: Any, function: Callable[[Any], None], register: Any = None) -> Control:
-        async def changed(event: Any) -> None:
-            if event.client is not None:  # a value that the program set itself is no news
-                self._notice(id(handle), function, getattr(handle, "value", None))
-
-        (register or handle.on_update)(changed)
-        return Control(handle, "value")
-
-    def _notice(self, key: int, function: Callable[[Any], None], value: Any) -> None:
+    def notice(self, key: int | None, function: Callable[[Any], None], value: Any) -> None:
+        """Have `function(value)` called on the thread of the page; of one key only the newest, of None each."""
         with self._events_lock:
-            self._events.pop(key, None)  # the newest only, and in the order of the newest
+            key = -next(self._count) if key is None else key
+            self._events.pop(key, None)  # in the order of the newest
             self._events[key] = (function, value)
+
+    def _view(self) -> Camera:
+        # robots reach further than they stand, and the panel covers the right
+        return frame(self.scene, margin=1.75, aside=0.10)
 
     # the thread --------------------------------------------------------------------------------------------
 
@@ -236,72 +219,92 @@ class Page:
         self._again = time.monotonic() + 3.0
 
     def _publish(self) -> None:
-        if self._settled and self.scene.version == self._sent and time.monotonic() >= self._again:
-            return
-        structure, motion, nodes, poses = self.scene.snapshot()
-        if structure != self._sent[0]:
-            self._build(nodes, poses)
         now = time.monotonic()
-        if (structure, motion) != self._sent:
-            self._sent, self._settled, self._moved_at = (structure, motion), False, now
+        if self._settled and self.scene.version == self._sent and now >= self._again and not self._stale:
+            return
+        seen = self.scene.snapshot()
+        structure, _, looks = self._sent
+        if seen.structure != structure or self._stale:
+            self._build(seen, now)
+        if seen.looks != looks or seen.structure != structure or now < self._again:
+            self._style(seen)
+        if seen[:3] != self._sent:
+            self._sent, self._settled, self._moved_at = seen[:3], False, now
         elif not self._settled and now - self._moved_at > 0.3:
             # at rest: leave the poses in viser's own state, too, which newcomers and recordings start from
             self._settled = True
-            self._set_each(nodes, poses)
+            self._set_each(seen)
         elif now >= self._again:
             return
         if self._channel.open:
-            self._send(nodes, poses)
+            self._send(seen)
         else:
-            self._set_each(nodes, poses)
+            self._set_each(seen)
 
-    def _build(self, nodes: tuple[Node, ...], poses: Floats) -> None:
-        present = {node.name: node for node in nodes}
-        for name in [n for n, node in self._shown.items() if present.get(n) is not node]:
-            handle = self._handles.pop(name, None)
-            if handle is not None:
-                handle.remove()
-            del self._shown[name]
-            self._paths.pop(name, None)
-        for node, pose in zip(nodes, poses, strict=True):
+    def _build(self, seen: Snapshot, now: float) -> None:
+        """Make the nodes of the page those of the scene."""
+        present = {node.name: (i, node) for i, node in enumerate(seen.nodes) if is_drawn(node)}
+        self._stale, self._route = False, None
+        for name, shown in list(self._shown.items()):
+            i, node = present.get(name, (0, None))
+            if node is shown.node:
+                continue
+            if node is not None and node.content is not None and now - self._revised.get(name, 0.0) < _CALM:
+                self._stale = True
+                continue
+            self._revised[name] = now
+            if node is None or not shown.revise(seen, i):
+                self._drop(name)
+        for name, (i, _) in present.items():
+            if name not in self._shown:
+                path = self._paths.take(name)
+                self._shown[name] = build(self.server, path, seen, i, not self._channel.open)
+        self._again = max(self._again, now + 1.0)
+
+    def _drop(self, name: str) -> None:
+        shown = self._shown.pop(name)
+        shown.remove()
+        self._paths.free(shown.path)
+        self._revised.pop(name, None)
+
+    def _style(self, seen: Snapshot) -> None:
+        """Colours, opacity, scale and visibility as the scene has them."""
+        paths, looks = [], []
+        for i, node in enumerate(seen.nodes):
+            shown = self._shown.get(node.name)
+            if shown is None:
+                continue
+            look = look_of(seen, i)
+            if look != shown.look and not shown.solid and shown.node is node:
+                shown.remove()
+                shown = self._shown[node.name] = build(
+                    self.server, shown.path, seen, i, not self._channel.open
+                )
+                self._route = None
+            shown.look = look
+            shown.see(bool(seen.visible[i]))
+            if shown.solid and look != _PLAIN:
+                paths.append(shown.path)
+                looks.append(look)
+        if self._channel.open:
+            self._channel.dress(paths, dress_rows(looks))
+
+    def _send(self, seen: Snapshot) -> None:
+        if self._route is None:
+            pairs = [
+                (h.name, i)
+                for i, n in enumerate(seen.nodes)
+                if n.name in self._shown
+                for h in self._handles(n)
+            ]
+            self._route = [path for path, _ in pairs], [i for _, i in pairs]
+        paths, rows = self._route
+        self._channel.send(paths, pose_rows(seen.poses[rows]))
+
+    def _handles(self, node: Node) -> list[Any]:
+        return self._shown[node.name].handles
+
+    def _set_each(self, seen: Snapshot) -> None:
+        for node, row in zip(seen.nodes, pose_rows(seen.poses), strict=True):
             if node.name in self._shown:
-                continue
-            self._shown[node.name] = node
-            if not any(len(s.triangles) for s in node.surfaces):
-                continue
-            position, wxyz = position_wxyz(pose)
-            path = self._paths[node.name] = self._path(node.name)
-            self._handles[node.name] = self._server.scene.add_glb(
-                path,
-                glb(node.surfaces),
-                position=position,
-                wxyz=wxyz,
-                cast_shadow=node.shadow and not node.translucent,
-            )
-        self._again = max(self._again, time.monotonic() + 1.0)
-
-    def _path(self, name: str) -> str:
-        """A path of its own with no other pose above it: groups are for display, poses are of the world."""
-        group, _, rest = name.partition("/")
-        taken = set(self._paths.values())
-        if rest:
-            while f"/{group}" in taken:  # a node stands there, and would carry the group along
-                group += " ·"
-            path = f"/{group}/{rest.replace('/', ' › ')}"
-        else:
-            path = f"/{group}"
-            while any(other.startswith(f"{path}/") for other in taken):
-                path += " ·"
-        while path in taken:
-            path += "'"
-        return path
-
-    def _send(self, nodes: tuple[Node, ...], poses: Floats) -> None:
-        rows = [i for i, node in enumerate(nodes) if node.name in self._paths]
-        self._channel.send([self._paths[nodes[i].name] for i in rows], pose_rows(poses[rows]))
-
-    def _set_each(self, nodes: tuple[Node, ...], poses: Floats) -> None:
-        for node, row in zip(nodes, pose_rows(poses), strict=True):
-            handle = self._handles.get(node.name)
-            if handle is not None:
-                handle.position, handle.wxyz = row[:3], row[3:]
+                self._shown[node.name].place(row)

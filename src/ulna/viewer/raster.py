@@ -11,17 +11,16 @@ from ulna.typing import Array, Floats
 from ulna.viewer import light
 from ulna.viewer.camera import Camera, frame
 from ulna.viewer.png import write_png
-from ulna.viewer.scene import Scene
+from ulna.viewer.scene import Scene, Snapshot
 from ulna.viewer.surface import paint, unit
+from ulna.viewer.theme import LIGHT, Theme, theme_of
+from ulna.viewer.words import write_words
 from ulna.viewer.zbuffer import clip_near, rasterise
 
 __all__ = ["render", "write_png"]
 
 _NEAR = 0.02
 _MOST = 2**28  # samples
-_TOP, _HORIZON = np.array([142, 163, 187]) / 255, np.array([217, 225, 233]) / 255
-_FLOOR = np.array([184, 194, 205]) / 255
-_SECTION, _CELL = np.array([141, 152, 166]) / 255, np.array([169, 179, 191]) / 255
 _SHADOW = np.array([0.20, 0.195, 0.185])  # how much a full shadow takes from red, green, blue
 
 
@@ -45,7 +44,13 @@ class _Triangles:
 
 
 def render(
-    scene: Scene, width: int = 1600, height: int = 1000, camera: Camera | None = None, samples: int = 2
+    scene: Scene,
+    width: int = 1600,
+    height: int = 1000,
+    camera: Camera | None = None,
+    samples: int = 2,
+    theme: Theme | str = LIGHT,
+    floor: float | None = None,
 ) -> Array:
     """A picture of the scene.
 
@@ -55,6 +60,8 @@ def render(
         height: Height of the picture [pixels].
         camera: From where; one that has everything in view when not given.
         samples: Samples along each edge of a pixel; 2 is smooth, 1 quick.
+        theme: "light", "dark", or a `Theme`.
+        floor: Height of the floor [m]; below everything when not given.
 
     Returns:
         The picture, shape (height, width, 3), uint8.
@@ -69,13 +76,15 @@ def render(
             f"{width} x {height} pixels with {samples} x {samples} samples each need too much memory. "
             "Take a smaller picture, or samples=1."
         )
+    look = theme_of(theme)
     camera = camera or frame(scene, width / height)
-    triangles = _gather(scene)
+    seen = scene.snapshot()
+    triangles = _gather(seen)
     solid = triangles.rgba[:, 3] >= 0.999
-    floor = scene.floor()
+    floor = scene.floor() if floor is None else floor
     casting = triangles.corners[triangles.shadow & (triangles.rgba[:, 3] > 0.6)]
     shadows = light.shadow_map(casting, floor)
-    picture = _ground(camera, width, height, floor, shadows, casting)
+    picture = _ground(camera, width, height, floor, shadows, casting, look)
     view = _View(camera, width * samples, height * samples)
     for chosen in (solid, ~solid):
         picture, view.depth = _layer(picture, view, triangles, np.flatnonzero(chosen), shadows, samples)
@@ -85,7 +94,8 @@ def render(
         picture, _ = _layer(picture, view, faint, np.flatnonzero(triangles.through), shadows, samples)
     # half a step of noise hides the bands of slow gradients
     noise = np.random.default_rng(0).random((height, width, 1), dtype=np.float32) - 0.5
-    return np.clip(picture * 255 + 0.5 + 0.9 * noise, 0, 255).astype(np.uint8)
+    image = np.clip(picture * 255 + 0.5 + 0.9 * noise, 0, 255).astype(np.uint8)
+    return write_words(image, camera, seen, look)
 
 
 class _View:
@@ -114,19 +124,23 @@ class _View:
         return x[:, None] * self.axes[:, 0] + y[:, None] * self.axes[:, 1] - self.axes[:, 2]
 
 
-def _gather(scene: Scene) -> _Triangles:
-    _, _, nodes, poses = scene.snapshot()
+def _gather(seen: Snapshot) -> _Triangles:
     corners, normals, rgba = [np.zeros((0, 3, 3))], [np.zeros((0, 3, 3))], [np.zeros((0, 4))]
     shadow, through = [np.zeros(0, bool)], [np.zeros(0, bool)]
-    for node, pose in zip(nodes, poses, strict=True):
+    for i in np.flatnonzero(seen.visible):
+        node, pose, scale, tint = seen.nodes[i], seen.poses[i], seen.scales[i], seen.tint[i]
         rotation, translation = pose[:3, :3], pose[:3, 3]
-        for surface in node.surfaces:
-            count = len(surface.triangles)
-            if count == 0 or surface.rgba[3] <= 0.002:
+        turned = bool(np.prod(scale) < 0)
+        for surface in (*node.surfaces, *(node.content.surfaces if node.content else ())):
+            count, opacity = len(surface.triangles), surface.rgba[3] * seen.opacity[i]
+            if count == 0 or opacity <= 0.002:
                 continue
-            corners.append((surface.vertices @ rotation.T + translation)[surface.triangles])
-            normals.append((surface.normals @ rotation.T)[surface.triangles])
-            rgba.append(np.broadcast_to(surface.rgba, (count, 4)))
+            faces = surface.triangles[:, ::-1] if turned else surface.triangles
+            corners.append(((surface.vertices * scale) @ rotation.T + translation)[faces])
+            bent = surface.normals if (scale == scale[0]).all() else unit(surface.normals / scale)
+            normals.append((bent @ rotation.T)[faces])
+            colour = surface.rgba[:3] if tint[0] < 0 else tint
+            rgba.append(np.broadcast_to((*colour, opacity), (count, 4)))
             shadow.append(np.full(count, node.shadow))
             through.append(np.full(count, node.through))
     return _Triangles(*(np.concatenate(part) for part in (corners, normals, rgba, shadow, through)))
@@ -200,12 +214,19 @@ def _colours(
 
 
 def _ground(
-    camera: Camera, width: int, height: int, floor: float, shadows: light.ShadowMap, casting: Floats
+    camera: Camera,
+    width: int,
+    height: int,
+    floor: float,
+    shadows: light.ShadowMap,
+    casting: Floats,
+    look: Theme,
 ) -> Array:
     """The background and the floor with its grid and shadows, one sample a pixel; (height, width, 3)."""
     view = _View(camera, width, height)
     share = np.clip((np.arange(height) + 0.5) / height / 0.33, 0, 1) ** 0.8
-    background = (_TOP + (_HORIZON - _TOP) * share[:, None])[:, None, :]
+    top, horizon = np.array(look.top) / 255, np.array(look.horizon) / 255
+    background = (top + (horizon - top) * share[:, None])[:, None, :]
     picture = np.broadcast_to(background, (height, width, 3)).astype(np.float32)
     if view.eye[2] <= floor + 1e-6:
         return picture
@@ -220,12 +241,12 @@ def _ground(
         point = view.eye + distance[:, None] * ray[down]
         away = np.linalg.norm(point[:, :2] - view.eye[:2], axis=1)
         solid = np.exp(-((away / 7.0) ** 1.6))[:, None]
-        colour = np.broadcast_to(_FLOOR, (len(point), 3)).astype(np.float32)
+        colour = np.broadcast_to(np.array(look.floor) / 255, (len(point), 3)).astype(np.float32)
         foot = distance / view.focus
         slant = foot * np.linalg.norm(ray[down], axis=1) / np.maximum(-ray[down, 2], 1e-3)
-        for period, pixels, tint, strength in ((0.1, 0.7, _CELL, 0.22), (1.0, 1.1, _SECTION, 0.6)):
+        for period, pixels, tint, strength in ((0.1, 0.7, look.cell, 0.22), (1.0, 1.1, look.section, 0.6)):
             line = _lines(point[:, :2], ray[down], foot, slant, period, pixels) * strength
-            colour = colour + line[:, None] * (tint - colour)
+            colour = colour + line[:, None] * (np.array(tint) / 255 - colour)
         dark = np.clip(shadows.floor_shadow(point), 0, 1)[:, None]
         near = shelter(point)[:, None]
         held = 1 - (1 - dark * _SHADOW) * (1 - 0.30 * near)

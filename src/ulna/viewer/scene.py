@@ -1,45 +1,40 @@
-"""What there is to see, whoever draws it: named nodes with surfaces, and one array of world poses."""
+"""What there is to see, whoever draws it: a tree of named nodes with places and looks that change at any time."""
 
 from __future__ import annotations
 
 import threading
-import warnings
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from ulna.errors import (
-    InputError,
-    MissingExtra,
-    ModelWarning,
-    NonFiniteError,
-    ShapeError,
-    UlnaError,
-    UnknownName,
-)
+from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.typing import Array, ArrayLike, Floats
-from ulna.viewer.surface import DEFAULT_COLOUR, RGBA, Surface, colour
-from ulna.viewer.tessellate import axes, tessellate, tube
+from ulna.viewer.content import Content, Lines
+from ulna.viewer.surface import Surface, colour
+from ulna.viewer.tessellate import axes
+
+_NO_TINT = -1.0
 
 
+@final
 @dataclass(frozen=True, eq=False)
 class Node:
     """A thing of the scene that moves as one piece.
 
     Args:
-        name: Its name, unique in the scene; `/` groups nodes for display.
+        name: Its name, unique in the scene; what stands before the last `/` is the group that it belongs to.
         surfaces: What it looks like, in its own frame.
-        parent: The name of the node it belongs to (they are removed together), or None. Poses are always
-            world poses.
+        content: What else is there to see: points, lines, words, copies.
         shadow: Whether it casts a shadow.
         through: Whether pictures show it faintly through what hides it, as is good for lines and axes.
     """
 
     name: str
-    surfaces: tuple[Surface, ...]
-    parent: str | None = None
+    surfaces: tuple[Surface, ...] = ()
+    content: Content | None = None
     shadow: bool = True
     through: bool = False
 
@@ -48,22 +43,59 @@ class Node:
         """Whether any of its surfaces lets light through."""
         return any(s.rgba[3] < 0.999 for s in self.surfaces)
 
+    @property
+    def group(self) -> str:
+        """The name of the group it belongs to; empty for none."""
+        return self.name.rpartition("/")[0]
 
+
+class Snapshot(NamedTuple):
+    """A scene at one instant: three counters, the nodes, where they are, and how they look with their groups.
+
+    `poses` are T_world_node (n, 4, 4); `scales` are factors (n, 3); `visible` is (n,); `opacity` is (n,) from 0 to 1;
+    `tint` is (n, 3), red, green, blue, or -1 where nodes keep their own colours.
+    """
+
+    structure: int
+    motion: int
+    looks: int
+    nodes: tuple[Node, ...]
+    poses: Floats
+    scales: Floats
+    visible: Array
+    opacity: Floats
+    tint: Floats
+
+
+_COLUMNS: dict[str, tuple[Any, type]] = {
+    "pose": (np.eye(4), float),
+    "scale": (np.ones(3), float),
+    "visible": (True, bool),
+    "opacity": (1.0, float),
+    "tint": (np.full(3, _NO_TINT), float),
+}
+
+
+@final
 class Scene:
-    """Named nodes and one array of world poses.
+    """A tree of named nodes: `arm/hand/finger` belongs to `arm/hand`, which belongs to `arm`.
 
-    Everything may be called from any thread. A program's loop writes poses (`set_poses`, about a
-    microsecond); whoever draws reads them when it is ready to (`snapshot`), so a slow screen never slows the
-    loop.
+    Groups appear by themselves. A node's pose is in its group's frame; a
+    group's colour, opacity, scale and visibility hold for all in it.
+
+    Everything may be called from any thread. A program's loop hands over what is newest, in about a microsecond;
+    whoever draws takes a `snapshot` when it is ready to, so a slow screen never slows the loop.
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
         self._nodes: dict[str, Node] = {}
         self._row: dict[str, int] = {}
-        self._poses: Floats = np.zeros((0, 4, 4))
-        self._structure = 0
-        self._motion = 0
+        self._above = np.zeros(0, dtype=np.intp)
+        self._data = {name: np.zeros((0, *np.shape(value)), kind) for name, (value, kind) in _COLUMNS.items()}
+        self._levels: list[tuple[Array, Array]] | None = []
+        self._late: dict[int, Callable[[], None]] = {}
+        self._structure = self._motion = self._looks = 0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -79,19 +111,57 @@ class Scene:
 
     @property
     def poses(self) -> Floats:
-        """A copy of the world poses T_world_node, shape (n, 4, 4)."""
-        with self._lock:
-            return self._poses.copy()
+        """The world poses T_world_node, shape (n, 4, 4)."""
+        return self.snapshot().poses
 
     @property
-    def version(self) -> tuple[int, int]:
-        """Two counters: changes of the set of nodes, changes of poses."""
-        return self._structure, self._motion
+    def version(self) -> tuple[int, int, int]:
+        """Three counters: changes of the set of nodes, of poses, of looks."""
+        return self._structure, self._motion, self._looks
 
-    def snapshot(self) -> tuple[int, int, tuple[Node, ...], Floats]:
-        """Both counters of `version`, the nodes and a copy of their poses, all of one instant."""
+    def __contains__(self, name: object) -> bool:
+        return name in self._nodes
+
+    def snapshot(self) -> Snapshot:
+        """The whole scene at one instant."""
         with self._lock:
-            return self._structure, self._motion, tuple(self._nodes.values()), self._poses.copy()
+            while self._late:
+                self._late.pop(next(iter(self._late)))()
+            n = len(self._nodes)
+            pose, scale, visible, opacity, tint = (self._data[name][:n].copy() for name in _COLUMNS)
+            for rows, above in self._depths():
+                factor = scale[above, 0]
+                pose[rows, :3, 3] *= factor[:, None]
+                pose[rows] = pose[above] @ pose[rows]
+                scale[rows] *= factor[:, None]
+                visible[rows] &= visible[above]
+                opacity[rows] *= opacity[above]
+                own = tint[rows, :1] != _NO_TINT
+                tint[rows] = np.where(own, tint[rows], tint[above])
+            nodes = tuple(self._nodes.values())
+            return Snapshot(*self.version, nodes, pose, scale, visible, opacity, tint)
+
+    def _depths(self) -> list[tuple[Array, Array]]:
+        """Rows of nodes in groups and the rows of these groups, outermost first."""
+        if self._levels is None:
+            depth = np.zeros(len(self._nodes), dtype=np.intp)
+            for row, above in enumerate(self._above[: len(depth)]):
+                depth[row] = 0 if above < 0 else depth[above] + 1
+            chosen = [np.flatnonzero(depth == d) for d in range(1, int(depth.max(initial=0)) + 1)]
+            self._levels = [(rows, self._above[rows]) for rows in chosen]
+        return self._levels
+
+    @contextmanager
+    def together(self) -> Iterator[None]:
+        """What is changed within is seen at once or not at all. Keep it short: whoever draws waits meanwhile."""
+        with self._lock:
+            yield
+
+    def later(self, key: object, function: Callable[[], None]) -> None:
+        """Have `function` bring the scene up to date before it is next looked at; the newest counts for each key."""
+        with self._lock:
+            self._late[id(key)] = function
+            self._motion += 1
 
     def node(self, name: str) -> Node:
         """The node of that name.
@@ -113,76 +183,122 @@ class Scene:
         except KeyError:
             raise UnknownName("node", name, self._nodes) from None
 
-    def rows(self, names: Iterable[str]) -> Array:
+    def rows(self, names: Iterable[str]) -> Any:
         """The rows of several nodes, for `set_poses`. They hold until a node is removed."""
-        return np.array([self.row(n) for n in names], dtype=np.intp)
+        rows = np.array([self.row(n) for n in names], dtype=np.intp)
+        if len(rows) and np.array_equal(rows, np.arange(rows[0], rows[0] + len(rows))):
+            return slice(int(rows[0]), int(rows[0]) + len(rows))  # writes faster than an array of rows
+        return rows
 
     def add(
         self,
         name: str,
         surfaces: Iterable[Surface] = (),
         pose: ArrayLike | None = None,
-        parent: str | None = None,
         shadow: bool = True,
         through: bool = False,
+        content: Content | None = None,
     ) -> Node:
-        """Add a node, or replace the one of that name.
+        """Add a node, and the groups that its name tells of; or replace the one of that name.
 
         Args:
             name: Its name.
             surfaces: What it looks like.
-            pose: T_world_node, shape (4, 4); the identity when not given.
-            parent: The node it belongs to.
+            pose: T_group_node, shape (4, 4); the identity when not given.
             shadow: Whether it casts a shadow.
             through: Whether pictures show it faintly through what hides it.
+            content: What else is there to see.
+
+        Raises:
+            InputError: It is no name, or the group is stretched.
+            ShapeError, NonFiniteError: `pose` is no pose.
         """
-        if not name or name != name.strip("/"):
+        if not name or "" in name.split("/"):
             raise InputError(
-                f"A node's name is not empty and neither begins nor ends with '/'; got {name!r}."
+                f"A node's name is not empty, and neither begins nor ends with '/' nor holds '//'; got {name!r}."
             )
-        if parent is not None:
-            self.row(parent)
-        matrix = np.eye(4) if pose is None else _poses(pose, (4, 4))
-        node = Node(name, tuple(surfaces), parent, shadow, through)
+        matrix = np.eye(4) if pose is None else checked_pose(pose)
+        node = Node(name, tuple(surfaces), content, shadow, through)
         with self._lock:
-            if name in self._nodes:
-                self._poses[self._row[name]] = matrix
-            else:
-                self._row[name] = len(self._nodes)
-                self._poses = np.concatenate([self._poses, matrix[None]])
+            if node.group and node.group not in self._nodes:
+                self.add(node.group)
+            above = self._row[node.group] if node.group else -1
+            if above >= 0:
+                _even(node.group, self._data["scale"][above])
+            if name not in self._nodes:
+                self._append(name, above)
+            self._data["pose"][self._row[name]] = matrix
             self._nodes[name] = node
             self._structure += 1
         return node
 
+    def _append(self, name: str, above: int) -> None:
+        row = self._row[name] = len(self._nodes)
+        if row == len(self._above):  # room for twice as many, so that adding many stays cheap
+            more = max(row, 16)
+            self._above = np.concatenate([self._above, np.full(more, -1, dtype=np.intp)])
+            for key, (value, kind) in _COLUMNS.items():
+                rest = np.broadcast_to(np.asarray(value, kind), (more, *np.shape(value)))
+                self._data[key] = np.concatenate([self._data[key], rest])
+        self._above[row] = above
+        self._levels = None
+        for key, (value, _) in _COLUMNS.items():
+            self._data[key][row] = value
+
     def remove(self, name: str) -> None:
-        """Remove a node and everything that belongs to it.
+        """Remove a node and everything in it.
 
         Raises:
             UnknownName: There is no node of that name.
         """
-        self.row(name)
         with self._lock:
-            gone = {name}
-            while True:
-                more = {n for n, node in self._nodes.items() if node.parent in gone} - gone
-                if not more:
-                    break
-                gone |= more
-            keep = [row for n, row in self._row.items() if n not in gone]
-            self._nodes = {n: node for n, node in self._nodes.items() if n not in gone}
-            self._row = {n: i for i, n in enumerate(self._nodes)}
-            self._poses = self._poses[keep]
+            self.row(name)
+            keep = [row for n, row in self._row.items() if n != name and not n.startswith(f"{name}/")]
+            moved = np.full(len(self._nodes) + 1, -1, dtype=np.intp)
+            moved[keep] = np.arange(len(keep))
+            kept = [n for n in self._nodes if n != name and not n.startswith(f"{name}/")]
+            self._nodes = {n: self._nodes[n] for n in kept}
+            self._row = {n: i for i, n in enumerate(kept)}
+            self._above = moved[self._above[keep]]
+            self._data = {key: value[keep] for key, value in self._data.items()}
+            self._levels = None
             self._structure += 1
 
     def set_poses(self, poses: ArrayLike, rows: Any = slice(None)) -> None:
-        """Write world poses: shape (n, 4, 4) for `rows` (a slice, or what `rows()` gave)."""
+        """Write poses in the nodes' groups: shape (n, 4, 4) for `rows` (a slice, or what `rows()` gave)."""
         with self._lock:
-            self._poses[rows] = poses
+            self._data["pose"][: len(self._nodes)][rows] = poses
             self._motion += 1
 
     def set_pose(self, name: str, pose: ArrayLike) -> None:
-        """Write the world pose (4, 4) of one node."""
-        self.set_poses(_poses(pose, (4, 4)), self.row(name))
+        """Write the pose (4, 4) of one node in its group."""
+        self.set_poses(checked_pose(pose), self.row(name))
+
+    def pose(self, name: str) -> Floats:
+        """The pose (4, 4) of a node in its group."""
+        with self._lock:
+            return self._data["pose"][self.row(name)].copy()
+
+    def set_content(self, name: str, content: Content) -> None:
+        """Replace what there is to see of a node besides surfaces."""
+        with self._lock:
+            self._nodes[name] = replace(self.node(name), content=content)
+            self._structure += 1
+
+    def look(self, name: str, key: str) -> Any:
+        """A node's own "scale" (3,), "visible", "opacity" or "tint" (3,)."""
+        with self._lock:
+            value = self._data[key][self.row(name)]
+            return value.copy() if np.ndim(value) else value.item()
+
+    def set_look(self, name: str, key: str, value: Any) -> None:
+        """Write a node's own "scale", "visible", "opacity" or "tint"; for a group, that of all in it."""
+        with self._lock:
+            row = self.row(name)
+            if key == "scale" and (self._above[: len(self._nodes)] == row).any():
+                _even(name, np.broadcast_to(value, 3))
+            self._data[key][row] = value
+            self._looks += 1
 
     def add_axes(self, name: str, pose: ArrayLike | None = None, length: float = 0.1) -> Node:
         """Add three arrows in red, green, blue along x, y, z; `length` in metres."""
@@ -191,138 +307,66 @@ class Scene:
     def add_path(
         self, name: str, points: ArrayLike, rgba: Iterable[float] = (0.95, 0.45, 0.10), radius: float = 0.004
     ) -> Node:
-        """Add a line through `points` (n, 3) [m], drawn as a tube."""
-        return self.add(name, (tube(points, radius, colour(rgba)),), shadow=False, through=True)
+        """Add a line through `points` (n, 3) [m]."""
+        way = np.asarray(points, dtype=float).reshape(-1, 3)
+        return self.add(
+            name, shadow=False, through=True, content=Lines.through(way, colour(rgba), 2 * radius)
+        )
 
     def add_robot(
         self, robot: Any, q: ArrayLike, name: str | None = None, rgba: Iterable[float] | None = None
-    ) -> RobotInScene:
-        """Add a robot's links.
+    ) -> Any:
+        """Add a robot's links: see `ulna.viewer.figure.Figure`, which it gives."""
+        from ulna.viewer.figure import Figure
 
-        Args:
-            robot: An `ulna.Robot`.
-            q: Its configuration, shape (nq,).
-            name: The name of the group of nodes; the robot's own when not given.
-            rgba: One colour for the whole robot, for a ghost of it; its own materials when not given.
-        """
-        group = name or robot.name
-        # adding robots must not half-happen: everything that can fail comes first
-        poses = _poses(robot.link_poses(np.asarray(q, dtype=float)), (len(robot.model.links), 4, 4))
-        looks = [link_surfaces(link, None if rgba is None else colour(rgba)) for link in robot.model.links]
-        names = []
-        for link, surfaces, pose in zip(robot.model.links, looks, poses, strict=True):
-            names.append(f"{group}/{link.name}")
-            self.add(names[-1], surfaces, pose)
-        return RobotInScene(self, robot, group, tuple(names))
+        return Figure(self, robot, q, name, rgba)
 
     def points(self, most: int = 40_000) -> Floats:
-        """Vertices of everything in the world [m], shape (n, 3); evenly thinned out to about `most`."""
-        _, _, nodes, poses = self.snapshot()
-        total = sum(len(s.vertices) for node in nodes for s in node.surfaces)
-        step = max(total // most, 1)
-        parts = [np.zeros((0, 3))]
-        for node, pose in zip(nodes, poses, strict=True):
-            parts += [
-                s.vertices[::step] @ pose[:3, :3].T + pose[:3, 3] for s in node.surfaces if s.rgba[3] > 0.0
-            ]
-        return np.concatenate(parts)
+        """Places of everything visible in the world [m], shape (n, 3); evenly thinned out to about `most`."""
+        seen = self.snapshot()
+        chosen = [i for i, node in enumerate(seen.nodes) if seen.visible[i] and seen.opacity[i] > 0.0]
+        parts = [(i, s.vertices) for i in chosen for s in seen.nodes[i].surfaces if s.rgba[3] > 0.0]
+        parts += [(i, c.places) for i in chosen if (c := seen.nodes[i].content) is not None]
+        step = max(sum(len(places) for _, places in parts) // most, 1)
+        out = [np.zeros((0, 3))]
+        for i, places in parts:
+            out.append((places[::step] * seen.scales[i]) @ seen.poses[i, :3, :3].T + seen.poses[i, :3, 3])
+        return np.concatenate(out)
 
     def floor(self) -> float:
         """The height of the floor [m]: 0, or lower where something hangs below it (legs below a pelvis).
 
         Things that cast no shadow, such as axes and lines, may well reach into the floor.
         """
-        _, _, nodes, poses = self.snapshot()
+        seen = self.snapshot()
         lowest = 0.0
-        for node, pose in zip(nodes, poses, strict=True):
+        for i, node in enumerate(seen.nodes):
             for surface in node.surfaces if node.shadow else ():
                 if len(surface.vertices):
-                    lowest = min(lowest, float((surface.vertices @ pose[2, :3]).min() + pose[2, 3]))
+                    heights = (surface.vertices * seen.scales[i]) @ seen.poses[i, 2, :3]
+                    lowest = min(lowest, float(heights.min() + seen.poses[i, 2, 3]))
         return lowest
 
 
-class RobotInScene:
-    """A robot's links in a scene, moved together by `move`."""
+def checked_pose(value: Any) -> Floats:
+    """A pose (4, 4) from an array or an `SE3`.
 
-    def __init__(self, scene: Scene, robot: Any, name: str, names: Sequence[str]) -> None:
-        self.scene, self.robot, self.name, self.names = scene, robot, name, tuple(names)
-        self._structure, self._rows = scene.version[0], scene.rows(self.names)
-
-    def move(self, q: ArrayLike) -> None:
-        """Show configuration `q` (nq,)."""
-        structure = self.scene.version[0]
-        if structure != self._structure:
-            self._structure, self._rows = structure, self.scene.rows(self.names)
-        self.scene.set_poses(self.robot.link_poses(q), self._rows)
-
-    def remove(self) -> None:
-        """Take the robot out of the scene."""
-        for name in self.names:
-            self.scene.remove(name)
-
-
-def link_surfaces(link: Any, rgba: RGBA | None = None) -> tuple[Surface, ...]:
-    """What a link looks like, in the link's frame: its visuals as surfaces, those of one colour joined.
-
-    A mesh that is missing or broken is left out with a `ModelWarning`: a robot without a shell is still a
-    robot.
-
-    Args:
-        link: A link of a model; its `visuals` are drawn.
-        rgba: One colour for everything; the materials' own when None.
+    Raises:
+        ShapeError, NonFiniteError, InputError: It is none.
     """
-    pieces: list[Surface] = []
-    for visual in link.visuals:
-        pose = visual.placement.matrix()
-        material = getattr(visual, "material", None)
-        stated = getattr(material, "rgba", None)
-        shape = visual.shape
-        if hasattr(shape, "path"):
-            if shape.path is None or shape.missing:
-                continue
-            from ulna.viewer.meshes import load_mesh
-
-            try:
-                parts = [s.moved(pose, shape.scale) for s in load_mesh(shape.path)]
-            except MissingExtra as error:  # the same words for each link, so that they are said once
-                warnings.warn(f"Meshes are left out. {error}", ModelWarning, stacklevel=2)
-                continue
-            except UlnaError as error:
-                warnings.warn(
-                    f"Link {link.name!r} is drawn without a mesh. {error}", ModelWarning, stacklevel=2
-                )
-                continue
-            if stated is not None:  # a model's material speaks for meshes that bring no colour of their own
-                parts = [s.coloured(stated) if s.rgba == DEFAULT_COLOUR else s for s in parts]
-        else:
-            parts = [tessellate(shape, DEFAULT_COLOUR if stated is None else colour(stated)).moved(pose)]
-        pieces += parts if rgba is None else [p.coloured(rgba) for p in parts]
-    return _join(pieces)
-
-
-def _join(pieces: list[Surface]) -> tuple[Surface, ...]:
-    by_colour: dict[RGBA, list[Surface]] = {}
-    for piece in pieces:
-        by_colour.setdefault(piece.rgba, []).append(piece)
-    out = []
-    for rgba, group in by_colour.items():
-        offsets = np.cumsum([0, *(len(s.vertices) for s in group)])
-        out.append(
-            Surface(
-                np.concatenate([s.vertices for s in group]),
-                np.concatenate([s.triangles + o for s, o in zip(group, offsets, strict=False)]),
-                np.concatenate([s.normals for s in group]),
-                rgba,
-            )
-        )
-    return tuple(out)
-
-
-def _poses(value: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    out = np.asarray(value, dtype=float)
-    if out.shape != shape:
-        raise ShapeError("pose", out.shape, str(shape))
+    out = np.array(value.matrix() if hasattr(value, "matrix") else value, dtype=float)
+    if out.shape != (4, 4):
+        raise ShapeError("pose", out.shape, "(4, 4), or an SE3")
     if not np.isfinite(out).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(out))[0])
         raise NonFiniteError("pose", where, float(out[where]))
+    if np.abs(out[:3, :3] @ out[:3, :3].T - np.eye(3)).max() > 1e-3 or np.linalg.det(out[:3, :3]) < 0:
+        raise InputError(
+            f"`pose` holds no rotation: {out[:3, :3].tolist()}. To stretch or mirror a thing, set its scale."
+        )
     return out
+
+
+def _even(name: str, scale: Floats) -> None:
+    if not (scale[0] == scale[1] == scale[2]):
+        raise InputError(f"The group {name!r} can be scaled by one number only, not by {scale.tolist()}.")

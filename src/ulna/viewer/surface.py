@@ -18,6 +18,19 @@ DEFAULT_COLOUR: RGBA = (0.78, 0.80, 0.82, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
+class Texture:
+    """A picture on a surface.
+
+    Args:
+        uv: Where each vertex lies in the picture, from 0 to 1, the origin at its lower left, shape (n, 2).
+        image: The content of a PNG or JPEG file.
+    """
+
+    uv: Floats
+    image: bytes
+
+
+@dataclass(frozen=True, eq=False)
 class Surface:
     """Triangles of one colour.
 
@@ -26,13 +39,15 @@ class Surface:
         triangles: Indices of vertices, anticlockwise seen from outside, shape (m, 3).
         normals: Unit normals of the vertices, shape (n, 3). Vertices on a sharp edge occur once for each
             side.
-        rgba: The colour.
+        rgba: The colour; with a texture, the mean colour of it.
+        texture: A picture on it; a browser draws it, renderers without textures draw the mean colour.
     """
 
     vertices: Floats
     triangles: Array
     normals: Floats
     rgba: RGBA = DEFAULT_COLOUR
+    texture: Texture | None = None
 
     def __post_init__(self) -> None:
         for name, kind in (("vertices", float), ("triangles", np.int64), ("normals", float)):
@@ -42,6 +57,8 @@ class Surface:
         if self.normals.shape != self.vertices.shape:
             raise ShapeError("normals", self.normals.shape, f"one for each vertex, {self.vertices.shape}")
         count = len(self.vertices)
+        if self.texture is not None and self.texture.uv.shape != (count, 2):
+            raise ShapeError("uv", self.texture.uv.shape, f"({count}, 2), one for each vertex")
         if self.triangles.size and (self.triangles.min() < 0 or self.triangles.max() >= count):
             raise InputError(f"`triangles` points outside the {count} vertices of the surface.")
         object.__setattr__(self, "rgba", colour(self.rgba))
@@ -64,8 +81,8 @@ class Surface:
         )
 
     def coloured(self, rgba: Iterable[float]) -> Surface:
-        """The same triangles in another colour."""
-        return replace(self, rgba=colour(rgba))
+        """The same triangles in another colour, without a texture."""
+        return replace(self, rgba=colour(rgba), texture=None)
 
 
 def colour(value: Iterable[float]) -> RGBA:

@@ -74,6 +74,18 @@ def axes(length: float = 0.1, radius: float | None = None) -> tuple[Surface, Sur
     return out[0], out[1], out[2]
 
 
+def ball(radius: float, rgba: RGBA, around: int = 24) -> Surface:
+    """A ball about the origin, `radius` in metres."""
+    return _ellipsoid((radius,) * 3, rgba, around)
+
+
+def arrow(rgba: RGBA, around: int = 20) -> tuple[Surface, Surface]:
+    """The shaft and the tip of an arrow along z, each of length 1 and radius 1, from the origin up."""
+    shaft = [_slope((0, 0), (1, 0)), _slope((1, 0), (1, 1))]
+    tip = [_slope((0, 0), (1, 0)), _slope((1, 0), (0, 1))]
+    return _revolve(shaft, rgba, around), _revolve(tip, rgba, around)
+
+
 def tube(points: ArrayLike, radius: float, rgba: RGBA, around: int = 8) -> Surface:
     """A tube along a polyline.
 

@@ -15,7 +15,7 @@ pytest.importorskip("viser", reason="viser, which serves the page, is not instal
 from ulna.errors import InputError, MissingExtra
 from ulna.geometry import Box
 from ulna.viewer import channel
-from ulna.viewer import show as show_module
+from ulna.viewer import hold as hold_module
 from ulna.viewer.page import Page
 from ulna.viewer.scene import Scene
 from ulna.viewer.tessellate import tessellate
@@ -81,7 +81,7 @@ def test_a_foreign_page_cannot_open_the_socket(page: Page) -> None:
 
 
 def test_it_listens_on_the_loopback_only(page: Page) -> None:
-    sockets = page._server._websock_server
+    sockets = page.server._websock_server
     assert sockets._host == "127.0.0.1"
     with pytest.raises(OSError):
         socket.create_connection(("127.0.0.2", page.port), timeout=0.5).close()
@@ -90,7 +90,7 @@ def test_it_listens_on_the_loopback_only(page: Page) -> None:
 def test_nobody_can_share_it(page: Page) -> None:
     from viser import _messages
 
-    handlers = page._server._websock_server._incoming_handlers
+    handlers = page.server._websock_server._incoming_handlers
     assert _messages.ShareUrlRequest not in handlers
     assert _messages.ShareUrlDisconnect not in handlers
 
@@ -140,7 +140,7 @@ def test_without_viser_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def buffered(page: Page, kind: str) -> list:
-    buffer = page._server._websock_server._broadcast_buffer
+    buffer = page.server._websock_server._broadcast_buffer
     with buffer.buffer_lock:
         return [m for m in buffer.message_from_id.values() if type(m).__name__ == kind]
 
@@ -154,7 +154,7 @@ def sent(page: Page) -> dict[str, np.ndarray]:
 def test_all_poses_travel_in_one_message_and_the_newest_win(page: Page) -> None:
     page.scene.add("robot/second", [tessellate(Box((0.1, 0.1, 0.1)))])
     for k in range(50):
-        page.scene.set_poses([at(k), at(-k)])
+        page.scene.set_poses([at(0), at(k), at(-k)])
     assert wait(lambda: sent(page).get("/robot/second", [0])[0] == -49)
     assert sent(page)["/robot/box"][0] == 49
     assert len([m for m in buffered(page, "SceneNodeUpdateMessage") if m.name == channel.POSES]) == 1
@@ -167,7 +167,7 @@ def test_small_moves_are_sent_too(page: Page) -> None:
 
 def test_at_rest_newcomers_find_the_poses_in_the_public_state(page: Page) -> None:
     page.scene.set_pose("robot/box", at(3.0))
-    assert wait(lambda: page._handles["robot/box"].position[0] == 3.0)
+    assert wait(lambda: page._shown["robot/box"].handles[0].position[0] == 3.0)
 
 
 def test_another_version_of_viser_is_driven_through_its_public_interface(
@@ -176,17 +176,17 @@ def test_another_version_of_viser_is_driven_through_its_public_interface(
     monkeypatch.setattr(channel, "KNOWN", ("0.0.",))
     with Page(box_scene(), port=0) as page:
         page.scene.set_pose("robot/box", at(4.0))
-        assert wait(lambda: page._handles["robot/box"].position[0] == 4.0)
+        assert wait(lambda: page._shown["robot/box"].handles[0].position[0] == 4.0)
         assert not buffered(page, "RunJavascriptMessage")
 
 
 def test_nodes_come_and_go_with_the_scene(page: Page) -> None:
     page.scene.add("mark", [tessellate(Box((1, 1, 1)))])
     page.flush()
-    assert set(page._handles) == {"robot/box", "mark"}
+    assert set(page._shown) == {"robot/box", "mark"}
     page.scene.remove("robot/box")
     page.flush()
-    assert set(page._handles) == {"mark"}
+    assert set(page._shown) == {"mark"}
 
 
 @pytest.mark.parametrize(
@@ -196,7 +196,7 @@ def test_no_node_carries_another_along(page: Page, names: tuple[str, ...]) -> No
     for name in names:
         page.scene.add(name, [tessellate(Box((1, 1, 1)))], at(5.0))
         page.flush()
-    paths = list(page._paths.values())
+    paths = [shown.path for shown in page._shown.values()]
     assert len(paths) == len(names) + 1
     assert len(set(paths)) == len(paths)
     for a in paths:
@@ -220,8 +220,8 @@ def test_a_mistake_in_a_users_function_does_not_stop_the_page(
 def test_hold_returns_at_once_where_nobody_can_look(
     page: Page, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(show_module, "somebody_can_look", lambda: False)
-    show_module.hold(page)
+    monkeypatch.setattr(hold_module, "somebody_can_look", lambda: False)
+    hold_module.hold(page)
     assert "Nobody can look" in capsys.readouterr().out
 
 
@@ -231,16 +231,16 @@ def test_hold_ends_with_ctrl_c(
     def interrupt(_: float) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(show_module, "somebody_can_look", lambda: True)
-    monkeypatch.setattr(show_module, "time", SimpleNamespace(sleep=interrupt))
-    show_module.hold(page)
+    monkeypatch.setattr(hold_module, "somebody_can_look", lambda: True)
+    monkeypatch.setattr(hold_module, "time", SimpleNamespace(sleep=interrupt))
+    hold_module.hold(page)
     assert page.closed
 
 
 def test_hold_ends_when_the_page_is_closed(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(show_module, "somebody_can_look", lambda: True)
+    monkeypatch.setattr(hold_module, "somebody_can_look", lambda: True)
     timer = threading.Timer(0.2, page.close)
     timer.start()
-    show_module.hold(page)
+    hold_module.hold(page)
     timer.join()
     assert page.closed

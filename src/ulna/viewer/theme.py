@@ -1,0 +1,69 @@
+"""The colours around the robot: light and dark."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+from ulna.errors import UnknownName
+
+RGB = tuple[int, int, int]
+
+
+@final
+@dataclass(frozen=True)
+class Theme:
+    """Colours of the surroundings, from 0 to 255, and how strong the lamps are.
+
+    Args:
+        dark: Whether panels are dark.
+        top: The sky above.
+        horizon: The sky where it meets the floor.
+        floor: The floor.
+        section: Lines of the floor every metre.
+        cell: Lines of the floor every tenth of a metre.
+        ink: Words.
+        lamps: How strong the lamps are; 1 in the light theme.
+        room: How strongly the room mirrors in surfaces.
+        shadow: How dark shadows on the floor are, from 0 to 1.
+    """
+
+    dark: bool = False
+    top: RGB = (142, 163, 187)
+    horizon: RGB = (217, 225, 233)
+    floor: RGB = (180, 190, 201)
+    section: RGB = (141, 152, 166)
+    cell: RGB = (169, 179, 191)
+    ink: RGB = (30, 41, 59)
+    lamps: float = 1.0
+    room: float = 0.30
+    shadow: float = 0.42
+
+
+LIGHT = Theme()
+DARK = Theme(
+    dark=True,
+    top=(13, 17, 24),
+    horizon=(38, 46, 58),
+    floor=(30, 36, 45),
+    section=(74, 86, 104),
+    cell=(46, 54, 66),
+    ink=(226, 232, 240),
+    lamps=0.85,
+    room=0.22,
+    shadow=0.55,
+)
+_NAMED = {"light": LIGHT, "dark": DARK}
+
+
+def theme_of(value: Theme | str) -> Theme:
+    """A theme, or the one of that name.
+
+    Raises:
+        UnknownName: There is no theme of that name.
+    """
+    if isinstance(value, Theme):
+        return value
+    if value not in _NAMED:
+        raise UnknownName("theme", value, _NAMED)
+    return _NAMED[value]

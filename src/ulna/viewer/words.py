@@ -1,0 +1,45 @@
+"""Words of a scene written into a picture, with Pillow where it is installed."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import UlnaWarning
+from ulna.typing import Array
+from ulna.viewer.camera import Camera
+from ulna.viewer.content import Text
+from ulna.viewer.scene import Snapshot
+from ulna.viewer.theme import Theme
+
+
+def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> Array:
+    """The picture (h, w, 3) with the words of a scene over it, each where its node is."""
+    said = [(i, node.content) for i, node in enumerate(seen.nodes) if isinstance(node.content, Text)]
+    said = [(i, text) for i, text in said if seen.visible[i] and seen.opacity[i] > 0.0]
+    if not said:
+        return image
+    try:
+        from PIL import Image, ImageDraw, ImageFont
+    except ImportError:
+        warnings.warn(
+            "Words are left out of the picture: they need the package 'pillow', which ulna[film] brings.",
+            UlnaWarning,
+            stacklevel=3,
+        )
+        return image
+    height, width = image.shape[:2]
+    focus = height / (2 * np.tan(camera.fov / 2))
+    canvas = Image.fromarray(image)
+    draw: Any = ImageDraw.Draw(canvas, "RGBA")
+    for i, text in said:
+        x, y, z = (seen.poses[i, :3, 3] - camera.position) @ camera.axes()
+        size = text.height * float(seen.scales[i, 2]) * focus / max(-z, 1e-9)
+        if z < -0.02 and 1.0 < size < height:
+            ink = theme.ink if seen.tint[i, 0] < 0 else tuple(int(255 * c) for c in seen.tint[i])
+            place = (width / 2 - focus * x / z, height / 2 + focus * y / z)
+            font = ImageFont.load_default(size)
+            draw.text(place, text.words, fill=(*ink, int(255 * seen.opacity[i])), font=font, anchor="ls")
+    return np.asarray(canvas)
