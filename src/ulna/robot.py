@@ -16,6 +16,7 @@ from ulna.errors import InputError, UnknownName
 from ulna.methods.base import Plain
 from ulna.methods.derivatives import Derivatives
 from ulna.methods.dynamics import Dynamics
+from ulna.methods.ik import InverseKinematics
 from ulna.methods.operational import Operational
 from ulna.methods.regressors import Regressors
 from ulna.model import Model
@@ -51,7 +52,7 @@ class Limits:
 
 
 @final
-class Robot(Dynamics, Operational, Derivatives, Regressors):
+class Robot(Dynamics, Operational, Derivatives, InverseKinematics, Regressors):
     """A robot: its model, and its kernels compiled when first used.
 
     Every method takes configurations of shape (..., nq) and velocities of shape (..., nv), with any leading batch
@@ -63,7 +64,7 @@ class Robot(Dynamics, Operational, Derivatives, Regressors):
     "local_world_aligned" (frame's origin, world axes; the default).
     """
 
-    __slots__ = ("_fk", "_jacobian", "_kernels", "_plain", "limits", "model")
+    __slots__ = ("_fk", "_jacobian", "_kernels", "_plain", "_solvers", "limits", "model")
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -74,6 +75,7 @@ class Robot(Dynamics, Operational, Derivatives, Regressors):
         self._plain = Plain(model)
         self._fk: dict[Any, Any] = {}
         self._jacobian: dict[Any, Any] = {}
+        self._solvers: dict[Any, Any] = {}
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Robot, (self.model,)
@@ -346,6 +348,14 @@ class Robot(Dynamics, Operational, Derivatives, Regressors):
         """The robot with other masses and inertias; see `ulna.model.with_dynamic_parameters`."""
         return Robot(models.with_dynamic_parameters(self.model, parameters, check=check))
 
+    def parameters(self, name: str) -> Floats:
+        """What the model has for one of the `parameters` of a kernel; see `ulna.model.parameters` for their names."""
+        return models.parameters(self.model, name)
+
+    def with_parameters(self, *, check: bool = True, **values: Any) -> Robot:
+        """The robot with other inertias, placements, offsets, gravity ...; see `ulna.model.with_parameters`."""
+        return Robot(models.with_parameters(self.model, check=check, **values))
+
     def with_payload(
         self,
         frame: str | None = None,
@@ -371,6 +381,9 @@ class Robot(Dynamics, Operational, Derivatives, Regressors):
 
         Called with a contiguous array of the exact shape and type it costs about 100 ns. It lets nan through unless
         `checked`. It has `.operations`, `.graph`, `.ir()`, `.asm()`, `.jacobian()` and `.gufunc`.
+
+        With `parameters=("inertia", "placement")` those numbers of the model are further arguments at the end, so that
+        one kernel serves a batch of robots; `robot.parameters("inertia")` is what this robot has for them.
 
         Raises:
             UnknownName: If there is no such kernel, option or frame.

@@ -1,0 +1,145 @@
+"""What is asked of a frame: which parts of its pose count, and how far the frame is from there.
+
+| symbol | meaning | shape, unit | equation |
+|---|---|---|---|
+| p, R | position and rotation of the frame, world axes | (3,), (3, 3) | forward kinematics |
+| p*, R* | those of the goal | | |
+| e_p | position error | (3,) [m] | p* - p |
+| s, c | sine times axis, and cosine, of the angle theta to R* | | s = 1/2 sum r_i x r*_i, c = (tr(R^T R*) - 1)/2 |
+| e_r | rotation error: the axis times the chord 2 sin(theta/2) | (3,) [rad] | s / cos(theta/2) |
+| e_a | error of one axis of the tool, in tool axes: likewise with s = a x a*, c = a . a* | (3,) [rad] | |
+
+Sources: Luh, Walker & Paul 1980 (s as an orientation error); Siciliano et al. 2009, section 3.7.3. The chord grows up
+to half a turn, where s alone has no slope left, and equals the angle to third order at the goal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, final
+
+import numpy as np
+
+from ulna import algorithms, numeric
+from ulna.errors import InputError, UnknownName
+from ulna.model import Frame, Model
+from ulna.typing import Array
+
+_AXES = {"x": 0, "y": 1, "z": 2}
+_ONES, _ZEROS = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+_HALF_TURN = 1e-9  # how close (1 + c)/2 may come to 0, where the direction of e_r is lost
+
+
+@final
+@dataclass(frozen=True)
+class Mask:
+    """Which parts of a pose count, and how much.
+
+    Attributes:
+        position: Weights of x, y and z, world axes; 0 where it is free.
+        rotation: Weights of the rotations about x, y and z, world axes; 0 where it is free.
+        axis: Number of the tool's axis whose direction alone counts, in place of `rotation`.
+    """
+
+    position: tuple[float, ...] = _ONES
+    rotation: tuple[float, ...] = _ONES
+    axis: int | None = None
+
+    @property
+    def rows(self) -> int:
+        """How many directions it holds."""
+        turning = 2 if self.axis is not None else int(np.count_nonzero(self.rotation))
+        return int(np.count_nonzero(self.position)) + turning
+
+
+MASKS: dict[str, Mask] = {
+    "pose": Mask(),
+    "position": Mask(rotation=_ZEROS),
+    "rotation": Mask(position=_ZEROS),
+    **{f"position+{name}": Mask(_ONES, _ZEROS, axis) for name, axis in _AXES.items()},
+    **{name: Mask(_ZEROS, _ZEROS, axis) for name, axis in _AXES.items()},
+}
+
+
+def mask_of(value: Any) -> Mask:
+    """The mask that a user means by a name or by six weights.
+
+    Raises:
+        UnknownName: For an unknown name.
+        InputError: For weights that are not six numbers, 0 or above, one of them above.
+    """
+    if isinstance(value, Mask):
+        return value
+    if isinstance(value, str):
+        if value not in MASKS:
+            raise UnknownName("mask", value, MASKS, "Or six weights: (x, y, z, rx, ry, rz).")
+        return MASKS[value]
+    try:
+        weights = tuple(float(w) for w in value)
+    except (TypeError, ValueError):
+        weights = ()
+    if len(weights) != 6 or not all(0.0 <= w < float("inf") for w in weights) or not any(weights):
+        raise InputError(
+            f"`mask` is {value!r}; expected one of {', '.join(map(repr, MASKS))}, or six weights "
+            "(x, y, z, rx, ry, rz), 0 where the pose is free, in world axes."
+        )
+    return Mask(weights[:3], weights[3:])
+
+
+class Distance(NamedTuple):
+    """How far a frame is from its goal."""
+
+    position: Any
+    """Squared length of what counts of e_p [m^2]."""
+    rotation: Any
+    """Squared length of what counts of e_r or e_a [rad^2]."""
+    is_near: Any
+    """Whether the frame is turned by so little that `rotation` can tell no turn from half a turn."""
+    weighted: Sequence[Any]
+    """The errors, weighted; radians count as `length` metres."""
+    rows: Sequence[Array]
+    """Their derivatives by v, negated: what a velocity takes off each, (nv,) each; empty if not asked for."""
+    angle: Any
+    """The angle that counts [rad]."""
+
+
+def distance(
+    model: Model, q: Array, frame: Frame, goal: Array, mask: Mask, length: float, with_rows: bool = True
+) -> Distance:
+    """How far `frame` is from `goal` (4, 4) at `q` (nq,), all traced; see `Distance`."""
+    pose = algorithms.frame_pose(model, q, frame)
+    R, R_goal = pose.rotation, goal[:3, :3]
+    e_p = goal[:3, 3] - pose.translation
+    J = algorithms.frame_jacobian(model, q, frame, "local_world_aligned") if with_rows else None
+    weighted, rows, position, rotation = [], [], 0.0, 0.0
+    for k, weight in enumerate(mask.position):
+        if weight:
+            position = position + e_p[k] * e_p[k]
+            weighted.append(e_p[k] * weight)
+            if J is not None:
+                rows.append(J[k] * weight)
+    is_near, angle = True, 0.0
+    if mask.axis is not None:
+        a, a_goal = R[:, mask.axis], R_goal[:, mask.axis]
+        s, c = R.T @ numeric.cross(a, a_goal), numeric.dot(a, a_goal)
+        weights = tuple(float(k != mask.axis) for k in range(3))
+        turning = R.T @ J[3:] if J is not None else None
+    else:
+        s = 0.5 * sum((numeric.cross(R[:, i], R_goal[:, i]) for i in range(3)), np.zeros(3))
+        c = 0.5 * ((R * R_goal).sum() - 1.0)
+        weights = mask.rotation
+        turning = J[3:] if J is not None else None
+    if any(weights):
+        chord = s / numeric.sqrt(numeric.maximum(0.5 * (1.0 + c), _HALF_TURN))
+        is_near = c > (0.0 if all(weights) or mask.axis is not None else -0.999)
+        counted = 0.0
+        for k, weight in enumerate(weights):
+            if weight:
+                rotation = rotation + chord[k] * chord[k]
+                counted = counted + s[k] * s[k]
+                weighted.append(chord[k] * (weight * length))
+                if turning is not None:
+                    rows.append(turning[k] * (weight * length))
+        angle = numeric.arctan2(numeric.sqrt(counted), c)
+    return Distance(position, rotation, is_near, weighted, rows, angle)

@@ -1,0 +1,128 @@
+"""What inverse kinematics answers: configurations, and honestly how near they are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from ulna.ik.problem import Problem
+
+_AT_LIMIT = 1e-9
+_SHOWN = 4
+
+
+@final
+class IKSolution:
+    """The answer of `robot.ik`, for one goal or a batch of them; it cannot be changed.
+
+    It counts as true when the goal is met, so `if solution:` means what it says; a batch has no single truth.
+    """
+
+    __slots__ = ("_problem", "_raw")
+
+    def __init__(self, problem: Problem, raw: Floats) -> None:
+        """`raw` holds q, status, steps, starting point and the errors of each frame: see `search.race`."""
+        self._problem = problem
+        self._raw = raw
+
+    @property
+    def q(self) -> Floats:
+        """The configuration, (..., nq): the solution, or, where there is none, the nearest that was found."""
+        return self._raw[..., : self._problem.model.nq]
+
+    @property
+    def success(self) -> Any:
+        """Whether every goal is met, (...): errors within their tolerances, joints within their limits."""
+        met = self._part(0) > 0.5
+        return bool(met) if self._raw.ndim == 1 else met
+
+    @property
+    def position_error(self) -> Any:
+        """Distance from the goal, of what counts of it [m], (...); (..., k) for k frames."""
+        return self._errors(0)
+
+    @property
+    def rotation_error(self) -> Any:
+        """Angle from the goal, of what counts of it [rad], (...); (..., k) for k frames."""
+        return self._errors(1)
+
+    @property
+    def iterations(self) -> Any:
+        """How many steps the search took, (...); it takes each step from several starting points at once."""
+        return self._whole(1)
+
+    @property
+    def restarts(self) -> Any:
+        """Number of the starting point the answer came from, (...): 0 for `q0` or, without, the rest configuration."""
+        return self._whole(2)
+
+    @property
+    def reason(self) -> Any:
+        """Why there is no solution, in words; "" where there is one. A list of such for a batch."""
+        if self._raw.ndim == 1:
+            return self._say(self._raw)
+        rows = self._raw.reshape(-1, self._raw.shape[-1])
+        said = np.empty(len(rows), dtype=object)
+        said[:] = [self._say(row) for row in rows]
+        return said.reshape(self._raw.shape[:-1]).tolist()
+
+    def __len__(self) -> int:
+        if self._raw.ndim == 1:
+            raise TypeError("A single solution has no length; a batch has.")
+        return len(self._raw)
+
+    def __getitem__(self, index: Any) -> IKSolution:
+        """The solutions at `index` of a batch."""
+        if self._raw.ndim == 1:
+            raise TypeError("A single solution cannot be indexed; its configuration is `.q`.")
+        width = self._raw.shape[-1]
+        return IKSolution(self._problem, self._raw[index].reshape(*self._raw[..., 0][index].shape, width))
+
+    def __bool__(self) -> bool:
+        if self._raw.ndim > 1:
+            raise TypeError(
+                "A batch of solutions has no single truth; use `.success.all()` or `.success.any()`."
+            )
+        return self.success
+
+    def __repr__(self) -> str:
+        if self._raw.ndim > 1:
+            return f"<{self._raw[..., 0].size} IK solutions, {int(self.success.sum())} of them met>"
+        found = "solution" if self.success else f"no solution: {self.reason}"
+        with np.printoptions(precision=_SHOWN, suppress=True):
+            return f"<IK {found}, q={self.q}, {self.iterations} iterations>"
+
+    def _part(self, number: int) -> Any:
+        return self._raw[..., self._problem.model.nq + number]
+
+    def _whole(self, number: int) -> Any:
+        part = self._part(number)
+        return int(part) if self._raw.ndim == 1 else part.astype(int)
+
+    def _errors(self, number: int) -> Any:
+        out = self._raw[..., self._problem.model.nq + 3 + number :: 2]
+        if len(self._problem.frames) > 1:
+            return out
+        return float(out[0]) if self._raw.ndim == 1 else out[..., 0]
+
+    def _say(self, row: Floats) -> str:
+        nq = self._problem.model.nq
+        if row[nq] > 0.5:
+            return ""
+        parts = [
+            f"{frame.name} stays {row[nq + 3 + 2 * k]:.3g} m and {row[nq + 4 + 2 * k]:.3g} rad from its goal"
+            for k, frame in enumerate(self._problem.frames)
+        ]
+        lower, upper = self._problem.limits
+        names = self._problem.model.position_names
+        held = [
+            names[i]
+            for i in self._problem.positions
+            if row[i] <= lower[i] + _AT_LIMIT or row[i] >= upper[i] - _AT_LIMIT
+        ]
+        end = f", with {', '.join(held)} at the limit" if held else ""
+        return f"the nearest found: {'; '.join(parts)}{end}"

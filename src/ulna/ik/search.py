@@ -1,0 +1,221 @@
+"""The search for a configuration: damped least squares from many starting points at once, in the lanes of a register.
+
+| symbol | meaning | shape, unit | source |
+|---|---|---|---|
+| lambda | damping: grows with the error, vanishes at the goal | [m^2] | Sugihara 2011, eq. 18 |
+| u_s | starting point number s: frac(s alpha + u_0), with alpha_j = phi^-j, phi^(d+1) = phi + 1 | [0, 1)^d | Roberts
+2018, the sequence R_d |
+
+An attempt that has not arrived after `ATTEMPT` steps, or has stopped coming nearer, gives way to the next starting
+point. A single goal is raced for by all lanes; the goals of a batch march on together, one in each lane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna import numeric
+from ulna.ik.problem import Problem, errors, step
+from ulna.ik.verdict import are_rotations, unwound, verdict
+from ulna.trace import Function, trace
+from ulna.trace.race import choose, in_any_lane, lane, least
+from ulna.typing import Array, Floats
+
+LANES = 8
+ATTEMPT = 24  # steps: most attempts that succeed do so within 12
+USUAL = 10  # steps that an attempt takes in the mean
+PATIENCE = 7  # steps before an attempt may be found to have stopped
+PROGRESS = 0.8  # the part of the squared error that may remain after a step for it to count as progress
+MARCH = 4  # steps between two looks at a batch
+CLOSE = 1.0  # rad or m: how near to q0 an answer must be to be taken before other lanes have answered
+_DAMPING, _LEAST_DAMPING = (
+    0.04,
+    1e-9,
+)  # tuned on Panda, UR5 and an arm of Talos for the fewest steps in the mean
+_FAR = 1e300
+
+
+class Attempt(NamedTuple):
+    """Where one lane stands."""
+
+    q: Array
+    """Configuration, (nq,)."""
+    number: Any
+    """Number of the starting point it set out from."""
+    age: Any
+    """How many steps ago."""
+    before: Any
+    """Squared error before the last step [m^2]."""
+    is_met: Any
+    """1 if the goals are met, else 0."""
+    best: Array
+    """The configuration with the least error so far, or the one that meets the goals, (nq,)."""
+    least: Any
+    """Its squared error [m^2]."""
+
+    def flat(self, problem: Problem) -> tuple[Any, ...]:
+        """As numbers, those of `q` and `best` that can change."""
+        return (
+            *self.q[problem.positions],
+            *self.best[problem.positions],
+            self.number,
+            self.age,
+            self.before,
+            self.is_met,
+            self.least,
+        )
+
+    @classmethod
+    def of(cls, problem: Problem, q0: Array, flat: Sequence[Any]) -> Attempt:
+        """The inverse of `flat`; what cannot change comes from `q0`."""
+        n = len(problem.positions)
+        number, age, before, is_met, smallest = flat[2 * n :]
+        q, best = problem.replaced(q0, flat[:n]), problem.replaced(q0, flat[n : 2 * n])
+        return cls(q, number, age, before, is_met, best, smallest)
+
+    @classmethod
+    def first(cls, q: Array, number: Any) -> Attempt:
+        """An attempt that sets out."""
+        return cls(q, number, 0.0, _FAR, 0.0, q, _FAR)
+
+
+def start(problem: Problem, q0: Array, shift: Array, number: Any, spread: Any) -> Array:
+    """Starting point `number`: a point of the ranges, drawn towards `q0` but for the part `spread` of its way."""
+    low, high = problem.range
+    alpha = _golden(len(low))
+    out = np.array(q0, dtype=object)
+    for j, i in enumerate(problem.drawn):
+        turns = number * alpha[j] + shift[j]
+        there = low[j] + (high[j] - low[j]) * (turns - np.floor(turns))
+        out[i] = q0[i] + spread * (there - q0[i])
+    return out
+
+
+def _golden(d: int) -> Floats:
+    phi = 2.0
+    for _ in range(60):
+        phi = (1.0 + phi) ** (1.0 / (d + 1))
+    return phi ** -np.arange(1.0, d + 1.0)
+
+
+def advance(
+    problem: Problem,
+    now: Attempt,
+    q0: Array,
+    goals: Array,
+    tolerances: Array,
+    shift: Array,
+    near: Any,
+    stride: float,
+) -> Attempt:
+    """One step of an attempt, or the beginning of the next one; `stride` starting points lie between the two."""
+    at = errors(problem, now.q, goals, tolerances)
+    scale = problem.length**2
+    q = step(problem, now.q, at, _DAMPING * at.squared + _LEAST_DAMPING * scale)
+    stopped = (now.age >= PATIENCE) & (at.squared > PROGRESS * now.before)
+    over = ((now.age >= float(ATTEMPT)) | stopped) & ~at.is_met
+    following = now.number + stride
+    anew = start(problem, q0, shift, following, spread(following, near))
+    better = at.is_met | (at.squared < now.least)
+    return Attempt(
+        numeric.where(at.is_met, now.q, numeric.where(over, anew, q)),
+        numeric.where(over, following, now.number),
+        numeric.where(over, 0.0, now.age + 1.0),
+        numeric.where(over, _FAR, at.squared),
+        numeric.where(at.is_met, 1.0, 0.0),
+        numeric.where(better, now.q, now.best),
+        numeric.where(better, at.squared, now.least),
+    )
+
+
+def spread(number: Any, near: Any) -> Any:
+    """How far from q0 starting point `number` may lie, 0 to 1: with `near` (1, else 0) growing from 0, else 1."""
+    widening = numeric.minimum(number * (1.0 / (2 * LANES)), 1.0)
+    return numeric.where(number < 0.5, 0.0, 1.0 - near * (1.0 - widening))
+
+
+def race(problem: Problem) -> Function:
+    """The search of one goal in all lanes.
+
+    Inputs: goals T, (4, 4) or for k > 1 frames (k, 4, 4), q0 (nq,), shift (d,) of the starting points, and settings
+    (4,): squared tolerances of position [m^2] and rotation [rad^2], 1 to stay near q0 else 0, the greatest number of
+    steps.
+
+    Output: (nq + 3 + 2 k,): q, whether it meets the goals (-1: a goal is no rotation), steps, number of the starting
+    point, and for each frame the errors of position [m] and rotation [rad].
+    """
+
+    def search(T: Array, q0: Array, shift: Array, settings: Array) -> Array:
+        goals, tolerances, near, limit = problem.goals(T), settings[:2], settings[2], settings[3]
+        home = problem.clip(q0)
+        number = lane(LANES)
+        first = Attempt.first(start(problem, home, shift, number, spread(number, near)), number)
+        is_valid = are_rotations(goals)
+
+        def offset(q: Array) -> Any:
+            return sum(((q[i] - home[i]) * (q[i] - home[i]) for i in problem.drawn), 0.0)
+
+        def go_on(*state: Any) -> Any:
+            now, steps = Attempt.of(problem, home, state[:-1]), state[-1]
+            is_met = now.is_met > 0.5
+            close = (number < 0.5) & (offset(now.q) < CLOSE**2)
+            is_over = is_met & ((near < 0.5) | close | (steps > float(ATTEMPT)))
+            return (steps < limit) & is_valid & ~in_any_lane(is_over)
+
+        def body(*state: Any) -> tuple[Any, ...]:
+            now = Attempt.of(problem, home, state[:-1])
+            then = advance(problem, now, home, goals, tolerances, shift, near, float(LANES))
+            return (*then.flat(problem), state[-1] + 1.0)
+
+        state = numeric.loop(go_on, body, (*first.flat(problem), 0.0), 2**30)
+        last, steps = Attempt.of(problem, home, state[:-1]), state[-1]
+        is_met = last.is_met > 0.5
+        rank = numeric.where(
+            in_any_lane(is_met), numeric.where(is_met, near * offset(last.best), _FAR), last.least
+        )
+        winner = least(numeric.where(rank <= least(rank), number, float(LANES)))
+        chosen = number == winner
+        q = problem.replaced(home, [choose(chosen, x) for x in last.best[problem.positions]])
+        q = unwound(problem, q, home, near)
+        return numeric.vector(
+            *q, *verdict(problem, q, goals, tolerances, is_valid, steps, choose(chosen, last.number))
+        )
+
+    shapes: dict[str, Any] = {**problem.shapes, "shift": (len(problem.drawn),), "settings": (4,)}
+    return trace(search, name="ik", lanes=LANES, **shapes)
+
+
+def march(problem: Problem) -> Function:
+    """`MARCH` steps of one attempt at one goal, for batches: state (n + 5,) in, state out.
+
+    Inputs: as those of `race`, and the state: positions of the joints that may move, number of the starting point, age,
+    squared error before, whether the goals are met, steps.
+    """
+    n = len(problem.positions)
+
+    def some_steps(T: Array, q0: Array, shift: Array, settings: Array, state: Array) -> Array:
+        goals, home = problem.goals(T), problem.clip(q0)
+
+        def attempt(flat: Sequence[Any]) -> Attempt:
+            q = problem.replaced(home, flat[:n])
+            number, age, before, is_met = flat[n : n + 4]
+            return Attempt(q, number, age, before, is_met, q, _FAR)
+
+        def body(*flat: Any) -> tuple[Any, ...]:
+            now = attempt(flat)
+            then = advance(problem, now, home, goals, settings[:2], shift, settings[2], 1.0)
+            after = (then.number, then.age, then.before, then.is_met, flat[-1] + 1.0)
+            return (*then.q[problem.positions], *after)
+
+        return numeric.vector(*numeric.loop(lambda *flat: flat[-2] < 0.5, body, tuple(state), MARCH))
+
+    shapes: dict[str, Any] = {
+        **problem.shapes,
+        "shift": (len(problem.drawn),),
+        "settings": (4,),
+        "state": (n + 5,),
+    }
+    return trace(some_steps, name="ik_march", **shapes)

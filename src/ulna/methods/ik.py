@@ -1,0 +1,91 @@
+"""Inverse kinematics of a robot: from poses of its frames to configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ulna.methods.base import Part
+from ulna.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from ulna.ik.result import IKSolution
+
+
+class InverseKinematics(Part):
+    """Which configuration puts the hand there."""
+
+    __slots__ = ()
+
+    _solvers: dict[Any, Any]
+
+    def ik(
+        self,
+        T: Any,
+        q0: ArrayLike | None = None,
+        frame: str | Sequence[str] | None = None,
+        *,
+        mask: Any = None,
+        joints: Sequence[str] | None = None,
+        position_tolerance: float = 1e-6,
+        rotation_tolerance: float = 1e-6,
+        seed: int = 0,
+        attempts: int = 400,
+        threads: int | None = None,
+    ) -> IKSolution:
+        """Inverse kinematics: a configuration within the joint limits that puts a frame at a goal.
+
+        Args:
+            T: The goal, T_world_frame, (..., 4, 4) [m]; a batch is solved together. For several frames at once a
+                dictionary {frame: T}, or (..., k, 4, 4) with their names in `frame`.
+            q0: Configuration to stay near, (..., nq) [rad or m]: the search sets out from it and returns the nearest of
+                the solutions it meets there. Without it, from a named rest configuration, then from drawn points; then
+                the first solution met is returned.
+            frame: Name; None for the tool, a list of names for several.
+            mask: What counts of the goal: "pose" (the default), "position", "rotation", "position+z" (and where the
+                tool's z axis points; likewise x, y), "z" (the direction alone), or weights (x, y, z, rx, ry, rz), 0
+                where it is free, in world axes. For several frames a list or a dictionary of such.
+            joints: Names of the joints that may move; the others stay as in `q0`. None for all that carry a frame.
+            position_tolerance: Greatest distance from the goal that counts as met [m].
+            rotation_tolerance: Greatest angle from the goal that counts as met [rad].
+            seed: Chooses the starting points; the same seed gives the same answer.
+            attempts: About how many starting points are tried before the goal counts as out of reach.
+            threads: How many threads a large batch may use.
+
+        Returns:
+            A solution with `.q` (..., nq), `.success`, `.position_error`, `.rotation_error`, `.iterations`,
+            `.restarts` and `.reason`. Where no solution is found, `success` is False and `q` is the nearest
+            configuration that is.
+
+        Raises:
+            InputError: If a goal is no pose, a mask or tolerance means nothing, or the frame has too few joints for the
+                whole pose and `mask` does not say what counts.
+            ShapeError, DtypeError, NonFiniteError: If `T` or `q0` is not of that shape or not finite.
+            UnknownName: If there is no such frame, joint or mask.
+
+        Reference: Sugihara 2011 (damping); the search runs in the SIMD lanes, see `ulna.ik.search`.
+        """
+        try:
+            solver = self._solvers[type(T) is dict, frame, mask, joints]
+        except (KeyError, TypeError):
+            T, solver = self._solver(T, frame, mask, joints)
+        return solver(T, q0, position_tolerance, rotation_tolerance, seed, attempts, threads)
+
+    def _solver(self, T: Any, frame: Any, mask: Any, joints: Any) -> tuple[Any, Any]:
+        from ulna.ik.solve import Solver, named_goals
+
+        goals, names, masks = named_goals(T, frame, mask)
+        moved = None if joints is None else tuple(joints)
+        key = (names, masks, moved)
+        solver = self._solvers.get(key)
+        if solver is None:
+            model = self.model
+            frames = [model.tool if name is None else name for name in names]
+            solver = self._solvers[key] = Solver(model, frames, masks, moved)
+        if not isinstance(T, Mapping) and not isinstance(frame, (list, tuple)):
+            self._solvers[False, frame, _hashable(mask), moved] = solver
+        return goals, solver
+
+
+def _hashable(mask: Any) -> Any:
+    return mask if isinstance(mask, (str, tuple, type(None))) else tuple(mask)

@@ -1,0 +1,317 @@
+"""robot.ik: one goal, batches, masks, several frames, limits, wrong input."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.ik.goal import mask_of
+from ulna.ik.result import IKSolution
+from ulna.model import Continuous, FreeFlyer, ModelBuilder, Prismatic, Revolute, with_root_joint
+from ulna.spatial import SE3, so3_log
+
+TIGHT = 1e-6
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return ulna.load("panda")
+
+
+@pytest.fixture(scope="module")
+def goals(panda):
+    q = panda.random_configuration(300, seed=4)
+    return q, panda.fk(q)
+
+
+def _is_there(robot, solution, T, frame=None):
+    pose = robot.fk(solution.q, frame)
+    position = np.linalg.norm(pose[..., :3, 3] - T[..., :3, 3], axis=-1)
+    rotation = np.linalg.norm(so3_log(np.swapaxes(pose[..., :3, :3], -1, -2) @ T[..., :3, :3]), axis=-1)
+    # A turn is counted by its chord, which is shorter than its arc in the third order only.
+    return (position <= TIGHT) & (rotation <= TIGHT * (1 + 1e-6)) & robot.limits.contains(solution.q)
+
+
+def test_one_goal_after_the_other_is_reached_within_limits(panda, goals):
+    for T in goals[1]:
+        solution = panda.ik(T)
+        assert solution.success and solution
+        assert _is_there(panda, solution, T)
+        assert solution.position_error <= TIGHT and solution.rotation_error <= TIGHT * (1 + 1e-6)
+        assert solution.reason == ""
+
+
+def test_a_batch_is_reached_like_its_goals_and_keeps_its_shape(panda, goals):
+    batch = goals[1].reshape(3, 100, 4, 4)
+    solution = panda.ik(batch)
+    assert solution.q.shape == (3, 100, 7) and solution.success.shape == (3, 100)
+    assert solution.success.all() and _is_there(panda, solution, batch).all()
+    few = panda.ik(batch[:, :2])
+    assert few.success.shape == (3, 2) and few.success.all()
+    one = few[1, 0]
+    assert isinstance(one, IKSolution) and one.q.shape == (7,) and len(few) == 3
+    np.testing.assert_array_equal(one.q, few.q[1, 0])
+
+
+def test_the_same_seed_gives_the_same_answer_and_another_seed_another(panda, goals):
+    T = goals[1][:80]
+    np.testing.assert_array_equal(panda.ik(T).q, panda.ik(T).q)
+    np.testing.assert_array_equal(panda.ik(T[0], seed=3).q, panda.ik(T[0], seed=3).q)
+    assert len({panda.ik(T[0], seed=k).q.tobytes() for k in range(12)}) > 1
+
+
+def test_threads_do_not_change_the_answers(panda):
+    T = panda.fk(panda.random_configuration(3000, seed=9))
+    np.testing.assert_array_equal(panda.ik(T, threads=2).q, panda.ik(T).q)
+
+
+def test_near_q0_the_answer_is_no_farther_than_a_solution_known_to_be_near(panda, goals):
+    rng = np.random.default_rng(7)
+    q, T = goals
+    q0 = panda.limits.clip(q + rng.normal(0.0, 0.08, q.shape))
+    solution = panda.ik(T, q0)
+    assert solution.success.all() and _is_there(panda, solution, T).all()
+    farther = np.linalg.norm(solution.q - q0, axis=1) / np.linalg.norm(q - q0, axis=1)
+    assert np.median(farther) <= 1.0 and (farther < 1.1).mean() > 0.97 and farther.max() < 3.0
+    np.testing.assert_array_equal(panda.ik(T[5], q0[5]).q, solution.q[5])
+
+
+def test_following_a_line_the_arm_does_not_jump(panda):
+    T = panda.fk(panda.configurations["qr"])
+    q = panda.configurations["qr"]
+    for k in range(200):
+        T[0, 3] += 1e-3 * np.cos(k / 30)
+        T[1, 3] += 1e-3 * np.sin(k / 30)
+        solution = panda.ik(T, q)
+        assert solution.success and np.abs(solution.q - q).max() < 0.02 and solution.iterations <= 4
+        q = solution.q
+
+
+def test_a_configuration_that_is_there_stays(panda, goals):
+    q, T = goals
+    np.testing.assert_array_equal(panda.ik(T[3], q[3]).q, q[3])
+
+
+def test_tolerances_are_those_asked_for(panda, goals):
+    T = goals[1][:100]
+    fine = panda.ik(T, position_tolerance=1e-11, rotation_tolerance=1e-11)
+    assert fine.success.all() and fine.position_error.max() <= 1e-11 and fine.rotation_error.max() <= 1.1e-11
+    rough = panda.ik(T[0], position_tolerance=1e-2, rotation_tolerance=0.1)
+    assert rough.success and rough.iterations < panda.ik(T[0]).iterations
+
+
+@pytest.mark.parametrize("mask, rows", [("position", 3), ("rotation", 3), ("position+z", 5), ("x", 2)])
+def test_masks_leave_free_what_does_not_count(panda, goals, mask, rows):
+    far = goals[1][:120].copy()
+    far[:, :3, 3] *= 10.0 if mask in ("rotation", "x") else 1.0
+    solution = panda.ik(far, mask=mask)
+    assert solution.success.all()
+    pose = panda.fk(solution.q)
+    if mask.startswith("position"):
+        assert np.abs(pose[:, :3, 3] - far[:, :3, 3]).max() <= TIGHT
+    if mask == "rotation":
+        assert np.abs(pose[:, :3, :3] - far[:, :3, :3]).max() <= 2 * TIGHT
+    if mask[-1] in "xz" and mask != "position":
+        axis = "xyz".index(mask[-1])
+        assert np.abs(pose[:, :3, axis] - far[:, :3, axis]).max() <= 2 * TIGHT
+    assert mask_of(mask).rows == rows
+
+
+def test_weights_free_directions_in_world_axes(panda, goals):
+    T = goals[1][:100].copy()
+    T[:, 2, 3] = 50.0  # far above, but height does not count
+    solution = panda.ik(T, mask=[1, 1, 0, 0, 0, 0])
+    assert solution.success.all()
+    assert np.abs(panda.fk(solution.q)[:, :2, 3] - T[:, :2, 3]).max() <= TIGHT
+
+
+def test_a_direction_turned_half_around_is_not_mistaken_for_met(panda):
+    q = panda.configurations["qr"]
+    T = panda.fk(q)
+    T[:3, :3] = T[:3, :3] @ np.diag([1.0, -1.0, -1.0])
+    for mask in ("pose", "position+z", (1, 1, 1, 1, 0, 0)):
+        solution = panda.ik(T, q, mask=mask, attempts=80)
+        assert not np.array_equal(solution.q, q)
+        if solution.success and mask == "position+z":
+            assert panda.fk(solution.q)[:3, 2] @ T[:3, 2] > 0.999
+
+
+def test_an_arm_of_five_joints_asks_what_counts():
+    arm = ulna.load("so101").with_tool("gripper_frame_link")
+    T = arm.fk(arm.random_configuration(100, seed=2))
+    with pytest.raises(InputError, match=r"5 joint coordinates.*position\+z"):
+        arm.ik(T[0])
+    for mask in ("position", "position+z", "pose"):  # the poses are known to be reachable
+        assert arm.ik(T, mask=mask).success.all()
+
+
+def test_joints_that_may_not_move_stay(panda, goals):
+    q, T = goals
+    moving = [name for name in panda.joint_names if name != "panda_joint3"]
+    solution = panda.ik(T[:50], q[:50] + np.array([0.1, 0.1, 0.0, 0.1, 0.1, 0.1, 0.1]), joints=moving)
+    np.testing.assert_array_equal(solution.q[:, 2], q[:50, 2])
+    assert solution.success.mean() > 0.9
+
+
+def test_out_of_reach_is_said_with_the_nearest_that_can_be_had(panda):
+    T = np.eye(4)
+    T[:3, 3] = 5.0, 0.0, 0.333
+    solution = panda.ik(T, mask="position")
+    assert not solution.success and not solution and "out of reach" not in solution.reason
+    assert "panda_hand_tcp stays" in solution.reason
+    # The shoulder stands at (0, 0, 0.333) and the stretched arm reaches less than 1.2 m from there.
+    stretched = np.linalg.norm(panda.fk(solution.q)[:3, 3] - [0, 0, 0.333])
+    best = max(
+        np.linalg.norm(panda.fk(q)[:3, 3] - [0, 0, 0.333]) for q in panda.random_configuration(4000, seed=1)
+    )
+    assert stretched >= best - 1e-3
+    assert solution.position_error == pytest.approx(5.0 - stretched, abs=1e-3)
+    batch = panda.ik(np.stack([T, panda.fk(panda.configurations["qr"])]), mask="position")
+    assert batch.success.tolist() == [False, True] and batch.reason[1] == ""
+
+
+def test_many_goals_some_out_of_reach(panda, goals):
+    T = goals[1][:200].copy()
+    T[::10, :3, 3] += 3.0
+    solution = panda.ik(T)
+    assert not solution.success[::10].any() and np.delete(solution.success, np.s_[::10]).all()
+    assert panda.limits.contains(solution.q).all()
+
+
+def test_several_frames_of_a_floating_humanoid():
+    body = ulna.load("g1").model
+    robot = ulna.Robot(with_root_joint(body, FreeFlyer()))
+    frames = ["left_rubber_hand", "right_rubber_hand", "left_ankle_roll_link"]
+    q = robot.random_configuration(20, seed=5)
+    T = robot.fk(q, frames)
+    solution = robot.ik(T, frame=frames)
+    assert solution.success.all() and solution.position_error.shape == (20, 3)
+    np.testing.assert_allclose(np.linalg.norm(solution.q[:, 3:7], axis=1), 1.0, atol=1e-12)
+    assert np.abs(robot.fk(solution.q, frames) - T).max() < 2e-6
+    named = robot.ik(dict(zip(frames, T[0], strict=True)))
+    np.testing.assert_array_equal(named.q, robot.ik(T[0], frame=frames).q)
+    hands = robot.ik({frames[0]: T[0, 0], frames[2]: T[0, 2]}, mask={frames[0]: "position"})
+    assert hands.success
+
+
+def _turret(kind):
+    b = ModelBuilder("turret").add_link("base").add_link("a").add_link("b").add_link("c")
+    b.add_joint("turn", kind((0, 0, 1)), "base", "a")
+    b.add_joint("lift", Prismatic((0, 0, 1)), "a", "b", SE3.trans(0.2, 0.0, 0.0), lower=0.1, upper=0.6)
+    b.add_joint("reach", Prismatic((1, 0, 0)), "b", "c", lower=0.0, upper=0.5, velocity=1.0)
+    return ulna.Robot(b.set_tool("c").build())
+
+
+def test_slides_and_turns_without_end():
+    robot = _turret(Continuous)
+    q = robot.random_configuration(200, seed=3)
+    T = robot.fk(q)
+    solution = robot.ik(T, mask="position")
+    assert solution.success.all() and (np.abs(solution.q[:, 0]) <= np.pi).all()
+    np.testing.assert_allclose(solution.q, q, atol=1e-5)
+    wound = q + np.array([40 * np.pi, 0.0, 0.0])
+    near = robot.ik(T, wound, mask="position")
+    np.testing.assert_allclose(near.q, wound, atol=1e-5)
+
+
+def test_limits_that_lie_beyond_half_a_turn_are_searched():
+    b = ModelBuilder("wound").add_link("base").add_link("a").add_link("b")
+    b.add_joint("turn", Revolute((0, 0, 1)), "base", "a", lower=4.0, upper=9.0)
+    b.add_joint("reach", Prismatic((1, 0, 0)), "a", "b", lower=0.2, upper=0.5)
+    robot = ulna.Robot(b.set_tool("b").build())
+    T = robot.fk(robot.random_configuration(100, seed=3))
+    solution = robot.ik(T, mask="position", attempts=800)
+    assert robot.limits.contains(solution.q).all() and solution.success.all()
+
+
+def test_a_mimic_joint_moves_with_its_source():
+    robot = ulna.load("panda_fingers")
+    frame = "panda_leftfinger"
+    q = robot.random_configuration(100, seed=3)
+    T = robot.fk(q, frame)
+    solution = robot.ik(T, frame=frame)
+    assert solution.success.all() and _is_there(robot, solution, T, frame).all()
+
+
+def test_near_singular_poses_are_reached(panda):
+    rng = np.random.default_rng(2)
+    q = np.zeros((100, 7)) + rng.normal(0.0, 1e-4, (100, 7))
+    q[:, 3] = -0.08
+    q[:, 5] = np.abs(q[:, 5])
+    T = panda.fk(panda.limits.clip(q))
+    assert panda.ik(T).success.mean() > 0.95
+
+
+def test_an_se3_and_a_list_are_goals_too(panda, goals):
+    T = goals[1][0]
+    expected = panda.ik(T).q
+    np.testing.assert_array_equal(panda.ik(SE3.from_matrix(T)).q, expected)
+    np.testing.assert_array_equal(panda.ik(T.tolist()).q, expected)
+
+
+def test_what_is_no_pose_is_refused(panda, goals):
+    T = goals[1][0]
+    with pytest.raises(InputError, match="transposed"):
+        panda.ik(T.T.copy())
+    with pytest.raises(InputError, match="not a rotation"):
+        panda.ik(T * 2.0)
+    mirrored = T.copy()
+    mirrored[:3, 0] *= -1
+    with pytest.raises(InputError, match="reflection"):
+        panda.ik(np.stack([T, mirrored]))
+    with pytest.raises(NonFiniteError, match=r"T\[1, 0, 3\]"):
+        bad = np.stack([T, T])
+        bad[1, 0, 3] = np.nan
+        panda.ik(bad)
+    with pytest.raises(ShapeError, match="4, 4"):
+        panda.ik(T[:3])
+    with pytest.raises(ShapeError, match="4, 4"):
+        panda.ik(np.zeros((200, 3, 3)))
+    many = np.tile(T, (200, 1, 1))
+    many[17, 0, 0] = np.inf
+    with pytest.raises(InputError, match="T"):
+        panda.ik(many)
+
+
+def test_wrong_arguments_are_named(panda, goals):
+    T = goals[1][0]
+    with pytest.raises(ShapeError, match="q0"):
+        panda.ik(T, np.zeros(6))
+    with pytest.raises(UnknownName, match="panda_hand"):
+        panda.ik(T, frame="panda_hnd")
+    with pytest.raises(UnknownName, match="position"):
+        panda.ik(T, mask="positon")
+    with pytest.raises(InputError, match="six weights"):
+        panda.ik(T, mask=[1, 1, 1])
+    with pytest.raises(InputError, match="position_tolerance"):
+        panda.ik(T, position_tolerance=0.0)
+    with pytest.raises(InputError, match="attempts"):
+        panda.ik(T, attempts=0)
+    with pytest.raises(InputError, match="No joint"):
+        panda.ik(T, frame="panda_link0")
+    with pytest.raises(UnknownName, match="panda_joint1"):
+        panda.ik(T, joints=["panda_joint_1"])
+    with pytest.raises(InputError, match="frame"):
+        panda.ik({"panda_hand": T}, frame="panda_hand")
+    with pytest.raises(InputError, match="one goal only"):
+        panda.ik(np.stack([T, T]), frame=["panda_hand", "panda_hand"])
+    with pytest.raises(InputError, match="empty"):
+        panda.ik({})
+    with pytest.raises(InputError, match="2 entries for 1"):
+        panda.ik(T, mask=["pose", "position"])
+
+
+def test_an_answer_cannot_be_changed_and_says_what_it_is(panda, goals):
+    solution = panda.ik(goals[1][0])
+    with pytest.raises(AttributeError):
+        solution.q = 0
+    with pytest.raises(TypeError):
+        len(solution)
+    assert "IK solution" in repr(solution)
+    batch = panda.ik(goals[1][:3])
+    assert "3 IK solutions, 3" in repr(batch)
+    with pytest.raises(TypeError, match="no single truth"):
+        bool(batch)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(batch)).q, batch.q)
