@@ -33,7 +33,7 @@ from ulna.algorithms.inverse_mass_matrix import inverse_mass_matrix
 from ulna.errors import InputError, MissingExtra, NonFiniteError, ShapeError, UnknownName
 from ulna.model.joints.base import VectorKind
 from ulna.robot import Robot, compile
-from ulna.sim.kinematic import Recording
+from ulna.sim.recording import Recording
 from ulna.typing import ArrayLike, Floats
 
 Torque = Callable[[float, Floats, Floats], ArrayLike]

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.typing import ArrayLike, Floats
 
 
@@ -33,32 +32,6 @@ def kinematic_step(robot: Any, q: ArrayLike, v: ArrayLike, dt: float) -> Floats:
     plain = model.nq == model.nv and all(j.kind.nq == 1 for j in model.joints)
     moved = start + dt * velocity if plain else robot.integrate(start, dt * velocity)
     return np.clip(moved, model.lower_position, model.upper_position)
-
-
-@dataclass
-class Recording:
-    """What happened: times [s], configurations and whatever else was noted, row by row."""
-
-    t: list[float] = field(default_factory=list)
-    q: list[Floats] = field(default_factory=list)
-    notes: dict[str, list[Any]] = field(default_factory=dict)
-
-    def add(self, t: float, q: ArrayLike, **notes: Any) -> None:
-        """Append a row."""
-        self.t.append(float(t))
-        self.q.append(np.array(q, dtype=float))
-        for name, value in notes.items():
-            self.notes.setdefault(name, []).append(np.array(value, dtype=float))
-
-    def __len__(self) -> int:
-        return len(self.t)
-
-    def __getitem__(self, name: str) -> Floats:
-        """A column as an array: "t", "q", or the name of a note."""
-        columns = {"t": self.t, "q": self.q, **self.notes}
-        if name not in columns:
-            raise UnknownName("column", name, columns)
-        return np.array(columns[name])
 
 
 def _checked(name: str, value: ArrayLike, size: int) -> Floats:

@@ -66,3 +66,32 @@ def test_a_recording_keeps_copies_in_columns() -> None:
     np.testing.assert_array_equal(recording["error"], [0, 1, 2])
     with pytest.raises(UnknownName, match="'error'"):
         recording["eror"]
+    with pytest.raises(ShapeError, match="`q`"):
+        recording.add(1.0, np.zeros(3))
+
+
+def test_a_recording_grows_and_a_missing_note_is_nan() -> None:
+    recording = Recording()
+    assert recording.t.shape == (0,)
+    assert recording.duration == 0.0
+    for k in range(200):
+        recording.add(0.5 * k, [k], **({"late": 1.0} if k > 150 else {}))
+    np.testing.assert_array_equal(recording.q[:, 0], np.arange(200))
+    assert recording.duration == 99.5
+    assert np.isnan(recording["late"][:151]).all()
+    assert (recording["late"][151:] == 1.0).all()
+    with pytest.raises(ValueError, match="read-only"):
+        recording.q[0] = 1.0
+
+
+def test_a_recording_tells_where_the_robot_was(panda: ulna.Robot) -> None:
+    recording = Recording()
+    with pytest.raises(InputError, match="Nothing was recorded"):
+        recording.at(0.0)
+    q = panda.configurations["qr"]
+    for k in range(3):
+        recording.add(k, q + k)
+    np.testing.assert_array_equal(recording.at(-1.0, panda), q)
+    np.testing.assert_array_equal(recording.at(9.0, panda), q + 2)
+    np.testing.assert_array_equal(recording.at(1.5), q + 1)
+    np.testing.assert_allclose(recording.at(1.5, panda), q + 1.5)

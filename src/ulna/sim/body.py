@@ -1,0 +1,246 @@
+"""A robot that is simulated: what it is told, where it is, and how it gets on by a step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal, final
+
+import numpy as np
+
+from ulna.algorithms.friction import Friction
+from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.robot import Robot
+from ulna.sim.dynamic import Plant
+from ulna.sim.kinematic import kinematic_step
+from ulna.sim.recording import Recording
+from ulna.typing import ArrayLike, Floats
+
+Control = Literal["position", "velocity", "acceleration", "torque"]
+CONTROLS: tuple[str, ...] = ("position", "velocity", "acceleration", "torque")
+Limited = Literal["none", "position", "all"]
+_LIMITED: tuple[str, ...] = ("none", "position", "all")
+
+
+@final
+class Body:
+    """A robot in a simulation. It is told by assigning to it, before or after it is added, with the same meaning.
+
+    - control "position": it stands at `q`; with a `target` it goes there as fast as its velocity limits let it.
+    - control "velocity": it moves at `qd`, held at its position limits.
+    - control "acceleration": `qdd` changes `qd`.
+    - control "torque": `tau` moves it, with gravity, inertia and friction; an array, or a function of t, q, qd.
+
+    Args:
+        robot: The robot.
+        q: Its configuration, shape (nq,); neutral when not given.
+        qd: Its velocity, shape (nv,) [rad/s or m/s]; rest when not given.
+        control: What it is told.
+        limits: What holds it: "position" its position limits (a joint that meets one stops there), "all" also those of
+            speed (of effort, under torques), or "none".
+        friction: For "torque": "model", None, or a `Friction`.
+        record: Whether each step is recorded.
+        name: Its name.
+
+    Raises:
+        ShapeError, NonFiniteError: An array does not fit the robot.
+        UnknownName: There is no such control, limit or friction.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        q: ArrayLike | None = None,
+        qd: ArrayLike | None = None,
+        control: Control = "velocity",
+        limits: Limited = "position",
+        friction: Friction | Literal["model"] | None = "model",
+        record: bool = True,
+        name: str | None = None,
+    ) -> None:
+        if limits not in _LIMITED:
+            raise UnknownName("limit", limits, _LIMITED)
+        self.robot, self.name, self.limits, self.record = robot, name or robot.name, limits, record
+        self.recording = Recording()
+        self._friction: Any = friction
+        self._plant: Plant | None = None
+        self._q = _checked("q", robot.neutral if q is None else q, robot.nq)
+        self._qd = _checked("qd", np.zeros(robot.nv) if qd is None else qd, robot.nv)
+        self._qdd, self._target = np.zeros(robot.nv), None
+        self._tau: Any = np.zeros(robot.nv)
+        self._moving = self._qd
+        self._applied: Floats | None = None
+        self.control = control
+        single = [j for j in robot.model.joints if j.mimic is None and j.kind.nq == j.kind.nv]
+        at_q = [np.arange(j.idx_q, j.idx_q + j.kind.nq) for j in single]
+        at_v = [np.arange(j.idx_v, j.idx_v + j.kind.nv) for j in single]
+        self._at_q = np.concatenate(at_q) if at_q else np.zeros(0, dtype=int)
+        self._at_v = np.concatenate(at_v) if at_v else np.zeros(0, dtype=int)
+        self._start = self._q.copy(), self._qd.copy()
+
+    @property
+    def control(self) -> Control:
+        """What it is told: "position", "velocity", "acceleration" or "torque"."""
+        return self._control
+
+    @control.setter
+    def control(self, control: Control) -> None:
+        if control not in CONTROLS:
+            raise UnknownName("control", control, CONTROLS)
+        if control == "torque" and self._plant is None:
+            self._plant = Plant(self.robot, self._friction)
+        self._control: Control = control
+
+    @property
+    def q(self) -> Floats:
+        """The configuration, shape (nq,)."""
+        return self._q.copy()
+
+    @q.setter
+    def q(self, q: ArrayLike) -> None:
+        self._q = _checked("q", q, self.robot.nq)
+
+    @property
+    def qd(self) -> Floats:
+        """The velocity, shape (nv,) [rad/s or m/s]."""
+        return self._qd.copy()
+
+    @qd.setter
+    def qd(self, qd: ArrayLike) -> None:
+        self._qd = self._moving = _checked("qd", qd, self.robot.nv)
+
+    @property
+    def qdd(self) -> Floats:
+        """The acceleration that it is told, shape (nv,) [rad/s^2 or m/s^2]."""
+        return self._qdd.copy()
+
+    @qdd.setter
+    def qdd(self, qdd: ArrayLike) -> None:
+        self._qdd = _checked("qdd", qdd, self.robot.nv)
+
+    @property
+    def tau(self) -> Any:
+        """The torques that it is told, shape (nv,) [N m or N], or a function of t, q, qd that gives them."""
+        return self._tau if callable(self._tau) else self._tau.copy()
+
+    @tau.setter
+    def tau(self, tau: Any) -> None:
+        self._tau = tau if callable(tau) else _checked("tau", tau, self.robot.nv)
+
+    @property
+    def target(self) -> Floats | None:
+        """Where it goes under position control, shape (nq,); None to stand."""
+        return None if self._target is None else self._target.copy()
+
+    @target.setter
+    def target(self, target: ArrayLike | None) -> None:
+        self._target = None if target is None else _checked("target", target, self.robot.nq)
+
+    def reset(self) -> None:
+        """Back to the configuration and velocity it began with, with an empty recording."""
+        self._q, self._qd = self._start[0].copy(), self._start[1].copy()
+        self._moving, self._applied = self._qd, None
+        self.recording = Recording()
+
+    def note(self, t: float) -> None:
+        """Record where it is and how it moved, which at a limit is not as it was told, and what torques it had."""
+        if self.record:
+            torque = {} if self._applied is None else {"tau": self._applied}
+            self.recording.add(t, self._q, v=self._moving, **torque)
+
+    def step(self, t: float, dt: float, substep: float) -> None:
+        """Move on from time `t` by `dt` [s]; under torques in steps no longer than `substep` [s].
+
+        Raises:
+            InputError: The motion grew beyond all bounds.
+        """
+        self._applied = None
+        with np.errstate(over="ignore", invalid="ignore"):
+            _STEPS[self._control](self, t, dt, substep)
+        if not np.isfinite(self._q.sum() + self._qd.sum()):
+            raise InputError(
+                f"The motion of {self.name!r} grew beyond all bounds at t = {t + dt:g} s. Take a smaller step, or "
+                "look at what it is told."
+            )
+
+    def _go(self, t: float, dt: float, _: float) -> None:
+        if self._target is None:
+            self._qd = self._moving = np.zeros(self.robot.nv)
+            return
+        way = np.asarray(self.robot.difference(self._q, self._target))
+        longest = self.robot.limits.velocity * dt
+        share = min(1.0, float(np.min(longest / np.maximum(np.abs(way), 1e-300), initial=np.inf)))
+        before = self._q
+        self._q = (
+            self._target.copy() if share >= 1.0 else np.asarray(self.robot.integrate(before, share * way))
+        )
+        self._held()
+        self._qd = self._moving = np.asarray(self.robot.difference(before, self._q)) / dt
+
+    def _slide(self, t: float, dt: float, _: float) -> None:
+        speed = self._slowed(self._qd)
+        if self.limits == "none":
+            self._q = np.asarray(self.robot.integrate(self._q, dt * speed))
+        else:
+            before, self._q = self._q, kinematic_step(self.robot, self._q, speed, dt)
+            speed = np.asarray(self.robot.difference(before, self._q)) / dt
+        self._moving = speed
+
+    def _push(self, t: float, dt: float, _: float) -> None:
+        faster = self._slowed(self._qd + dt * self._qdd)
+        self._q = np.asarray(self.robot.integrate(self._q, dt / 2 * (self._qd + faster)))
+        self._qd = faster
+        self._held()
+        self._moving = self._qd
+
+    def _swing(self, t: float, dt: float, substep: float) -> None:
+        assert self._plant is not None
+        count = max(1, int(np.ceil(dt / substep - 1e-9)))
+        effort = self.robot.limits.effort
+        for k in range(count):
+            tau: Any = self._tau
+            if callable(tau):
+                asked: Any = tau(t + k * dt / count, self._q.copy(), self._qd.copy())
+                tau = _checked("tau", asked, self.robot.nv)
+            if self.limits == "all":
+                tau = np.clip(tau, -effort, effort)
+            self._q, self._qd = self._plant.euler(self._q, self._qd, tau, dt / count)
+            self._held()
+            self._applied = tau
+        self._moving = self._qd
+
+    def _slowed(self, speed: Floats) -> Floats:
+        fastest = self.robot.limits.velocity
+        return np.clip(speed, -fastest, fastest) if self.limits == "all" else speed
+
+    def _held(self) -> None:
+        """A joint that has gone past a position limit stands at it."""
+        if self.limits == "none":
+            return
+        limits = self.robot.limits
+        low, high = self._q < limits.lower, self._q > limits.upper
+        if low.any() or high.any():
+            self._q = np.clip(self._q, limits.lower, limits.upper)
+            speed = self._qd[self._at_v]
+            out = (low[self._at_q] & (speed < 0.0)) | (high[self._at_q] & (speed > 0.0))
+            self._qd[self._at_v] = np.where(out, 0.0, speed)
+
+    def __repr__(self) -> str:
+        return f"<{self.name!r} under {self.control} control>"
+
+
+_STEPS: dict[str, Callable[[Body, float, float, float], None]] = {
+    "position": Body._go,
+    "velocity": Body._slide,
+    "acceleration": Body._push,
+    "torque": Body._swing,
+}
+
+
+def _checked(name: str, value: ArrayLike, size: int) -> Floats:
+    out = np.array(value, dtype=float)
+    if out.shape != (size,):
+        raise ShapeError(name, out.shape, f"({size},)")
+    if not np.isfinite(out.sum()) and not np.isfinite(out).all():
+        where = int(np.argwhere(~np.isfinite(out))[0][0])
+        raise NonFiniteError(name, (where,), float(out[where]))
+    return out

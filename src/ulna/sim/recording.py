@@ -1,0 +1,102 @@
+"""What happened, row by row: times, configurations and whatever else was noted, in columns that grow."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.typing import ArrayLike, Floats
+
+
+@final
+class Recording:
+    """Columns of numbers over time: "t" [s], "q", and the notes that rows were added with.
+
+    A row costs its numbers and nothing more, so that millions of them fit; a note that a row lacks is nan there.
+    """
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._columns: dict[str, Floats] = {}
+
+    def add(self, t: float, q: ArrayLike, **notes: Any) -> None:
+        """Append a row: a time [s], a configuration (nq,), and notes by name.
+
+        Raises:
+            ShapeError: A number of entries differs from that of the rows before.
+        """
+        row = {"t": t, "q": q, **notes}
+        values = {name: np.asarray(value, dtype=float) for name, value in row.items()}
+        for name, value in values.items():
+            column = self._columns.get(name)
+            if column is None:
+                self._columns[name] = np.full((max(self._room, 64), *value.shape), np.nan)
+            elif column.shape[1:] != value.shape:
+                raise ShapeError(name, value.shape, f"{column.shape[1:]}, as in the rows before")
+        if self._count == self._room:
+            for name, column in self._columns.items():
+                self._columns[name] = np.concatenate([column, np.full_like(column, np.nan)])
+        for name, value in values.items():
+            self._columns[name][self._count] = value
+        self._count += 1
+
+    @property
+    def _room(self) -> int:
+        return len(next(iter(self._columns.values()))) if self._columns else 0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the columns."""
+        return tuple(self._columns)
+
+    @property
+    def t(self) -> Floats:
+        """The times [s], shape (n,), read-only."""
+        return self._view("t")
+
+    @property
+    def q(self) -> Floats:
+        """The configurations, shape (n, nq), read-only."""
+        return self._view("q")
+
+    @property
+    def duration(self) -> float:
+        """The time from the first row to the last [s]."""
+        return float(self.t[-1] - self.t[0]) if self._count else 0.0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, name: str) -> Floats:
+        """A copy of a column: "t", "q", or the name of a note."""
+        if name not in self._columns:
+            raise UnknownName("column", name, self._columns)
+        return self._columns[name][: self._count].copy()
+
+    def _view(self, name: str) -> Floats:
+        if not self._columns:
+            return np.zeros((0,) if name == "t" else (0, 0))
+        out = self._columns[name][: self._count]
+        out.setflags(write=False)
+        return out
+
+    def at(self, t: float, robot: Any = None) -> Floats:
+        """The configuration (nq,) at a time [s], held at both ends.
+
+        Args:
+            t: The time.
+            robot: Interpolates on its configuration manifold; without one the last row before `t` is given.
+
+        Raises:
+            InputError: Nothing was recorded.
+        """
+        if not self._count:
+            raise InputError("Nothing was recorded yet.")
+        times, q = self.t, self.q
+        k = int(np.searchsorted(times, t, side="right")) - 1
+        if robot is None or k < 0 or k + 1 >= self._count or times[k] == t:
+            return q[min(max(k, 0), self._count - 1)].copy()
+        share = (t - times[k]) / (times[k + 1] - times[k])
+        return np.asarray(robot.interpolate(q[k], q[k + 1], share))

@@ -1,0 +1,153 @@
+"""Robots in one time: a clock that steps them all, as fast as it goes or in real time, and records every step."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any, Self, final
+
+import numpy as np
+
+from ulna.errors import InputError, UnknownName
+from ulna.robot import Robot
+from ulna.sim.body import Body
+
+
+@final
+class Simulation:
+    """Robots that move in one time.
+
+    Args:
+        realtime: Whether a step waits until its time has come.
+        speed: Simulated seconds per second in real time.
+        substep: The longest step of dynamics [s]; longer steps are made of several.
+    """
+
+    def __init__(self, realtime: bool = False, speed: float = 1.0, substep: float = 1e-3) -> None:
+        self.realtime, self.substep = realtime, _above("substep", substep)
+        self._speed = _above("speed", speed)
+        self.paused = False
+        """Whether a step in real time waits, as long as `patience` allows."""
+        self.patience: Callable[[], bool] = lambda: False
+        """Whether there is anybody who could end a pause; asked while one lasts, so that it never lasts for ever."""
+        self._bodies: list[Body] = []
+        self._listeners: list[Callable[[Simulation], object]] = []
+        self._t, self._steps = 0.0, 0
+        self._origin: tuple[float, float] | None = None
+
+    @property
+    def t(self) -> float:
+        """The simulated time [s]."""
+        return self._t
+
+    @property
+    def steps(self) -> int:
+        """How many steps were made."""
+        return self._steps
+
+    @property
+    def speed(self) -> float:
+        """Simulated seconds per second in real time."""
+        return self._speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._speed, self._origin = _above("speed", speed), None
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The robots."""
+        return tuple(self._bodies)
+
+    def __getitem__(self, name: str) -> Body:
+        for body in self._bodies:
+            if body.name == name:
+                return body
+        raise UnknownName("robot in the simulation", name, (b.name for b in self._bodies))
+
+    def add(self, robot: Robot | Body, **told: Any) -> Body:
+        """Add a robot; the rest is as for `Body`. Its row at the present time is recorded.
+
+        Raises:
+            InputError: There is a robot of that name already.
+        """
+        body = robot if isinstance(robot, Body) else Body(robot, **told)
+        if any(b.name == body.name for b in self._bodies):
+            raise InputError(
+                f"There is a robot {body.name!r} in the simulation already; give it another `name`."
+            )
+        self._bodies.append(body)
+        body.note(self._t)
+        return body
+
+    def remove(self, body: Body) -> None:
+        """Take a robot out."""
+        self._bodies.remove(body)
+
+    def each_step(self, function: Callable[[Simulation], object]) -> Self:
+        """Have `function` called with the simulation after each step."""
+        self._listeners.append(function)
+        return self
+
+    def step(self, dt: float) -> None:
+        """Move everything on by `dt` [s].
+
+        Raises:
+            InputError: `dt` is not above zero, or a motion grew beyond all bounds.
+        """
+        dt = _above("dt", dt)
+        for body in self._bodies:
+            body.step(self._t, dt, self.substep)
+        self._t += dt
+        self._steps += 1
+        for body in self._bodies:
+            body.note(self._t)
+        for function in self._listeners:
+            function(self)
+        if self.realtime:
+            self._wait()
+
+    def run(
+        self, duration: float, dt: float = 0.01, until: Callable[[Simulation], object] | None = None
+    ) -> None:
+        """Step for `duration` [s], or until `until` says that it is enough.
+
+        Raises:
+            InputError: A time is not above zero.
+        """
+        count = max(1, round(_above("duration", duration) / _above("dt", dt)))
+        for _ in range(count):
+            self.step(duration / count)
+            if until is not None and until(self):
+                return
+
+    def reset(self) -> None:
+        """Back to the beginning: time zero, each robot as it was when it was made, empty recordings."""
+        self._t, self._steps, self._origin = 0.0, 0, None
+        for body in self._bodies:
+            body.reset()
+            body.note(0.0)
+
+    def _wait(self) -> None:
+        while self.paused and self.patience():
+            self._origin = None
+            time.sleep(0.02)
+        now = time.perf_counter()
+        if self._origin is None:
+            self._origin = now, self._t
+        began, t = self._origin
+        ahead = (self._t - t) / self._speed - (now - began)
+        if ahead < -0.5:  # too slow to catch up: time goes on from here, without a rush
+            self._origin = now, self._t
+        elif ahead > 0.0:
+            time.sleep(ahead)
+
+    def __repr__(self) -> str:
+        names = ", ".join(repr(b.name) for b in self._bodies) or "nothing"
+        return f"<simulation of {names} at {self._t:.3f} s>"
+
+
+def _above(name: str, value: float) -> float:
+    if not (np.isfinite(value) and value > 0.0):
+        raise InputError(f"`{name}` is {value}; expected a number above zero.")
+    return float(value)

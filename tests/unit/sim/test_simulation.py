@@ -1,0 +1,176 @@
+"""The simulation: what robots are told means the same whenever they are told, limits hold, time is kept."""
+
+import time
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.model import ModelBuilder, Revolute
+from ulna.sim import Body, Simulation
+from ulna.spatial import SE3, Inertia
+
+
+@pytest.fixture(scope="module")
+def panda() -> ulna.Robot:
+    return ulna.load("panda", visuals="simple")
+
+
+@pytest.fixture(scope="module")
+def pendulum() -> ulna.Robot:
+    """A point of 1 kg, 1 m from an axis along y, hanging at q = 0."""
+    builder = ModelBuilder("pendulum").add_link("base")
+    builder.add_link("bob", inertia=Inertia(1.0, (0.0, 0.0, -1.0), 1e-9 * np.eye(3)))
+    builder.add_joint("hinge", Revolute((0, 1, 0)), "base", "bob", SE3.identity(), lower=-1.0, upper=2.0)
+    return ulna.Robot(builder.build())
+
+
+def test_velocity_moves_and_stops_at_limits(panda: ulna.Robot) -> None:
+    sim = Simulation()
+    arm = sim.add(panda, q=panda.configurations["qr"], qd=[0.1, -10, 0, 0, 0, 0, 0])
+    sim.step(0.5)
+    assert arm.q[0] == pytest.approx(0.05)
+    assert arm.q[1] == panda.limits.lower[1]
+    assert arm.qd[1] == -10  # as it was told
+    assert arm.recording["v"][-1, 1] == pytest.approx((panda.limits.lower[1] + 0.3) / 0.5)  # as it was
+    assert sim.t == 0.5
+    np.testing.assert_array_equal(arm.recording.t, [0.0, 0.5])
+
+
+def test_all_limits_hold_where_asked(panda: ulna.Robot) -> None:
+    sim = Simulation()
+    free = sim.add(panda, q=panda.configurations["qr"], qd=[0, 9, 0, 0, 0, 0, 0], limits="none", name="free")
+    slow = sim.add(panda, q=panda.configurations["qr"], qd=[0, 9, 0, 0, 0, 0, 0], limits="all", name="slow")
+    sim.step(1.0)
+    assert free.q[1] == pytest.approx(-0.3 + 9)
+    assert slow.q[1] == pytest.approx(min(-0.3 + panda.limits.velocity[1], panda.limits.upper[1]))
+
+
+@pytest.mark.parametrize("early", [True, False])
+def test_told_before_or_after_adding_means_the_same(panda: ulna.Robot, early: bool) -> None:
+    sim, body = Simulation(), Body(panda)
+    if not early:
+        sim.add(body)
+    body.q, body.qd = panda.configurations["qr"], np.full(7, 0.1)
+    if early:
+        sim.add(body)
+    sim.step(1.0)
+    np.testing.assert_allclose(body.q, panda.configurations["qr"] + 0.1)
+
+
+def test_a_target_is_reached_at_the_limit_of_speed_by_all_joints_at_once(panda: ulna.Robot) -> None:
+    sim = Simulation()
+    arm = sim.add(panda, q=panda.configurations["qr"], control="position")
+    sim.step(0.1)
+    np.testing.assert_array_equal(arm.q, panda.configurations["qr"])
+    arm.target = goal = panda.configurations["ready"]
+    way = np.abs(goal - panda.configurations["qr"])
+    least = float((way / panda.limits.velocity).max())
+    sim.step(least / 2)
+    np.testing.assert_allclose(arm.q, (goal + panda.configurations["qr"]) / 2, atol=1e-12)
+    sim.step(0.6 * least)
+    np.testing.assert_array_equal(arm.q, goal)
+
+
+def test_acceleration_is_integrated_exactly_and_ends_at_a_stop(pendulum: ulna.Robot) -> None:
+    sim = Simulation()
+    body = sim.add(pendulum, control="acceleration")
+    body.qdd = [2.0]
+    sim.run(1.0, 0.1)
+    assert body.q[0] == pytest.approx(1.0)
+    assert body.qd[0] == pytest.approx(2.0)
+    sim.run(1.0, 0.1)
+    assert body.q[0] == 2.0
+    assert body.qd[0] == 0.0
+
+
+def test_torques_swing_a_pendulum_as_long_as_physics_says(pendulum: ulna.Robot) -> None:
+    sim = Simulation(substep=1e-4)
+    body = sim.add(pendulum, q=[0.1], control="torque", friction=None)
+    sim.run(
+        2 * np.pi / np.sqrt(9.81) * (1 + 0.1**2 / 16), 0.01
+    )  # one period, with the first term for amplitude
+    assert body.q[0] == pytest.approx(0.1, abs=1e-4)
+    assert body.recording["tau"].shape == (len(body.recording), 1)
+
+
+def test_a_swing_ends_at_a_position_limit(pendulum: ulna.Robot) -> None:
+    sim = Simulation()
+    body = sim.add(pendulum, q=[1.5], control="torque", friction=None)
+    sim.run(1.2, 0.01, until=lambda sim: body.q[0] <= -1.0)
+    assert body.q[0] == -1.0
+    assert body.qd[0] == 0.0
+
+
+def test_a_law_of_torques_holds_its_robot(panda: ulna.Robot) -> None:
+    sim, q = Simulation(), panda.configurations["qr"]
+    arm = sim.add(panda, q=q, control="torque")
+    arm.tau = lambda t, q, qd: panda.gravity_forces(q)
+    sim.run(0.05, 0.01)
+    np.testing.assert_allclose(arm.q, q, atol=1e-12)
+    with pytest.raises(ShapeError, match="`tau`"):
+        arm.tau = lambda t, q, qd: np.zeros(3)
+        sim.step(0.01)
+
+
+def test_effort_is_limited_where_asked(panda: ulna.Robot) -> None:
+    sim = Simulation()
+    arm = sim.add(panda, q=panda.configurations["qr"], control="torque", limits="all")
+    arm.tau = np.full(7, 1e6)
+    sim.step(1e-3)
+    np.testing.assert_array_equal(arm.recording["tau"][-1], panda.limits.effort)
+
+
+def test_steps_are_told_of_and_recorded(panda: ulna.Robot) -> None:
+    seen = []
+    sim = Simulation().each_step(lambda sim: seen.append((sim.steps, round(sim.t, 9))))
+    arm, quiet = sim.add(panda), sim.add(panda, name="quiet", record=False)
+    sim.run(0.03, 0.01)
+    assert seen == [(1, 0.01), (2, 0.02), (3, 0.03)]
+    assert (len(arm.recording), len(quiet.recording)) == (4, 0)
+    assert sim["quiet"] is quiet
+    sim.reset()
+    assert (sim.t, len(arm.recording)) == (0.0, 1)
+    sim.remove(quiet)
+    assert sim.bodies == (arm,)
+
+
+def test_real_time_is_kept_and_a_pause_ends_with_its_patience(panda: ulna.Robot) -> None:
+    sim = Simulation(realtime=True, speed=2.0)
+    sim.add(panda)
+    began = time.perf_counter()
+    sim.run(0.4, 0.02)
+    assert time.perf_counter() - began >= 0.18
+    sim.paused = True
+    sim.step(0.001)  # nobody could end the pause, so it does not hang
+    asked = []
+    sim.patience = lambda: asked.append(1) or len(asked) < 3
+    sim.step(0.001)
+    assert len(asked) == 3
+
+
+def test_mistakes_are_named(panda: ulna.Robot, pendulum: ulna.Robot) -> None:
+    sim = Simulation()
+    arm = sim.add(panda)
+    for name, size in (("q", 7), ("qd", 7), ("qdd", 7), ("tau", 7), ("target", 7)):
+        with pytest.raises(ShapeError, match=f"`{name}`"):
+            setattr(arm, name, np.zeros(size + 1))
+        with pytest.raises(NonFiniteError, match=name):
+            setattr(arm, name, np.full(size, np.nan))
+    with pytest.raises(UnknownName, match="velocity"):
+        arm.control = "velocty"  # type: ignore[assignment]
+    with pytest.raises(UnknownName, match="position"):
+        Body(panda, limits="positon")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="already"):
+        sim.add(panda)
+    with pytest.raises(UnknownName, match="'panda'"):
+        sim["pnda"]
+    for wrong in (0.0, -1.0, np.nan):
+        with pytest.raises(InputError, match="dt"):
+            sim.step(wrong)
+    wild = Simulation()
+    body = wild.add(pendulum, control="torque", limits="none")
+    body.tau = [1e308]
+    with pytest.raises(InputError, match="beyond all bounds"):
+        wild.run(10.0, 1.0)
