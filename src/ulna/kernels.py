@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from ulna import algorithms
+from ulna import model as models
 from ulna.algorithms.references import check_reference
-from ulna.errors import UnknownName
+from ulna.errors import InputError, UnknownName
 from ulna.model import Frame, Model
 from ulna.recipes import dynamics, operational
 from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, Q, Recipe, frame_of, on_model
@@ -215,16 +216,34 @@ _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
 _lock = threading.RLock()
 
 
-def function(model: Model, name: str, **options: Any) -> Function:
+def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), **options: Any) -> Function:
     """The traced function of recipe `name` for `model`; see `kernel` for the arguments and errors."""
     recipe, chosen = _choose(name, options)
+    told = _told(model, parameters)
     arguments = (*recipe.arguments, *recipe.more(chosen))
     shapes: dict[str, Any] = {key: _shape(model, size) for key, size in arguments}
     doc = f"{recipe.doc} Robot: {model.name}."
-    return trace(recipe.build(model, **chosen), name=name, doc=doc, **shapes)
+    if not told:
+        return trace(recipe.build(model, **chosen), name=name, doc=doc, **shapes)
+
+    def run(*arrays: Any) -> Any:
+        values = dict(zip(told, arrays[len(shapes) :], strict=True))
+        return recipe.build(models.with_parameters(model, values), **chosen)(*arrays[: len(shapes)])
+
+    doc += f" Parameters: {', '.join(told)}."
+    extra: dict[str, Any] = {key: models.parameters(model, key).shape for key in told}
+    return trace(run, name=name, doc=doc, **shapes, **extra)
 
 
-def kernel(model: Model, name: str, dtype: Any = np.float64, checked: bool = False, **options: Any) -> Any:
+def kernel(
+    model: Model,
+    name: str,
+    dtype: Any = np.float64,
+    checked: bool = False,
+    *,
+    parameters: str | Sequence[str] = (),
+    **options: Any,
+) -> Any:
     """The compiled kernel of recipe `name` for `model`.
 
     Args:
@@ -232,20 +251,33 @@ def kernel(model: Model, name: str, dtype: Any = np.float64, checked: bool = Fal
         name: A key of `RECIPES`.
         dtype: float64 or float32.
         checked: Whether nan and inf in the inputs raise NonFiniteError, and quaternions that are not unit InputError.
+        parameters: Names of numbers of the model that become further arguments instead, in this order, after the
+            others; see `ulna.model.parameters`. They broadcast like all arguments.
         **options: Options of the recipe, such as `frame` and `reference`.
 
     Raises:
-        UnknownName: For an unknown kernel, option, frame or reference; names the nearest.
+        UnknownName: For an unknown kernel, parameter, option, frame or reference; names the nearest.
     """
     _, chosen = _choose(name, options)
-    key = (model.fingerprint, name, element_of(dtype).name, checked, tuple(chosen.items()))
+    told = _told(model, parameters)
+    key = (model.fingerprint, name, element_of(dtype).name, checked, told, tuple(chosen.items()))
     with _lock:
         found = _made.get(key)
         if found is None:
             unit = _quaternions(model, name) if checked else ()
-            traced = function(model, name, **chosen)
+            traced = function(model, name, parameters=told, **chosen)
             found = _made[key] = compile(traced, dtype=dtype, checked=checked, unit_entries=unit)
     return found
+
+
+def _told(model: Model, parameters: str | Sequence[str]) -> tuple[str, ...]:
+    """The names of the parameters, each once."""
+    told = (parameters,) if isinstance(parameters, str) else tuple(parameters)
+    for name in told:
+        models.parameters(model, name)  # raises for an unknown one
+        if told.count(name) > 1:
+            raise InputError(f"`parameters` names {name!r} {told.count(name)} times; expected once.")
+    return told
 
 
 def _quaternions(model: Model, name: str) -> tuple[tuple[int, tuple[int, ...]], ...]:

@@ -352,9 +352,9 @@ class Robot(Dynamics, Operational, Derivatives, InverseKinematics, Regressors):
         """What the model has for one of the `parameters` of a kernel; see `ulna.model.parameters` for their names."""
         return models.parameters(self.model, name)
 
-    def with_parameters(self, *, check: bool = True, **values: Any) -> Robot:
+    def with_parameters(self, values: Mapping[str, Any], *, check: bool = True) -> Robot:
         """The robot with other inertias, placements, offsets, gravity ...; see `ulna.model.with_parameters`."""
-        return Robot(models.with_parameters(self.model, check=check, **values))
+        return Robot(models.with_parameters(self.model, values, check=check))
 
     def with_payload(
         self,

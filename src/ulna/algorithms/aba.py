@@ -27,6 +27,7 @@ import numpy as np
 from ulna.algorithms.articulated import Articulated
 from ulna.algorithms.crba import columns_of
 from ulna.algorithms.external import External, batches
+from ulna.algorithms.factors import is_zero
 from ulna.algorithms.lumps import felt, turning_axis
 from ulna.algorithms.rnea import less_external, rates, wrench
 from ulna.algorithms.tidy import tidy
@@ -79,7 +80,7 @@ def aba(model: Model, q: Array, v: Array, tau: Array, external: External = None)
             reciprocal = 1.0 / (s.dot(u) + model.armature[k])
             g = (tau[..., k] - s.dot(force)) * reciprocal
             passed[i].append(_Column(k, s, u, reciprocal, g))
-            inertia, force = inertia.less(u, reciprocal, s, model.armature[k] == 0.0), force + u * g
+            inertia, force = inertia.less(u, reciprocal, s, is_zero(model.armature[k])), force + u * g
         if step.parent >= 0:
             T = step.transform(q)
             inward = inertia.moved(T, turning_axis(step.kind)).moved(step.placement)

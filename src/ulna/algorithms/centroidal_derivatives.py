@@ -52,7 +52,7 @@ def centroidal_derivatives(model: Model, q: Array, v: Array, a: Array) -> tuple[
     state = states(tree, q, v, a, np.zeros(3))
     beyond = [one for _, one in gather(model, tidied, lumps(model, tidied), state, q)][::-1]
     mass, centre, h, F = _whole(tree, T, beyond)
-    share = 1.0 / mass if mass or is_symbolic(mass) else 0.0
+    share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
     found = [blank((6, model.nv), q, v, a) for _ in range(4)]
     for i, (step, pose, all_) in enumerate(zip(tree, T, beyond, strict=True)):
         about = SE3(pose.rotation, pose.translation - centre)

@@ -45,7 +45,7 @@ class Lump:
     @classmethod
     def of(cls, inertia: Inertia) -> Lump:
         """That of a body."""
-        return cls(inertia.mass, inertia.com * _wide(inertia.mass, 1), inertia.about_origin())
+        return cls(inertia.mass, inertia.first_moment(), inertia.about_origin())
 
     @classmethod
     def zero(cls) -> Lump:
@@ -134,9 +134,9 @@ def lumps(model: Model, tidied: Tidy) -> list[Lump]:
 def felt(model: Model, tidied: Tidy) -> list[Lump]:
     """The same for torques: what the joint of a step cannot tell from inertia of its parent is given to the parent."""
     bodies = lumps(model, tidied)
-    if is_symbolic(*(x for body in bodies for x in (body.mass, body.first, body.second))):
-        return bodies
     for i, step in reversed(list(enumerate(tidied.tree))):
+        if step.parent >= 0 and is_symbolic(step.placement.rotation, step.placement.translation):
+            continue  # moving inertia through a placement that is not known costs more than it saves
         given = _indifferent(step, bodies[i])
         if given is None:
             continue
@@ -159,9 +159,7 @@ def _indifferent(step: Step, body: Lump) -> Lump | None:
     if k is None:
         return Lump(body.mass, *nothing)
     b = (k + 2) % 3
-    along = np.zeros(3)
-    along[k] = body.first[k]
-    return Lump(body.mass, along, body.second[b, b] * (np.eye(3) - np.diag(np.eye(3)[k])))
+    return Lump(body.mass, body.first * np.eye(3)[k], body.second[b, b] * (np.eye(3) - np.diag(np.eye(3)[k])))
 
 
 def _wide(x: Any, rank: int) -> Any:

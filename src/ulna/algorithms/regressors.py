@@ -23,6 +23,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from ulna.algorithms.centre_of_mass import total_mass
 from ulna.algorithms.tree import Step, blank, chain, outward, poses, steps
 from ulna.model import Frame, Model
 from ulna.numeric import apply, cross, dot, matrix, vector
@@ -104,7 +105,7 @@ def static_regressor(model: Model, q: Array) -> Array:
     It is that of all that moves; multiply by the first four parameters of each body.
     """
     tree = steps(model)
-    total = sum(float(body.mass) for body in model.inertias)
+    total = total_mass(model)
     out = blank((3, 4 * len(model.joints)), q)
     for step, T in zip(tree, poses(tree, q), strict=True):
         if step.is_last:

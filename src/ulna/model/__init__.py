@@ -36,6 +36,7 @@ from ulna.model.parts import Frame, Joint, Limits, Link, Mimic
 from ulna.model.payload import Drive, with_drives, with_payload
 from ulna.model.positions import position
 from ulna.model.reduce import lock_joints
+from ulna.model.variable import parameter_names, parameters, with_parameters
 
 __all__ = [
     "Composite",
@@ -62,6 +63,8 @@ __all__ = [
     "attach",
     "dynamic_parameters",
     "lock_joints",
+    "parameter_names",
+    "parameters",
     "perturbed",
     "position",
     "with_configuration",
@@ -71,6 +74,7 @@ __all__ = [
     "with_gravity",
     "with_joint_dynamics",
     "with_link_inertias",
+    "with_parameters",
     "with_payload",
     "with_root_joint",
     "with_tool",

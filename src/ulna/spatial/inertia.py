@@ -149,13 +149,17 @@ class Inertia(Batched):
 
     def matrix(self) -> Array:
         """The 6x6 inertia (..., 6, 6) about the origin: momentum = matrix @ twist, linear part first."""
-        mc = skew(column(self.mass) * self.com)
+        mc = skew(self.first_moment())
         eye = column(self.mass, 2) * np.eye(3)
         corner = self.about_origin()
         eye, mc, corner = np.broadcast_arrays(eye, mc, corner)
         return np.concatenate(
             [np.concatenate([eye, -mc], axis=-1), np.concatenate([mc, corner], axis=-1)], axis=-2
         )
+
+    def first_moment(self) -> Array:
+        """Mass times centre of mass (..., 3) [kg m]."""
+        return column(self.mass) * self.com
 
     def about_origin(self) -> Array:
         """The rotational inertia (..., 3, 3) [kg m^2] about the origin of the frame, by Steiner's theorem."""
@@ -168,7 +172,7 @@ class Inertia(Batched):
         The order is Pinocchio's.
         """
         i = self.about_origin()
-        mc = column(self.mass) * self.com
+        mc = self.first_moment()
         entries = (i[..., a, b] for a, b in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)))
         return vector(self.mass, mc[..., 0], mc[..., 1], mc[..., 2], *entries)
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.numeric import matrix, sincos, vector
+from ulna.numeric import is_symbolic, matrix, sincos, vector
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 
@@ -61,8 +61,8 @@ def unit(axis: Axis) -> Floats:
 
 
 def constant(values: Any) -> Floats:
-    """`values` as a read-only float array."""
-    out = np.array(values, dtype=float)
+    """`values` as a read-only array of floats, or of traced scalars if there are any."""
+    out = np.array(values, dtype=object if is_symbolic(values) else float)
     out.setflags(write=False)
     return out
 
