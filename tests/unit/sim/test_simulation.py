@@ -98,9 +98,10 @@ def test_torques_swing_a_pendulum_as_long_as_physics_says(pendulum: ulna.Robot) 
 def test_a_swing_ends_at_a_position_limit(pendulum: ulna.Robot) -> None:
     sim = Simulation()
     body = sim.add(pendulum, q=[1.5], control="torque", friction=None)
-    sim.run(1.2, 0.01, until=lambda sim: body.q[0] <= -1.0)
-    assert body.q[0] == -1.0
-    assert body.qd[0] == 0.0
+    sim.run(2.5, 0.001)
+    way = body.recording.q[:, 0]
+    assert way.min() == -1.0
+    assert way[np.argmin(way) :].max() == pytest.approx(1.0, abs=2e-3)  # the stop took all speed, gravity gave the rest
 
 
 def test_a_law_of_torques_holds_its_robot(panda: ulna.Robot) -> None:
