@@ -1,0 +1,267 @@
+"""What every trajectory is: a frozen value that knows where to be, how fast, and how hard, at any time."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.trajectory.inputs import numbers, positive, seconds
+from ulna.trajectory.space import Poses, Space
+from ulna.typing import ArrayLike, Floats
+
+END_TOLERANCE = 1e-9
+"""How far beyond its ends, in parts of the duration, a time still counts as that end: what summing steps may lose."""
+
+
+class Samples(NamedTuple):
+    """Rows of a trajectory: times (m,) [s], points (m, ...), and their derivatives by time (m, n)."""
+
+    t: Floats
+    q: Floats
+    v: Floats
+    a: Floats
+
+
+class SamplesWithJerk(NamedTuple):
+    """The same with the jerk (m, n)."""
+
+    t: Floats
+    q: Floats
+    v: Floats
+    a: Floats
+    jerk: Floats
+
+
+class Trajectory(ABC):
+    """A motion over the time from 0 to `duration` [s]; of joints, or of a pose.
+
+    Call it, or ask `q`, `v`, `a` and `jerk`, at any time or array of times. Before its start and after its end a
+    trajectory *holds*: the point is that of the nearer end, and nothing moves. At a time where a derivative jumps,
+    the later value counts.
+
+    Of joints, `q` (..., nq) is a configuration and `v`, `a` (..., nv) are its velocity and acceleration as the
+    robot's methods take them. Of a pose, `T` (..., 4, 4) is T_world_frame, and `v`, `a` (..., 6) are velocity and
+    acceleration of the frame's origin and of the rotation, in world axes, linear part first: what
+    `robot.frame_velocity` and `robot.frame_acceleration(..., classical=True)` give in "local_world_aligned".
+    """
+
+    duration: float
+    """How long it takes [s]."""
+
+    space: Space
+    """What moves: the names of the directions, and how points differ."""
+
+    kind: str
+    """What made it, in a word or two."""
+
+    @property
+    @abstractmethod
+    def knots(self) -> Floats:
+        """Times between which it is smooth, from 0 to the duration [s]."""
+
+    @property
+    @abstractmethod
+    def order(self) -> int:
+        """How many derivatives it knows: 3 with jerk, else 2."""
+
+    @abstractmethod
+    def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
+        """Points at times (m,) within the duration, and their derivatives up to `order`."""
+
+    def __call__(self, t: ArrayLike) -> Floats:
+        """The point at time `t` [s]: a configuration (..., nq), or a pose (..., 4, 4)."""
+        return self._derivative(t, 0)
+
+    def q(self, t: ArrayLike) -> Floats:
+        """The configuration at time `t` [s], (..., nq) [rad or m]."""
+        if isinstance(self.space, Poses):
+            raise InputError(
+                "This trajectory moves a pose and has no `q`; ask T(t), or make joints of it: follow(...)."
+            )
+        return self._derivative(t, 0)
+
+    def T(self, t: ArrayLike) -> Floats:
+        """The pose at time `t` [s], T_world_frame, (..., 4, 4)."""
+        if not isinstance(self.space, Poses):
+            raise InputError(
+                "This trajectory moves joints and has no `T`; ask q(t), or robot.fk(trajectory.q(t))."
+            )
+        return self._derivative(t, 0)
+
+    def v(self, t: ArrayLike) -> Floats:
+        """The velocity at time `t` [s], (..., nv) [rad/s or m/s]; for a pose its twist (..., 6), linear part first."""
+        return self._derivative(t, 1)
+
+    def a(self, t: ArrayLike) -> Floats:
+        """The acceleration at time `t` [s], (..., nv) [rad/s^2 or m/s^2]; for a pose (..., 6), linear part first."""
+        return self._derivative(t, 2)
+
+    def jerk(self, t: ArrayLike) -> Floats:
+        """The jerk at time `t` [s], (..., nv) [rad/s^3 or m/s^3]."""
+        return self._derivative(t, 3)
+
+    def state(self, t: ArrayLike) -> tuple[Floats, Floats, Floats]:
+        """Point, velocity and acceleration at time `t` [s], in one evaluation."""
+        q, v, a = self._evaluate(t, 2)
+        return q, v, a
+
+    def sample(self, rate: float | None = None, n: int | None = None, jerk: bool = False) -> Any:
+        """Rows of times, points, velocities and accelerations, with the last at the very end.
+
+        Args:
+            rate: Rows a second [1/s]; the end makes a last row of its own where the duration is no multiple.
+            n: How many rows, evenly spaced, instead.
+            jerk: Whether to add the jerk.
+
+        Returns:
+            `(t, q, v, a)` or `(t, q, v, a, jerk)`, a named tuple.
+        """
+        if (rate is None) == (n is None):
+            raise InputError(f"sample(rate={rate}, n={n}): expected one of both: rate=1000 or n=200.")
+        if rate is not None:
+            step = 1.0 / seconds("rate", rate)
+            count = int(np.floor(self.duration / step * (1.0 + END_TOLERANCE)))
+            t = np.minimum(step * np.arange(count + 1), self.duration)
+            t = t if self.duration - t[-1] <= END_TOLERANCE * self.duration else np.append(t, self.duration)
+        else:
+            if not isinstance(n, (int, np.integer)) or n < 2:
+                raise InputError(f"`n` is {n!r}; expected a count of at least 2 rows.")
+            t = np.linspace(0.0, self.duration, int(n))
+        rows = self._checked_at(t, 3 if jerk else 2)
+        return SamplesWithJerk(t, *rows) if jerk else Samples(t, *rows)
+
+    @property
+    def start(self) -> Floats:
+        """The first point."""
+        return self(0.0)
+
+    @property
+    def end(self) -> Floats:
+        """The last point."""
+        return self(self.duration)
+
+    def __add__(self, other: Trajectory) -> Trajectory:
+        """This trajectory, then the other; see `concatenate`."""
+        if not isinstance(other, Trajectory):
+            return NotImplemented
+        return concatenate(self, other)
+
+    def retimed(self, law: Trajectory) -> Trajectory:
+        """The same path under another law of time: the point at `t` is this one's at `law(t)`.
+
+        Args:
+            law: A trajectory of one number that runs from 0 to this duration.
+        """
+        from ulna.trajectory.compose import Retimed
+
+        return Retimed.of(self, law)
+
+    def with_duration(self, duration: float) -> Trajectory:
+        """The same motion, evenly slowed down or sped up to last `duration` [s]."""
+        return self._stretched(seconds("duration", duration) / self.duration)
+
+    def slowed(self, factor: float) -> Trajectory:
+        """The same motion, `factor` times as slow."""
+        return self._stretched(seconds("factor", factor))
+
+    def within(
+        self,
+        velocity: ArrayLike = np.inf,
+        acceleration: ArrayLike = np.inf,
+        jerk: ArrayLike = np.inf,
+        samples: int = 1000,
+    ) -> Trajectory:
+        """The same motion, evenly stretched to be just within limits; it may become slower or faster.
+
+        Args:
+            velocity: Limits of speed, one or (nv,) [rad/s or m/s].
+            acceleration: Limits of acceleration [rad/s^2 or m/s^2].
+            jerk: Limits of jerk [rad/s^3 or m/s^3].
+            samples: At how many times the motion is looked at, besides its knots.
+        """
+        limits = [positive(name, x, self.space.n, infinite=True) for name, x in
+                  (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk))]  # fmt: skip
+        order = 3 if np.isfinite(limits[2]).any() else 2
+        rows = self._checked_at(self.instants(samples), order)[1:]
+        powers = zip(rows, limits, (1.0, 0.5, 1.0 / 3.0), strict=False)
+        factor = max(float((np.abs(x) / limit).max()) ** power for x, limit, power in powers)
+        if factor == 0.0:
+            raise InputError(
+                "No limit is finite, or nothing moves; expected a limit that says how fast to go."
+            )
+        return self._stretched(factor)
+
+    def instants(self, samples: int) -> Floats:
+        """`samples` even times, and each knot with the moment before it, sorted: where peaks are looked for."""
+        knots = self.knots
+        before = np.nextafter(knots[1:], 0.0)
+        return np.sort(np.concatenate([np.linspace(0.0, self.duration, max(samples, 2)), knots, before]))
+
+    def reversed(self) -> Trajectory:
+        """The same way back: at `t` it is where this one is at `duration - t`."""
+        return self._stretched(-1.0)
+
+    def plot(self, path: str | Path | None = None, samples: int = 500) -> Any:
+        """Draws point, velocity and acceleration over time; see `ulna.trajectory.picture.plot`."""
+        from ulna.trajectory.picture import plot
+
+        return plot(self, path, samples)
+
+    def save(self, path: str | Path, rate: float | None = None) -> None:
+        """Writes a .npz or .csv file; see `ulna.trajectory.files.save`."""
+        from ulna.trajectory.files import save
+
+        save(self, path, rate)
+
+    def __repr__(self) -> str:
+        what = (
+            "a pose" if isinstance(self.space, Poses) else f"{self.space.n} joint{'s' * (self.space.n != 1)}"
+        )
+        count = len(self.knots) - 1
+        return f"<{self.kind}: {what}, {self.duration:.6g} s, {count} segment{'s' * (count != 1)}>"
+
+    def _stretched(self, factor: float) -> Trajectory:
+        """Slower by `factor`; backwards when it is negative."""
+        from ulna.trajectory.compose import Retimed
+
+        return Retimed.evenly(self, factor)
+
+    def _derivative(self, t: ArrayLike, order: int) -> Floats:
+        return self._evaluate(t, order)[order]
+
+    def _evaluate(self, t: ArrayLike, order: int) -> tuple[Floats, ...]:
+        times = numbers("t", t)
+        flat = times.reshape(-1)
+        rows = self._checked_at(np.minimum(np.maximum(flat, 0.0), self.duration), order)
+        slack = END_TOLERANCE * self.duration
+        outside = (flat < -slack) | (flat > self.duration + slack)
+        if order and outside.any():
+            rows = (rows[0], *(np.where(outside[:, None], 0.0, row) for row in rows[1:]))
+        return tuple(row.reshape(times.shape + row.shape[1:]) for row in rows)
+
+    def _checked_at(self, t: Floats, order: int) -> tuple[Floats, ...]:
+        if order > self.order:
+            raise InputError(
+                f"{self!r} knows {self.order} derivatives and no jerk; joints under polynomials know it."
+            )
+        return self._at(t, order)
+
+
+def concatenate(*parts: Trajectory, tolerance: float = 1e-6) -> Trajectory:
+    """One trajectory after the other, which `a + b` writes shorter.
+
+    Args:
+        *parts: Trajectories of the same space.
+        tolerance: By how much the end of one and the start of the next may differ in any entry, of the point [rad or
+            m] and of the velocity [rad/s or m/s]; accelerations may jump.
+
+    Raises:
+        InputError: The spaces differ, or there is a gap; names what jumps, where, and by how much.
+    """
+    from ulna.trajectory.compose import chained
+
+    return chained(parts, tolerance)

@@ -1,0 +1,199 @@
+"""Says whether a trajectory keeps a robot's limits, and where it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from ulna import kernels
+from ulna.errors import InputError, ShapeError
+from ulna.model import Model
+from ulna.trajectory.base import Trajectory
+from ulna.trajectory.inputs import positive
+from ulna.trajectory.space import Poses, model_of
+from ulna.typing import ArrayLike, Floats
+
+_ZOOMS = 3  # each narrows the place of the worst value tenfold
+_UNITS = {
+    "position": "rad or m",
+    "velocity": "rad/s or m/s",
+    "acceleration": "rad/s^2 or m/s^2",
+    "jerk": "rad/s^3 or m/s^3",
+    "torque": "N m or N",
+}
+
+
+@final
+@dataclass(frozen=True)
+class Breach:
+    """One joint's worst excess over one of its limits.
+
+    Attributes:
+        joint: Name of the coordinate.
+        quantity: "position", "velocity", "acceleration", "jerk" or "torque".
+        time: When it is worst [s].
+        value: What it is then.
+        limit: What it may be.
+    """
+
+    joint: str
+    quantity: str
+    time: float
+    value: float
+    limit: float
+
+    @property
+    def excess(self) -> float:
+        """By how much the value is beyond the limit."""
+        return abs(self.value - self.limit)
+
+    def __str__(self) -> str:
+        return (
+            f"{self.joint}: {self.quantity} {self.value:.6g} exceeds {self.limit:.6g} by {self.excess:.3g} "
+            f"[{_UNITS[self.quantity]}] at {self.time:.4g} s"
+        )
+
+
+@final
+@dataclass(frozen=True)
+class Report:
+    """What a check found: true when no limit is broken; printing it says all.
+
+    Attributes:
+        breaches: The worst of each joint and quantity that is beyond its limit, worst first by parts of the limit.
+        use: How much of each limit the trajectory uses at most, by quantity: 1 is at the limit.
+        robot: Name of the robot.
+    """
+
+    breaches: tuple[Breach, ...]
+    use: dict[str, float]
+    robot: str
+
+    def __bool__(self) -> bool:
+        return not self.breaches
+
+    def __iter__(self) -> Iterator[Breach]:
+        return iter(self.breaches)
+
+    def __str__(self) -> str:
+        used = ", ".join(f"{name} {100 * part:.1f} %" for name, part in self.use.items()) or "no limits"
+        if self:
+            return f"Within the limits of {self.robot!r}; used at most: {used}."
+        lines = [f"{len(self.breaches)} limits of {self.robot!r} are broken (used: {used}):"]
+        return "\n".join(lines + [f"  {breach}" for breach in self.breaches])
+
+    def require(self) -> None:
+        """Raises InputError with the whole report unless all limits are kept."""
+        if not self:
+            raise InputError(str(self))
+
+
+def check(
+    robot: Any,
+    trajectory: Trajectory,
+    *,
+    acceleration: ArrayLike | None = None,
+    jerk: ArrayLike | None = None,
+    torque: bool = True,
+    tolerance: float = 1e-6,
+    samples: int = 1000,
+) -> Report:
+    """Whether a trajectory keeps the limits of a robot: positions, speeds, torques, and others that are given.
+
+    It looks at even times, at every knot from both sides, and then closer around each worst value. Torques are those of
+    inverse dynamics, with gravity and armature, without friction. Position limits of joints without any are
+    not checked.
+
+    Args:
+        robot: A Robot or a Model.
+        trajectory: A trajectory of its joints.
+        acceleration: Limits of acceleration, one or (nv,) [rad/s^2 or m/s^2]; None for no check.
+        jerk: Limits of jerk, one or (nv,) [rad/s^3 or m/s^3]; None for no check.
+        torque: Whether to check torques.
+        tolerance: What part of a limit may be exceeded: rounding, or what a controller forgives.
+        samples: How many even times.
+
+    Returns:
+        A report: `if report`, `print(report)`, `report.require()`.
+
+    Raises:
+        InputError: The trajectory is not one of that robot's joints.
+    """
+    model = model_of(robot)
+    if isinstance(trajectory.space, Poses):
+        raise InputError("The trajectory moves a pose; expected joints: follow(trajectory, ik) makes them.")
+    if trajectory.space.shape != (model.nq,) or trajectory.space.n != model.nv:
+        raise ShapeError(
+            "trajectory", trajectory.space.shape, f"({model.nq},), configurations of {model.name!r}"
+        )
+    limits = _limits(model, acceleration, jerk, torque)
+    t = trajectory.instants(samples)
+    values = _values(model, trajectory, t, limits)
+    breaches, use = [], {}
+    for what, (low, high) in limits.items():
+        finite = np.isfinite(low) | np.isfinite(high)
+        if not finite.any():
+            continue
+        scale = np.where(np.isfinite(high - low), 0.5 * (high - low), np.maximum(np.abs(high), np.abs(low)))
+        scale = np.where(np.isfinite(scale) & (scale > 0.0), scale, 1.0)
+        names = model.position_names if what == "position" else model.velocity_names
+        worst = 0.0
+        for k in np.flatnonzero(finite):
+            over = np.maximum(values[what][:, k] - high[k], low[k] - values[what][:, k])
+            time, value = _closer(model, trajectory, t, int(np.argmax(over)), what, limits, k)
+            excess = max(value - high[k], low[k] - value)
+            worst = max(worst, 1.0 + excess / scale[k])
+            if excess > tolerance * scale[k]:
+                limit = high[k] if value > high[k] else low[k]
+                breaches.append((excess / scale[k], Breach(names[k], what, time, value, float(limit))))
+        use[what] = float(worst)
+    breaches.sort(key=lambda pair: -pair[0])
+    return Report(tuple(b for _, b in breaches), use, model.name)
+
+
+Limits = dict[str, tuple[Floats, Floats]]
+
+
+def _limits(model: Model, acceleration: Any, jerk: Any, torque: bool) -> Limits:
+    limits: Limits = {"position": (model.lower_position, model.upper_position)}
+    speed = np.where(model.velocity_limit > 0.0, model.velocity_limit, np.inf)
+    limits["velocity"] = -speed, speed
+    for name, given in (("acceleration", acceleration), ("jerk", jerk)):
+        if given is not None:
+            bound = positive(name, given, model.nv, infinite=True)
+            limits[name] = -bound, bound
+    if torque:
+        effort = np.where(model.effort_limit > 0.0, model.effort_limit, np.inf)
+        limits["torque"] = -effort, effort
+    return limits
+
+
+def _values(model: Model, trajectory: Trajectory, t: Floats, limits: Limits) -> dict[str, Floats]:
+    """Each limited quantity at times (m,)."""
+    rows = trajectory._checked_at(t, 3 if "jerk" in limits else 2)
+    names = ("position", "velocity", "acceleration", "jerk")
+    values: dict[str, Floats] = dict(zip(names, rows, strict=False))
+    if "torque" in limits and np.isfinite(limits["torque"][1]).any():
+        values["torque"] = kernels.kernel(model, "inverse_dynamics")(*rows[:3])
+    return values
+
+
+def _closer(
+    model: Model, trajectory: Trajectory, t: Floats, at: int, what: str, limits: Limits, k: Any
+) -> tuple[float, float]:
+    """Time and value of the worst of joint k between the neighbours of a sample, without crossing a knot."""
+    low, high = limits[what]
+    only = {what: limits[what]}
+    begin, end = t[max(at - 1, 0)], t[min(at + 1, len(t) - 1)]
+    best = float(t[at])
+    for _ in range(_ZOOMS):
+        times = np.append(np.linspace(begin, end, 21), best)
+        found = _values(model, trajectory, times, only)[what][:, k]
+        place = int(np.argmax(np.maximum(found - high[k], low[k] - found)))
+        best, value = float(times[place]), float(found[place])
+        width = (end - begin) / 20.0
+        begin, end = max(best - width, 0.0), min(best + width, trajectory.duration)
+    return best, value

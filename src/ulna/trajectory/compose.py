@@ -1,0 +1,193 @@
+"""Trajectories made of trajectories: under another law of time, and one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import final
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.trajectory.base import Trajectory
+from ulna.trajectory.polynomial import Polynomial
+from ulna.trajectory.space import Space, Vectors
+from ulna.typing import Floats
+
+_AT_ENDS = 1e-6  # how far a law may miss the ends of the path, in parts of its length
+
+
+@final
+@dataclass(frozen=True, eq=False, repr=False)
+class Retimed(Trajectory):
+    """A path under a law of time: q(t) = path(s(t)), v = path' s', a = path'' s'^2 + path' s''.
+
+    Attributes:
+        path: What is followed; its time is the path's parameter s.
+        law: s(t), a trajectory of one number.
+        kind: What made it.
+    """
+
+    path: Trajectory
+    law: Polynomial
+    kind: str
+
+    @classmethod
+    def of(cls, path: Trajectory, law: Trajectory, kind: str = "") -> Retimed:
+        """A path under a law, checked: the law stays between 0 and the path's length."""
+        if not isinstance(law, Polynomial) or law.space.n != 1:
+            raise InputError(f"`law` is {law!r}; expected a polynomial trajectory of one number, s(t).")
+        reach = law._at(law.instants(200), 0)[0]
+        low, high, slack = float(reach.min()), float(reach.max()), _AT_ENDS * path.duration
+        if low < -slack or high > path.duration + slack:
+            raise InputError(
+                f"The law runs from {low:.6g} to {high:.6g}, but the path only from 0 to {path.duration:.6g}."
+            )
+        return cls(path, law, kind or path.kind)
+
+    @classmethod
+    def evenly(cls, path: Trajectory, factor: float) -> Trajectory:
+        """A path slower by `factor`, backwards when it is negative."""
+        if isinstance(path, Retimed):
+            return cls(path.path, path.law._stretched(factor), path.kind)
+        duration, start = path.duration * abs(factor), 0.0 if factor > 0.0 else path.duration
+        law = Polynomial.of([0.0, duration], [[[start], [1.0 / factor]]], "even")
+        return cls(path, law, path.kind)
+
+    @property
+    def duration(self) -> float:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """How long it takes [s]."""
+        return self.law.duration
+
+    @property
+    def space(self) -> Space:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """What moves."""
+        return self.path.space
+
+    @property
+    def knots(self) -> Floats:
+        """Times where the law's pieces meet."""
+        return self.law.times
+
+    @property
+    def order(self) -> int:
+        """As many derivatives as the path knows."""
+        return self.path.order
+
+    def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
+        s, *rates = self.law._at(t, order)
+        q, *d = self.path._at(np.minimum(np.maximum(s[:, 0], 0.0), self.path.duration), order)
+        if order == 0:
+            return (q,)
+        rows, ds = [d[0] * rates[0]], rates[0]
+        if order > 1:
+            rows.append(d[1] * (ds * ds) + d[0] * rates[1])
+        if order > 2:
+            rows.append(d[2] * ds**3 + 3.0 * d[1] * (ds * rates[1]) + d[0] * rates[2])
+        return (q, *rows)
+
+
+@final
+@dataclass(frozen=True, eq=False, repr=False)
+class Chain(Trajectory):
+    """Trajectories one after the other.
+
+    Attributes:
+        parts: The trajectories.
+        starts: When each begins, and when the last ends, (len(parts) + 1,) [s].
+        kind: What made it.
+    """
+
+    parts: tuple[Trajectory, ...]
+    starts: Floats
+    kind: str = "chain"
+
+    @classmethod
+    def of(cls, parts: Sequence[Trajectory], kind: str = "chain") -> Chain:
+        """Parts one after the other, unchecked."""
+        flat = [p for part in parts for p in (part.parts if isinstance(part, Chain) else (part,))]
+        starts = np.concatenate([[0.0], np.cumsum([p.duration for p in flat])])
+        starts.flags.writeable = False
+        return cls(tuple(flat), starts, kind)
+
+    @property
+    def duration(self) -> float:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """How long it takes [s]."""
+        return float(self.starts[-1])
+
+    @property
+    def space(self) -> Space:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """What moves."""
+        return self.parts[0].space
+
+    @property
+    def knots(self) -> Floats:
+        """The knots of all parts."""
+        inner = [p.knots[:-1] + start for p, start in zip(self.parts, self.starts, strict=False)]
+        return np.concatenate([*inner, self.starts[-1:]])
+
+    @property
+    def order(self) -> int:
+        """As many derivatives as all parts know."""
+        return min(p.order for p in self.parts)
+
+    def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
+        which = np.searchsorted(self.starts[1:-1], t, side="right")
+        shapes = [self.space.shape] + [(self.space.n,)] * order
+        rows = tuple(np.empty((t.size, *shape)) for shape in shapes)
+        for k in np.unique(which):
+            here = which == k
+            part = self.parts[k]
+            local = np.minimum(t[here] - self.starts[k], part.duration)
+            for row, value in zip(rows, part._at(local, order), strict=True):
+                row[here] = value
+        return rows
+
+    def _stretched(self, factor: float) -> Chain:
+        parts = [p._stretched(factor) for p in self.parts]
+        return Chain.of(parts if factor > 0.0 else parts[::-1], self.kind)
+
+
+def chained(parts: Sequence[Trajectory], tolerance: float) -> Trajectory:
+    """See `ulna.trajectory.concatenate`."""
+    if not parts:
+        raise InputError("concatenate() was given nothing; expected at least one trajectory.")
+    clock = 0.0
+    for number, (one, two) in enumerate(pairwise(parts)):
+        clock += one.duration
+        _same_space(number, one.space, two.space)
+        _no_gap(number, clock, one, two, tolerance)
+    polynomials = [p for p in parts if isinstance(p, Polynomial)]
+    if len(polynomials) < len(parts):
+        return Chain.of(parts)
+    starts = np.cumsum([0.0] + [p.duration for p in polynomials])
+    times = [p.times[:-1] + start for p, start in zip(polynomials, starts, strict=False)]
+    rows = max(p.coefficients.shape[1] for p in polynomials)
+    c = [np.pad(p.coefficients, ((0, 0), (0, rows - p.coefficients.shape[1]), (0, 0))) for p in polynomials]
+    kinds = {p.kind for p in polynomials}
+    kind = kinds.pop() if len(kinds) == 1 else "chain"
+    return Polynomial.of(np.concatenate([*times, starts[-1:]]), np.concatenate(c), kind, parts[0].space)
+
+
+def _same_space(number: int, one: Space, two: Space) -> None:
+    named = isinstance(one, Vectors) and isinstance(two, Vectors) and one.n == two.n
+    if one != two and not named:
+        raise InputError(
+            f"Trajectory {number} moves {one.n} of {type(one).__name__.lower()}, and trajectory {number + 1} "
+            f"{two.n} of {type(two).__name__.lower()}; expected the same robot, or poses in both."
+        )
+
+
+def _no_gap(number: int, clock: float, one: Trajectory, two: Trajectory, tolerance: float) -> None:
+    q0, v0 = one._at(np.array([one.duration]), 1)
+    q1, v1 = two._at(np.array([0.0]), 1)
+    gaps = (("position", one.space.difference(q0, q1)[0]), ("velocity", (v1 - v0)[0]))
+    for what, gap in gaps:
+        k = int(np.argmax(np.abs(gap)))
+        if abs(gap[k]) > tolerance:
+            raise InputError(
+                f"Between trajectory {number} and {number + 1}, at {clock:.6g} s, the {what} of "
+                f"{one.space.names[k]!r} jumps by {gap[k]:.4g}; expected at most {tolerance:g}. "
+                "Start the next where the last ends, or make a transition with quintic(...)."
+            )

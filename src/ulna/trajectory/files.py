@@ -1,0 +1,111 @@
+"""Trajectories in files: .npz keeps polynomials exactly, .csv holds rows for other programs.
+
+A .npz file holds the knots and coefficients; what was loaded equals what was saved. A .csv file holds a head
+line and rows of time, points, velocities and accelerations, with every digit; loading it joins the rows by
+quintics that have those very states.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.trajectory.base import Trajectory
+from ulna.trajectory.inputs import increasing
+from ulna.trajectory.polynomial import Polynomial, hermite
+from ulna.trajectory.space import Poses, Vectors
+
+_FORMAT = "ulna trajectory 1"
+
+
+def save(trajectory: Trajectory, path: str | Path, rate: float | None = None) -> None:
+    """Writes a trajectory to a file.
+
+    Args:
+        trajectory: What to save; for .npz a polynomial, for .csv any trajectory of joints or poses.
+        path: Where to, .npz or .csv.
+        rate: Rows a second of a .csv file [1/s]; None for 1000.
+
+    Raises:
+        InputError: Another suffix, or a trajectory that is no polynomial in a .npz file.
+    """
+    target = Path(path)
+    if target.suffix == ".npz":
+        if not isinstance(trajectory, Polynomial) or not isinstance(trajectory.space, Vectors):
+            raise InputError(f"{trajectory!r} is no plain polynomial, which .npz keeps; save it as .csv.")
+        names = np.array(trajectory.space.names)
+        kind = np.array([_FORMAT, trajectory.kind])
+        np.savez(target, times=trajectory.times, coefficients=trajectory.coefficients, names=names, kind=kind)
+    elif target.suffix == ".csv":
+        t, q, v, a = trajectory.sample(rate=1000.0 if rate is None else rate)
+        names = trajectory.space.names
+        head = ["t", *trajectory.space.columns, *(f"v_{n}" for n in names), *(f"a_{n}" for n in names)]
+        table = np.column_stack([t, q.reshape(len(t), -1), v, a])
+        quoted = ",".join(f'"{name}"' if "," in name else name for name in head)
+        lines = [quoted, *(",".join(map(repr, row)) for row in table.tolist())]
+        target.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    else:
+        raise InputError(f"`path` is {str(path)!r}; expected a file name that ends in .npz or .csv.")
+
+
+def load(path: str | Path) -> Polynomial:
+    """Reads a trajectory of joints from a file that `save` wrote, or from any table like it.
+
+    A .csv file has a head line that begins with "t", and columns of times [s], positions, velocities and
+    accelerations, or of times and positions and velocities.
+
+    Raises:
+        InputError: No such file, another suffix, or a file that is no trajectory; says what it lacks.
+    """
+    source = Path(path)
+    if source.suffix not in (".npz", ".csv"):
+        raise InputError(f"`path` is {str(path)!r}; expected a file name that ends in .npz or .csv.")
+    if not source.is_file():
+        raise InputError(f"There is no file {str(path)!r}.")
+    return _from_npz(source) if source.suffix == ".npz" else _from_csv(source)
+
+
+def _from_npz(source: Path) -> Polynomial:
+    try:
+        with np.load(source, allow_pickle=False) as data:
+            found: dict[str, Any] = dict(data)
+    except (ValueError, OSError) as error:
+        raise InputError(f"{source} is no .npz file: {error}") from None
+    if not {"times", "coefficients", "names", "kind"} <= found.keys() or found["kind"][0] != _FORMAT:
+        raise InputError(f"{source} holds {sorted(found)}; expected a trajectory that `save` wrote.")
+    space = Vectors(tuple(str(n) for n in found["names"]))
+    return Polynomial.of(found["times"], found["coefficients"], str(found["kind"][1]), space)
+
+
+def _from_csv(source: Path) -> Polynomial:
+    import csv
+
+    with source.open(encoding="utf-8", newline="") as file:
+        head, *rows = [row for row in csv.reader(file) if row] or [[]]
+    if not head or head[0] != "t" or len(rows) < 2:
+        raise InputError(
+            f"{source} has no head line that begins with 't', and at least two rows; nothing was read."
+        )
+    try:
+        table = np.array(rows, dtype=float)
+    except ValueError as error:
+        raise InputError(f"{source} holds rows that are not {len(head)} numbers: {error}") from None
+    names = [h for h in head[1:] if not h.startswith(("v_", "a_"))]
+    n, speeds = len(names), [h for h in head[1:] if h.startswith("v_")]
+    if names == list(Poses().columns):
+        raise InputError(f"{source} holds poses, which have no polynomials; expected joints.")
+    with_a = len(head) == 3 * n + 1
+    if len(speeds) != n or len(head) not in (2 * n + 1, 3 * n + 1):
+        raise InputError(
+            f"{source} has {n} positions and {len(speeds)} velocities; expected as many of each."
+        )
+    if not np.isfinite(table).all():
+        raise InputError(
+            f"{source} holds nan or inf in row {int(np.argwhere(~np.isfinite(table))[0][0]) + 2}."
+        )
+    t = increasing("t", table[:, 0], len(table))
+    q, v = table[:, 1 : n + 1], table[:, n + 1 : 2 * n + 1]
+    return hermite(t, q, v, table[:, 2 * n + 1 :] if with_a else None, "table", Vectors(tuple(names)))

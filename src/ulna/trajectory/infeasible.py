@@ -1,0 +1,92 @@
+"""Says in words why a path cannot be followed under limits: where, and which limits exclude each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.trajectory.constraints import TINY, Bounds, Rows
+from ulna.typing import Floats
+
+_WAY_ON = "the way on that is left behind this point"
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A path on a grid with its limits; see `time_optimal` for the symbols."""
+
+    s: Floats
+    D: Floats
+    names: Sequence[str]
+    tangent: Floats
+    speeds: Bounds
+    rows: Rows
+    both_ends: bool
+    cap: Floats
+
+    def check_rate(self, which: str, rate: float, k: int, low: float, high: float) -> None:
+        """Raises unless the squared rate at grid point k is between `low` and `high`."""
+        if not 0.0 <= rate < np.inf:
+            raise InputError(
+                f"`{which}_rate` is {rate}; expected a rate of the path parameter, zero or above [1/s]."
+            )
+        x, slack = rate * rate, 1e-9 * (1.0 + abs(high))
+        if low - slack <= x <= high + slack:
+            return
+        if x > self.cap[k]:
+            speed = np.where(self.tangent[k] > 0.0, self.speeds.high, -self.speeds.low)
+            fastest = speed / np.maximum(np.abs(self.tangent[k]), TINY)
+            reason = f"above that the speed of {self.names[int(np.argmin(fastest))]!r} exceeds its limit"
+        else:
+            reason = self._conflict(k, np.array([x]))
+        raise InputError(
+            f"`{which}_rate` is {rate:g} 1/s, but {self._at(k)} only {np.sqrt(max(low, 0.0)):.6g} to "
+            f"{np.sqrt(high):.6g} 1/s can be kept along the path: {reason}."
+        )
+
+    def refuse_empty(self, K: Floats) -> None:
+        """Raises for the last grid point from which the end cannot be reached, whose controllable set is empty."""
+        k = int(np.flatnonzero(~(K[:, 0] <= K[:, 1]))[-1])
+        reason = self._conflict(
+            k, np.append(0.0, np.geomspace(1e-9, 1.0, 200)) * min(self.cap[k], 1e6), K[k + 1]
+        )
+        raise InputError(
+            f"No motion along the path keeps the limits {self._at(k)}: {reason}. "
+            "Raise one of them, or smooth the path there."
+        )
+
+    def _at(self, k: int) -> str:
+        return f"at s = {self.s[k]:.6g} of {self.s[-1]:.6g} (grid point {k})"
+
+    def _rows(self, k: int) -> list[Floats]:
+        return [part[k] if part.ndim > 1 else part for part in self.rows.arrays]
+
+    def _conflict(self, k: int, trials: Floats, following: Any = None) -> str:
+        """The rows on segment k that exclude each other at each squared rate in `trials`, where they do so least."""
+        D, labels = self.D[k], self.rows.labels(self.names)
+        a, b, low, high = self._rows(k)
+        if self.both_ends:
+            a1, b1, low1, high1 = self._rows(k + 1)
+            a, b = np.append(a, a1 + D * b1), np.append(b, b1)
+            low, high, labels = np.append(low, low1), np.append(high, high1), labels * 2
+        if following is not None:  # the next x = x + D u lies in its controllable set
+            a, b = np.append(a, D), np.append(b, 1.0)
+            low, high, labels = (
+                np.append(low, following[0]),
+                np.append(high, following[1]),
+                [*labels, _WAY_ON],
+            )
+        x = trials[:, None]
+        safe = np.where(np.abs(a) > TINY, a, TINY)
+        ends = np.stack([(low - b * x) / safe, (high - b * x) / safe])
+        least, most = ends.min(axis=0), ends.max(axis=0)
+        gap = least.max(axis=1) - most.min(axis=1)
+        trial = int(np.argmin(gap))
+        i, j = int(np.argmax(least[trial])), int(np.argmin(most[trial]))
+        if labels[i] == labels[j]:
+            return f"the {labels[i]} alone exceeds its limit"
+        return f"the {labels[i]} and the {labels[j]} exclude each other".replace("the the", "the")

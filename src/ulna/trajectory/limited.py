@@ -1,0 +1,102 @@
+"""Jerk-limited motion from any state to any state, calculated by Ruckig."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError, MissingExtra
+from ulna.trajectory.inputs import filled, positive, seconds, vector
+from ulna.trajectory.polynomial import Polynomial
+from ulna.typing import ArrayLike, Floats
+
+
+def jerk_limited(
+    q0: ArrayLike,
+    v0: ArrayLike | None,
+    a0: ArrayLike | None,
+    q1: ArrayLike,
+    v1: ArrayLike | None,
+    a1: ArrayLike | None,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    jerk: ArrayLike,
+    duration: float | None = None,
+) -> Polynomial:
+    """From one state to another as fast as limits of speed, acceleration and jerk allow, all joints arriving together.
+
+    Args:
+        q0: Position at the start, (n,) [rad or m].
+        v0: Velocity there, one or (n,) [rad/s or m/s]; None for rest.
+        a0: Acceleration there [rad/s^2 or m/s^2]; None for zero.
+        q1: Position at the end.
+        v1: Velocity there; None for rest.
+        a1: Acceleration there; None for zero.
+        velocity: Limits of speed, one or (n,) [rad/s or m/s].
+        acceleration: Limits of acceleration, one or (n,).
+        jerk: Limits of jerk, one or (n,).
+        duration: Time to take where the limits would allow less [s].
+
+    Raises:
+        InputError: A state that the limits do not allow; says what Ruckig says.
+        MissingExtra: Ruckig is not installed.
+
+    Source: Berscheid & Kröger, Jerk-limited real-time trajectory generation with arbitrary target states (2021).
+    """
+    try:
+        import ruckig  # pyright: ignore[reportMissingImports]
+    except ImportError:
+        raise MissingExtra("ruckig", "trajectory", "A jerk-limited motion between states") from None
+    start = vector("q0", q0)
+    n = start.size
+    task: Any = ruckig.InputParameter(n)
+    task.current_position, task.target_position = start.tolist(), vector("q1", q1, n).tolist()
+    task.current_velocity, task.current_acceleration = (
+        filled("v0", v0, n).tolist(),
+        filled("a0", a0, n).tolist(),
+    )
+    task.target_velocity, task.target_acceleration = (
+        filled("v1", v1, n).tolist(),
+        filled("a1", a1, n).tolist(),
+    )
+    task.max_velocity = positive("velocity", velocity, n).tolist()
+    task.max_acceleration = positive("acceleration", acceleration, n).tolist()
+    task.max_jerk = positive("jerk", jerk, n).tolist()
+    if duration is not None:
+        task.minimum_duration = seconds("duration", duration)
+    planner: Any = ruckig.Ruckig(n)
+    try:
+        planner.validate_input(task, False, True)  # the start may break limits on its way into them
+        found: Any = ruckig.Trajectory(n)
+        result = planner.calculate(task, found)
+    except ruckig.RuckigError as error:
+        raise InputError(f"Ruckig refuses the motion: {error}") from None
+    if result not in (ruckig.Result.Working, ruckig.Result.Finished):
+        raise InputError(f"Ruckig finds no motion between the states: {result.name}.")
+    total = float(found.duration)
+    if total <= 0.0:
+        raise InputError("Start and end are the same state; expected a motion.")
+    return _from_profiles(found.profiles[0], start, (filled("v0", v0, n), filled("a0", a0, n)), total)
+
+
+def _from_profiles(profiles: Any, q: Floats, rates: tuple[Floats, Floats], total: float) -> Polynomial:
+    """Integrates the phases of constant jerk of all joints, on the times at which any of them changes."""
+    ends, jerks = [], []
+    for p in profiles:
+        ends.append(np.cumsum([*p.brake.t, *p.t]))
+        jerks.append(np.array([*p.brake.j, *p.j]))
+    knots = np.unique(np.concatenate([[0.0, total], *ends]))
+    knots = knots[(knots < total * (1.0 - 1e-12)) & np.append(True, np.diff(knots) > 1e-12 * total)]
+    knots = np.append(knots, total)
+    h, middle = np.diff(knots), 0.5 * (knots[:-1] + knots[1:])
+    j = np.zeros((h.size, q.size))
+    for k, (end, value) in enumerate(zip(ends, jerks, strict=True)):
+        phase = np.searchsorted(end, middle)
+        j[:, k] = np.append(value, 0.0)[phase]
+    c, (v, a) = np.empty((h.size, 4, q.size)), rates
+    for i, step in enumerate(h):
+        c[i] = q, v, 0.5 * a, j[i] / 6.0
+        q = q + step * (v + step * (0.5 * a + step * j[i] / 6.0))
+        v, a = v + step * (a + 0.5 * step * j[i]), a + step * j[i]
+    return Polynomial.of(knots, c, "jerk-limited")

@@ -1,0 +1,159 @@
+"""Piecewise polynomials of time: what most joint trajectories are.
+
+| symbol | meaning | shape | unit |
+|---|---|---|---|
+| knots | times where pieces meet | (k + 1,) | [s] |
+| c | coefficients by piece and power, of the time since the piece's start | (k, d + 1, n) | [rad/s^i] |
+| tau | time since the piece's start | () | [s] |
+| q, v, a, j | sum of c_i tau^i and its derivatives, by Horner's rule | (n,) | [rad] to [rad/s^3] |
+
+Source: Biagiotti & Melchiorri, Trajectory Planning for Automatic Machines and Robots (2008), section 2.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import perm
+from typing import Any, final
+
+import numpy as np
+
+from ulna.errors import InputError, ShapeError
+from ulna.trace import compile
+from ulna.trajectory.base import Trajectory
+from ulna.trajectory.inputs import numbers
+from ulna.trajectory.space import Space, Vectors
+from ulna.typing import Array, Floats
+
+
+@final
+@dataclass(frozen=True, eq=False, repr=False)
+class Polynomial(Trajectory):
+    """A trajectory of plain numbers that is a polynomial between its knots.
+
+    Attributes:
+        times: Times where pieces meet, increasing from 0, (k + 1,) [s].
+        coefficients: By piece, power of the time since the piece's start, and joint, (k, d + 1, n).
+        space: What moves.
+        kind: What made it.
+    """
+
+    times: Floats
+    coefficients: Floats
+    space: Space
+    kind: str = "polynomial"
+
+    @classmethod
+    def of(
+        cls, times: Any, coefficients: Any, kind: str = "polynomial", space: Space | None = None
+    ) -> Polynomial:
+        """A polynomial trajectory of checked, copied, read-only arrays."""
+        t, c = np.array(numbers("times", times)), np.array(numbers("coefficients", coefficients))
+        if c.ndim != 3 or t.shape != (c.shape[0] + 1,) or 0 in c.shape:
+            raise ShapeError("coefficients", c.shape, f"(k, d + 1, n) with k + 1 = {t.size} times")
+        if t[0] != 0.0 or (np.diff(t) <= 0.0).any():
+            raise InputError("`times` do not increase from 0; expected knots such as [0, 1, 2.5].")
+        t.flags.writeable = c.flags.writeable = False
+        return cls(t, c, space or Vectors.of(c.shape[2]), kind)
+
+    @property
+    def duration(self) -> float:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """How long it takes [s]."""
+        return float(self.times[-1])
+
+    @property
+    def knots(self) -> Floats:
+        """Times where pieces meet."""
+        return self.times
+
+    @property
+    def order(self) -> int:
+        """3: it knows its jerk."""
+        return 3
+
+    def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
+        evaluate = _horner(*self.coefficients.shape[1:], order)
+        if len(self.coefficients) == 1:
+            rows = evaluate(self.coefficients[0], t)
+        else:
+            piece = np.searchsorted(self.times[1:-1], t, side="right")
+            rows = evaluate(self.coefficients[piece], t - self.times[piece])
+        return rows if order else (rows,)
+
+    def _stretched(self, factor: float) -> Polynomial:
+        c, times = self.coefficients, self.times
+        if factor < 0.0:
+            c, times = _shifted(c, np.diff(times))[::-1], times[-1] - times[::-1]
+        powers = np.arange(c.shape[1])[:, None]
+        return Polynomial.of(times * abs(factor), c / factor**powers, self.kind, self.space)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same polynomials of the same things."""
+        if not isinstance(other, Polynomial):
+            return NotImplemented
+        same = np.array_equal(self.times, other.times) and np.array_equal(
+            self.coefficients, other.coefficients
+        )
+        return same and self.space == other.space
+
+    def __hash__(self) -> int:
+        return hash((self.times.tobytes(), self.coefficients.tobytes(), self.space.names))
+
+
+def hermite(
+    times: Floats, q: Floats, v: Floats, a: Floats | None = None, kind: str = "", space: Space | None = None
+) -> Polynomial:
+    """The cubics, or with accelerations the quintics, that have given states at given times.
+
+    Args:
+        times: Times, (k + 1,) [s].
+        q: Points, (k + 1, n).
+        v: Velocities there, (k + 1, n).
+        a: Accelerations there, (k + 1, n); None for cubics.
+        kind: What to call it.
+        space: What moves.
+
+    Source: Biagiotti & Melchiorri 2008, eq. (2.2) and (2.6).
+    """
+    h = np.diff(times)[:, None]
+    way, v0, v1 = np.diff(q, axis=0), v[:-1] * h, v[1:] * h
+    if a is None:
+        c = [q[:-1], v0, 3.0 * way - 2.0 * v0 - v1, -2.0 * way + v0 + v1]
+    else:
+        a0, a1 = 0.5 * a[:-1] * h * h, 0.5 * a[1:] * h * h
+        c = [
+            q[:-1],
+            v0,
+            a0,
+            10.0 * way - 6.0 * v0 - 4.0 * v1 - 3.0 * a0 + a1,
+            -15.0 * way + 8.0 * v0 + 7.0 * v1 + 3.0 * a0 - 2.0 * a1,
+            6.0 * way - 3.0 * (v0 + v1) - a0 + a1,
+        ]
+    return Polynomial.of(times, np.stack([x / h**i for i, x in enumerate(c)], axis=1), kind, space)
+
+
+def _shifted(c: Floats, h: Floats) -> Floats:
+    """Coefficients of the same pieces by the time that is left until their end, with its sign: tau - h."""
+    out = np.zeros_like(c)
+    for i in range(c.shape[1]):
+        for j in range(i, c.shape[1]):
+            out[:, i] += c[:, j] * (perm(j, i) / perm(i, i)) * h[:, None] ** (j - i)
+    return out
+
+
+@lru_cache(maxsize=64)
+def _horner(rows: int, n: int, order: int) -> Any:
+    """The kernel (rows, n), () -> (n,) ...: a polynomial and its derivatives up to `order`."""
+
+    def evaluate(c: Array, tau: Any) -> Any:
+        def derivative(k: int) -> Array:
+            value = 0.0 * c[0]
+            for i in reversed(range(k, rows)):
+                value = value * tau + c[i] * float(perm(i, k))
+            return value
+
+        found = tuple(derivative(k) for k in range(order + 1))
+        return found if order else found[0]
+
+    return compile(evaluate, c=(rows, n), tau=()).gufunc

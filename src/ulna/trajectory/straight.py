@@ -1,0 +1,148 @@
+"""Straight lines of joints on the manifold of configurations: quaternions stay unit, free angles go the short way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from ulna import algorithms, kernels
+from ulna.errors import InputError
+from ulna.model import Model
+from ulna.trajectory.base import Trajectory
+from ulna.trajectory.boundary import quintic
+from ulna.trajectory.compose import Chain, Retimed
+from ulna.trajectory.inputs import not_repeating, rows, seconds, vector
+from ulna.trajectory.profiles import s_curve, trapezoidal
+from ulna.trajectory.space import Configurations, Space, model_of
+from ulna.typing import ArrayLike, Floats
+
+
+@final
+@dataclass(frozen=True, eq=False, repr=False)
+class Geodesic(Trajectory):
+    """The straight line from a configuration along a tangent vector, at constant velocity, in one second.
+
+    Attributes:
+        space: The configurations of a model.
+        origin: Where it starts, (nq,).
+        step: The velocity, (nv,) [rad/s or m/s].
+        kind: What made it.
+    """
+
+    space: Space
+    origin: Floats
+    step: Floats
+    kind: str = "straight"
+    duration: float = 1.0
+
+    @property
+    def knots(self) -> Floats:
+        """Start and end."""
+        return np.array([0.0, self.duration])
+
+    @property
+    def order(self) -> int:
+        """3: velocity is constant, and all beyond is zero."""
+        return 3
+
+    def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
+        assert isinstance(self.space, Configurations)
+        q = kernels.kernel(self.space.model, "integrate")(self.origin, t[:, None] * self.step)
+        v = np.broadcast_to(self.step, (t.size, self.step.size))
+        return (q, v, np.zeros_like(v), np.zeros_like(v))[: order + 1]
+
+
+def straight(
+    robot: Any,
+    q0: ArrayLike,
+    q1: ArrayLike,
+    duration: float | None = None,
+    velocity: ArrayLike | None = None,
+    acceleration: ArrayLike | None = None,
+    jerk: ArrayLike | None = None,
+) -> Trajectory:
+    """From rest to rest on the straight line between two configurations of a robot.
+
+    Rotations turn about one axis, a free flyer moves along a screw, continuous joints go the short way; everything else
+    moves as numbers do.
+
+    Args:
+        robot: A Robot or a Model.
+        q0: Start, (nq,) [rad or m].
+        q1: End, (nq,).
+        duration: Time it takes [s], for a quintic law.
+        velocity: Limits of speed, one or (nv,) [rad/s or m/s], for a law as fast as limits allow: trapezoidal, or an
+            S-curve with `jerk`.
+        acceleration: Limits of acceleration [rad/s^2 or m/s^2].
+        jerk: Limits of jerk [rad/s^3 or m/s^3]; None for no limit.
+
+    Raises:
+        InputError: Shapes do not fit, quaternions that are not unit, neither duration nor limits, or equal points with
+            limits.
+    """
+    model = model_of(robot)
+    line = _line(model, _configuration(model, "q0", q0), _configuration(model, "q1", q1))
+    return Retimed(line, _law(line.step, duration, velocity, acceleration, jerk), "straight")
+
+
+def straight_through(robot: Any, points: ArrayLike, durations: ArrayLike) -> Trajectory:
+    """Straight from configuration to configuration of a robot, at rest in each.
+
+    Args:
+        robot: A Robot or a Model.
+        points: Configurations in rows, (k + 1, nq) [rad or m].
+        durations: Time of each line, one or (k,) [s].
+    """
+    model = model_of(robot)
+    q = rows("points", points)
+    q = np.stack([_configuration(model, f"points[{k}]", x) for k, x in enumerate(q)])
+    steps = algorithms.difference(model, q[:-1], q[1:])
+    not_repeating("points", q, np.abs(steps).max(axis=1))
+    try:
+        times = np.broadcast_to(np.asarray(durations, dtype=float), (len(steps),))
+    except ValueError:
+        raise InputError(
+            f"`durations` has shape {np.shape(durations)}; expected one time or ({len(steps)},)."
+        ) from None
+    return Chain.of(
+        [straight(model, a, b, t) for a, b, t in zip(q[:-1], q[1:], times, strict=True)], "straight"
+    )
+
+
+def _configuration(model: Model, name: str, value: ArrayLike) -> Floats:
+    q = vector(name, value, model.nq)
+    off = np.abs(algorithms.normalize(model, q) - q)
+    free = np.array(
+        [w for w in range(model.nq) if model.position_names[w].endswith(("qx", "qy", "qz", "qw"))], int
+    )
+    if free.size and off[free].max() > 1e-6:
+        k = int(free[np.argmax(off[free])])
+        raise InputError(
+            f"`{name}[{k}]`, {model.position_names[k]!r}, belongs to a quaternion that is not unit; "
+            "robot.normalize(q) makes it so."
+        )
+    return q
+
+
+def _line(model: Model, q0: Floats, q1: Floats) -> Geodesic:
+    return Geodesic(Configurations.of(model), q0, algorithms.difference(model, q0, q1))
+
+
+def _law(step: Floats, duration: Any, velocity: Any, acceleration: Any, jerk: Any) -> Any:
+    """The law from 0 to 1 for a line of that length."""
+    if velocity is None and acceleration is None and jerk is None:
+        if duration is None:
+            raise InputError(
+                "Expected a `duration`, or limits `velocity` and `acceleration`; neither was given."
+            )
+        return quintic(0.0, 1.0, seconds("duration", duration))
+    if velocity is None or acceleration is None:
+        raise InputError("Limits need both `velocity` and `acceleration`.")
+    make: Callable[..., Any] = trapezoidal if jerk is None else s_curve
+    limits = (velocity, acceleration) if jerk is None else (velocity, acceleration, jerk)
+    whole = make(np.zeros(step.size), step, *limits, duration=duration)
+    k = int(np.argmax(np.abs(step)))
+    return type(whole).of(whole.times, whole.coefficients[:, :, k : k + 1] / (step[k] or 1.0), "law")
