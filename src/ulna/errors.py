@@ -8,6 +8,7 @@ UlnaError
 ├── UnknownName (LookupError)        a frame, joint, robot, kernel ... of that name does not exist
 ├── ModelError (ValueError)          a robot model contradicts itself
 │   └── FormatError                  a model file is broken: file, line, element, mend
+├── InfeasibleError (ValueError)     limits and constraints leave no motion at all
 ├── MissingExtra (ImportError)       an optional dependency is not installed
 ├── TraceError (TypeError)           a traced function does what cannot be traced
 ├── CompileError (RuntimeError)      LLVM refused a kernel (a bug in Ulna; please report it)
@@ -114,6 +115,14 @@ class FormatError(ModelError):
         if mend:
             parts.append(mend)
         super().__init__(" ".join(parts))
+
+
+class InfeasibleError(UlnaError, ValueError):
+    """Limits and constraints leave no motion at all; names those that contradict each other."""
+
+    def __init__(self, parts: tuple[str, ...], text: str) -> None:
+        self.parts = parts
+        super().__init__(text)
 
 
 class MissingExtra(UlnaError, ImportError):

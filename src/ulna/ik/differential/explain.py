@@ -1,0 +1,122 @@
+"""Says why a step of differential inverse kinematics has no solution: which limits, and which joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ulna.errors import InfeasibleError, InputError
+from ulna.ik.differential.limits import Interval
+from ulna.ik.differential.program import CONFLICT, NO_ROTATION, TURNED, Program
+from ulna.ik.qp import solve_rows
+from ulna.model import Model
+from ulna.typing import Floats
+
+_MEND = "Mend what is asked, take a longer step, or let later limits yield to earlier ones: recover=True."
+
+
+def reason(
+    program: Program, verdict: int, q: Floats, dt: Floats, *inputs: Floats, where: str = ""
+) -> InfeasibleError | InputError:
+    """What is wrong with one sample.
+
+    Args:
+        program: Tasks and limits.
+        verdict: What its `problem` said of the sample.
+        q: Configuration, shape (nq,).
+        dt: Duration, shape () [s].
+        *inputs: What was told.
+        where: The place in the batch, for the message.
+    """
+    told = dict(zip(program.inputs, inputs, strict=True))
+    if verdict == NO_ROTATION:
+        return _no_rotation(program, told, where)
+    if verdict == CONFLICT:
+        return _conflict(program, q, dt, told, where)
+    return _no_solution(program, q, dt, inputs, where)
+
+
+def undetermined(where: str) -> InputError:
+    """The objective does not say which velocity is best."""
+    return InputError(
+        f"The tasks do not determine all joints{where}, and `damping` is too small to do so. "
+        "Give more damping, or add a PostureTask or a DampingTask."
+    )
+
+
+def _conflict(
+    program: Program, q: Floats, dt: Floats, told: Mapping[str, Floats], where: str
+) -> InfeasibleError:
+    """Two limits leave a joint no room: the worst such joint."""
+    model = program.model
+    intervals = [
+        (limit.label, bound) for limit, bound in program.bounds(q, dt, told) if isinstance(bound, Interval)
+    ]
+    lower, upper = (np.stack([bound[k][list(program.moving)] for _, bound in intervals]) for k in (0, 1))
+    worst = int(np.argmax(lower.max(axis=0) - upper.min(axis=0)))
+    least, most = int(np.argmax(lower[:, worst])), int(np.argmin(upper[:, worst]))
+    i = program.moving[worst]
+    text = (
+        f"{_joint(model, i, q)}{where}: {intervals[least][0]} wants a velocity of at least {lower[least, worst]:.6g}, "
+        f"{intervals[most][0]} of at most {upper[most, worst]:.6g}. {_MEND}"
+    )
+    return InfeasibleError((intervals[least][0], intervals[most][0]), text)
+
+
+def _no_solution(
+    program: Program, q: Floats, dt: Floats, inputs: Sequence[Floats], where: str
+) -> InfeasibleError:
+    """Rows and bounds leave nothing: those without any one of which there would be a solution."""
+    guilty = []
+    for k, limit in enumerate(program.limits):
+        if _feasible(replace(program, limits=_without(program.limits, k)), q, dt, inputs):
+            guilty.append(limit.label)
+    for k, task in enumerate(program.constraints):
+        if len(program.constraints) + len(program.tasks) > 1 and _feasible(
+            replace(program, constraints=_without(program.constraints, k)), q, dt, inputs
+        ):
+            guilty.append(task.label)
+    everything = [part.label for part in (*program.limits, *program.constraints)]
+    names = tuple(guilty or everything)
+    joined = ", ".join(names)
+    why = f"without any one of these there is: {joined}" if guilty else f"among: {joined}"
+    return InfeasibleError(names, f"No velocity keeps all limits and constraints{where}; {why}. {_MEND}")
+
+
+def _no_rotation(program: Program, told: Mapping[str, Floats], where: str) -> InputError:
+    """A target is neither a pose nor a rotation."""
+    for name in program.rotations:
+        R = told[name][..., :3, :3]
+        off = float(np.abs(R.T @ R - np.eye(3)).max())
+        if not off < TURNED:
+            return InputError(
+                f"`{name}`{where} is not a rotation: R^T R differs from 1 by {off:.3g}. "
+                "The nearest one: SE3.project(matrix).matrix()."
+            )
+    raise AssertionError("a kernel found a target that is no rotation, and here all are")
+
+
+def _joint(model: Model, i: int, q: Floats) -> str:
+    for joint in model.joints:
+        if joint.mimic is None and joint.idx_v <= i < joint.idx_v + joint.nv:
+            at = ", ".join(f"{x:.6g}" for x in joint.q_of(q))
+            lower, upper = joint.limits.lower, joint.limits.upper
+            limits = f", limits {lower[0]:.6g} .. {upper[0]:.6g}" if joint.nq == 1 else ""
+            return f"Joint {joint.name!r} (at {at}{limits})"
+    raise AssertionError(f"no joint has the entry {i} of v")
+
+
+def _feasible(program: Program, q: Floats, dt: Floats, inputs: Sequence[Floats]) -> bool:
+    p = program.problem(q, dt, *inputs)
+    if p.verdict == CONFLICT:
+        return False
+    ends = (np.concatenate([p.lower, p.row_lower]), np.concatenate([p.upper, p.row_upper]))
+    n = len(p.g)
+    found = solve_rows(np.eye(n), np.zeros(n), *ends, np.ascontiguousarray(p.A), program.equalities)
+    return found is not None
+
+
+def _without(parts: Sequence, k: int) -> tuple:
+    return (*parts[:k], *parts[k + 1 :])

@@ -1,0 +1,300 @@
+"""Limits of differential inverse kinematics: what a velocity must stay within at this configuration.
+
+| symbol | meaning | shape, unit | source |
+|---|---|---|---|
+| v, v_0 | velocity to be chosen, and the one chosen before | (nv,), 1/s | |
+| d | distance of a joint to its limit | rad or m | |
+| position | (lower - q) g / dt <= v <= (upper - q) g / dt | g: gain | Kanoun, Lamiraux, Wieber 2011 |
+| velocity | -v_max <= v <= v_max | | |
+| acceleration | v_0 - a dt <= v <= v_0 + a dt | rad/s^2, m/s^2 | |
+| K | whole steps of deceleration a before it stands: floor(-1/2 + sqrt(1/4 + 2 d / (a dt^2))) | | |
+| braking | v <= (d / dt + a dt K (K + 1) / 2) / (K + 1) | | v dt + (v - a dt) dt + ... <= d |
+| plane | n . J v >= (h - n . p) g / dt | n . p >= h is kept | Faverjon & Tournassoud 1987 |
+
+The bound of braking is the largest speed to go on with for a step, and then to stop before the limit in steps that are
+slower by a dt each. A step later it is smaller by just a dt, so it never contradicts the bound of acceleration (Decre
+et al. 2009, Del Prete 2018). Joints of several coordinates can have limits of position if these are a plain vector.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, final
+
+import numpy as np
+
+from ulna.algorithms import frame_jacobian, frame_pose
+from ulna.algorithms.tree import blank
+from ulna.errors import InputError, ShapeError
+from ulna.ik.differential.task import Shapes
+from ulna.model import Composite, JointKind, Model
+from ulna.model.joints.base import VectorKind
+from ulna.numeric import ceil, clip, dot, maximum, sqrt, vector
+from ulna.typing import Array, ArrayLike, Floats
+
+
+class Interval(NamedTuple):
+    """Least and greatest values, (..., n) each; infinite where there is no bound."""
+
+    lower: Array
+    upper: Array
+
+
+class Strip(NamedTuple):
+    """Rows A (..., k, nv) with `lower <= A @ v <= upper`."""
+
+    A: Array
+    lower: Array
+    upper: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Limit(ABC):
+    """Something that a velocity must not go beyond.
+
+    Attributes:
+        name: What it is called in messages, and the first word of what it must be told.
+    """
+
+    name: str | None = None
+
+    @property
+    def label(self) -> str:
+        """Its name, given or by default."""
+        return self.name or type(self).__name__
+
+    def inputs(self, model: Model) -> Shapes:
+        """Names and shapes of what it must be told at every step."""
+        return {}
+
+    def defaults(self, model: Model) -> Mapping[str, Any]:
+        """Values of inputs that need not be told."""
+        return {}
+
+    @abstractmethod
+    def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Interval | Strip:
+        """What it allows: an interval for each joint velocity (nv), or rows.
+
+        Args:
+            model: The robot.
+            q: Configuration, shape (..., nq).
+            dt: Duration of the step, shape (...) [s].
+            *inputs: Values in the order of `inputs`.
+
+        Raises:
+            UnknownName, InputError: The limit does not fit the model.
+        """
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class PositionLimit(Limit):
+    """Joints stay within their limits of position.
+
+    A joint that stands beyond a limit is led back; where another limit does not let it come back in one step, there is
+    a conflict (see `DifferentialIK`).
+
+    Attributes:
+        gain: The part of the way to a limit that one step may go, above 0 to 1. With 1, a step may end at the limit.
+        margin: How far from the limits to stay [rad or m].
+    """
+
+    gain: float = 1.0
+    margin: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.gain <= 1.0:
+            raise InputError(f"{self.label}: `gain` is {self.gain}; expected above 0, at most 1.")
+        if not 0.0 <= self.margin < np.inf:
+            raise InputError(f"{self.label}: `margin` is {self.margin}; expected a number not below 0.")
+
+    def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Interval:
+        """The interval that leads to the limits."""
+        lower, upper = _unbounded(model, q)
+        for at, i, low, high in _limited(model, self.margin, self.label):
+            if np.isfinite(low):
+                lower[..., i] = (low - q[..., at]) * (self.gain / dt)
+            if np.isfinite(high):
+                upper[..., i] = (high - q[..., at]) * (self.gain / dt)
+        return Interval(lower, upper)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class VelocityLimit(Limit):
+    """Joints are no faster than allowed.
+
+    Attributes:
+        fastest: Greatest speeds [rad/s or m/s]: one number, (nv,), or by joint; None for the model's.
+    """
+
+    fastest: Any = None
+
+    def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Interval:
+        """The same interval everywhere."""
+        fastest = (
+            model.velocity_limit if self.fastest is None else _of_joints(model, self.fastest, self.label)
+        )
+        return Interval(-fastest, fastest)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class AccelerationLimit(Limit):
+    """Joints change their velocity no faster than allowed, and can stop before the limits of position.
+
+    It must be told the velocity that was chosen at the step before, as the last input, `v`.
+
+    Attributes:
+        largest: Greatest accelerations [rad/s^2 or m/s^2]: one number, (nv,), or by joint.
+        braking: Whether to keep the way that is needed to stop before the limits of position.
+        margin: How far from those to stop [rad or m].
+    """
+
+    largest: Any
+    braking: bool = True
+    margin: float = 0.0
+
+    def inputs(self, model: Model) -> Shapes:
+        """The velocity before."""
+        return {self.name or "v": (model.nv,)}
+
+    def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Interval:
+        """The velocities that can be had from the one before, and from which one can stop."""
+        a = _of_joints(model, self.largest, self.label)
+        lower, upper = _unbounded(model, q)
+        for i in np.flatnonzero(np.isfinite(a)):
+            lower[..., i] = inputs[0][..., i] - a[i] * dt
+            upper[..., i] = inputs[0][..., i] + a[i] * dt
+        for at, i, low, high in _limited(model, self.margin, self.label) if self.braking else ():
+            least, most = lower[..., i], upper[..., i]
+            if np.isfinite(a[i]) and np.isfinite(low):
+                lower[..., i] = clip(-_speed_to_stop(q[..., at] - low, a[i], dt), least, most)
+            if np.isfinite(a[i]) and np.isfinite(high):
+                upper[..., i] = clip(_speed_to_stop(high - q[..., at], a[i], dt), least, most)
+        return Interval(lower, upper)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class PlaneLimit(Limit):
+    """The origin of a frame stays on one side of a plane of the world: n . p >= h.
+
+    It may be told a plane (4,): the normal n, which points to the allowed side, and h [m].
+
+    Attributes:
+        frame: Name of the frame.
+        normal: n, (3,), of length 1.
+        height: h [m].
+        gain: The part of the way to the plane that one step may go, above 0 to 1.
+    """
+
+    frame: str
+    normal: ArrayLike = (0.0, 0.0, 1.0)
+    height: float = 0.0
+    gain: float = 1.0
+
+    @property
+    def label(self) -> str:
+        """Its name, given or by default."""
+        return self.name or f"{self.frame}_plane"
+
+    def inputs(self, model: Model) -> Shapes:
+        """The plane."""
+        return {self.label: (4,)}
+
+    def defaults(self, model: Model) -> Mapping[str, Any]:
+        """The plane that the limit was made with."""
+        normal = np.asarray(self.normal, dtype=float)
+        if normal.shape != (3,) or not np.isclose(np.linalg.norm(normal), 1.0, atol=1e-6):
+            raise InputError(f"{self.label}: `normal` is {self.normal}; expected a vector of length 1.")
+        return {self.label: np.append(normal, float(self.height))}
+
+    def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Strip:
+        """One row: how fast the point may near the plane."""
+        frame, normal = model.frame(self.frame), inputs[0][..., :3]
+        J = frame_jacobian(model, q, frame)[..., :3, :]
+        missing = inputs[0][..., 3] - dot(normal, frame_pose(model, q, frame).translation)
+        return Strip(normal[..., None, :] @ J, vector(missing * (self.gain / dt)), np.full(1, np.inf))
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LinearLimit(Limit):
+    """Any rows that are told at every step: A v <= b; the door for distances between bodies.
+
+    For a distance d between two points with its gradient g over the joints, the row is `-g` and b is `gain * d / dt`
+    (Faverjon & Tournassoud 1987). It is told the matrix A (count, nv) as `<name>_matrix` and b (count,) as
+    `<name>_bound`; rows that are not needed are zeros.
+
+    Attributes:
+        count: How many rows.
+    """
+
+    count: int
+
+    @property
+    def label(self) -> str:
+        """Its name, given or by default."""
+        return self.name or "linear_limit"
+
+    def inputs(self, model: Model) -> Shapes:
+        """The matrix and the bound."""
+        return {f"{self.label}_matrix": (self.count, model.nv), f"{self.label}_bound": (self.count,)}
+
+    def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Strip:
+        """The rows as they are."""
+        return Strip(inputs[0], np.full(self.count, -np.inf), inputs[1])
+
+
+def _speed_to_stop(way: Any, a: float, dt: Any) -> Any:
+    """The greatest speed with which a joint may go on for a step and then stop within `way`."""
+    room = maximum(way, 0.0)
+    steps = -ceil(0.5 - sqrt(0.25 + (2.0 / a) * room / (dt * dt)))
+    return (room / dt + (0.5 * a) * dt * steps * (steps + 1.0)) / (steps + 1.0)
+
+
+def _unbounded(model: Model, q: Array) -> tuple[Array, Array]:
+    free = blank((model.nv,), q)
+    return free - np.inf, free + np.inf
+
+
+def _limited(model: Model, margin: float, label: str) -> Iterator[tuple[int, int, float, float]]:
+    """The coordinates with a limit of position: where they stand in q and in v, and between what they may be."""
+    for joint in model.joints:
+        if joint.mimic is not None:
+            continue
+        for k, (lower, upper) in enumerate(zip(joint.limits.lower, joint.limits.upper, strict=True)):
+            if np.isinf(lower) and np.isinf(upper):
+                continue
+            if not _is_vector(joint.kind):
+                raise InputError(
+                    f"{label}: joint {joint.name!r} is {joint.kind.describe()} and has limits of position, which are "
+                    "no bounds on its velocities. Take the limits away, or lock the joint."
+                )
+            if lower + margin > upper - margin:
+                raise InputError(f"{label}: a `margin` of {margin} leaves joint {joint.name!r} no room.")
+            yield joint.idx_q + k, joint.idx_v + k, lower + margin, upper - margin
+
+
+def _is_vector(kind: JointKind) -> bool:
+    return all(isinstance(k, VectorKind) for k in (kind.kinds if isinstance(kind, Composite) else (kind,)))
+
+
+def _of_joints(model: Model, given: Any, label: str) -> Floats:
+    """Positive numbers (nv,), from one, as many, or by joint; infinite for joints that are left out."""
+    if isinstance(given, Mapping):
+        out = np.full(model.nv, np.inf)
+        for name, value in given.items():
+            joint = model.joint(name)
+            out[joint.idx_v : joint.idx_v + joint.nv] = value
+    else:
+        out = np.asarray(given, dtype=float)
+        if out.shape not in ((), (model.nv,)):
+            raise ShapeError(label, out.shape, f"one number or ({model.nv},)")
+        out = np.broadcast_to(out, (model.nv,))
+    if not (out > 0.0).all():
+        raise InputError(f"{label}: {given} holds a number that is not above 0.")
+    return out

@@ -1,0 +1,245 @@
+"""From tasks and limits of a robot to the functions that are compiled: the quadratic program, and one step.
+
+| symbol | meaning | shape, unit | equation |
+|---|---|---|---|
+| v | velocity to be chosen, of the joints that may move | (n,), rad/s or m/s | dq = v dt |
+| w, J, e, alpha, lambda | of each task | | see task.py |
+| mu | damping: of the whole, and of the tasks | 1 | mu = damping + sum lambda (w alpha e)^2 |
+| H | | (n, n) | sum (w J)^T (w J) + mu |
+| g | | (n,) | - sum (w J)^T (w alpha e) / dt |
+| l, u | the tightest of the limits of each joint | (n,) | |
+| A, a, b | rows: of limits, then of constraints | (k, n), (k,), (k,) | a <= A v <= b |
+
+The program: minimise v^T H v / 2 + g^T v with l <= v <= u and a <= A v <= b. Source: Nakamura 1991, section 4.2;
+Kanoun, Lamiraux, Wieber, Kinematic control of redundant manipulators: generalizing the task-priority framework to
+inequality tasks (2011).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, reduce
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.algorithms import integrate
+from ulna.algorithms.tree import blank
+from ulna.errors import InputError
+from ulna.ik.differential.joints import PostureTask
+from ulna.ik.differential.limits import Interval, Limit, Strip
+from ulna.ik.differential.task import Shapes, Task
+from ulna.ik.qp import solve_box
+from ulna.model import Model
+from ulna.numeric import apply, clip, is_symbolic, less, maximum, vector, where
+from ulna.typing import Array, Floats
+
+GAP = 1e-9  # limits may miss each other by so much, in rad/s or m/s, before it is called a conflict
+SLACK = 1e-9  # rows may be missed by so much
+TURNED = 1e-6  # by how much R^T R of a target may differ from 1
+
+SOLVED, CONFLICT, UNSOLVED, ROWS, NO_ROTATION = range(5)
+"""What a step says of itself: found; limits of a joint leave no room; no optimum; rows are in the way; bad target."""
+
+_RESERVED = ("q", "dt", "name", "doc", "rules")
+
+
+class Problem(NamedTuple):
+    """The program: H, g, bounds of v, rows A with their bounds; and what is wrong with it before it is solved.
+
+    `verdict` is 0 where nothing is, CONFLICT where limits leave a joint no room, NO_ROTATION where a target is none.
+    """
+
+    H: Array
+    g: Array
+    lower: Array
+    upper: Array
+    A: Array
+    row_lower: Array
+    row_upper: Array
+    verdict: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """Tasks and limits, checked against a model."""
+
+    model: Model
+    tasks: tuple[Task, ...]
+    constraints: tuple[Task, ...]
+    limits: tuple[Limit, ...]
+    damping: float
+    recover: bool
+    moving: tuple[int, ...]
+    """Where the joints that may move stand in v."""
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.damping < np.inf:
+            raise InputError(f"`damping` is {self.damping}; expected a number above 0, such as 1e-8.")
+        if not self.tasks and not self.constraints:
+            raise InputError("There is no task; expected at least one, such as FrameTask(robot.tool).")
+        for task in self.objectives:
+            task.costs(self.model)
+        told = Counter(name for part in self.parts for name in part.inputs(self.model))
+        for name, count in told.items():
+            if count > 1 or name in _RESERVED:
+                why = "is told to two tasks or limits" if count > 1 else "has a meaning of its own"
+                raise InputError(f"The name {name!r} {why}; give one another: name='...'.")
+
+    @property
+    def objectives(self) -> tuple[Task, ...]:
+        """Tasks and constraints."""
+        return (*self.tasks, *self.constraints)
+
+    @property
+    def parts(self) -> tuple[Task | Limit, ...]:
+        """Whatever may have inputs."""
+        return (*self.objectives, *self.limits)
+
+    @cached_property
+    def defaults(self) -> Mapping[str, Floats]:
+        """Values of the inputs that need not be told."""
+        found: dict[str, Any] = {}
+        for part in self.parts:
+            found |= part.defaults(self.model)
+        return found
+
+    @cached_property
+    def inputs(self) -> Shapes:
+        """Names and shapes of all inputs: first those that must be told."""
+        shapes = {name: shape for part in self.parts for name, shape in part.inputs(self.model).items()}
+        return dict(sorted(shapes.items(), key=lambda item: item[0] in self.defaults))
+
+    @cached_property
+    def equalities(self) -> int:
+        """How many rows of constraints there are."""
+        return sum(int((task.costs(self.model) > 0.0).sum()) for task in self.constraints)
+
+    @cached_property
+    def rotations(self) -> tuple[str, ...]:
+        """The inputs that are poses or rotations."""
+        return tuple(name for name, shape in self.inputs.items() if shape in ((4, 4), (3, 3)))
+
+    def quaternions(self, arguments: Sequence[str]) -> tuple[tuple[int, tuple[int, ...]], ...]:
+        """Where the arguments of a kernel hold unit quaternions: (number of the argument, entries), ..."""
+        at = [
+            tuple(range(joint.idx_q + k, joint.idx_q + k + 4))
+            for joint in self.model.joints
+            if joint.mimic is None
+            for k, coordinate in enumerate(joint.kind.coordinates)
+            if coordinate.name.endswith("qx")
+        ]
+        configurations = ["q", *(task.label for task in self.objectives if isinstance(task, PostureTask))]
+        return tuple((k, place) for k, name in enumerate(arguments) if name in configurations for place in at)
+
+    def of(self, part: Task | Limit, told: Mapping[str, Array]) -> list[Array]:
+        """The inputs of a part, in its order."""
+        return [told[name] for name in part.inputs(self.model)]
+
+    def errors(self, q: Array, *inputs: Array) -> tuple[Array, ...]:
+        """The error of each task and constraint, not weighted."""
+        told = dict(zip(self.inputs, inputs, strict=True))
+        return tuple(task.rows(self.model, q, *self.of(task, told)).e for task in self.objectives)
+
+    def bounds(
+        self, q: Array, dt: Any, told: Mapping[str, Array]
+    ) -> Iterator[tuple[Limit, Interval | Strip]]:
+        """What each limit allows."""
+        for limit in self.limits:
+            yield limit, limit.bounds(self.model, q, dt, *self.of(limit, told))
+
+    def problem(self, q: Array, dt: Any, *inputs: Array) -> Problem:
+        """The quadratic program at `q` for a step of `dt`; of one sample, or traced."""
+        told = dict(zip(self.inputs, inputs, strict=True))
+        bounds = [bound for _, bound in self.bounds(q, dt, told)]
+        lower, upper, gap = self._box([b for b in bounds if isinstance(b, Interval)])
+        H, g = self._objective(q, dt, told)
+        strips = [b for b in bounds if isinstance(b, Strip)]
+        blocks = [b.A[..., self.moving] for b in strips]
+        row_lower, row_upper = [b.lower for b in strips], [b.upper for b in strips]
+        for task in self.constraints:
+            J, e, _ = self._weighted(task, q, told)
+            blocks.append(J)
+            row_lower.append(e / dt)
+            row_upper.append(e / dt)
+        A = np.concatenate(blocks) if blocks else np.zeros((0, len(self.moving)))
+        ends = [np.concatenate(rows) if rows else np.zeros(0) for rows in (row_lower, row_upper)]
+        turned = reduce(maximum, (_from_rotation(told[name]) for name in self.rotations), 0.0)
+        verdict = where(less(GAP, gap), float(CONFLICT), float(SOLVED))
+        return Problem(
+            H, g, lower, upper, A, ends[0], ends[1], where(less(turned, TURNED), verdict, float(NO_ROTATION))
+        )
+
+    def step(self, q: Array, dt: Any, *inputs: Array) -> tuple[Array, Array, Any]:
+        """v (nv,), the configuration after dt (nq,), and what to think of them; traced.
+
+        Rows are only looked at: where the optimum without them keeps them, it is the optimum.
+        """
+        problem = self.problem(q, dt, *inputs)
+        x, solved = solve_box(problem.H, problem.g, problem.lower, problem.upper)
+        missed: Any = 0.0
+        if len(problem.A):
+            rows = apply(problem.A, x)
+            missed = reduce(maximum, [*(problem.row_lower - rows), *(rows - problem.row_upper)])
+        verdict = where(less(missed, SLACK), problem.verdict, float(ROWS))
+        verdict = where(less(0.5, solved), verdict, float(UNSOLVED))
+        verdict = where(less(0.5, problem.verdict), problem.verdict, verdict)
+        v = self.spread(x, q)
+        return v, integrate(self.model, q, v * dt), verdict
+
+    def spread(self, x: Array, q: Array) -> Array:
+        """The velocity (nv,) of the whole robot: joints that may not move stand still."""
+        v = blank((self.model.nv,), q)
+        v[..., self.moving] = x
+        return v
+
+    def _objective(self, q: Array, dt: Any, told: Mapping[str, Array]) -> tuple[Array, Array]:
+        n = len(self.moving)
+        H, g, damping = np.zeros((n, n)), np.zeros(n), self.damping
+        for task in self.tasks:
+            J, e, costs = self._weighted(task, q, told)
+            A, b = J * costs[:, None], e * costs
+            H = H + A.T @ A
+            g = g - A.T @ (b / dt)
+            if task.damping:
+                damping = damping + task.damping * (b * b).sum()
+        return H + damping * np.eye(n), g
+
+    def _weighted(self, task: Task, q: Array, told: Mapping[str, Array]) -> tuple[Array, Array, Floats]:
+        """J, alpha e and w of the rows that cost something."""
+        costs = task.costs(self.model)
+        J, e = task.rows(self.model, q, *self.of(task, told))
+        kept = np.flatnonzero(costs > 0.0)
+        return J[..., kept, :][..., self.moving], task.gain * e[..., kept], costs[kept]
+
+    def _box(self, intervals: list[Interval]) -> tuple[Array, Array, Any]:
+        """The tightest bounds. Where two contradict each other, the later holds; with `recover`, the earlier."""
+        lower: list[Any] = [-np.inf] * len(self.moving)
+        upper: list[Any] = [np.inf] * len(self.moving)
+        gap: Any = -1.0
+        for interval in intervals:
+            for k, i in enumerate(self.moving):
+                low, high = interval.lower[..., i][()], interval.upper[..., i][()]
+                if _is(low, -np.inf) and _is(high, np.inf):
+                    continue
+                if _is(lower[k], -np.inf) and _is(upper[k], np.inf):
+                    lower[k], upper[k] = low, high
+                elif self.recover:
+                    lower[k], upper[k] = (clip(x, lower[k], upper[k]) for x in (low, high))
+                else:
+                    gap = maximum(gap, maximum(low - upper[k], lower[k] - high))
+                    lower[k], upper[k] = (clip(x, low, high) for x in (lower[k], upper[k]))
+        return vector(*lower), vector(*upper), gap
+
+
+def _is(bound: Any, value: float) -> bool:
+    return not is_symbolic(bound) and bool(bound == value)
+
+
+def _from_rotation(pose: Array) -> Any:
+    """The largest entry of R^T R - 1, for the rotation in a pose (4, 4) or (3, 3)."""
+    R = pose[..., :3, :3]
+    off = abs(np.swapaxes(R, -1, -2) @ R - np.eye(3))
+    return reduce(maximum, (off[..., i, j] for i in range(3) for j in range(i + 1)))

@@ -1,0 +1,257 @@
+"""Differential inverse kinematics as users hold it: tasks and limits compiled into one kernel, called in a loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, final
+
+import numpy as np
+
+from ulna import kernels
+from ulna.errors import InputError, UnknownName
+from ulna.ik.differential import explain
+from ulna.ik.differential.limits import Limit, PositionLimit, VelocityLimit
+from ulna.ik.differential.program import ROWS, SOLVED, Problem, Program
+from ulna.ik.differential.task import Task, as_array
+from ulna.ik.qp import solve_rows
+from ulna.model import Model
+from ulna.trace import compile, trace
+from ulna.typing import ArrayLike, Floats
+
+
+@final
+class DifferentialIK:
+    """Tells the joint velocities that best fulfil some tasks within some limits.
+
+        ik = DifferentialIK(robot, [FrameTask("panda_hand"), PostureTask(1e-3, target="qr")])
+        while True:
+            q = ik.step(q, 1e-3, T_goal)
+
+    Everything between q and the velocity is one compiled kernel: kinematics, errors, Jacobians, objective, bounds, and
+    their active-set solver. Rows (constraints, planes) are handed to daqp when they matter (extra `qp`).
+
+    What must be told at every step are the `inputs`, in their order: `ik.step(q, dt, T_left, T_right)`, or by name:
+    `ik.step(q, dt, left=T_left, right=T_right)`; those with a default may be left out. Batches broadcast: q (..., nq)
+    and targets with leading axes give velocities (..., nv).
+
+    Args:
+        robot: A Robot, or a Model.
+        tasks: What to reach, weighed by their costs.
+        limits: What to stay within. By default the model's limits of velocity and position.
+        constraints: Tasks to be met exactly (J dq = gain e); their costs only leave rows out, where they are 0.
+        damping: What a radian or metre of motion costs, squared: makes the solution unique where joints are free.
+        locked: Names of joints that stand still.
+        recover: What happens when limits leave a joint no room, as when it stands far beyond a limit of position:
+            False raises InfeasibleError; True lets limits that are listed later yield to those listed before.
+
+    Raises:
+        UnknownName: If there is no such frame or joint.
+        InputError: If a task or limit does not fit the robot, or two go by one name.
+    """
+
+    __slots__ = ("_defaults", "_dt", "_kernel", "_kernels", "_open", "program")
+
+    def __init__(
+        self,
+        robot: Any,
+        tasks: Sequence[Task],
+        limits: Sequence[Limit] | None = None,
+        *,
+        constraints: Sequence[Task] = (),
+        damping: float = 1e-8,
+        locked: Sequence[str] = (),
+        recover: bool = False,
+    ) -> None:
+        model = getattr(robot, "model", robot)
+        if not isinstance(model, Model):
+            raise InputError(
+                f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) gives, or a Model."
+            )
+        limits = (VelocityLimit(), PositionLimit()) if limits is None else tuple(limits)
+        _check_kinds("tasks", tasks, Task)
+        _check_kinds("constraints", constraints, Task)
+        _check_kinds("limits", limits, Limit)
+        self._hold(
+            Program(model, tuple(tasks), tuple(constraints), limits, damping, recover, _moving(model, locked))
+        )
+
+    def _hold(self, program: Program) -> None:
+        self.program = program
+        self._defaults = tuple(program.defaults[name] for name in program.inputs if name in program.defaults)
+        self._open = len(program.inputs) - len(self._defaults)
+        self._kernels: dict[str, Any] = {}
+        self._kernel = self._compiled("problem" if program.equalities else "step")
+        self._dt = (0.0, np.zeros(()))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _of_program, (self.program,)
+
+    def __repr__(self) -> str:
+        parts = ", ".join(part.label for part in self.program.parts)
+        return f"<differential IK of {self.program.model.name!r}: {parts}; told {', '.join(self.inputs) or 'nothing'}>"
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of what is told after q and dt, in order; those with a default come last."""
+        return tuple(self.program.inputs)
+
+    @property
+    def operations(self) -> int:
+        """How many scalar operations the kernel has; those of its loop count once."""
+        return self._kernel.operations
+
+    def velocity(self, q: ArrayLike, dt: float, *targets: Any, **named: Any) -> Floats:
+        """The velocity (..., nv) to move with for `dt` [rad/s or m/s].
+
+        Args:
+            q: Configuration, (..., nq).
+            dt: Duration of the step [s].
+            *targets: The inputs that have no default, in order; or all.
+            **named: Inputs by name.
+
+        Raises:
+            InfeasibleError: If limits and constraints leave no velocity at all; names them.
+            UnknownName, InputError: If an input is missing, unknown, or cannot be one.
+            MissingExtra: If rows matter and daqp is not installed.
+        """
+        return self._solve(q, dt, targets, named)[0]
+
+    def step(self, q: ArrayLike, dt: float, *targets: Any, **named: Any) -> Floats:
+        """The configuration (..., nq) after moving for `dt` with `velocity`; the same arguments and errors."""
+        return self._solve(q, dt, targets, named)[1]
+
+    def errors(self, q: ArrayLike, *targets: Any, **named: Any) -> dict[str, Floats]:
+        """The errors of tasks and constraints at `q`, by name, not weighted: (..., k) each [m or rad]."""
+        values = self._compiled("errors")(q, *self._told(targets, named))
+        return dict(zip((task.label for task in self.program.objectives), values, strict=True))
+
+    def problem(self, q: ArrayLike, dt: float, *targets: Any, **named: Any) -> Problem:
+        """The quadratic program over the velocities of the joints that may move; see `Problem`."""
+        return Problem(*self._compiled("problem")(q, self._seconds(dt), *self._told(targets, named)))
+
+    def targets_at(self, q: ArrayLike) -> dict[str, Floats]:
+        """The targets that `q` fulfils, by name: `ik.step(q, dt, **(ik.targets_at(q0) | {"left": T}))`."""
+        model, found = self.program.model, {}
+        for task in self.program.objectives:
+            found |= task.reached_by(model, np.asarray(q, dtype=float))
+        return found
+
+    def _solve(self, q: Any, dt: float, targets: tuple[Any, ...], named: dict[str, Any]) -> tuple[Any, Any]:
+        if named or len(targets) != self._open:
+            told = self._told(targets, named)
+        else:
+            for target in targets:
+                if type(target) is not np.ndarray:
+                    told = self._told(targets, named)
+                    break
+            else:
+                told = (*targets, *self._defaults)
+        held = self._dt
+        seconds = held[1] if type(dt) is float and held[0] == dt else self._seconds(dt)
+        if self.program.equalities:
+            return self._by_rows(q, seconds, told)
+        v, following, verdict = self._kernel(q, seconds, *told)
+        if verdict.any() if verdict.ndim else verdict:
+            return self._by_rows(q, seconds, told, verdict, v)
+        return v, following
+
+    def _by_rows(
+        self, q: Any, seconds: Any, told: Sequence[Any], verdict: Any = ROWS, v: Any = None
+    ) -> tuple[Floats, Floats]:
+        """The same by daqp, for the samples whose verdict is not 0; `v` has the solutions of the others."""
+        program = self.program
+        problem = Problem(*self._compiled("problem")(q, seconds, *told))
+        batch = problem.g.shape[:-1]
+        v = np.empty((*batch, program.model.nv)) if v is None else v
+        for index in np.ndindex(batch):
+            if np.broadcast_to(verdict, batch)[index]:
+                part = Problem(*(field[index] for field in problem))
+                sample = partial(self._sample, batch, index, (q, seconds, *told))
+                v[index] = program.spread(
+                    self._optimum(part, sample, f" at index {index}" if batch else ""), part.g
+                )
+        return v, kernels.kernel(program.model, "integrate")(q, v * np.expand_dims(seconds, -1))
+
+    def _optimum(self, p: Problem, sample: Callable[[], list[Floats]], where: str) -> Floats:
+        """The solution of one program; `sample` gives q, dt and the inputs it is of, to say what is wrong."""
+        if p.verdict == SOLVED:
+            if not np.isfinite(p.H).all() or np.linalg.eigvalsh(p.H)[0] <= 0.0:
+                raise explain.undetermined(where)
+            lower, upper = np.concatenate([p.lower, p.row_lower]), np.concatenate([p.upper, p.row_upper])
+            x = solve_rows(p.H, p.g, lower, upper, p.A, self.program.equalities)
+            if x is not None:
+                return x
+        raise explain.reason(self.program, int(p.verdict), *sample(), where=where)
+
+    def _told(self, targets: Sequence[Any], named: Mapping[str, Any]) -> tuple[Any, ...]:
+        """Every input as an array, in order."""
+        names = self.inputs
+        if len(targets) > len(names):
+            raise InputError(
+                f"{len(targets)} targets are told; expected at most {len(names)}: {', '.join(names)}."
+            )
+        told = dict(zip(names, targets, strict=False))
+        for name, value in named.items():
+            if name not in names:
+                raise UnknownName("target", name, names)
+            if name in told:
+                raise InputError(f"The target {name!r} is told twice, by its place and by its name.")
+            told[name] = value
+        told = {**self.program.defaults, **told}
+        missing = [name for name in names if name not in told]
+        if missing:
+            raise InputError(
+                f"What {', '.join(map(repr, missing))} shall be is not told; expected: {', '.join(names)}."
+            )
+        return tuple(as_array(told[name]) for name in names)
+
+    def _sample(self, batch: tuple[int, ...], index: tuple[int, ...], given: Sequence[Any]) -> list[Floats]:
+        """One of a batch of q, dt and inputs."""
+        shapes = ((self.program.model.nq,), (), *self.program.inputs.values())
+        arrays = zip(given, shapes, strict=True)
+        return [np.broadcast_to(np.asarray(x, dtype=float), (*batch, *shape))[index] for x, shape in arrays]
+
+    def _seconds(self, dt: Any) -> Any:
+        """The duration as an array, kept for the next step."""
+        seconds = np.asarray(dt, dtype=float)
+        if not (seconds > 0.0).all():
+            raise InputError(f"`dt` is {dt}; expected a duration above 0 s.")
+        if not seconds.ndim:
+            self._dt = (float(seconds), seconds)
+        return seconds
+
+    def _compiled(self, name: str) -> Any:
+        """The kernel of a function of the program."""
+        kernel = self._kernels.get(name)
+        if kernel is None:
+            program = self.program
+            shapes = {"q": (program.model.nq,), "dt": (), **program.inputs}
+            if name == "errors":
+                del shapes["dt"]
+            traced = trace(getattr(program, name), name=f"differential_ik_{name}", **shapes)
+            kernel = compile(traced, checked=True, unit_entries=program.quaternions(tuple(shapes)))
+            self._kernels[name] = kernel
+        return kernel
+
+
+def _of_program(program: Program) -> DifferentialIK:
+    ik = DifferentialIK.__new__(DifferentialIK)
+    ik._hold(program)
+    return ik
+
+
+def _check_kinds(what: str, parts: Sequence[Any], kind: type) -> None:
+    for part in parts:
+        if not isinstance(part, kind):
+            raise InputError(f"`{what}` holds {part!r}; expected objects of kind {kind.__name__}.")
+
+
+def _moving(model: Model, locked: Sequence[str]) -> tuple[int, ...]:
+    """Where the joints stand in v that are not locked."""
+    names = (locked,) if isinstance(locked, str) else locked
+    still = {i for joint in map(model.joint, names) for i in range(joint.idx_v, joint.idx_v + joint.kind.nv)}
+    moving = tuple(i for i in range(model.nv) if i not in still)
+    if not moving:
+        raise InputError(f"All joints of {model.name!r} are locked, or it has none; expected one that moves.")
+    return moving

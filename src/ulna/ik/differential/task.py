@@ -1,0 +1,118 @@
+"""What a task of differential inverse kinematics is: rows of a least-squares problem, a weight, a gain.
+
+| symbol | meaning | shape, unit | source |
+|---|---|---|---|
+| e | error: what is missing to the target | (k,), m or rad | |
+| J | how the error shrinks with the motion, -de/dq | (k, nv) | |
+| w | cost of a unit of what is left of the error | (k,), 1/m, 1/rad | |
+| alpha | gain: the part of the error to remove in one step | 1, in [0, 1] | |
+| lambda | Levenberg's damping: grows with the error, vanishes at the target | 1 | Sugihara 2011, eq. 18 |
+
+A task asks for J dq = alpha e. As a cost it adds |w (J dq - alpha e)|^2 + lambda |w alpha e|^2 |dq|^2 to the objective
+(Nakamura 1991, section 4.2; Siciliano 2009, section 3.5); as a constraint it is met exactly.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.model import Model
+from ulna.spatial import SE3, SO3
+from ulna.typing import Array, Floats
+
+Shapes = Mapping[str, tuple[int, ...]]
+
+
+class Rows(NamedTuple):
+    """J (..., k, nv) and e (..., k): `J @ dq` should be the gain times e."""
+
+    J: Array
+    e: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Task(ABC):
+    """Something to be reached, step by step.
+
+    Attributes:
+        gain: The part of the error to be removed in one step, from 0 to 1.
+        damping: Levenberg's damping, without unit: calm far from the target and where it is out of reach.
+        name: What its target is called; by default the frame's name, or what kind of task it is.
+    """
+
+    gain: float = 1.0
+    damping: float = 0.0
+    name: str | None = None
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.gain <= 1.0:
+            raise InputError(f"{self.label}: `gain` is {self.gain}; expected a part of the error, 0 to 1.")
+        if not 0.0 <= self.damping < np.inf:
+            raise InputError(f"{self.label}: `damping` is {self.damping}; expected a number not below 0.")
+
+    @property
+    def label(self) -> str:
+        """Its name, given or by default."""
+        return self.name or self._default_name
+
+    @property
+    @abstractmethod
+    def _default_name(self) -> str:
+        """What it is called when no name is given."""
+
+    def inputs(self, model: Model) -> Shapes:
+        """Names and shapes of what it must be told at every step."""
+        return {}
+
+    def defaults(self, model: Model) -> Mapping[str, Any]:
+        """Values of inputs that need not be told."""
+        return {}
+
+    def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
+        """The inputs with which the task is fulfilled at `q`."""
+        return {}
+
+    @abstractmethod
+    def costs(self, model: Model) -> Floats:
+        """w, shape (k,); rows that cost nothing are left out.
+
+        Raises:
+            UnknownName, InputError: The task does not fit the model.
+        """
+
+    @abstractmethod
+    def rows(self, model: Model, q: Array, *inputs: Array) -> Rows:
+        """J and e.
+
+        Args:
+            model: The robot.
+            q: Configuration, shape (..., nq).
+            *inputs: Values in the order of `inputs`.
+        """
+
+
+def cost_of(value: Any, count: int, what: str) -> Floats:
+    """A cost for each of `count` rows, from one number or as many.
+
+    Raises:
+        InputError: Another shape, or a negative number, nan or inf.
+    """
+    given = np.asarray(value, dtype=float)
+    if given.shape not in ((), (count,)):
+        raise InputError(f"{what} has shape {given.shape}; expected a number or {count} numbers.")
+    if not (np.isfinite(given) & (given >= 0.0)).all():
+        raise InputError(f"{what} is {value}; expected finite numbers not below 0.")
+    return np.broadcast_to(given, (count,)).astype(float)
+
+
+def as_array(target: Any) -> Floats:
+    """A target as an array; a pose or a rotation may come as SE3 or SO3."""
+    if isinstance(target, SE3):
+        return target.matrix()
+    return np.asarray(target.matrix if isinstance(target, SO3) else target, dtype=float)
