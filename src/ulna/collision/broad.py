@@ -64,13 +64,19 @@ def _box(solid: Solid, rotation: Array, translation: Array) -> tuple[Array, Arra
     return middle, apply(abs(rotation), half)
 
 
-def gaps(c: Floats, h: Floats, to_c: Floats, to_h: Floats) -> Floats:
-    """Lower bounds of the signed distances between two sets of boxes, (..., n, m) [m]."""
-    worst, squares = None, None
-    for axis in range(3):
-        gap = np.abs(c[..., :, None, axis] - to_c[..., None, :, axis])
-        gap -= h[..., :, None, axis]
-        gap -= to_h[..., None, :, axis]
+def gaps(c: Floats, h: Floats, count: int) -> Floats:
+    """Lower bounds of the signed distances from the first `count` boxes to all boxes, (count, n, rows) [m].
+
+    Args:
+        c: Centres, (rows, n, 3) [m].
+        h: Half edges, (rows, n, 3) [m].
+        count: How many boxes belong to links.
+    """
+    worst = squares = None
+    for middle, half in zip(_by_axis(c), _by_axis(h), strict=True):
+        gap = np.abs(middle[:count, None] - middle)
+        gap -= half[:count, None]
+        gap -= half
         outside = np.maximum(gap, 0.0)
         outside *= outside
         worst = gap if worst is None else np.maximum(worst, gap, out=worst)
@@ -79,18 +85,23 @@ def gaps(c: Floats, h: Floats, to_c: Floats, to_h: Floats) -> Floats:
     return np.where(worst > 0.0, np.sqrt(squares), worst)
 
 
-def overlaps(c: Floats, h: Floats, to_c: Floats, to_h: Floats, margin: float) -> Array:
-    """Whether boxes come nearer than `margin` [m] along every axis, (..., n, m)."""
+def overlaps(c: Floats, h: Floats, count: int, margin: float) -> Array:
+    """Whether boxes come as near as `margin` [m] along every axis, (count, n, rows); arguments as for `gaps`."""
     found = None
-    for axis in range(3):
-        low = (c - h)[..., :, None, axis] - margin <= (to_c + to_h)[..., None, :, axis]
-        low &= (to_c - to_h)[..., None, :, axis] <= (c + h)[..., :, None, axis] + margin
-        found = low if found is None else np.logical_and(found, low, out=found)
+    for low, high in zip(_by_axis(c - h), _by_axis(c + h), strict=True):
+        near = low[:count, None] <= high + margin
+        near &= low <= (high[:count] + margin)[:, None]
+        found = near if found is None else np.logical_and(found, near, out=found)
     assert found is not None
     return found
 
 
+def _by_axis(x: Floats) -> Floats:
+    """(rows, n, 3) as (3, n, rows): the batch last, where NumPy's loops are long."""
+    return np.ascontiguousarray(x.T)
+
+
 def plane_gaps(c: Floats, h: Floats, rotation: Floats, translation: Floats) -> Floats:
-    """Lower bounds of the signed distances from boxes to a solid half space, (..., n) [m]."""
+    """Lower bounds of the signed distances from boxes (rows, n, 3) to a solid half space, (n, rows) [m]."""
     normal = rotation[..., None, :, 2]
-    return dot(normal, c - translation[..., None, :]) - dot(np.abs(normal), h)
+    return (dot(normal, c - translation[..., None, :]) - dot(np.abs(normal), h)).T

@@ -79,6 +79,7 @@ class Checker:
         self._kernel = broad.pose_kernel(model, links)
         self._fixed = np.stack([s.placement.rotation for s in obstacles]) if obstacles else np.zeros((0, 3, 3))
         self._placed = np.stack([s.placement.translation for s in obstacles]) if obstacles else np.zeros((0, 3))
+        self._boxes = broad.boxes_at(obstacles, self._fixed, self._placed)
         self._planes = [len(links) + k for k, s in enumerate(obstacles) if isinstance(s.shape, Plane)]
         self._narrow = _Narrow([narrow.geometry_of(s, convex) for s in self.solids])
         self._jacobians: dict[str, Any] = {}
@@ -138,7 +139,7 @@ class Checker:
             batch, chunks = self._chunks(q, moving)
             out = np.zeros(int(np.prod(batch)), dtype=bool)
             for start, poses in chunks:
-                near = self._near(poses, margin) if broad_phase else self._mask[None] & self._all(poses)
+                near = self._near(poses, margin) if broad_phase else self._all(poses)
                 self._touch(poses, near, margin, out[start:])
         return out.reshape(batch) if batch else bool(out[0])
 
@@ -164,7 +165,7 @@ class Checker:
             found = [
                 self._nearest(poses, row, bounds, enough)
                 for _, poses in chunks
-                for row, bounds in enumerate(self._bounds(poses, broad_phase))
+                for row, bounds in enumerate(np.moveaxis(self._bounds(poses, broad_phase), -1, 0))
             ]
         return Distance.of([self._proximity(item) for item in found], batch)
 
@@ -186,7 +187,7 @@ class Checker:
         with self._lock:
             _, chunks = self._chunks(q, moving)
             for _, poses in chunks:
-                bounds = self._bounds(poses, True)[0]
+                bounds = self._bounds(poses, True)[..., 0]
                 for i, j in zip(*np.nonzero(bounds <= within), strict=True):
                     key = self.solids[i].owner, self.solids[j].owner
                     if key in best and bounds[i, j] >= best[key].distance:
@@ -227,12 +228,11 @@ class Checker:
         self, flat: Sequence[Floats], poses: Mapping[int, Floats], total: int
     ) -> Iterator[tuple[int, _Poses]]:
         obstacles = self.solids[self._count :]
-        fixed = broad.boxes_at(obstacles, self._fixed, self._placed)
         for start in range(0, total, _CHUNK):
             part = slice(start, min(start + _CHUNK, total))
             rows = part.stop - start
             R, p = (np.broadcast_to(x, (rows, *x.shape)) for x in (self._fixed, self._placed))
-            c, h = (np.broadcast_to(x, (rows, *x.shape)) for x in fixed)
+            c, h = (np.broadcast_to(x, (rows, *x.shape)) for x in self._boxes)
             if poses:
                 R, p = R.copy(), p.copy()
                 for k, T in poses.items():
@@ -259,26 +259,24 @@ class Checker:
         return found
 
     def _all(self, poses: _Poses) -> Array:
-        return np.ones((len(poses.centre), 1, 1), dtype=bool)
+        return np.repeat(self._mask[..., None], len(poses.centre), axis=-1)
 
     def _near(self, poses: _Poses, margin: float) -> Array:
-        """Which pairs boxes do not rule out, (rows, n links, n)."""
-        own = slice(0, self._count)
-        near = broad.overlaps(poses.centre[:, own], poses.half[:, own], poses.centre, poses.half, margin)
-        near &= self._mask
+        """Which pairs boxes do not rule out, (n links, n, rows)."""
+        near = broad.overlaps(poses.centre, poses.half, self._count, margin)
+        near &= self._mask[..., None]
         for k in self._planes:
-            near[:, :, k] &= self._over(poses, k) <= margin
+            near[:, k] &= self._over(poses, k) <= margin
         return near
 
     def _bounds(self, poses: _Poses, broad_phase: bool) -> Floats:
-        """Lower bounds of the distances of pairs, inf where none is asked for, (rows, n links, n)."""
+        """Lower bounds of the distances of pairs, inf where none is asked for, (n links, n, rows)."""
         if not broad_phase:
-            return np.where(self._mask & self._all(poses), -np.inf, np.inf)
-        own = slice(0, self._count)
-        bounds = broad.gaps(poses.centre[:, own], poses.half[:, own], poses.centre, poses.half)
+            return np.where(self._all(poses), -np.inf, np.inf)
+        bounds = broad.gaps(poses.centre, poses.half, self._count)
         for k in self._planes:
-            bounds[:, :, k] = self._over(poses, k)
-        bounds[:, ~self._mask] = np.inf
+            bounds[:, k] = self._over(poses, k)
+        bounds[~self._mask] = np.inf
         return bounds
 
     def _over(self, poses: _Poses, k: int) -> Floats:
@@ -288,9 +286,11 @@ class Checker:
 
     def _touch(self, poses: _Poses, near: Array, margin: float, out: Array) -> None:
         """Sets `out` where one of the near pairs touches; a row is done with its first contact."""
-        rows, first, second = (index.tolist() for index in np.nonzero(near))
+        first, second, rows = np.nonzero(near)
+        order = np.argsort(rows, kind="stable")  # one configuration after the other
         ask = self._narrow.collision(margin)
-        for row, i, j in zip(rows, first, second, strict=True):
+        found = (index[order].tolist() for index in (rows, first, second))
+        for row, i, j in zip(*found, strict=True):
             if not out[row] and ask(poses, row, i, j):
                 out[row] = True
 

@@ -1,0 +1,151 @@
+"""Spheres that cover a robot's links: fitted, kept, edited, written down."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from ulna.collision.fit import cover
+from ulna.collision.solids import Missing, Solid, link_solids
+from ulna.errors import FormatError, InputError, NonFiniteError, ShapeError
+from ulna.geometry import Mesh
+from ulna.model import Model
+from ulna.model.content import fingerprint
+from ulna.trace import cache
+from ulna.typing import ArrayLike, Floats
+
+_VERSION = 1  # of the fit: changed with every change to what it finds
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LinkSpheres:
+    """The spheres of one link.
+
+    Attributes:
+        centres: In the link's frame, (n, 3) [m].
+        radii: (n,) [m].
+        excess: No point of them is farther from the link's geometry (meshes: convex hulls) than this [m]; None where
+            that is not known, since they were edited.
+    """
+
+    centres: Floats
+    radii: Floats
+    excess: float | None = None
+
+    def __post_init__(self) -> None:
+        centres, radii = np.array(self.centres, dtype=float), np.array(self.radii, dtype=float)
+        if centres.ndim != 2 or centres.shape[1] != 3:
+            raise ShapeError("centres", centres.shape, "(n, 3)")
+        if radii.shape != (len(centres),):
+            raise ShapeError("radii", radii.shape, f"({len(centres)},), one for each centre")
+        for name, array in (("centres", centres), ("radii", radii)):
+            if not np.isfinite(array).all():
+                bad = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+                raise NonFiniteError(name, bad, float(array[bad]))
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if (radii <= 0.0).any():
+            raise InputError(f"`radii` holds {radii.min():g}; expected lengths above 0 [m].")
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Spheres:
+    """Spheres for the links of a robot, by link name; frozen, edited by making new ones.
+
+    Spheres that `fit` makes cover their link's geometry: what they do not touch the link does not touch. After
+    `replace` that is the editor's word.
+    """
+
+    links: Mapping[str, LinkSpheres]
+
+    @property
+    def count(self) -> int:
+        """How many spheres there are in all."""
+        return sum(len(s.radii) for s in self.links.values())
+
+    @property
+    def excess(self) -> dict[str, float | None]:
+        """By link, how far spheres stick out at most [m]; None where they were edited."""
+        return {name: s.excess for name, s in self.links.items()}
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 of the content."""
+        return fingerprint([[name, s.centres, s.radii] for name, s in self.links.items()])
+
+    def replace(self, link: str, centres: ArrayLike, radii: ArrayLike) -> Spheres:
+        """The same with other spheres on one link: centres in its frame (n, 3), radii (n,) [m]."""
+        new = LinkSpheres(np.asarray(centres, dtype=float), np.asarray(radii, dtype=float))
+        return Spheres({**self.links, link: new})
+
+    def grown(self, by: float) -> Spheres:
+        """The same with every radius larger [m]: a margin that follows the robot."""
+        return Spheres({k: LinkSpheres(s.centres, s.radii + by) for k, s in self.links.items()})
+
+    def to_json(self) -> str:
+        """As text that `from_json` reads; numbers survive to the last bit."""
+        links = {
+            name: {"centres": s.centres.tolist(), "radii": s.radii.tolist(), "excess": s.excess}
+            for name, s in self.links.items()
+        }
+        return json.dumps({"ulna": "spheres", "links": links}, indent=1)
+
+    @classmethod
+    def from_json(cls, text: str) -> Spheres:
+        """From the text of `to_json`. Raises FormatError if it is not such a text."""
+        try:
+            links = json.loads(text)["links"]
+            return cls({k: LinkSpheres(v["centres"], v["radii"], v.get("excess")) for k, v in links.items()})
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            raise FormatError(
+                f"this is no text of spheres: {error}", mend="Write one with `Spheres.to_json()`."
+            ) from error
+
+    def __repr__(self) -> str:
+        return f"<{self.count} spheres on {len(self.links)} links>"
+
+
+def fit(
+    model: Model, tolerance: float = 0.012, most: int = 12, *, missing: Missing = "error"
+) -> Spheres:
+    """Spheres that cover the collision geometry of every link; kept on disk, since finding them takes seconds.
+
+    Args:
+        model: The robot.
+        tolerance: How far spheres should stick out of curved surfaces [m]; of flat ones twice that.
+        most: How many spheres one shape may get; where they do not do, `excess` is larger.
+        missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
+
+    Raises:
+        InputError: If tolerance or count make no sense.
+        ModelError: If the robot has no collision geometry, or a mesh is missing.
+        MissingExtra: If scipy is not installed.
+    """
+    if not (np.isfinite(tolerance) and tolerance >= 1e-4):
+        raise InputError(f"`tolerance` is {tolerance!r}; expected a length of at least 0.0001 [m].")
+    if int(most) != most or most < 1:
+        raise InputError(f"`most` is {most!r}; expected a count, 1 or more.")
+    by_link: dict[str, list[Solid]] = {}
+    for solid in link_solids(model, missing):
+        by_link.setdefault(solid.owner, []).append(solid)
+    found = {}
+    for name, solids in by_link.items():
+        base = model.link(name).placement.inverse()
+        places = [base @ solid.placement for solid in solids]
+        parts = [[s.shape, s.vertices if isinstance(s.shape, Mesh) else None] for s in solids]
+        key = cache.key("spheres", fingerprint([_VERSION, parts, places, float(tolerance), int(most)]))
+        kept = cache.read(key)
+        if kept is None:
+            centres, radii, excess = cover(solids, places, float(tolerance), int(most))
+            found[name] = LinkSpheres(centres, radii, excess)
+            cache.write(key, Spheres({name: found[name]}).to_json().encode())
+        else:
+            found[name] = Spheres.from_json(kept.decode()).links[name]
+    return Spheres(found)
