@@ -1,5 +1,5 @@
 
-define internal void @one(ptr %i0, ptr noalias %o0) nounwind {
+define internal void @one(ptr %i0, ptr noalias %o0) alwaysinline nounwind {
 entry:
   %p1 = getelementptr double, ptr %i0, i64 0
   %w2 = load double, ptr %p1, align 8
@@ -11,12 +11,12 @@ entry:
   %v5 = fmul contract double %w4, 0x4000000000000000
   %v6 = fmul contract double %w2, 0x4000000000000000
   %v7 = fadd contract double %w2, %v4
-  %v8 = fadd contract double %w2, %v5
-  %v9 = fadd contract double %w2, %v6
   %p7 = getelementptr double, ptr %o0, i64 0
   store double %v7, ptr %p7, align 8
+  %v8 = fadd contract double %w2, %v5
   %p8 = getelementptr double, ptr %o0, i64 1
   store double %v8, ptr %p8, align 8
+  %v9 = fadd contract double %w2, %v6
   %p9 = getelementptr double, ptr %o0, i64 2
   store double %v9, ptr %p9, align 8
   ret void

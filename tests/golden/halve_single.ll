@@ -1,5 +1,5 @@
 
-define internal void @one(ptr %i0, ptr noalias %o0, ptr noalias %o1) nounwind {
+define internal void @one(ptr %i0, ptr noalias %o0, ptr noalias %o1) alwaysinline nounwind {
 entry:
   %p1 = getelementptr double, ptr %i0, i64 0
   %w2 = load double, ptr %p1, align 8

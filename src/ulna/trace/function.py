@@ -116,6 +116,11 @@ class Function:
         """How many scalar operations one evaluation takes; a loop's body counts once."""
         return sum(self.operation_counts.values())
 
+    @cached_property
+    def has_loops(self) -> bool:
+        """Whether the graph iterates."""
+        return Op.LOOP in self.graph.op
+
     @property
     def signature(self) -> str:
         """The signature as NumPy writes a generalised ufunc's, with frozen sizes: "(7)->(4,4)"."""

@@ -61,7 +61,7 @@ class General:
         if self._ufunc is None:
             with self._lock:
                 if self._ufunc is None:
-                    code = jit.load(self.batch_ir(), ("batch",))
+                    code = jit.load(self.function, self.batch_ir(), ("batch",))
                     self._ufunc = native.make_ufunc(self.function, code.address("batch"), code, self.element)
         return self._ufunc
 

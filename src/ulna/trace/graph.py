@@ -89,6 +89,10 @@ class Graph:
             index = self._interned[key] = self._append(op, args, None)
         return index
 
+    def find(self, op: int, *args: int) -> int | None:
+        """The node of `op` on `args`, if there is one already."""
+        return self._interned.get((op, *args))
+
     def loop(self, loop: Loop, args: Sequence[int]) -> list[int]:
         """A LOOP node on the state and the captured values; returns the nodes of its results."""
         index = self._append(Op.LOOP, tuple(args), loop)

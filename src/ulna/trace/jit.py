@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import threading
 import time
 from dataclasses import dataclass
@@ -13,8 +14,13 @@ import llvmlite.binding as llvm
 
 from ulna.errors import CompileError
 from ulna.trace import cache as disk
+from ulna.trace.function import Function
 
-_RECIPE = "level 1, codegen 2"  # part of the cache's key: change it when `_optimised` or `_machine` change
+_RECIPE = (
+    "inlining or level 1, codegen 2"  # part of the cache's key: change it with `_optimised` and `_machine`
+)
+_BYTES_PER_SECOND = 3e6  # how much IR text LLVM compiles in a second, about
+_PATIENCE = 1.0  # compilations that will take longer are announced [s]
 _lock = threading.RLock()  # LLVM's contexts are not safe to share
 
 
@@ -69,8 +75,8 @@ def _machine() -> Any:
     )
 
 
-def load(ir: str, names: tuple[str, ...]) -> Code:
-    """Machine code of `ir`, from the cache or from LLVM, with the addresses of `names`."""
+def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
+    """Machine code of `ir`, which evaluates `f`, from the cache or from LLVM, with the addresses of `names`."""
     t = target()
     key = disk.key(ir, t.triple, t.cpu, t.features, t.version, _RECIPE)
     with _lock:
@@ -78,7 +84,8 @@ def load(ir: str, names: tuple[str, ...]) -> Code:
         content = disk.read(key)
         fresh = content is None
         if content is None:
-            content = _machine().emit_object(_optimised(ir))
+            _announce(f, len(ir))
+            content = _machine().emit_object(_optimised(ir, f.has_loops))
             disk.write(key, content)
         seconds = time.perf_counter() - start if fresh else 0.0
         engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_for_engine())
@@ -103,8 +110,21 @@ def _machine_for_engine() -> Any:
     )
 
 
-def _optimised(ir: str) -> Any:
-    """The module after LLVM's level 1 pipeline; the graph is folded and shared already, and lanes are explicit."""
+def _announce(f: Function, size: int) -> None:
+    """Says on the error stream what will take longer than a moment, unless ULNA_QUIET is set."""
+    seconds = size / _BYTES_PER_SECOND
+    if seconds < _PATIENCE or os.environ.get("ULNA_QUIET", "0") not in ("", "0") or sys.stderr is None:
+        return
+    kept = "it is kept for next time" if disk.folder() is not None else "the disk cache is off"
+    print(
+        f"ulna: compiling {f.name} ({f.operations:,} operations), about {seconds:.0f} s; {kept}",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def _optimised(ir: str, has_loops: bool) -> Any:
+    """The module after inlining, which is enough for a folded and shared graph; with loops, after all of level 1."""
     try:
         module = llvm.parse_assembly(ir)
         module.verify()
@@ -115,14 +135,22 @@ def _optimised(ir: str) -> Any:
     module.triple = target().triple
     module.data_layout = str(_machine().target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=1)
-    options.loop_vectorization = False
+    options.loop_vectorization = False  # lanes are explicit
     options.slp_vectorization = False
     builder = llvm.create_pass_builder(_machine(), options)
-    builder.getModulePassManager().run(module, builder)
+    if has_loops:
+        passes = builder.getModulePassManager()
+    else:
+        passes = llvm.create_new_module_pass_manager()
+        passes.add_always_inliner_pass()
+        passes.add_global_dead_code_eliminate_pass()
+        passes.add_simplify_cfg_pass()
+        passes.add_instruction_combine_pass()
+    passes.run(module, builder)
     return module
 
 
-def assembly(ir: str) -> str:
-    """The assembly text that `ir` becomes on this machine."""
+def assembly(f: Function, ir: str) -> str:
+    """The assembly text that `ir`, which evaluates `f`, becomes on this machine."""
     with _lock:
-        return _machine().emit_assembly(_optimised(ir))
+        return _machine().emit_assembly(_optimised(ir, f.has_loops))

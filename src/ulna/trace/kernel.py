@@ -70,7 +70,7 @@ class KernelBase:
 
     def asm(self, batch: bool = False) -> str:
         """Assembly for this machine of the single call, or of the loop over a batch."""
-        return jit.assembly(self.ir(batch))
+        return jit.assembly(self.function, self.ir(batch))
 
     def jacobian(self, wrt: str | int = 0) -> Any:
         """The kernel of the derivative of the outputs by input `wrt`, shape output + input."""
@@ -207,13 +207,13 @@ def compile(
     ir = _entry_ir(general)
     if "ir" in os.environ.get("ULNA_DEBUG", "").split(","):
         print(ir)
-    code = jit.load(ir, ("entry",))
+    code = jit.load(f, ir, ("entry",))
     instance = native.make_instance(door, code.address("entry"), general, general.element)
     instance.__dict__["__doc__"] = _doc(f)
     # Machine code reads `general` through a bare pointer: both stay until the instance goes, whatever happens to its
     # attributes.
     weakref.finalize(instance, _let_go, general, code).atexit = False
     if "asm" in os.environ.get("ULNA_DEBUG", ""):
-        print(jit.assembly(ir))
+        print(jit.assembly(f, ir))
     general.single = weakref.ref(instance)
     return instance

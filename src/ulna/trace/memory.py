@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ulna.trace.irtext import BYTES
 
 if TYPE_CHECKING:
-    from ulna.trace.emit import Writer
+    from ulna.trace.writer import Writer
 
 
 def load(to: Writer, port: str, size: int, wanted: Sequence[int]) -> Iterator[tuple[int, str]]:
@@ -26,36 +26,32 @@ def load(to: Writer, port: str, size: int, wanted: Sequence[int]) -> Iterator[tu
             yield j, to.in_all_lanes(to.layout.dtype, value) if to.is_race else value
         return
     rows = _rows(to, port)
-    for start, width in _chunks(to, size):
+    for start, width in chunks(to.layout.lanes, size):
         chosen = [j for j in wanted if start <= j < start + width]
         if chosen:
             columns = _columns(to, [_read(to, row, start, width) for row in rows], width)
             yield from ((j, columns[j - start]) for j in chosen)
 
 
-def store(to: Writer, port: str, values: Sequence[str]) -> None:
-    """Writes `values[j]` of every lane to element j of the lane's row."""
-    if not values:
-        return
+def store(to: Writer, port: str, start: int, values: Sequence[str]) -> None:
+    """Writes neighbouring columns, one of `chunks`, of every lane to the lane's row."""
     if to.layout.lanes == 1 or to.is_race:
-        for j, value in enumerate(values):
+        for j, value in enumerate(values, start):
             _write(to, f"%{port}", j, 1, _of_first_lane(to, value) if to.is_race else value)
         return
-    rows = _rows(to, port)
-    for start, width in _chunks(to, len(values)):
-        parts = _parts(to, values[start : start + width])
-        for row, part in zip(rows, parts, strict=True):
-            _write(to, row, start, width, part)
+    for row, part in zip(_rows(to, port), _parts(to, values), strict=True):
+        _write(to, row, start, len(values), part)
 
 
 def _rows(to: Writer, port: str) -> list[str]:
     """Pointers to each lane's row."""
-    rows = [f"%{port}"]
-    for lane in range(1, to.layout.lanes):
-        name = f"%{port}.r{lane}"
-        to.write(f"{name} = getelementptr i8, ptr {rows[-1]}, i64 %{port}s")
-        rows.append(name)
-    return rows
+    if port not in to.rows:
+        rows = to.rows[port] = [f"%{port}"]
+        for lane in range(1, to.layout.lanes):
+            name = f"%{port}.r{lane}"
+            to.write(f"{name} = getelementptr i8, ptr {rows[-1]}, i64 %{port}s")
+            rows.append(name)
+    return to.rows[port]
 
 
 def _of_first_lane(to: Writer, value: str) -> str:
@@ -64,11 +60,11 @@ def _of_first_lane(to: Writer, value: str) -> str:
     return first
 
 
-def _chunks(to: Writer, size: int) -> Iterator[tuple[int, int]]:
-    """First column and number of columns of each chunk; none reaches beyond the row."""
+def chunks(lanes: int, size: int) -> Iterator[tuple[int, int]]:
+    """First column and number of columns of each chunk of a row; none reaches beyond the row."""
     start = 0
     while start < size:
-        width = to.layout.lanes
+        width = lanes
         while width > size - start:
             width //= 2
         yield start, width

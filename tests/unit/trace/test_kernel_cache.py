@@ -36,9 +36,9 @@ def compilations(monkeypatch):
     seen: list[str] = []
     original = jit._optimised
 
-    def spy(ir: str):
+    def spy(ir: str, has_loops: bool):
         seen.append(ir)
-        return original(ir)
+        return original(ir, has_loops)
 
     monkeypatch.setattr(jit, "_optimised", spy)
     return seen
@@ -70,7 +70,7 @@ _CHILD = """
 import sys
 from ulna.trace import compile, jit
 import numpy as np
-def refuse(ir):
+def refuse(ir, has_loops):
     raise SystemExit("compiled")
 if sys.argv[1] == "refuse":
     jit._optimised = refuse
@@ -401,3 +401,36 @@ def test_clear_removes_what_is_ours_only(place):
 
 def test_clear_without_a_folder(place):
     assert cache.clear() == 0
+
+
+@pytest.fixture
+def slow(monkeypatch):
+    """Every compilation takes longer than a moment."""
+    monkeypatch.setattr(jit, "_PATIENCE", 0.0)
+    monkeypatch.delenv("ULNA_QUIET", raising=False)
+
+
+def test_a_long_compilation_is_announced_once(place, slow, capsys):
+    use()
+    said = capsys.readouterr()
+    assert said.out == ""
+    lines = said.err.splitlines()
+    assert len(lines) == 2  # one call, and a batch
+    assert "compiling lambda (4 operations)" in lines[0] and "next time" in lines[0]
+    use()
+    assert capsys.readouterr().err == ""  # out of the cache
+
+
+def test_a_long_compilation_can_be_kept_quiet(place, slow, capsys, monkeypatch):
+    monkeypatch.setenv("ULNA_QUIET", "1")
+    use()
+    monkeypatch.delenv("ULNA_QUIET")
+    monkeypatch.setattr(sys, "stderr", None)  # as in a program without a console
+    compile(lambda x: x * 7.0 + 0.5, x=(2,))
+    assert capsys.readouterr().err == ""
+
+
+def test_short_compilations_say_nothing(place, capsys, monkeypatch):
+    monkeypatch.delenv("ULNA_QUIET", raising=False)
+    use()
+    assert capsys.readouterr().err == ""
