@@ -14,6 +14,7 @@ from ulna import model as models
 from ulna.algorithms.references import Reference
 from ulna.errors import InputError, UnknownName
 from ulna.methods.base import Plain
+from ulna.methods.branches import Branching
 from ulna.methods.derivatives import Derivatives
 from ulna.methods.dynamics import Dynamics
 from ulna.methods.ik import InverseKinematics
@@ -52,7 +53,7 @@ class Limits:
 
 
 @final
-class Robot(Dynamics, Operational, Derivatives, InverseKinematics, Regressors):
+class Robot(Dynamics, Operational, Derivatives, InverseKinematics, Branching, Regressors):
     """A robot: its model, and its kernels compiled when first used.
 
     Every method takes configurations of shape (..., nq) and velocities of shape (..., nv), with any leading batch

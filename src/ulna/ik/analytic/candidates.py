@@ -1,0 +1,230 @@
+"""Where configurations that may reach a pose come from: a closed form, elimination, or many starts."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property, lru_cache
+from typing import Any, final
+
+import numpy as np
+
+from ulna import kernels
+from ulna.algorithms.tree import chain
+from ulna.errors import InputError, UnknownName
+from ulna.ik.analytic import general
+from ulna.ik.analytic.certify import certificate, periods
+from ulna.ik.analytic.chain import Arm, arm_of, movable
+from ulna.ik.analytic.closed import branch_numbers, closed_form
+from ulna.ik.analytic.geometry import EXACT, Plan, plans, remaining
+from ulna.ik.analytic.refine import refined
+from ulna.model import Model
+from ulna.spatial import SE3
+from ulna.trace import compile
+from ulna.typing import Floats
+
+_STARTS = 256
+_STEPS = 60
+_FEW_STEPS = 20
+_WELL = 1e9  # condition number up to which elimination is trusted to have found every solution
+
+
+class Source(ABC):
+    """Configurations that may put a frame at a pose.
+
+    Attributes:
+        arm: The joints that move.
+        free: The joint of a redundant arm that is given values; None where there is none.
+        certify: The kernel (q, T, centre) to (q, worth); see certify.py.
+    """
+
+    def __init__(self, model: Model, frame: str, arm: Arm, free: int | None) -> None:
+        self.arm, self.free = arm, free
+        self._certified = certificate(model, model.frame(frame), arm)
+        self._model, self._frame = model, frame
+        held = -1 if free is None else arm.axes[free].index
+        kept = [i for i, index in enumerate(arm.indices) if index != held]
+        self._columns = [arm.indices[i] for i in kept], [arm.indices_v[i] for i in kept]
+
+    @property
+    @abstractmethod
+    def method(self) -> str:
+        """How it works, in words."""
+
+    @abstractmethod
+    def rows(
+        self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
+    ) -> tuple[Floats, Floats, bool]:
+        """Candidates (m, groups, k, nq) for m goals, what each is worth, and whether all branches are among them.
+
+        Args:
+            T: The goals, (m, 4, 4).
+            base: Configurations (m, nq) of the other joints; those of the arm are what continua are resolved by.
+            centre: Where the arm's coordinates are wanted, (m, n).
+            held: Values of the free coordinate, (groups,); (1,) where there is none.
+            seed: For what is drawn at random.
+        """
+
+    @cached_property
+    def certify(self) -> Any:
+        """The kernel (q, T, centre) to (q, worth)."""
+        return compile(self._certified, q=(self._model.nq,), T=(4, 4), centre=(len(self.arm.indices),))
+
+    def refine(self, q: Floats, T: Floats, iterations: int) -> Floats:
+        """Configurations (m, nq) led nearer to goals (m, 4, 4); the free joint stays where it is."""
+        fk = kernels.kernel(self._model, "fk", frame=self._frame)
+        jacobian = kernels.kernel(self._model, "jacobian", frame=self._frame, reference="local_world_aligned")
+        return refined(fk, jacobian, q, T, self._columns, iterations)
+
+
+@final
+class ClosedForm(Source):
+    """Branches of a closed form, one in each lane of a compiled kernel."""
+
+    def __init__(self, model: Model, frame: str, arm: Arm, plan: Plan) -> None:
+        super().__init__(model, frame, arm, plan.free)
+        self.plan = plan
+        self.kernel = closed_form(plan, arm, self._certified, model.nq)
+        self._numbers = branch_numbers(plan)
+        self._base = np.array(arm.base(np.array(model.neutral)).matrix())
+
+    @property
+    def method(self) -> str:
+        """How it works, in words."""
+        words = self.plan.describe(self.arm.names)
+        return words if self.plan.off <= EXACT else f"{words}, axes off by {self.plan.off:.1g}, refined"
+
+    def rows(
+        self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
+    ) -> tuple[Floats, Floats, bool]:
+        """Candidates; see `Source.rows`."""
+        at = self.arm.base(base).matrix()[:, None, None] if self.arm.before else self._base
+        goals, base, centre = T[:, None, None], base[:, None, None], centre[:, None, None]
+        q, worth = self.kernel(goals, at, held[:, None, None], self._numbers, base, centre)
+        return q, worth, self.plan.off <= EXACT
+
+
+@final
+class Elimination(Source):
+    """Branches of any six turning joints, from eigenvalues; see general.py."""
+
+    @property
+    def method(self) -> str:
+        """How it works, in words."""
+        return "six general axes: elimination to an eigenvalue problem, refined by Newton's method"
+
+    def rows(
+        self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
+    ) -> tuple[Floats, Floats, bool]:
+        """Candidates; see `Source.rows`."""
+        starts: dict[tuple[int, int], Floats] = {}
+        complete = True
+        free = None if self.free is None else self.arm.axes[self.free]
+        for i, goal in enumerate(T):
+            local = self.arm.base(base[i]).inverse() @ SE3(goal[:3, :3], goal[:3, 3]) @ self.arm.end.inverse()
+            for j, value in enumerate(held):
+                x = 0.0 if free is None else value * free.scale + free.offset
+                G = local if free is None else local @ free.move(-x)
+                starts[i, j], condition = general.starts(remaining(self.arm, self.free, x), G)
+                complete &= condition < _WELL
+        most = max((len(start) for start in starts.values()), default=0)
+        q = np.full((len(T), len(held), max(most, 1), base.shape[-1]), np.nan)
+        for (i, j), start in starts.items():
+            q[i, j, : len(start)] = base[i]
+            others = [axis for axis in self.arm.axes if axis is not free]
+            for k, axis in enumerate(others):
+                q[i, j, : len(start), axis.index] = (start[:, k] - axis.offset) / axis.scale
+            if free is not None:
+                q[i, j, : len(start), free.index] = held[j]
+        goals = np.broadcast_to(T[:, None, None], (*q.shape[:-1], 4, 4))
+        known = np.isfinite(q).all(axis=-1)
+        q[known] = self.refine(q[known], goals[known], _FEW_STEPS)
+        return *self.certify(q, goals, centre[:, None, None]), complete
+
+
+@final
+class ManyStarts(Source):
+    """What Newton's method finds from random starts: for arms with slides, few joints, or joints that follow others."""
+
+    def __init__(self, model: Model, frame: str, arm: Arm) -> None:
+        super().__init__(model, frame, arm, None)
+        index = self._columns[0]
+        lower, upper = model.lower_position[index], model.upper_position[index]
+        spread = np.where(np.isfinite(periods(arm)), np.pi, 1.0)
+        self._low = np.where(np.isfinite(lower), lower, np.minimum(-spread, upper - 2.0 * spread))
+        self._high = np.where(np.isfinite(upper), upper, np.maximum(spread, lower + 2.0 * spread))
+
+    @property
+    def method(self) -> str:
+        """How it works, in words."""
+        return f"Newton's method from {_STARTS} random starts"
+
+    def rows(
+        self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
+    ) -> tuple[Floats, Floats, bool]:
+        """Candidates; see `Source.rows`."""
+        drawn = np.random.default_rng(seed).uniform(self._low, self._high, (_STARTS, len(self._low)))
+        q = np.repeat(base[:, None], _STARTS, axis=1)
+        q[..., self._columns[0]] = drawn
+        goals = np.broadcast_to(T[:, None], (*q.shape[:-1], 4, 4))
+        q = self.refine(q.reshape(-1, q.shape[-1]), goals.reshape(-1, 4, 4), _STEPS).reshape(q.shape)
+        q, worth = self.certify(q, goals, centre[:, None])
+        return q[:, None], worth[:, None], False
+
+
+@lru_cache(maxsize=128)
+def source_of(
+    model: Model, frame: str, joints: tuple[str, ...] | None, free: str | None, held: tuple[float, ...]
+) -> Source:
+    """The best source for an arm.
+
+    Args:
+        model: The robot.
+        frame: Name of the frame to place.
+        joints: Names of the joints that move; None for the last seven that move the frame.
+        free: Name of the joint of a seven-joint arm that is given values; None for the one that suits best.
+        held: Values of the coordinates that `between` names.
+
+    Raises:
+        UnknownName: a joint does not move the frame, or `free` is none of them.
+        InputError: `free` is given for an arm that is not redundant, or cannot be held.
+    """
+    end = model.frame(frame)
+    names = joints if joints is not None else movable(model, end)[-7:]
+    still = np.array(model.neutral)
+    still[list(between(model, frame, joints))] = held
+    arm = arm_of(model, end, names, still)
+    count = len(arm.axes)
+    chosen = None
+    if free is not None:
+        if free not in arm.names:
+            raise UnknownName("joint of the arm", free, arm.names)
+        if count != 7:
+            raise InputError(
+                f"`free` is {free!r}, but the arm has {count} joints; only one of seven joints is free."
+            )
+        chosen = arm.names.index(free)
+    if arm.is_independent:
+        fitting = plans(arm, chosen)
+        if fitting:
+            return ClosedForm(model, frame, arm, fitting[0])
+        turning = [axis.motion == "turn" for axis in arm.axes]
+        if count == 6 and all(turning):
+            return Elimination(model, frame, arm, None)
+        if count == 7 and sum(turning) >= 6:
+            hold = chosen if chosen is not None else (2 if all(turning) else turning.index(False))
+            if all(turning) or not turning[hold]:
+                return Elimination(model, frame, arm, hold)
+    return ManyStarts(model, frame, arm)
+
+
+@lru_cache(maxsize=128)
+def between(model: Model, frame: str, joints: tuple[str, ...] | None) -> tuple[int, ...]:
+    """Places in q of the joints that are held between those of the arm: its shape depends on where."""
+    steps = chain(model, model.frame(frame))
+    names = joints if joints is not None else movable(model, model.frame(frame))[-7:]
+    moves = [step.joint.name in names and step.kind.nq == 1 for step in steps]
+    if True not in moves:
+        return ()
+    first = moves.index(True)
+    inside = [step for step, own in zip(steps[first:], moves[first:], strict=True) if not own]
+    return tuple(i for step in inside for i in range(step.joint.idx_q, step.joint.idx_q + step.joint.kind.nq))

@@ -1,0 +1,198 @@
+"""Which closed form fits an arm of six turning joints, and which joint of a seven-joint arm leaves one when it is held.
+
+| symbol | meaning | source |
+|---|---|---|
+| W | three neighbouring axes that meet in a point, or are parallel | Pieper 1968 |
+| X, Y, Z | the other three, in the order W X Y Z = G round the loop that the arm closes with its goal G | |
+| a, b, c | X, Y, Z, or Z, Y, X: the first two are the pair whose relation simplifies the equations | |
+
+Where a and b are parallel or intersect, every equation has two solutions, given by square roots; else one of them is
+a quartic. Both are closed forms. An arm without any W takes elimination (see general.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from ulna.ik.analytic.chain import Arm
+from ulna.ik.analytic.lines import Line, nearest_points
+
+TOLERANCE = 1e-5
+"""How far axes may be off a relation [rad, or arm lengths] for it to be used: models round pi/2 to a few digits."""
+
+EXACT = 1e-9
+"""How far they may be off for the closed form to be as good as exact."""
+
+Triple = Literal["spherical", "parallel"]
+Pair = Literal["parallel", "intersecting", "general"]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A way to solve an arm.
+
+    Attributes:
+        free: Index of the joint that is held at given values (a seven-joint arm's); None where there is none.
+        first: Which of the remaining six is the first of W.
+        triple: What W is.
+        reverse: Whether a, b, c are Z, Y, X.
+        pair: How a and b lie.
+        off: How far the axes are off the relations [rad, or arm lengths].
+    """
+
+    free: int | None
+    first: int
+    triple: Triple
+    reverse: bool
+    pair: Pair
+    off: float
+
+    @property
+    def counts(self) -> tuple[int, int, int]:
+        """How many solutions the three equations have that have several."""
+        return (4, 1, 2) if self.pair == "general" else (2, 2, 2)
+
+    def describe(self, names: Sequence[str]) -> str:
+        """The method in words; `names` are those of all joints of the arm."""
+        used = [n for i, n in enumerate(names) if i != self.free][self.first : self.first + 3]
+        what = (
+            "intersecting axes (a spherical wrist or shoulder)"
+            if self.triple == "spherical"
+            else "parallel axes"
+        )
+        how = "closed form" if self.pair != "general" else "closed form with a quartic"
+        return f"three {what}: {', '.join(used)}; {how}"
+
+
+def plans(arm: Arm, free: int | None = None) -> list[Plan]:
+    """The closed forms that fit an arm of six or seven joints, the simplest first.
+
+    Args:
+        arm: The arm; the joints that are not held must turn.
+        free: Which of seven joints to hold; None for any.
+    """
+    count = len(arm.axes)
+    turning = [axis.motion == "turn" for axis in arm.axes]
+    holds: list[int | None] = [None]
+    if count == 7:
+        holds = list(range(6, -1, -1)) if free is None else [free]
+        sliding = [i for i in range(7) if not turning[i]]
+        holds = [h for h in holds if not sliding or sliding == [h]]
+    elif count != 6 or not all(turning):
+        return []
+    found = [plan for hold in holds for plan in _of_six(arm, hold)]
+    return sorted(found, key=lambda p: (p.pair == "general", p.off > EXACT, _moves_inside(p)))
+
+
+def remaining(arm: Arm, free: int | None, x: float = 0.0) -> list[Line]:
+    """The axes of the joints that are not held, where the held one stands at `x`."""
+    if free is None:
+        return [axis.line for axis in arm.axes]
+    move = arm.axes[free].move(x)
+    return [axis.line.moved(move) if i > free else axis.line for i, axis in enumerate(arm.axes) if i != free]
+
+
+def loop_order(first: int) -> list[int]:
+    """X, Y, Z as indices: the joints after W, then those before it."""
+    return [(first + 3 + i) % 6 for i in range(3)]
+
+
+def _moves_inside(plan: Plan) -> bool:
+    """Whether the held joint stands between others, so that axes depend on its position."""
+    return plan.free is not None and 0 < plan.free < 6
+
+
+def _of_six(arm: Arm, free: int | None) -> list[Plan]:
+    probes = [0.0] if free in (None, 0, len(arm.axes) - 1) else [0.3, 1.1, -2.0]
+    sets = [remaining(arm, free, x) for x in probes]
+    size = max(_reach(arm), 1e-9)
+    found = []
+    for first in range(4):
+        triples: list[tuple[Triple, float]] = [
+            ("spherical", max(_meet([*lines[first : first + 3]], size) for lines in sets)),
+            ("parallel", max(_parallel(lines[first : first + 3]) for lines in sets)),
+        ]
+        order = loop_order(first)
+        for triple, off in triples:
+            if off > TOLERANCE:
+                continue
+            for reverse in (False, True):
+                a, b, _ = order[::-1] if reverse else order
+                if abs(a - b) != 1:
+                    continue  # neighbours across the goal: their relation changes with it
+                found.append(
+                    _with_pair(free, first, triple, reverse, off, [(s[a], s[b]) for s in sets], size)
+                )
+    return [plan for plan in found if plan is not None]
+
+
+def _with_pair(
+    free: int | None,
+    first: int,
+    triple: Triple,
+    reverse: bool,
+    off: float,
+    pairs: list[tuple[Line, Line]],
+    size: float,
+) -> Plan | None:
+    parallel = max(_parallel(pair) for pair in pairs)
+    if parallel <= TOLERANCE:
+        apart = min(_distance(a, b) for a, b in pairs) / size
+        return (
+            Plan(free, first, triple, reverse, "parallel", max(off, parallel)) if apart > TOLERANCE else None
+        )
+    meet = max(_meet(pair, size) for pair in pairs)
+    if meet <= TOLERANCE:
+        return Plan(free, first, triple, reverse, "intersecting", max(off, meet))
+    if min(_parallel(pair) for pair in pairs) <= TOLERANCE:
+        return None  # parallel for some positions of the held joint only
+    return Plan(free, first, triple, reverse, "general", off)
+
+
+def _parallel(lines: Sequence[Line]) -> float:
+    """How far lines are off being parallel: the sine of the largest angle to the first."""
+    return max(float(np.linalg.norm(np.cross(lines[0].direction, line.direction))) for line in lines[1:])
+
+
+def _meet(lines: Sequence[Line], size: float) -> float:
+    """How far lines are off meeting in one point, in arm lengths; infinite where two are parallel."""
+    for first, second in pairwise(lines):
+        if _parallel((first, second)) < 1e-3:
+            return np.inf
+    point = meeting_point(lines)
+    return max(_distance_to(point, line) for line in lines) / size
+
+
+def meeting_point(lines: Sequence[Line]) -> np.ndarray:
+    """The point with the least sum of squared distances to lines [m]."""
+    projectors = [np.eye(3) - np.outer(line.direction, line.direction) for line in lines]
+    return np.linalg.solve(
+        np.sum(projectors, axis=0),
+        np.sum([P @ line.point for P, line in zip(projectors, lines, strict=True)], axis=0),
+    )
+
+
+def _distance_to(point: np.ndarray, line: Line) -> float:
+    return float(np.linalg.norm(np.cross(line.direction, point - line.point)))
+
+
+def _distance(a: Line, b: Line) -> float:
+    """The distance of two lines, parallel ones included [m]."""
+    if _parallel((a, b)) < TOLERANCE:
+        return _distance_to(b.point, a)
+    on_a, on_b = nearest_points(a, b)
+    return float(np.linalg.norm(on_b - on_a))
+
+
+def _reach(arm: Arm) -> float:
+    """The size of an arm: the sum of the distances from axis to axis and to the frame [m]."""
+    points = [axis.line.point for axis in arm.axes] + [arm.end.translation]
+    return float(sum(np.linalg.norm(b - a) for a, b in pairwise(points)))
+
+
+__all__ = ["EXACT", "TOLERANCE", "Plan", "loop_order", "meeting_point", "plans", "remaining"]

@@ -1,0 +1,297 @@
+"""Every way of an arm to reach a pose: distinct, within limits, certified by forward kinematics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, final
+
+import numpy as np
+
+from ulna.errors import InputError, ShapeError
+from ulna.ik.analytic.candidates import Source, between, source_of
+from ulna.ik.analytic.certify import periods
+from ulna.model import Model
+from ulna.spatial import SE3
+from ulna.spatial.check import checked
+from ulna.typing import ArrayLike, Floats
+
+_DISTINCT = 1e-6  # two solutions are one when no joint differs by more [rad or m]
+_NEAR = 1e-3  # misses up to this are led nearer by Newton's method [m and rad]
+_STEPS = 12
+_FEW = 16  # candidates up to which all pairs are compared at once
+_ROWS = 100_000  # configurations looked at together, which bounds memory
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Branches:
+    """The solutions of one pose, or of a batch of poses.
+
+    Of one pose, the arrays hold exactly its solutions; of a batch, each pose has room for the most any of them has, and
+    what is not needed is nan. `batch[i]` are the solutions of pose i.
+
+    Attributes:
+        q: Configurations, (..., k, nq) [rad or m], the nearest to `q0` first where it was given.
+        position_error: Their distance from the goal by forward kinematics, (..., k) [m].
+        rotation_error: Their angle from the goal, (..., k) [rad].
+        found: How many distinct configurations reach the pose, those outside the limits counted, (...).
+        miss: Errors of the nearest candidate, (..., 2) [m, rad].
+        complete: Whether these are all there are: not of redundant arms, nor of those solved from random starts.
+        method: How they were found, in words.
+    """
+
+    q: Floats
+    position_error: Floats
+    rotation_error: Floats
+    found: Any
+    miss: Floats
+    complete: bool
+    method: str
+
+    @property
+    def count(self) -> Any:
+        """How many solutions there are, (...)."""
+        return np.isfinite(self.position_error).sum(axis=-1)
+
+    @property
+    def reason(self) -> Any:
+        """Why there is no solution, in words; "" where there is one. A list of such for a batch."""
+        if self.q.ndim > 2:
+            return [self[i].reason for i in range(len(self.q))]
+        if self.count:
+            return ""
+        if self.found:
+            return f"{self.found} configurations reach the pose, each with a joint outside its limits"
+        return (
+            f"no configuration reaches the pose: the nearest candidate misses it by {self.miss[0]:.3g} m and "
+            f"{self.miss[1]:.3g} rad"
+        )
+
+    def __len__(self) -> int:
+        """How many solutions a pose has; how many poses a batch."""
+        return len(self.q)
+
+    def __iter__(self) -> Iterator[Any]:
+        """The configurations of a pose; the poses of a batch."""
+        return iter(self.q) if self.q.ndim == 2 else (self[i] for i in range(len(self.q)))
+
+    def __getitem__(self, index: Any) -> Any:
+        """A configuration of a pose; a pose of a batch."""
+        if self.q.ndim == 2:
+            return self.q[index]
+        q, here = self.q[index], self.position_error[index]
+        rest = (here, self.rotation_error[index], self.found[index], self.miss[index])
+        if q.ndim == 2:
+            known = np.isfinite(here)
+            q, rest = q[known], (here[known], rest[1][known], int(rest[2]), rest[3])
+        return Branches(q, *rest, self.complete, self.method)
+
+    def __repr__(self) -> str:
+        what = "all" if self.complete else "found"
+        if self.q.ndim > 2:
+            return f"<branches of {self.found.size} poses, {int(self.count.sum())} {what}; {self.method}>"
+        return f"<{len(self.q)} branches, {what}; {self.method}>"
+
+
+def ik_all(
+    model: Model,
+    T: ArrayLike,
+    frame: str,
+    q0: ArrayLike | None = None,
+    *,
+    joints: Sequence[str] | None = None,
+    free: str | None = None,
+    samples: int | ArrayLike = 32,
+    limits: bool = True,
+    turns: bool = False,
+    position_tolerance: float = 1e-9,
+    rotation_tolerance: float = 1e-9,
+    seed: int = 0,
+) -> Branches:
+    """All configurations that put a frame at a pose; see `ulna.Robot.ik_all` for the arguments."""
+    goals = SE3.from_matrix(T).matrix() if not isinstance(T, SE3) else T.matrix()
+    base = _start(model, q0, goals.shape[:-2])
+    names = None if joints is None else tuple(joints)
+    source = source_of(model, frame, names, free, _held(base, between(model, frame, names)))
+    values = _values(model, source, samples, base if q0 is not None else None)
+    sift = _Sift(model, source, q0 is not None, limits, turns, position_tolerance, rotation_tolerance)
+    batch = goals.shape[:-2]
+    goals, base = goals.reshape(-1, 4, 4), base.reshape(-1, model.nq)
+    step = max(1, _ROWS // (64 * max(len(values), 1)))
+    parts: list[Any] = []
+    complete = source.free is None
+    for start in range(0, len(goals), step):
+        poses, whole = sift(goals[start : start + step], base[start : start + step], values, seed)
+        complete &= whole
+        parts += poses
+    return _packed(parts, batch, model.nq, complete, _method(source, values))
+
+
+def _start(model: Model, q0: ArrayLike | None, batch: tuple[int, ...]) -> Floats:
+    """The configurations (*batch, nq) of all joints before the arm's are found."""
+    if q0 is None:
+        own = np.clip(model.neutral, model.lower_position, model.upper_position)
+        return np.broadcast_to(own, (*batch, model.nq))
+    q = checked("q0", q0, (model.nq,))
+    try:
+        return np.broadcast_to(q, (*batch, model.nq))
+    except ValueError:
+        raise ShapeError(
+            "q0", q.shape, f"({model.nq},) or {(*batch, model.nq)}, the batch of the poses"
+        ) from None
+
+
+def _held(base: Floats, places: tuple[int, ...]) -> tuple[float, ...]:
+    """The coordinates at `places`, which must be the same throughout a batch."""
+    if not places or not base.size:
+        return (0.0,) * len(places)
+    held = base[..., list(places)].reshape(-1, len(places))
+    if not (held == held[0]).all():
+        raise InputError(
+            "`q0` differs within the batch in joints that are held between those of the arm, which then has another "
+            "shape for each pose; solve pose by pose."
+        )
+    return tuple(held[0].tolist())
+
+
+def _values(model: Model, source: Source, samples: int | ArrayLike, q0: Floats | None) -> Floats:
+    """Values of the free coordinate; where it is given, that of one `q0` comes first."""
+    if source.free is None:
+        return np.zeros(1)
+    axis = source.arm.axes[source.free]
+    if np.ndim(samples):
+        return checked("samples", samples, (np.size(samples),))
+    count = int(samples)  # type: ignore[arg-type]
+    if count < 1:
+        raise InputError(
+            f"`samples` is {samples}; expected a count from 1, or values of joint {axis.name!r}."
+        )
+    lower, upper = model.lower_position[axis.index], model.upper_position[axis.index]
+    if np.isfinite(lower) and np.isfinite(upper):
+        grid = np.linspace(lower, upper, count + 2)[1:-1]
+    elif axis.motion == "turn":
+        grid = np.linspace(-np.pi, np.pi, count, endpoint=False)
+    else:
+        raise InputError(
+            f"Joint {axis.name!r} has no limits to sample between; give `samples` as values, or limits in the model."
+        )
+    if q0 is None or not len(q0.reshape(-1, model.nq)):
+        return grid
+    own = np.unique(q0[..., axis.index])
+    return np.concatenate([own, grid]) if len(own) == 1 else grid
+
+
+def _method(source: Source, values: Floats) -> str:
+    if source.free is None:
+        return source.method
+    name = source.arm.axes[source.free].name
+    spread = (
+        f"{len(values)} values from {values.min():.3g} to {values.max():.3g}" if len(values) else "no value"
+    )
+    return f"{source.method}; joint {name} at {spread}"
+
+
+class _Sift:
+    """Which candidates are solutions: at the goal, within the limits, each once."""
+
+    def __init__(
+        self,
+        model: Model,
+        source: Source,
+        near: bool,
+        limits: bool,
+        turns: bool,
+        position: float,
+        rotation: float,
+    ) -> None:
+        self.source, self.near, self.limits, self.turns = source, near, limits, turns
+        self.position, self.rotation = position, rotation
+        self.index = list(source.arm.indices)
+        self.lower, self.upper = model.lower_position[self.index], model.upper_position[self.index]
+        self.periods = periods(source.arm)
+
+    def __call__(self, T: Floats, base: Floats, values: Floats, seed: int) -> tuple[list[Any], bool]:
+        """For each pose (q, position errors, rotation errors, found, miss), and whether the source found all."""
+        centre = base[:, self.index] if self.near else np.clip(np.zeros((len(T), 1)), self.lower, self.upper)
+        q, worth, complete = self.source.rows(T, base, centre, values, seed)
+        at = self._is_at(worth)
+        close = ~at & (worth[..., 0] < _NEAR) & (worth[..., 1] < _NEAR)
+        if close.any():
+            pose = np.nonzero(close)[0]
+            led = self.source.refine(q[close], T[pose], _STEPS)
+            q[close], worth[close] = self.source.certify(led, T[pose], centre[pose])
+            at = self._is_at(worth)
+        if at.sum() > 1:
+            at &= self._first(q, at)
+        good = at & (worth[..., 2] > 0.5) if self.limits else at
+        poses = []
+        for i in range(len(T)):
+            miss = worth[i, ..., :2].reshape(-1, 2)
+            nearest = miss[np.nan_to_num(miss.sum(axis=-1), nan=np.inf).argmin()]
+            rows = self._ordered(q[i][good[i]], worth[i][good[i]], base[i])
+            poses.append((*rows, int(at[i].sum()), nearest))
+        return poses, complete
+
+    def _is_at(self, worth: Floats) -> Any:
+        return (worth[..., 0] <= self.position) & (worth[..., 1] <= self.rotation)
+
+    def _first(self, q: Floats, at: Any) -> Any:
+        """Whether no earlier solution of the same group is the same configuration, turns apart."""
+        out = np.ones(at.shape, dtype=bool)
+        x = np.where(at[..., None], q[..., self.index], np.nan)
+        if x.shape[-2] > _FEW:  # one by one
+            for place in np.ndindex(at.shape[:-1]):
+                left = np.flatnonzero(at[place])
+                while len(left):
+                    same = self._same(x[place][left[0]], x[place][left])
+                    out[place][left[same][1:]] = False
+                    left = left[~same]
+            return out
+        same = self._same(x[..., :, None, :], x[..., None, :, :])
+        return ~np.tril(same, -1).any(axis=-1)
+
+    def _same(self, a: Floats, b: Floats) -> Any:
+        gap = a - b
+        turns = np.where(np.isfinite(self.periods), self.periods, 1.0)
+        gap = gap - turns * np.where(np.isfinite(self.periods), np.round(gap / turns), 0.0)
+        return (np.abs(gap) < _DISTINCT).all(axis=-1)
+
+    def _ordered(self, q: Floats, worth: Floats, base: Floats) -> tuple[Floats, Floats, Floats]:
+        if self.turns and len(q):
+            copies = [self._copies(row) for row in q]
+            worth = np.repeat(worth, [len(c) for c in copies], axis=0)
+            q = np.concatenate(copies)
+        if self.near and len(q) > 1:
+            order = np.square(q[:, self.index] - base[self.index]).sum(axis=-1).argsort(kind="stable")
+            q, worth = q[order], worth[order]
+        return q, worth[:, 0], worth[:, 1]
+
+    def _copies(self, q: Floats) -> Floats:
+        """The same configuration with whole turns added wherever both limits leave room for them."""
+        options = []
+        for x, low, high, period in zip(q[self.index], self.lower, self.upper, self.periods, strict=True):
+            if not np.isfinite([low, high, period]).all():
+                options.append([x])
+                continue
+            first, last = np.ceil((low - x) / period - 1e-12), np.floor((high - x) / period + 1e-12)
+            options.append([x + n * period for n in np.arange(first, last + 1)] or [x])
+        out = np.repeat(q[None], np.prod([len(o) for o in options]), axis=0)
+        out[:, self.index] = list(product(*options))
+        return out
+
+
+def _packed(poses: list[Any], batch: tuple[int, ...], nq: int, complete: bool, method: str) -> Branches:
+    if not batch:
+        q, position, rotation, found, miss = poses[0]
+        return Branches(q, position, rotation, int(found), miss, complete, method)
+    most = max((len(pose[0]) for pose in poses), default=0)
+    q = np.full((len(poses), most, nq), np.nan)
+    errors = np.full((2, len(poses), most), np.nan)
+    for i, (rows, position, rotation, _, _) in enumerate(poses):
+        q[i, : len(rows)], errors[0, i, : len(rows)], errors[1, i, : len(rows)] = rows, position, rotation
+    found = np.array([pose[3] for pose in poses], dtype=int).reshape(batch)
+    miss = np.array([pose[4] for pose in poses]).reshape(*batch, 2)
+    errors = errors.reshape(2, *batch, most)
+    return Branches(q.reshape(*batch, most, nq), errors[0], errors[1], found, miss, complete, method)
