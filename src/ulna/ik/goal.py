@@ -105,9 +105,19 @@ class Distance(NamedTuple):
 
 
 def distance(
-    model: Model, q: Array, frame: Frame, goal: Array, mask: Mask, length: float, with_rows: bool = True
+    model: Model,
+    q: Array,
+    frame: Frame,
+    goal: Array,
+    mask: Mask,
+    length: float,
+    with_rows: bool = True,
+    by_angle: bool = False,
 ) -> Distance:
-    """How far `frame` is from `goal` (4, 4) at `q` (nq,), all traced; see `Distance`."""
+    """How far `frame` is from `goal` (4, 4) at `q` (nq,), all traced; see `Distance`.
+
+    With `by_angle` the weighted rotation error is as long as the angle, as most papers have it, not as its chord.
+    """
     pose = algorithms.frame_pose(model, q, frame)
     R, R_goal = pose.rotation, goal[:3, :3]
     e_p = goal[:3, 3] - pose.translation
@@ -133,13 +143,15 @@ def distance(
     if any(weights):
         chord = s / numeric.sqrt(numeric.maximum(0.5 * (1.0 + c), _HALF_TURN))
         is_near = c > (0.0 if all(weights) or mask.axis is not None else -0.999)
-        counted = 0.0
-        for k, weight in enumerate(weights):
-            if weight:
-                rotation = rotation + chord[k] * chord[k]
-                counted = counted + s[k] * s[k]
-                weighted.append(chord[k] * (weight * length))
-                if turning is not None:
-                    rows.append(turning[k] * (weight * length))
-        angle = numeric.arctan2(numeric.sqrt(counted), c)
+        turned = [k for k, weight in enumerate(weights) if weight]
+        rotation = sum((chord[k] * chord[k] for k in turned), 0.0)
+        angle = numeric.arctan2(numeric.sqrt(sum((s[k] * s[k] for k in turned), 0.0)), c)
+        stretch: Any = 1.0
+        if by_angle:
+            whole = numeric.sqrt(numeric.dot(chord, chord))
+            theta = numeric.arctan2(numeric.sqrt(numeric.dot(s, s)), c)
+            stretch = numeric.where(whole > 1e-6, theta / numeric.maximum(whole, 1e-6), 1.0)
+        weighted += [chord[k] * (weights[k] * length) * stretch for k in turned]
+        if turning is not None:
+            rows += [turning[k] * (weights[k] * length) for k in turned]
     return Distance(position, rotation, is_near, weighted, rows, angle)

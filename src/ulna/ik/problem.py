@@ -40,12 +40,16 @@ class Problem:
         frames: The frames that have goals.
         masks: What counts of each frame's pose.
         joints: Indices of the joints that may move.
+        radian: How many metres of error a radian of error is worth; None for a fifth of the reach.
+        by_angle: Whether the rotation error is as long as the angle, instead of its chord.
     """
 
     model: Model
     frames: tuple[Frame, ...]
     masks: tuple[Mask, ...]
     joints: tuple[int, ...]
+    radian: float | None = None
+    by_angle: bool = False
 
     @cached_property
     def velocities(self) -> list[int]:
@@ -99,6 +103,8 @@ class Problem:
     @cached_property
     def length(self) -> float:
         """How many metres of position error a radian of rotation error is worth."""
+        if self.radian is not None:
+            return self.radian
         reach = 0.0
         for frame in self.frames:
             parts = [self.model.joints[i].placement for i in self.model.support(frame.joint)]
@@ -124,7 +130,7 @@ class Problem:
     def distances(self, q: Array, goals: Array, with_rows: bool = True) -> list[Distance]:
         """How far each frame is from its goal."""
         return [
-            distance(self.model, q, frame, goal, mask, self.length, with_rows)
+            distance(self.model, q, frame, goal, mask, self.length, with_rows, self.by_angle)
             for frame, goal, mask in zip(self.frames, goals, self.masks, strict=True)
         ]
 

@@ -9,6 +9,7 @@ from ulna.methods.base import Part
 from ulna.typing import ArrayLike
 
 if TYPE_CHECKING:
+    from ulna.ik.classic import Method
     from ulna.ik.result import IKSolution
 
 
@@ -71,8 +72,75 @@ class InverseKinematics(Part):
             T, solver = self._solver(T, frame, mask, joints)
         return solver(T, q0, position_tolerance, rotation_tolerance, seed, attempts, threads)
 
+    def ik_classic(
+        self,
+        T: Any,
+        method: Method = "chan",
+        q0: ArrayLike | None = None,
+        frame: str | Sequence[str] | None = None,
+        *,
+        mask: Any = None,
+        joints: Sequence[str] | None = None,
+        damping: float | None = None,
+        limit_gain: float = 0.0,
+        influence: float = 0.3,
+        manipulability_gain: float = 0.0,
+        iterations: int = 30,
+        searches: int = 100,
+        position_tolerance: float = 1e-6,
+        rotation_tolerance: float = 1e-6,
+        seed: int = 0,
+        threads: int | None = None,
+    ) -> IKSolution:
+        """Inverse kinematics by a solver of the textbooks, to compare with; `ik` is faster and finds more.
+
+        Args:
+            T: The goals, as for `ik`.
+            method: "newton_raphson", "gauss_newton", "wampler", "chan", "sugihara" or "qp"; see `ulna.ik.classic`.
+            q0: Where the first search begins, (..., nq); the others begin at drawn configurations.
+            frame: As for `ik`.
+            mask: As for `ik`.
+            joints: As for `ik`.
+            damping: The method's lambda; None for 1 ("chan", "qp"), 1e-4 ("wampler", "sugihara").
+            limit_gain: How strongly joints keep away from their limits where the frame does not feel it [rad or m].
+            influence: How near to a limit that begins [rad or m].
+            manipulability_gain: How strongly joints seek manipulability where the frame does not feel it.
+            iterations: Steps of a search.
+            searches: How many are made before the goal counts as out of reach.
+            position_tolerance: As for `ik` [m].
+            rotation_tolerance: As for `ik` [rad].
+            seed: Chooses where searches begin.
+            threads: How many threads a large batch may use.
+
+        Returns:
+            A solution as from `ik`; its `restarts` are the searches that failed, its `iterations` those of all.
+        """
+        from ulna.ik.classic import DAMPING, ClassicSolver
+        from ulna.ik.question import named_goals
+
+        goals, names, masks = named_goals(T, frame, mask)
+        has_null_motion = bool(limit_gain or manipulability_gain)
+        key = ("classic", method, names, masks, None if joints is None else tuple(joints), has_null_motion)
+        solver = self._solvers.get(key)
+        if solver is None:
+            frames = [self.model.tool if name is None else name for name in names]
+            solver = ClassicSolver(self.model, frames, masks, key[4], method, has_null_motion)
+            self._solvers[key] = solver
+        settings = {
+            "position_tolerance": position_tolerance,
+            "rotation_tolerance": rotation_tolerance,
+            "iterations": iterations,
+            "searches": searches,
+            "damping": DAMPING[method] if damping is None else damping,
+            "limit_gain": limit_gain,
+            "influence": influence,
+            "manipulability_gain": manipulability_gain,
+        }
+        return solver(goals, q0, settings, seed, threads)
+
     def _solver(self, T: Any, frame: Any, mask: Any, joints: Any) -> tuple[Any, Any]:
-        from ulna.ik.solve import Solver, named_goals
+        from ulna.ik.question import named_goals
+        from ulna.ik.solve import Solver
 
         goals, names, masks = named_goals(T, frame, mask)
         moved = None if joints is None else tuple(joints)

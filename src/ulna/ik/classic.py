@@ -1,0 +1,224 @@
+"""The classic numerical solvers as published: one search after the other, from drawn configurations.
+
+| symbol | meaning | shape, unit | source |
+|---|---|---|---|
+| e | errors p* - p and axis times angle, weighted; 1 rad counts as 1 m | (m,) | Corke & Haviland 2023 II, eq. 5 |
+| J | their Jacobian, world axes | (m, n) | |
+| E | e^T e / 2 | | eq. 9 |
+| "newton_raphson" | dq = J^+ e | (n,) | Whitney 1969; Corke & Haviland II, eq. 8 |
+| "gauss_newton" | dq = (J^T J)^+ J^T e, which is the same where J has full rank; solved so | (n,) | eq. 11 |
+| "wampler" | dq = (J^T J + lambda I)^-1 J^T e | (n,) | Wampler 1986 |
+| "chan" | the same with lambda E | (n,) | Chan & Lawrence 1988 |
+| "sugihara" | the same with E + lambda | (n,) | Sugihara 2011, eq. 18 |
+| "qp" | least |J dq - e|^2 + lambda E |dq|^2 that ends within the limits | (n,) | Corke & Haviland II, eq. 26 |
+| z | what the joints would rather do: away from their limits and towards manipulability | (n,) | |
+| dq_0 | (I - J^+ J) z, what they may do of it without moving the frame | (n,) | Liegeois 1977 |
+
+A limit pushes a joint that is within `influence` of it with the gain times ((distance - influence)/influence)^2. The
+limits do not bind a search, that of "qp" excepted; an answer beyond them is passed over, and the next search begins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal, final
+
+import numpy as np
+
+from ulna import algorithms, numeric
+from ulna.errors import InputError, UnknownName
+from ulna.ik.problem import Errors, Problem, errors
+from ulna.ik.qp import solve_box
+from ulna.ik.question import check_count, check_tolerances, matrix_of, problem_of, refuse, rest
+from ulna.ik.result import IKSolution
+from ulna.ik.search import start
+from ulna.ik.verdict import are_rotations, unwound, verdict
+from ulna.linalg import solve_spd
+from ulna.model import Model
+from ulna.trace import Function, compile, trace
+from ulna.typing import Array
+
+Method = Literal["newton_raphson", "gauss_newton", "wampler", "chan", "sugihara", "qp"]
+DAMPING: dict[Method, float] = {
+    "newton_raphson": 0.0,
+    "gauss_newton": 0.0,
+    "wampler": 1e-4,
+    "chan": 1.0,
+    "sugihara": 1e-4,
+    "qp": 1.0,
+}
+"""The methods, with the damping that is taken where none is given."""
+
+SETTINGS = (
+    "position_tolerance", "rotation_tolerance", "iterations", "searches", "damping", "limit_gain", "influence",
+    "manipulability_gain",
+)  # fmt: skip
+"""What the kernel takes beside goal and start, in order; the tolerances squared."""
+
+_NEAR = 1e-3  # squared error [m^2] at which the null motion has faded to a half
+_SINGULAR = 1e-14  # keeps the pseudoinverse finite where J loses rank
+
+
+def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function:
+    """A classic solver as a kernel.
+
+    Inputs: T and q0 as those of `search.race`, shift (d,) of the starting points, settings as `SETTINGS` names them.
+    Output as that of `search.race`, with iterations of all searches in place of steps, and the number of searches that
+    had failed before in place of the starting point.
+    """
+    n = len(problem.positions)
+
+    def solve(T: Array, q0: Array, shift: Array, settings: Array) -> Array:
+        goals, tolerances = problem.goals(T), settings[:2]
+        most, searches, damping = settings[2], settings[3], settings[4]
+        is_valid = are_rotations(goals)
+
+        def go_on(*flat: Any) -> Any:
+            return (flat[-1] < 0.5) & (flat[-2] < searches) & is_valid
+
+        def body(*flat: Any) -> tuple[Any, ...]:
+            q, (age, total, failed, _) = problem.replaced(q0, flat[:n]), flat[n:]
+            at = errors(problem, q, goals, tolerances)
+            is_met = at.is_met & _is_within(problem, q)
+            over = (at.is_met | (age >= most)) & ~is_met
+            wish = None
+            if (
+                has_null_motion
+            ):  # fades near the goal, where what it does to e would keep the search from ending
+                wish = _wish(problem, q, *settings[5:8]) * (at.squared / (at.squared + _NEAR))
+            if method == "qp":
+                dq = bounded_move(problem, q, at, damping, wish)
+            else:
+                dq = move(at, method, damping)
+                if wish is not None:
+                    dq = dq + wish - _pseudoinverse_times(at.J, at.J @ wish)
+            v = dict(zip(problem.velocities, dq, strict=True))
+            whole = np.array([v.get(i, 0.0) for i in range(problem.model.nv)], dtype=object)
+            moved = algorithms.integrate(problem.model, q, whole)
+            anew = start(problem, q0, shift, failed + 1.0, 1.0)
+            following = numeric.where(is_met, q, numeric.where(over, anew, moved))
+            return (
+                *following[problem.positions],
+                numeric.where(over, 0.0, age + 1.0),
+                total + numeric.where(is_met, 0.0, 1.0),
+                numeric.where(over, failed + 1.0, failed),
+                numeric.where(is_met, 1.0, 0.0),
+            )
+
+        state = numeric.loop(go_on, body, (*q0[problem.positions], 0.0, 0.0, 0.0, 0.0), 2**30)
+        q = unwound(problem, problem.replaced(q0, state[:n]), q0, 0.0)
+        said = verdict(problem, q, goals, tolerances, is_valid, state[n + 1], state[n + 2])
+        within = numeric.where(_is_within(problem, q), said[0], numeric.minimum(said[0], 0.0))
+        return numeric.vector(*q, within, *said[1:])
+
+    shapes: dict[str, Any] = {**problem.shapes, "shift": (len(problem.drawn),), "settings": (len(SETTINGS),)}
+    return trace(solve, name=f"ik_{method}", **shapes)
+
+
+def move(at: Errors, method: Method, damping: Any) -> Array:
+    """dq."""
+    if method in ("newton_raphson", "gauss_newton"):
+        return _pseudoinverse_times(at.J, at.e)
+    energy = 0.5 * at.squared
+    weight = {"wampler": damping, "chan": damping * energy, "sugihara": energy + damping}[method]
+    J = at.J
+    return solve_spd(J.T @ J + (weight + _SINGULAR) * np.eye(J.shape[1]), J.T @ at.e)
+
+
+def _pseudoinverse_times(J: Array, b: Array) -> Array:
+    m, n = J.shape
+    if m <= n:
+        return J.T @ solve_spd(J @ J.T + _SINGULAR * np.eye(m), b)
+    return solve_spd(J.T @ J + _SINGULAR * np.eye(n), J.T @ b)
+
+
+def bounded_move(problem: Problem, q: Array, at: Errors, damping: Any, wish: Array | None) -> Array:
+    """The step of "qp", whose objective also rewards what goes along with z."""
+    lower, upper = (
+        _of_velocities(problem, bound, missing)
+        for bound, missing in zip(problem.limits, (-1, 1), strict=True)
+    )
+    here = _of_velocities(problem, q, 0)
+    weight = damping * 0.5 * at.squared + _SINGULAR
+    pull = at.J.T @ at.e if wish is None else at.J.T @ at.e + weight * wish
+    H = at.J.T @ at.J + weight * np.eye(len(here))
+    return solve_box(H, -pull, numeric.minimum(lower - here, 0.0), numeric.maximum(upper - here, 0.0)).x
+
+
+def _of_velocities(problem: Problem, positions: Array, missing: float) -> Array:
+    """The positions that belong to velocities, (n,); infinite, or 0, with the sign of `missing` where none does."""
+    out = []
+    for joint in (problem.model.joints[i] for i in problem.joints):
+        single = joint.nq == joint.nv
+        for k in range(joint.nv):
+            out.append(positions[joint.idx_q + k] if single else (missing * np.inf if missing else 0.0))
+    return np.array(out, dtype=getattr(positions, "dtype", float))
+
+
+def _wish(problem: Problem, q: Array, limit_gain: Any, influence: Any, manipulability_gain: Any) -> Array:
+    """z."""
+    lower, upper = problem.limits
+    wish = np.zeros(len(problem.velocities), dtype=object)
+    place = {velocity: k for k, velocity in enumerate(problem.velocities)}
+    for joint in (problem.model.joints[i] for i in problem.joints):
+        if joint.nq != 1 or joint.nv != 1:
+            continue
+        k, i = place[joint.idx_v], joint.idx_q
+        for bound, sign in ((lower[i], 1.0), (upper[i], -1.0)):
+            if np.isfinite(bound):
+                short = numeric.minimum(sign * (q[i] - bound) - influence, 0.0) / influence
+                wish[k] = wish[k] + sign * limit_gain * short * short
+    for frame in problem.frames:
+        gradient = algorithms.manipulability_gradient(problem.model, q, frame)
+        wish = wish + manipulability_gain * gradient[problem.velocities]
+    return wish
+
+
+def _is_within(problem: Problem, q: Array) -> Any:
+    lower, upper = problem.limits
+    good: Any = True
+    for i in problem.positions:
+        if np.isfinite(lower[i]):
+            good = good & (q[i] >= lower[i])
+        if np.isfinite(upper[i]):
+            good = good & (q[i] <= upper[i])
+    return good
+
+
+@final
+class ClassicSolver:
+    """A classic solver of one robot for one kind of question."""
+
+    def __init__(
+        self,
+        model: Model,
+        frames: Sequence[str],
+        masks: Sequence[Any] | None,
+        joints: Sequence[str] | None,
+        method: Method,
+        has_null_motion: bool,
+    ) -> None:
+        """The arguments are those of `robot.ik_classic`, with `frames` as names."""
+        if method not in DAMPING:
+            raise UnknownName("method", method, DAMPING)
+        self.problem = problem_of(model, frames, masks, joints, radian=1.0, by_angle=True)
+        self._kernel = compile(classic(self.problem, method, has_null_motion), checked=True)
+        self._rest = rest(self.problem)
+
+    def __call__(
+        self, T: Any, q0: Any, settings: dict[str, Any], seed: int, threads: int | None
+    ) -> IKSolution:
+        """Solves for goals T; `settings` are those of `SETTINGS`, by name."""
+        check_tolerances(settings["position_tolerance"], settings["rotation_tolerance"])
+        check_count("iterations", settings["iterations"])
+        check_count("searches", settings["searches"])
+        for name in ("damping", "limit_gain", "influence", "manipulability_gain"):
+            if not 0.0 <= settings[name] < float("inf") or (name == "influence" and not settings[name]):
+                raise InputError(f"`{name}` is {settings[name]!r}; expected a number, not below 0.")
+        numbers = np.array([float(settings[name]) for name in SETTINGS])
+        numbers[:2] **= 2
+        shift = np.random.default_rng(seed).random(len(self.problem.drawn))
+        raw = self._kernel(matrix_of(T), self._rest if q0 is None else q0, shift, numbers, threads=threads)
+        if (raw[..., self.problem.model.nq] < -0.5).any():
+            refuse(np.asarray(T, dtype=float))
+        return IKSolution(self.problem, raw)
