@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import perm
+from math import comb, perm
 from typing import Any, final
 
 import numpy as np
@@ -84,7 +84,7 @@ class Polynomial(Trajectory):
     def _stretched(self, factor: float) -> Polynomial:
         c, times = self.coefficients, self.times
         if factor < 0.0:
-            c, times = _shifted(c, np.diff(times))[::-1], times[-1] - times[::-1]
+            c, times = shifted(c, np.diff(times))[::-1], times[-1] - times[::-1]
         powers = np.arange(c.shape[1])[:, None]
         return Polynomial.of(times * abs(factor), c / factor**powers, self.kind, self.space)
 
@@ -118,27 +118,27 @@ def hermite(
     """
     h = np.diff(times)[:, None]
     way, v0, v1 = np.diff(q, axis=0), v[:-1] * h, v[1:] * h
+    low: list[Floats] = [q[:-1], v[:-1]]
     if a is None:
-        c = [q[:-1], v0, 3.0 * way - 2.0 * v0 - v1, -2.0 * way + v0 + v1]
+        high = [3.0 * way - 2.0 * v0 - v1, -2.0 * way + v0 + v1]
     else:
-        a0, a1 = 0.5 * a[:-1] * h * h, 0.5 * a[1:] * h * h
-        c = [
-            q[:-1],
-            v0,
-            a0,
+        low.append(0.5 * a[:-1])
+        a0, a1 = low[2] * h * h, 0.5 * a[1:] * h * h
+        high = [
             10.0 * way - 6.0 * v0 - 4.0 * v1 - 3.0 * a0 + a1,
             -15.0 * way + 8.0 * v0 + 7.0 * v1 + 3.0 * a0 - 2.0 * a1,
             6.0 * way - 3.0 * (v0 + v1) - a0 + a1,
         ]
-    return Polynomial.of(times, np.stack([x / h**i for i, x in enumerate(c)], axis=1), kind, space)
+    c = [*low, *(x / h**i for i, x in enumerate(high, start=len(low)))]
+    return Polynomial.of(times, np.stack(c, axis=1), kind, space)
 
 
-def _shifted(c: Floats, h: Floats) -> Floats:
-    """Coefficients of the same pieces by the time that is left until their end, with its sign: tau - h."""
+def shifted(c: Floats, h: Floats) -> Floats:
+    """Coefficients of the same pieces by the time since `h` (k,) after their starts: of tau - h."""
     out = np.zeros_like(c)
     for i in range(c.shape[1]):
         for j in range(i, c.shape[1]):
-            out[:, i] += c[:, j] * (perm(j, i) / perm(i, i)) * h[:, None] ** (j - i)
+            out[:, i] += c[:, j] * (comb(j, i) * h[:, None] ** (j - i))
     return out
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from ulna.errors import InputError, UnknownName
 from ulna.trajectory.inputs import positive, seconds, vector
-from ulna.trajectory.polynomial import Polynomial
+from ulna.trajectory.polynomial import Polynomial, shifted
 from ulna.typing import ArrayLike, Floats
 
 Together = Literal["phase", "time", "none"]
@@ -213,15 +213,11 @@ def _sum(start: Floats, shares: list[Floats], laws: list[Polynomial], lasts: flo
     rows = max(law.coefficients.shape[1] for law in laws)
     total = np.zeros((knots.size - 1, rows, start.size))
     total[:, 0] = start
-    factorial = np.array([1.0, 1.0, 2.0, 6.0])
+    middle = 0.5 * (knots[:-1] + knots[1:])  # safely inside one piece of each law
     for share, law in zip(shares, laws, strict=True):
-        middle = 0.5 * (knots[:-1] + knots[1:])  # safely inside one piece of the law
-        back = (knots[:-1] - middle)[:, None]
-        at = law._evaluate(middle, 3)
-        jerk = at[3]
-        a = at[2] + jerk * back
-        v = at[1] + at[2] * back + 0.5 * jerk * back**2
-        s = at[0] + at[1] * back + 0.5 * at[2] * back**2 + jerk * back**3 / 6.0
-        for i, value in enumerate((s, v, a, jerk)[:rows]):
-            total[:, i] += value / factorial[i] * share
+        piece = np.searchsorted(law.times[1:-1], middle, side="right")
+        c = shifted(law.coefficients[piece], knots[:-1] - law.times[piece])
+        c[middle > law.duration] = 0.0
+        c[middle > law.duration, 0] = 1.0
+        total[:, : c.shape[1]] += c * share
     return Polynomial.of(knots, total, kind)

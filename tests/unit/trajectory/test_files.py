@@ -1,0 +1,87 @@
+"""Trajectories in files come back as they went."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ulna import trajectory
+from ulna.errors import InputError
+from ulna.spatial import SE3
+
+POINTS = np.random.default_rng(3).normal(size=(6, 4))
+
+
+def test_npz_keeps_every_bit(tmp_path: Path) -> None:
+    t = trajectory.minimum_jerk(POINTS, duration=3.0)
+    t.save(tmp_path / "t.npz")
+    back = trajectory.load(tmp_path / "t.npz")
+    assert back == t and repr(back) == repr(t)
+
+
+def test_csv_keeps_every_row(tmp_path: Path) -> None:
+    t = trajectory.s_curve(POINTS[0], POINTS[1], 1.0, 2.0, 9.0)
+    t.save(tmp_path / "t.csv", rate=200.0)
+    head = (tmp_path / "t.csv").read_text().splitlines()[0]
+    assert head == "t,q0,q1,q2,q3,v_q0,v_q1,v_q2,v_q3,a_q0,a_q1,a_q2,a_q3"
+    rows, back = t.sample(rate=200.0), trajectory.load(tmp_path / "t.csv")
+    inner = rows.t[:-1]
+    np.testing.assert_array_equal(back(inner), rows.q[:-1])
+    np.testing.assert_array_equal(back.v(inner), rows.v[:-1])
+    np.testing.assert_array_equal(back.a(inner), rows.a[:-1])
+    np.testing.assert_allclose(back.end, rows.q[-1], atol=1e-14)
+    np.testing.assert_allclose(back(rows.t + 0.002), t(rows.t + 0.002), atol=1e-6)
+
+
+def test_a_table_without_accelerations_is_read_too(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("t,a1,a2,v_a1,v_a2\n0,0,0,0,0\n1,1,2,0,0\n")
+    t = trajectory.load(tmp_path / "t.csv")
+    assert t.space.names == ("a1", "a2")
+    np.testing.assert_allclose(t(0.5), [0.5, 1.0])
+
+
+def test_poses_go_to_csv(tmp_path: Path) -> None:
+    line = trajectory.pose_line(SE3.identity(), SE3.trans(1, 2, 3), 1.0)
+    line.save(tmp_path / "t.csv", rate=10.0)
+    table = np.loadtxt(tmp_path / "t.csv", delimiter=",", skiprows=1)
+    assert table.shape == (11, 1 + 16 + 12)
+    np.testing.assert_allclose(table[-1, 1:17].reshape(4, 4), line.end)
+    with pytest.raises(InputError, match="poses"):
+        trajectory.load(tmp_path / "t.csv")
+    with pytest.raises(InputError, match=r"save it as \.csv"):
+        line.save(tmp_path / "t.npz")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "head line"),
+        ("x,q0\n0,1\n1,2\n", "head line"),
+        ("t,q0,v_q0\n0,1,0\n", "two rows"),
+        ("t,q0,v_q0\n0,1,0\n1,2\n", "3 numbers"),
+        ("t,q0,v_q0\n0,1,0\n1,two,0\n", "3 numbers"),
+        ("t,q0\n0,1\n1,2\n", "0 velocities"),
+        ("t,q0,v_q0\n0,1,0\n1,nan,0\n", "row 3"),
+        ("t,q0,v_q0\n0,1,0\n0,2,0\n", "does not increase"),
+        ("t,q0,v_q0\n1,1,0\n2,2,0\n", "expected 0"),
+    ],
+)
+def test_broken_tables_are_refused(tmp_path: Path, text: str, said: str) -> None:
+    (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(InputError, match=said):
+        trajectory.load(tmp_path / "t.csv")
+
+
+def test_broken_files_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no file"):
+        trajectory.load(tmp_path / "missing.npz")
+    with pytest.raises(InputError, match="ends in"):
+        trajectory.load(tmp_path / "t.bag")
+    with pytest.raises(InputError, match="ends in"):
+        trajectory.quintic(0.0, 1.0, 1.0).save(tmp_path / "t.bag")
+    (tmp_path / "t.npz").write_bytes(b"nothing")
+    with pytest.raises(InputError, match=r"no \.npz"):
+        trajectory.load(tmp_path / "t.npz")
+    np.savez(tmp_path / "other.npz", a=np.zeros(3))
+    with pytest.raises(InputError, match="expected a trajectory"):
+        trajectory.load(tmp_path / "other.npz")
