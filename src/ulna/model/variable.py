@@ -11,10 +11,10 @@
 | "armature", "damping", "friction" | of the drives, those of mimic joints included | (nv) | see `Joint` |
 
 A frame that is off stands at T' = T Trans(d) Exp(w), where T is its pose in the model: d and w are written in its own
-axes as the model has them. The base is off by Trans(d) Exp(w) T in the axes of the world. Six numbers reach every error;
-that poses cannot tell all of them apart (a shift along the axis of a revolute joint, or a turn about it, is also one of
-the next joint) is for the estimator to see. Source: Mooring, Roth & Driels, Fundamentals of Manipulator Calibration
-(1991), chapter 2.
+axes as the model has them. The base is off by Trans(d) Exp(w) T in the axes of the world. Six numbers reach every
+error; that poses cannot tell all of them apart (a shift along the axis of a revolute joint, or a turn about it, is also
+one of the next joint) is for the estimator to see. Source: Mooring, Roth & Driels, Fundamentals of Manipulator
+Calibration (1991), chapter 2.
 """
 
 from __future__ import annotations
