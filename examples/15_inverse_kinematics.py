@@ -1,7 +1,7 @@
 """Inverse kinematics: one pose, a batch, a line to follow, a direction, and a goal out of reach.
 
-You should see a solution found in half a dozen iterations, 1000 of 1000 poses met, joint steps of about a degree along a
-line, and at the end "False" with the reason: how far the tool stays from a goal two metres away.
+You should see a solution found in half a dozen iterations, 1000 of 1000 poses met, joint steps of about a degree along
+a line, and at the end "False" with the reason: how far the tool stays from a goal two metres away.
 """
 
 from __future__ import annotations
