@@ -18,8 +18,8 @@ from ulna import model as models
 from ulna.algorithms.references import check_reference
 from ulna.errors import InputError, UnknownName
 from ulna.model import Frame, Model
-from ulna.recipes import dynamics, operational
-from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, Q, Recipe, frame_of, on_model
+from ulna.recipes import constraints, dynamics, operational
+from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, Q, Recipe, Size, frame_of, on_model
 from ulna.trace import Function, compile, element_of, trace
 from ulna.typing import Array
 
@@ -208,6 +208,7 @@ RECIPES: dict[str, Recipe] = {
         {},
         "Derivatives of difference by q0 and q1, (nv, nv) each.",
     ),
+    **constraints.RECIPES,
     **dynamics.RECIPES,
     **operational.RECIPES,
 }
@@ -327,8 +328,9 @@ def _hashable(value: Any) -> Any:
     return tuple(value) if isinstance(value, (list, np.ndarray)) else value
 
 
-def _shape(model: Model, size: str | tuple[int, ...]) -> tuple[int, ...]:
-    return (getattr(model, size),) if isinstance(size, str) else size
+def _shape(model: Model, size: Size) -> tuple[int, ...]:
+    sizes = (size,) if isinstance(size, str) else size
+    return tuple(getattr(model, n) if isinstance(n, str) else n for n in sizes)
 
 
 __all__ = ["RECIPES", "Recipe", "frame_of", "function", "kernel", "shapes_for"]

@@ -39,7 +39,7 @@ def orthogonalise(a: Array, noise: float = 0.0) -> tuple[Array, Array, Array, Ar
     squares, reciprocals = [], []
     for j in range(m):
         squares.append(numeric.dot(rows[j], rows[j]))
-        reciprocals.append(_reciprocal_above(squares[j], floors[j]))
+        reciprocals.append(reciprocal_above(squares[j], floors[j]))
         for i in range(j + 1, m):
             lower[i][j] = numeric.dot(rows[j], rows[i]) * reciprocals[j]
             rows[i] = rows[i] - _column(lower[i][j]) * rows[j]
@@ -170,6 +170,12 @@ def determinant(a: Array) -> Any:
     return _cofactors(rows)
 
 
+def reciprocal_above(x: Any, floor: Any) -> Any:
+    """1 / x for x > floor, else 0, elementwise."""
+    above = numeric.less(floor, x)
+    return numeric.where(above, 1.0 / numeric.where(above, x, 1.0), 0.0)
+
+
 def _cofactors(rows: _Rows) -> Any:
     if not rows:
         return 1.0
@@ -245,12 +251,6 @@ def _pick(condition: Any, a: Any, b: Any) -> Any:
     if isinstance(condition, bool):
         return a if condition else b
     return numeric.where(condition, a, b)
-
-
-def _reciprocal_above(x: Any, floor: Any) -> Any:
-    """1 / x for x > floor, else 0, elementwise."""
-    above = numeric.less(floor, x)
-    return numeric.where(above, 1.0 / numeric.where(above, x, 1.0), 0.0)
 
 
 def _column(x: Any) -> Any:

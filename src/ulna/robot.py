@@ -15,6 +15,7 @@ from ulna.algorithms.references import Reference
 from ulna.errors import InputError, UnknownName
 from ulna.methods.base import Plain
 from ulna.methods.branches import Branching
+from ulna.methods.constraints import Constraints
 from ulna.methods.derivatives import Derivatives
 from ulna.methods.dynamics import Dynamics
 from ulna.methods.ik import InverseKinematics
@@ -53,7 +54,7 @@ class Limits:
 
 
 @final
-class Robot(Dynamics, Operational, Derivatives, InverseKinematics, Branching, Regressors):
+class Robot(Dynamics, Operational, Constraints, Derivatives, InverseKinematics, Branching, Regressors):
     """A robot: its model, and its kernels compiled when first used.
 
     Every method takes configurations of shape (..., nq) and velocities of shape (..., nv), with any leading batch

@@ -31,6 +31,20 @@ from ulna.algorithms.configuration import neutral as neutral
 from ulna.algorithms.configuration import normalize as normalize
 from ulna.algorithms.configuration import random as random
 from ulna.algorithms.configuration import squared_distance as squared_distance
+from ulna.algorithms.constrained_dynamics import ConstrainedMotion as ConstrainedMotion
+from ulna.algorithms.constrained_dynamics import Impact as Impact
+from ulna.algorithms.constrained_dynamics import Stabilisation as Stabilisation
+from ulna.algorithms.constrained_dynamics import constrained_dynamics as constrained_dynamics
+from ulna.algorithms.constrained_dynamics import delassus_matrix as delassus_matrix
+from ulna.algorithms.constrained_dynamics import (
+    forward_dynamics_with_jacobian as forward_dynamics_with_jacobian,
+)
+from ulna.algorithms.constrained_dynamics import impulse_dynamics as impulse_dynamics
+from ulna.algorithms.constraints import constraint_bias as constraint_bias
+from ulna.algorithms.constraints import constraint_error as constraint_error
+from ulna.algorithms.constraints import constraint_jacobian as constraint_jacobian
+from ulna.algorithms.constraints import constraint_velocity as constraint_velocity
+from ulna.algorithms.constraints_proximal import Proximal as Proximal
 from ulna.algorithms.coriolis import coriolis_matrix as coriolis_matrix
 from ulna.algorithms.crba import mass_matrix as mass_matrix
 from ulna.algorithms.dry_friction import velocity_after_friction as velocity_after_friction

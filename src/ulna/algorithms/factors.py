@@ -16,11 +16,12 @@ fills in.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
+from ulna.linalg import reciprocal_above
 from ulna.numeric import matrix
 from ulna.typing import Array
 
@@ -33,13 +34,15 @@ class Factors:
         reciprocals: 1/d.
     """
 
-    def __init__(self, M: Array) -> None:
+    def __init__(self, M: Array, floors: Sequence[Any] | None = None) -> None:
+        """Factors `M`; a pivot that is not above its floor has a reciprocal of zero, and its entry of solutions too."""
         n = M.shape[-1]
         rows = [[M[..., i, j] for j in range(i + 1)] for i in range(n)]
         self.lower: list[dict[int, Any]] = [{} for _ in range(n)]
         self.reciprocals: list[Any] = [None] * n
         for k in reversed(range(n)):
-            self.reciprocals[k] = 1.0 / rows[k][k]
+            pivot = rows[k][k]
+            self.reciprocals[k] = 1.0 / pivot if floors is None else reciprocal_above(pivot, floors[k])
             filled = [j for j in range(k) if not is_zero(rows[k][j])]
             self.lower[k] = {j: rows[k][j] * self.reciprocals[k] for j in filled}
             for i in filled:
@@ -49,17 +52,26 @@ class Factors:
 
     def solve(self, b: Sequence[Any]) -> list[Any]:
         """x with M x = b, entry by entry."""
+        return self.outward(
+            y * reciprocal for y, reciprocal in zip(self.inward(b), self.reciprocals, strict=True)
+        )
+
+    def inward(self, b: Iterable[Any]) -> list[Any]:
+        """y with L^T y = b; entries that are zero by the tree stay so."""
         y = list(b)
         for k in reversed(range(len(y))):
             if not is_zero(y[k]):
                 for j, l in self.lower[k].items():
                     y[j] = y[j] - l * y[k]
+        return y
+
+    def outward(self, z: Iterable[Any]) -> list[Any]:
+        """x with L x = z."""
         x: list[Any] = []
-        for k, value in enumerate(y):
-            z = value * self.reciprocals[k]
+        for k, entry in enumerate(z):
+            x.append(entry)
             for j, l in self.lower[k].items():
-                z = z - l * x[j]
-            x.append(z)
+                x[k] = x[k] - l * x[j]
         return x
 
     def unit_inverse(self) -> list[dict[int, Any]]:

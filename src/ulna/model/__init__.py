@@ -8,6 +8,7 @@ from ulna.model.change import (
     with_root_joint,
     with_tool,
 )
+from ulna.model.constraint import Constraint, FrameContact, FrameLoop, PointContact, PointLoop
 from ulna.model.inertial import (
     dynamic_parameters,
     perturbed,
@@ -40,11 +41,14 @@ from ulna.model.variable import parameter_names, parameters, with_parameters
 
 __all__ = [
     "Composite",
+    "Constraint",
     "Continuous",
     "Coordinate",
     "Drive",
     "Fixed",
     "Frame",
+    "FrameContact",
+    "FrameLoop",
     "FreeFlyer",
     "Helical",
     "Joint",
@@ -55,6 +59,8 @@ __all__ = [
     "Model",
     "ModelBuilder",
     "Planar",
+    "PointContact",
+    "PointLoop",
     "Prismatic",
     "Revolute",
     "Spherical",

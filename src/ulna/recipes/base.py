@@ -9,7 +9,8 @@ from typing import Any
 from ulna.errors import InputError
 from ulna.model import Frame, Model
 
-Arguments = tuple[tuple[str, str | tuple[int, ...]], ...]
+Size = str | tuple[int | str, ...]
+Arguments = tuple[tuple[str, Size], ...]
 
 Q: Arguments = (("q", "nq"),)
 QV: Arguments = (*Q, ("v", "nv"))
@@ -30,7 +31,7 @@ class Recipe:
     """How a kernel is made.
 
     `build(model, **options)` returns a function of arrays; `arguments` are their names and sizes: "nq", "nv", or a
-    shape. `options` are the names `build` takes with their default values; `more` are the arguments that the chosen
+    shape of such and of numbers. `options` are the names `build` takes with their default values; `more` are the arguments that the chosen
     options add at the end.
     """
 

@@ -11,11 +11,11 @@ from ulna.model import Model
 from ulna.recipes.base import QV, QVA, QVTAU, Arguments, Q, Recipe, on_model
 from ulna.typing import Array
 
-_FORCES = {"forces": (), "reference": "local_world_aligned"}
+FORCES = {"forces": (), "reference": "local_world_aligned"}
 _SUBTREE = {"subtree": None}
 
 
-def _wrenches(options: Mapping[str, Any]) -> Arguments:
+def wrenches(options: Mapping[str, Any]) -> Arguments:
     """Named frames add one argument, their wrenches (k, 6)."""
     return (("f_ext", (len(options["forces"]), 6)),) if options["forces"] else ()
 
@@ -43,20 +43,21 @@ def _under_fixed_forces(function: Callable[..., Any]) -> Callable[..., Callable[
 
 
 def _inverse(model: Model, friction: bool | Friction, **options: Any) -> Callable[..., Any]:
-    run, law = _under_forces(algorithms.inverse_dynamics)(model, **options), _law(model, friction)
+    run, law = _under_forces(algorithms.inverse_dynamics)(model, **options), law_of(model, friction)
     if law is None:
         return run
     return lambda q, v, *rest: run(q, v, *rest) - algorithms.friction_torque(v, law)
 
 
 def _forward(model: Model, friction: bool | Friction, **options: Any) -> Callable[..., Any]:
-    run, law = _under_forces(algorithms.forward_dynamics)(model, **options), _law(model, friction)
+    run, law = _under_forces(algorithms.forward_dynamics)(model, **options), law_of(model, friction)
     if law is None:
         return run
     return lambda q, v, tau, *rest: run(q, v, tau + algorithms.friction_torque(v, law), *rest)
 
 
-def _law(model: Model, friction: bool | Friction) -> Friction | None:
+def law_of(model: Model, friction: bool | Friction) -> Friction | None:
+    """The law of friction that was asked for, if any."""
     if isinstance(friction, Friction):
         return friction
     return Friction.of(model) if friction else None
@@ -66,19 +67,19 @@ RECIPES: dict[str, Recipe] = {
     "inverse_dynamics": Recipe(
         _inverse,
         QVA,
-        {**_FORCES, "friction": False},
+        {**FORCES, "friction": False},
         "Torques that give the acceleration a, (nv,).",
-        _wrenches,
+        wrenches,
     ),
     "forward_dynamics": Recipe(
-        _forward, QVTAU, {**_FORCES, "friction": False}, "Accelerations that torques give, (nv,).", _wrenches
+        _forward, QVTAU, {**FORCES, "friction": False}, "Accelerations that torques give, (nv,).", wrenches
     ),
     "bias_forces": Recipe(
         _under_forces(algorithms.bias_forces),
         QV,
-        _FORCES,
+        FORCES,
         "Torques that give no acceleration, (nv,).",
-        _wrenches,
+        wrenches,
     ),
     "gravity_forces": Recipe(
         on_model(algorithms.gravity_forces), Q, {}, "Torques that hold the robot against gravity, (nv,)."
@@ -86,23 +87,23 @@ RECIPES: dict[str, Recipe] = {
     "static_torque": Recipe(
         _under_forces(algorithms.static_torque),
         Q,
-        _FORCES,
+        FORCES,
         "The same under external forces, (nv,).",
-        _wrenches,
+        wrenches,
     ),
     "inverse_dynamics_derivatives": Recipe(
         _under_fixed_forces(algorithms.inverse_dynamics_derivatives),
         QVA,
         {"forces": ()},
         "Derivatives of the torques by q, v and a, (nv, nv) each; the last is the mass matrix.",
-        _wrenches,
+        wrenches,
     ),
     "forward_dynamics_derivatives": Recipe(
         _under_fixed_forces(algorithms.forward_dynamics_derivatives),
         QVTAU,
         {"forces": ()},
         "Derivatives of the accelerations by q, v and tau, (nv, nv) each; the last is the inverse mass matrix.",
-        _wrenches,
+        wrenches,
     ),
     "mass_matrix": Recipe(on_model(algorithms.mass_matrix), Q, {}, "Mass matrix, (nv, nv)."),
     "inverse_mass_matrix": Recipe(on_model(algorithms.inverse_mass_matrix), Q, {}, "Its inverse, (nv, nv)."),

@@ -1,0 +1,247 @@
+"""What binds a robot beyond its joints, as frozen data: contacts with the world, loops between two of its frames.
+
+A constraint names frames; `bonds` finds them in a model. A loop says that its second frame, seen from the world, goes
+with its first; a contact says so of an anchor that stands still. Forces act on the first frame, and on the second the
+other way round.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Literal, NamedTuple, TypeAlias, final, get_args
+
+import numpy as np
+
+from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.model.model import Model
+from ulna.spatial import SE3
+
+Axes: TypeAlias = Literal["local_world_aligned", "local"]
+"""The axes along which a constraint and its forces are written: those of the world, or of its first frame."""
+
+
+class End(NamedTuple):
+    """One side of a constraint."""
+
+    joint: int
+    """The joint that carries it; -1 for the world."""
+    placement: SE3
+    """Its pose in the moving frame of that joint."""
+
+
+class Bond(NamedTuple):
+    """A constraint whose frames have been found."""
+
+    first: End
+    second: End | None
+    """None for an anchor in the world, which is an argument of the functions that need it."""
+    size: Literal[3, 6]
+    """How many rows: the motion of a point, or of a frame, linear part first."""
+    local: bool
+    """Whether its rows are written along the axes of the first frame."""
+
+
+class Constraint(ABC):
+    """What binds a frame of a robot to the world or to another frame. Equal constraints share their kernels."""
+
+    axes: Axes
+    _key: tuple[Any, ...]
+    _hash: int
+
+    @property
+    @abstractmethod
+    def size(self) -> Literal[3, 6]:
+        """How many motions it takes, and how many entries its force has."""
+
+    @abstractmethod
+    def ends(self) -> tuple[tuple[str, SE3], ...]:
+        """The frames it names, each with a pose in it; a contact names one."""
+
+    @property
+    def is_contact(self) -> bool:
+        """Whether it holds to an anchor in the world."""
+        return len(self.ends()) == 1
+
+    def __post_init__(self) -> None:
+        for field in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, field.name)
+            if field.name.startswith("frame") and not isinstance(value, str):
+                raise InputError(f"`{field.name}` is {value!r}; expected the name of a frame.")
+            if field.name.startswith("point"):
+                object.__setattr__(self, field.name, _point(field.name, value))
+            if field.name.startswith("placement"):
+                _check_placement(field.name, value)
+        if self.axes not in get_args(Axes):
+            raise UnknownName("axes of a constraint", self.axes, get_args(Axes))
+        key = (type(self), *(getattr(self, field.name) for field in fields(self)))  # type: ignore[arg-type]
+        object.__setattr__(self, "_key", key)
+        object.__setattr__(self, "_hash", hash(key))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Constraint) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return self._hash
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class PointContact(Constraint):
+    """A point of a frame stays where it is in the world, as a point foot or a fingertip does; it may turn about it.
+
+    Attributes:
+        frame: Name of the frame.
+        point: The point in it [m].
+        axes: Axes of the force: "local_world_aligned" or "local".
+    """
+
+    frame: str
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    axes: Axes = "local_world_aligned"
+
+    @property
+    def size(self) -> Literal[3, 6]:
+        """Three."""
+        return 3
+
+    def ends(self) -> tuple[tuple[str, SE3], ...]:
+        """The frame, with the point."""
+        return ((self.frame, _at(self.point)),)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class FrameContact(Constraint):
+    """A frame stays where it is in the world and does not turn, as a flat foot or a clamped hand.
+
+    Attributes:
+        frame: Name of the frame.
+        placement: Pose in it of the frame that is held: there the moment is taken, along its axes if `axes` is "local".
+        axes: Axes of force and moment: "local_world_aligned" or "local".
+    """
+
+    frame: str
+    placement: SE3 = SE3.identity()  # noqa: RUF009 - frozen, and so is the pose
+    axes: Axes = "local_world_aligned"
+
+    @property
+    def size(self) -> Literal[3, 6]:
+        """Six."""
+        return 6
+
+    def ends(self) -> tuple[tuple[str, SE3], ...]:
+        """The frame, with the placement."""
+        return ((self.frame, self.placement),)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class PointLoop(Constraint):
+    """A point of one frame and a point of another stay together: a ball joint that closes a loop.
+
+    Attributes:
+        frame_a: Name of the frame the force acts on.
+        frame_b: Name of the frame the opposite force acts on.
+        point_a: The point in the one [m].
+        point_b: The point in the other [m].
+        axes: Axes of the force: "local_world_aligned" or, for those of `frame_a`, "local".
+    """
+
+    frame_a: str
+    frame_b: str
+    point_a: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    point_b: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    axes: Axes = "local_world_aligned"
+
+    @property
+    def size(self) -> Literal[3, 6]:
+        """Three."""
+        return 3
+
+    def ends(self) -> tuple[tuple[str, SE3], ...]:
+        """Both frames, with their points."""
+        return (self.frame_a, _at(self.point_a)), (self.frame_b, _at(self.point_b))
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class FrameLoop(Constraint):
+    """Two frames of the robot stay together in place and turn: a weld that closes a loop.
+
+    Attributes:
+        frame_a: Name of the frame the force acts on.
+        frame_b: Name of the frame the opposite force acts on.
+        placement_a: Pose in the one of the frame that is held.
+        placement_b: Pose in the other of the frame it is held to.
+        axes: Axes of force and moment: "local_world_aligned" or, for those of `frame_a`, "local".
+    """
+
+    frame_a: str
+    frame_b: str
+    placement_a: SE3 = SE3.identity()  # noqa: RUF009 - frozen, and so is the pose
+    placement_b: SE3 = SE3.identity()  # noqa: RUF009
+    axes: Axes = "local_world_aligned"
+
+    @property
+    def size(self) -> Literal[3, 6]:
+        """Six."""
+        return 6
+
+    def ends(self) -> tuple[tuple[str, SE3], ...]:
+        """Both frames, with their placements."""
+        return (self.frame_a, self.placement_a), (self.frame_b, self.placement_b)
+
+
+def bonds(model: Model, constraints: Sequence[Constraint]) -> tuple[Bond, ...]:
+    """The constraints with their frames found in a model.
+
+    Raises:
+        UnknownName: There is no such frame.
+        InputError: What was given is no sequence of constraints; or no joint can move what one of them holds.
+    """
+    if not isinstance(constraints, (tuple, list)) or not all(isinstance(c, Constraint) for c in constraints):
+        raise InputError(
+            f"`constraints` is {constraints!r}; expected a list of PointContact, FrameContact, PointLoop or FrameLoop."
+        )
+    if not constraints:
+        raise InputError(
+            "`constraints` is empty; expected one or more. `forward_dynamics` is what nothing binds."
+        )
+    return tuple(_bond(model, constraint) for constraint in constraints)
+
+
+def _bond(model: Model, constraint: Constraint) -> Bond:
+    found = []
+    for name, pose in constraint.ends():
+        frame = model.frame(name)
+        found.append(End(frame.joint, frame.placement @ pose))
+    first, second = (found[0], None) if constraint.is_contact else found
+    if second is None and first.joint < 0:
+        raise InputError(
+            f"{constraint} holds a frame that no joint moves, so that it binds nothing; name a frame that moves."
+        )
+    if second is not None and first.joint == second.joint:
+        raise InputError(
+            f"{constraint} is between frames of one body, so that it binds nothing; name frames of different bodies."
+        )
+    return Bond(first, second, constraint.size, constraint.axes == "local")
+
+
+def _at(point: tuple[float, float, float]) -> SE3:
+    return SE3(np.eye(3), np.array(point))
+
+
+def _point(name: str, given: Any) -> tuple[float, ...]:
+    point = np.asarray(given, dtype=float)
+    if point.shape != (3,):
+        raise ShapeError(name, point.shape, "(3,)", "A point in the frame [m].")
+    if not np.isfinite(point).all():
+        raise InputError(f"`{name}` is {given!r}; expected three finite numbers [m].")
+    return tuple(point.tolist())
+
+
+def _check_placement(name: str, given: Any) -> None:
+    if not isinstance(given, SE3) or given.batch_shape:
+        raise InputError(f"`{name}` is {given!r}; expected one SE3, the pose in the frame.")
