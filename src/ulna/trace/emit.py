@@ -15,6 +15,7 @@ from ulna.trace.irtext import BYTES, DType, Lanes
 from ulna.trace.memory import load, store
 from ulna.trace.ops import TABLE, Op
 from ulna.trace.schedule import Sines, Step, Store, made, parts, used
+from ulna.trace.spread import at, spread
 from ulna.trace.writer import Module, Writer
 
 
@@ -34,13 +35,17 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
     wide = "nounwind #0" if strided or f.lanes > 1 else "nounwind"
     outer = f"noinline {wide}" if strided or f.lanes > 1 else f"alwaysinline {wide}"
     pieces = parts(f, layout.lanes, pack)
-    slots = _slots(f.graph, pieces)
+    spreads = layout.lanes > 1 and len(pieces) > 1  # then the last part has the stores and nothing else
+    slots = _slots(f.graph, pieces, f.results if spreads else ())
     bodies = []
     for number, steps in enumerate(pieces):
         body = Writer(module, f.graph, layout, "", contract, f.lanes > 1)
         if number == 0:
             _read_inputs(body, f)
-        _write_steps(body, steps, slots)
+        if spreads and number == len(pieces) - 1:
+            _spread_outputs(body, f, slots)
+        else:
+            _write_steps(body, steps, slots)
         bodies.append(body.lines)
     if len(pieces) == 1:
         _define(module, name, arguments, outer, bodies[0])
@@ -60,8 +65,13 @@ def _define(
     module.definitions[name] = "\n".join([head, "entry:", *lines, "  ret void", "}", ""])
 
 
-def _slots(graph: Graph, pieces: Sequence[Sequence[Step]]) -> dict[int, int]:
-    """Where in the scratch the nodes lie that a later part needs; a place that is free again is taken again."""
+def _slots(graph: Graph, pieces: Sequence[Sequence[Step]], spread: Sequence[int]) -> dict[int, int]:
+    """Where in the scratch the nodes lie that a later part needs; a place that is free again is taken again.
+
+    Constants are written anew in each part, but those among `spread` are in the scratch, too.
+    """
+    constant = (Op.CONST, Op.BOOL)
+    handed = {index for index in spread if graph.op[index] in constant}
     last: dict[int, int] = {}
     for number, steps in enumerate(pieces):
         last.update((index, number) for step in steps for index in used(graph, step))
@@ -71,7 +81,7 @@ def _slots(graph: Graph, pieces: Sequence[Sequence[Step]]) -> dict[int, int]:
     count = 0
     for number, steps in enumerate(pieces):
         for index in (index for step in steps for index in made(graph, step)):
-            if last.get(index, 0) > number and graph.op[index] not in (Op.CONST, Op.BOOL):
+            if last.get(index, 0) > number and (graph.op[index] not in constant or index in handed):
                 if not free:
                     free.append(count)
                     count += 1
@@ -95,11 +105,6 @@ def _write_steps(to: Writer, steps: Iterable[Step], slots: dict[int, int]) -> No
     """Writes the steps of one part; what they need is fetched from the scratch, what is needed later is put there."""
     g, lay = to.graph, to.layout
 
-    def place(index: int) -> str:
-        at = to.fresh("z")
-        to.write(f"{at} = getelementptr {lay.real}, ptr %scratch, i64 {slots[index]}")
-        return f"ptr {at}"
-
     def kind(index: int) -> str:
         return lay.truth if TABLE[g.op[index]].is_condition else lay.real
 
@@ -110,8 +115,8 @@ def _write_steps(to: Writer, steps: Iterable[Step], slots: dict[int, int]) -> No
             if g.op[index] in (Op.CONST, Op.BOOL):
                 to.node(index)
             else:
-                at = place(index)
-                to.assign(index, f"load {kind(index)}, {at}")
+                place = at(to, slots[index])
+                to.assign(index, f"load {kind(index)}, {place}")
         if isinstance(step, Sines):
             to.sincos(step.arguments)
         elif isinstance(step, Store):
@@ -120,8 +125,19 @@ def _write_steps(to: Writer, steps: Iterable[Step], slots: dict[int, int]) -> No
             to.node(step)
         for index in made(g, step):
             if index in slots:
-                at = place(index)
-                to.write(f"store {kind(index)} {to.names[index]}, {at}")
+                to.write(f"store {kind(index)} {to.names[index]}, {at(to, slots[index])}")
+
+
+def _spread_outputs(to: Writer, f: Function, slots: dict[int, int]) -> None:
+    """Writes all outputs out of the scratch."""
+    g, start = f.graph, 0
+    zeros = (
+        slots[index] for index in f.results if g.op[index] == Op.CONST and g.data[index].hex() == "0x0.0p+0"
+    )
+    zero = next(zeros, None)
+    for k, port in enumerate(f.outputs):
+        spread(to, f"o{k}", [slots[index] for index in f.results[start : start + port.size]], zero)
+        start += port.size
 
 
 def emit_single(f: Function, element: DType = "double", pack: int = 8, contract: bool = True) -> str:

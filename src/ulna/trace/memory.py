@@ -25,7 +25,7 @@ def load(to: Writer, port: str, size: int, wanted: Sequence[int]) -> Iterator[tu
             value = _read(to, f"%{port}", j, 1)
             yield j, to.in_all_lanes(to.layout.dtype, value) if to.is_race else value
         return
-    rows = _rows(to, port)
+    rows = rows_of(to, port)
     for start, width in chunks(to.layout.lanes, size):
         chosen = [j for j in wanted if start <= j < start + width]
         if chosen:
@@ -39,11 +39,11 @@ def store(to: Writer, port: str, start: int, values: Sequence[str]) -> None:
         for j, value in enumerate(values, start):
             _write(to, f"%{port}", j, 1, _of_first_lane(to, value) if to.is_race else value)
         return
-    for row, part in zip(_rows(to, port), _parts(to, values), strict=True):
+    for row, part in zip(rows_of(to, port), transposed(to, values), strict=True):
         _write(to, row, start, len(values), part)
 
 
-def _rows(to: Writer, port: str) -> list[str]:
+def rows_of(to: Writer, port: str) -> list[str]:
     """Pointers to each lane's row."""
     if port not in to.rows:
         rows = to.rows[port] = [f"%{port}"]
@@ -111,7 +111,7 @@ def _columns(to: Writer, parts: Sequence[str], width: int) -> list[str]:
     return _exchange(to, vectors)
 
 
-def _parts(to: Writer, columns: Sequence[str]) -> list[str]:
+def transposed(to: Writer, columns: Sequence[str]) -> list[str]:
     """The inverse of `_columns`: from columns, vectors over lanes, the part of each lane's row."""
     lanes, width = to.layout.lanes, len(columns)
     if width == 1:

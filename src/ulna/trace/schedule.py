@@ -18,7 +18,8 @@ from ulna.trace.memory import chunks
 from ulna.trace.ops import Op
 
 _SIZES = {False: 400, True: 4000}
-"""About how many instructions a part has, without and with SIMD lanes, whose values are costly to hand on."""
+"""About how many instructions a part has, without and with SIMD lanes."""
+_BEARABLE = 10_000  # instructions in SIMD lanes, whose values are costly to hand on, that stay in one part
 
 
 class Sines(NamedTuple):
@@ -59,30 +60,41 @@ def used(graph: Graph, step: Step) -> Sequence[int]:
 def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
     """The steps that evaluate `f`, in parts of bearable size.
 
-    The inputs are the first steps of the first part.
+    The inputs are the first steps of the first part. With several parts in SIMD lanes, the last one has all the stores
+    and nothing else, so that they can become a loop.
 
     Args:
         f: The function; with a loop it stays one part.
         lanes: How many samples are evaluated at once.
         pack: For one sample, how many sines are taken at once; 1 for SIMD lanes, where a node holds as many as fit.
     """
+    if f.has_loops or f.lanes > 1:
+        return _cut(f, list(_as_traced(f, 1 if f.lanes > 1 else lanes, pack)), 1)
+    if lanes == 1:
+        order = list(_as_traced(f, lanes, pack))
+        return _cut(f, order, round(sum(map(_instructions, order)) / _SIZES[False]))
+    order = list(_by_stores(f, lanes))
+    size = sum(map(_instructions, order)) + len(f.results) * (2 + lanes.bit_length())
+    if size < _BEARABLE:
+        return _cut(f, order, 1)
+    order = [step for step in _as_traced(f, lanes, pack) if not isinstance(step, Store)]
+    return [*_cut(f, order, round(size / _SIZES[True])), [*_stores(f, lanes)]]
+
+
+def _cut(f: Function, steps: Sequence[Step], count: int) -> list[list[Step]]:
+    """The inputs, then the other steps, in up to `count` parts that take equally long."""
     g = f.graph
-    whole = f.has_loops or f.lanes > 1
-    steps = _by_stores(f, lanes) if lanes > 1 and not whole else _as_traced(f, lanes, pack)
     inputs: list[Step] = [index for index in g.live(f.results) if g.op[index] == Op.INPUT]
     order = [step for step in steps if not isinstance(step, int) or g.op[step] != Op.INPUT]
-    ends = list(accumulate((_instructions(step, lanes) for step in order), initial=0))
-    count = 1 if whole else max(round(ends[-1] / _SIZES[lanes > 1]), 1)
-    cuts = [bisect_left(ends, ends[-1] * k / count) for k in range(count)]
+    ends = list(accumulate(map(_instructions, order), initial=0))
+    cuts = [bisect_left(ends, ends[-1] * k / max(count, 1)) for k in range(max(count, 1))]
     pieces = [order[start:end] for start, end in pairwise([*cuts, len(order)]) if start < end]
     return [[*inputs, *piece] if k == 0 else piece for k, piece in enumerate(pieces or [[]])]
 
 
-def _instructions(step: Step, lanes: int) -> int:
-    """About how many instructions a step becomes."""
-    if isinstance(step, Sines):
-        return 60
-    return lanes * (2 + lanes.bit_length()) if isinstance(step, Store) and lanes > 1 else 1
+def _instructions(step: Step) -> int:
+    """About how many instructions a step becomes; what stores take in lanes is not known here."""
+    return 60 if isinstance(step, Sines) else 1
 
 
 def _stores(f: Function, lanes: int) -> list[Store]:
@@ -99,7 +111,7 @@ def _as_traced(f: Function, lanes: int, pack: int) -> Iterator[Step]:
     g = f.graph
     waiting: dict[int, list[Store]] = {}
     missing: dict[Store, int] = {}
-    for store in _stores(f, 1 if f.lanes > 1 else lanes):
+    for store in _stores(f, lanes):
         missing[store] = len(set(store.values))
         for value in set(store.values):
             waiting.setdefault(value, []).append(store)

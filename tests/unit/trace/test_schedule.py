@@ -32,6 +32,7 @@ FUNCTION = trace(_mixed, q=(5,), x=())
 def small_parts(request, monkeypatch):
     """Parts of a few instructions."""
     monkeypatch.setattr(schedule, "_SIZES", {False: request.param, True: 3 * request.param})
+    monkeypatch.setattr(schedule, "_BEARABLE", 0)
 
 
 @pytest.mark.parametrize(("lanes", "pack"), [(1, 8), (1, 1), (4, 1), (8, 1)])
