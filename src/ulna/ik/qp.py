@@ -36,6 +36,8 @@ _RESIDUAL = 1e-7
 _TOLERANCE = 1e-10
 _EQUALITY, _OPTIMAL = 5, 1  # words of daqp
 
+_Rows = Sequence[Sequence[Any]]
+
 
 class Boxed(NamedTuple):
     """The optimum x (..., n), and whether it is one, as 1 or 0 (...): not where H is singular, or nan came in."""
@@ -54,22 +56,21 @@ def solve_box(H: Array, g: Array, lower: Array, upper: Array) -> Boxed:
         upper: The same.
     """
     n = g.shape[-1]
-    bounded = [i for i in range(n) if not (_is_infinite(lower[..., i]) and _is_infinite(upper[..., i]))]
-    large = reduce(maximum, (abs(g[..., i]) for i in range(n)))
-    size = reduce(maximum, (H[..., i, i] for i in range(n)))
+    rows = [[H[..., i, j][()] for j in range(n)] for i in range(n)]
+    pull, low, high = ([x[..., i][()] for i in range(n)] for x in (g, lower, upper))
+    bounded = [i for i in range(n) if not (_is_infinite(low[i]) and _is_infinite(high[i]))]
+    large = reduce(maximum, (abs(e) for e in pull))
+    size = reduce(maximum, (rows[i][i] for i in range(n)))
     zero = 0.0 * large
 
     def improve(*state: Any) -> tuple[Any, ...]:
         side, x = dict(zip(bounded, state, strict=False)), state[len(bounded) : len(bounded) + n]
-        t = _with_held(H, g, x, side)
-        beyond = {
-            i: where(less(t[i], lower[..., i]), -1.0, where(less(upper[..., i], t[i]), 1.0, zero))
-            for i in bounded
-        }
-        bound = {i: where(beyond[i] < 0.0, lower[..., i], upper[..., i]) for i in bounded}
+        t = _with_held(rows, pull, x, side)
+        beyond = {i: where(less(t[i], low[i]), -1.0, where(less(high[i], t[i]), 1.0, zero)) for i in bounded}
+        bound = {i: where(beyond[i] < 0.0, low[i], high[i]) for i in bounded}
         c = [where(abs(beyond[i]) > 0.5, bound[i], t[i]) if i in side else t[i] for i in range(n)]
-        slope = _slope(H, g, c)
-        middle = _slope(H, g, [0.5 * (c[i] + x[i]) for i in range(n)])
+        slope = _slope(rows, pull, c)
+        middle = _slope(rows, pull, [0.5 * (c[i] + x[i]) for i in range(n)])
         change = sum(((c[i] - x[i]) * middle[i] for i in range(n)), zero)
         reach = {}
         for i in bounded:
@@ -95,7 +96,7 @@ def solve_box(H: Array, g: Array, lower: Array, upper: Array) -> Boxed:
         scale = large + size * reduce(maximum, (abs(e) for e in c))
         return (*sides, *following, done, where(left <= _RESIDUAL * scale, done, 0.0))
 
-    start = [clip(zero, lower[..., i], upper[..., i]) for i in range(n)]
+    start = [clip(zero, low[i], high[i]) for i in range(n)]
     state = (*(zero for _ in bounded), *start, zero, zero)
     if bounded:
         end = loop(lambda *state: less(state[-2], 0.5), improve, state, limit=20 + 10 * n)
@@ -104,26 +105,24 @@ def solve_box(H: Array, g: Array, lower: Array, upper: Array) -> Boxed:
     return Boxed(vector(*end[len(bounded) : -2]), end[-1])
 
 
-def _with_held(H: Array, g: Array, x: Sequence[Any], side: Mapping[int, Any]) -> list[Any]:
+def _with_held(H: _Rows, g: Sequence[Any], x: Sequence[Any], side: Mapping[int, Any]) -> list[Any]:
     """The optimum over the free variables, the others staying where they are in x."""
-    n = g.shape[-1]
+    n = len(g)
     free = {i: 1.0 - s * s for i, s in side.items()}
     rows, right = [], []
     for i in range(n):
         f = free.get(i, 1.0)
-        rows.append([f * H[..., i, j] * free.get(j, 1.0) + ((1.0 - f) if i == j else 0.0) for j in range(n)])
-        pull = sum((H[..., i, j] * ((1.0 - free[j]) * x[j]) for j in side), g[..., i])
+        rows.append([f * H[i][j] * free.get(j, 1.0) + ((1.0 - f) if i == j else 0.0) for j in range(n)])
+        pull = sum((H[i][j] * ((1.0 - free[j]) * x[j]) for j in side), g[i])
         right.append((1.0 - f) * x[i] - f * pull)
     t = linalg.solve_spd(matrix([row[::-1] for row in rows[::-1]]), vector(*right[::-1]))
-    return [
-        where(abs(side[i]) > 0.5, x[i], t[..., n - 1 - i]) if i in side else t[..., n - 1 - i][()]
-        for i in range(n)
-    ]
+    found = [t[..., n - 1 - i][()] for i in range(n)]
+    return [where(abs(side[i]) > 0.5, x[i], found[i]) if i in side else found[i] for i in range(n)]
 
 
-def _slope(H: Array, g: Array, x: Sequence[Any]) -> list[Any]:
+def _slope(H: _Rows, g: Sequence[Any], x: Sequence[Any]) -> list[Any]:
     """H x + g."""
-    return [sum((H[..., i, j] * x[j] for j in range(len(x))), g[..., i]) for i in range(len(x))]
+    return [sum((h * e for h, e in zip(row, x, strict=True)), pull) for row, pull in zip(H, g, strict=True)]
 
 
 def solve_rows(

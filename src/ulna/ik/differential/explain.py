@@ -9,12 +9,10 @@ import numpy as np
 
 from ulna.errors import InfeasibleError, InputError
 from ulna.ik.differential.limits import Interval
-from ulna.ik.differential.program import CONFLICT, NO_ROTATION, TURNED, Program
+from ulna.ik.differential.program import CONFLICT, NO_ROTATION, Program
 from ulna.ik.qp import solve_rows
 from ulna.model import Model
 from ulna.typing import Floats
-
-_MEND = "Mend what is asked, take a longer step, or let later limits yield to earlier ones: recover=True."
 
 
 def reason(
@@ -35,7 +33,7 @@ def reason(
         return _no_rotation(program, told, where)
     if verdict == CONFLICT:
         return _conflict(program, q, dt, told, where)
-    return _no_solution(program, q, dt, inputs, where)
+    return _no_solution(program, q, dt, told, where)
 
 
 def undetermined(where: str) -> InputError:
@@ -60,42 +58,45 @@ def _conflict(
     i = program.moving[worst]
     text = (
         f"{_joint(model, i, q)}{where}: {intervals[least][0]} wants a velocity of at least {lower[least, worst]:.6g}, "
-        f"{intervals[most][0]} of at most {upper[most, worst]:.6g}. {_MEND}"
+        f"{intervals[most][0]} of at most {upper[most, worst]:.6g}. "
+        "Change what is asked, take a longer step, or let later limits yield to earlier ones: recover=True."
     )
     return InfeasibleError((intervals[least][0], intervals[most][0]), text)
 
 
 def _no_solution(
-    program: Program, q: Floats, dt: Floats, inputs: Sequence[Floats], where: str
+    program: Program, q: Floats, dt: Floats, told: Mapping[str, Floats], where: str
 ) -> InfeasibleError:
     """Rows and bounds leave nothing: those without any one of which there would be a solution."""
     guilty = []
     for k, limit in enumerate(program.limits):
-        if _feasible(replace(program, limits=_without(program.limits, k)), q, dt, inputs):
+        if _feasible(replace(program, limits=_without(program.limits, k)), q, dt, told):
             guilty.append(limit.label)
     for k, task in enumerate(program.constraints):
         if len(program.constraints) + len(program.tasks) > 1 and _feasible(
-            replace(program, constraints=_without(program.constraints, k)), q, dt, inputs
+            replace(program, constraints=_without(program.constraints, k)), q, dt, told
         ):
             guilty.append(task.label)
     everything = [part.label for part in (*program.limits, *program.constraints)]
     names = tuple(guilty or everything)
     joined = ", ".join(names)
     why = f"without any one of these there is: {joined}" if guilty else f"among: {joined}"
-    return InfeasibleError(names, f"No velocity keeps all limits and constraints{where}; {why}. {_MEND}")
+    text = f"No velocity keeps all limits and constraints{where}; {why}. Change what is asked, or take a longer step."
+    return InfeasibleError(names, text)
 
 
 def _no_rotation(program: Program, told: Mapping[str, Floats], where: str) -> InputError:
     """A target is neither a pose nor a rotation."""
-    for name in program.rotations:
-        R = told[name][..., :3, :3]
-        off = float(np.abs(R.T @ R - np.eye(3)).max())
-        if not off < TURNED:
-            return InputError(
-                f"`{name}`{where} is not a rotation: R^T R differs from 1 by {off:.3g}. "
-                "The nearest one: SE3.project(matrix).matrix()."
-            )
-    raise AssertionError("a kernel found a target that is no rotation, and here all are")
+    off = {name: _distance_from_rotation(told[name][:3, :3]) for name in program.rotations}
+    name = max(off, key=lambda name: off[name])
+    return InputError(
+        f"`{name}`{where} is not a rotation: R^T R differs from 1 by {off[name]:.3g}. "
+        "The nearest one: SE3.project(matrix).matrix()."
+    )
+
+
+def _distance_from_rotation(R: Floats) -> float:
+    return float(np.abs(R.T @ R - np.eye(3)).max())
 
 
 def _joint(model: Model, i: int, q: Floats) -> str:
@@ -108,8 +109,8 @@ def _joint(model: Model, i: int, q: Floats) -> str:
     raise AssertionError(f"no joint has the entry {i} of v")
 
 
-def _feasible(program: Program, q: Floats, dt: Floats, inputs: Sequence[Floats]) -> bool:
-    p = program.problem(q, dt, *inputs)
+def _feasible(program: Program, q: Floats, dt: Floats, told: Mapping[str, Floats]) -> bool:
+    p = program.problem(q, dt, *(told[name] for name in program.inputs))
     if p.verdict == CONFLICT:
         return False
     ends = (np.concatenate([p.lower, p.row_lower]), np.concatenate([p.upper, p.row_upper]))

@@ -1,0 +1,347 @@
+"""Differential IK as it is called: what it is told and how, what it refuses, and what it says when nothing can be done."""
+
+from __future__ import annotations
+
+import pickle
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.errors import (
+    InfeasibleError,
+    InputError,
+    MissingExtra,
+    NonFiniteError,
+    ShapeError,
+    UnknownName,
+)
+from ulna.ik import (
+    AccelerationLimit,
+    DampingTask,
+    DifferentialIK,
+    FrameTask,
+    LinearLimit,
+    PlaneLimit,
+    PositionLimit,
+    PositionTask,
+    PostureTask,
+    VelocityLimit,
+)
+from ulna.model import FreeFlyer, ModelBuilder, Revolute
+from ulna.spatial import SE3, SO3, Inertia
+
+HAND = "panda_hand"
+DT = 0.01
+
+
+@pytest.fixture(scope="module")
+def panda() -> ulna.Robot:
+    return ulna.load("panda", visuals="simple")
+
+
+@pytest.fixture(scope="module")
+def q(panda: ulna.Robot) -> np.ndarray:
+    return np.array(panda.configurations["qr"])
+
+
+@pytest.fixture(scope="module")
+def goal(panda: ulna.Robot, q: np.ndarray) -> np.ndarray:
+    return panda.fk(q, HAND) @ SE3.from_rpy((0.1, 0.0, -0.1), (0.02, 0.01, 0.03)).matrix()
+
+
+@pytest.fixture(scope="module")
+def ik(panda: ulna.Robot) -> DifferentialIK:
+    return DifferentialIK(panda, [FrameTask(HAND), PostureTask(1e-3, target="qr")])
+
+
+# ---------------------------------------------------------------------------------------------------- telling
+
+
+def test_targets_go_by_place_or_by_name(ik: DifferentialIK, q, goal) -> None:
+    assert ik.inputs == (HAND, "posture")
+    v = ik.velocity(q, DT, goal)
+    for same in (
+        ik.velocity(q, DT, panda_hand=goal),
+        ik.velocity(q, DT, goal, q),
+        ik.velocity(q, DT, goal, posture=q),
+        ik.velocity(list(q), DT, goal.tolist()),
+        ik.velocity(q, DT, SE3.from_matrix(goal)),
+        ik.velocity(q, np.float64(DT), goal),
+    ):
+        np.testing.assert_array_equal(v, same)
+    assert not np.allclose(v, ik.velocity(q, DT, goal, posture=q + 1.0))
+    np.testing.assert_array_equal(ik.step(q, DT, goal), q + DT * v)
+
+
+def test_defaults_are_told_last(panda: ulna.Robot, q, goal) -> None:
+    ik = DifferentialIK(
+        panda,
+        [PostureTask(1e-3, target=dict.fromkeys(panda.joint_names, 0.1)), FrameTask(HAND)],
+        [AccelerationLimit(5.0)],
+    )
+    assert ik.inputs == (HAND, "v", "posture")
+    ik.velocity(q, DT, goal, np.zeros(7))
+    assert repr(ik) == (
+        "<differential IK of 'panda': posture, panda_hand, AccelerationLimit; told panda_hand, v, posture>"
+    )
+
+
+def test_what_is_told_wrongly_is_refused(ik: DifferentialIK, q, goal) -> None:
+    with pytest.raises(InputError, match="'panda_hand' shall be is not told"):
+        ik.velocity(q, DT)
+    with pytest.raises(UnknownName, match="Did you mean 'panda_hand'"):
+        ik.velocity(q, DT, panda_hend=goal)
+    with pytest.raises(InputError, match="told twice"):
+        ik.velocity(q, DT, goal, panda_hand=goal)
+    with pytest.raises(InputError, match="3 targets are told; expected at most 2"):
+        ik.velocity(q, DT, goal, q, q)
+    with pytest.raises(ShapeError, match="panda_hand"):
+        ik.velocity(q, DT, goal[:3])
+    with pytest.raises(NonFiniteError, match="panda_hand"):
+        ik.velocity(q, DT, np.full((4, 4), np.nan))
+    with pytest.raises(NonFiniteError, match="`q"):
+        ik.velocity(q + np.inf, DT, goal)
+    for dt in (0.0, -1.0, np.nan):
+        with pytest.raises(InputError, match="duration above 0"):
+            ik.velocity(q, dt, goal)
+
+
+def test_a_target_that_is_no_rotation_is_refused(panda: ulna.Robot, ik: DifferentialIK, q, goal) -> None:
+    scaled = goal.copy()
+    scaled[:3, :3] *= 1.001
+    with pytest.raises(InputError, match=r"`panda_hand` is not a rotation: R\^T R differs from 1 by 0.002"):
+        ik.velocity(q, DT, scaled)
+    with pytest.raises(InputError, match=r"`panda_hand` at index \(1,\) is not a rotation"):
+        ik.velocity(q, DT, np.stack([goal, scaled]))
+    turn = DifferentialIK(panda, [ulna.ik.OrientationTask(HAND)])
+    R = SO3.from_matrix(goal[:3, :3])
+    np.testing.assert_array_equal(turn.velocity(q, DT, R), turn.velocity(q, DT, R.matrix))
+    with pytest.raises(InputError, match="not a rotation"):
+        turn.velocity(q, DT, np.zeros((3, 3)))
+
+
+def test_what_is_made_wrongly_is_refused(panda: ulna.Robot) -> None:
+    made = lambda *tasks, **options: DifferentialIK(panda, tasks, **options)  # noqa: E731
+    with pytest.raises(UnknownName, match="Did you mean 'panda_hand'"):
+        made(FrameTask("panda_hend"))
+    with pytest.raises(InputError, match="no task"):
+        made()
+    with pytest.raises(InputError, match="told to two tasks"):
+        made(FrameTask(HAND), PositionTask(HAND))
+    made(FrameTask(HAND), PositionTask(HAND, name="point"))
+    with pytest.raises(InputError, match="meaning of its own"):
+        made(FrameTask(HAND, name="q"))
+    with pytest.raises(InputError, match="`tasks` holds 'panda_hand'"):
+        made(HAND)
+    with pytest.raises(InputError, match="kind Limit"):
+        made(FrameTask(HAND), limits=[FrameTask(HAND)])
+    with pytest.raises(InputError, match="`damping` is 0"):
+        made(FrameTask(HAND), damping=0.0)
+    with pytest.raises(InputError, match="locked"):
+        made(FrameTask(HAND), locked=panda.joint_names)
+    with pytest.raises(UnknownName, match="panda_joint1"):
+        made(FrameTask(HAND), locked="panda_joint_1")
+    with pytest.raises(InputError, match="or a Model"):
+        DifferentialIK("panda", [FrameTask(HAND)])
+    with pytest.raises(InputError, match="`gain` is 1.5"):
+        FrameTask(HAND, gain=1.5)
+    with pytest.raises(InputError, match="`damping` is -1"):
+        FrameTask(HAND, damping=-1.0)
+    for cost in (-1.0, [1.0, 2.0], np.nan):
+        with pytest.raises(InputError, match="`position_cost`"):
+            made(FrameTask(HAND, cost))
+    with pytest.raises(UnknownName, match="axes"):
+        made(FrameTask(HAND, axes="tool"))
+
+
+def test_targets_at_and_errors(panda: ulna.Robot, ik: DifferentialIK, q, goal) -> None:
+    told = ik.targets_at(q)
+    assert set(told) == {HAND, "posture"}
+    assert np.abs(ik.velocity(q, DT, **told)).max() < 1e-12
+    errors = ik.errors(q, goal)
+    np.testing.assert_allclose(
+        errors[HAND], SE3.from_rpy((0.1, 0.0, -0.1), (0.02, 0.01, 0.03)).log().vector(), atol=1e-12
+    )
+    np.testing.assert_array_equal(errors["posture"], np.zeros(7))
+
+
+def test_problem_is_what_is_solved(panda: ulna.Robot, q, goal) -> None:
+    free = DifferentialIK(panda, [FrameTask(HAND), DampingTask(0.1)], [], damping=1e-4)
+    p = free.problem(q, DT, goal)
+    np.testing.assert_allclose(free.velocity(q, DT, goal), -np.linalg.solve(p.H, p.g), atol=1e-10)
+    assert np.isinf(p.lower).all()
+    J = panda.jacobian(q, HAND, "local")
+    np.testing.assert_allclose(
+        free.problem(q, DT, panda.fk(q, HAND)).H, J.T @ J + (1e-4 + 1e-2) * np.eye(7), atol=1e-12
+    )
+
+
+def test_pickled_it_is_the_same(ik: DifferentialIK, q, goal) -> None:
+    again = pickle.loads(pickle.dumps(ik))
+    np.testing.assert_array_equal(again.velocity(q, DT, goal), ik.velocity(q, DT, goal))
+
+
+def test_threads_do_not_mix_durations_up(ik: DifferentialIK, q, goal) -> None:
+    wrong: list[float] = []
+
+    def run(dt: float) -> None:
+        expected = ik.velocity(q, dt, goal)
+        for _ in range(300):
+            if not np.array_equal(ik.velocity(q, dt, goal), expected):
+                wrong.append(dt)
+
+    threads = [threading.Thread(target=run, args=(dt,)) for dt in (0.01, 0.1, 1.0)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+
+
+def test_an_empty_batch_is_empty(ik: DifferentialIK, goal) -> None:
+    assert ik.velocity(np.zeros((0, 7)), DT, goal).shape == (0, 7)
+
+
+# -------------------------------------------------------------------------------------------- nothing can be done
+
+
+def test_limits_without_room_name_joint_and_limits(panda: ulna.Robot, ik: DifferentialIK, q, goal) -> None:
+    out = q.copy()
+    out[3] = -3.3  # its limit is -3.0718; at 2.175 rad/s it needs ten steps to come back
+    with pytest.raises(
+        InfeasibleError, match=r"'panda_joint4' \(at -3.3, limits -3.0718 .. -0.0698\)"
+    ) as caught:
+        ik.velocity(out, DT, goal)
+    assert caught.value.parts == ("PositionLimit", "VelocityLimit")
+    assert "at least 22.82" in str(caught.value)
+    assert "at most 2.175" in str(caught.value)
+    with pytest.raises(InfeasibleError, match=r"at index \(1,\)"):
+        ik.velocity(np.stack([q, out]), DT, goal)
+
+
+def test_a_little_beyond_a_limit_it_comes_back(panda: ulna.Robot, ik: DifferentialIK, q, goal) -> None:
+    out = q.copy()
+    out[3] = panda.limits.lower[3] - 1e-3
+    assert ik.step(out, DT, goal)[3] >= panda.limits.lower[3]
+
+
+def test_recovering_comes_back_as_fast_as_allowed(panda: ulna.Robot, q, goal) -> None:
+    ik = DifferentialIK(panda, [FrameTask(HAND)], recover=True)
+    out = q.copy()
+    out[3] = -3.3
+    for k in range(12):
+        v = ik.velocity(out, DT, goal)
+        assert (np.abs(v) <= panda.limits.velocity).all()
+        if k < 10:
+            assert v[3] == panda.limits.velocity[3]
+        out = out + DT * v
+    assert panda.limits.contains(out)
+
+
+def test_rows_without_room_are_named(panda: ulna.Robot, q, goal) -> None:
+    above, below = (
+        PlaneLimit(HAND, (0, 0, 1), 2.0, name="floor"),
+        PlaneLimit(HAND, (0, 0, -1), 1.0, name="ceiling"),
+    )
+    ik = DifferentialIK(panda, [FrameTask(HAND)], [VelocityLimit(), above])
+    with pytest.raises(
+        InfeasibleError, match="without any one of these there is: VelocityLimit, floor"
+    ) as caught:
+        ik.velocity(q, DT, goal)
+    assert caught.value.parts == ("VelocityLimit", "floor")
+    both = DifferentialIK(panda, [FrameTask(HAND)], [above, below])
+    with pytest.raises(InfeasibleError, match="floor, ceiling"):
+        both.velocity(q, DT, goal)
+
+
+def test_constraints_that_contradict_each_other_are_named(panda: ulna.Robot, q) -> None:
+    here, there = (PositionTask(HAND, name=name) for name in ("here", "there"))
+    ik = DifferentialIK(panda, [PostureTask(target="qr")], constraints=[here, there])
+    p = panda.fk(q, HAND)[:3, 3]
+    with pytest.raises(InfeasibleError, match="here, there"):
+        ik.velocity(q, DT, p, p + 1e-4)
+
+
+def test_rows_need_daqp_only_where_they_matter(panda: ulna.Robot, q, goal, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "daqp", None)
+    height = panda.fk(q, HAND)[2, 3]
+    ik = DifferentialIK(panda, [FrameTask(HAND)], [VelocityLimit(), PlaneLimit(HAND, height=height - 0.5)])
+    ik.velocity(q, DT, goal)
+    low = goal.copy()
+    low[2, 3] -= 1.0
+    with pytest.raises(MissingExtra, match=r"ulna\[qp\]"):
+        ik.velocity(q, DT, low, panda_hand_plane=[0.0, 0.0, 1.0, height])
+
+
+# ------------------------------------------------------------------------------------------------ rows, batches, kinds
+
+
+def test_rows_are_kept(panda: ulna.Robot, q, goal) -> None:
+    rng = np.random.default_rng(0)
+    ik = DifferentialIK(panda, [FrameTask(HAND)], [VelocityLimit(), LinearLimit(2, name="near")])
+    assert ik.inputs == (HAND, "near_matrix", "near_bound")
+    A = rng.standard_normal((2, 7))
+    free = ik.velocity(q, DT, goal, np.zeros((2, 7)), np.zeros(2))
+    b = A @ free - 0.3
+    v = ik.velocity(q, DT, goal, A, b)
+    np.testing.assert_allclose(A @ v, b, atol=1e-9)
+    np.testing.assert_allclose(ik.velocity(q, DT, goal, A, b + 0.4), free, atol=1e-9)
+    np.testing.assert_allclose(ik.step(q, DT, goal, A, b), q + DT * v)
+
+
+def test_a_batch_is_mended_sample_by_sample(panda: ulna.Robot, q, goal) -> None:
+    ik = DifferentialIK(
+        panda, [FrameTask(HAND)], [VelocityLimit(), PlaneLimit(HAND, height=0.2)], constraints=[]
+    )
+    heights = panda.fk(q, HAND)[2, 3] - np.array([0.0, 0.3, 0.001])
+    planes = np.stack([np.array([0.0, 0.0, 1.0, h]) for h in heights])
+    low = goal.copy()
+    low[2, 3] -= 0.1
+    v = ik.velocity(q, DT, low, panda_hand_plane=planes)
+    np.testing.assert_allclose(
+        v, [ik.velocity(q, DT, low, panda_hand_plane=plane) for plane in planes], atol=1e-9
+    )
+    assert not np.allclose(v[0], v[1])
+    rigid = DifferentialIK(panda, [PostureTask(target="qr")], constraints=[PositionTask(HAND)])
+    points = panda.fk(q, HAND)[:3, 3] + np.array([[1e-3, 0, 0], [0, -1e-3, 0]])
+    batch = rigid.velocity(q, DT, points)
+    np.testing.assert_allclose(batch, [rigid.velocity(q, DT, point) for point in points], atol=1e-12)
+    J = panda.jacobian(q, HAND)[:3]
+    np.testing.assert_allclose(batch @ J.T * DT, [[1e-3, 0, 0], [0, -1e-3, 0]], atol=1e-9)
+
+
+def test_a_floating_base_moves_on_its_group() -> None:
+    b = (
+        ModelBuilder("walker")
+        .add_link("body", Inertia.from_box(3.0, (0.2, 0.2, 0.2)))
+        .root_joint(FreeFlyer())
+    )
+    for k, y in enumerate((0.1, -0.1)):
+        b.add_link(f"leg{k}", Inertia.from_point(0.5, (0.0, 0.0, -0.1)))
+        b.add_joint(f"hip{k}", Revolute((1, 0, 0)), "body", f"leg{k}", SE3.trans(0, y, 0), velocity=3.0)
+        b.add_frame(f"foot{k}", f"leg{k}", SE3.trans(0, 0, -0.3))
+    model = b.build()
+    feet = [FrameTask(f"foot{k}", name=f"foot{k}") for k in range(2)]
+    ik = DifferentialIK(model, [*feet, PostureTask(1e-2)], damping=1e-6)
+    q = np.array([0.0, 0.0, 0.5, *SO3.rx(0.3).quat_xyzw(), 0.2, -0.1])
+    aim = np.array([0.1, 0.2, 0.4, *SO3.rz(0.4).quat_xyzw(), 0.0, 0.3])
+    told = ik.targets_at(aim)
+    for _ in range(60):
+        q = ik.step(q, 0.1, **told)
+        np.testing.assert_allclose(np.linalg.norm(q[3:7]), 1.0, atol=1e-12)
+    np.testing.assert_allclose(q[:3], aim[:3], atol=1e-6)
+    assert all(np.abs(e).max() < 1e-6 for e in ik.errors(q, **told).values() if len(e) == 6)
+    long = q.copy()
+    long[3:7] *= 1.1
+    with pytest.raises(InputError, match="unit"):
+        ik.step(long, 0.1, **told)
+
+
+def test_position_limit_holds_by_default(panda: ulna.Robot, q) -> None:
+    ik = DifferentialIK(panda, [PostureTask(1.0)], [PositionLimit(gain=0.5, margin=0.1)])
+    target = panda.limits.upper + 1.0
+    at = panda.limits.upper - 0.3
+    np.testing.assert_allclose(ik.step(at, DT, target), at + 0.5 * 0.2, atol=1e-12)
