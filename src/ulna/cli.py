@@ -1,4 +1,4 @@
-"""The command `ulna`: robots listed, told about and shown, a demonstration, the cache of kernels."""
+"""The command `ulna`: robots listed, told about, shown; a demonstration; scripts of others run; the cache."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with warnings.catch_warnings():
         warnings.showwarning = _warn
         try:
-            chosen.run(chosen)
+            code = chosen.run(chosen)
             if sys.stdout is not None:
                 sys.stdout.flush()
         except UlnaError as error:
@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 file=sys.stderr,
             )
             return 2
-    return 0
+    return code or 0
 
 
 def _end_output() -> None:
@@ -107,6 +107,18 @@ def _parser() -> argparse.ArgumentParser:
         "In the browser where there is a screen, else headless: a report and a picture.",
     )
     _picture_options(demo, "ulna-demo.png")
+    run = command(
+        "run",
+        _run,
+        "run a script written for the Robotics Toolbox or Pinocchio, unmodified, on Ulna",
+        "In that Python, `import roboticstoolbox`, `import pinocchio` and their companions find Ulna's faces.",
+    )
+    run.add_argument(
+        "--only", action="append", default=[], metavar="FACE", help="roboticstoolbox or pinocchio"
+    )
+    run.add_argument("words", nargs=argparse.REMAINDER, metavar="SCRIPT ...", help="script and its arguments")
+    doctor = command("doctor", _doctor, "tell what a script uses of those packages that Ulna does not offer")
+    doctor.add_argument("path", metavar="SCRIPT")
     cache = command("cache", _cache, "tell where compiled kernels are kept, and how many")
     cache.add_argument("--clear", action="store_true", help="remove them; they are compiled anew when needed")
     return parser
@@ -195,6 +207,20 @@ def _demo(chosen: argparse.Namespace) -> None:
     from ulna.demo import demo
 
     demo(True if chosen.headless else None, chosen.output, chosen.port)
+
+
+def _run(chosen: argparse.Namespace) -> int:
+    from ulna.faces.run import run
+
+    return run(chosen.words, chosen.only)
+
+
+def _doctor(chosen: argparse.Namespace) -> int:
+    from ulna.faces.doctor import examine, report
+
+    findings = examine(chosen.path)
+    print(report(chosen.path, findings))
+    return int(any(not f.offered for f in findings))
 
 
 def _cache(chosen: argparse.Namespace) -> None:

@@ -1,0 +1,114 @@
+"""Looks a script over: which names of the faced packages it uses, and which of them the faces do not offer."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+from ulna.errors import FormatError, InputError
+from ulna.faces.shelves import SHELVES, modules
+
+
+@final
+@dataclass(frozen=True)
+class Finding:
+    """A name that a script uses of a face.
+
+    Attributes:
+        line: Where it does so first.
+        name: The dotted name, from the package on.
+        offered: Whether the face has it.
+        word: What the face says instead, if it does not.
+    """
+
+    line: int
+    name: str
+    offered: bool
+    word: str = ""
+
+
+def examine(path: str | Path) -> list[Finding]:
+    """The names of faced packages that a script uses, in the order of their lines; the script is read, not run.
+
+    What is reached through an instance (`robot.fkine`) cannot be told from the text and is not listed.
+
+    Raises:
+        InputError: If the file cannot be read.
+        FormatError: If it is not Python.
+    """
+    file = Path(path)
+    try:
+        tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
+    except OSError as error:
+        raise InputError(f"{file} cannot be read: {error.strerror}.") from None
+    except SyntaxError as error:
+        raise FormatError(f"not Python: {error.msg}", file=str(file), line=error.lineno) from None
+    shelf_of = {module: shelf for shelf in SHELVES for module in modules(shelf)}
+    used: dict[str, int] = {}
+    for line, name in sorted(_used(tree, frozenset(shelf_of))):
+        used.setdefault(name, line)
+    for shelf in SHELVES.values():
+        if str(shelf) not in sys.path:
+            sys.path.insert(0, str(shelf))
+    return [Finding(line, name, *_is_offered(name)) for name, line in used.items()]
+
+
+def _used(tree: ast.AST, faced: frozenset[str]) -> Iterator[tuple[int, str]]:
+    """Lines and dotted names."""
+    known: dict[str, str] = {}  # what a name of the script stands for
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                if alias.name.split(".")[0] in faced:
+                    known[alias.asname or alias.name.split(".")[0]] = (
+                        alias.name if alias.asname else alias.name.split(".")[0]
+                    )
+                    yield node.lineno, alias.name
+        elif isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] in faced:
+            for alias in node.names:
+                if alias.name != "*":
+                    known[alias.asname or alias.name] = f"{node.module}.{alias.name}"
+                yield node.lineno, node.module if alias.name == "*" else f"{node.module}.{alias.name}"
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute):
+            parts: list[str] = []
+            at: ast.AST = node
+            while isinstance(at, ast.Attribute):
+                parts.insert(0, at.attr)
+                at = at.value
+            if isinstance(at, ast.Name) and at.id in known:
+                yield node.lineno, ".".join([known[at.id], *parts])
+
+
+def _is_offered(name: str) -> tuple[bool, str]:
+    parts = name.split(".")
+    found: Any = None
+    for count in range(len(parts), 0, -1):
+        try:
+            found = importlib.import_module(".".join(parts[:count]))
+            break
+        except ModuleNotFoundError:
+            continue
+        except ImportError as error:
+            return False, str(error)
+    if found is None:
+        return False, ""
+    for part in parts[count:]:
+        try:
+            found = getattr(found, part)
+        except AttributeError as error:
+            return False, str(error)
+    return True, ""
+
+
+def report(path: str | Path, findings: Sequence[Finding]) -> str:
+    """What `ulna doctor` prints."""
+    missing = [f for f in findings if not f.offered]
+    head = f"{path}: {len(findings)} names of faced packages, {len(findings) - len(missing)} offered."
+    lines = [f"  line {f.line}: {f.name} is not offered. {f.word}".rstrip() for f in missing]
+    return "\n".join([head, *lines])

@@ -1,0 +1,102 @@
+"""Faces get onto the path of a script, of a notebook, and the doctor reads what a script uses."""
+
+import subprocess
+import sys
+
+import pytest
+
+from ulna.cli import main
+from ulna.errors import FormatError, InputError, UnknownName
+from ulna.faces import doctor, shelves
+
+
+@pytest.fixture
+def shelf(tmp_path, monkeypatch):
+    """A shelf with one face, which offers one name and refuses another with a word."""
+    face = tmp_path / "for-mini" / "minipeer"
+    face.mkdir(parents=True)
+    (face / "__init__.py").write_text(
+        "class Arm:\n    length = 3\n\n"
+        "def __getattr__(name):\n    raise AttributeError(f'minipeer.{name} is not offered; use ulna.load.')\n"
+    )
+    monkeypatch.setattr(shelves, "SHELVES", {"minipeer": face.parent})
+    monkeypatch.setattr(doctor, "SHELVES", {"minipeer": face.parent})
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    yield face.parent
+    sys.modules.pop("minipeer", None)
+
+
+def _python(words, **options):
+    return subprocess.run([sys.executable, *words], check=False, capture_output=True, text=True, **options)
+
+
+def test_a_script_runs_with_faces_in_a_process_of_its_own(shelf, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import sys, minipeer\nprint(__name__, sys.argv[1:], minipeer.Arm.length)\nsys.exit(3)\n"
+    )
+    variables = shelves.environment(["minipeer"], {"PYTHONPATH": "elsewhere"})
+    assert variables["PYTHONPATH"].endswith("elsewhere")
+    done = _python([script, "a", "b"], env=variables)
+    assert done.returncode == 3 and done.stdout.split() == ["__main__", "['a',", "'b']", "3"]
+
+
+def test_the_command_runs_a_script(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text("import os, sys\nprint(os.environ['PYTHONPATH'], sys.argv[1])\nsys.exit(5)\n")
+    done = _python(["-m", "ulna", "run", script, "--flag"])
+    assert done.returncode == 5 and "for-pinocchio" in done.stdout and "--flag" in done.stdout
+    only = _python(["-m", "ulna", "run", "--only", "pinocchio", script, "--flag"])
+    assert "for-roboticstoolbox" not in only.stdout and "for-pinocchio" in only.stdout
+
+
+def test_a_script_that_is_not_there_is_named(capsys):
+    assert main(["run", "nowhere.py"]) == 2
+    assert "nowhere.py" in capsys.readouterr().err
+    assert main(["run"]) == 2
+    assert "needs a script" in capsys.readouterr().err
+
+
+def test_a_notebook_wears_a_face(shelf):
+    shelves.wear("minipeer")
+    import minipeer  # pyright: ignore[reportMissingImports]
+
+    assert minipeer.Arm.length == 3
+    shelves.wear("minipeer")
+    assert sys.path.count(str(shelf)) == 1
+
+
+def test_a_face_does_not_mix_with_the_package_itself(shelf, monkeypatch):
+    other = type(sys)("minipeer")
+    other.__file__ = "elsewhere/minipeer/__init__.py"
+    monkeypatch.setitem(sys.modules, "minipeer", other)
+    with pytest.raises(InputError, match="imported already"):
+        shelves.wear("minipeer")
+
+
+def test_an_unknown_face_is_named(shelf):
+    with pytest.raises(UnknownName, match="minipeer"):
+        shelves.wear("minipear")
+
+
+def test_the_doctor_tells_what_is_missing(shelf, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import minipeer as mp\nfrom minipeer import Arm, Leg\nimport numpy\n"
+        "arm = mp.Arm\nprint(mp.Arm.length, mp.wheel.spin(), Arm.width, numpy.pi)\n"
+    )
+    found = {f.name: f for f in doctor.examine(script)}
+    assert {n for n, f in found.items() if f.offered} == {"minipeer", "minipeer.Arm", "minipeer.Arm.length"}
+    assert found["minipeer.Leg"].line == 2 and "use ulna.load" in found["minipeer.Leg"].word
+    assert not found["minipeer.wheel.spin"].offered and not found["minipeer.Arm.width"].offered
+    assert "line 2: minipeer.Leg is not offered" in doctor.report(script, list(found.values()))
+    assert main(["doctor", str(script)]) == 1
+
+
+def test_the_doctor_refuses_what_is_no_script(shelf, tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        doctor.examine(tmp_path / "none.py")
+    broken = tmp_path / "broken.py"
+    broken.write_text("import (\n")
+    with pytest.raises(FormatError, match=r"broken\.py:1"):
+        doctor.examine(broken)
