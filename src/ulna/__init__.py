@@ -26,11 +26,18 @@ from ulna.spatial import Motion as Motion
 
 if TYPE_CHECKING:
     from ulna.control import p_servo as p_servo
+    from ulna.sim import Simulation as Simulation
     from ulna.viewer.show import show as show
+    from ulna.viewer.viewer import Viewer as Viewer
 
 __version__ = "0.1.0"
 
-_LATER = {"p_servo": "ulna.control", "show": "ulna.viewer.show"}
+_LATER = {
+    "p_servo": "ulna.control",
+    "show": "ulna.viewer.show",
+    "Simulation": "ulna.sim",
+    "Viewer": "ulna.viewer.viewer",
+}
 """Names of rooms that are loaded when first used, so that `import ulna` stays light."""
 
 __all__ = [
@@ -42,6 +49,8 @@ __all__ = [
     "ModelBuilder",
     "Motion",
     "Robot",
+    "Simulation",
+    "Viewer",
     "__version__",
     "compile",
     "errors",

@@ -30,6 +30,8 @@ class Simulation:
         """Whether a step in real time waits, as long as `patience` allows."""
         self.patience: Callable[[], bool] = lambda: False
         """Whether there is anybody who could end a pause; asked while one lasts, so that it never lasts for ever."""
+        self.waiting = False
+        """Whether a step is waiting for a pause to end."""
         self._bodies: list[Body] = []
         self._listeners: list[Callable[[Simulation], object]] = []
         self._t, self._steps = 0.0, 0
@@ -130,8 +132,9 @@ class Simulation:
 
     def _wait(self) -> None:
         while self.paused and self.patience():
-            self._origin = None
+            self._origin, self.waiting = None, True
             time.sleep(0.02)
+        self.waiting = False
         now = time.perf_counter()
         if self._origin is None:
             self._origin = now, self._t

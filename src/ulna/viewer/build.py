@@ -13,7 +13,6 @@ from ulna.typing import Floats
 from ulna.viewer.content import Copies, Lines, Points, Text
 from ulna.viewer.controls import pose_rows, position_wxyz
 from ulna.viewer.glb import glb
-from ulna.viewer.light import srgb
 from ulna.viewer.scene import Node, Snapshot
 from ulna.viewer.surface import paint
 
@@ -235,7 +234,7 @@ def _copies(
                 rows[:, 3:],
                 rows[:, :3],
                 batched_scales=content.scales,
-                batched_colors=_bytes(srgb(paint(_tinted(seen, i, own)))),
+                batched_colors=_bytes(paint(_tinted(seen, i, own))),
                 opacity=None if opacity >= 0.999 else opacity,
                 cast_shadow=seen.nodes[i].shadow and opacity >= 0.999,
                 **place,

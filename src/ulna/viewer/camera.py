@@ -46,6 +46,7 @@ def frame(
     direction: tuple[float, float, float] = DIRECTION,
     margin: float = 1.3,
     aside: float = 0.0,
+    also: Floats | None = None,
 ) -> Camera:
     """A camera that has the whole scene in view.
 
@@ -54,9 +55,10 @@ def frame(
         aspect: Width over height of the picture.
         direction: From the scene towards the camera.
         margin: How much larger than the scene the picture is.
+        also: More points that shall be in view [m], shape (n, 3).
         aside: How far to the left of the middle the scene stands, as a share of the picture's width.
     """
-    points = scene.points()
+    points = scene.points() if also is None else np.concatenate([scene.points(), also])
     if not len(points):
         return Camera()
     target = (points.min(axis=0) + points.max(axis=0)) / 2

@@ -202,3 +202,8 @@ def _quiet() -> Iterator[None]:
         yield
     finally:
         rich.print = original
+
+
+def start_recording(server: Any) -> Any:
+    """A recording of the scene as it is and of every message from now on: `insert_sleep(seconds)`, `as_html(...)`."""
+    return server.get_scene_serializer()

@@ -92,7 +92,7 @@ class Figure:
         looks = link_looks(self.robot, show, self._tint)
         with self.scene.together():
             for node, surfaces in zip(self.names, looks, strict=True):
-                self.scene.add(node, surfaces, self.scene.pose(node))
+                self.scene.set_surfaces(node, surfaces)
         self._show = show
 
     def move(self, q: ArrayLike) -> None:

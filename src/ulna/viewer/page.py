@@ -48,6 +48,8 @@ class Page:
         camera: Where the scene is looked at from at first; one that has everything in view when not given.
         theme: The colours around.
         floor: Height of the floor [m]; below everything when not given.
+        live: Whether it follows the scene by itself. One that is not is sent what there is by `flush`, with colours
+            as they are for good: for recordings.
 
     Raises:
         MissingExtra: viser is not installed.
@@ -63,8 +65,9 @@ class Page:
         camera: Camera | None = None,
         theme: Theme = LIGHT,
         floor: float | None = None,
+        live: bool = True,
     ) -> None:
-        self.scene, self.title = scene, title
+        self.scene, self.title, self._live = scene, title, live
         exposed = host not in guard.LOOPBACK
         self._token = secrets.token_urlsafe(24) if exposed else ""
         self.server = serve(host, port, title, self._token)
@@ -78,6 +81,7 @@ class Page:
                 stacklevel=2,
             )
         self._channel = PoseChannel(self.server, f"{title} · Ulna" if title != "Ulna" else title)
+        self._baked = not (live and self._channel.open)
         self._shown: dict[str, Shown] = {}
         self._paths = Paths()
         self._route: tuple[list[str], list[int]] | None = None
@@ -106,7 +110,8 @@ class Page:
         with self._tick_lock:
             self._publish()
         self._thread = threading.Thread(target=self._run, name="ulna-page", daemon=True)
-        self._thread.start()
+        if live:
+            self._thread.start()
 
     @property
     def port(self) -> int:
@@ -133,7 +138,7 @@ class Page:
         if self._stop.is_set():
             return
         self._stop.set()
-        if threading.current_thread() is not self._thread:
+        if self._thread.is_alive() and threading.current_thread() is not self._thread:
             self._thread.join(timeout=2.0)
         stop(self.server)
         atexit.unregister(self.close)
@@ -258,7 +263,7 @@ class Page:
         for name, (i, _) in present.items():
             if name not in self._shown:
                 path = self._paths.take(name)
-                self._shown[name] = build(self.server, path, seen, i, not self._channel.open)
+                self._shown[name] = build(self.server, path, seen, i, self._baked)
         self._again = max(self._again, now + 1.0)
 
     def _drop(self, name: str) -> None:
@@ -286,7 +291,7 @@ class Page:
             if shown.solid and look != _PLAIN:
                 paths.append(shown.path)
                 looks.append(look)
-        if self._channel.open:
+        if not self._baked:
             self._channel.dress(paths, dress_rows(looks))
 
     def _send(self, seen: Snapshot) -> None:

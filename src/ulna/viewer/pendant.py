@@ -27,9 +27,20 @@ _CALM = 1 / 15  # s between two updates of sliders and words
 class Moved(Protocol):
     """What a pendant moves: a robot with a configuration, in a scene."""
 
-    robot: Any
-    scene: Scene
-    lock: threading.RLock
+    @property
+    def robot(self) -> Any:
+        """The robot."""
+        ...
+
+    @property
+    def scene(self) -> Scene:
+        """The scene it stands in."""
+        ...
+
+    @property
+    def lock(self) -> threading.RLock:
+        """Held while its configuration changes."""
+        ...
 
     @property
     def moves(self) -> int:

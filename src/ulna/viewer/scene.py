@@ -227,7 +227,8 @@ class Scene:
                 _even(node.group, self._data["scale"][above])
             if name not in self._nodes:
                 self._append(name, above)
-            self._data["pose"][self._row[name]] = matrix
+            for key, (value, _) in _COLUMNS.items():
+                self._data[key][self._row[name]] = matrix if key == "pose" else value
             self._nodes[name] = node
             self._structure += 1
         return node
@@ -242,8 +243,6 @@ class Scene:
                 self._data[key] = np.concatenate([self._data[key], rest])
         self._above[row] = above
         self._levels = None
-        for key, (value, _) in _COLUMNS.items():
-            self._data[key][row] = value
 
     def remove(self, name: str) -> None:
         """Remove a node and everything in it.
@@ -278,6 +277,12 @@ class Scene:
         """The pose (4, 4) of a node in its group."""
         with self._lock:
             return self._data["pose"][self.row(name)].copy()
+
+    def set_surfaces(self, name: str, surfaces: Iterable[Surface]) -> None:
+        """Replace what a node looks like; it stays where it is, in its colour, as opaque and as large."""
+        with self._lock:
+            self._nodes[name] = replace(self.node(name), surfaces=tuple(surfaces))
+            self._structure += 1
 
     def set_content(self, name: str, content: Content) -> None:
         """Replace what there is to see of a node besides surfaces."""

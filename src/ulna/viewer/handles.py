@@ -1,0 +1,301 @@
+"""What `Viewer.add` and its kin give: things of the scene that are assigned to, and refuse what they do not have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.typing import ArrayLike, Floats
+from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
+from ulna.viewer.scene import Scene, checked_pose
+from ulna.viewer.surface import colour, unit
+
+_NONE = -1.0
+
+
+class Handle:
+    """A thing of the scene. Its pose, colour, opacity, scale and visibility can be assigned to at any time.
+
+    For a group they hold for all that is in it. What it does not have cannot be assigned to.
+    """
+
+    __slots__ = ("_name", "_scene")
+
+    def __init__(self, scene: Scene, name: str) -> None:
+        self._scene, self._name = scene, name
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name.startswith("_"):
+            object.__setattr__(self, name, value)
+            return
+        attribute = getattr(type(self), name, None)
+        if isinstance(attribute, property) and attribute.fset is not None:
+            attribute.fset(self, value)
+            return
+        raise UnknownName(
+            f"thing to assign of {type(self).__name__} {self._name!r}", name, settable(type(self))
+        )
+
+    @property
+    def name(self) -> str:
+        """Its name in the scene, with its groups."""
+        return self._name
+
+    @property
+    def pose(self) -> Floats:
+        """Where it is in its group: T_group_thing, shape (4, 4); an `SE3` can be assigned, too."""
+        return self._scene.pose(self._name)
+
+    @pose.setter
+    def pose(self, pose: Any) -> None:
+        self._scene.set_pose(self._name, checked_pose(pose))
+
+    @property
+    def position(self) -> Floats:
+        """Where it is in its group [m], shape (3,)."""
+        return self.pose[:3, 3]
+
+    @position.setter
+    def position(self, position: ArrayLike) -> None:
+        pose = self.pose
+        pose[:3, 3] = _numbers("position", position, 3)
+        self._scene.set_pose(self._name, pose)
+
+    @property
+    def world_pose(self) -> Floats:
+        """Where it is in the world: T_world_thing, shape (4, 4)."""
+        seen = self._scene.snapshot()
+        return seen.poses[self._scene.row(self._name)]
+
+    @property
+    def color(self) -> tuple[float, float, float] | None:
+        """Red, green, blue from 0 to 1 that hide its own colours; None to show these."""
+        tint = self._scene.look(self._name, "tint")
+        return None if tint[0] == _NONE else (float(tint[0]), float(tint[1]), float(tint[2]))
+
+    @color.setter
+    def color(self, color: Iterable[float] | None) -> None:
+        self._scene.set_look(self._name, "tint", np.full(3, _NONE) if color is None else colour(color)[:3])
+
+    @property
+    def opacity(self) -> float:
+        """From 0, not to be seen, to 1."""
+        return float(self._scene.look(self._name, "opacity"))
+
+    @opacity.setter
+    def opacity(self, opacity: float) -> None:
+        if not 0.0 <= opacity <= 1.0:
+            raise InputError(f"`opacity` is {opacity}; expected a number from 0 to 1.")
+        self._scene.set_look(self._name, "opacity", float(opacity))
+
+    @property
+    def scale(self) -> Floats:
+        """A factor along each axis, shape (3,); one number can be assigned for all three."""
+        return self._scene.look(self._name, "scale")
+
+    @scale.setter
+    def scale(self, scale: ArrayLike) -> None:
+        factors = np.broadcast_to(np.asarray(scale, dtype=float), 3) if np.ndim(scale) == 0 else scale
+        factors = _numbers("scale", factors, 3)
+        if not (factors > 0.0).all():
+            raise InputError(f"`scale` is {factors.tolist()}; expected factors above zero.")
+        self._scene.set_look(self._name, "scale", factors)
+
+    @property
+    def visible(self) -> bool:
+        """Whether it can be seen."""
+        return bool(self._scene.look(self._name, "visible"))
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._scene.set_look(self._name, "visible", bool(visible))
+
+    def remove(self) -> None:
+        """Take it out of the scene, with all that is in it."""
+        self._scene.remove(self._name)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self._name!r}>"
+
+    def _content(self) -> Any:
+        return self._scene.node(self._name).content
+
+
+class Cloud(Handle):
+    """Points; `points` and `colors` can be assigned to."""
+
+    __slots__ = ()
+
+    @property
+    def points(self) -> Floats:
+        """Where they are [m], shape (n, 3)."""
+        return self._content().positions
+
+    @points.setter
+    def points(self, points: ArrayLike) -> None:
+        old: Points = self._content()
+        points = np.asarray(points, dtype=float)
+        colours = old.colours
+        if len(colours) != len(points):
+            if len(colours) and not (colours == colours[0]).all():
+                raise ShapeError(
+                    "points", points.shape, f"({len(colours)}, 3)", "Or set `set(points, colors)`."
+                )
+            colours = colours[0] if len(colours) else np.full(3, 0.5)
+        self._scene.set_content(self._name, Points(points, colours, old.size))
+
+    @property
+    def colors(self) -> Floats:
+        """Red, green, blue from 0 to 1 of each, shape (n, 3); one colour can be assigned for all."""
+        return self._content().colours
+
+    @colors.setter
+    def colors(self, colors: ArrayLike) -> None:
+        old: Points = self._content()
+        self._scene.set_content(self._name, Points(old.positions, np.asarray(colors, dtype=float), old.size))
+
+    def set(self, points: ArrayLike, colors: ArrayLike) -> None:
+        """Other points and their colours at once."""
+        points, colors = np.asarray(points, dtype=float), np.asarray(colors, dtype=float)
+        self._scene.set_content(self._name, Points(points, colors, self._content().size))
+
+
+class Path(Handle):
+    """A line from point to point; `points` can be assigned to."""
+
+    __slots__ = ()
+
+    @property
+    def points(self) -> Floats:
+        """Its points [m], shape (n, 3)."""
+        segments = self._content().segments
+        return np.concatenate([segments[:1, 0], segments[:, 1]])
+
+    @points.setter
+    def points(self, points: ArrayLike) -> None:
+        old: Lines = self._content()
+        self._scene.set_content(self._name, Lines.through(points, old.rgba, old.thickness))
+
+
+class Words(Handle):
+    """Words that face whoever looks; `text` can be assigned to."""
+
+    __slots__ = ()
+
+    @property
+    def text(self) -> str:
+        """What they say."""
+        return self._content().words
+
+    @text.setter
+    def text(self, text: str) -> None:
+        self._scene.set_content(self._name, Text(text, self._content().height))
+
+
+class Crowd(Handle):
+    """One thing at many places; `poses`, `positions` and `colors` can be assigned to."""
+
+    __slots__ = ()
+
+    @property
+    def poses(self) -> Floats:
+        """T_group_copy of each, shape (n, 4, 4)."""
+        return self._content().poses
+
+    @poses.setter
+    def poses(self, poses: ArrayLike) -> None:
+        self._change(poses=np.asarray(poses, dtype=float))
+
+    @property
+    def positions(self) -> Floats:
+        """Where they are [m], shape (n, 3)."""
+        return self._content().poses[:, :3, 3]
+
+    @positions.setter
+    def positions(self, positions: ArrayLike) -> None:
+        poses = transforms(positions)
+        old = self._content().poses
+        if len(old) == len(poses):
+            poses[:, :3, :3] = old[:, :3, :3]
+        self._change(poses=poses)
+
+    @property
+    def colors(self) -> Floats | None:
+        """Red, green, blue from 0 to 1 of each, shape (n, 3); None for the thing's own."""
+        return self._content().colours
+
+    @colors.setter
+    def colors(self, colors: ArrayLike | None) -> None:
+        self._change(colours=None if colors is None else np.asarray(colors, dtype=float))
+
+    def _change(self, **news: Any) -> None:
+        old: Copies = self._content()
+        kept = {"poses": old.poses, "colours": old.colours, "scales": old.scales} | news
+        if len(kept["poses"]) != len(old.poses):
+            fits = old.scales is not None and len(old.scales) and (old.scales == old.scales[0]).all()
+            kept["scales"] = old.scales[0] if fits and old.scales is not None else None
+            if old.colours is not None:
+                kept["colours"] = old.colours[0] if len(old.colours) else None
+        content: Content = Copies(old.original, opacity=old.opacity, **kept)
+        self._scene.set_content(self._name, content)
+
+
+class Arrow(Handle):
+    """An arrow from its origin along a vector; `vector` can be assigned to."""
+
+    __slots__ = ("_radius", "_vector")
+
+    def __init__(self, scene: Scene, name: str, vector: ArrayLike, radius: float) -> None:
+        super().__init__(scene, name)
+        self._radius = float(radius)
+        self.vector = vector
+
+    @property
+    def vector(self) -> Floats:
+        """From its origin to its tip, in its group's axes [m], shape (3,)."""
+        return self._vector.copy()
+
+    @vector.setter
+    def vector(self, vector: ArrayLike) -> None:
+        self._vector = _numbers("vector", vector, 3)
+        length = float(np.linalg.norm(self._vector))
+        tip = min(5.0 * self._radius, 0.5 * length)
+        pose, top = self.pose, np.eye(4)
+        pose[:3, :3] = rotation_to(self._vector)
+        top[2, 3] = length - tip
+        least = 1e-9  # nothing has no direction
+        with self._scene.together():
+            self._scene.set_pose(self._name, pose)
+            self._scene.set_pose(f"{self._name}/tip", top)
+            thin = self._radius if length > least else least
+            self._scene.set_look(f"{self._name}/shaft", "scale", (thin, thin, max(length - tip, least)))
+            self._scene.set_look(f"{self._name}/tip", "scale", (2.4 * thin, 2.4 * thin, max(tip, least)))
+
+
+def rotation_to(vector: Floats) -> Floats:
+    """A rotation (3, 3) that takes z to the direction of a vector."""
+    z = unit(vector)
+    helper = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    x = unit(np.cross(helper, z))
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def settable(kind: type) -> tuple[str, ...]:
+    """What of a kind of handles can be assigned to."""
+    found = (
+        n for c in kind.__mro__ for n, a in vars(c).items() if isinstance(a, property) and a.fset is not None
+    )
+    return tuple(dict.fromkeys(found))
+
+
+def _numbers(name: str, value: ArrayLike, count: int) -> Floats:
+    out = np.array(value, dtype=float)
+    if out.shape != (count,):
+        raise ShapeError(name, out.shape, f"({count},)")
+    if not np.isfinite(out).all():
+        where = int(np.argwhere(~np.isfinite(out))[0][0])
+        raise NonFiniteError(name, (where,), float(out[where]))
+    return out

@@ -1,0 +1,63 @@
+"""A scene and its motion as one HTML file: it plays offline, with a time line and a camera to move."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from ulna.errors import InputError
+from ulna.viewer.camera import Camera
+from ulna.viewer.channel import start_recording
+from ulna.viewer.page import Page
+from ulna.viewer.scene import Scene
+from ulna.viewer.theme import LIGHT, Theme
+
+
+def write_html(
+    path: str | os.PathLike[str],
+    scene: Scene,
+    times: Iterable[float] = (),
+    move: Callable[[float], None] | None = None,
+    *,
+    title: str = "Ulna",
+    camera: Camera | None = None,
+    theme: Theme = LIGHT,
+    floor: float | None = None,
+) -> Path:
+    """Write a scene as an HTML file that needs nothing else; returns the path.
+
+    Args:
+        path: Where to.
+        scene: What to show.
+        times: When there is something new [s], in rising order, from 0; none for a scene at rest.
+        move: Brings the scene to one of these times.
+        title: The title of the tab.
+        camera: Where it is looked at from at first.
+        theme: The colours around.
+        floor: Height of the floor [m]; below everything when not given.
+
+    Raises:
+        MissingExtra: viser is not installed.
+        InputError: The file cannot be written.
+    """
+    target = Path(path)
+    moments = list(times)
+    if moments and move is not None:
+        move(moments[0])
+    with Page(scene, title, port=0, camera=camera, theme=theme, floor=floor, live=False) as page:
+        recording = start_recording(page.server)
+        before = moments[0] if moments else 0.0
+        for t in moments[1:] if move is not None else []:
+            recording.insert_sleep(t - before)
+            before = t
+            assert move is not None
+            move(t)
+            page.flush()
+        content = recording.as_html(dark_mode=theme.dark)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(content, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"Cannot write the page {str(target)!r}: {error.strerror or error}.") from error
+    return target

@@ -1,0 +1,387 @@
+"""Putting things into a scene: robots, shapes, meshes, lines, points, words, each under a name of its own."""
+
+from __future__ import annotations
+
+import abc
+import itertools
+import os
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError, UnknownName
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
+from ulna.typing import ArrayLike, Floats
+from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
+from ulna.viewer.figure import Figure, Showing
+from ulna.viewer.handles import Arrow, Cloud, Crowd, Handle, Path, Words
+from ulna.viewer.progress import progress
+from ulna.viewer.robot_handle import RobotHandle, add_arrow
+from ulna.viewer.scene import Scene
+from ulna.viewer.show import checked_robot, configuration
+from ulna.viewer.surface import RGBA, Surface, colour
+from ulna.viewer.tessellate import axes, tessellate
+
+Colour = Iterable[float] | None
+
+_PLAIN: RGBA = (0.35, 0.52, 0.78, 1.0)
+_INK: RGBA = (0.16, 0.22, 0.32, 1.0)
+
+
+class Stage(abc.ABC):
+    """A scene to put things into.
+
+    Every method that adds takes `name` (`table/leg` puts it into the group `table`; a new name when not given, and one
+    that is taken is replaced), `pose` (T_group_thing, an array (4, 4) or an `SE3`), `color` (red, green, blue from 0
+    to 1) and `opacity`, and gives a handle to assign to. Wrong input raises before anything is added.
+    """
+
+    def __init__(self) -> None:
+        self.scene = Scene()
+        """The scene: names, poses and looks of everything."""
+        self._handles: dict[str, Handle] = {}
+
+    @abc.abstractmethod
+    def _added(self, handle: Handle) -> None:
+        """Something was added."""
+
+    def add(
+        self,
+        thing: Any,
+        q: ArrayLike | str | None = None,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        color: Colour = None,
+        opacity: float = 1.0,
+        show: Showing = "visual",
+    ) -> Any:
+        """Add a robot, a shape of `ulna.geometry`, a surface, or the path of a mesh file (dae, stl, obj, glb ...).
+
+        Args:
+            thing: What to add.
+            q: A robot's configuration: an array (nq,), the name of one of its own, or None for the usual one.
+            name: Its name.
+            pose: Where it stands in its group.
+            color: One colour for all of it; its own when not given.
+            opacity: From 0 to 1.
+            show: What of a robot: "visual", "collision", "both" or "skeleton".
+
+        Returns:
+            A `RobotHandle` for a robot, a `Handle` for all else.
+
+        Raises:
+            InputError: It is nothing that can be shown, or a mesh file cannot be read.
+            ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
+        """
+        if isinstance(thing, Shape):
+            if isinstance(thing, Mesh):
+                return self.mesh(
+                    thing.path or "", thing.scale, name=name, pose=pose, color=color, opacity=opacity
+                )
+            kind = type(thing).__name__.lower()
+            surface = tessellate(thing, _PLAIN if color is None else colour(color))
+            return self._put(name, kind, (surface,), pose=pose, opacity=opacity)
+        if isinstance(thing, Surface):
+            surface = thing if color is None else thing.coloured(colour(color))
+            return self._put(name, "surface", (surface,), pose=pose, opacity=opacity)
+        if isinstance(thing, str | os.PathLike):
+            return self.mesh(thing, name=name, pose=pose, color=color, opacity=opacity)
+        if not hasattr(thing, "link_poses"):
+            raise InputError(
+                f"Cannot show {thing!r}; expected a Robot, a shape, a Surface, or the path of a mesh file."
+            )
+        return self._robot(checked_robot(thing), q, name, pose, color, opacity, show)
+
+    def _robot(
+        self, robot: Any, q: Any, name: str | None, pose: Any, color: Colour, opacity: float, show: Showing
+    ) -> RobotHandle:
+        start, group = configuration(robot, q), name or self._free(robot.name)
+        old = self._handles.get(group)
+        with progress(f"Loading {robot.name}") as report:
+            figure = Figure(self.scene, robot, start, group, color, show, pose, report)
+        if old is not None:
+            self._handles.pop(group)
+        out = RobotHandle(figure)
+        self._keep(out, opacity)
+        return out
+
+    def group(self, name: str, *, pose: Any = None) -> Handle:
+        """A group of its own, to move, tint, fade, scale and hide what is added under its name."""
+        return self._put(name, "group", pose=pose)
+
+    def box(self, size: Sequence[float], **more: Any) -> Handle:
+        """A box, centred; `size` is its edges along x, y, z [m]."""
+        return self.add(Box(tuple(size)), **more)  # type: ignore[arg-type]
+
+    def sphere(self, radius: float, **more: Any) -> Handle:
+        """A ball, centred; `radius` in metres."""
+        return self.add(Sphere(radius), **more)
+
+    def ellipsoid(self, radii: Sequence[float], **more: Any) -> Handle:
+        """An ellipsoid, centred; `radii` are its half axes [m]."""
+        return self.add(Ellipsoid(tuple(radii)), **more)  # type: ignore[arg-type]
+
+    def cylinder(self, radius: float, length: float, **more: Any) -> Handle:
+        """A cylinder about z, centred [m]."""
+        return self.add(Cylinder(radius, length), **more)
+
+    def capsule(self, radius: float, length: float, **more: Any) -> Handle:
+        """A cylinder about z with half a ball on either end, centred; `length` without these [m]."""
+        return self.add(Capsule(radius, length), **more)
+
+    def cone(self, radius: float, length: float, **more: Any) -> Handle:
+        """A cone about z, its tip up, centred [m]."""
+        return self.add(Cone(radius, length), **more)
+
+    def mesh(
+        self,
+        path: str | os.PathLike[str],
+        scale: float | Sequence[float] = 1.0,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        color: Colour = None,
+        opacity: float = 1.0,
+    ) -> Handle:
+        """A mesh file: dae (with textures), stl, obj, glb ...
+
+        Args:
+            path: The file.
+            scale: A factor for its lengths, or one along each axis; negative ones mirror.
+            name: Its name.
+            pose: Where it stands.
+            color: One colour for all of it; its own when not given.
+            opacity: From 0 to 1.
+
+        Raises:
+            InputError: The file cannot be read as a mesh.
+            MissingExtra: trimesh is not installed.
+        """
+        from ulna.viewer.meshes import load_mesh
+
+        file = os.fspath(path)
+        factors = np.broadcast_to(np.asarray(scale, dtype=float), 3)
+        with progress(f"Loading {os.path.basename(file)}") as report:
+            report(0, 1)
+            surfaces = [s.moved(np.eye(4), tuple(factors.tolist())) for s in load_mesh(file)]
+        if color is not None:
+            surfaces = [s.coloured(colour(color)) for s in surfaces]
+        kind = os.path.splitext(os.path.basename(file))[0].replace("/", ".") or "mesh"
+        return self._put(name, kind, surfaces, pose=pose, opacity=opacity)
+
+    def axes(
+        self, length: float = 0.1, *, name: str | None = None, pose: Any = None, opacity: float = 1.0
+    ) -> Handle:
+        """A frame: arrows in red, green, blue along x, y, z."""
+        return self._put(name, "axes", axes(length), pose=pose, opacity=opacity, shadow=False, through=True)
+
+    def arrow(
+        self,
+        vector: ArrayLike,
+        start: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        name: str | None = None,
+        color: Colour = None,
+        opacity: float = 1.0,
+        radius: float = 0.008,
+    ) -> Arrow:
+        """An arrow along `vector` (3,) from `start` (3,) [m], as of a force or a velocity."""
+        place = transforms(np.reshape(start, (1, -1)))[0]
+        node = name or self._free("arrow")
+        out = add_arrow(self.scene, node, vector, _PLAIN if color is None else color, radius)
+        turn = out.pose
+        turn[:3, 3] = place[:3, 3]
+        out.pose = turn
+        self._keep(out, opacity)
+        return out
+
+    def line(
+        self,
+        points: ArrayLike,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        color: Colour = None,
+        opacity: float = 1.0,
+        thickness: float = 0.004,
+    ) -> Path:
+        """A line from point to point, (n, 3) [m]."""
+        content = Lines.through(points, _INK if color is None else color, thickness)
+        return self._put(
+            name, "line", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Path
+        )
+
+    def curve(self, points: ArrayLike, *, steps: int = 12, **more: Any) -> Path:
+        """A smooth curve through points (n, 3) [m]: a Catmull-Rom spline with `steps` pieces between two of them."""
+        return self.line(_catmull_rom(np.asarray(points, dtype=float), steps), **more)
+
+    def points(
+        self,
+        positions: ArrayLike,
+        colors: ArrayLike = (0.2, 0.4, 0.75),
+        size: float = 0.01,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        opacity: float = 1.0,
+    ) -> Cloud:
+        """A cloud of points (n, 3) [m], of one colour (3,) or one for each (n, 3); `size` is their diameter [m]."""
+        content = Points(np.asarray(positions, dtype=float), np.asarray(colors, dtype=float), size)
+        return self._put(
+            name, "points", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Cloud
+        )
+
+    def text(
+        self,
+        words: str,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        height: float = 0.05,
+        name: str | None = None,
+    ) -> Words:
+        """Words that face whoever looks; `height` of the letters in metres."""
+        place = transforms(np.reshape(position, (1, -1)))[0]
+        return self._put(name, "text", content=Text(words, height), pose=place, kind_of=Words)
+
+    def grid(
+        self,
+        size: float = 2.0,
+        cell: float = 0.1,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        color: Colour = None,
+        opacity: float = 1.0,
+    ) -> Handle:
+        """A grid of lines in the plane z = 0, `size` [m] wide with cells of `cell` [m]."""
+        if not 0.0 < cell <= size < np.inf:
+            raise InputError(f"A grid of {size} m with cells of {cell} m; expected 0 < cell <= size.")
+        count = int(size / cell + 1e-9)
+        ticks = (np.arange(count + 1) - count / 2) * cell
+        end = np.full_like(ticks, count / 2 * cell)
+        flat = np.zeros_like(ticks)
+        along = np.stack([np.stack([ticks, -end, flat], 1), np.stack([ticks, end, flat], 1)], 1)
+        segments = np.concatenate([along, along[:, :, [1, 0, 2]]])
+        content = Lines(np.asarray(segments, dtype=float), _INK if color is None else colour(color), 0.002)
+        return self._put(name, "grid", content=content, pose=pose, opacity=opacity, shadow=False)
+
+    def copies(
+        self,
+        thing: Shape | Surface | str | os.PathLike[str],
+        poses: ArrayLike | None = None,
+        *,
+        positions: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        scales: ArrayLike | None = None,
+        name: str | None = None,
+        pose: Any = None,
+        opacity: float = 1.0,
+    ) -> Crowd:
+        """One thing at many places, drawn at once: ten thousand boxes cost a screen little more than one.
+
+        Args:
+            thing: A shape, a surface or the path of a mesh file.
+            poses: T_group_copy of each, (n, 4, 4); or
+            positions: (n, 3) [m].
+            colors: Red, green, blue of each, (n, 3), or of all, (3,).
+            scales: A factor along each axis, (n, 3).
+            name: Its name.
+            pose: Where the whole stands.
+            opacity: From 0 to 1.
+
+        Raises:
+            InputError: Neither `poses` nor `positions` are given, or both.
+        """
+        if (poses is None) == (positions is None):
+            raise InputError("Give either `poses` (n, 4, 4) or `positions` (n, 3) of the copies.")
+        places = (
+            transforms(positions)
+            if poses is None and positions is not None
+            else np.asarray(poses, dtype=float)
+        )
+        tints, factors = (None if v is None else np.asarray(v, dtype=float) for v in (colors, scales))
+        content = Copies(_surfaces(thing), places, tints, factors)
+        return self._put(name, "copies", content=content, pose=pose, opacity=opacity, kind_of=Crowd)
+
+    def remove(self, thing: Handle | str) -> None:
+        """Take a thing out, with all that is in it.
+
+        Raises:
+            UnknownName: There is nothing of that name.
+        """
+        name = thing if isinstance(thing, str) else thing.name
+        handle = self._handles.get(name)
+        if handle is not None:
+            handle.remove()
+        else:
+            self.scene.remove(name)
+        self._handles = {n: h for n, h in self._handles.items() if n in self.scene}
+
+    def clear(self) -> None:
+        """Take everything out."""
+        for name in self.scene.names:
+            if name in self.scene:
+                self.remove(name)
+
+    def __getitem__(self, name: str) -> Any:
+        """The handle of a thing; of a group that appeared by itself, too."""
+        if name not in self.scene:
+            raise UnknownName("thing in the scene", name, self.scene.names)
+        return self._handles.get(name) or Handle(self.scene, name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.scene
+
+    def _free(self, kind: str) -> str:
+        names = itertools.chain([kind], (f"{kind} {k}" for k in itertools.count(2)))
+        return next(n for n in names if n not in self.scene)
+
+    def _put(
+        self,
+        name: str | None,
+        kind: str,
+        surfaces: Iterable[Surface] = (),
+        *,
+        content: Content | None = None,
+        pose: Any = None,
+        opacity: float = 1.0,
+        shadow: bool = True,
+        through: bool = False,
+        kind_of: Any = Handle,
+    ) -> Any:
+        node = name or self._free(kind)
+        place = None if pose is None else pose.matrix() if hasattr(pose, "matrix") else pose
+        self.scene.add(node, surfaces, place, shadow, through, content)
+        out = kind_of(self.scene, node)
+        self._keep(out, opacity)
+        return out
+
+    def _keep(self, handle: Handle, opacity: float) -> None:
+        handle.opacity = opacity
+        self._handles[handle.name] = handle
+        self._added(handle)
+
+
+def _surfaces(thing: Any) -> tuple[Surface, ...]:
+    if isinstance(thing, Surface):
+        return (thing,)
+    if isinstance(thing, Mesh):
+        thing = thing.path or ""
+    if isinstance(thing, Shape):
+        return (tessellate(thing, _PLAIN),)
+    from ulna.viewer.meshes import load_mesh
+
+    return load_mesh(os.fspath(thing))
+
+
+def _catmull_rom(points: Floats, steps: int) -> Floats:
+    """Points on the uniform Catmull-Rom spline through points (n, 3)."""
+    if points.ndim != 2 or len(points) < 3 or steps < 1:
+        return points
+    padded = np.concatenate([2 * points[:1] - points[1:2], points, 2 * points[-1:] - points[-2:-1]])
+    t = (np.arange(steps) / steps)[:, None]
+    a, b, c, d = (padded[k : len(padded) - 3 + k, None] for k in range(4))
+    curve = 0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - a - 3 * c + d) * t**3)
+    return np.concatenate([curve.reshape(-1, 3), points[-1:]])
