@@ -15,6 +15,7 @@ from ulna.algorithms.references import Reference
 from ulna.errors import InputError, UnknownName
 from ulna.methods.base import Plain
 from ulna.methods.branches import Branching
+from ulna.methods.collision import Collisions
 from ulna.methods.constraints import Constraints
 from ulna.methods.derivatives import Derivatives
 from ulna.methods.dynamics import Dynamics
@@ -54,7 +55,7 @@ class Limits:
 
 
 @final
-class Robot(Dynamics, Operational, Constraints, Derivatives, InverseKinematics, Branching, Regressors):
+class Robot(Dynamics, Operational, Constraints, Derivatives, InverseKinematics, Branching, Regressors, Collisions):
     """A robot: its model, and its kernels compiled when first used.
 
     Every method takes configurations of shape (..., nq) and velocities of shape (..., nv), with any leading batch
@@ -289,7 +290,7 @@ class Robot(Dynamics, Operational, Constraints, Derivatives, InverseKinematics, 
             )
         return out
 
-    def distance(self, q0: ArrayLike, q1: ArrayLike) -> Any:
+    def configuration_distance(self, q0: ArrayLike, q1: ArrayLike) -> Any:
         """Length of the difference of two configurations, (...)."""
         return self._plain["distance"](q0, q1)
 

@@ -63,7 +63,7 @@ def test_every_kernel_equals_its_algorithm_on_floats_and_in_batches(panda: ulna.
         ("manipulability_gradient", 1),
         ("integrate", 2),
         ("difference", 2),
-        ("distance", 2),
+        ("configuration_distance", 2),
         ("normalize", 1),
     ],
 )

@@ -1,17 +1,30 @@
-"""Collision of robots: exact through coal, and compiled by spheres."""
+"""Collision of robots with themselves and with worlds: exact through coal, and compiled by covering spheres."""
 
+from ulna.collision.clearance import sphere_clearance
+from ulna.collision.compiled import SphereChecker
 from ulna.collision.exact import Checker
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.result import Distance, Proximity
+from ulna.collision.segment import first_contact
+from ulna.collision.spheres import LinkSpheres, Spheres, fit
+from ulna.collision.survey import Survey, survey
 from ulna.collision.world import Obstacle, World, robot_poses
 
 __all__ = [
     "Checker",
     "Distance",
     "LinkPair",
+    "LinkSpheres",
     "Obstacle",
     "Proximity",
+    "SphereChecker",
+    "Spheres",
+    "Survey",
     "World",
+    "first_contact",
+    "fit",
     "link_pairs",
     "robot_poses",
+    "sphere_clearance",
+    "survey",
 ]

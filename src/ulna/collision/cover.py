@@ -13,8 +13,6 @@ Source: Boyd and Vandenberghe, Convex Optimization (2004), section 8.1, on proje
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ulna.collision.solids import Solid, half_spaces
@@ -26,29 +24,29 @@ from ulna.typing import Array, Floats
 _MOST = 150_000  # points of a grid
 
 
-def sample(solids: Sequence[Solid], places: Sequence[SE3], step: float) -> tuple[Floats, Floats, float]:
-    """Points no farther than `delta` from any point of the solids, those of them that lie inside, and `delta`.
+def sample(solid: Solid, place: SE3, step: float) -> tuple[Floats, Floats, float]:
+    """Points no farther than `delta` from any point of a solid, those of them that lie inside, and `delta`.
 
     Args:
-        solids: Bounded solids, each taken by its convex hull.
-        places: T_common_shape of each.
+        solid: A bounded solid, taken by its convex hull.
+        place: T_common_shape; the points are in the common frame.
         step: Step of the grid [m]; made wider where it would have too many points.
+
+    Raises:
+        InputError: If the solid is a plane.
     """
-    outer, inner, delta = [], [], 0.0
-    for solid, place in zip(solids, places, strict=True):
-        centre, half = solid.bounds
-        if not np.isfinite(half).all():
-            raise InputError(f"The {solid.shape.describe()} of {solid.owner!r} is boundless; no spheres cover it.")
-        h = max(step, float(np.prod(2 * half + 2 * step) / _MOST) ** (1 / 3))
-        reach = h * np.sqrt(3) / 2
-        counts = np.ceil(half / h).astype(int) + 1
-        axes = [middle + h * np.arange(-n, n + 1) for middle, n in zip(centre, counts, strict=True)]
-        grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-        near, inside = _onto(solid, grid, reach)
-        outer.append(place.rotation @ near.T + place.translation[:, None])
-        inner.append(place.rotation @ inside.T + place.translation[:, None])
-        delta = max(delta, reach)
-    return np.hstack(outer).T, np.hstack(inner).T, float(delta)
+    centre, half = solid.bounds
+    if not np.isfinite(half).all():
+        raise InputError(
+            f"The {solid.shape.describe()} of {solid.owner!r} is boundless; no spheres cover it."
+        )
+    h = max(step, float(np.prod(2 * half + 2 * step) / _MOST) ** (1 / 3))
+    reach = h * float(np.sqrt(3) / 2)
+    counts = np.ceil(half / h).astype(int) + 1
+    axes = [middle + h * np.arange(-n, n + 1) for middle, n in zip(centre, counts, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    near, inside = _onto(solid, grid, reach)
+    return place @ near, place @ inside, reach
 
 
 def _onto(solid: Solid, grid: Floats, reach: float) -> tuple[Floats, Floats]:

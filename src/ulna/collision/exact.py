@@ -29,7 +29,7 @@ _CHUNK = 256  # configurations whose boxes are compared at once: what fits the s
 
 
 @dataclass(frozen=True)
-class _Poses:
+class Poses:
     """Poses of every solid, and the boxes around them, for some configurations; links first, then obstacles."""
 
     rotation: Floats  # (rows, n, 3, 3)
@@ -70,20 +70,24 @@ class Checker:
     ) -> None:
         narrow.coal()
         self.model, self.world = model, World() if world is None else world
-        if not isinstance(self.world, World):
-            raise InputError(f"`world` is {world!r}; expected a World, as `ulna.World().add(...)` makes.")
         links, obstacles = link_solids(model, missing), obstacle_solids(self.world, missing)
         self.solids, self._count = (*links, *obstacles), len(links)
+        """The solids of the links, then those of the obstacles."""
         self.pairs = self._link_pairs(pairs, without)
-        self._mask = self._checks(without)
+        self.mask = self._checks(without)
+        """Which solids of links are checked against which of all, (n links, n)."""
         self._kernel = broad.pose_kernel(model, links)
-        self._fixed = np.stack([s.placement.rotation for s in obstacles]) if obstacles else np.zeros((0, 3, 3))
-        self._placed = np.stack([s.placement.translation for s in obstacles]) if obstacles else np.zeros((0, 3))
+        self._fixed = (
+            np.stack([s.placement.rotation for s in obstacles]) if obstacles else np.zeros((0, 3, 3))
+        )
+        self._placed = (
+            np.stack([s.placement.translation for s in obstacles]) if obstacles else np.zeros((0, 3))
+        )
         self._boxes = broad.boxes_at(obstacles, self._fixed, self._placed)
         self._planes = [len(links) + k for k, s in enumerate(obstacles) if isinstance(s.shape, Plane)]
         self._narrow = _Narrow([narrow.geometry_of(s, convex) for s in self.solids])
         self._jacobians: dict[str, Any] = {}
-        self._lock = threading.Lock()
+        self.lock = threading.RLock()
 
     def _link_pairs(
         self, pairs: Iterable[LinkPair] | None, without: Iterable[LinkPair]
@@ -135,7 +139,7 @@ class Checker:
             UnknownName: If `moving` names no obstacle.
         """
         margin = _number("margin", margin)
-        with self._lock:
+        with self.lock:
             batch, chunks = self._chunks(q, moving)
             out = np.zeros(int(np.prod(batch)), dtype=bool)
             for start, poses in chunks:
@@ -160,7 +164,7 @@ class Checker:
             broad_phase: Whether boxes rule out pairs before coal sees them.
         """
         enough = -np.inf if stop_below is None else _number("stop_below", stop_below)
-        with self._lock:
+        with self.lock:
             batch, chunks = self._chunks(q, moving)
             found = [
                 self._nearest(poses, row, bounds, enough)
@@ -168,6 +172,29 @@ class Checker:
                 for row, bounds in enumerate(np.moveaxis(self._bounds(poses, broad_phase), -1, 0))
             ]
         return Distance.of([self._proximity(item) for item in found], batch)
+
+    @property
+    def owners(self) -> tuple[tuple[str, str], ...]:
+        """Every two owners of solids that are checked: two links, or a link and an obstacle."""
+        names = [solid.owner for solid in self.solids]
+        return tuple(dict.fromkeys((names[i], names[j]) for i, j in np.argwhere(self.mask)))
+
+    def touching(
+        self, q: ArrayLike, moving: Mapping[str, ArrayLike] | None = None, *, margin: float = 0.0
+    ) -> Array:
+        """Which of `owners` touch, (..., len(owners)); arguments as for `collides`."""
+        margin = _number("margin", margin)
+        column = {pair: k for k, pair in enumerate(self.owners)}
+        with self.lock:
+            batch, chunks = self._chunks(q, moving)
+            out = np.zeros((int(np.prod(batch)), len(column)), dtype=bool)
+            ask = self._narrow.collision(margin)
+            for start, poses in chunks:
+                for i, j, row in np.argwhere(self._near(poses, margin)).tolist():
+                    k = column[self.solids[i].owner, self.solids[j].owner]
+                    if not out[start + row, k]:
+                        out[start + row, k] = ask(poses, row, i, j)
+        return out.reshape(*batch, len(column))
 
     def nearest(
         self,
@@ -183,8 +210,8 @@ class Checker:
         """
         if np.ndim(q) != 1:
             raise ShapeError("q", np.shape(q), f"({self.model.nq},)", "Ask for one configuration at a time.")
-        best: dict[tuple[str, str], _Found] = {}
-        with self._lock:
+        best: dict[tuple[str, str], Found] = {}
+        with self.lock:
             _, chunks = self._chunks(q, moving)
             for _, poses in chunks:
                 bounds = self._bounds(poses, True)[..., 0]
@@ -211,22 +238,31 @@ class Checker:
         out = [self._gradient(item, row) for item, row in zip(items, rows, strict=True)]
         return np.array(out).reshape(*batch, self.model.nv)
 
+    def look(self, q: Floats) -> Look:
+        """The solids at one configuration (nq,), for algorithms that ask for pairs themselves; hold `lock`."""
+        _, chunks = self._chunks(q, None)
+        _, poses = next(chunks)
+        return Look(self._bounds(poses, True)[..., 0], poses, self._narrow)
+
     # one batch ---------------------------------------------------------------------------------------------
 
     def _chunks(
         self, q: ArrayLike, moving: Mapping[str, ArrayLike] | None
-    ) -> tuple[tuple[int, ...], Iterator[tuple[int, _Poses]]]:
+    ) -> tuple[tuple[int, ...], Iterator[tuple[int, Poses]]]:
         R, p, c, h = self._kernel(q)
         stray = self._moved(moving or {})
         batch = np.broadcast_shapes(p.shape[:-2], *(T.shape[:-2] for T in stray.values()))
         total = int(np.prod(batch))
-        flat = [np.broadcast_to(x, batch + x.shape[p.ndim - 2 :]).reshape(total, *x.shape[p.ndim - 2 :]) for x in (R, p, c, h)]
+        flat = [
+            np.broadcast_to(x, batch + x.shape[p.ndim - 2 :]).reshape(total, *x.shape[p.ndim - 2 :])
+            for x in (R, p, c, h)
+        ]
         poses = {k: np.broadcast_to(T, (*batch, 4, 4)).reshape(total, 4, 4) for k, T in stray.items()}
         return batch, self._pieces(flat, poses, total)
 
     def _pieces(
         self, flat: Sequence[Floats], poses: Mapping[int, Floats], total: int
-    ) -> Iterator[tuple[int, _Poses]]:
+    ) -> Iterator[tuple[int, Poses]]:
         obstacles = self.solids[self._count :]
         for start in range(0, total, _CHUNK):
             part = slice(start, min(start + _CHUNK, total))
@@ -239,7 +275,7 @@ class Checker:
                     R[:, k], p[:, k] = T[part, :3, :3], T[part, :3, 3]
                 c, h = broad.boxes_at(obstacles, R, p)
             pairs = zip(flat, (R, p, c, h), strict=True)
-            yield start, _Poses(*(np.concatenate([own[part], other], axis=1) for own, other in pairs))
+            yield start, Poses(*(np.concatenate([own[part], other], axis=1) for own, other in pairs))
 
     def _moved(self, moving: Mapping[str, ArrayLike]) -> dict[int, Floats]:
         """Poses of moving obstacles by their place among the obstacles."""
@@ -258,33 +294,33 @@ class Checker:
                 found[owners.index(name)] = SE3.from_matrix(matrix).matrix()
         return found
 
-    def _all(self, poses: _Poses) -> Array:
-        return np.repeat(self._mask[..., None], len(poses.centre), axis=-1)
+    def _all(self, poses: Poses) -> Array:
+        return np.repeat(self.mask[..., None], len(poses.centre), axis=-1)
 
-    def _near(self, poses: _Poses, margin: float) -> Array:
+    def _near(self, poses: Poses, margin: float) -> Array:
         """Which pairs boxes do not rule out, (n links, n, rows)."""
         near = broad.overlaps(poses.centre, poses.half, self._count, margin)
-        near &= self._mask[..., None]
+        near &= self.mask[..., None]
         for k in self._planes:
             near[:, k] &= self._over(poses, k) <= margin
         return near
 
-    def _bounds(self, poses: _Poses, broad_phase: bool) -> Floats:
+    def _bounds(self, poses: Poses, broad_phase: bool) -> Floats:
         """Lower bounds of the distances of pairs, inf where none is asked for, (n links, n, rows)."""
         if not broad_phase:
             return np.where(self._all(poses), -np.inf, np.inf)
         bounds = broad.gaps(poses.centre, poses.half, self._count)
         for k in self._planes:
             bounds[:, k] = self._over(poses, k)
-        bounds[~self._mask] = np.inf
+        bounds[~self.mask] = np.inf
         return bounds
 
-    def _over(self, poses: _Poses, k: int) -> Floats:
+    def _over(self, poses: Poses, k: int) -> Floats:
         own = slice(0, self._count)
         R, p = poses.rotation[:, k], poses.translation[:, k]
         return broad.plane_gaps(poses.centre[:, own], poses.half[:, own], R, p)
 
-    def _touch(self, poses: _Poses, near: Array, margin: float, out: Array) -> None:
+    def _touch(self, poses: Poses, near: Array, margin: float, out: Array) -> None:
         """Sets `out` where one of the near pairs touches; a row is done with its first contact."""
         first, second, rows = np.nonzero(near)
         order = np.argsort(rows, kind="stable")  # one configuration after the other
@@ -294,12 +330,12 @@ class Checker:
             if not out[row] and ask(poses, row, i, j):
                 out[row] = True
 
-    def _nearest(self, poses: _Poses, row: int, bounds: Floats, enough: float) -> _Found | None:
+    def _nearest(self, poses: Poses, row: int, bounds: Floats, enough: float) -> Found | None:
         """The nearest pair of one configuration: pairs in the order of their bounds, until none can be nearer."""
         flat = bounds.reshape(-1)
         candidates = np.flatnonzero(flat < np.inf)
         candidates = candidates[np.argsort(flat[candidates])]
-        best: _Found | None = None
+        best: Found | None = None
         width = len(self.solids)
         for index, bound in zip(candidates.tolist(), flat[candidates].tolist(), strict=True):
             if best is not None and (bound >= best.distance or best.distance <= enough):
@@ -309,7 +345,7 @@ class Checker:
 
     # gradients ---------------------------------------------------------------------------------------------
 
-    def _proximity(self, item: _Found | None, q: Floats | None = None) -> Proximity:
+    def _proximity(self, item: Found | None, q: Floats | None = None) -> Proximity:
         if item is None:
             nowhere = np.full((2, 3), np.nan)
             return Proximity(np.inf, nowhere, np.full(3, np.nan), ("", ""), np.zeros(self.model.nv))
@@ -334,7 +370,7 @@ class Checker:
 
 
 @dataclass(frozen=True)
-class _Found:
+class Found:
     """A distance that coal found, by the numbers of the two solids."""
 
     distance: float
@@ -344,6 +380,24 @@ class _Found:
     second: int
 
 
+@final
+@dataclass(frozen=True)
+class Look:
+    """The solids of a checker at one configuration.
+
+    Attributes:
+        bounds: Lower bounds of signed distances, inf for pairs that are not checked, (n links, n) [m].
+    """
+
+    bounds: Floats
+    _poses: Poses
+    _narrow: _Narrow
+
+    def distance(self, i: int, j: int) -> float:
+        """The signed distance of two solids [m]."""
+        return self._narrow.distance(self._poses, 0, i, j).distance
+
+
 class _Narrow:
     """Coal's objects, reused from pair to pair; not for two threads at once."""
 
@@ -351,13 +405,13 @@ class _Narrow:
         c = narrow.coal()
         self._geometries = geometries
         self._transforms = [c.Transform3s() for _ in geometries]
-        self._poses: _Poses | None = None
+        self._poses: Poses | None = None
         self._rows = [-1] * len(geometries)
         self._collisions: dict[tuple[int, int], Any] = {}
         self._distances: dict[tuple[int, int], Any] = {}
         self._request, self._result = c.DistanceRequest(), c.DistanceResult()
 
-    def _place(self, poses: _Poses, row: int, k: int) -> Any:
+    def _place(self, poses: Poses, row: int, k: int) -> Any:
         if poses is not self._poses:
             self._poses, self._rows = poses, [-1] * len(self._geometries)
         if self._rows[k] != row:
@@ -373,7 +427,7 @@ class _Narrow:
         request.num_max_contacts = 1
         made, geometries, place = self._collisions, self._geometries, self._place
 
-        def ask(poses: _Poses, row: int, i: int, j: int) -> bool:
+        def ask(poses: Poses, row: int, i: int, j: int) -> bool:
             pair = made.get((i, j))
             if pair is None:
                 pair = made[i, j] = c.ComputeCollision(geometries[i], geometries[j])
@@ -382,7 +436,7 @@ class _Narrow:
 
         return ask
 
-    def distance(self, poses: _Poses, row: int, i: int, j: int, best: _Found | None = None) -> Any:
+    def distance(self, poses: Poses, row: int, i: int, j: int, best: Found | None = None) -> Any:
         """The distance of two solids, or `best` where that is not larger."""
         pair = self._distances.get((i, j))
         if pair is None:
@@ -395,7 +449,7 @@ class _Narrow:
         if best is not None and best.distance <= d:
             return best
         points = np.stack([result.getNearestPoint1(), result.getNearestPoint2()])
-        return _Found(float(d), points, np.array(result.normal), i, j)
+        return Found(float(d), points, np.array(result.normal), i, j)
 
 
 def _number(name: str, value: Any) -> float:

@@ -16,6 +16,7 @@ distance, Theoretical Computer Science 38 (1985) for the start; Badoiu and Clark
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -56,9 +57,9 @@ def _needed(
     A sphere can go where each sample that stands for what it covers of its own solid is deeper than delta in another.
     """
     kept = np.ones(len(c), dtype=bool)
-    samples = [sample([s], [T], tolerance / 4.0)[::2] for s, T in zip(solids, places, strict=True)]
+    samples = [sample(s, T, tolerance / 4.0) for s, T in zip(solids, places, strict=True)]
     for k in np.argsort(r, kind="stable"):
-        x, delta = samples[owner[k]]
+        x, _, delta = samples[owner[k]]
         own = x[((x - c[k]) ** 2).sum(axis=1) <= (r[k] + delta) ** 2]
         kept[k] = False
         left = np.ones(len(own), dtype=bool)
@@ -71,7 +72,7 @@ def _needed(
 
 def _cluster(solid: Solid, tolerance: float, most: int) -> Cover:
     """Spheres around a solid without a formula, by clusters of points."""
-    x, inside, delta = sample([solid], [SE3.identity()], tolerance / 4.0)
+    x, inside, delta = sample(solid, SE3.identity(), tolerance / 4.0)
     few = x[:: max(1, len(x) // _FEW)]
     tree = _tree(inside)
     best: Cover | None = None
@@ -140,7 +141,7 @@ def _farthest(x: Floats, c: Floats) -> float:
     return float(np.sqrt(((x - c) ** 2).sum(axis=1).max())) if len(x) else -1.0
 
 
-def _rough(tree: Array, c: Floats, r: Floats) -> float:
+def _rough(tree: Any, c: Floats, r: Floats) -> float:
     """How far points on the spheres are from the solid; a guess at e."""
     k = np.arange(100) + 0.5
     z, angle = 1.0 - k / 50.0, np.pi * (1.0 + np.sqrt(5.0)) * k
@@ -149,7 +150,7 @@ def _rough(tree: Array, c: Floats, r: Floats) -> float:
     return float(tree.query((c[:, None] + r[:, None, None] * ball).reshape(-1, 3))[0].max())
 
 
-def _excess(tree: Array, c: Floats, r: Floats, step: float) -> float:
+def _excess(tree: Any, c: Floats, r: Floats, step: float) -> float:
     """A bound of e: the distance grows by no more than a point moves, so a grid inside the spheres tells all."""
     slack = step * np.sqrt(3.0) / 2.0
     worst = 0.0
@@ -164,9 +165,9 @@ def _excess(tree: Array, c: Floats, r: Floats, step: float) -> float:
     return worst + slack
 
 
-def _tree(points: Floats) -> Array:
+def _tree(points: Floats) -> Any:
     try:
-        from scipy.spatial import cKDTree
+        from scipy.spatial import KDTree
     except ImportError as error:
         raise MissingExtra("scipy", "collision", "Fitting spheres") from error
-    return cKDTree(points)  # type: ignore[return-value]
+    return KDTree(points)

@@ -19,7 +19,7 @@ def coal() -> Any:
         MissingExtra: If it is not installed.
     """
     try:
-        import coal as package
+        import coal as package  # pyright: ignore[reportMissingImports]
     except ImportError as error:
         raise MissingExtra("coal", "collision", "Exact collision checking") from error
     return package

@@ -8,7 +8,7 @@
 | s | half the distance of two neighbours on the axis | [m] |
 | w | edges of one cell of a box, or of the square cells that cover a disc | [m] |
 
-Capsule: R^2 = r^2 + s^2 covers between neighbours, r + e = R past the last centre, n spheres reach L = 2 s (n - 1) + 2 e.
+Capsule: R^2 = r^2 + s^2 covers between neighbours, r + e = R past the last centre; n reach L = 2 s (n - 1) + 2 e.
 Cylinder: n layers, each disc covered by circles of radius rho: R^2 = rho^2 + (L / 2n)^2. Box: R = |w| / 2.
 Source: Pythagoras; Kershner, The number of circles covering a set, American Journal of Mathematics 61 (1939) for
 discs covered by 3, 4 and 7 circles.
@@ -33,7 +33,13 @@ _DISCS: tuple[tuple[float, list[tuple[float, float]]], ...] = (
     (1.0, [(0.0, 0.0)]),
     (_S3 / 2.0, [(0.5 * math.cos(a), 0.5 * math.sin(a)) for a in (0.0, 2 * math.pi / 3, 4 * math.pi / 3)]),
     (math.sqrt(0.5), [(x, y) for x in (-0.5, 0.5) for y in (-0.5, 0.5)]),
-    (0.5, [(0.0, 0.0), *((_S3 / 2 * math.cos(k * math.pi / 3), _S3 / 2 * math.sin(k * math.pi / 3)) for k in range(6))]),
+    (
+        0.5,
+        [
+            (0.0, 0.0),
+            *((_S3 / 2 * math.cos(k * math.pi / 3), _S3 / 2 * math.sin(k * math.pi / 3)) for k in range(6)),
+        ],
+    ),
 )
 
 
@@ -53,7 +59,7 @@ def pack(shape: Shape, t: float, most: int) -> Cover | None:
 
 def _capsule(r: float, length: float, t: float, most: int) -> Cover:
     n, R = 1, r + length / 2.0
-    while R > r + t and n < most:
+    while n < most and R - r > t:
         n += 1
         low, high = r, r + length / 2.0  # n spheres reach farther the larger they are
         for _ in range(60):
@@ -69,11 +75,7 @@ def _capsule(r: float, length: float, t: float, most: int) -> Cover:
 
 def _cylinder(r: float, length: float, t: float, most: int) -> Cover:
     discs = [(rho * r, r * np.array(c)) for rho, c in _DISCS] + [_squares(r, t * k) for k in (16, 8, 4)]
-    options = [
-        (rho, centres, n)
-        for rho, centres in discs
-        for n in range(1, most // len(centres) + 1)
-    ]
+    options = [(rho, centres, n) for rho, centres in discs for n in range(1, most // len(centres) + 1)]
 
     def price(option: tuple[float, Floats, int]) -> float:
         """Spheres, dearer the farther they stick out."""
@@ -84,7 +86,11 @@ def _cylinder(r: float, length: float, t: float, most: int) -> Cover:
     side, flat, R = _out_of_cylinder(r, length, rho, centres, n)
     z = length * ((np.arange(n) + 0.5) / n - 0.5)
     spread = np.array([(x, y, h) for (x, y), h in itertools.product(centres.tolist(), z.tolist())])
-    return spread, np.full(len(spread), R), max(math.hypot(side, flat) if len(centres) > 1 else max(side, flat), 0.0)
+    return (
+        spread,
+        np.full(len(spread), R),
+        max(math.hypot(side, flat) if len(centres) > 1 else max(side, flat), 0.0),
+    )
 
 
 def _out_of_cylinder(
@@ -103,7 +109,7 @@ def _squares(r: float, w: float) -> tuple[float, Floats]:
     axis = 2.0 * r / n * (np.arange(n) + 0.5) - r
     x, y = np.meshgrid(axis, axis)
     inner = np.hypot(np.maximum(abs(x) - r / n, 0.0), np.maximum(abs(y) - r / n, 0.0)) <= r
-    return math.sqrt(2.0) * r / n, np.stack([x[inner], y[inner]], axis=1)
+    return math.sqrt(2.0) * r / n, np.stack([x[inner], y[inner]], axis=1).astype(float)
 
 
 def _box(size: tuple[float, float, float], t: float, most: int) -> Cover:

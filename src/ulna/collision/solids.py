@@ -6,7 +6,7 @@ import functools
 import os
 import warnings
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import Any, Literal, final
 
 import numpy as np
 
@@ -97,9 +97,7 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
 
 def obstacle_solids(world: World, missing: Missing = "error") -> tuple[Solid, ...]:
     """The obstacles of a world, in order; see `link_solids`."""
-    found = (
-        _solid(f"obstacle {o.name!r}", o.name, o.shape, -1, o.pose, missing) for o in world.obstacles
-    )
+    found = (_solid(f"obstacle {o.name!r}", o.name, o.shape, -1, o.pose, missing) for o in world.obstacles)
     return tuple(solid for solid in found if solid is not None)
 
 
@@ -111,7 +109,9 @@ def _solid(
         if shape.path is None or shape.missing or not os.path.isfile(shape.path):
             text = f"The collision mesh {shape.path or '(no file named)'} of {place} was not found"
             if missing == "error":
-                raise ModelError(f"{text}. Put the file there, or pass missing='skip' to go without that shape.")
+                raise ModelError(
+                    f"{text}. Put the file there, or pass missing='skip' to go without that shape."
+                )
             warnings.warn(f"{text}; its collisions are not seen.", ModelWarning, stacklevel=3)
             return None
         vertices, triangles = _read(shape.path, os.stat(shape.path).st_mtime_ns)
@@ -187,7 +187,7 @@ def half_spaces(solid: Solid) -> tuple[Floats, Floats, Floats]:
             k = np.arange(200) + 0.5
             z, angle = 1.0 - k / 100.0, np.pi * (1.0 + np.sqrt(5.0)) * k  # a spiral of even density
             flat = np.sqrt(1.0 - z * z)
-            A = np.stack([np.cos(angle) * flat, np.sin(angle) * flat, z], axis=1)
+            A: Any = np.stack([np.cos(angle) * flat, np.sin(angle) * flat, z], axis=1)
             return A, np.sqrt(((A * np.array(radii)) ** 2).sum(axis=1)), np.zeros((1, 3))
         case Cone(radius=r, length=length):
             angle = np.arange(32) * (2.0 * np.pi / 32)
@@ -201,5 +201,9 @@ def half_spaces(solid: Solid) -> tuple[Floats, Floats, Floats]:
             a, b, c = (vertices[triangles[:, k]] for k in range(3))
             normal = np.cross(b - a, c - a)
             normal /= np.sqrt((normal**2).sum(axis=1, keepdims=True))
-            return normal, (vertices @ normal.T).max(axis=0), vertices  # all inside, whatever rounding does
+            return (
+                normal,
+                np.asarray((vertices @ normal.T).max(axis=0)),
+                vertices,
+            )  # all inside, whatever rounding does
     raise InputError(f"{solid.shape.describe()} needs no half spaces.")

@@ -112,9 +112,7 @@ class Spheres:
         return f"<{self.count} spheres on {len(self.links)} links>"
 
 
-def fit(
-    model: Model, tolerance: float = 0.012, most: int = 12, *, missing: Missing = "error"
-) -> Spheres:
+def fit(model: Model, tolerance: float = 0.012, most: int = 12, *, missing: Missing = "error") -> Spheres:
     """Spheres that cover the collision geometry of every link; kept on disk, since finding them takes seconds.
 
     Args:

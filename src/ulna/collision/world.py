@@ -157,12 +157,12 @@ class World:
         raise UnknownName("obstacle", name, self.names)
 
     def __repr__(self) -> str:
-        return f"<world of {len(self)} obstacles: {', '.join(self.names[:8])}{' ...' if len(self) > 8 else ''}>"
+        return (
+            f"<world of {len(self)} obstacles: {', '.join(self.names[:8])}{' ...' if len(self) > 8 else ''}>"
+        )
 
 
-def robot_poses(
-    name: str, model: Model, q: ArrayLike, placement: SE3 | None = None
-) -> Mapping[str, Floats]:
+def robot_poses(name: str, model: Model, q: ArrayLike, placement: SE3 | None = None) -> Mapping[str, Floats]:
     """Where the obstacles of a robot added as `name` stand at configurations `q` (..., nq): (..., 4, 4) by name."""
     links = [link for link in model.links if link.collisions]
     fk = kernels.kernel(model, "fk", checked=True, frame=tuple(link.name for link in links))
@@ -186,7 +186,9 @@ def _pose(name: str, pose: SE3 | ArrayLike | None) -> SE3:
         found = SE3.from_translation(array) if array.shape == (3,) else SE3.from_matrix(array)
     matrix: Any = found.matrix()
     if matrix.shape != (4, 4):
-        raise InputError(f"Obstacle {name!r}: `pose` is a batch of shape {matrix.shape[:-2]}; expected one pose.")
+        raise InputError(
+            f"Obstacle {name!r}: `pose` is a batch of shape {matrix.shape[:-2]}; expected one pose."
+        )
     if not np.isfinite(matrix).all():
         bad = tuple(int(i) for i in np.argwhere(~np.isfinite(matrix))[0])
         raise NonFiniteError(f"pose of obstacle {name!r}", bad, float(matrix[bad]))

@@ -1,0 +1,234 @@
+"""How far spheres on a robot's links are from each other and from a world, in the scalar's own algebra.
+
+| symbol | meaning | shape | unit |
+|---|---|---|---|
+| c, r | centre in the world and radius of a sphere | (3,), () | [m] |
+| p | centre in an obstacle's frame, p = R^T (c - t) | (3,) | [m] |
+| h, m | half edges of a box, and how far it is rounded: m alone is a ball, h_z and m a capsule | (3,), () | [m] |
+| g | p beyond the faces, g = abs(p) - h | (3,) | [m] |
+| rho, z | distance of c from a cylinder's axis, and its height along the axis | (), () | [m] |
+| d | signed distance: of a box min(max(g), 0) + abs(max(g, 0)) - m - r | () | [m] |
+
+Source: Ericson, Real-Time Collision Detection (2005), section 5.1, on nearest points of boxes and cylinders. A
+covering sphere is never farther than what it covers, so that d is no more than the distance of the real shapes while
+that is positive. These functions run on floats, on symbols and on traces; what is compiled from them is
+`ulna.collision.compiled`, and whatever calls `sphere_clearance`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ulna import algorithms
+from ulna.collision.fit import cover
+from ulna.collision.pairs import LinkPair, link_pairs
+from ulna.collision.solids import Solid, obstacle_solids
+from ulna.collision.spheres import Spheres, fit
+from ulna.collision.world import World
+from ulna.geometry import Box, Capsule, Cylinder, Plane, Sphere
+from ulna.model import Model
+from ulna.numeric import exp, maximum, minimum, sqrt
+from ulna.spatial import SE3
+from ulna.typing import Array, Floats
+
+Kind = Literal["box", "cylinder", "plane"]
+
+_COARSE = (
+    0.01  # [m] tolerance, and count, of spheres that stand for meshes, cones and ellipsoids of the world
+)
+_MOST = 24
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A piece of an obstacle that a formula knows: a rounded box, a cylinder or a half space.
+
+    Attributes:
+        owner: Name of the obstacle.
+        kind: Which formula.
+        placement: T_obstacle_part.
+        sizes: h and m of a box, (4,); radius and half length of a cylinder, (2,); nothing of a plane, (0,).
+    """
+
+    owner: str
+    kind: Kind
+    placement: SE3
+    sizes: Floats
+
+
+def parts(world: World) -> tuple[Part, ...]:
+    """The pieces of a world's obstacles; meshes (by convex hulls), cones and ellipsoids become spheres around them."""
+    return tuple(part for solid in obstacle_solids(world) for part in _parts(solid))
+
+
+def _parts(solid: Solid) -> list[Part]:
+    place, name = SE3.identity(), solid.owner
+    match solid.shape:
+        case Box(size=(x, y, z)):
+            return [Part(name, "box", place, np.array([x / 2.0, y / 2.0, z / 2.0, 0.0]))]
+        case Sphere(radius=r):
+            return [Part(name, "box", place, np.array([0.0, 0.0, 0.0, r]))]
+        case Capsule(radius=r, length=length):
+            return [Part(name, "box", place, np.array([0.0, 0.0, length / 2.0, r]))]
+        case Cylinder(radius=r, length=length):
+            return [Part(name, "cylinder", place, np.array([r, length / 2.0]))]
+        case Plane():
+            return [Part(name, "plane", place, np.zeros(0))]
+    centres, radii, _ = cover([solid], [place], _COARSE, _MOST)
+    return [
+        Part(name, "box", SE3.from_translation(c), np.array([0.0, 0.0, 0.0, r]))
+        for c, r in zip(centres, radii, strict=True)
+    ]
+
+
+def row(part: Part, pose: SE3) -> Floats:
+    """The numbers a formula takes of a part whose obstacle is at `pose`, T_world_obstacle (...): (..., n).
+
+    Of a box R, t, h, m; of a cylinder its axis, t, radius and half length; of a plane its normal and a point.
+    """
+    T = pose @ part.placement
+    batch = T.translation.shape[:-1]
+    sizes = np.broadcast_to(part.sizes, (*batch, len(part.sizes)))
+    if part.kind == "box":
+        return np.concatenate([T.rotation.reshape(*batch, 9), T.translation, sizes], axis=-1)
+    return np.concatenate([T.rotation[..., :, 2], T.translation, sizes], axis=-1)
+
+
+WIDTH: Mapping[Kind, int] = {"box": 16, "cylinder": 8, "plane": 6}
+"""How many numbers a row of each kind has."""
+
+
+def squared(kind: Kind, c: Array, numbers: Array) -> tuple[Any, Any]:
+    """The squared distance of a point from a part before rounding, and how far the part is rounded (m); no roots
+    where none are needed.
+    """
+    g = _beyond(kind, c, numbers)
+    outside = [maximum(x, 0.0) for x in g]
+    total = outside[0] * outside[0]
+    for x in outside[1:]:
+        total = total + x * x
+    return total, (numbers[15] if kind == "box" else 0.0)
+
+
+def signed(kind: Kind, c: Array, numbers: Array) -> Any:
+    """The signed distance of a point from a part."""
+    g = _beyond(kind, c, numbers)
+    if kind == "plane":
+        return g[0]
+    deepest = g[0]
+    for x in g[1:]:
+        deepest = maximum(deepest, x)
+    inside = minimum(deepest, 0.0)
+    total, m = squared(kind, c, numbers)
+    return inside + _root(total) - m
+
+
+def _root(x: Any) -> Any:
+    """The square root, with a derivative at 0 as well."""
+    return sqrt(x + 1e-300)
+
+
+def _beyond(kind: Kind, c: Array, numbers: Array) -> list[Any]:
+    if kind == "plane":
+        v = c - numbers[3:6]
+        return [numbers[:3] @ v]
+    if kind == "box":
+        p = (c - numbers[9:12]) @ numbers[:9].reshape(3, 3)
+        return [abs(p[k]) - numbers[12 + k] for k in range(3)]
+    v = c - numbers[3:6]
+    z = numbers[:3] @ v
+    across = v - numbers[:3] * z
+    return [_root(across @ across) - numbers[6], abs(z) - numbers[7]]
+
+
+def centres(model: Model, q: Array, spheres: Spheres) -> dict[str, Array]:
+    """Where the spheres are in the world at a configuration (nq,): by link, (n, 3) [m]."""
+    joints = algorithms.joint_poses(model, q)
+    found = {}
+    for name, balls in spheres.links.items():
+        link = model.link(name)
+        local = link.placement @ balls.centres
+        if link.joint >= 0:
+            T = joints[link.joint]
+            found[name] = local @ T.rotation.T + T.translation
+        else:
+            found[name] = local
+    return found
+
+
+def self_pairs(spheres: Spheres, pairs: Sequence[LinkPair]) -> list[tuple[str, int, str, int]]:
+    """Every two spheres that are checked against each other, as link and number, twice."""
+    return [
+        (a, i, b, j)
+        for a, b in pairs
+        if a in spheres.links and b in spheres.links
+        for i in range(len(spheres.links[a].radii))
+        for j in range(len(spheres.links[b].radii))
+    ]
+
+
+def checked_links(model: Model, world: World, name: str) -> list[str]:
+    """The links that an obstacle is checked against."""
+    obstacle = world[name]
+    return [
+        link.name
+        for link in model.links
+        if link.collisions and link.name not in obstacle.touches and (link.joint >= 0 or obstacle.moving)
+    ]
+
+
+def sphere_clearance(
+    model: Model,
+    world: World | None = None,
+    *,
+    spheres: Spheres | None = None,
+    pairs: Sequence[LinkPair] | None = None,
+    smooth: float | None = None,
+) -> Callable[[Array], Any]:
+    """The function from a configuration (nq,) to how far the robot's spheres are from everything, () [m].
+
+    For your own objectives and constraints: call it in what you compile, take `.jacobian()` of the kernel. The world is
+    baked in, at its own poses.
+
+    Args:
+        model: The robot.
+        world: Obstacles; None for none.
+        spheres: Spheres of the links; None for `fit(model)`.
+        pairs: Pairs of links; None for `link_pairs(model)`, () for none.
+        smooth: A length s [m] that rounds off the minimum: -s log(sum(exp(-d / s))), which has a gradient
+            everywhere and is below the minimum by at most s log(count); None for the minimum.
+    """
+    balls = fit(model) if spheres is None else spheres
+    couples = self_pairs(balls, link_pairs(model) if pairs is None else pairs)
+    world = World() if world is None else world
+    rows = [(part, row(part, world[part.owner].pose)) for part in parts(world)]
+
+    def distances(q: Array) -> list[Any]:
+        c = centres(model, q, balls)
+        found = []
+        for a, i, b, j in couples:
+            v = c[a][i] - c[b][j]
+            found.append(_root(v @ v) - (balls.links[a].radii[i] + balls.links[b].radii[j]))
+        for part, numbers in rows:
+            for link in checked_links(model, world, part.owner):
+                for centre, radius in zip(c[link], balls.links[link].radii, strict=True):
+                    found.append(signed(part.kind, centre, numbers) - radius)
+        return found
+
+    def function(q: Array) -> Any:
+        found = distances(q)
+        if not found:
+            return 0.0 * q[0] + np.inf
+        least = found[0]
+        for d in found[1:]:
+            least = minimum(least, d)
+        if smooth is None:
+            return least
+        total = sum(exp((least - d) / smooth) for d in found)  # none above 1
+        return least - smooth * np.log(total)
+
+    return function

@@ -1,0 +1,144 @@
+"""Whether a robot touches itself or its world, how near it is, and when it would."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal
+
+from ulna.errors import InputError, UnknownName
+from ulna.methods.base import Part
+from ulna.typing import ArrayLike, Floats
+
+if TYPE_CHECKING:
+    from ulna.collision import Distance, Spheres, World
+
+Method = Literal["exact", "spheres"]
+
+_KEPT = 16  # checkers of worlds used last; a world that changes with every call must not fill the memory
+
+
+class Collisions(Part):
+    """Collision of a robot with itself and with a `ulna.collision.World`.
+
+    "exact" asks coal, shape by shape. "spheres" is compiled and far faster; its spheres cover the links, so that it
+    never says free where "exact" says touching, but may say touching where there is room. Both leave out links that
+    are joined, and the pairs that the model disables (SRDF).
+    """
+
+    __slots__ = ()
+
+    _kernels: dict[Any, Any]
+
+    def collides(
+        self,
+        q: ArrayLike,
+        world: World | None = None,
+        *,
+        moving: Mapping[str, ArrayLike] | None = None,
+        margin: float = 0.0,
+        method: Method = "exact",
+        **options: Any,
+    ) -> Any:
+        """Whether the robot touches itself or the world, (...).
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            world: Obstacles; None for none.
+            moving: Poses of the world's moving obstacles by name, T_world_shape (..., 4, 4).
+            margin: What comes as near as this counts as touching [m].
+            method: "exact" or "spheres".
+            **options: Of `collision_checker`.
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If `q` or a pose cannot be one.
+            ModelError: If the robot has no collision geometry, or a mesh file is missing.
+            UnknownName: If a name of an obstacle or link is unknown.
+            MissingExtra: If what the method needs is not installed.
+        """
+        return self.collision_checker(world, method=method, **options).collides(q, moving, margin=margin)
+
+    def distance(
+        self,
+        q: ArrayLike,
+        world: World | None = None,
+        *,
+        moving: Mapping[str, ArrayLike] | None = None,
+        stop_below: float | None = None,
+        **options: Any,
+    ) -> Distance:
+        """How near the robot is to itself and the world: distance, nearest points, normal and names, by coal.
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            world: Obstacles; None for none.
+            moving: Poses of the world's moving obstacles by name, T_world_shape (..., 4, 4).
+            stop_below: The first pair this near ends the search [m].
+            **options: Of `collision_checker`.
+        """
+        return self.collision_checker(world, **options).distance(q, moving, stop_below=stop_below)
+
+    def distance_gradient(
+        self,
+        q: ArrayLike,
+        world: World | None = None,
+        *,
+        moving: Mapping[str, ArrayLike] | None = None,
+        **options: Any,
+    ) -> Floats:
+        """Gradient of `distance` by the configuration's tangent, (..., nv) [m/rad or 1]."""
+        return self.collision_checker(world, **options).gradient(q, moving)
+
+    def first_contact(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        world: World | None = None,
+        *,
+        margin: float = 0.0,
+        **options: Any,
+    ) -> Any:
+        """When the motion from `q0` to `q1` at constant velocity first touches: times in [0, 1], inf for never, (...).
+
+        Continuous: no contact between samples is missed. See `ulna.collision.first_contact`.
+        """
+        from ulna import collision
+
+        return collision.first_contact(self.collision_checker(world, **options), q0, q1, margin)
+
+    def collision_checker(
+        self, world: World | None = None, *, method: Method = "exact", **options: Any
+    ) -> Any:
+        """What answers the questions above, for hot loops: a `Checker`, or a `SphereChecker` for "spheres".
+
+        The last ones used are kept. Options of "exact": pairs, without, convex, missing; of "spheres": spheres, pairs.
+        """
+        from ulna import collision
+
+        makers = {"exact": collision.Checker, "spheres": collision.SphereChecker}
+        if method not in makers:
+            raise UnknownName("method of collision checking", method, makers)
+        chosen = tuple((name, _frozen(value)) for name, value in sorted(options.items()))
+        if not (world is None or isinstance(world, collision.World)):
+            raise InputError(f"`world` is {world!r}; expected a World, as `World().add(...)` makes.")
+        key = world and world.fingerprint, method, chosen
+        kept = self._kernels.setdefault("collision", {})
+        checker = kept.pop(key, None)
+        if checker is None:
+            checker = makers[method](self.model, world, **options)
+        kept[key] = checker
+        while len(kept) > _KEPT:
+            kept.pop(next(iter(kept)))
+        return checker
+
+    def collision_spheres(self, tolerance: float = 0.012, most: int = 12) -> Spheres:
+        """Spheres that cover the links; see `ulna.collision.fit`."""
+        from ulna import collision
+
+        return collision.fit(self.model, tolerance, most)
+
+
+def _frozen(value: Any) -> Any:
+    """A value as a key: collections by content, spheres by fingerprint."""
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return tuple(_frozen(item) for item in value)
+    return getattr(value, "fingerprint", value)
