@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from typing import Any, final
 
@@ -11,7 +12,6 @@ import numpy as np
 
 from ulna.errors import InputError, ShapeError
 from ulna.ik.analytic.candidates import Source, between, source_of
-from ulna.ik.analytic.certify import periods
 from ulna.model import Model
 from ulna.spatial import SE3
 from ulna.spatial.check import checked
@@ -21,6 +21,8 @@ _DISTINCT = 1e-6  # two solutions are one when no joint differs by more [rad or 
 _NEAR = 1e-3  # misses up to this are led nearer by Newton's method [m and rad]
 _STEPS = 12
 _FEW = 16  # candidates up to which all pairs are compared at once
+_EARLIER = np.tri(_FEW, k=-1, dtype=bool)
+_ONE = np.zeros(1)
 _ROWS = 100_000  # configurations looked at together, which bounds memory
 
 
@@ -111,29 +113,37 @@ def ik_all(
     seed: int = 0,
 ) -> Branches:
     """All configurations that put a frame at a pose; see `ulna.Robot.ik_all` for the arguments."""
-    goals = SE3.from_matrix(T).matrix() if not isinstance(T, SE3) else T.matrix()
-    base = _start(model, q0, goals.shape[:-2])
-    names = None if joints is None else tuple(joints)
-    source = source_of(model, frame, names, free, _held(base, between(model, frame, names)))
-    values = _values(model, source, samples, base if q0 is not None else None)
-    sift = _Sift(model, source, q0 is not None, limits, turns, position_tolerance, rotation_tolerance)
+    goals = _goals(T)
     batch = goals.shape[:-2]
+    names = None if joints is None else tuple(joints)
+    base = _start(model, q0, batch)
+    source = source_of(model, frame, names, free, _held(base, between(model, frame, names)))
+    values = _values(model, source, samples, None if q0 is None else base)
+    sift = _Sift(source, q0 is not None, limits, turns, position_tolerance, rotation_tolerance)
     goals, base = goals.reshape(-1, 4, 4), base.reshape(-1, model.nq)
     step = max(1, _ROWS // (64 * max(len(values), 1)))
-    parts: list[Any] = []
+    poses: list[Any] = []
     complete = source.free is None
     for start in range(0, len(goals), step):
-        poses, whole = sift(goals[start : start + step], base[start : start + step], values, seed)
-        complete &= whole
-        parts += poses
-    return _packed(parts, batch, model.nq, complete, _method(source, values))
+        part, whole = sift(goals[start : start + step], base[start : start + step], values, seed)
+        complete = complete and whole
+        poses += part
+    return _packed(poses, batch, model.nq, complete, _method(source, values))
+
+
+def _goals(T: Any) -> Floats:
+    """The goals (..., 4, 4); a rotation that is none shows when forward kinematics does not meet it, see `_Sift`."""
+    if isinstance(T, SE3):
+        return T.matrix()
+    if isinstance(T, np.ndarray) and T.dtype == np.float64 and T.shape[-2:] == (4, 4):
+        return T
+    return SE3.from_matrix(T).matrix()
 
 
 def _start(model: Model, q0: ArrayLike | None, batch: tuple[int, ...]) -> Floats:
     """The configurations (*batch, nq) of all joints before the arm's are found."""
     if q0 is None:
-        own = np.clip(model.neutral, model.lower_position, model.upper_position)
-        return np.broadcast_to(own, (*batch, model.nq))
+        return np.broadcast_to(_rest(model), (*batch, model.nq))
     q = checked("q0", q0, (model.nq,))
     try:
         return np.broadcast_to(q, (*batch, model.nq))
@@ -141,6 +151,11 @@ def _start(model: Model, q0: ArrayLike | None, batch: tuple[int, ...]) -> Floats
         raise ShapeError(
             "q0", q.shape, f"({model.nq},) or {(*batch, model.nq)}, the batch of the poses"
         ) from None
+
+
+@lru_cache(maxsize=64)
+def _rest(model: Model) -> Floats:
+    return np.clip(model.neutral, model.lower_position, model.upper_position)
 
 
 def _held(base: Floats, places: tuple[int, ...]) -> tuple[float, ...]:
@@ -159,7 +174,7 @@ def _held(base: Floats, places: tuple[int, ...]) -> tuple[float, ...]:
 def _values(model: Model, source: Source, samples: int | ArrayLike, q0: Floats | None) -> Floats:
     """Values of the free coordinate; where it is given, that of one `q0` comes first."""
     if source.free is None:
-        return np.zeros(1)
+        return _ONE
     axis = source.arm.axes[source.free]
     if np.ndim(samples):
         return checked("samples", samples, (np.size(samples),))
@@ -177,9 +192,7 @@ def _values(model: Model, source: Source, samples: int | ArrayLike, q0: Floats |
         raise InputError(
             f"Joint {axis.name!r} has no limits to sample between; give `samples` as values, or limits in the model."
         )
-    if q0 is None or not len(q0.reshape(-1, model.nq)):
-        return grid
-    own = np.unique(q0[..., axis.index])
+    own = np.unique(q0[..., axis.index]) if q0 is not None else _ONE[:0]
     return np.concatenate([own, grid]) if len(own) == 1 else grid
 
 
@@ -193,70 +206,71 @@ def _method(source: Source, values: Floats) -> str:
     return f"{source.method}; joint {name} at {spread}"
 
 
+@dataclass(frozen=True)
 class _Sift:
     """Which candidates are solutions: at the goal, within the limits, each once."""
 
-    def __init__(
-        self,
-        model: Model,
-        source: Source,
-        near: bool,
-        limits: bool,
-        turns: bool,
-        position: float,
-        rotation: float,
-    ) -> None:
-        self.source, self.near, self.limits, self.turns = source, near, limits, turns
-        self.position, self.rotation = position, rotation
-        self.index = list(source.arm.indices)
-        self.lower, self.upper = model.lower_position[self.index], model.upper_position[self.index]
-        self.periods = periods(source.arm)
+    source: Source
+    near: bool
+    limits: bool
+    turns: bool
+    position: float
+    rotation: float
 
     def __call__(self, T: Floats, base: Floats, values: Floats, seed: int) -> tuple[list[Any], bool]:
         """For each pose (q, position errors, rotation errors, found, miss), and whether the source found all."""
-        centre = base[:, self.index] if self.near else np.clip(np.zeros((len(T), 1)), self.lower, self.upper)
-        q, worth, complete = self.source.rows(T, base, centre, values, seed)
-        at = self._is_at(worth)
-        close = ~at & (worth[..., 0] < _NEAR) & (worth[..., 1] < _NEAR)
+        source = self.source
+        centre = (
+            base[:, source.index]
+            if self.near
+            else np.broadcast_to(source.centre, (len(T), len(source.index)))
+        )
+        q, worth, complete = source.rows(T, base, centre, values, seed)
+        at, close = self._is_at(worth)
         if close.any():
             pose = np.nonzero(close)[0]
-            led = self.source.refine(q[close], T[pose], _STEPS)
-            q[close], worth[close] = self.source.certify(led, T[pose], centre[pose])
-            at = self._is_at(worth)
-        if at.sum() > 1:
-            at &= self._first(q, at)
+            led = source.refine(q[close], T[pose], _STEPS)
+            q[close], worth[close] = source.certify(led, T[pose], centre[pose])
+            at, _ = self._is_at(worth)
+        if not at.any(axis=(1, 2)).all():  # or else every goal has been met, and must be a pose
+            SE3.from_matrix(T)
+        at &= self._first(q, at)
         good = at & (worth[..., 2] > 0.5) if self.limits else at
+        found = at.sum(axis=(1, 2)).tolist()
+        nearest = worth[..., :2].sum(axis=-1).reshape(len(T), -1)
+        nearest = np.where(np.isnan(nearest), np.inf, nearest).argmin(axis=-1).tolist()
         poses = []
         for i in range(len(T)):
-            miss = worth[i, ..., :2].reshape(-1, 2)
-            nearest = miss[np.nan_to_num(miss.sum(axis=-1), nan=np.inf).argmin()]
-            rows = self._ordered(q[i][good[i]], worth[i][good[i]], base[i])
-            poses.append((*rows, int(at[i].sum()), nearest))
+            miss = worth[i, ..., :2].reshape(-1, 2)[nearest[i]]
+            poses.append((*self._ordered(q[i][good[i]], worth[i][good[i]], base[i]), found[i], miss))
         return poses, complete
 
-    def _is_at(self, worth: Floats) -> Any:
-        return (worth[..., 0] <= self.position) & (worth[..., 1] <= self.rotation)
+    def _is_at(self, worth: Floats) -> tuple[Any, Any]:
+        """Whether candidates are at their goals; whether they are not, but so near that Newton may bring them there."""
+        position, rotation = worth[..., 0], worth[..., 1]
+        at = (position <= self.position) & (rotation <= self.rotation)
+        return at, (position < _NEAR) & (rotation < _NEAR) & ~at
 
     def _first(self, q: Floats, at: Any) -> Any:
         """Whether no earlier solution of the same group is the same configuration, turns apart."""
+        x = np.where(at[..., None], q[..., self.source.index], np.nan)
+        if x.shape[-2] <= _FEW:
+            same = self._same(x[..., :, None, :], x[..., None, :, :])
+            return ~(same & _EARLIER[: x.shape[-2], : x.shape[-2]]).any(axis=-1)
         out = np.ones(at.shape, dtype=bool)
-        x = np.where(at[..., None], q[..., self.index], np.nan)
-        if x.shape[-2] > _FEW:  # one by one
-            for place in np.ndindex(at.shape[:-1]):
-                left = np.flatnonzero(at[place])
-                while len(left):
-                    same = self._same(x[place][left[0]], x[place][left])
-                    out[place][left[same][1:]] = False
-                    left = left[~same]
-            return out
-        same = self._same(x[..., :, None, :], x[..., None, :, :])
-        return ~np.tril(same, -1).any(axis=-1)
+        for place in np.ndindex(at.shape[:-1]):  # one by one
+            left = np.flatnonzero(at[place])
+            while len(left):
+                same = self._same(x[place][left[0]], x[place][left])
+                out[place][left[same][1:]] = False
+                left = left[~same]
+        return out
 
     def _same(self, a: Floats, b: Floats) -> Any:
-        gap = a - b
-        turns = np.where(np.isfinite(self.periods), self.periods, 1.0)
-        gap = gap - turns * np.where(np.isfinite(self.periods), np.round(gap / turns), 0.0)
-        return (np.abs(gap) < _DISTINCT).all(axis=-1)
+        gap = np.abs(a - b)
+        return (np.minimum(gap, np.abs(self.source.periods - gap)) < _DISTINCT).all(
+            axis=-1
+        )  # a turn apart at most
 
     def _ordered(self, q: Floats, worth: Floats, base: Floats) -> tuple[Floats, Floats, Floats]:
         if self.turns and len(q):
@@ -264,21 +278,27 @@ class _Sift:
             worth = np.repeat(worth, [len(c) for c in copies], axis=0)
             q = np.concatenate(copies)
         if self.near and len(q) > 1:
-            order = np.square(q[:, self.index] - base[self.index]).sum(axis=-1).argsort(kind="stable")
+            order = (
+                np.square(q[:, self.source.index] - base[self.source.index])
+                .sum(axis=-1)
+                .argsort(kind="stable")
+            )
             q, worth = q[order], worth[order]
         return q, worth[:, 0], worth[:, 1]
 
     def _copies(self, q: Floats) -> Floats:
         """The same configuration with whole turns added wherever both limits leave room for them."""
-        options = []
-        for x, low, high, period in zip(q[self.index], self.lower, self.upper, self.periods, strict=True):
+        source, options = self.source, []
+        for x, low, high, period in zip(
+            q[source.index], source.lower, source.upper, source.periods, strict=True
+        ):
             if not np.isfinite([low, high, period]).all():
                 options.append([x])
                 continue
             first, last = np.ceil((low - x) / period - 1e-12), np.floor((high - x) / period + 1e-12)
             options.append([x + n * period for n in np.arange(first, last + 1)] or [x])
         out = np.repeat(q[None], np.prod([len(o) for o in options]), axis=0)
-        out[:, self.index] = list(product(*options))
+        out[:, source.index] = list(product(*options))
         return out
 
 

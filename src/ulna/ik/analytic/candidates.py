@@ -13,7 +13,7 @@ from ulna.algorithms.tree import chain
 from ulna.errors import InputError, UnknownName
 from ulna.ik.analytic import general
 from ulna.ik.analytic.certify import certificate, periods
-from ulna.ik.analytic.chain import Arm, arm_of, movable
+from ulna.ik.analytic.chain import Arm, arm_of, usual
 from ulna.ik.analytic.closed import branch_numbers, closed_form
 from ulna.ik.analytic.geometry import EXACT, Plan, plans, remaining
 from ulna.ik.analytic.refine import refined
@@ -34,6 +34,10 @@ class Source(ABC):
     Attributes:
         arm: The joints that move.
         free: The joint of a redundant arm that is given values; None where there is none.
+        index: Places of the arm's coordinates in q.
+        periods: By how much each may change without a change of pose, (n,) [rad]; inf where by nothing.
+        lower, upper: Their limits, (n,).
+        centre: Where they are wanted if nothing is said: at 0, or the limit next to it, (n,).
         certify: The kernel (q, T, centre) to (q, worth); see certify.py.
     """
 
@@ -41,9 +45,13 @@ class Source(ABC):
         self.arm, self.free = arm, free
         self._certified = certificate(model, model.frame(frame), arm)
         self._model, self._frame = model, frame
+        self.index = list(arm.indices)
+        self.periods = periods(arm)
+        self.lower, self.upper = model.lower_position[self.index], model.upper_position[self.index]
+        self.centre = np.clip(0.0, self.lower, self.upper)
         held = -1 if free is None else arm.axes[free].index
-        kept = [i for i, index in enumerate(arm.indices) if index != held]
-        self._columns = [arm.indices[i] for i in kept], [arm.indices_v[i] for i in kept]
+        kept = [i for i, index in enumerate(self.index) if index != held]
+        self._columns = [self.index[i] for i in kept], [arm.indices_v[i] for i in kept]
 
     @property
     @abstractmethod
@@ -99,7 +107,7 @@ class ClosedForm(Source):
         """Candidates; see `Source.rows`."""
         at = self.arm.base(base).matrix()[:, None, None] if self.arm.before else self._base
         goals, base, centre = T[:, None, None], base[:, None, None], centre[:, None, None]
-        q, worth = self.kernel(goals, at, held[:, None, None], self._numbers, base, centre)
+        q, worth = self.kernel.gufunc(goals, at, held[:, None, None], self._numbers, base, centre)
         return q, worth, self.plan.off <= EXACT
 
 
@@ -116,6 +124,7 @@ class Elimination(Source):
         self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
         """Candidates; see `Source.rows`."""
+        SE3.from_matrix(T)  # eigenvalues want finite numbers
         starts: dict[tuple[int, int], Floats] = {}
         complete = True
         free = None if self.free is None else self.arm.axes[self.free]
@@ -147,11 +156,13 @@ class ManyStarts(Source):
 
     def __init__(self, model: Model, frame: str, arm: Arm) -> None:
         super().__init__(model, frame, arm, None)
-        index = self._columns[0]
-        lower, upper = model.lower_position[index], model.upper_position[index]
-        spread = np.where(np.isfinite(periods(arm)), np.pi, 1.0)
-        self._low = np.where(np.isfinite(lower), lower, np.minimum(-spread, upper - 2.0 * spread))
-        self._high = np.where(np.isfinite(upper), upper, np.maximum(spread, lower + 2.0 * spread))
+        spread = np.where(np.isfinite(self.periods), np.pi, 1.0)
+        self._low = np.where(
+            np.isfinite(self.lower), self.lower, np.minimum(-spread, self.upper - 2.0 * spread)
+        )
+        self._high = np.where(
+            np.isfinite(self.upper), self.upper, np.maximum(spread, self.lower + 2.0 * spread)
+        )
 
     @property
     def method(self) -> str:
@@ -162,9 +173,10 @@ class ManyStarts(Source):
         self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
         """Candidates; see `Source.rows`."""
+        SE3.from_matrix(T)
         drawn = np.random.default_rng(seed).uniform(self._low, self._high, (_STARTS, len(self._low)))
         q = np.repeat(base[:, None], _STARTS, axis=1)
-        q[..., self._columns[0]] = drawn
+        q[..., self.index] = drawn
         goals = np.broadcast_to(T[:, None], (*q.shape[:-1], 4, 4))
         q = self.refine(q.reshape(-1, q.shape[-1]), goals.reshape(-1, 4, 4), _STEPS).reshape(q.shape)
         q, worth = self.certify(q, goals, centre[:, None])
@@ -180,7 +192,7 @@ def source_of(
     Args:
         model: The robot.
         frame: Name of the frame to place.
-        joints: Names of the joints that move; None for the last seven that move the frame.
+        joints: Names of the joints that move; None for the usual ones; see `usual`.
         free: Name of the joint of a seven-joint arm that is given values; None for the one that suits best.
         held: Values of the coordinates that `between` names.
 
@@ -189,7 +201,7 @@ def source_of(
         InputError: `free` is given for an arm that is not redundant, or cannot be held.
     """
     end = model.frame(frame)
-    names = joints if joints is not None else movable(model, end)[-7:]
+    names = joints if joints is not None else usual(model, end)
     still = np.array(model.neutral)
     still[list(between(model, frame, joints))] = held
     arm = arm_of(model, end, names, still)
@@ -221,7 +233,7 @@ def source_of(
 def between(model: Model, frame: str, joints: tuple[str, ...] | None) -> tuple[int, ...]:
     """Places in q of the joints that are held between those of the arm: its shape depends on where."""
     steps = chain(model, model.frame(frame))
-    names = joints if joints is not None else movable(model, model.frame(frame))[-7:]
+    names = joints if joints is not None else usual(model, model.frame(frame))
     moves = [step.joint.name in names and step.kind.nq == 1 for step in steps]
     if True not in moves:
         return ()

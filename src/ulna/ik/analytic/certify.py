@@ -24,7 +24,8 @@ def certificate(model: Model, frame: Frame, arm: Arm) -> Certificate:
 
     `q` (nq,) is a candidate, `T` (4, 4) its goal, `centre` (n,) where the arm's coordinates are wanted: a joint that
     turns comes out within half a turn of it, or, if that is outside its limits and a turn more or less is not, there.
-    `worth` (3,) is the distance [m] and the angle [rad] to the goal, and 1 within the limits, else 0.
+    `worth` (3,) is the distance [m] and the angle [rad] to the goal, and 1 within the limits, else 0; both are
+    large for what is no pose, whatever the candidate.
     """
     places = arm.indices
     turns = periods(arm)
@@ -38,7 +39,8 @@ def certificate(model: Model, frame: Frame, arm: Arm) -> Certificate:
             entries[place], inside = x, where(ok, inside, 0.0)
         out = vector(*entries)
         pose = algorithms.frame_pose(model, out, frame)
-        gap, turned = T[:3, 3] - pose.translation, T[:3, :3] - pose.rotation
+        gap = vector(*(T[:3, 3] - pose.translation), *(T[3] - np.array([0.0, 0.0, 0.0, 1.0])))
+        turned = T[:3, :3] - pose.rotation
         chord = (turned * turned).sum() / 8.0  # the square of sin(angle / 2)
         angle = 2.0 * arctan2(sqrt(chord), sqrt(1.0 - minimum(chord, 1.0)))
         return out, vector(sqrt((gap * gap).sum()), angle, inside)

@@ -25,6 +25,8 @@ from ulna.model import Frame, Model, Prismatic, Revolute
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 
+_MOST = 7  # joints that a closed form, with one of them held, can have
+
 Motion = Literal["turn", "slide", "other"]
 
 
@@ -92,6 +94,18 @@ def movable(model: Model, frame: Frame) -> tuple[str, ...]:
     """Names of the joints between the world and the frame that have one coordinate, from the world outwards."""
     names = [s.joint.name for s in chain(model, frame) if s.kind.nq == s.kind.nv == 1]
     return tuple(dict.fromkeys(names))
+
+
+def usual(model: Model, frame: Frame) -> tuple[str, ...]:
+    """Names of the joints that are meant when none are named: the last seven that move the frame.
+
+    Of more than seven those that turn come first, so that the finger of a gripper does not count among them.
+    """
+    names = movable(model, frame)
+    turning = tuple(s.joint.name for s in chain(model, frame) if isinstance(s.kind, Revolute))
+    if len(names) > _MOST and len(turning) >= _MOST:
+        names = tuple(dict.fromkeys(turning))
+    return names[-_MOST:]
 
 
 def arm_of(model: Model, frame: Frame, joints: Sequence[str], held: Floats) -> Arm:

@@ -21,8 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.ik.analytic.lines import Line, turn, turn_about
-from ulna.numeric import skew
+from ulna.ik.analytic.lines import Line
 from ulna.spatial import SE3
 from ulna.typing import Floats
 
@@ -46,15 +45,19 @@ def starts(lines: list[Line], G: SE3, problems: int = 2) -> tuple[Floats, float]
     lines = [Line(line.direction, line.point / size) for line in lines]
     G = SE3(G.rotation, G.translation / size)
     back = G.inverse()
+    rho_G, rho_back = _rho(G), _rho(back)
+    acts = [_affine_rho(line) for line in lines]
+    carried = [rho_back @ act @ rho_G for act in acts[:5]]
     entered = []
     for first in range(6):
-        loop = [line.moved(back) if i < first else line for i, line in enumerate(lines)]
-        loop = loop[first:] + loop[:first]
-        entered.append((first, loop, *_pencil(loop, G)))
+        order = [*range(first, 6), *range(first)]
+        loop = [lines[i].moved(back) if i < first else lines[i] for i in order]
+        L, B = _equations([carried[i] if i < first else acts[i] for i in order[:5]], loop[5], rho_G)
+        entered.append((first, loop, *_pencil(L, B)))
     entered.sort(key=lambda entry: entry[-1])
-    found = []
-    for first, loop, pencil, _ in entered[:problems]:
-        found.append(np.roll(_angles(loop, G, pencil), first, axis=-1))
+    found = [
+        np.roll(_angles(loop, G, pencil), first, axis=-1) for first, loop, pencil, _ in entered[:problems]
+    ]
     return np.concatenate(found), float(entered[0][-1])
 
 
@@ -65,9 +68,8 @@ class _Pencil:
         self.S, self.L, self.B, self.turned = S, L, B, turned
 
 
-def _pencil(lines: list[Line], G: SE3) -> tuple[_Pencil, float]:
+def _pencil(L: Floats, B: Floats) -> tuple[_Pencil, float]:
     """The eigenvalue problem of one way into the loop, with the best of some choices of zero angles."""
-    L, B = _equations(lines, G)
     u, s, _ = np.linalg.svd(B[:, :8])
     rank = int((s > 1e-9 * s[0]).sum())
     N = u[:, rank:].T
@@ -107,6 +109,8 @@ def _angles(lines: list[Line], G: SE3, pencil: _Pencil) -> Floats:
     except np.linalg.LinAlgError:
         return np.zeros((0, 6))
     real = np.abs(values.imag) < _REAL * (1.0 + values.real**2)
+    if not real.any():
+        return np.zeros((0, 6))
     t3 = values[real].real
     v = vectors[:, real]
     upper = np.abs(v[12:]).sum(axis=0) > np.abs(v[:12]).sum(
@@ -119,29 +123,25 @@ def _angles(lines: list[Line], G: SE3, pencil: _Pencil) -> Floats:
     left = np.einsum("rabc,na,nb,nc->nr", pencil.L.reshape(14, 3, 3, 3), x[:, 0], x[:, 1], x[:, 2])
     y = np.linalg.lstsq(pencil.B[:, :8], (left - pencil.B[:, 8]).T, rcond=1e-9)[0].T
     q2, q1 = np.arctan2(y[:, 5], y[:, 2]), np.arctan2(y[:, 7], y[:, 6])
-    out = []
-    for angles in np.stack([q1, q2, *inner.T], axis=-1):
-        E = SE3.identity()
-        for line, angle in zip(lines, angles, strict=False):
-            E = E @ turn_about(line, angle)
-        R = E.rotation.T @ G.rotation
-        h = lines[5].direction
-        last = np.arctan2(
-            h @ [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]], np.trace(R) - h @ R @ h
-        )
-        out.append([*angles, last])
-    return np.array(out).reshape(-1, 6)
+    angles = np.stack([q1, q2, *inner.T], axis=-1)
+    R = np.broadcast_to(_EYE, (len(angles), 3, 3))
+    for line, angle in zip(lines, angles.T, strict=False):
+        K = _skew(line.direction)
+        s, c = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
+        R = R @ (_EYE + s * K + (1.0 - c) * (K @ K))
+    R = np.swapaxes(R, -1, -2) @ G.rotation
+    h = lines[5].direction
+    sine = np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=-1) @ h
+    return np.column_stack([angles, np.arctan2(sine, np.trace(R, axis1=1, axis2=2) - (R @ h) @ h)])
 
 
-def _equations(lines: list[Line], G: SE3) -> tuple[Floats, Floats]:
-    """L (14, 27) and B (14, 9)."""
-    phi = _products(lines[5].point, lines[5].direction)
-    right = _rho(G) @ phi
-    acts = [_affine_rho(line) for line in lines[:5]]
+def _equations(acts: list[Floats], last: Line, rho_G: Floats) -> tuple[Floats, Floats]:
+    """L (14, 27) and B (14, 9), from how the first five joints act."""
+    phi = _products(last.point, last.direction)
     L = phi
     for act in acts[:1:-1]:  # (15, ...) becomes (15, 3, ...)
         L = np.moveaxis(np.tensordot(act, L, axes=1), 0, 1)
-    B = right
+    B = rho_G @ phi
     for act in acts[
         :2
     ]:  # the first joint's inverse comes next to G; turning back has the sine's sign changed
@@ -151,11 +151,11 @@ def _equations(lines: list[Line], G: SE3) -> tuple[Floats, Floats]:
 
 def _affine_rho(line: Line) -> Floats:
     """rho(E(q)) = parts[0] cos q + parts[1] sin q + parts[2], (3, 15, 15)."""
-    there = _rho(SE3(_EYE, line.point))
-    back = _rho(SE3(_EYE, -line.point))
-    at = [_rho(SE3(turn(line.direction, q), np.zeros(3))) for q in (0.0, 0.5 * np.pi, np.pi)]
-    still = 0.5 * (at[0] + at[2])
-    return np.stack([there @ part @ back for part in (at[0] - still, at[1] - still, still)])
+    h = line.direction
+    along = np.outer(h, h)
+    parts = np.stack([_blocks(_EYE - along), _blocks(_skew(h)), _blocks(along)])
+    parts[2, [6, 7, 14], [6, 7, 14]] = 1.0
+    return _rho(SE3(_EYE, line.point)) @ parts @ _rho(SE3(_EYE, -line.point))
 
 
 def _products(p: Floats, l: Floats) -> Floats:
@@ -166,18 +166,31 @@ def _products(p: Floats, l: Floats) -> Floats:
 def _rho(E: SE3) -> Floats:
     """How phi changes with a rotation R, and then with a translation t."""
     R, t = E.rotation, E.translation
-    turned = np.eye(15)
-    for k in (0, 3, 8, 11):
-        turned[k : k + 3, k : k + 3] = R
+    turned = _blocks(R)
+    turned[[6, 7, 14], [6, 7, 14]] = 1.0
     shift = np.eye(15)
+    cross = _skew(t)
     shift[0:3, 14] = t
     shift[6, 0:3], shift[6, 14] = 2.0 * t, t @ t
     shift[7, 3:6] = t
-    shift[8:11, 3:6] = skew(t)
+    shift[8:11, 3:6] = cross
     shift[11:14, 3:6] = (t @ t) * _EYE - 2.0 * np.outer(t, t)
     shift[11:14, 7] = -2.0 * t
-    shift[11:14, 8:11] = -2.0 * skew(t)
+    shift[11:14, 8:11] = -2.0 * cross
     return shift @ turned
+
+
+def _blocks(R: Floats) -> Floats:
+    """R where phi has vectors, zeros elsewhere."""
+    out = np.zeros((15, 15))
+    for k in (0, 3, 8, 11):
+        out[k : k + 3, k : k + 3] = R
+    return out
+
+
+def _skew(v: Floats) -> Floats:
+    x, y, z = v.tolist()
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def _half_tangent(turned: float) -> Floats:

@@ -9,7 +9,7 @@ import ulna
 from support.random_arms import CLOSED, GENERAL, model_of, redundant
 from ulna.errors import InputError, UnknownName
 from ulna.ik.analytic import Arm, arm_of, plans
-from ulna.ik.analytic.chain import movable
+from ulna.ik.analytic.chain import movable, usual
 from ulna.model import Model, ModelBuilder, Revolute
 from ulna.spatial import SE3
 
@@ -79,6 +79,13 @@ def test_joints_that_do_not_move_the_frame_are_refused_by_name() -> None:
         arm_of(robot.model, end, ["elbow_join"], robot.neutral)
     with pytest.raises(InputError, match="No joint moves"):
         arm_of(robot.model, end, [], robot.neutral)
+
+
+def test_the_finger_of_a_gripper_is_not_among_the_usual_joints() -> None:
+    model = redundant("RRRRRRRP", np.random.default_rng(0))
+    assert usual(model, model.frame("tip")) == tuple(f"joint{i}" for i in range(1, 8))
+    model = redundant("PRRRRRR", np.random.default_rng(0))
+    assert usual(model, model.frame("tip")) == tuple(f"joint{i}" for i in range(1, 8))
 
 
 def test_mimic_joints_follow_in_the_chain() -> None:
