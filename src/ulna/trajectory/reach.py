@@ -62,10 +62,15 @@ def bounds_kernel(n: int, both_ends: bool) -> Any:
         lower, upper = [-HUGE], [HUGE]
         for (ai, bi, loi, hii), (ak, bk, lok, hik) in combinations(rows, 2):
             one, two = ai * bk, ak * bi
-            inverse = 1.0 / _away_from_zero(one - two, abs(one) + abs(two))
-            w0, w1 = (ai * lok - ak * hii) * inverse, (ai * hik - ak * loi) * inverse
-            lower.append(_smaller(w0, w1))
-            upper.append(_greater(w0, w1))
+            most_below, least_above = ai * lok - ak * hii, ai * hik - ak * loi  # these bound (one - two) x
+            parallel = abs(one - two) <= _PARALLEL * (abs(one) + abs(two))
+            inverse = 1.0 / where(parallel, 1.0, one - two)
+            w0, w1 = most_below * inverse, least_above * inverse
+            crossed = (most_below > 0.0) | (
+                least_above < 0.0
+            )  # parallel rows either exclude each other or say nothing
+            lower.append(where(parallel, where(crossed, HUGE, -HUGE), _smaller(w0, w1)))
+            upper.append(where(parallel, HUGE, _greater(w0, w1)))
         alone = [_best(_greater, lower), _best(_smaller, upper)]
         return vector(*factors, *least, *most, *alone), vector(*forward, *offsets)
 

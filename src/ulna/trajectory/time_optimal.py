@@ -19,6 +19,7 @@ from ulna.trajectory.constraints import (
     torque_rows,
 )
 from ulna.trajectory.infeasible import Problem
+from ulna.trajectory.inputs import rows
 from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.reach import controllable, fastest, reachable
 from ulna.trajectory.space import Poses, Vectors, model_of
@@ -47,7 +48,8 @@ def time_optimal(
     Torques are those of the rigid robot with armature, without friction.
 
     Args:
-        path: A trajectory of joints, twice differentiable; or way-points (k + 1, n), joined by a cubic spline.
+        path: A trajectory of joints, twice differentiable; or way-points (k + 1, n), joined by a cubic
+            spline that leaves the first and reaches the last along the line to its neighbour.
         robot: A Robot or a Model; it gives the limits of speed and torque that are not given here.
         velocity: Limits of speed: one, (n,), or (2, n) least and greatest [rad/s or m/s].
         acceleration: Limits of acceleration, likewise [rad/s^2 or m/s^2].
@@ -69,7 +71,7 @@ def time_optimal(
     """
     if scheme not in _SCHEMES:
         raise UnknownName("scheme", scheme, _SCHEMES)
-    curve = path if isinstance(path, Trajectory) else cubic_spline(path, duration=1.0)
+    curve = path if isinstance(path, Trajectory) else _spline(path)
     if isinstance(curve.space, Poses):
         raise InputError("The path is one of poses; expected joints: follow(path, ik) makes them.")
     n = curve.space.n
@@ -82,12 +84,12 @@ def time_optimal(
     speeds = bounds_of("velocity", _or_limit(velocity, model, "velocity_limit"), n)
     s, D = _grid(grid, curve.duration)
     q, tangent, curvature = curve._at(s, 2)
-    rows = _rows(model, (q, tangent, curvature), acceleration, torque)
+    limits = _rows(model, (q, tangent, curvature), acceleration, torque)
     cap = speed_cap(tangent, speeds)
     both_ends = scheme == "interpolation"
-    problem = Problem(s, D, names, tangent, speeds, rows, both_ends, cap)
+    problem = Problem(s, D, names, tangent, speeds, limits, both_ends, cap)
     problem.check_rate("end", end_rate, len(s) - 1, 0.0, cap[-1])
-    back, ahead = reachable(rows.arrays, D, both_ends)
+    back, ahead = reachable(limits.arrays, D, both_ends)
     K = controllable(back, cap, end_rate * end_rate)
     if not (K[:, 0] <= K[:, 1]).all():
         problem.refuse_empty(K)
@@ -123,6 +125,14 @@ def _even_grid(count: int, length: float) -> tuple[Floats, Floats]:
     D = 2.0 * np.diff(s)
     s.flags.writeable = D.flags.writeable = False
     return s, D
+
+
+def _spline(points: ArrayLike) -> Polynomial:
+    """A cubic spline through way-points whose tangent is nowhere zero at the ends."""
+    q = rows("path", points)
+    once = cubic_spline(q, duration=1.0)
+    slopes = np.diff(q, axis=0) / np.diff(once.times)[:, None]
+    return cubic_spline(q, once.times, v0=slopes[0], v1=slopes[-1])
 
 
 def _or_limit(given: ArrayLike | None, model: Any, name: str) -> ArrayLike | None:

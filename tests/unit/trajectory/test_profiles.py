@@ -45,7 +45,11 @@ def test_each_as_fast_as_it_can_is_each_alone() -> None:
 
 @pytest.mark.parametrize(
     ("d", "v", "a", "duration"),
-    [(2.0, 1.0, 2.0, 2.0 + 0.5), (0.5, 10.0, 2.0, 1.0), (0.125, 0.5, 2.0, 0.5)],  # full speed, triangle, just between
+    [
+        (2.0, 1.0, 2.0, 2.0 + 0.5),
+        (0.5, 10.0, 2.0, 1.0),
+        (0.125, 0.5, 2.0, 0.5),
+    ],  # full speed, triangle, just between
 )
 def test_trapezoids_by_hand(d: float, v: float, a: float, duration: float) -> None:
     assert trajectory.trapezoidal(0.0, d, v, a).duration == pytest.approx(duration)

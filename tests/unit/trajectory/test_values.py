@@ -38,7 +38,9 @@ def test_outside_its_time_a_trajectory_holds() -> None:
         np.testing.assert_allclose(t(time), point, atol=1e-14)
         np.testing.assert_array_equal(t.v(time), np.zeros(3))
         np.testing.assert_array_equal(t.a(time), np.zeros(3))
-    np.testing.assert_allclose(t.v(2.0 * (1 + 1e-12)), -np.ones(3))  # what summing time steps loses is still the end
+    np.testing.assert_allclose(
+        t.v(2.0 * (1 + 1e-12)), -np.ones(3)
+    )  # what summing time steps loses is still the end
 
 
 def test_samples_end_at_the_end() -> None:

@@ -46,9 +46,7 @@ def test_minimum_jerk_has_continuous_snap_and_less_jerk_than_others() -> None:
 
 def test_between_two_points_minimum_jerk_is_the_quintic() -> None:
     t = trajectory.minimum_jerk(POINTS[:2], duration=2.0)
-    np.testing.assert_allclose(
-        t.coefficients, trajectory.quintic(*POINTS[:2], 2.0).coefficients, atol=1e-13
-    )
+    np.testing.assert_allclose(t.coefficients, trajectory.quintic(*POINTS[:2], 2.0).coefficients, atol=1e-13)
 
 
 @pytest.mark.parametrize("degree", [3, 5])
