@@ -9,6 +9,7 @@ from ulna.methods.base import Part
 from ulna.typing import ArrayLike
 
 if TYPE_CHECKING:
+    from ulna.ik.branch_kernel import BranchKernel
     from ulna.ik.branches import Branches
 
 
@@ -80,3 +81,21 @@ class Branching(Part):
             rotation_tolerance=rotation_tolerance,
             seed=seed,
         )
+
+    def branch_kernel(
+        self, frame: str | None = None, *, joints: Sequence[str] | None = None, free: str | None = None
+    ) -> BranchKernel:
+        """The compiled kernel behind `ik_all`, for hot loops: all branches of a pose in some microseconds.
+
+        Args:
+            frame: Name; None for the tool.
+            joints: As for `ik_all`; others are held at neutral.
+            free: As for `ik_all`.
+
+        Raises:
+            InputError: If the arm has no closed form.
+            UnknownName: If there is no such frame or joint.
+        """
+        from ulna.ik.branch_kernel import BranchKernel
+
+        return BranchKernel(self.model, self.model.tool if frame is None else frame, joints, free)

@@ -213,6 +213,25 @@ def test_joints_that_follow_others_are_searched() -> None:
     assert np.abs(found.q - q).max(axis=-1).min() < 1e-6
 
 
+def test_the_bare_kernel_gives_every_branch_with_its_worth(ur5: ulna.Robot, panda: ulna.Robot) -> None:
+    kernel = ur5.branch_kernel()
+    Q = ur5.random_configuration(5, seed=8)
+    T = ur5.fk(Q)
+    q, worth = kernel(T, Q)
+    assert q.shape == (5, 8, 6) and worth.shape == (5, 8, 3) and kernel.free is None
+    assert (np.abs(q - Q[:, None]).max(axis=-1).min(axis=-1) < 1e-9).all()
+    at = worth[..., 0] < 1e-9
+    assert (at.sum(axis=-1) == ur5.ik_all(T, limits=False).count).all()
+    assert np.array_equal(kernel(T[0])[0].shape, (8, 6))
+    kernel = panda.branch_kernel(free="panda_joint7")
+    Q = panda.random_configuration(5, seed=8)
+    q, worth = kernel(panda.fk(Q), Q, Q[:, 6])
+    assert kernel.free == "panda_joint7"
+    assert (np.abs(q - Q[:, None]).max(axis=-1).min(axis=-1) < 1e-8).all()
+    with pytest.raises(InputError, match="no closed form"):
+        ulna.Robot(redundant("RRPR", np.random.default_rng(1))).branch_kernel()
+
+
 def test_joints_outside_the_arm_stay_where_q0_has_them() -> None:
     legs = ulna.Robot(redundant("RRRRRRRRR", np.random.default_rng(6)))
     q = legs.random_configuration(seed=7)

@@ -92,8 +92,12 @@ class ClosedForm(Source):
         super().__init__(model, frame, arm, plan.free)
         self.plan = plan
         self.kernel = closed_form(plan, arm, self._certified, model.nq)
-        self._numbers = branch_numbers(plan)
+        self.numbers = branch_numbers(plan)
         self._base = np.array(arm.base(np.array(model.neutral)).matrix())
+
+    def base(self, q: Floats) -> Floats:
+        """T_world_base, (..., 4, 4), for configurations (..., nq)."""
+        return self.arm.base(q).matrix() if self.arm.before else self._base
 
     @property
     def method(self) -> str:
@@ -105,9 +109,8 @@ class ClosedForm(Source):
         self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
         """Candidates; see `Source.rows`."""
-        at = self.arm.base(base).matrix()[:, None, None] if self.arm.before else self._base
         goals, base, centre = T[:, None, None], base[:, None, None], centre[:, None, None]
-        q, worth = self.kernel.gufunc(goals, at, held[:, None, None], self._numbers, base, centre)
+        q, worth = self.kernel.gufunc(goals, self.base(base), held[:, None, None], self.numbers, base, centre)
         return q, worth, self.plan.off <= EXACT
 
 

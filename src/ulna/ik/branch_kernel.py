@@ -1,0 +1,58 @@
+"""The compiled kernel behind `ik_all`, bare, for hot loops: a pose in, every branch with its worth out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, final
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.ik.analytic.candidates import ClosedForm, between, source_of
+from ulna.model import Model
+from ulna.typing import Floats
+
+
+@final
+class BranchKernel:
+    """Every branch of an arm with a closed form, as a call of some microseconds that checks nothing.
+
+    `kernel(T)` returns `q` (..., 8, nq) and `worth` (..., 8, 3): the distance [m] and the angle [rad] that forward
+    kinematics finds between candidate and goal, and 1 within the joint limits, else 0. A candidate whose errors are not
+    next to zero is no solution; twice the same may stand among them where branches meet.
+
+    Attributes:
+        gufunc: What it calls: (T, T_base, held, branch, base, centre) -> (q, worth), see `ulna.ik.analytic.closed`.
+        method: How it works, in words.
+        free: Name of the joint that `held` is the value of; None where there is none.
+    """
+
+    def __init__(self, model: Model, frame: str, joints: Sequence[str] | None, free: str | None) -> None:
+        names = None if joints is None else tuple(joints)
+        rest = np.clip(model.neutral, model.lower_position, model.upper_position)
+        held = tuple(rest[list(between(model, frame, names))].tolist())
+        source = source_of(model, frame, names, free, held)
+        if not isinstance(source, ClosedForm):
+            raise InputError(
+                f"The arm that carries {frame!r} has no closed form: {source.method}. Use ik_all."
+            )
+        self._source, self._rest = source, rest
+        self.gufunc = source.kernel.gufunc
+        self.method = source.method
+        self.free = None if source.free is None else source.arm.names[source.free]
+
+    def __call__(self, T: Floats, q0: Floats | None = None, held: Any = 0.0) -> tuple[Floats, Floats]:
+        """Every branch.
+
+        Args:
+            T: T_world_frame, (..., 4, 4).
+            q0: Configuration (..., nq) that angles come next to; None for the limits' side of 0.
+            held: Value of the free joint, (...).
+        """
+        source = self._source
+        base = (self._rest if q0 is None else q0)[..., None, :]
+        centre = source.centre if q0 is None else base[..., source.index]
+        at = source.base(base)
+        return self.gufunc(
+            T[..., None, :, :], at, np.asarray(held)[..., None, None], source.numbers, base, centre
+        )
