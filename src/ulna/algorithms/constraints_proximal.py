@@ -12,9 +12,10 @@
 f_n minimises f'Gf/2 - b'f + r |f - f_n-1|^2 / 2, started from zero: it stays in the range of G where b is, and
 comes to the solution of least sum of squares, by a factor r / (r + least eigenvalue above zero) a round. One
 factorisation serves all rounds. Where b is outside the range (constraints that contradict each other) no forces are
-right, s_n comes to rest along those directions, and f_n grows by s_n a round for ever: then n s_n is taken off again,
-which leaves the forces of least squares. Source: Carpentier, Budhiraja & Mansard, Proximal and sparse resolution of
-constrained dynamic equations, RSS 2021, section IV; Parikh & Boyd, Proximal algorithms (2014), section 4.1.
+right, s_n comes to rest along those directions, and f_n grows by s_n a round for ever. Then r^2 (G + r 1)^-2 f is taken
+off, which is f along those directions and next to nothing along others; what stays are the forces of least squares.
+Source: Carpentier, Budhiraja & Mansard, Proximal and sparse resolution of constrained dynamic equations, RSS 2021,
+section IV; Parikh & Boyd, Proximal algorithms (2014), section 4.1.
 """
 
 from __future__ import annotations
@@ -70,6 +71,8 @@ _SAME = 1e-12
 """A pivot that keeps less than this part of its diagonal entry belongs to a row that depends on others."""
 _NOTHING = 1e-14
 """A diagonal entry that is less than this part of the mean one is zero but for rounding."""
+_PURGES = 3
+"""How often forces that no motion feels are taken off; each time all but about `mu` of them go."""
 
 
 def solve_proximal(G: Array, b: Sequence[Any], settings: Proximal) -> Solution:
@@ -99,13 +102,21 @@ def solve_proximal(G: Array, b: Sequence[Any], settings: Proximal) -> Solution:
         step = factors.solve([r * s for s in step])
         return (*(f + s for f, s in zip(forces, step, strict=True)), *step, count + 1.0, r * largest(step))
 
+    def felt(forces: Sequence[Any]) -> list[Any]:
+        unfelt = factors.solve([r * s for s in factors.solve([r * f for f in forces])])
+        return [f - s for f, s in zip(forces, unfelt, strict=True)]
+
     begin = (*first, *first, 1.0 + 0.0 * mean, r * largest(first))
     if settings.iterations == 1:
         return Solution(first, begin[2 * m])
     *end, left = numeric.loop(unfinished, round_, begin, settings.iterations - 1)
-    count = end[2 * m]
-    excess = numeric.where(numeric.less(enough, left), count, 0.0)
-    return Solution([f - excess * s for f, s in zip(end[:m], end[m : 2 * m], strict=True)], count)
+    forces = numeric.loop(
+        lambda *state: state[-1] > enough,
+        lambda *state: (*felt(state[:m]), state[m]),
+        (*end[:m], left),
+        _PURGES,
+    )
+    return Solution(list(forces[:m]), end[2 * m])
 
 
 def largest(values: Sequence[Any]) -> Any:

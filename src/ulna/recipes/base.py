@@ -31,8 +31,8 @@ class Recipe:
     """How a kernel is made.
 
     `build(model, **options)` returns a function of arrays; `arguments` are their names and sizes: "nq", "nv", or a
-    shape of such and of numbers. `options` are the names `build` takes with their default values; `more` are the arguments that the chosen
-    options add at the end.
+    shape of such and of numbers. `options` are the names `build` takes with their default values; `more` are the
+    arguments that the chosen options add at the end.
     """
 
     build: Callable[..., Callable[..., Any]]
