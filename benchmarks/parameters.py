@@ -24,7 +24,7 @@ import ulna
 from ulna import kernels
 from ulna.model import parameters, with_parameters
 
-CASES = ((), ("gravity",), ("offset",), ("inertia",), ("placement",), ("inertia", "placement"))
+CASES = ((), ("gravity",), ("offset",), ("inertia",), ("shift",), ("placement",), ("inertia", "placement"))
 BATCH = 1000
 
 

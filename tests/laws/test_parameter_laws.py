@@ -24,7 +24,10 @@ from ulna.spatial import SE3, SO3, so3_exp
 from ulna.trace import compile, trace
 from ulna.typing import Floats
 
-EVERY = ("inertia", "placement", "base", "tool", "offset", "gravity", "armature", "damping", "friction")
+EVERY = (
+    *("inertia", "placement", "shift", "base", "tool", "offset", "gravity"),
+    *("armature", "damping", "friction"),
+)
 DYNAMIC = ("inverse_dynamics", "forward_dynamics")
 
 
@@ -151,7 +154,7 @@ def test_the_derivative_by_inertia_is_the_regressor() -> None:
     close(row, kernels.kernel(model, "kinetic_energy_regressor")(q, v))
 
 
-@pytest.mark.parametrize("key", ["placement", "base", "tool", "offset"])
+@pytest.mark.parametrize("key", ["placement", "shift", "base", "tool", "offset"])
 def test_derivatives_by_placements_are_those_of_differences(key: str) -> None:
     model = tree("floating")
     q = alg.random(model, np.random.default_rng(1))

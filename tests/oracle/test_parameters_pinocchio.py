@@ -76,11 +76,11 @@ def test_robots_with_other_inertias_and_placements(name: str) -> None:
 def test_every_kind_of_joint_with_other_numbers(root: str | None) -> None:
     rng = np.random.default_rng(8)
     model = random_model(rng, list(KINDS), root=root, mimics=0)
-    names = (*TOLD, "base", "tool")
+    names = (*TOLD, "shift", "base", "tool")
     values = {name: parameters(model, name) for name in names}
     values["inertia"] *= np.repeat(rng.uniform(0.5, 1.5, len(model.joints)), 10)
     values["armature"] += 0.1
-    for name in ("placement", "base", "tool"):
+    for name in ("placement", "shift", "base", "tool"):
         values[name] += rng.normal(0.0, 0.2, values[name].shape)
     twin = to_pinocchio(with_parameters(model, values))
     data = twin.pin.createData()

@@ -4,6 +4,7 @@
 |---|---|---|---|
 | "inertia" | the ten dynamic parameters of each joint's body, see inertial.py | (10 nbodies) | [kg, kg m, kg m^2] |
 | "placement" | for each joint, how far its fixed frame is off: shift d, rotation vector w | (njoints, 6) | [m, rad] |
+| "shift" | d of each joint alone, w = 0: other lengths of links, at less cost | (njoints, 3) | [m] |
 | "base" | how far the whole robot is off in the world | (6) | [m, rad] |
 | "tool", "frame:NAME" | how far a frame is off that was added to the model | (6) | [m, rad] |
 | "offset" | what is added to the entries of q that are plain angles and lengths | (noffsets) | [rad], [m] |
@@ -44,7 +45,7 @@ from ulna.typing import Array, Floats
 
 _OF_FRAME = "frame:"
 _OF_DRIVES = ("armature", "damping", "friction")
-_NAMES = ("inertia", "placement", "base", "tool", "offset", "gravity", *_OF_DRIVES)
+_NAMES = ("inertia", "placement", "shift", "base", "tool", "offset", "gravity", *_OF_DRIVES)
 
 
 def parameter_names(model: Model) -> tuple[str, ...]:
@@ -57,8 +58,8 @@ def parameters(model: Model, name: str) -> Floats:
 
     Args:
         model: The model.
-        name: "inertia", "placement", "offset", "base", "tool", "frame:NAME" of a frame that was added to the model,
-            "gravity", "armature", "damping" or "friction".
+        name: "inertia", "placement", "shift", "offset", "base", "tool", "frame:NAME" of a frame that was added to the
+            model, "gravity", "armature", "damping" or "friction".
 
     Returns:
         A new array of the parameter's shape.
@@ -71,6 +72,8 @@ def parameters(model: Model, name: str) -> Floats:
         return dynamic_parameters(model)
     if name == "placement":
         return np.zeros((len(model.joints), 6))
+    if name == "shift":
+        return np.zeros((len(model.joints), 3))
     if name == "offset":
         return np.zeros(len(offset_entries(model)))
     if name in ("gravity", *_OF_DRIVES):
@@ -121,6 +124,8 @@ def _changed(model: Model, name: str, value: Array, check: bool) -> Model:
         return replace(model, inertias=bodies)
     if name == "placement":
         return _moved_joints(model, [_displacement(x) for x in value])
+    if name == "shift":
+        return _moved_joints(model, [SE3(np.eye(3), x) for x in value])
     if name == "base":
         return _moved_base(model, _displacement(value))
     if name == "offset":

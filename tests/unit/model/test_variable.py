@@ -20,11 +20,12 @@ from ulna.spatial import SE3
 def test_names_and_shapes() -> None:
     model = arm()
     assert parameter_names(model) == (
-        *("inertia", "placement", "base", "tool", "offset", "gravity", "armature", "damping", "friction"),
-        *("frame:tcp", "frame:camera"),
+        *("inertia", "placement", "shift", "base", "tool", "offset", "gravity"),
+        *("armature", "damping", "friction", "frame:tcp", "frame:camera"),
     )
     shapes = {name: parameters(model, name).shape for name in parameter_names(model)}
-    assert shapes["inertia"] == (50,) and shapes["placement"] == (5, 6) and shapes["offset"] == (4,)
+    assert shapes["inertia"] == (50,) and shapes["placement"] == (5, 6) and shapes["shift"] == (5, 3)
+    assert shapes["offset"] == (4,)
     assert shapes["armature"] == (4,) and shapes["gravity"] == (3,) and shapes["frame:camera"] == (6,)
     assert parameters(with_root_joint(model, Spherical()), "offset").shape == (4,)
 
@@ -99,7 +100,13 @@ def test_a_robot_with_nothing_to_offset() -> None:
 def test_the_price_of_parameters() -> None:
     """Scalar operations of the Panda's inverse dynamics; the baked kernel has 624."""
     model = ulna.load("panda").model
-    for names, budget in {"inertia": 720, "gravity": 650, "offset": 635, "placement": 1750}.items():
+    for names, budget in {
+        "inertia": 720,
+        "gravity": 650,
+        "offset": 635,
+        "shift": 890,
+        "placement": 1750,
+    }.items():
         assert kernels.function(model, "inverse_dynamics", parameters=names).operations <= budget, names
 
 
