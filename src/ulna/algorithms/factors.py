@@ -103,7 +103,7 @@ class Factors:
 
 
 def is_zero(x: Any) -> bool:
-    """Whether a number, or every number of a batch, is zero; nothing that is traced is known to be."""
+    """Whether a number, every number of a batch, or a traced number that depends on nothing, is zero."""
     if isinstance(x, np.ndarray):
         return x.dtype != object and not x.any()
-    return isinstance(x, (int, float)) and x == 0.0
+    return getattr(x, "_known_", x if isinstance(x, (int, float)) else None) == 0.0

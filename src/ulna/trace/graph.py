@@ -78,15 +78,14 @@ class Graph:
 
     def node(self, op: int, *args: int) -> int:
         """The node of `op` on `args`, simplified; an equal one is reused."""
-        simpler = simplify(self, op, args)
-        if simpler is not None:
-            return simpler
-        if len(args) == 2 and args[0] > args[1] and TABLE[op].commutes:
-            args = (args[1], args[0])
         key = (op, *args)
+        if len(args) == 2 and args[0] > args[1] and TABLE[op].commutes:
+            key = (op, args[1], args[0])
         index = self._interned.get(key)
         if index is None:
-            index = self._interned[key] = self._append(op, args, None)
+            index = simplify(self, op, args)
+        if index is None:
+            index = self._interned[key] = self._append(op, key[1:], None)
         return index
 
     def find(self, op: int, *args: int) -> int | None:

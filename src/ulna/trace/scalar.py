@@ -122,6 +122,11 @@ class Scalar(Value):
     def _unary(self, op: int) -> Scalar:
         return Scalar(self.graph, self.graph.node(op, self.index))
 
+    @property
+    def _known_(self) -> float | None:
+        """The number, where it does not depend on any input."""
+        return self.graph.data[self.index] if self.graph.op[self.index] == Op.CONST else None
+
     def __add__(self, other: Any) -> Any:
         return self._binary(Op.ADD, other)
 

@@ -8,6 +8,7 @@ most one node deep and returns an existing node or a strictly simpler one, so re
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,8 @@ from ulna.trace.ops import TABLE, Op
 if TYPE_CHECKING:
     from ulna.trace.graph import Graph
 
+_CONSTANT = frozenset({int(Op.CONST), int(Op.BOOL)})
+_PLAIN = {Op.ADD: operator.add, Op.SUB: operator.sub, Op.MUL: operator.mul}
 _CONDITIONS = frozenset({Op.LT, Op.LE, Op.EQ, Op.AND, Op.OR, Op.NOT, Op.ANY})
 
 
@@ -33,8 +36,10 @@ def simplify(g: Graph, op: int, args: tuple[int, ...]) -> int | None:
 def _fold(g: Graph, op: int, args: tuple[int, ...]) -> int | None:
     """Constants in, constant out; computed by the interpreter's own NumPy functions."""
     for a in args:
-        if g.op[a] != Op.CONST and g.op[a] != Op.BOOL:
+        if g.op[a] not in _CONSTANT:
             return None
+    if op in _PLAIN:  # a number of Python is a double as well, and need not be wrapped
+        return g.constant(_PLAIN[op](*(g.data[a] for a in args)))
     if op == Op.SELECT:
         return args[1] if g.data[args[0]] else args[2]
     function = TABLE[op].numpy
