@@ -215,7 +215,7 @@ class Checker:
             _, chunks = self._chunks(q, moving)
             for _, poses in chunks:
                 bounds = self._bounds(poses, True)[..., 0]
-                for i, j in zip(*np.nonzero(bounds <= within), strict=True):
+                for i, j in zip(*np.nonzero((bounds < np.inf) & (bounds <= within)), strict=True):
                     key = self.solids[i].owner, self.solids[j].owner
                     if key in best and bounds[i, j] >= best[key].distance:
                         continue
@@ -423,8 +423,8 @@ class _Narrow:
         """A function that says whether two solids come as near as `margin`."""
         c = narrow.coal()
         request, result = c.CollisionRequest(), c.CollisionResult()
-        request.security_margin, request.enable_contact = margin, False
-        request.num_max_contacts = 1
+        request.security_margin, request.num_max_contacts = margin, 1
+        request.enable_contact = True  # without it coal 3.0 calls some shapes free that share an axis and overlap
         made, geometries, place = self._collisions, self._geometries, self._place
 
         def ask(poses: Poses, row: int, i: int, j: int) -> bool:

@@ -1,0 +1,124 @@
+"""Which pairs are checked, and worlds as values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ulna.collision import Checker, World, link_pairs, robot_poses, survey
+from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.geometry import Box, Cylinder, Geometry, Sphere
+from ulna.model import Fixed, Model, ModelBuilder, Revolute
+from ulna.robots.panda import panda
+from ulna.robots.ur5 import ur5
+from ulna.spatial import SE3
+
+
+def chain(*fixed: int) -> Model:
+    """Links 0, 1, 2 ... in a row, each with a ball; joint k turns unless it is among `fixed`."""
+    builder = ModelBuilder("chain")
+    for k in range(5):
+        builder.add_link(f"link{k}", collisions=(Geometry("", Sphere(0.05)),))
+    for k in range(4):
+        kind = Fixed() if k in fixed else Revolute((0.0, 0.0, 1.0))
+        builder.add_joint(f"joint{k}", kind, f"link{k}", f"link{k + 1}", SE3.from_translation((0.2, 0.0, 0.0)))
+    return builder.build()
+
+
+def test_adjacent_and_rigidly_joined_links_are_left_out() -> None:
+    assert link_pairs(chain()) == tuple((f"link{i}", f"link{j}") for i in range(5) for j in range(i + 2, 5))
+    # links 1 and 2 are one body: its neighbours are 0 and 3
+    expected = {("link0", "link3"), ("link0", "link4"), ("link1", "link4"), ("link2", "link4")}
+    assert set(link_pairs(chain(1))) == expected
+    assert ("link0", "link1") in link_pairs(chain(), adjacent=True)
+    assert ("link1", "link2") not in link_pairs(chain(1), adjacent=True)
+
+
+def test_disabled_pairs_and_those_named_are_left_out() -> None:
+    model = panda()
+    pairs = link_pairs(model)
+    assert not {frozenset(p) for p in pairs} & {frozenset(p) for p in model.disabled_pairs}
+    assert ("panda_link5", "panda_hand") in link_pairs(model, disabled=True)
+    assert ("panda_link0", "panda_hand") not in link_pairs(model, without=[("panda_hand", "panda_link0")])
+    assert not any("panda_hand_tcp" in pair for pair in pairs)  # it has no geometry
+
+
+@pytest.mark.parametrize(
+    ("pair", "error", "text"),
+    [
+        (("panda_link0", "panda_linkk5"), UnknownName, "panda_link5"),
+        (("panda_link0", "panda_link0"), InputError, "twice"),
+        ("panda_link0", InputError, "no pair"),
+    ],
+)
+def test_pairs_that_are_none(pair: object, error: type, text: str) -> None:
+    with pytest.raises(error, match=text):
+        link_pairs(panda(), without=[pair])  # type: ignore[list-item]
+    with pytest.raises(error, match=text):
+        Checker(panda(), pairs=[pair])  # type: ignore[list-item]
+
+
+def test_a_world_is_a_value() -> None:
+    empty = World()
+    world = empty.add("ball", Sphere(0.1), (1.0, 0.0, 0.0)).add("box", Box((1.0, 1.0, 1.0)))
+    assert len(empty) == 0 and world.names == ("ball", "box") and "ball" in world
+    moved = world.move("ball", (2.0, 0.0, 0.0))
+    np.testing.assert_array_equal(world["ball"].pose.translation, (1.0, 0.0, 0.0))
+    np.testing.assert_array_equal(moved["ball"].pose.translation, (2.0, 0.0, 0.0))
+    assert moved.names == world.names and moved.remove("ball").names == ("box",)
+    assert world.fingerprint != moved.fingerprint
+    assert world.fingerprint == moved.move("ball", (1.0, 0.0, 0.0)).fingerprint
+
+
+def test_what_no_world_takes() -> None:
+    world = World().add("ball", Sphere(0.1))
+    with pytest.raises(InputError, match="has an obstacle named 'ball' already.*remove"):
+        world.add("ball", Sphere(0.2))
+    with pytest.raises(UnknownName, match="'ball'"):
+        world.move("bal", (0.0, 0.0, 0.0))
+    with pytest.raises(UnknownName, match="'ball'"):
+        world.remove("balll")
+    with pytest.raises(InputError, match=r"expected a shape of ulna\.geometry"):
+        world.add("x", 0.1)  # type: ignore[arg-type]
+    with pytest.raises(NonFiniteError):
+        world.add("x", Sphere(0.1), (np.nan, 0.0, 0.0))
+    with pytest.raises(ShapeError):
+        world.add("x", Sphere(0.1), (0.0, 0.0))
+    with pytest.raises(InputError, match="list of link names"):
+        world.add("x", Sphere(0.1), touches="panda_link0")
+    with pytest.raises(UnknownName, match="panda_link0"):
+        Checker(panda(), World().add("x", Sphere(0.1), touches=["panda_lnk0"]))
+
+
+def test_another_robot_as_obstacles() -> None:
+    arm, other = panda(), ur5()
+    place = SE3.from_rpy((0.0, 0.0, 3.0), (0.5, 0.0, 0.0))
+    world = World().add_robot("ur", other, None, place, moving=True)
+    rng = np.random.default_rng(0)
+    q = rng.uniform(-2.0, -0.1, (20, arm.nq))
+    q_other = rng.uniform(-2.0, 2.0, (20, other.nq))
+    checker = Checker(arm, world, pairs=())
+    together = checker.collides(q, robot_poses("ur", other, q_other, place))
+    assert 0 < together.sum() < 20
+    for k in range(20):
+        still = World().add_robot("ur", other, q_other[k], place)
+        # links of the Panda's that never move are not checked against what never moves
+        frozen = Checker(arm, still, pairs=()).collides(q[k])
+        base = checker.touching(q[k], {n: T[k] for n, T in robot_poses("ur", other, q_other, place).items()})
+        owners = [pair[0] for pair, hit in zip(checker.owners, base, strict=True) if hit]
+        assert frozen == any(name != "panda_link0" for name in owners)
+        assert together[k] == bool(owners)
+
+
+def test_survey_finds_what_always_and_never_touches() -> None:
+    builder = ModelBuilder("post")
+    builder.add_link("base", collisions=(Geometry("", Cylinder(0.1, 0.2)),))
+    builder.add_link("turret", collisions=(Geometry("", Cylinder(0.1, 0.2)),))  # overlaps the base
+    builder.add_link("arm", collisions=(Geometry("", Sphere(0.05), SE3.from_translation((1.0, 0.0, 0.0))),))
+    builder.add_joint("turn", Revolute((0.0, 0.0, 1.0)), "base", "turret", SE3.from_translation((0.0, 0.0, 0.1)))
+    builder.add_joint("swing", Revolute((0.0, 0.0, 1.0)), "turret", "arm")
+    found = survey(builder.build(), 50)
+    assert found.always == (("base", "turret"),)
+    assert set(found.never) == {("base", "arm"), ("turret", "arm")} and not found.sometimes
+    with pytest.raises(InputError, match="count"):
+        survey(builder.build(), 0)
