@@ -87,6 +87,8 @@ class General:
         if any(a.dtype == object for a in arrays):
             return f(*arrays)  # inside a trace: inline
         batch = self._batch(arrays)
+        if out is not None:
+            self._check_out(out, batch)
         if self.checked:
             for a, port in zip(arrays, f.inputs, strict=True):
                 _check_finite(port.name, a)
@@ -141,6 +143,28 @@ class General:
         if f.single:
             return results[0] if results[0].ndim else results[0][()]
         return tuple(results)
+
+    def _check_out(self, out: Any, batch: tuple[int, ...]) -> None:
+        """Refuses what the results of a batch cannot be written to."""
+        f = self.function
+        given = out if isinstance(out, tuple) else (out,)
+        if len(given) != len(f.outputs):
+            raise InputError(
+                f"`out` holds {len(given)} arrays; {f.name} has {len(f.outputs)} outputs: expected as many arrays, "
+                "in a tuple."
+            )
+        for target, port in zip(given, f.outputs, strict=True):
+            if target is None or _is_foreign(target):  # None: a new array
+                continue
+            if not isinstance(target, np.ndarray):
+                raise InputError(f"`out` is of type {type(target).__name__}; expected a NumPy array.")
+            wide = target.ndim - len(port.shape)
+            if wide < 0 or target.shape[wide:] != port.shape or not _fits(batch, target.shape[:wide]):
+                raise ShapeError("out", target.shape, str(batch + port.shape))
+            if not np.can_cast(self.dtype, target.dtype, "same_kind"):
+                raise DtypeError("out", str(target.dtype), f"{self.dtype}, or what that casts to")
+            if not target.flags.writeable:
+                raise InputError("`out` is read-only; expected an array that can be written to.")
 
     def _is_apart(self, arrays: Sequence[Any], out: Any, batch: tuple[int, ...]) -> bool:
         """Whether parts of the batch can be written to `out` independently; else NumPy must see the whole."""
@@ -221,6 +245,14 @@ class General:
         with ThreadPoolExecutor(len(cuts) - 1) as pool:
             list(pool.map(part, range(len(cuts) - 1)))
         return given[0] if f.single else tuple(given)
+
+
+def _fits(batch: tuple[int, ...], target: tuple[int, ...]) -> bool:
+    """Whether a batch can be written to leading axes `target`: they may be more or longer, never fewer or shorter."""
+    try:
+        return np.broadcast_shapes(batch, target) == target
+    except ValueError:
+        return False
 
 
 def _is_foreign(value: Any) -> bool:
