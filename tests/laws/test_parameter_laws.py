@@ -246,6 +246,24 @@ def test_users_own_functions_take_models_with_traced_numbers() -> None:
     close(made(q, v, p, g), expected)
 
 
+def test_the_order_in_which_numbers_are_told_does_not_matter() -> None:
+    model = tree("revolute")
+    values = {name: others(model, name) for name in ("tool", "offset", "placement", "base", "shift")}
+    changed = with_parameters(model, values)
+    assert with_parameters(model, dict(reversed(values.items()))) == changed
+    q = alg.random(model, np.random.default_rng(0))
+    expected = alg.frame_pose(changed, q, changed.frame("tip")).matrix()
+    for name, value in values.items():  # one is a number of the model, the others come with the trace
+        rest = {other: x for other, x in values.items() if other != name}
+
+        def pose(q: Any, *told: Any, known: Any = {name: value}, names: Any = tuple(rest)) -> Any:  # noqa: B006
+            varied = with_parameters(model, known | dict(zip(names, told, strict=True)))
+            return alg.frame_pose(varied, q, varied.frame("tip")).matrix()
+
+        shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate((q, *rest.values()))}
+        close(trace(pose, **shapes)(q, *rest.values()), expected)
+
+
 def test_frames_that_were_added_have_parameters_of_their_own() -> None:
     model = tree("mimics")
     assert parameter_names(model)[-2:] == ("frame:tip", "frame:side")

@@ -20,13 +20,13 @@ Calibration (1991), chapter 2.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
 
-from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.model.change import with_gravity, with_root_joint
 from ulna.model.inertial import (
     dynamic_parameters,
@@ -41,11 +41,13 @@ from ulna.model.model import Model
 from ulna.model.parts import Frame, Joint
 from ulna.numeric import is_symbolic, matrix
 from ulna.spatial import SE3, so3_exp
+from ulna.spatial.check import checked
 from ulna.typing import Array, Floats
 
 _OF_FRAME = "frame:"
 _OF_DRIVES = ("armature", "damping", "friction")
-_NAMES = ("inertia", "placement", "shift", "base", "tool", "offset", "gravity", *_OF_DRIVES)
+_NAMES = ("base", "placement", "shift", "offset", "tool", "inertia", "gravity", *_OF_DRIVES)
+"""In the order in which they take effect: T = base T Trans(d) Exp(w) Trans(shift) J(offset)."""
 
 
 def parameter_names(model: Model) -> tuple[str, ...]:
@@ -106,9 +108,7 @@ def with_parameters(model: Model, values: Mapping[str, Any], *, check: bool = Tr
         ShapeError, NonFiniteError, InputError, ModelError: a value cannot be what it stands for.
     """
     told = {name: _checked(model, name, value) for name, value in values.items()}
-    for name in sorted(
-        told, key=lambda name: is_symbolic(told[name])
-    ):  # numbers first: some rebuild the model
+    for name in sorted(told, key=parameter_names(model).index):
         value = told[name]
         if is_symbolic(value) or (value != parameters(model, name)).any():
             model = _changed(model, name, value, check)
@@ -142,13 +142,10 @@ def _changed(model: Model, name: str, value: Array, check: bool) -> Model:
 
 def _checked(model: Model, name: str, value: Any) -> Array:
     shape = parameters(model, name).shape
-    array = np.asarray(value, dtype=object if is_symbolic(value) else float)
+    array = checked(name, value, shape)
     if array.shape != shape:
         mend = "One model has one value; for a batch of models ask a kernel: robot.kernel(..., parameters=(...,))."
         raise ShapeError(name, array.shape, str(shape), mend)
-    if array.dtype != object and not np.isfinite(array).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise NonFiniteError(name, where, float(array[where]))
     return array
 
 
@@ -229,8 +226,8 @@ def _shifted(model: Model, value: Array) -> Model:
     whole[list(offset_entries(model))] = value
     own = [whole[joint.idx_q : joint.idx_q + joint.kind.nq] for joint in model.joints]
     if is_symbolic(value):
-        shifted: Callable[[Joint, Array], Joint] = lambda joint, zero: _Shifted(**vars(joint), zero=zero)  # noqa: E731
-        return replace(model, joints=tuple(map(shifted, model.joints, own)))
+        joints = (_Shifted(**vars(joint), zero=zero) for joint, zero in zip(model.joints, own, strict=True))
+        return replace(model, joints=tuple(joints))
     off = []
     for joint, zero in zip(model.joints, own, strict=True):
         if isinstance(joint.kind, (Composite, Universal)) and zero.any():

@@ -11,7 +11,7 @@ import ulna
 from support.random_models import random_model
 from support.small_robots import arm
 from ulna import kernels
-from ulna.errors import InputError, ModelError, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import DtypeError, InputError, ModelError, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Spherical, parameter_names, parameters, with_parameters, with_root_joint
 from ulna.robot import Robot
 from ulna.spatial import SE3
@@ -20,7 +20,7 @@ from ulna.spatial import SE3
 def test_names_and_shapes() -> None:
     model = arm()
     assert parameter_names(model) == (
-        *("inertia", "placement", "shift", "base", "tool", "offset", "gravity"),
+        *("base", "placement", "shift", "offset", "tool", "inertia", "gravity"),
         *("armature", "damping", "friction", "frame:tcp", "frame:camera"),
     )
     shapes = {name: parameters(model, name).shape for name in parameter_names(model)}
@@ -44,8 +44,12 @@ def test_unknown_names_offer_the_nearest(name: str) -> None:
 
 def test_what_cannot_be_told_is_refused() -> None:
     model = arm()
-    with pytest.raises(ShapeError, match=r"`placement` has shape \(30,\); expected \(5, 6\).*robot.kernel"):
+    with pytest.raises(ShapeError, match=r"`placement` has shape \(30,\); expected .*5, 6\)"):
         with_parameters(model, {"placement": np.zeros(30)})
+    with pytest.raises(ShapeError, match=r"`base` has shape \(7, 6\); expected \(6,\).*robot.kernel"):
+        with_parameters(model, {"base": np.zeros((7, 6))})
+    with pytest.raises(DtypeError, match="`gravity`"):
+        with_parameters(model, {"gravity": "down"})
     with pytest.raises(NonFiniteError, match=r"`placement\[1, 2\]` is nan"):
         with_parameters(model, {"placement": np.where(np.arange(30).reshape(5, 6) == 8, np.nan, 0.0)})
     with pytest.raises(ModelError, match="'j0' cannot exist"):
