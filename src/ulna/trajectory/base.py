@@ -235,12 +235,15 @@ class Trajectory(ABC):
 
     def _evaluate(self, t: ArrayLike, order: int) -> tuple[Floats, ...]:
         times = numbers("t", t)
-        flat = times.reshape(-1)
-        rows = self._checked_at(np.minimum(np.maximum(flat, 0.0), self.duration), order)
-        slack = END_TOLERANCE * self.duration
-        outside = (flat < -slack) | (flat > self.duration + slack)
-        if order and outside.any():
-            rows = (rows[0], *(np.where(outside[:, None], 0.0, row) for row in rows[1:]))
+        flat, duration = times.reshape(-1), self.duration
+        if flat.size == 0 or (flat.min() >= 0.0 and flat.max() <= duration):
+            rows = self._checked_at(flat, order)
+        else:
+            rows = self._checked_at(np.minimum(np.maximum(flat, 0.0), duration), order)
+            still = np.maximum(-flat, flat - duration) > END_TOLERANCE * duration
+            rows = (rows[0], *(np.where(still[:, None], 0.0, row) for row in rows[1:]))
+        if times.ndim == 1:
+            return rows
         return tuple(row.reshape(times.shape + row.shape[1:]) for row in rows)
 
     def _checked_at(self, t: Floats, order: int) -> tuple[Floats, ...]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ulna.trajectory.inputs import filled, seconds, vector
 from ulna.trajectory.polynomial import Polynomial, hermite
-from ulna.typing import ArrayLike
+from ulna.typing import ArrayLike, Floats
 
 
 def cubic(
@@ -28,8 +28,8 @@ def cubic(
     """
     start = vector("q0", q0)
     end, n = vector("q1", q1, start.size), start.size
-    v = np.stack([filled("v0", v0, n), filled("v1", v1, n)])
-    return hermite(np.array([0.0, seconds("duration", duration)]), np.stack([start, end]), v, kind="cubic")
+    v = _both(("v0", v0), ("v1", v1), n)
+    return hermite(np.array([0.0, seconds("duration", duration)]), np.array([start, end]), v, kind="cubic")
 
 
 def quintic(
@@ -61,7 +61,14 @@ def quintic(
     """
     start = vector("q0", q0)
     end, n = vector("q1", q1, start.size), start.size
-    v = np.stack([filled("v0", v0, n), filled("v1", v1, n)])
-    a = np.stack([filled("a0", a0, n), filled("a1", a1, n)])
+    v = _both(("v0", v0), ("v1", v1), n)
+    a = _both(("a0", a0), ("a1", a1), n)
     times = np.array([0.0, seconds("duration", duration)])
-    return hermite(times, np.stack([start, end]), v, a, kind="quintic")
+    return hermite(times, np.array([start, end]), v, a, kind="quintic")
+
+
+def _both(start: tuple[str, ArrayLike | None], end: tuple[str, ArrayLike | None], n: int) -> Floats:
+    """Rates at both ends, (2, n)."""
+    if start[1] is None and end[1] is None:
+        return np.zeros((2, n))
+    return np.array([filled(*start, n), filled(*end, n)])

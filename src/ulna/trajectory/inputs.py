@@ -15,7 +15,8 @@ def numbers(name: str, value: Any) -> Floats:
     """`value` as an array of finite floats of any shape."""
     try:
         array = np.asarray(value)
-        array = array.astype(float) if array.dtype.kind in "fiub" else np.array(value, dtype=float)
+        if array.dtype != float:
+            array = array.astype(float) if array.dtype.kind in "fiub" else np.array(value, dtype=float)
     except (TypeError, ValueError):
         raise DtypeError(name, type(value).__name__) from None
     if not np.isfinite(array).all():
@@ -26,7 +27,8 @@ def numbers(name: str, value: Any) -> Floats:
 
 def vector(name: str, value: ArrayLike, size: int | None = None) -> Floats:
     """One point (n,) of finite floats; a single number is a point with one entry."""
-    array = np.atleast_1d(numbers(name, value))
+    array = numbers(name, value)
+    array = array if array.ndim else array.reshape(1)
     if array.ndim != 1 or array.size == 0 or (size is not None and array.size != size):
         raise ShapeError(name, array.shape, "(n,), one point" if size is None else f"({size},)")
     return array

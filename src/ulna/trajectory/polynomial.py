@@ -73,7 +73,8 @@ class Polynomial(Trajectory):
         return 3
 
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
-        evaluate = _horner(*self.coefficients.shape[1:], order)
+        _, powers, n = self.coefficients.shape
+        evaluate = _horner(powers, n, order)
         if len(self.coefficients) == 1:
             rows = evaluate(self.coefficients[0], t)
         else:
@@ -116,21 +117,12 @@ def hermite(
 
     Source: Biagiotti & Melchiorri 2008, eq. (2.2) and (2.6).
     """
-    h = np.diff(times)[:, None]
-    way, v0, v1 = np.diff(q, axis=0), v[:-1] * h, v[1:] * h
-    low: list[Floats] = [q[:-1], v[:-1]]
-    if a is None:
-        high = [3.0 * way - 2.0 * v0 - v1, -2.0 * way + v0 + v1]
-    else:
-        low.append(0.5 * a[:-1])
-        a0, a1 = low[2] * h * h, 0.5 * a[1:] * h * h
-        high = [
-            10.0 * way - 6.0 * v0 - 4.0 * v1 - 3.0 * a0 + a1,
-            -15.0 * way + 8.0 * v0 + 7.0 * v1 + 3.0 * a0 - 2.0 * a1,
-            6.0 * way - 3.0 * (v0 + v1) - a0 + a1,
-        ]
-    c = [*low, *(x / h**i for i, x in enumerate(high, start=len(low)))]
-    return Polynomial.of(times, np.stack(c, axis=1), kind, space)
+    h, n = times[1:] - times[:-1], q.shape[1]
+    states = [row for x in (q, v, a) if x is not None for row in (x[:-1], x[1:])]
+    c = _hermite_kernel(n, a is not None)(h, *states)
+    times = times.copy()
+    times.flags.writeable = c.flags.writeable = False
+    return Polynomial(times, c, space or Vectors.of(n), kind)
 
 
 def shifted(c: Floats, h: Floats) -> Floats:
@@ -140,6 +132,26 @@ def shifted(c: Floats, h: Floats) -> Floats:
         for j in range(i, c.shape[1]):
             out[:, i] += c[:, j] * (comb(j, i) * h[:, None] ** (j - i))
     return out
+
+
+@lru_cache(maxsize=64)
+def _hermite_kernel(n: int, quintic: bool) -> Any:
+    """The kernel from a piece's length and the states at its ends to its coefficients, (4, n) or (6, n)."""
+
+    def coefficients(h: Any, q0: Array, q1: Array, v0: Array, v1: Array, *a: Array) -> Array:
+        way, b0, b1 = q1 - q0, v0 * h, v1 * h
+        if not quintic:
+            return np.stack([q0, v0, (3.0 * way - 2.0 * b0 - b1) / h**2, (b0 + b1 - 2.0 * way) / h**3])
+        half = 0.5 * a[0]
+        c0, c1 = half * h**2, 0.5 * a[1] * h**2
+        cubic = 10.0 * way - 6.0 * b0 - 4.0 * b1 - 3.0 * c0 + c1
+        quartic = -15.0 * way + 8.0 * b0 + 7.0 * b1 + 3.0 * c0 - 2.0 * c1
+        last = 6.0 * way - 3.0 * (b0 + b1) - c0 + c1
+        return np.stack([q0, v0, half, cubic / h**3, quartic / h**4, last / h**5])
+
+    names = ("q0", "q1", "v0", "v1", *(("a0", "a1") if quintic else ()))
+    shapes: dict[str, Any] = {"h": ()} | dict.fromkeys(names, (n,))
+    return compile(coefficients, **shapes).gufunc
 
 
 @lru_cache(maxsize=64)

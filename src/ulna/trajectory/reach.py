@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from ulna.numeric import vector, where
-from ulna.trace import compile, trace
+from ulna.trace import compile
 from ulna.typing import Array, Floats
 
 HUGE = 1e300
@@ -75,7 +75,8 @@ def bounds_kernel(n: int, both_ends: bool) -> Any:
         return vector(*factors, *least, *most, *alone), vector(*forward, *offsets)
 
     names = ("a", "b", "low", "high", "a_end", "b_end", "low_end", "high_end")[: 8 if both_ends else 4]
-    return compile(trace(bounds, D=(), **dict.fromkeys(names, (n,)))).gufunc
+    shapes: dict[str, Any] = {"D": ()} | dict.fromkeys(names, (n,))
+    return compile(bounds, **shapes).gufunc
 
 
 @lru_cache(maxsize=32)

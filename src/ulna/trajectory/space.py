@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, final
 
 import numpy as np
 
 from ulna import algorithms
 from ulna.model import Model
-from ulna.spatial import SE3, so3_log
+from ulna.spatial import so3_log
 from ulna.typing import Floats
 
 
@@ -48,7 +49,7 @@ class Vectors(Space):
     @classmethod
     def of(cls, n: int) -> Vectors:
         """The space of n numbers, named q0, q1, ..."""
-        return cls(tuple(f"q{k}" for k in range(n)))
+        return _numbered(n)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -115,11 +116,11 @@ class Poses(Space):
         return np.concatenate([b[..., :3, 3] - a[..., :3, 3], turn], axis=-1)
 
 
+@lru_cache(maxsize=64)
+def _numbered(n: int) -> Vectors:
+    return Vectors(tuple(f"q{k}" for k in range(n)))
+
+
 def model_of(robot: Any) -> Model:
     """The model of a robot, or the model itself."""
     return getattr(robot, "model", robot)
-
-
-def as_matrix(pose: SE3, count: int) -> Floats:
-    """Poses as an array (count, 4, 4)."""
-    return np.broadcast_to(np.asarray(pose.matrix()), (count, 4, 4))
