@@ -5,7 +5,7 @@
 Needs `pin-pink`, `mink`, `daqp` and `example-robot-data`. All three get the same URDF (MuJoCo's without shapes), the same
 tasks, costs, limits, damping and targets, and the velocities are compared before anything is timed. A step is what a
 control loop does at every tick: take a new configuration, tell the velocity. pink and mink hold their targets, ours are
-told at every step. The peers solve with daqp, the fastest solver for them (frontier of solvers: pass another with --solver).
+told at every step. The peers solve with daqp, the fastest solver installed for them (another: --solver).
 One core; run it on a quiet machine.
 """
 
@@ -119,11 +119,12 @@ class Case:
         self._mink(kinds)
 
     def _ours(self, kinds: Sequence[str]) -> None:
-        tasks: list[Any] = [FrameTask(frame, 1.0, 0.5) for frame in self.robot.frames]
-        tasks += [PostureTask(1e-2)] if "posture" in kinds else []
-        tasks += [ComTask(0.1)] if "com" in kinds else []
+        frames: list[Any] = [FrameTask(frame, 1.0, 0.5) for frame in self.robot.frames]
+        rest: list[Any] = [PostureTask(1e-2)] if "posture" in kinds else []
+        rest += [ComTask(0.1)] if "com" in kinds else []
+        tasks, exact = (rest, frames) if "exact" in kinds else (frames + rest, [])
         limits = [VelocityLimit(), PositionLimit(GAIN)]
-        self.ik = DifferentialIK(self.robot.model, tasks, limits, damping=DAMPING)
+        self.ik = DifferentialIK(self.robot.model, tasks, limits, constraints=exact, damping=DAMPING)
         told = self.ik.targets_at(self.aim)
         self.targets = tuple(np.ascontiguousarray(told[name]) for name in self.ik.inputs)
 
@@ -137,6 +138,8 @@ class Case:
         self.of_pink.update(self.aim)
         for task in self.pink_tasks:
             task.set_target_from_configuration(self.of_pink)
+        count = len(self.robot.frames) if "exact" in kinds else 0
+        self.pink_exact, self.pink_tasks = self.pink_tasks[:count], self.pink_tasks[count:]
 
     def _mink(self, kinds: Sequence[str]) -> None:
         model, ours = self.robot.mujoco, self.robot.model
@@ -153,6 +156,8 @@ class Case:
         self.of_mink.update(self.wxyz(self.aim))
         for task in self.mink_tasks:
             task.set_target_from_configuration(self.of_mink)
+        count = len(self.robot.frames) if "exact" in kinds else 0
+        self.mink_exact, self.mink_tasks = self.mink_tasks[:count], self.mink_tasks[count:]
         self.q_mink = self.wxyz(self.q)
 
     def wxyz(self, q: np.ndarray) -> np.ndarray:
@@ -167,20 +172,32 @@ class Case:
         """A step of pink's."""
         self.of_pink.update(self.q)
         return pink.solve_ik(
-            self.of_pink, self.pink_tasks, DT, solver=self.solver, damping=DAMPING, limits=self.pink_limits
+            self.of_pink,
+            self.pink_tasks,
+            DT,
+            solver=self.solver,
+            damping=DAMPING,
+            limits=self.pink_limits,
+            constraints=self.pink_exact,
         )
 
     def mink(self) -> np.ndarray:
         """A step of mink's."""
         self.of_mink.update(self.q_mink)
         return mink.solve_ik(
-            self.of_mink, self.mink_tasks, DT, solver=self.solver, damping=DAMPING, limits=self.mink_limits
+            self.of_mink,
+            self.mink_tasks,
+            DT,
+            solver=self.solver,
+            damping=DAMPING,
+            limits=self.mink_limits,
+            constraints=self.mink_exact,
         )
 
     def held(self) -> int:
         """How many joints are held by a limit."""
         problem, v = self.ik.problem(self.q, DT, *self.targets), self.ours()
-        return int(((v - problem.lower < 1e-9) | (problem.upper - v < 1e-9)).sum())
+        return int(((v - problem.lower[: len(v)] < 1e-9) | (problem.upper[: len(v)] - v < 1e-9)).sum())
 
     def differences(self) -> tuple[float, float]:
         """The largest differences of velocity to pink and to mink, as parts of the largest velocity."""
@@ -206,6 +223,7 @@ def main() -> None:
             ("frame", "inside", ()),
             ("frame", "at limits", ()),
             ("frame, posture, com", "at limits", ("posture", "com")),
+            ("posture, frame as constraint", "inside", ("posture", "exact")),
         ):
             case = Case(robot, where, kinds, chosen.solver)
             to_pink, to_mink = case.differences()

@@ -126,16 +126,16 @@ def _slope(H: _Rows, g: Sequence[Any], x: Sequence[Any]) -> list[Any]:
 
 
 def solve_rows(
-    H: Floats, g: Floats, lower: Floats, upper: Floats, A: Floats, equalities: int
+    H: Floats, g: Floats, A: Floats, lower: Floats, upper: Floats, equalities: int
 ) -> Floats | None:
     """Minimises x^T H x / 2 + g^T x within bounds and between rows; None when nothing lies within them.
 
     Args:
         H: Shape (n, n), symmetric positive definite.
         g: Shape (n,).
+        A: Shape (k, n).
         lower: Shape (n + k,), bounds of x, then of A x.
         upper: The same.
-        A: Shape (k, n).
         equalities: How many of the rows, the last ones, are equalities.
 
     Raises:

@@ -9,39 +9,36 @@ import numpy as np
 
 from ulna.errors import InfeasibleError, InputError
 from ulna.ik.differential.limits import Interval
-from ulna.ik.differential.program import CONFLICT, NO_ROTATION, Program
+from ulna.ik.differential.program import CONFLICT, NO_ROTATION, Problem, Program
 from ulna.ik.qp import solve_rows
 from ulna.model import Model
 from ulna.typing import Floats
 
 
 def reason(
-    program: Program, verdict: int, q: Floats, dt: Floats, *inputs: Floats, where: str = ""
+    program: Program, problem: Problem, q: Floats, dt: Floats, *inputs: Floats, where: str = ""
 ) -> InfeasibleError | InputError:
-    """What is wrong with one sample.
+    """What is wrong with one sample that has no solution.
 
     Args:
         program: Tasks and limits.
-        verdict: What its `problem` said of the sample.
+        problem: What it made of the sample.
         q: Configuration, shape (nq,).
         dt: Duration, shape () [s].
         *inputs: What was told.
         where: The place in the batch, for the message.
     """
     told = dict(zip(program.inputs, inputs, strict=True))
-    if verdict == NO_ROTATION:
+    if problem.verdict == NO_ROTATION:
         return _no_rotation(program, told, where)
-    if verdict == CONFLICT:
+    if problem.verdict == CONFLICT:
         return _conflict(program, q, dt, told, where)
+    if not np.isfinite(problem.H).all() or np.linalg.eigvalsh(problem.H)[0] <= 0.0:
+        return InputError(
+            f"The tasks do not determine all joints{where}, and `damping` is too small to do so. "
+            "Give more damping, or add a PostureTask or a DampingTask."
+        )
     return _no_solution(program, q, dt, told, where)
-
-
-def undetermined(where: str) -> InputError:
-    """The objective does not say which velocity is best."""
-    return InputError(
-        f"The tasks do not determine all joints{where}, and `damping` is too small to do so. "
-        "Give more damping, or add a PostureTask or a DampingTask."
-    )
 
 
 def _conflict(
@@ -113,10 +110,9 @@ def _feasible(program: Program, q: Floats, dt: Floats, told: Mapping[str, Floats
     p = program.problem(q, dt, *(told[name] for name in program.inputs))
     if p.verdict == CONFLICT:
         return False
-    ends = (np.concatenate([p.lower, p.row_lower]), np.concatenate([p.upper, p.row_upper]))
     n = len(p.g)
-    found = solve_rows(np.eye(n), np.zeros(n), *ends, np.ascontiguousarray(p.A), program.equalities)
-    return found is not None
+    A = np.ascontiguousarray(p.A)
+    return solve_rows(np.eye(n), np.zeros(n), A, p.lower, p.upper, program.equalities) is not None
 
 
 def _without(parts: Sequence, k: int) -> tuple:

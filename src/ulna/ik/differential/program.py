@@ -47,18 +47,17 @@ _RESERVED = ("q", "dt", "name", "doc", "rules")
 
 
 class Problem(NamedTuple):
-    """The program: H, g, bounds of v, rows A with their bounds; and what is wrong with it before it is solved.
+    """The program: H (n, n), g (n,), A (k, n), and bounds (n + k,) of v and of A v, those of constraints last.
 
-    `verdict` is 0 where nothing is, CONFLICT where limits leave a joint no room, NO_ROTATION where a target is none.
+    `verdict` says what is wrong with it before it is solved: 0 where nothing is, CONFLICT where limits leave a joint no
+    room, NO_ROTATION where a target is none.
     """
 
     H: Array
     g: Array
+    A: Array
     lower: Array
     upper: Array
-    A: Array
-    row_lower: Array
-    row_upper: Array
     verdict: Any
 
 
@@ -83,6 +82,7 @@ class Program:
         for task in self.objectives:
             task.costs(self.model)
         told = Counter(name for part in self.parts for name in part.inputs(self.model))
+        told.update(task.scale for task in self._adjustable)
         for name, count in told.items():
             if count > 1 or name in _RESERVED:
                 why = "is told to two tasks or limits" if count > 1 else "has a meaning of its own"
@@ -94,6 +94,10 @@ class Program:
         return (*self.tasks, *self.constraints)
 
     @property
+    def _adjustable(self) -> tuple[Task, ...]:
+        return tuple(task for task in self.tasks if task.adjustable)
+
+    @property
     def parts(self) -> tuple[Task | Limit, ...]:
         """Whatever may have inputs."""
         return (*self.objectives, *self.limits)
@@ -101,7 +105,7 @@ class Program:
     @cached_property
     def defaults(self) -> Mapping[str, Floats]:
         """Values of the inputs that need not be told."""
-        found: dict[str, Any] = {}
+        found: dict[str, Any] = {task.scale: np.ones(()) for task in self._adjustable}
         for part in self.parts:
             found |= part.defaults(self.model)
         return found
@@ -110,6 +114,7 @@ class Program:
     def inputs(self) -> Shapes:
         """Names and shapes of all inputs: first those that must be told."""
         shapes = {name: shape for part in self.parts for name, shape in part.inputs(self.model).items()}
+        shapes |= {task.scale: () for task in self._adjustable}
         return dict(sorted(shapes.items(), key=lambda item: item[0] in self.defaults))
 
     @cached_property
@@ -120,7 +125,8 @@ class Program:
     @cached_property
     def rotations(self) -> tuple[str, ...]:
         """The inputs that are poses or rotations."""
-        return tuple(name for name, shape in self.inputs.items() if shape in ((4, 4), (3, 3)))
+        shapes = {name: shape for task in self.objectives for name, shape in task.inputs(self.model).items()}
+        return tuple(name for name, shape in shapes.items() if shape in ((4, 4), (3, 3)))
 
     def quaternions(self, arguments: Sequence[str]) -> tuple[tuple[int, tuple[int, ...]], ...]:
         """Where the arguments of a kernel hold unit quaternions: (number of the argument, entries), ..."""
@@ -155,22 +161,23 @@ class Program:
         told = dict(zip(self.inputs, inputs, strict=True))
         bounds = [bound for _, bound in self.bounds(q, dt, told)]
         lower, upper, gap = self._box([b for b in bounds if isinstance(b, Interval)])
-        H, g = self._objective(q, dt, told)
-        strips = [b for b in bounds if isinstance(b, Strip)]
-        blocks = [b.A[..., self.moving] for b in strips]
-        row_lower, row_upper = [b.lower for b in strips], [b.upper for b in strips]
+        rows = [np.zeros((0, len(self.moving)))]
+        low, high = [lower], [upper]
+        for strip in bounds:
+            if isinstance(strip, Strip):
+                rows.append(strip.A[..., self.moving])
+                low.append(strip.lower)
+                high.append(strip.upper)
         for task in self.constraints:
             J, e, _ = self._weighted(task, q, told)
-            blocks.append(J)
-            row_lower.append(e / dt)
-            row_upper.append(e / dt)
-        A = np.concatenate(blocks) if blocks else np.zeros((0, len(self.moving)))
-        ends = [np.concatenate(rows) if rows else np.zeros(0) for rows in (row_lower, row_upper)]
+            rows.append(J)
+            low.append(e / dt)
+            high.append(e / dt)
         turned = reduce(maximum, (_from_rotation(told[name]) for name in self.rotations), 0.0)
         verdict = where(less(GAP, gap), float(CONFLICT), float(SOLVED))
-        return Problem(
-            H, g, lower, upper, A, ends[0], ends[1], where(less(turned, TURNED), verdict, float(NO_ROTATION))
-        )
+        verdict = where(less(turned, TURNED), verdict, float(NO_ROTATION))
+        H, g = self._objective(q, dt, told)
+        return Problem(H, g, np.concatenate(rows), np.concatenate(low), np.concatenate(high), verdict)
 
     def step(self, q: Array, dt: Any, *inputs: Array) -> tuple[Array, Array, Any]:
         """v (nv,), the configuration after dt (nq,), and what to think of them; traced.
@@ -178,16 +185,21 @@ class Program:
         Rows are only looked at: where the optimum without them keeps them, it is the optimum.
         """
         problem = self.problem(q, dt, *inputs)
-        x, solved = solve_box(problem.H, problem.g, problem.lower, problem.upper)
+        n = len(self.moving)
+        x, solved = solve_box(problem.H, problem.g, problem.lower[:n], problem.upper[:n])
         missed: Any = 0.0
         if len(problem.A):
             rows = apply(problem.A, x)
-            missed = reduce(maximum, [*(problem.row_lower - rows), *(rows - problem.row_upper)])
+            missed = reduce(maximum, [*(problem.lower[n:] - rows), *(rows - problem.upper[n:])])
         verdict = where(less(missed, SLACK), problem.verdict, float(ROWS))
         verdict = where(less(0.5, solved), verdict, float(UNSOLVED))
         verdict = where(less(0.5, problem.verdict), problem.verdict, verdict)
         v = self.spread(x, q)
-        return v, integrate(self.model, q, v * dt), verdict
+        return v, self.move(q, v, dt), verdict
+
+    def move(self, q: Array, v: Array, dt: Any) -> Array:
+        """The configuration after `dt`."""
+        return integrate(self.model, q, v * dt)
 
     def spread(self, x: Array, q: Array) -> Array:
         """The velocity (nv,) of the whole robot: joints that may not move stand still."""
@@ -200,6 +212,8 @@ class Program:
         H, g, damping = np.zeros((n, n)), np.zeros(n), self.damping
         for task in self.tasks:
             J, e, costs = self._weighted(task, q, told)
+            if task.adjustable:
+                costs = costs * told[task.scale]
             A, b = J * costs[:, None], e * costs
             H = H + A.T @ A
             g = g - A.T @ (b / dt)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from typing import Any, final
 
 import numpy as np
 
-from ulna import kernels
 from ulna.errors import InputError, UnknownName
 from ulna.ik.differential import explain
 from ulna.ik.differential.limits import Limit, PositionLimit, VelocityLimit
-from ulna.ik.differential.program import ROWS, SOLVED, Problem, Program
+from ulna.ik.differential.program import SOLVED, Problem, Program
 from ulna.ik.differential.task import Task, as_array
 from ulna.ik.qp import solve_rows
 from ulna.model import Model
@@ -157,32 +155,35 @@ class DifferentialIK:
         return v, following
 
     def _by_rows(
-        self, q: Any, seconds: Any, told: Sequence[Any], verdict: Any = ROWS, v: Any = None
+        self, q: Any, seconds: Any, told: Sequence[Any], verdict: Any = None, v: Any = None
     ) -> tuple[Floats, Floats]:
-        """The same by daqp, for the samples whose verdict is not 0; `v` has the solutions of the others."""
-        program = self.program
+        """The same by daqp; of a batch only the samples whose verdict is not 0, `v` has the solutions of the others."""
         problem = Problem(*self._compiled("problem")(q, seconds, *told))
         batch = problem.g.shape[:-1]
-        v = np.empty((*batch, program.model.nv)) if v is None else v
-        for index in np.ndindex(batch):
-            if np.broadcast_to(verdict, batch)[index]:
-                part = Problem(*(field[index] for field in problem))
-                sample = partial(self._sample, batch, index, (q, seconds, *told))
-                v[index] = program.spread(
-                    self._optimum(part, sample, f" at index {index}" if batch else ""), part.g
-                )
-        return v, kernels.kernel(program.model, "integrate")(q, v * np.expand_dims(seconds, -1))
+        if not batch:
+            v = self._optimum(problem, (q, seconds, *told))
+        else:
+            v = np.empty((*batch, self.program.model.nv)) if v is None else v
+            for index in np.ndindex(batch):
+                if verdict is None or verdict[index]:
+                    sample = Problem(*(field[index] for field in problem))
+                    v[index] = self._optimum(sample, (q, seconds, *told), batch, index)
+        return v, self._compiled("move")(q, v, seconds)
 
-    def _optimum(self, p: Problem, sample: Callable[[], list[Floats]], where: str) -> Floats:
-        """The solution of one program; `sample` gives q, dt and the inputs it is of, to say what is wrong."""
-        if p.verdict == SOLVED:
-            if not np.isfinite(p.H).all() or np.linalg.eigvalsh(p.H)[0] <= 0.0:
-                raise explain.undetermined(where)
-            lower, upper = np.concatenate([p.lower, p.row_lower]), np.concatenate([p.upper, p.row_upper])
-            x = solve_rows(p.H, p.g, lower, upper, p.A, self.program.equalities)
-            if x is not None:
-                return x
-        raise explain.reason(self.program, int(p.verdict), *sample(), where=where)
+    def _optimum(
+        self, p: Problem, given: Sequence[Any], batch: tuple[int, ...] = (), index: tuple[int, ...] = ()
+    ) -> Floats:
+        """The velocity (nv,) of one program; `given` are q, dt and the inputs of the batch it is out of."""
+        program = self.program
+        x = solve_rows(p.H, p.g, p.A, p.lower, p.upper, program.equalities) if p.verdict == SOLVED else None
+        if x is not None:
+            return x if len(x) == program.model.nv else program.spread(x, p.g)
+        shapes = ((program.model.nq,), (), *program.inputs.values())
+        sample = [
+            np.broadcast_to(np.asarray(value, dtype=float), (*batch, *shape))[index]
+            for value, shape in zip(given, shapes, strict=True)
+        ]
+        raise explain.reason(program, p, *sample, where=f" at index {index}" if batch else "")
 
     def _told(self, targets: Sequence[Any], named: Mapping[str, Any]) -> tuple[Any, ...]:
         """Every input as an array, in order."""
@@ -206,12 +207,6 @@ class DifferentialIK:
             )
         return tuple(as_array(told[name]) for name in names)
 
-    def _sample(self, batch: tuple[int, ...], index: tuple[int, ...], given: Sequence[Any]) -> list[Floats]:
-        """One of a batch of q, dt and inputs."""
-        shapes = ((self.program.model.nq,), (), *self.program.inputs.values())
-        arrays = zip(given, shapes, strict=True)
-        return [np.broadcast_to(np.asarray(x, dtype=float), (*batch, *shape))[index] for x, shape in arrays]
-
     def _seconds(self, dt: Any) -> Any:
         """The duration as an array, kept for the next step."""
         seconds = np.asarray(dt, dtype=float)
@@ -226,9 +221,11 @@ class DifferentialIK:
         kernel = self._kernels.get(name)
         if kernel is None:
             program = self.program
-            shapes = {"q": (program.model.nq,), "dt": (), **program.inputs}
-            if name == "errors":
-                del shapes["dt"]
+            q, dt = {"q": (program.model.nq,)}, {"dt": ()}
+            shapes = {
+                "errors": {**q, **program.inputs},
+                "move": {**q, "v": (program.model.nv,), **dt},
+            }.get(name, {**q, **dt, **program.inputs})
             traced = trace(getattr(program, name), name=f"differential_ik_{name}", **shapes)
             kernel = compile(traced, checked=True, unit_entries=program.quaternions(tuple(shapes)))
             self._kernels[name] = kernel

@@ -44,11 +44,13 @@ class Task(ABC):
         gain: The part of the error to be removed in one step, from 0 to 1.
         damping: Levenberg's damping, without unit: calm far from the target and where it is out of reach.
         name: What its target is called; by default the frame's name, or what kind of task it is.
+        adjustable: Whether a factor on its costs may be told at every step, as `<name>_scale`, to fade it in and out.
     """
 
     gain: float = 1.0
     damping: float = 0.0
     name: str | None = None
+    adjustable: bool = False
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.gain <= 1.0:
@@ -60,6 +62,11 @@ class Task(ABC):
     def label(self) -> str:
         """Its name, given or by default."""
         return self.name or self._default_name
+
+    @property
+    def scale(self) -> str:
+        """What the factor on its costs is called."""
+        return f"{self.label}_scale"
 
     @property
     @abstractmethod

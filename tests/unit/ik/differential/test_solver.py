@@ -89,6 +89,18 @@ def test_defaults_are_told_last(panda: ulna.Robot, q, goal) -> None:
     )
 
 
+def test_costs_can_be_faded(panda: ulna.Robot, q, goal) -> None:
+    tasks = [FrameTask(HAND, adjustable=True), PostureTask(1e-2)]
+    ik = DifferentialIK(panda, tasks)
+    assert ik.inputs == (HAND, "posture", "panda_hand_scale")
+    other = q + 0.01
+    for scale in (0.0, 0.3, 1.0):
+        fixed = DifferentialIK(panda, [FrameTask(HAND, scale, scale), PostureTask(1e-2)])
+        v = ik.velocity(q, DT, goal, other, panda_hand_scale=scale)
+        np.testing.assert_allclose(v, fixed.velocity(q, DT, goal, other), atol=1e-9)
+    np.testing.assert_array_equal(ik.velocity(q, DT, goal, other), v)
+
+
 def test_what_is_told_wrongly_is_refused(ik: DifferentialIK, q, goal) -> None:
     with pytest.raises(InputError, match="'panda_hand' shall be is not told"):
         ik.velocity(q, DT)
@@ -277,6 +289,14 @@ def test_rows_need_daqp_only_where_they_matter(panda: ulna.Robot, q, goal, monke
 
 
 # ------------------------------------------------------------------------------------------------ rows, batches, kinds
+
+
+def test_a_matrix_that_is_told_need_not_be_a_rotation(panda: ulna.Robot, q) -> None:
+    ik = DifferentialIK(panda, [PostureTask()], [LinearLimit(4)], locked=panda.joint_names[4:])
+    assert ik.problem(q, DT, q, np.ones((4, 7)), np.ones(4)).verdict == 0.0
+    short = ulna.Robot(ulna.model.lock_joints(panda.model, panda.joint_names[4:]))
+    four = DifferentialIK(short, [PostureTask()], [LinearLimit(4)])
+    assert np.abs(four.velocity(q[:4], DT, q[:4], 2.0 * np.ones((4, 4)), np.ones(4))).max() < 1e-12
 
 
 def test_rows_are_kept(panda: ulna.Robot, q, goal) -> None:
