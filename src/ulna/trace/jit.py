@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import threading
@@ -19,8 +20,11 @@ from ulna.trace.function import Function
 _RECIPE = (
     "inlining or level 1, codegen 2"  # part of the cache's key: change it with `_optimised` and `_machine`
 )
-_BYTES_PER_SECOND = 3e6  # how much IR text LLVM compiles in a second, about
-_PATIENCE = 1.0  # compilations that will take longer are announced [s]
+_SPEED = {
+    "entry": 4e6,
+    "batch": 2e6,
+}  # how much IR text of one call or of a batch LLVM compiles, about [byte/s]
+_PATIENCE = 0.5  # compilations that will take longer are announced; tracing took about as long already [s]
 _lock = threading.RLock()  # LLVM's contexts are not safe to share
 
 
@@ -84,7 +88,7 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
         content = disk.read(key)
         fresh = content is None
         if content is None:
-            _announce(f, len(ir))
+            _announce(f, len(ir) / _SPEED[names[0]])
             content = _machine().emit_object(_optimised(ir, f.has_loops))
             disk.write(key, content)
         seconds = time.perf_counter() - start if fresh else 0.0
@@ -110,14 +114,13 @@ def _machine_for_engine() -> Any:
     )
 
 
-def _announce(f: Function, size: int) -> None:
+def _announce(f: Function, seconds: float) -> None:
     """Says on the error stream what will take longer than a moment, unless ULNA_QUIET is set."""
-    seconds = size / _BYTES_PER_SECOND
     if seconds < _PATIENCE or os.environ.get("ULNA_QUIET", "0") not in ("", "0") or sys.stderr is None:
         return
     kept = "it is kept for next time" if disk.folder() is not None else "the disk cache is off"
     print(
-        f"ulna: compiling {f.name} ({f.operations:,} operations), about {seconds:.0f} s; {kept}",
+        f"ulna: compiling {f.name} ({f.operations:,} operations), about {math.ceil(seconds)} s; {kept}",
         file=sys.stderr,
         flush=True,
     )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ulna.trace.graph import Graph
 
 _CONSTANT = frozenset({int(Op.CONST), int(Op.BOOL)})
-_PLAIN = {Op.ADD: operator.add, Op.SUB: operator.sub, Op.MUL: operator.mul}
+_PLAIN: dict[int, Callable[..., float]] = {Op.ADD: operator.add, Op.SUB: operator.sub, Op.MUL: operator.mul}
 _CONDITIONS = frozenset({Op.LT, Op.LE, Op.EQ, Op.AND, Op.OR, Op.NOT, Op.ANY})
 
 
