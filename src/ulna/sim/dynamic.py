@@ -19,7 +19,7 @@ Sources: Hairer, Lubich & Wanner, Geometric Numerical Integration (2006), sectio
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, Literal, final
 
@@ -31,6 +31,7 @@ from ulna.algorithms.forward_dynamics import forward_dynamics
 from ulna.algorithms.friction import Friction
 from ulna.algorithms.inverse_mass_matrix import inverse_mass_matrix
 from ulna.errors import InputError, MissingExtra, NonFiniteError, ShapeError, UnknownName
+from ulna.model import Constraint
 from ulna.model.joints.base import VectorKind
 from ulna.robot import Robot, compile
 from ulna.sim.recording import Recording
@@ -50,12 +51,19 @@ class Plant:
         robot: The robot.
         friction: The friction of its joints: "model" for the damping and friction its model names, None for none, or
             a law of `ulna.algorithms.Friction`.
+        bound: The accelerations under q, v and tau of a robot that constraints bind; None for a free one. Friction of a
+            bound robot is smooth, also in "euler".
 
     Raises:
         ShapeError: The friction is that of another robot.
     """
 
-    def __init__(self, robot: Robot, friction: Friction | Literal["model"] | None = "model") -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        friction: Friction | Literal["model"] | None = "model",
+        bound: Callable[[Floats, Floats, Floats], Floats] | None = None,
+    ) -> None:
         if isinstance(friction, str) and friction != "model":
             raise UnknownName("friction", friction, ("model",), "Give 'model', None or a Friction.")
         law = Friction.of(robot.model) if isinstance(friction, str) else friction
@@ -65,7 +73,8 @@ class Plant:
             self.friction.numbers(robot.nv)
         joints = [j for j in robot.model.joints if j.mimic is None]
         self._flat = all(_is_flat(j.kind) for j in joints)
-        self._acceleration = compile(self._forward_dynamics, robot)
+        self._is_bound = bound is not None
+        self._acceleration = bound or compile(self._forward_dynamics, robot)
         self._integrate = robot.kernel("integrate")
         self._kernels: dict[str, Any] = {}
 
@@ -77,6 +86,9 @@ class Plant:
 
     def euler(self, q: Floats, v: Floats, tau: Floats, dt: float) -> tuple[Floats, Floats]:
         """Configuration and velocity after a semi-implicit step of `dt` [s], with exact friction."""
+        if self._is_bound:
+            free = v + dt * self.acceleration(q, v, tau)
+            return self._integrate(q, dt * free), free
         free = v + dt * self._acceleration(q, v, tau)
         if self.friction is not None:
             free = self._settle(self._inverse_mass(q), free, v, dt)
@@ -190,6 +202,8 @@ def simulate(
     dt: float = 1e-3,
     method: Method = "euler",
     friction: Friction | Literal["model"] | None = "model",
+    constraints: Sequence[Constraint] = (),
+    kp: float = 100.0,
     every: int = 1,
     solver: str | None = None,
     rtol: float = 1e-8,
@@ -207,7 +221,9 @@ def simulate(
         duration: How long [s].
         dt: Step [s]; for "adaptive" the time between rows of the recording.
         method: "euler", "rk4" or "adaptive".
-        friction: As for `Plant`.
+        friction: As for `Plant`; smooth when there are constraints.
+        constraints: Contacts and loops that bind the robot; contacts hold where they are at the start.
+        kp: Gain [1/s^2] that pulls constraints together again, critically damped.
         every: Records each of so many steps; the start and the end are recorded anyway.
         solver: For "adaptive": a method of `scipy.integrate.solve_ivp`; None for "LSODA" with friction, which bends
             its way around stiffness, and "DOP853" without.
@@ -225,7 +241,12 @@ def simulate(
     """
     model = robot.model
     start, speed = _checked("q", q, model.nq), np.zeros(model.nv) if v is None else _checked("v", v, model.nv)
-    plant, law = _plant(robot, friction), _torque_law(torque, model.nv)
+    law = _torque_law(torque, model.nv)
+    plant = (
+        Plant(robot, friction, _bound(robot, start, constraints, kp))
+        if constraints
+        else _plant(robot, friction)
+    )
     duration, dt = _duration("duration", duration), _duration("dt", dt)
     if every < 1:
         raise InputError(f"`every` is {every}; expected 1 or more.")
@@ -316,6 +337,19 @@ def _adaptive(
 @lru_cache(maxsize=32)
 def _plant(robot: Robot, friction: Friction | Literal["model"] | None) -> Plant:
     return Plant(robot, friction)
+
+
+def _bound(
+    robot: Robot, q: Floats, constraints: Sequence[Constraint], kp: float
+) -> Callable[[Floats, Floats, Floats], Floats]:
+    """The accelerations of the robot under constraints that hold where they are at `q`."""
+    if not (np.isfinite(kp) and kp >= 0.0):
+        raise InputError(f"`kp` is {kp}; expected a gain that is not below zero [1/s^2].")
+    kernel = robot.kernel("constrained_dynamics", constraints=tuple(constraints), stabilised=True)
+    held = any(constraint.is_contact for constraint in constraints)
+    anchors = (robot.constraint_anchors(q, constraints),) if held else ()
+    gains = np.tile([kp, 2.0 * np.sqrt(kp)], (len(constraints), 1))
+    return lambda q, v, tau: kernel(q, v, tau, *anchors, gains)[0]
 
 
 def _is_flat(kind: Any) -> bool:
