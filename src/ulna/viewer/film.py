@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import subprocess
+import tempfile
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -93,34 +95,62 @@ def _write_mp4(target: Path, pictures: Iterable[Array], fps: float, shape: tuple
 
     height, width = shape[:2]
     even = (width - width % 2, height - height % 2)  # the codec halves colours, so it wants even sizes
-    writer: Any = imageio_ffmpeg.write_frames(
-        str(target),
-        even,
-        fps=fps,  # type: ignore[arg-type]
-        codec="libx264",
-        macro_block_size=1,
-        output_params=["-crf", "18", "-preset", "medium", "-movflags", "+faststart"],
-        ffmpeg_log_level="error",
-    )
-    writer.send(None)
-    try:
-        for picture in pictures:
-            writer.send(np.ascontiguousarray(picture[: even[1], : even[0], :3]))
-    finally:
-        writer.close()
+    what = [
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "-s",
+        f"{even[0]}x{even[1]}",
+        "-r",
+        f"{fps:.6g}",
+        "-i",
+        "-",
+    ]
+    how = ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"]
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-v", "error", *what, *how, str(target)]
+    with tempfile.TemporaryFile() as complaints:
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=complaints
+        )
+        assert process.stdin is not None
+        try:
+            with contextlib.suppress(BrokenPipeError), process.stdin as pipe:  # it says itself why it stopped
+                for picture in pictures:
+                    pipe.write(np.ascontiguousarray(picture[: even[1], : even[0], :3]).tobytes())
+        except BaseException:
+            process.kill()
+            process.wait()
+            raise
+        if process.wait() != 0:
+            complaints.seek(0)
+            said = complaints.read().decode(errors="replace").strip()
+            raise InputError(f"Cannot write the film {str(target)!r}: {said or 'FFmpeg failed'}")
 
 
 def _write_gif(target: Path, pictures: Iterable[Array], fps: float) -> None:
     from PIL import Image
 
-    frames, palette = [], None
-    for picture in pictures:
-        frame = Image.fromarray(picture[:, :, :3])
-        # one palette for all pictures: the background does not flicker
-        palette = palette or frame.quantize(255, dither=Image.Dither.NONE)
-        frames.append(frame.quantize(palette=palette, dither=Image.Dither.NONE))
-    ends = np.round(np.arange(1, len(frames) + 1) * 100.0 / fps).astype(int)
-    durations = np.maximum(np.diff(ends, prepend=0), 1) * 10
-    frames[0].save(
-        target, save_all=True, append_images=frames[1:], duration=durations.tolist(), loop=0, optimize=False
-    )
+    with (
+        tempfile.TemporaryFile() as spool
+    ):  # all pictures share their colours, which only the last one completes
+        count, shape = 0, (0, 0, 3)
+        for picture in pictures:
+            shape = picture[:, :, :3].shape
+            spool.write(np.ascontiguousarray(picture[:, :, :3]).tobytes())
+            count += 1
+        size = int(np.prod(shape))
+
+        def read(k: int) -> Array:
+            spool.seek(k * size)
+            return np.frombuffer(spool.read(size), dtype=np.uint8).reshape(shape)
+
+        some = np.unique(np.linspace(0, count - 1, 6).astype(int))
+        palette = Image.fromarray(np.concatenate([read(int(k)) for k in some])).quantize(255)
+        frames = (
+            Image.fromarray(read(k)).quantize(palette=palette, dither=Image.Dither.NONE) for k in range(count)
+        )
+        ends = np.round(np.arange(1, count + 1) * 100.0 / fps).astype(int)
+        durations = (np.maximum(np.diff(ends, prepend=0), 1) * 10).tolist()
+        first = next(frames)
+        first.save(target, save_all=True, append_images=frames, duration=durations, loop=0, optimize=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import io
 import os
 from typing import Any
 
@@ -11,7 +12,10 @@ import numpy as np
 from ulna.errors import InputError
 from ulna.geometry.meshes import read_pieces
 from ulna.typing import Array, Floats
-from ulna.viewer.surface import DEFAULT_COLOUR, RGBA, Surface, colour, unit
+from ulna.viewer import mesh_store
+from ulna.viewer.surface import DEFAULT_COLOUR, RGBA, Surface, Texture, colour, unit
+
+_LARGEST = 2048  # pixels along an edge of a texture; more cost time and are not seen
 
 CREASE = np.deg2rad(38.0)
 """Edges that turn by more than this [rad] are drawn sharp."""
@@ -20,8 +24,9 @@ CREASE = np.deg2rad(38.0)
 def load_mesh(path: str) -> tuple[Surface, ...]:
     """The surfaces of a mesh file, one for each colour, in the frame of the file, in metres.
 
-    A COLLADA file's unit is applied and its up axis is not, as the robotics tools do. A texture is drawn in
-    its mean colour. A surface whose file says nothing about colour gets `DEFAULT_COLOUR`.
+    A COLLADA file's unit is applied and its up axis is not, as the robotics tools do. A surface with a texture has its
+    mean colour besides. A surface whose file says nothing about colour gets `DEFAULT_COLOUR`. What was read is kept on
+    disk by the content of the file, so that it is read faster the next time.
 
     Raises:
         MissingExtra: trimesh (or pycollada, for .dae) is not installed.
@@ -36,11 +41,28 @@ def load_mesh(path: str) -> tuple[Surface, ...]:
 
 @functools.lru_cache(maxsize=512)
 def _load(path: str, stamp: int) -> tuple[Surface, ...]:
+    entry = mesh_store.entry(path)
+    kept = mesh_store.read(entry)
+    if kept is not None:
+        return kept
+    surfaces = _parsed(path)
+    mesh_store.write(entry, surfaces)
+    return surfaces
+
+
+def _parsed(path: str) -> tuple[Surface, ...]:
     pieces: dict[RGBA, list[tuple[Floats, Array]]] = {}
+    surfaces = []
     for vertices, faces, mesh in read_pieces(path):
+        picture = _picture(mesh)
+        if picture is not None:
+            uv, image = picture
+            surfaces.append(
+                smooth(vertices, faces, _material_colour(mesh.visual.material), uv=uv, image=image)
+            )
+            continue
         for rgba, chosen in _colours(mesh):
             pieces.setdefault(rgba, []).append((vertices, faces if chosen is None else faces[chosen]))
-    surfaces = []
     for rgba, parts in pieces.items():
         offsets = np.cumsum([0, *(len(v) for v, _ in parts)])
         vertices = np.concatenate([v for v, _ in parts])
@@ -54,24 +76,31 @@ def _load(path: str, stamp: int) -> tuple[Surface, ...]:
 
 
 def smooth(
-    vertices: Floats, triangles: Array, rgba: RGBA = DEFAULT_COLOUR, crease: float = CREASE
+    vertices: Floats,
+    triangles: Array,
+    rgba: RGBA = DEFAULT_COLOUR,
+    crease: float = CREASE,
+    uv: Floats | None = None,
+    image: bytes = b"",
 ) -> Surface:
     """Loose triangles as a surface whose vertices are shared exactly where it is smooth.
 
     Two triangles share a vertex when they meet at an edge that turns by less than `crease` [rad]; the normal
     of a vertex is the mean of its triangles' normals weighted by area, which is also what a browser computes
-    from the shared indices. Triangles without area are dropped.
+    from the shared indices. Triangles without area are dropped. With places `uv` (n, 2) in an `image`, vertices that
+    lie at two places of it occur twice.
     """
     place, index = _weld(np.asarray(vertices, dtype=float))
-    corners = index[np.asarray(triangles, dtype=np.int64)]
+    given = np.asarray(triangles, dtype=np.int64)
+    corners = index[given]
     whole = (
         (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
     )
-    corners = corners[whole]
+    corners, given = corners[whole], given[whole]
     a, b, c = (place[corners[:, k]] for k in range(3))
     weighted = np.cross(b - a, c - a)
     solid = np.linalg.norm(weighted, axis=1) > 1e-16
-    corners, weighted = corners[solid], weighted[solid]
+    corners, given, weighted = corners[solid], given[solid], weighted[solid]
     facing = unit(weighted)
     group = _join_corners(corners, facing, crease, len(place))
     _, first, vertex = np.unique(group, return_index=True, return_inverse=True)
@@ -79,7 +108,16 @@ def smooth(
     per_corner = np.repeat(weighted, 3, axis=0)
     for axis in range(3):
         normals[:, axis] = np.bincount(vertex, weights=per_corner[:, axis], minlength=len(first))
-    return Surface(place[corners.reshape(-1)[first]], vertex.reshape(-1, 3), unit(normals), rgba)
+    if uv is None:
+        return Surface(place[corners.reshape(-1)[first]], vertex.reshape(-1, 3), unit(normals), rgba)
+    spot, where = np.unique(np.round(uv, 6), axis=0, return_inverse=True)
+    pair = vertex * len(spot) + where.reshape(-1)[given.reshape(-1)]
+    both, split = np.unique(pair, return_inverse=True)
+    owner = both // len(spot)
+    texture = Texture(spot[both % len(spot)], image)
+    return Surface(
+        place[corners.reshape(-1)[first[owner]]], split.reshape(-1, 3), unit(normals)[owner], rgba, texture
+    )
 
 
 def _weld(vertices: Floats) -> tuple[Floats, Array]:
@@ -129,6 +167,25 @@ def _join_corners(corners: Array, facing: Floats, crease: float, count: int) -> 
         if np.array_equal(new, label):
             return label
         label = new
+
+
+def _picture(mesh: Any) -> tuple[Floats, bytes] | None:
+    """Where the vertices of a trimesh mesh lie in its texture, and the texture as a PNG file."""
+    visual = getattr(mesh, "visual", None)
+    uv = getattr(visual, "uv", None)
+    material = getattr(visual, "material", None)
+    image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
+    if uv is None or image is None or len(uv) != len(mesh.vertices) or not np.isfinite(uv).all():
+        return None
+    try:
+        largest = max(image.size)
+        if largest > _LARGEST:
+            image = image.resize(tuple(max(1, round(n * _LARGEST / largest)) for n in image.size))
+        file = io.BytesIO()
+        image.convert("RGB").save(file, "PNG")
+    except Exception:  # an image that cannot be decoded is no reason to draw nothing
+        return None
+    return np.asarray(uv, dtype=float)[:, :2], file.getvalue()
 
 
 def _colours(mesh: Any) -> list[tuple[RGBA, Array | None]]:

@@ -114,3 +114,48 @@ def test_a_file_that_changed_is_read_again(tmp_path: Path) -> None:
     write_stl(path, tessellate(Sphere(1.0)))
     os.utime(path, ns=(1, 1))
     assert len(load_mesh(str(path))[0].triangles) > 12
+
+
+def textured(folder, colour: tuple[int, int, int]) -> str:
+    """A square of two triangles with a picture on it, one half of it white."""
+    Image = pytest.importorskip("PIL.Image")
+    image = Image.new("RGB", (8, 8), (255, 255, 255))
+    image.paste(colour, (0, 0, 4, 8))
+    image.save(folder / "picture.png")
+    (folder / "square.mtl").write_text("newmtl m\nKd 1 1 1\nmap_Kd picture.png\n")
+    (folder / "square.obj").write_text(
+        "mtllib square.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+        "usemtl m\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"
+    )
+    return str(folder / "square.obj")
+
+
+def test_a_texture_stays_on_its_surface(tmp_path) -> None:
+    pytest.importorskip("trimesh")
+    (surface,) = load_mesh(textured(tmp_path, (255, 0, 0)))
+    assert surface.texture is not None
+    assert surface.texture.image.startswith(b"\x89PNG")
+    np.testing.assert_allclose(surface.texture.uv, surface.vertices[:, :2], atol=1e-6)
+    assert surface.rgba[0] > surface.rgba[1] > 0.3  # its mean colour
+    assert surface.coloured((0, 0, 1)).texture is None
+
+
+def test_a_mesh_is_kept_by_the_content_of_all_its_files(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("trimesh")
+    from ulna.viewer import meshes
+
+    monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "cache"))
+    first = load_mesh(textured(tmp_path, (255, 0, 0)))[0]
+    meshes._load.cache_clear()
+    monkeypatch.setattr(meshes, "_parsed", lambda path: pytest.fail("read anew"))
+    kept = load_mesh(str(tmp_path / "square.obj"))[0]
+    np.testing.assert_array_equal(kept.vertices, first.vertices)
+    np.testing.assert_array_equal(kept.triangles, first.triangles)
+    assert kept.rgba == first.rgba
+    assert kept.texture is not None and first.texture is not None
+    assert kept.texture.image == first.texture.image
+    meshes._load.cache_clear()
+    monkeypatch.undo()
+    monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "cache"))
+    changed = load_mesh(textured(tmp_path, (0, 0, 255)))[0]  # the picture, not the mesh file
+    assert changed.rgba != first.rgba
