@@ -9,11 +9,11 @@
 
 With bounds alone the optimum is found by an active-set method with projected steps: solve for the free variables; where
 the solution leaves the bounds, go to its projection if that is better, else as far as the first bound, and hold what
-arrived at one; where it stays inside, let go of all whose slope has the wrong sign. The objective falls with every
-step, so no set of held variables comes back. The first solution is that without bounds: a motion away from all limits
-costs one factorisation. Source: More & Toraldo, On the solution of large quadratic programming problems with bound
-constraints (1991); Nocedal & Wright 2006, sections 16.5 and 16.7. Variables are eliminated last to first, which leaves
-the zeros between the branches of a tree as they are (Featherstone 2008, section 6.5).
+arrived at one; where it stays inside, let go of all whose slope has the wrong sign. With every step the objective falls
+or another variable is held, so no set of held variables comes back. The first solution is that without bounds: a motion
+away from all limits costs one factorisation. Source: More & Toraldo, On the solution of large quadratic programming
+problems with bound constraints (1991); Nocedal & Wright 2006, sections 16.5 and 16.7. Variables are eliminated last to
+first, which leaves the zeros between the branches of a tree as they are (Featherstone 2008, section 6.5).
 
 Rows are left to daqp, a dual active-set solver: Arnstrom, Bemporad, Axehill (2022).
 """

@@ -14,12 +14,12 @@ from ulna.ik.differential.joints import PostureTask as PostureTask
 from ulna.ik.differential.limits import AccelerationLimit as AccelerationLimit
 from ulna.ik.differential.limits import Interval as Interval
 from ulna.ik.differential.limits import Limit as Limit
-from ulna.ik.differential.limits import LinearLimit as LinearLimit
-from ulna.ik.differential.limits import PlaneLimit as PlaneLimit
 from ulna.ik.differential.limits import PositionLimit as PositionLimit
 from ulna.ik.differential.limits import Strip as Strip
 from ulna.ik.differential.limits import VelocityLimit as VelocityLimit
 from ulna.ik.differential.program import Problem as Problem
+from ulna.ik.differential.rows import LinearLimit as LinearLimit
+from ulna.ik.differential.rows import PlaneLimit as PlaneLimit
 from ulna.ik.differential.solver import DifferentialIK as DifferentialIK
 from ulna.ik.differential.task import Rows as Rows
 from ulna.ik.differential.task import Task as Task

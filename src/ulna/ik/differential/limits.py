@@ -1,4 +1,4 @@
-"""Limits of differential inverse kinematics: what a velocity must stay within at this configuration.
+"""Limits of joints: what a velocity must stay within at this configuration.
 
 | symbol | meaning | shape, unit | source |
 |---|---|---|---|
@@ -9,7 +9,6 @@
 | acceleration | v_0 - a dt <= v <= v_0 + a dt | rad/s^2, m/s^2 | |
 | K | whole steps of deceleration a before it stands: floor(-1/2 + sqrt(1/4 + 2 d / (a dt^2))) | | |
 | braking | v <= (d / dt + a dt K (K + 1) / 2) / (K + 1) | | v dt + (v - a dt) dt + ... <= d |
-| plane | n . J v >= (h - n . p) g / dt | n . p >= h is kept | Faverjon & Tournassoud 1987 |
 
 The bound of braking is the largest speed to go on with for a step, and then to stop before the limit in steps that are
 slower by a dt each. A step later it is smaller by just a dt, so it never contradicts the bound of acceleration (Decre
@@ -25,14 +24,13 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from ulna.algorithms import frame_jacobian, frame_pose
 from ulna.algorithms.tree import blank
 from ulna.errors import InputError, ShapeError
 from ulna.ik.differential.task import Shapes
 from ulna.model import Composite, JointKind, Model
 from ulna.model.joints.base import VectorKind
-from ulna.numeric import ceil, clip, dot, maximum, sqrt, vector
-from ulna.typing import Array, ArrayLike, Floats
+from ulna.numeric import ceil, clip, maximum, sqrt
+from ulna.typing import Array, Floats
 
 
 class Interval(NamedTuple):
@@ -105,8 +103,7 @@ class PositionLimit(Limit):
     margin: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.gain <= 1.0:
-            raise InputError(f"{self.label}: `gain` is {self.gain}; expected above 0, at most 1.")
+        check_gain(self.gain, self.label)
         if not 0.0 <= self.margin < np.inf:
             raise InputError(f"{self.label}: `margin` is {self.margin}; expected a number not below 0.")
 
@@ -127,16 +124,18 @@ class VelocityLimit(Limit):
     """Joints are no faster than allowed.
 
     Attributes:
-        fastest: Greatest speeds [rad/s or m/s]: one number, (nv,), or by joint; None for the model's.
+        fastest: Greatest speeds [rad/s or m/s]: one number, (nv,), or by joint; None for the model's, where 0,
+            as in many files, says nothing.
     """
 
     fastest: Any = None
 
     def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Interval:
         """The same interval everywhere."""
-        fastest = (
-            model.velocity_limit if self.fastest is None else _of_joints(model, self.fastest, self.label)
-        )
+        if self.fastest is None:
+            fastest = np.where(model.velocity_limit > 0.0, model.velocity_limit, np.inf)
+        else:
+            fastest = _of_joints(model, self.fastest, self.label)
         return Interval(-fastest, fastest)
 
 
@@ -145,7 +144,7 @@ class VelocityLimit(Limit):
 class AccelerationLimit(Limit):
     """Joints change their velocity no faster than allowed, and can stop before the limits of position.
 
-    It must be told the velocity that was chosen at the step before, as the last input, `v`.
+    It must be told the velocity that was chosen at the step before, as `v`.
 
     Attributes:
         largest: Greatest accelerations [rad/s^2 or m/s^2]: one number, (nv,), or by joint.
@@ -177,76 +176,10 @@ class AccelerationLimit(Limit):
         return Interval(lower, upper)
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class PlaneLimit(Limit):
-    """The origin of a frame stays on one side of a plane of the world: n . p >= h.
-
-    It may be told a plane (4,): the normal n, which points to the allowed side, and h [m].
-
-    Attributes:
-        frame: Name of the frame.
-        normal: n, (3,), of length 1.
-        height: h [m].
-        gain: The part of the way to the plane that one step may go, above 0 to 1.
-    """
-
-    frame: str
-    normal: ArrayLike = (0.0, 0.0, 1.0)
-    height: float = 0.0
-    gain: float = 1.0
-
-    @property
-    def label(self) -> str:
-        """Its name, given or by default."""
-        return self.name or f"{self.frame}_plane"
-
-    def inputs(self, model: Model) -> Shapes:
-        """The plane."""
-        return {self.label: (4,)}
-
-    def defaults(self, model: Model) -> Mapping[str, Any]:
-        """The plane that the limit was made with."""
-        normal = np.asarray(self.normal, dtype=float)
-        if normal.shape != (3,) or not np.isclose(np.linalg.norm(normal), 1.0, atol=1e-6):
-            raise InputError(f"{self.label}: `normal` is {self.normal}; expected a vector of length 1.")
-        return {self.label: np.append(normal, float(self.height))}
-
-    def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Strip:
-        """One row: how fast the point may near the plane."""
-        frame, normal = model.frame(self.frame), inputs[0][..., :3]
-        J = frame_jacobian(model, q, frame)[..., :3, :]
-        missing = inputs[0][..., 3] - dot(normal, frame_pose(model, q, frame).translation)
-        return Strip(normal[..., None, :] @ J, vector(missing * (self.gain / dt)), np.full(1, np.inf))
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class LinearLimit(Limit):
-    """Any rows that are told at every step: A v <= b; the door for distances between bodies.
-
-    For a distance d between two points with its gradient g over the joints, the row is `-g` and b is `gain * d / dt`
-    (Faverjon & Tournassoud 1987). It is told the matrix A (count, nv) as `<name>_matrix` and b (count,) as
-    `<name>_bound`; rows that are not needed are zeros.
-
-    Attributes:
-        count: How many rows.
-    """
-
-    count: int
-
-    @property
-    def label(self) -> str:
-        """Its name, given or by default."""
-        return self.name or "linear_limit"
-
-    def inputs(self, model: Model) -> Shapes:
-        """The matrix and the bound."""
-        return {f"{self.label}_matrix": (self.count, model.nv), f"{self.label}_bound": (self.count,)}
-
-    def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Strip:
-        """The rows as they are."""
-        return Strip(inputs[0], np.full(self.count, -np.inf), inputs[1])
+def check_gain(gain: float, label: str) -> None:
+    """Raises InputError unless `gain` is a part of a way."""
+    if not 0.0 < gain <= 1.0:
+        raise InputError(f"{label}: `gain` is {gain}; expected above 0, at most 1.")
 
 
 def _speed_to_stop(way: Any, a: float, dt: Any) -> Any:
@@ -272,7 +205,7 @@ def _limited(model: Model, margin: float, label: str) -> Iterator[tuple[int, int
             if not _is_vector(joint.kind):
                 raise InputError(
                     f"{label}: joint {joint.name!r} is {joint.kind.describe()} and has limits of position, which are "
-                    "no bounds on its velocities. Take the limits away, or lock the joint."
+                    "no bounds on its velocities. Take the limits away, or leave this limit out."
                 )
             if lower + margin > upper - margin:
                 raise InputError(f"{label}: a `margin` of {margin} leaves joint {joint.name!r} no room.")

@@ -81,11 +81,17 @@ class Program:
             raise InputError("There is no task; expected at least one, such as FrameTask(robot.tool).")
         for task in self.objectives:
             task.costs(self.model)
+        for task in self.constraints:
+            if task.adjustable:
+                raise InputError(
+                    f"{task.label}: a constraint is met exactly; its costs cannot be `adjustable`."
+                )
         told = Counter(name for part in self.parts for name in part.inputs(self.model))
         told.update(task.scale for task in self._adjustable)
+        told.update(task.label for task in self.objectives if not task.inputs(self.model))
         for name, count in told.items():
             if count > 1 or name in _RESERVED:
-                why = "is told to two tasks or limits" if count > 1 else "has a meaning of its own"
+                why = "belongs to two tasks or limits" if count > 1 else "has a meaning of its own"
                 raise InputError(f"The name {name!r} {why}; give one another: name='...'.")
 
     @property

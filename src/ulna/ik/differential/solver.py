@@ -109,7 +109,7 @@ class DifferentialIK:
             **named: Inputs by name.
 
         Raises:
-            InfeasibleError: If limits and constraints leave no velocity at all; names them.
+            InfeasibleError: If limits and constraints leave no velocity at all; names them, and the sample of a batch.
             UnknownName, InputError: If an input is missing, unknown, or cannot be one.
             MissingExtra: If rows matter and daqp is not installed.
         """

@@ -78,6 +78,7 @@ def test_position_refuses() -> None:
 
 def test_velocity(model: Model) -> None:
     check(VelocityLimit().bounds(model, Q, 0.1), [-3, -1, *[-inf] * 5], [3, 1, *[inf] * 5])
+    check(VelocityLimit().bounds(chain((Revolute(), {"velocity": 0.0})), np.zeros(1), 0.1), [-inf], [inf])
     check(VelocityLimit(0.5).bounds(model, Q, 0.1), [-0.5] * 7, [0.5] * 7)
     some = VelocityLimit({"joint1": 0.2, "joint3": (0.3, 0.4)}).bounds(model, Q, 0.1)
     check(some, [-inf, -0.2, -inf, -0.3, -0.4, -inf, -inf], [inf, 0.2, inf, 0.3, 0.4, inf, inf])
@@ -126,7 +127,9 @@ def test_plane(model: Model) -> None:
     np.testing.assert_allclose(bound.lower, [(0.4 - height) * 5.0])
     assert bound.upper[0] == inf
     with pytest.raises(InputError, match="length 1"):
-        PlaneLimit("link2", (0.0, 0.0, 2.0)).defaults(model)
+        PlaneLimit("link2", (0.0, 0.0, 2.0))
+    with pytest.raises(InputError, match="`gain` is 2"):
+        PlaneLimit("link2", gain=2.0)
 
 
 def test_limits_of_your_own_take_part(model: Model) -> None:

@@ -141,9 +141,13 @@ def test_what_is_made_wrongly_is_refused(panda: ulna.Robot) -> None:
         made(FrameTask("panda_hend"))
     with pytest.raises(InputError, match="no task"):
         made()
-    with pytest.raises(InputError, match="told to two tasks"):
+    with pytest.raises(InputError, match="belongs to two tasks"):
         made(FrameTask(HAND), PositionTask(HAND))
     made(FrameTask(HAND), PositionTask(HAND, name="point"))
+    with pytest.raises(InputError, match="'damping' belongs to two"):
+        made(FrameTask(HAND), DampingTask(), DampingTask())
+    with pytest.raises(InputError, match="met exactly"):
+        made(PostureTask(), constraints=[FrameTask(HAND, adjustable=True)])
     with pytest.raises(InputError, match="meaning of its own"):
         made(FrameTask(HAND, name="q"))
     with pytest.raises(InputError, match="`tasks` holds 'panda_hand'"):
