@@ -97,7 +97,7 @@ def sampled() -> list[Pair]:
          lambda: trajectory.trapezoidal(q0, q1, duration=2.0).state(t), lambda: rtb.mtraj(rtb.trapezoidal, q0, q1, t)),
         ("pose line, 50 poses, twists, accelerations / ctraj, 50 poses", line, lambda: rtb.ctraj(A, B, 50)),
         ("quintic blends, 5 segments, 100 a second / mstraj",
-         lambda: trajectory.blended(points, 0.3, segment_times=times, kind="quintic").sample(rate=100),
+         lambda: trajectory.blended(points, 0.3, segment_times=times, kind="quintic", ends="half").sample(rate=100),
          lambda: rtb.mstraj(points, dt=0.01, tacc=0.3, tsegment=times)),
     ]  # fmt: skip
 

@@ -49,7 +49,7 @@ def test_mtraj_is_the_same_law_for_each_joint() -> None:
 def test_quintic_blends_are_mstraj() -> None:
     points = RNG.normal(size=(5, 3))
     theirs = toolbox.mstraj(points, dt=0.01, tacc=0.4, tsegment=[1.0, 1.5, 0.8, 1.2])
-    t = trajectory.blended(points, 0.4, segment_times=[1.0, 1.5, 0.8, 1.2], kind="quintic")
+    t = trajectory.blended(points, 0.4, segment_times=[1.0, 1.5, 0.8, 1.2], kind="quintic", ends="half")
     rows = t.sample(rate=100.0)
     count = min(len(rows.t), len(theirs.q) + 1)
     np.testing.assert_allclose(rows.q[1:count], theirs.q[: count - 1], atol=1e-9)

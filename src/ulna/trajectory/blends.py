@@ -28,6 +28,7 @@ def blended(
     segment_times: ArrayLike | None = None,
     velocity: ArrayLike | None = None,
     kind: Literal["parabolic", "quintic"] = "parabolic",
+    ends: Literal["whole", "half"] = "whole",
 ) -> Polynomial:
     """Straight from way-point to way-point, each corner cut by a blend; from rest to rest.
 
@@ -40,20 +41,28 @@ def blended(
         segment_times: Time of each segment, (k,) [s].
         velocity: Limits of speed on the segments instead, one or (n,) [rad/s or m/s]: each segment takes the
             time of its slowest joint, and at least two blends.
-        kind: "parabolic": constant acceleration in the blends; the first and the last segment are a little faster, for
-            the whole blends from rest and to rest inside them. "quintic": continuous acceleration; half a blend from
-            rest and to rest, as the Robotics Toolbox's `mstraj` does.
+        kind: "parabolic": constant acceleration in the blends; "quintic": continuous acceleration.
+        ends: How the motion leaves and reaches rest. "whole": in a whole blend inside the first and the last
+            segment, whose straight part is a little faster for it; speeds stay within those of the segments.
+            "half", for quintics: in half a blend that catches up with the straight line and is half as fast
+            again as it, as the Robotics Toolbox's `mstraj` does.
 
     Raises:
         InputError: Shapes do not fit, way-points repeat, or a segment is too short for its blends; names it.
     """
     if kind not in ("parabolic", "quintic"):
         raise UnknownName("kind of blend", kind, ("parabolic", "quintic"))
+    if ends not in ("whole", "half"):
+        raise UnknownName("kind of end", ends, ("whole", "half"))
+    if ends == "half" and kind == "parabolic":
+        raise InputError(
+            'A parabola cannot catch up in half a blend; expected kind="quintic" or ends="whole".'
+        )
     q, tau = rows("points", points), seconds("blend", blend)
     way = np.diff(q, axis=0)
     not_repeating("points", q, np.abs(way).max(axis=1))
     count = len(way)
-    whole = kind == "parabolic"
+    whole = ends == "whole"
     inside = np.zeros(count)  # what the blends from rest and to rest cost a segment beyond half a blend
     inside[0] += 0.5 * tau
     inside[-1] += 0.5 * tau
@@ -83,16 +92,16 @@ def blended(
     knots, states, speeds = [0.0], [q[0]], [np.zeros(q.shape[1])]
     for k in range(count):
         begins = clock[k] + (first if k == 0 else 0.5 * tau)
-        ends = clock[k + 1] - (first if k == count - 1 else 0.5 * tau)
+        stops = clock[k + 1] - (first if k == count - 1 else 0.5 * tau)
         since = clock[k] + (
             0.5 * tau if whole and k == 0 else 0.0
         )  # when the straight line would leave its point
-        for t in (begins, ends) if ends - begins > 1e-12 * clock[-1] else (begins,):
+        for t in (begins, stops) if stops - begins > 1e-12 * clock[-1] else (begins,):
             knots.append(t)
             states.append(q[k] + (t - since) * v[k])
             speeds.append(v[k])
     knots.append(clock[-1])
     states.append(q[-1])
     speeds.append(np.zeros(q.shape[1]))
-    a = None if whole else np.zeros((len(knots), q.shape[1]))
+    a = None if kind == "parabolic" else np.zeros((len(knots), q.shape[1]))
     return hermite(np.array(knots), np.array(states), np.array(speeds), a, kind=f"{kind} blends")

@@ -17,13 +17,7 @@ from ulna.trajectory.space import Poses, model_of
 from ulna.typing import ArrayLike, Floats
 
 _ZOOMS = 3  # each narrows the place of the worst value tenfold
-_UNITS = {
-    "position": "rad or m",
-    "velocity": "rad/s or m/s",
-    "acceleration": "rad/s^2 or m/s^2",
-    "jerk": "rad/s^3 or m/s^3",
-    "torque": "N m or N",
-}
+_RATES = {"position": "", "velocity": "/s", "acceleration": "/s^2", "jerk": "/s^3"}
 
 
 @final
@@ -37,6 +31,7 @@ class Breach:
         time: When it is worst [s].
         value: What it is then.
         limit: What it may be.
+        unit: Unit of both, such as "rad/s".
     """
 
     joint: str
@@ -44,6 +39,7 @@ class Breach:
     time: float
     value: float
     limit: float
+    unit: str
 
     @property
     def excess(self) -> float:
@@ -53,7 +49,7 @@ class Breach:
     def __str__(self) -> str:
         return (
             f"{self.joint}: {self.quantity} {self.value:.6g} exceeds {self.limit:.6g} by {self.excess:.3g} "
-            f"[{_UNITS[self.quantity]}] at {self.time:.4g} s"
+            f"{self.unit} at {self.time:.4g} s"
         )
 
 
@@ -148,7 +144,12 @@ def check(
             worst = max(worst, 1.0 + excess / scale[k])
             if excess > tolerance * scale[k]:
                 limit = high[k] if value > high[k] else low[k]
-                breaches.append((excess / scale[k], Breach(names[k], what, time, value, float(limit))))
+                breaches.append(
+                    (
+                        excess / scale[k],
+                        Breach(names[k], what, time, value, float(limit), _unit(model, what, k)),
+                    )
+                )
         use[what] = float(worst)
     breaches.sort(key=lambda pair: -pair[0])
     return Report(tuple(b for _, b in breaches), use, model.name)
@@ -169,6 +170,16 @@ def _limits(model: Model, acceleration: Any, jerk: Any, torque: bool) -> Limits:
         effort = np.where(model.effort_limit > 0.0, model.effort_limit, np.inf)
         limits["torque"] = -effort, effort
     return limits
+
+
+def _unit(model: Model, what: str, k: Any) -> str:
+    """The unit of coordinate k of a quantity."""
+    kinds = [joint.kind for joint in model.joints if joint.mimic is None]
+    parts = [kind.coordinates if what == "position" else kind.rates for kind in kinds]
+    unit = [coordinate.unit for part in parts for coordinate in part][k]
+    if what == "torque":
+        return "N m" if unit == "rad" else "N"
+    return unit + _RATES[what]
 
 
 def _values(model: Model, trajectory: Trajectory, t: Floats, limits: Limits) -> dict[str, Floats]:

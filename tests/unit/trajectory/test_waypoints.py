@@ -86,10 +86,16 @@ def test_one_segment_with_parabolic_blends_is_a_trapezoid() -> None:
 @pytest.mark.parametrize("kind", ["parabolic", "quintic"])
 def test_blends_keep_speeds_and_are_smooth(kind: str) -> None:
     t = trajectory.blended(POINTS, 0.3, velocity=1.5, kind=kind)  # type: ignore[arg-type]
-    assert jumps(t, 1) < 1e-10
-    assert np.abs(t.sample(n=3000).v).max() <= 1.5 * (1 + 1e-9) if kind == "parabolic" else jumps(t, 2) < 1e-9
+    assert jumps(t, 1 if kind == "parabolic" else 2) < 1e-9
+    assert np.abs(t.sample(n=3000).v).max() == pytest.approx(1.5, rel=1e-9)
     np.testing.assert_allclose(t.v([0.0, t.duration]), 0.0, atol=1e-12)
     np.testing.assert_allclose(t.end, POINTS[-1], atol=1e-12)
+
+
+def test_half_blends_catch_up_with_the_line() -> None:
+    t = trajectory.blended([[0.0], [2.0], [0.0]], 0.4, segment_times=[1.0, 1.0], kind="quintic", ends="half")
+    np.testing.assert_allclose(t([0.2, 0.5, 0.8]), [[0.4], [1.0], [1.6]])
+    assert t.sample(n=1000).v.max() == pytest.approx(1.512 * 2.0, rel=1e-3)
 
 
 def test_segments_that_are_only_blends() -> None:
@@ -122,3 +128,5 @@ def test_mistakes_are_named() -> None:
         trajectory.blended(POINTS, 0.4, velocity=1.0, kind="quintik")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="both or neither"):
         trajectory.blended(POINTS, 0.4)
+    with pytest.raises(InputError, match="catch up"):
+        trajectory.blended(POINTS, 0.4, velocity=1.0, ends="half")
