@@ -27,10 +27,11 @@ from ulna.trace.irtext import DType, Lanes
 _WORD = 8
 # The instance: PyObject head, then one word each.
 _VECTORCALL, _DICT, _WEAKREFS, _GENERAL, _ARRAY_TYPE, _DESCRIPTOR = (16 + _WORD * k for k in range(6))
-_ARRAY_NEW, _CALL, _TUPLE_NEW, _ARRAY_RETURN, _END = (16 + _WORD * k for k in range(6, 11))
+_ARRAY_NEW, _CALL, _TUPLE_NEW, _ARRAY_RETURN, _FLOAT, _FLOAT64, _END = (16 + _WORD * k for k in range(6, 13))
 # PyArrayObject: data, number of axes, lengths, descriptor, flags.
 _DATA, _NDIM, _LENGTHS, _ARRAY_DESCRIPTOR, _FLAGS = 16, 24, 32, 56, 64
 _WANTED_FLAGS = 0x0101  # C-contiguous, aligned
+_VALUE = 16  # of a Python float and of a NumPy float64
 UNIT_TOLERANCE = 1e-5  # on the squared length of what must be a unit vector
 _TUPLE_ITEMS = 24
 _TYPE_NUMBER = {"double": 12, "float": 11}
@@ -57,13 +58,16 @@ def entry_ir(
     w.append("  %count = and i64 %flagged, 9223372036854775807")
     w.append(f"  %count.ok = icmp eq i64 %count, {len(f.inputs)}\n  %plain = icmp eq ptr %keywords, null")
     w.append("  %begin = and i1 %count.ok, %plain")
-    for name, offset in (("array_type", _ARRAY_TYPE), ("descriptor", _DESCRIPTOR), ("array_new", _ARRAY_NEW)):
+    pointers = {"array_type": _ARRAY_TYPE, "descriptor": _DESCRIPTOR, "array_new": _ARRAY_NEW}
+    if any(_may_be_number(port, element) for port in f.inputs):
+        pointers |= {"float_type": _FLOAT, "float64_type": _FLOAT64}
+    for name, offset in pointers.items():
         w.append(
             f"  %{name}.p = getelementptr i8, ptr %self, i64 {offset}\n  %{name} = load ptr, ptr %{name}.p"
         )
     w.append(f"  br i1 %begin, label %{'type0' if f.inputs else 'work'}, label %general")
     for k, port in enumerate(f.inputs):
-        _check_argument(w, k, port, last=k + 1 == len(f.inputs))
+        _check_argument(w, k, port, element, last=k + 1 == len(f.inputs))
     w.append("work:")
     if checked:
         _check_finite(w, f, element, size)
@@ -80,10 +84,10 @@ def entry_ir(
         w.append(
             f"  %res{k}.p = getelementptr i8, ptr %out{k}, i64 {_DATA}\n  %res{k} = load ptr, ptr %res{k}.p"
         )
-    pointers = [f"ptr %data{k}" for k in range(len(f.inputs))] + [
+    arguments = [f"ptr %data{k}" for k in range(len(f.inputs))] + [
         f"ptr %res{k}" for k in range(len(f.outputs))
     ]
-    w.append(f"  call void @one({', '.join(pointers)})")
+    w.append(f"  call void @one({', '.join(arguments)})")
     results = []
     for k, port in enumerate(f.outputs):
         if port.shape:
@@ -112,20 +116,32 @@ def entry_ir(
     return emit_single(f, element, pack) + "\n".join(w)
 
 
-def _check_argument(w: list[str], k: int, port: Port, last: bool) -> None:
+def _may_be_number(port: Port, element: DType) -> bool:
+    """Whether a float of Python or NumPy, whose bits lie where an array's data would be read, can be the argument."""
+    return port.shape == () and element == "double"
+
+
+def _check_argument(w: list[str], k: int, port: Port, element: DType, last: bool) -> None:
     """Branches to the general path unless argument k is exactly what the block reads."""
     following = "work" if last else f"type{k + 1}"
     w.append(
         f"type{k}:\n  %arg{k}.p = getelementptr ptr, ptr %args, i64 {k}\n  %arg{k} = load ptr, ptr %arg{k}.p"
     )
     w.append(f"  %kind{k}.p = getelementptr i8, ptr %arg{k}, i64 8\n  %kind{k} = load ptr, ptr %kind{k}.p")
+    number = _may_be_number(port, element)
+    if number:
+        w.append(f"  %value{k} = getelementptr i8, ptr %arg{k}, i64 {_VALUE}")
+        w.append(f"  %is.float{k} = icmp eq ptr %kind{k}, %float_type")
+        w.append(f"  %is.float64{k} = icmp eq ptr %kind{k}, %float64_type")
+        w.append(f"  %is.number{k} = or i1 %is.float{k}, %is.float64{k}")
+        w.append(f"  br i1 %is.number{k}, label %ready{k}, label %array{k}\narray{k}:")
     w.append(f"  %kind{k}.ok = icmp eq ptr %kind{k}, %array_type")
     w.append(f"  br i1 %kind{k}.ok, label %fields{k}, label %general\nfields{k}:")
     for name, offset, kind in (
         ("descr", _ARRAY_DESCRIPTOR, "ptr"),
         ("ndim", _NDIM, "i32"),
         ("flags", _FLAGS, "i32"),
-        ("data", _DATA, "ptr"),
+        ("memory" if number else "data", _DATA, "ptr"),
         ("lengths", _LENGTHS, "ptr"),
     ):
         w.append(f"  %{name}{k}.p = getelementptr i8, ptr %arg{k}, i64 {offset}")
@@ -144,7 +160,10 @@ def _check_argument(w: list[str], k: int, port: Port, last: bool) -> None:
         )
         w.append(f"  %all{k}.{axis} = and i1 {good}, %n{k}.{axis}.ok")
         good = f"%all{k}.{axis}"
-    w.append(f"  br i1 {good}, label %{following}, label %general")
+    w.append(f"  br i1 {good}, label %{f'ready{k}' if number else following}, label %general")
+    if number:
+        w.append(f"ready{k}:\n  %data{k} = phi ptr [ %value{k}, %type{k} ], [ %memory{k}, %shape{k} ]")
+        w.append(f"  br label %{following}")
 
 
 def _check_finite(w: list[str], f: Function, element: DType, size: int) -> None:
@@ -254,6 +273,8 @@ def make_instance(kind: type, entry: int, general: Callable[..., Any], element: 
         _CALL: _c_address("PyObject_Vectorcall"),
         _TUPLE_NEW: _c_address("PyTuple_New"),
         _ARRAY_RETURN: _array_api(76),
+        _FLOAT: id(float),
+        _FLOAT64: id(np.float64),
         _VECTORCALL: entry,
     }
     for offset, word in words.items():
@@ -285,6 +306,9 @@ def fast_door_works() -> bool:
             return False
         lengths = ctypes.c_void_p.from_address(at + _LENGTHS).value
         if not lengths or tuple((ctypes.c_int64 * 3).from_address(lengths)) != probe.shape:
+            return False
+    for number in (1.5, np.float64(2.5)):
+        if ctypes.c_double.from_address(id(number) + _VALUE).value != number:
             return False
     pair = (probe, None)
     items = (ctypes.c_void_p * 2).from_address(id(pair) + _TUPLE_ITEMS)

@@ -477,3 +477,27 @@ def test_without_dask_the_extra_is_named(double, monkeypatch):
     monkeypatch.setitem(sys.modules, "dask.array", None)
     with pytest.raises(ImportError, match=r"Dask arrays needs the package 'dask'.*ulna\[cluster\]"):
         double.dask(np.zeros(3))
+
+
+@pytest.mark.parametrize("checked", [False, True])
+def test_numbers_of_python_and_numpy_take_the_fast_door(checked: bool) -> None:
+    class Metres(float):
+        pass
+
+    kernel = compile(lambda x, s: x * s, checked=checked, x=(3,), s=())
+    x = np.arange(3.0)
+    expected = 2.5 * x
+    for number in (2.5, np.float64(2.5), np.array(2.5), Metres(2.5), np.float32(2.5)):
+        np.testing.assert_array_equal(kernel(x, number), expected)
+    np.testing.assert_array_equal(kernel(x, 2), 2.0 * x)
+    np.testing.assert_array_equal(kernel(x, True), x)
+    np.testing.assert_array_equal(kernel(x, np.array([2.5, 1.0])), [expected, x])
+    if checked:
+        with pytest.raises(NonFiniteError, match="s"):
+            kernel(x, float("nan"))
+    else:
+        assert np.isnan(kernel(x, float("nan"))).all()
+    with pytest.raises(DtypeError):
+        kernel(x, "2.5")
+    single = compile(lambda s: s + 1.0, dtype="float32", s=())
+    assert single(1.5) == 2.5  # in float32 the bits of a Python float mean nothing, so it is converted
