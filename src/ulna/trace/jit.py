@@ -11,21 +11,25 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-import llvmlite.binding as llvm
-
 from ulna.errors import CompileError
 from ulna.trace import cache as disk
 from ulna.trace.function import Function
 
-_RECIPE = (
-    "inlining or level 1, codegen 2"  # part of the cache's key: change it with `_optimised` and `_machine`
-)
-_SPEED = {
-    "entry": 4e6,
-    "batch": 2e6,
-}  # how much IR text of one call or of a batch LLVM compiles, about [byte/s]
-_PATIENCE = 0.5  # compilations that will take longer are announced; tracing took about as long already [s]
+# Part of the cache's key: change it with `_optimised` and `_machine`.
+_RECIPE = "inlining or level 1, codegen 2"
+# How much IR text of one call and of a batch LLVM compiles, about [byte/s].
+_SPEED = {"entry": 4e6, "batch": 2e6}
+# Compilations that will take longer are announced; tracing took about as long already [s].
+_PATIENCE = 0.5
 _lock = threading.RLock()  # LLVM's contexts are not safe to share
+
+
+@cache
+def _llvm() -> Any:
+    """LLVM's library, which takes longer to load than all of Ulna; who only looks at models never waits for it."""
+    import llvmlite.binding
+
+    return llvmlite.binding
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,7 @@ class Target:
 @cache
 def target() -> Target:
     """This machine."""
+    llvm = _llvm()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     return Target(
@@ -70,18 +75,20 @@ def target() -> Target:
     )
 
 
-@cache
-def _machine() -> Any:
+def _new_machine() -> Any:
     t = target()
-    found = llvm.Target.from_triple(t.triple)
+    found = _llvm().Target.from_triple(t.triple)
     return found.create_target_machine(
         cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True
     )
 
 
+_machine = cache(_new_machine)
+
+
 def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     """Machine code of `ir`, which evaluates `f`, from the cache or from LLVM, with the addresses of `names`."""
-    t = target()
+    t, llvm = target(), _llvm()
     key = disk.key(ir, t.triple, t.cpu, t.features, t.version, _RECIPE)
     with _lock:
         start = time.perf_counter()
@@ -92,7 +99,8 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
             content = _machine().emit_object(_optimised(ir, f.has_loops))
             disk.write(key, content)
         seconds = time.perf_counter() - start if fresh else 0.0
-        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_for_engine())
+        own = _new_machine()  # the engine takes it over
+        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), own)
         engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(content))
         engine.finalize_object()
         code = Code(engine, {name: engine.get_function_address(name) for name in names}, seconds)
@@ -103,15 +111,6 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     if not all(code.addresses.values()):
         raise CompileError(f"LLVM made no code for {[n for n, a in code.addresses.items() if not a]}.")
     return code
-
-
-def _machine_for_engine() -> Any:
-    """A machine of its own for each engine, which takes it over."""
-    t = target()
-    found = llvm.Target.from_triple(t.triple)
-    return found.create_target_machine(
-        cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True
-    )
 
 
 def _announce(f: Function, seconds: float) -> None:
@@ -128,6 +127,7 @@ def _announce(f: Function, seconds: float) -> None:
 
 def _optimised(ir: str, has_loops: bool) -> Any:
     """The module after inlining, which is enough for a folded and shared graph; with loops, after all of level 1."""
+    llvm = _llvm()
     try:
         module = llvm.parse_assembly(ir)
         module.verify()
