@@ -30,8 +30,9 @@ entry:
   %t23 = insertelement <4 x double> %t22, double %w18, i32 2
   %t24 = insertelement <4 x double> %t23, double %w20, i32 3
   %v4 = fmul contract <4 x double> %t24, splat (double 0x4000000000000000)
-  %v7 = fadd contract <4 x double> %t11, %v4
   %v5 = fmul contract <4 x double> %t12, splat (double 0x4000000000000000)
+  %v6 = fmul contract <4 x double> %t11, splat (double 0x4000000000000000)
+  %v7 = fadd contract <4 x double> %t11, %v4
   %v8 = fadd contract <4 x double> %t11, %v5
   %o0.r1 = getelementptr i8, ptr %o0, i64 %o0s
   %o0.r2 = getelementptr i8, ptr %o0.r1, i64 %o0s
@@ -50,7 +51,6 @@ entry:
   store <2 x double> %t29, ptr %p33, align 8
   %p34 = getelementptr double, ptr %o0.r3, i64 0
   store <2 x double> %t30, ptr %p34, align 8
-  %v6 = fmul contract <4 x double> %t11, splat (double 0x4000000000000000)
   %v9 = fadd contract <4 x double> %t11, %v6
   %t35 = extractelement <4 x double> %v9, i32 0
   %t36 = extractelement <4 x double> %v9, i32 1

@@ -19,6 +19,13 @@ entry:
   %w10 = load double, ptr %p9, align 8
   %t11 = insertelement <2 x double> poison, double %w8, i32 0
   %t12 = insertelement <2 x double> %t11, double %w10, i32 1
+  %o1.r1 = getelementptr i8, ptr %o1, i64 %o1s
+  %t13 = extractelement <2 x double> %t12, i32 0
+  %t14 = extractelement <2 x double> %t12, i32 1
+  %p15 = getelementptr double, ptr %o1, i64 0
+  store double %t13, ptr %p15, align 8
+  %p16 = getelementptr double, ptr %o1.r1, i64 0
+  store double %t14, ptr %p16, align 8
   %v2 = fcmp olt <2 x double> %t6, %t12
   %v4 = fcmp oeq <2 x double> %t12, splat (double 0x0000000000000000)
   %v5 = xor <2 x i1> %v4, splat (i1 true)
@@ -28,18 +35,11 @@ entry:
   %v9 = call <2 x double> @llvm.minimum.v2f64(<2 x double> %t12, <2 x double> %v8)
   %v10 = select <2 x i1> %v6, <2 x double> %v7, <2 x double> %v9
   %o0.r1 = getelementptr i8, ptr %o0, i64 %o0s
-  %t13 = extractelement <2 x double> %v10, i32 0
-  %t14 = extractelement <2 x double> %v10, i32 1
-  %p15 = getelementptr double, ptr %o0, i64 0
-  store double %t13, ptr %p15, align 8
-  %p16 = getelementptr double, ptr %o0.r1, i64 0
-  store double %t14, ptr %p16, align 8
-  %o1.r1 = getelementptr i8, ptr %o1, i64 %o1s
-  %t17 = extractelement <2 x double> %t12, i32 0
-  %t18 = extractelement <2 x double> %t12, i32 1
-  %p19 = getelementptr double, ptr %o1, i64 0
+  %t17 = extractelement <2 x double> %v10, i32 0
+  %t18 = extractelement <2 x double> %v10, i32 1
+  %p19 = getelementptr double, ptr %o0, i64 0
   store double %t17, ptr %p19, align 8
-  %p20 = getelementptr double, ptr %o1.r1, i64 0
+  %p20 = getelementptr double, ptr %o0.r1, i64 0
   store double %t18, ptr %p20, align 8
   ret void
 }

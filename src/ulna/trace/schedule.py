@@ -68,17 +68,18 @@ def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
         lanes: How many samples are evaluated at once.
         pack: For one sample, how many sines are taken at once; 1 for SIMD lanes, where a node holds as many as fit.
     """
+    order = list(_order(f, 1 if f.lanes > 1 else lanes, pack))
     if f.has_loops or f.lanes > 1:
-        return _cut(f, list(_as_traced(f, 1 if f.lanes > 1 else lanes, pack)), 1)
+        return _cut(f, order, 1)
+    size = sum(map(_instructions, order))
     if lanes == 1:
-        order = list(_as_traced(f, lanes, pack))
-        return _cut(f, order, round(sum(map(_instructions, order)) / _SIZES[False]))
-    order = list(_by_stores(f, lanes))
-    size = sum(map(_instructions, order)) + len(f.results) * (2 + lanes.bit_length())
+        return _cut(f, order, round(size / _SIZES[False]))
+    size += len(f.results) * (2 + lanes.bit_length())  # transposing and writing
     if size < _BEARABLE:
         return _cut(f, order, 1)
-    order = [step for step in _as_traced(f, lanes, pack) if not isinstance(step, Store)]
-    return [*_cut(f, order, round(size / _SIZES[True])), [*_stores(f, lanes)]]
+    stores = [step for step in order if isinstance(step, Store)]
+    rest = [step for step in order if not isinstance(step, Store)]
+    return [*_cut(f, rest, round(size / _SIZES[True])), stores]
 
 
 def _cut(f: Function, steps: Sequence[Step], count: int) -> list[list[Step]]:
@@ -106,7 +107,7 @@ def _stores(f: Function, lanes: int) -> list[Store]:
     return found
 
 
-def _as_traced(f: Function, lanes: int, pack: int) -> Iterator[Step]:
+def _order(f: Function, lanes: int, pack: int) -> Iterator[Step]:
     """The order of the trace; the sines first that can be taken together, and each store as soon as it can be."""
     g = f.graph
     waiting: dict[int, list[Store]] = {}
@@ -151,25 +152,3 @@ def _with_sines(f: Function, pack: int) -> Iterator[Step]:
             yield Sines(arguments[k : k + pack])
     for index in live:
         yield index if pack > 1 or g.op[index] not in (Op.SIN, Op.COS) else Sines(g.args[index])
-
-
-def _by_stores(f: Function, lanes: int) -> Iterator[Step]:
-    """Store after store, each with what it needs just before."""
-    g = f.graph
-    done: set[int] = set()
-    for store in _stores(f, lanes):
-        stack = list(reversed(store.values))
-        while stack:
-            index = stack[-1]
-            missing = [a for a in g.args[index] if a not in done]
-            if index in done or not missing:
-                stack.pop()
-            if index in done:
-                continue
-            if missing:
-                stack += reversed(missing)
-                continue
-            step = Sines(g.args[index]) if g.op[index] in (Op.SIN, Op.COS) else index
-            yield step
-            done.update(made(g, step))
-        yield store
