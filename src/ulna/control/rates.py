@@ -1,0 +1,58 @@
+"""Resolved-rate control: joint velocities that give a frame a twist.
+
+| symbol | meaning | shape, unit | source |
+|---|---|---|---|
+| V | twist wanted of the frame | (6,) [m/s, rad/s] | |
+| J | Jacobian of the frame | (6, nv) | |
+| lambda | damping | 1 | |
+| v | J^T (J J^T + lambda^2 I)^-1 V + (I - J^+ J) v_0 | (nv,) | Whitney 1969; Wampler 1986; Siciliano 2009, eq. 3.54 |
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna import algorithms
+from ulna.algorithms.references import Reference, check_reference
+from ulna.control.bounds import within_speed
+from ulna.linalg import solve_spd
+from ulna.recipes.base import frame_of
+from ulna.robot import Robot, compile
+from ulna.typing import Array
+
+
+def resolved_rate(
+    robot: Robot,
+    frame: str | None = None,
+    reference: Reference = "local_world_aligned",
+    *,
+    bounded: bool = True,
+) -> Any:
+    """Joint velocities for a twist of a frame: a kernel.
+
+    `law(q, twist, damping, v_rest)` gives (nv,) [rad/s or m/s]. `damping` is a number: 0 for the pseudoinverse, which
+    asks for any speed near a singular configuration, 0.01 to 0.1 for calm there. `v_rest` (nv,) is what the joints
+    would rather do, and do as far as the frame does not feel it; zeros for the least velocity.
+
+    Args:
+        robot: The robot.
+        frame: Name; None for the tool.
+        reference: How the twist is written: "local_world_aligned", "local" or "world".
+        bounded: Whether all joints are slowed alike until none exceeds its velocity limit.
+
+    Raises:
+        UnknownName: If there is no such frame or reference.
+    """
+    check_reference(reference)
+    model, one = robot.model, frame_of(robot.model, frame)
+
+    def law(q: Array, twist: Array, damping: Any, v_rest: Array) -> Array:
+        J = algorithms.frame_jacobian(model, q, one, reference)
+        # The tiny part keeps an arm of fewer than six joints, and an exactly singular one, from dividing by zero.
+        wanted = twist - J @ v_rest
+        v = v_rest + J.T @ solve_spd(J @ J.T + (damping * damping + 1e-14) * np.eye(6), wanted)
+        return within_speed(model, v) if bounded else v
+
+    return compile(law, robot, checked=True, twist=(6,), damping=(), v_rest=(robot.nv,))

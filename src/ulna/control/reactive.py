@@ -1,0 +1,141 @@
+"""Reactive control: joint velocities that follow a twist, keep away from limits and obstacles, and stay dexterous.
+
+| symbol | meaning | shape, unit | source |
+|---|---|---|---|
+| v | joint velocities | (nv,) | |
+| V | twist wanted of the frame, world axes | (6,) | |
+| J, j_m | Jacobian of the frame, gradient of its manipulability | (6, nv), (nv,) | |
+| objective | w_v |v|^2 / 2 + w_s |V - J v|^2 / 2 - w_m j_m v | | Haviland & Corke 2021 (NEO), eq. 12, without slack |
+| rho, rho_i, rho_s | distance of a joint from its limit, where that begins to count, where it stops | [rad or m] | |
+| eta | v <= eta (rho - rho_s) / (rho_i - rho_s) | [1/s] | eq. 15, velocity dampers of Faverjon & Tournassoud 1987 |
+| A, b | rows A v <= b, of obstacles say | (k, nv), (k,) | eq. 19 |
+
+The paper's slack is eliminated: the twist gives way, never the limits. With limits alone the quadratic program is
+solved inside the kernel; rows are left to daqp.
+"""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from ulna import algorithms, numeric
+from ulna.errors import InputError, ShapeError
+from ulna.ik.qp import solve_box, solve_rows
+from ulna.recipes.base import frame_of
+from ulna.robot import Robot, compile
+from ulna.typing import Array, ArrayLike, Floats
+
+
+@final
+class Reactive:
+    """A reactive controller of one frame, after Haviland & Corke's NEO.
+
+    Args:
+        robot: The robot; its joints must have one coordinate each.
+        frame: Name; None for the tool.
+        influence: How near to a limit a joint begins to slow down [rad or m].
+        stop: How near it comes at most [rad or m].
+        gain: Speed allowed at `influence` [rad/s or m/s].
+        velocity_weight: What a joint velocity costs.
+        manipulability_weight: What manipulability is worth; 0 for nothing.
+
+    Raises:
+        UnknownName: If there is no such frame.
+        InputError: If a joint has several coordinates, or `stop` is not less than `influence`.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        frame: str | None = None,
+        *,
+        influence: float = 0.9,
+        stop: float = 0.05,
+        gain: float = 1.0,
+        velocity_weight: float = 0.01,
+        manipulability_weight: float = 1.0,
+    ) -> None:
+        if robot.nq != robot.nv:
+            raise InputError(f"{robot.name} has joints of several coordinates; lock them: robot.lock([...]).")
+        if not 0.0 <= stop < influence:
+            raise InputError(f"`stop` is {stop} and `influence` {influence}; expected 0 <= stop < influence.")
+        self.robot = robot
+        self._frame = frame_of(robot.model, frame)
+        self._numbers = influence, stop, gain, velocity_weight, manipulability_weight
+        self._kernel = compile(self._program, robot, checked=True, twist=(6,), slack_weight=())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, (self.robot, self._frame.name, *self._numbers)
+
+    def __call__(
+        self,
+        q: ArrayLike,
+        twist: ArrayLike,
+        slack_weight: float = 10.0,
+        rows: tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> Floats:
+        """Joint velocities (nv,) [rad/s or m/s].
+
+        Args:
+            q: Configuration, (nq,); (..., nq) without rows.
+            twist: Twist wanted of the frame, (6,), in "local_world_aligned".
+            slack_weight: What each unit of squared difference from the twist costs. The paper takes the inverse of the
+                distance from the goal, so that far from it the arm has more freedom.
+            rows: A (k, nv) and b (k,) with A v <= b; see `obstacle_rows`.
+
+        Raises:
+            InputError: If no velocity is within the limits and the rows.
+            MissingExtra: If there are rows, and daqp is not installed.
+        """
+        v, H, g, lower, upper, solved = self._kernel(q, twist, slack_weight)
+        if rows is None:
+            if not np.all(solved):
+                raise InputError("The quadratic program has no optimum; look for nan in the weights.")
+            return v
+        A = np.ascontiguousarray(rows[0], dtype=float).reshape(-1, self.robot.nv)
+        b = np.asarray(rows[1], dtype=float).reshape(-1)
+        if len(A) != len(b):
+            raise ShapeError("rows[1]", b.shape, f"({len(A)},), one for each row")
+        if not len(A) or (A @ v <= b).all():  # the optimum within the limits already keeps the rows
+            return v
+        below = np.full(len(b), -np.inf)
+        found = solve_rows(H, g, A, np.concatenate([lower, below]), np.concatenate([upper, b]), 0)
+        if found is None:
+            raise InputError(
+                "No joint velocity keeps all rows within the velocity limits: an obstacle comes nearer than the arm "
+                "can give way, or two ask for opposite motions. Stop the arm, or take rows away."
+            )
+        return found
+
+    def _program(self, q: Array, twist: Array, slack_weight: Any) -> tuple[Any, ...]:
+        influence, stop, gain, velocity_weight, manipulability_weight = self._numbers
+        model, n = self.robot.model, self.robot.nv
+        J = algorithms.frame_jacobian(model, q, self._frame)
+        H = slack_weight * (J.T @ J) + velocity_weight * np.eye(n)
+        g = -slack_weight * (J.T @ twist)
+        if manipulability_weight:
+            g = g - manipulability_weight * algorithms.manipulability_gradient(model, q, self._frame)
+        lower, upper = [], []
+        for i in range(n):
+            fastest = model.velocity_limit[i] if model.velocity_limit[i] > 0.0 else np.inf
+            low, high = model.lower_position[i], model.upper_position[i]
+            down = gain * (q[i] - low - stop) / (influence - stop) if np.isfinite(low) else np.inf
+            up = gain * (high - q[i] - stop) / (influence - stop) if np.isfinite(high) else np.inf
+            # Beyond `stop` the bound would push back faster than the joint can: there it stands.
+            lower.append(-numeric.clip(_damped(q[i] - low, down, influence), 0.0, fastest))
+            upper.append(numeric.clip(_damped(high - q[i], up, influence), 0.0, fastest))
+        bounds = numeric.vector(*lower), numeric.vector(*upper)
+        boxed = solve_box(H, g, *bounds)
+        return boxed.x, H, g, *bounds, boxed.solved
+
+
+def _damped(distance: Any, speed: Any, influence: float) -> Any:
+    """The speed allowed at a distance from a limit: any beyond the influence."""
+    return numeric.where(distance < influence, speed, np.inf)
+
+
+def _rebuilt(robot: Robot, frame: str, *numbers: float) -> Reactive:
+    names = ("influence", "stop", "gain", "velocity_weight", "manipulability_weight")
+    return Reactive(robot, frame, **dict(zip(names, numbers, strict=True)))
