@@ -48,7 +48,7 @@ with warnings.catch_warnings():
     from pink import limits as pink_limits
     from pink import tasks as pink_tasks
 
-DT, DAMPING, GAIN = 0.01, 1e-6, 0.9
+DT, DAMPING, GAIN, LEVENBERG = 0.01, 1e-6, 0.9, 1.0
 ROBOTS = {
     "Panda": ("panda", ("panda_hand",)),
     "UR5": ("ur5", ("wrist_3_link",)),
@@ -119,9 +119,9 @@ class Case:
         self._mink(kinds)
 
     def _ours(self, kinds: Sequence[str]) -> None:
-        frames: list[Any] = [FrameTask(frame, 1.0, 0.5) for frame in self.robot.frames]
+        frames: list[Any] = [FrameTask(frame, 1.0, 0.5, damping=LEVENBERG) for frame in self.robot.frames]
         rest: list[Any] = [PostureTask(1e-2)] if "posture" in kinds else []
-        rest += [ComTask(0.1)] if "com" in kinds else []
+        rest += [ComTask(0.1, damping=LEVENBERG)] if "com" in kinds else []
         tasks, exact = (rest, frames) if "exact" in kinds else (frames + rest, [])
         limits = [VelocityLimit(), PositionLimit(GAIN)]
         self.ik = DifferentialIK(self.robot.model, tasks, limits, constraints=exact, damping=DAMPING)
@@ -131,9 +131,11 @@ class Case:
     def _pink(self, kinds: Sequence[str]) -> None:
         model = self.robot.pin
         self.of_pink = pink.Configuration(model, model.createData(), pin.neutral(model), copy_data=False)
-        self.pink_tasks: list[Any] = [pink_tasks.FrameTask(f, 1.0, 0.5) for f in self.robot.frames]
+        self.pink_tasks: list[Any] = [
+            pink_tasks.FrameTask(f, 1.0, 0.5, lm_damping=LEVENBERG) for f in self.robot.frames
+        ]
         self.pink_tasks += [pink_tasks.PostureTask(1e-2)] if "posture" in kinds else []
-        self.pink_tasks += [pink_tasks.ComTask(0.1)] if "com" in kinds else []
+        self.pink_tasks += [pink_tasks.ComTask(0.1, lm_damping=LEVENBERG)] if "com" in kinds else []
         self.pink_limits = [pink_limits.ConfigurationLimit(model, GAIN), pink_limits.VelocityLimit(model)]
         self.of_pink.update(self.aim)
         for task in self.pink_tasks:
@@ -149,9 +151,11 @@ class Case:
             if joint.nv == 1 and np.isfinite(joint.limits.velocity[0])
         }
         self.of_mink = mink.Configuration(model)
-        self.mink_tasks: list[Any] = [mink.FrameTask(f, "body", 1.0, 0.5) for f in self.robot.frames]
+        self.mink_tasks: list[Any] = [
+            mink.FrameTask(f, "body", 1.0, 0.5, lm_damping=LEVENBERG) for f in self.robot.frames
+        ]
         self.mink_tasks += [mink.PostureTask(model, 1e-2)] if "posture" in kinds else []
-        self.mink_tasks += [mink.ComTask(0.1)] if "com" in kinds else []
+        self.mink_tasks += [mink.ComTask(0.1, lm_damping=LEVENBERG)] if "com" in kinds else []
         self.mink_limits = [mink.ConfigurationLimit(model, GAIN), mink.VelocityLimit(model, fastest)]
         self.of_mink.update(self.wxyz(self.aim))
         for task in self.mink_tasks:

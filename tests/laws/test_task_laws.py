@@ -202,6 +202,20 @@ def test_errors_fall_to_zero(panda: ulna.Robot) -> None:
         assert sizes[-1] < 1e-8
 
 
+def test_an_arm_that_cannot_reach_comes_to_rest(panda: ulna.Robot) -> None:
+    ik = DifferentialIK(panda, [FrameTask("panda_hand", 1.0, 0.5), PostureTask(1e-3, target="ready")])
+    q = np.array(panda.configurations["ready"])
+    T = panda.fk(q, "panda_hand")
+    T[:3, 3] = [2.0, 0.3, 0.5]
+    for _ in range(1500):
+        v = ik.velocity(q, 0.002, T)
+        q = q + 0.002 * v
+    assert np.abs(v).max() < 0.05
+    assert (
+        np.linalg.norm(T[:3, 3] - panda.fk(q, "panda_hand")[:3, 3]) < 1.21
+    )  # the best there is, to a few mm
+
+
 def test_constraints_are_met_exactly(panda: ulna.Robot) -> None:
     gear = JointCouplingTask({"panda_joint1": 1.0, "panda_joint3": 2.0}, name="gear")
     ik = DifferentialIK(panda, [FrameTask("panda_hand")], constraints=[gear])

@@ -58,7 +58,7 @@ def test_same_velocity(arms, seed: int) -> None:
     tasks = [
         FrameTask(TIP, [1.0, 2.0, 3.0], 0.5, gain=0.8, damping=0.1),
         PostureTask(0.1, gain=0.3),
-        ComTask(0.4),
+        ComTask(0.4, damping=0.0),
     ]
     same = [
         mink.FrameTask(TIP, "body", [1.0, 2.0, 3.0], 0.5, gain=0.8, lm_damping=0.1),
@@ -66,7 +66,7 @@ def test_same_velocity(arms, seed: int) -> None:
         mink.ComTask(0.4),
     ]
     if seed % 2:
-        tasks.append(RelativeFrameTask(TIP, SIDE, 0.7, 0.3))
+        tasks.append(RelativeFrameTask(TIP, SIDE, 0.7, 0.3, damping=0.0))
         same.append(mink.RelativeFrameTask(TIP, "body", SIDE, "body", 0.7, 0.3))
     ik = DifferentialIK(robot, tasks, [VelocityLimit(), PositionLimit(gain=0.9)], damping=1e-6)
     configuration = mink.Configuration(theirs, aim)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -126,6 +127,7 @@ class Case:
             if hasattr(task, "set_target_from_configuration"):
                 task.set_target_from_configuration(aim)
         self.theirs = theirs
+        ours = [task if task.damping == 0.05 else replace(task, damping=0.0) for task in ours]
         self.ik = DifferentialIK(model, ours, [VelocityLimit(), PositionLimit(gain=0.5)], damping=DAMPING)
         self.targets = self.ik.targets_at(away)
         if "linear" in self.targets:

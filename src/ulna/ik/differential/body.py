@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, final
 
 import numpy as np
@@ -33,6 +33,7 @@ class ComTask(Task):
 
     cost: ArrayLike = 1.0
     target: Any = None
+    damping: float = field(default=1.0, kw_only=True)
 
     @property
     def _default_name(self) -> str:

@@ -19,7 +19,7 @@ Sastry 1994, section 2.3.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, final, get_args
 
 import numpy as np
@@ -48,6 +48,7 @@ class _OfFrame(Task):
     """A task with one frame, whose target is one array."""
 
     frame: str
+    damping: float = field(default=1.0, kw_only=True)
 
     @property
     def _default_name(self) -> str:

@@ -42,7 +42,9 @@ class Task(ABC):
 
     Attributes:
         gain: The part of the error to be removed in one step, from 0 to 1.
-        damping: Levenberg's damping, without unit: calm far from the target and where it is out of reach.
+        damping: Levenberg's damping, without unit: calm where the target is out of reach, without a trace where it
+            is reached. It is 1 for tasks of frames and of the centre of mass, which with 0 let the joints of a
+            stretched arm rush to and fro at their greatest speeds, and 0 for others.
         name: What its target is called; by default the frame's name, or what kind of task it is.
         adjustable: Whether a factor on its costs may be told at every step, as `<name>_scale`, to fade it in and out.
     """
