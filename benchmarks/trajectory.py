@@ -69,8 +69,10 @@ def time_optimal(robot: Any, scheme: str, torque: bool, seed: int = 0) -> Pair:
 
     def mine() -> Any:
         if torque:
-            return trajectory.time_optimal(ours, robot, velocity=speed, torque=effort, scheme=scheme)
-        return trajectory.time_optimal(ours, velocity=speed, acceleration=hard, scheme=scheme)
+            return trajectory.time_optimal(
+                ours, robot, velocity=speed, torque=effort, scheme=scheme, grid=grid
+            )
+        return trajectory.time_optimal(ours, velocity=speed, acceleration=hard, scheme=scheme, grid=grid)
 
     assert abs(mine().duration / theirs().duration - 1.0) < 1e-3
     what = "speed and torque" if torque else "speed and acceleration"

@@ -54,7 +54,8 @@ def time_optimal(
         velocity: Limits of speed: one, (n,), or (2, n) least and greatest [rad/s or m/s].
         acceleration: Limits of acceleration, likewise [rad/s^2 or m/s^2].
         torque: Limits of torque, likewise [N m or N]; needs a robot. np.inf leaves torques out.
-        grid: How many segments the path is cut into, or the grid itself, increasing from 0 to the path's duration.
+        grid: How many segments the path is cut into, evenly but with points moved onto its knots; or the grid itself,
+            increasing from 0 to the path's duration.
         start_rate: Rate of s at the start [1/s].
         end_rate: Rate of s at the end [1/s].
         scheme: Where limits of acceleration and torque hold: "interpolation", at both ends of each segment under the
@@ -82,7 +83,7 @@ def time_optimal(
         raise InputError("`torque` was given without `robot`, whose dynamics they take; pass it.")
     names = curve.space.names if model is None else model.velocity_names
     speeds = bounds_of("velocity", _or_limit(velocity, model, "velocity_limit"), n)
-    s, D = _grid(grid, curve.duration)
+    s, D = _grid(grid, curve)
     q, tangent, curvature = curve._at(s, 2)
     limits = _rows(model, (q, tangent, curvature), acceleration, torque)
     cap = speed_cap(tangent, speeds)
@@ -98,30 +99,34 @@ def time_optimal(
     return Retimed(curve, _law(s, D, x), "time-optimal")
 
 
-def _grid(grid: Any, length: float) -> tuple[Floats, Floats]:
+def _grid(grid: Any, path: Trajectory) -> tuple[Floats, Floats]:
     """The grid points, and twice the lengths of its segments."""
+    length = path.duration
     if isinstance(grid, (int, np.integer)) and grid >= 2:
-        return _even_grid(int(grid), length)
+        return _even_grid(int(grid), length, path.knots.tobytes())
     s = np.array(grid, dtype=float)
     if s.ndim == 0:
         raise InputError(f"`grid` is {grid!r}; expected a count of at least 2 segments, or the grid.")
-    if (
-        s.ndim != 1
-        or s.size < 3
-        or s[0] != 0.0
-        or abs(s[-1] - length) > 1e-9 * length
-        or (np.diff(s) <= 0.0).any()
-    ):
-        raise InputError(
-            f"`grid` does not increase from 0 to {length:.6g}, the path's duration, by at least 2 steps."
-        )
-    s[-1] = length
-    return s, 2.0 * np.diff(s)
+    if s.ndim == 1 and s.size > 2 and s[0] == 0.0 and abs(s[-1] - length) <= 1e-9 * length:
+        s[-1] = length
+        D = 2.0 * (s[1:] - s[:-1])
+        if D.min() > 0.0:
+            return s, D
+    raise InputError(
+        f"`grid` does not increase from 0 to {length:.6g}, the path's duration, by at least 2 steps."
+    )
 
 
 @lru_cache(maxsize=64)
-def _even_grid(count: int, length: float) -> tuple[Floats, Floats]:
+def _even_grid(count: int, length: float, knots: bytes) -> tuple[Floats, Floats]:
+    """An even grid, its points moved onto the path's knots where they are near: there its shape may change sharply."""
     s = np.linspace(0.0, length, count + 1)
+    inner = np.frombuffer(knots)[1:-1]
+    nearest = np.rint(inner * (count / length)).astype(int)
+    moved = s.copy()
+    moved[nearest] = inner
+    if np.unique(nearest).size == nearest.size and moved[0] == 0.0 and moved[-1] == length:
+        s = moved
     D = 2.0 * np.diff(s)
     s.flags.writeable = D.flags.writeable = False
     return s, D

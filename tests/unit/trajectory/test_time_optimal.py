@@ -70,6 +70,13 @@ def test_excess_between_grid_points_falls_with_the_square_of_the_grid(panda: uln
     assert excess[1] < excess[0] / 8.0
 
 
+def test_knots_of_the_path_are_grid_points(panda: ulna.Robot) -> None:
+    path = wander(panda, 2)
+    best = trajectory.time_optimal(path, panda, acceleration=12.0, grid=100)
+    assert set(path.knots) <= {0.0, 1.0, *best.law.coefficients[:, 0, 0]}
+    assert trajectory.check(panda, best, acceleration=12.0).use["acceleration"] < 1.01
+
+
 @pytest.mark.parametrize("grid", [7, 100, 113])
 def test_the_sets_are_those_of_linear_programs(panda: ulna.Robot, grid: int) -> None:
     """Each pass on random rows against SciPy's solver, also where grids do not fill the kernels' blocks."""
