@@ -38,7 +38,10 @@ _LATER = {
     "Simulation": "ulna.sim",
     "Viewer": "ulna.viewer.viewer",
 }
-"""Names of rooms that are loaded when first used, so that `import ulna` stays light."""
+"""Names that are loaded from their rooms when first used, so that `import ulna` stays light."""
+
+_ROOMS = ("collision", "control", "faces", "identification", "ik", "sim", "trajectory", "viewer")
+"""Rooms that `ulna.NAME` opens when first used."""
 
 __all__ = [
     "SE3",
@@ -65,8 +68,10 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name in _LATER:
         return getattr(importlib.import_module(_LATER[name]), name)
+    if name in _ROOMS:
+        return importlib.import_module(f"ulna.{name}")
     raise AttributeError(f"module 'ulna' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return [*__all__, *_ROOMS]

@@ -20,6 +20,15 @@ def test_every_name_is_there_and_documented(name: str) -> None:
     assert not inspect.ismodule(value) or name in ("errors", "numeric")
 
 
+@pytest.mark.parametrize(
+    "room", ["collision", "control", "faces", "identification", "ik", "sim", "trajectory", "viewer"]
+)
+def test_rooms_open_when_asked_for(room: str) -> None:
+    script = f"import ulna; print(ulna.{room}.__doc__.splitlines()[0])"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and done.stdout.strip(), done.stderr
+
+
 def test_there_are_few_names() -> None:
     assert len(ulna.__all__) <= 30
     assert len(set(ulna.__all__)) == len(ulna.__all__)
