@@ -18,7 +18,6 @@ from ulna.spatial.check import checked
 from ulna.typing import ArrayLike, Floats
 
 _DISTINCT = 1e-6  # two solutions are one when no joint differs by more [rad or m]
-_NEAR = 1e-3  # misses up to this are led nearer by Newton's method [m and rad]
 _STEPS = 12
 _FEW = 16  # candidates up to which all pairs are compared at once
 _EARLIER = np.tri(_FEW, k=-1, dtype=bool)
@@ -249,7 +248,7 @@ class _Sift:
         """Whether candidates are at their goals; whether they are not, but so near that Newton may bring them there."""
         position, rotation = worth[..., 0], worth[..., 1]
         at = (position <= self.position) & (rotation <= self.rotation)
-        return at, (position < _NEAR) & (rotation < _NEAR) & ~at
+        return at, (position < self.source.near) & (rotation < self.source.near) & ~at
 
     def _first(self, q: Floats, at: Any) -> Any:
         """Whether no earlier solution of the same group is the same configuration, turns apart."""

@@ -38,8 +38,11 @@ class Source(ABC):
         periods: By how much each may change without a change of pose, (n,) [rad]; inf where by nothing.
         lower, upper: Their limits, (n,).
         centre: Where they are wanted if nothing is said: at 0, or the limit next to it, (n,).
+        near: Misses up to this are worth leading nearer by Newton's method [m and rad].
         certify: The kernel (q, T, centre) to (q, worth); see certify.py.
     """
+
+    near = 1e-3
 
     def __init__(self, model: Model, frame: str, arm: Arm, free: int | None) -> None:
         self.arm, self.free = arm, free
@@ -77,10 +80,16 @@ class Source(ABC):
         """The kernel (q, T, centre) to (q, worth)."""
         return compile(self._certified, q=(self._model.nq,), T=(4, 4), centre=(len(self.arm.indices),))
 
+    @cached_property
+    def _kernels(self) -> tuple[Any, Any]:
+        """Those of the frame's pose and Jacobian, made when they are first needed."""
+        fk = kernels.kernel(self._model, "fk", frame=self._frame)
+        aligned = "local_world_aligned"
+        return fk, kernels.kernel(self._model, "jacobian", frame=self._frame, reference=aligned)
+
     def refine(self, q: Floats, T: Floats, iterations: int) -> Floats:
         """Configurations (m, nq) led nearer to goals (m, 4, 4); the free joint stays where it is."""
-        fk = kernels.kernel(self._model, "fk", frame=self._frame)
-        jacobian = kernels.kernel(self._model, "jacobian", frame=self._frame, reference="local_world_aligned")
+        fk, jacobian = self._kernels
         return refined(fk, jacobian, q, T, self._columns, iterations)
 
 
@@ -91,6 +100,8 @@ class ClosedForm(Source):
     def __init__(self, model: Model, frame: str, arm: Arm, plan: Plan) -> None:
         super().__init__(model, frame, arm, plan.free)
         self.plan = plan
+        if plan.off <= EXACT:
+            self.near = 1e-6  # what misses by more has no solution
         self.kernel = closed_form(plan, arm, self._certified, model.nq)
         self.numbers = branch_numbers(plan)
         self._base = np.array(arm.base(np.array(model.neutral)).matrix())
