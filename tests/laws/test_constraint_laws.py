@@ -190,6 +190,36 @@ def test_what_is_clamped_does_not_accelerate() -> None:
     assert np.isfinite(motion.forces).all()
 
 
+@pytest.mark.parametrize("mu", [0.0, 1e-8])
+def test_what_cannot_move_needs_no_force(mu: float) -> None:
+    """A point on the only axis: it stays anyway, and asked to go elsewhere it says that it cannot."""
+    builder = (
+        ModelBuilder("wheel").add_link("ground").add_link("wheel", Inertia.from_box(1.0, (0.1, 0.2, 0.3)))
+    )
+    model = builder.add_joint("axle", Revolute((0, 0, 1)), "ground", "wheel").build()
+    found = bonds(model, [PointContact("wheel")])
+    pull = Stabilisation(SE3.trans(0.5, 0.0, 0.0).matrix()[None], np.array([[4.0, 4.0]]))
+    q, v, tau = np.array([0.3]), np.array([2.0]), np.array([0.7])
+    motion = alg.constrained_dynamics(model, q, v, tau, found, None, pull, Proximal(mu=mu))
+    close(motion.a, alg.forward_dynamics(model, q, v, tau))
+    assert (motion.forces == 0.0).all()
+    assert motion.residual == pytest.approx(2.0)
+
+
+def test_without_rounds_later_constraints_come_first() -> None:
+    model = tree(0)
+    q, v, tau = state(model, 0)
+    found = bonds(model, [PointContact("tip"), PointContact("tip")])
+    anchors = np.stack([SE3.trans(0.1, 0.0, 0.0).matrix(), np.eye(4)])
+    gains = np.array([[100.0, 20.0]] * 2)
+    direct = Proximal(mu=0.0)
+    both = alg.constrained_dynamics(model, q, v, tau, found, None, Stabilisation(anchors, gains), direct)
+    last = alg.constrained_dynamics(model, q, v, tau, found[1:], None, Stabilisation(anchors[1:], gains[1:]))
+    close(both.a, last.a, 1e-8)
+    assert (both.forces[:3] == 0.0).all()
+    assert both.residual == pytest.approx(10.0)
+
+
 # ------------------------------------------------------------------------------------------------- linkages
 
 

@@ -192,13 +192,13 @@ def _response(
 ) -> tuple[Array, Array, Any]:
     """a, f and the rounds, for M a = drive + J^T f and J a + g + R f = 0."""
     Y = _seen_inside(factors, J)
-    y = factors.inward([drive[..., k] for k in range(len(factors.lower))])
+    y = factors.inward([drive[..., k][()] for k in range(len(factors.lower))])
     z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
     G = _delassus(factors, Y)
     if not is_zero(compliance):
         R = compliance[..., None, None] if isinstance(compliance, np.ndarray) else compliance
         G = G + R * np.eye(len(Y))
-    b = [-sum((entry * z[k] for k, entry in row.items()), g[..., i]) for i, row in enumerate(Y)]
+    b = [-sum((entry * z[k] for k, entry in row.items()), g[..., i][()]) for i, row in enumerate(Y)]
     forces, iterations = solve_proximal(G, b, settings)
     for row, force in zip(Y, forces, strict=True):
         for k, entry in row.items():
@@ -211,7 +211,7 @@ def _seen_inside(factors: Factors, J: Array) -> list[dict[int, Any]]:
     """Y, column by column; entries that are zero by the tree are missing."""
     found = []
     for i in range(J.shape[-2]):
-        column = factors.inward([J[..., i, k] for k in range(J.shape[-1])])
+        column = factors.inward([J[..., i, k][()] for k in range(J.shape[-1])])
         found.append({k: entry for k, entry in enumerate(column) if not is_zero(entry)})
     return found
 

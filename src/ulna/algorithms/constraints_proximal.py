@@ -71,6 +71,8 @@ _SAME = 1e-12
 """A pivot that keeps less than this part of its diagonal entry belongs to a row that depends on others."""
 _NOTHING = 1e-14
 """A diagonal entry that is less than this part of the mean one is zero but for rounding."""
+_IMMOVABLE = 1e-24
+"""A pivot [1/kg, 1/(kg m^2)] that is not above this is that of something no force moves."""
 _PURGES = 3
 """How often forces that no motion feels are taken off; each time all but about `mu` of them go."""
 
@@ -87,10 +89,11 @@ def solve_proximal(G: Array, b: Sequence[Any], settings: Proximal) -> Solution:
     diagonal = [G[..., i, i] for i in range(m)]
     mean = sum(diagonal[1:], diagonal[0]) * (1.0 / m)
     if settings.mu == 0.0:
-        floors = [_SAME * entry + _NOTHING * mean for entry in diagonal]
+        floors = [_SAME * entry + _NOTHING * mean + _IMMOVABLE for entry in diagonal]
         return Solution(Factors(G, floors).solve(b), 1.0 + 0.0 * mean)
     r = settings.mu * mean
-    factors = Factors(G + np.eye(m) * r[..., None, None] if isinstance(r, np.ndarray) else G + np.eye(m) * r)
+    raised = G + np.eye(m) * (r[..., None, None] if isinstance(r, np.ndarray) else r)
+    factors = Factors(raised, [_IMMOVABLE] * m)
     first = factors.solve(b)
     enough = settings.tolerance * largest(b)
 

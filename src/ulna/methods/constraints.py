@@ -17,6 +17,7 @@ from ulna.numeric import is_symbolic
 from ulna.typing import Array, ArrayLike
 
 _IDENTITY = np.eye(4)
+_DEFAULT = Proximal()
 
 
 class Constraints(Part):
@@ -46,7 +47,7 @@ class Constraints(Part):
         anchors: ArrayLike | Sequence[ArrayLike] | None = None,
         kp: ArrayLike | None = None,
         kd: ArrayLike | None = None,
-        solver: Proximal = Proximal(),  # noqa: B008 - frozen
+        solver: Proximal = _DEFAULT,
     ) -> ConstrainedMotion:
         """The joint accelerations that the torques `tau` give under constraints, and the forces of these.
 
@@ -91,7 +92,9 @@ class Constraints(Part):
             raise InputError(
                 "`anchors` pull nothing without a gain; give `kp` too, such as kp=100.0 [1/s^2]."
             )
-        return ConstrainedMotion(*self._checked("constrained_dynamics", **options, solver=solver)(*arrays))
+        if solver is not _DEFAULT:
+            options["solver"] = solver
+        return ConstrainedMotion(*self._checked("constrained_dynamics", **options)(*arrays))
 
     def forward_dynamics_with_jacobian(
         self,
@@ -101,7 +104,7 @@ class Constraints(Part):
         J: ArrayLike,
         drift: ArrayLike,
         compliance: ArrayLike | None = None,
-        solver: Proximal = Proximal(),  # noqa: B008 - frozen
+        solver: Proximal = _DEFAULT,
     ) -> ConstrainedMotion:
         """The same for constraints of your own: J a + drift + compliance forces = 0.
 
@@ -131,7 +134,7 @@ class Constraints(Part):
         v: ArrayLike,
         constraints: Sequence[Constraint],
         restitution: ArrayLike = 0.0,
-        solver: Proximal = Proximal(),  # noqa: B008 - frozen
+        solver: Proximal = _DEFAULT,
     ) -> Impact:
         """The velocity after constraints have taken hold at once, as at a touch-down, and their impulses.
 
