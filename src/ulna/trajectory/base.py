@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.trajectory.inputs import numbers, positive, seconds
+from ulna.trajectory.inputs import above_zero, numbers, positive, seconds
 from ulna.trajectory.space import Poses, Space
 from ulna.typing import ArrayLike, Floats
 
@@ -123,10 +123,9 @@ class Trajectory(ABC):
         if (rate is None) == (n is None):
             raise InputError(f"sample(rate={rate}, n={n}): expected one of both: rate=1000 or n=200.")
         if rate is not None:
-            step = 1.0 / seconds("rate", rate)
-            count = int(np.floor(self.duration / step * (1.0 + END_TOLERANCE)))
-            t = np.minimum(step * np.arange(count + 1), self.duration)
-            t = t if self.duration - t[-1] <= END_TOLERANCE * self.duration else np.append(t, self.duration)
+            per_second = above_zero("rate", rate, "rows a second, above zero [1/s]")
+            count = int(np.ceil(self.duration * per_second * (1.0 - END_TOLERANCE)))
+            t = np.append(np.arange(count) / per_second, self.duration)
         else:
             if not isinstance(n, (int, np.integer)) or n < 2:
                 raise InputError(f"`n` is {n!r}; expected a count of at least 2 rows.")
@@ -166,7 +165,7 @@ class Trajectory(ABC):
 
     def slowed(self, factor: float) -> Trajectory:
         """The same motion, `factor` times as slow."""
-        return self._stretched(seconds("factor", factor))
+        return self._stretched(above_zero("factor", factor, "a factor above zero"))
 
     def within(
         self,
@@ -183,12 +182,12 @@ class Trajectory(ABC):
             jerk: Limits of jerk [rad/s^3 or m/s^3].
             samples: At how many times the motion is looked at, besides its knots.
         """
-        limits = [positive(name, x, self.space.n, infinite=True) for name, x in
-                  (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk))]  # fmt: skip
+        given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+        limits = [positive(name, x, self.space.n, infinite=True) for name, x in given.items()]
         order = 3 if np.isfinite(limits[2]).any() else 2
-        rows = self._checked_at(self.instants(samples), order)[1:]
-        powers = zip(rows, limits, (1.0, 0.5, 1.0 / 3.0), strict=False)
-        factor = max(float((np.abs(x) / limit).max()) ** power for x, limit, power in powers)
+        rates = self._checked_at(self.instants(samples), order)[1:]
+        used = [float((np.abs(x) / limit).max()) for x, limit in zip(rates, limits, strict=False)]
+        factor = max(part ** (1.0 / power) for power, part in enumerate(used, start=1))
         if factor == 0.0:
             raise InputError(
                 "No limit is finite, or nothing moves; expected a limit that says how fast to go."

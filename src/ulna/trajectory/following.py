@@ -23,7 +23,7 @@ def follow(
     samples: int = 100,
     jump: float = 0.5,
 ) -> Polynomial:
-    """The joint trajectory that makes a frame follow a trajectory of poses.
+    """The joint trajectory that makes a frame follow a trajectory of poses, for joints that are plain numbers.
 
     Inverse kinematics is asked at even times, each from the last answer; a cubic spline joins the answers, at
     rest where the trajectory is at rest. Between the samples the frame leaves its path by an error of fourth

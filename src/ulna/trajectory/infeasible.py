@@ -48,9 +48,8 @@ class Problem:
             f"{np.sqrt(high):.6g} 1/s can be kept along the path: {reason}."
         )
 
-    def refuse_empty(self, K: Floats) -> None:
-        """Raises for the last grid point from which the end cannot be reached, whose controllable set is empty."""
-        k = int(np.flatnonzero(~(K[:, 0] <= K[:, 1]))[-1])
+    def refuse_empty(self, K: Floats, k: int) -> None:
+        """Raises for grid point k, the last one whose controllable set is empty: from it the end cannot be reached."""
         reason = self._conflict(
             k, np.append(0.0, np.geomspace(1e-9, 1.0, 200)) * min(self.cap[k], 1e6), K[k + 1]
         )

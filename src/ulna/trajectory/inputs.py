@@ -53,12 +53,17 @@ def rows(name: str, value: ArrayLike, least: int = 2) -> Floats:
 
 def seconds(name: str, value: Any) -> float:
     """A duration: finite and above zero [s]."""
+    return above_zero(name, value, "a time above zero [s]")
+
+
+def above_zero(name: str, value: Any, expected: str) -> float:
+    """A finite number above zero."""
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise InputError(f"`{name}` is {value!r}; expected a time above zero [s].") from None
-    if not np.isfinite(number) or number <= 0.0:
-        raise InputError(f"`{name}` is {value}; expected a time above zero [s].")
+        raise InputError(f"`{name}` is {value!r}; expected {expected}.") from None
+    if not 0.0 < number < np.inf:
+        raise InputError(f"`{name}` is {value}; expected {expected}.")
     return number
 
 

@@ -28,6 +28,7 @@ from ulna.typing import ArrayLike, Floats
 
 _SCHEMES = ("interpolation", "collocation")
 _PARAMETER = Vectors(("s",))
+_ROUNDING = 1e-10  # what part of the greatest squared rate an interval may lack to be one
 
 
 def time_optimal(
@@ -92,8 +93,9 @@ def time_optimal(
     problem.check_rate("end", end_rate, len(s) - 1, 0.0, cap[-1])
     back, ahead = reachable(limits.arrays, D, both_ends)
     K = controllable(back, cap, end_rate * end_rate)
-    if not (K[:, 0] <= K[:, 1]).all():
-        problem.refuse_empty(K)
+    empty = ~(K[:, 0] <= K[:, 1] + _ROUNDING * abs(K[:, 1].max()))
+    if empty.any():
+        problem.refuse_empty(K, int(np.flatnonzero(empty)[-1]))
     problem.check_rate("start", start_rate, 0, *K[0])
     x = fastest(ahead, K, start_rate * start_rate)[: len(s)]
     return Retimed(curve, _law(s, D, x), "time-optimal")

@@ -1,6 +1,7 @@
 """Trajectories as values: asking at any time, sampling, joining, stretching, and what they say when misused."""
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -51,6 +52,17 @@ def test_samples_end_at_the_end() -> None:
     n = t.sample(n=11, jerk=True)
     assert n.jerk.shape == (11, 3)
     np.testing.assert_allclose(np.diff(n.t), 0.10005)
+
+
+def test_any_trajectory_can_be_pickled() -> None:
+    for t in (
+        trajectory.quintic(A, B, 1.0),
+        trajectory.pose_line(SE3.identity(), SE3.rx(1.0), 1.0),
+        trajectory.time_optimal([A, B, C], acceleration=1.0),
+    ):
+        back = pickle.loads(pickle.dumps(t))
+        np.testing.assert_array_equal(back(0.3), t(0.3))
+        assert repr(back) == repr(t)
 
 
 def test_joining_checks_continuity() -> None:
@@ -134,6 +146,10 @@ def test_mistakes_are_named() -> None:
         trajectory.quintic(A, B, 1.0)(np.nan)
     with pytest.raises(InputError, match="one of both"):
         trajectory.quintic(A, B, 1.0).sample()
+    with pytest.raises(InputError, match="rows a second"):
+        trajectory.quintic(A, B, 1.0).sample(rate=0)
+    with pytest.raises(InputError, match="factor above zero"):
+        trajectory.quintic(A, B, 1.0).slowed(-1)
     with pytest.raises(InputError, match="at least 2"):
         trajectory.quintic(A, B, 1.0).sample(n=1)
     with pytest.raises(InputError, match="do not increase"):
