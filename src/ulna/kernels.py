@@ -285,15 +285,8 @@ def _quaternions(model: Model, name: str) -> tuple[tuple[int, tuple[int, ...]], 
     """Where configurations among the arguments hold quaternions; nowhere for `normalize`, which mends them."""
     if name == "normalize":
         return ()
-    starts = [
-        joint.idx_q + place
-        for joint in model.joints
-        if joint.mimic is None
-        for place, coordinate in enumerate(joint.kind.coordinates)
-        if coordinate.name.endswith("qx")
-    ]
     inputs = [number for number, (_, size) in enumerate(RECIPES[name].arguments) if size == "nq"]
-    return tuple((number, tuple(range(start, start + 4))) for number in inputs for start in starts)
+    return tuple((number, entries) for number in inputs for entries in model.quaternions)
 
 
 def shapes_for(model: Model, names: Sequence[str], given: Mapping[str, Any]) -> dict[str, Any]:

@@ -202,7 +202,10 @@ class ClassicSolver:
         if method not in DAMPING:
             raise UnknownName("method", method, DAMPING)
         self.problem = problem_of(model, frames, masks, joints, radian=1.0, by_angle=True)
-        self._kernel = compile(classic(self.problem, method, has_null_motion), checked=True)
+        unit = tuple((1, entries) for entries in model.quaternions)
+        self._kernel = compile(
+            classic(self.problem, method, has_null_motion), checked=True, unit_entries=unit
+        )
         self._rest = rest(self.problem)
 
     def __call__(

@@ -32,7 +32,8 @@ class Solver:
     ) -> None:
         """The arguments are those of `robot.ik`, with `frames` as names."""
         self.problem = problem_of(model, frames, masks, joints)
-        self._race = compile(search.race(self.problem), checked=True)
+        unit = tuple((1, entries) for entries in model.quaternions)
+        self._race = compile(search.race(self.problem), checked=True, unit_entries=unit)
         self._settings: dict[Any, Floats] = {}
         self._shifts: dict[Any, Floats] = {}
         self._rest = rest(self.problem)

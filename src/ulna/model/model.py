@@ -164,6 +164,18 @@ class Model:
         """A name for each entry of v: the joint's, followed by the coordinate's where it has several."""
         return _coordinate_names((j.name, j.kind.rates) for j in self.joints if j.mimic is None)
 
+    @cached_property
+    def quaternions(self) -> tuple[tuple[int, ...], ...]:
+        """Which entries of q form unit quaternions (xyzw), four each."""
+        starts = [
+            joint.idx_q + place
+            for joint in self.joints
+            if joint.mimic is None
+            for place, coordinate in enumerate(joint.kind.coordinates)
+            if coordinate.name.endswith("qx")
+        ]
+        return tuple(tuple(range(start, start + 4)) for start in starts)
+
     def joint(self, name: str) -> Joint:
         """The movable joint of that name. Raises UnknownName with the nearest one."""
         return self.joints[self.joint_index(name)]

@@ -190,6 +190,10 @@ def test_several_frames_of_a_floating_humanoid():
     assert solution.success.all() and solution.position_error.shape == (20, 3)
     np.testing.assert_allclose(np.linalg.norm(solution.q[:, 3:7], axis=1), 1.0, atol=1e-12)
     assert np.abs(robot.fk(solution.q, frames) - T).max() < 2e-6
+    bent = q[0].copy()
+    bent[3:7] *= 2.0
+    with pytest.raises(InputError, match=r"unit quaternion"):
+        robot.ik(T[0], bent, frames)
     named = robot.ik(dict(zip(frames, T[0], strict=True)))
     np.testing.assert_array_equal(named.q, robot.ik(T[0], frame=frames).q)
     hands = robot.ik({frames[0]: T[0, 0], frames[2]: T[0, 2]}, mask={frames[0]: "position"})
