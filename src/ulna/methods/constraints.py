@@ -13,8 +13,12 @@ from ulna.errors import InputError, ShapeError
 from ulna.methods.base import Part
 from ulna.methods.dynamics import Forces, stacked
 from ulna.model import Constraint
+from ulna.model.constraint import listed
 from ulna.numeric import is_symbolic
 from ulna.typing import Array, ArrayLike
+
+Held = Sequence[Constraint] | Constraint
+"""What binds the robot: a list of constraints, or one."""
 
 _IDENTITY = np.eye(4)
 _DEFAULT = Proximal()
@@ -39,7 +43,7 @@ class Constraints(Part):
         q: ArrayLike,
         v: ArrayLike,
         tau: ArrayLike,
-        constraints: Sequence[Constraint],
+        constraints: Held,
         forces: Forces = None,
         reference: Reference = "local_world_aligned",
         friction: bool | Friction = False,
@@ -78,16 +82,15 @@ class Constraints(Part):
 
         Reference: Featherstone 2008, section 8.4; Carpentier, Budhiraja & Mansard 2021; Baumgarte 1972.
         """
-        options: dict[str, Any] = {"constraints": tuple(constraints)}
+        options: dict[str, Any] = {"constraints": listed(constraints)}
         arrays: list[Any] = [q, v, tau]
         if forces:
             options |= {"forces": tuple(forces), "reference": reference}
             arrays.append(stacked(forces))
-        if friction is not False:
-            options["friction"] = friction
-        if kp is not None or kd is not None:
-            options["stabilised"] = True
-            arrays += _pull(constraints, anchors, kp, kd)
+        stabilised = kp is not None or kd is not None
+        options |= {"friction": friction, "stabilised": stabilised}
+        if stabilised:
+            arrays += _pull(options["constraints"], anchors, kp, kd)
         elif anchors is not None:
             raise InputError(
                 "`anchors` pull nothing without a gain; give `kp` too, such as kp=100.0 [1/s^2]."
@@ -132,7 +135,7 @@ class Constraints(Part):
         self,
         q: ArrayLike,
         v: ArrayLike,
-        constraints: Sequence[Constraint],
+        constraints: Held,
         restitution: ArrayLike = 0.0,
         solver: Proximal = _DEFAULT,
     ) -> Impact:
@@ -153,56 +156,58 @@ class Constraints(Part):
 
         Reference: Featherstone 2008, section 11.7.
         """
-        options: dict[str, Any] = {"constraints": tuple(constraints)}
+        given = listed(constraints)
+        options: dict[str, Any] = {"constraints": given, "solver": solver}
         if isinstance(restitution, (int, float)) and restitution == 0.0:
-            return Impact(*self._checked("impulse_dynamics", **options, solver=solver)(q, v))
-        back = _one_each("restitution", restitution, len(constraints))
+            return Impact(*self._checked("impulse_dynamics", **options)(q, v))
+        back = _one_each("restitution", restitution, len(given))
         if not is_symbolic(back) and not ((back >= 0.0) & (back <= 1.0)).all():
             raise InputError(f"`restitution` is {restitution}; expected numbers in [0, 1].")
-        return Impact(*self._checked("impulse_dynamics", **options, elastic=True, solver=solver)(q, v, back))
+        return Impact(*self._checked("impulse_dynamics", **options, elastic=True)(q, v, back))
 
-    def delassus_matrix(self, q: ArrayLike, constraints: Sequence[Constraint]) -> Any:
+    def delassus_matrix(self, q: ArrayLike, constraints: Held) -> Any:
         """What forces do to the constraint acceleration, J M^-1 J^T, (..., m, m) [1/kg, 1/(kg m), 1/(kg m^2)]."""
-        return self._checked("delassus_matrix", constraints=tuple(constraints))(q)
+        return self._checked("delassus_matrix", constraints=listed(constraints))(q)
 
-    def constraint_jacobian(self, q: ArrayLike, constraints: Sequence[Constraint]) -> Any:
+    def constraint_jacobian(self, q: ArrayLike, constraints: Held) -> Any:
         """The matrix that makes the constraint velocity out of `v`, (..., m, nv)."""
-        return self._checked("constraint_jacobian", constraints=tuple(constraints))(q)
+        return self._checked("constraint_jacobian", constraints=listed(constraints))(q)
 
-    def constraint_velocity(self, q: ArrayLike, v: ArrayLike, constraints: Sequence[Constraint]) -> Any:
+    def constraint_velocity(self, q: ArrayLike, v: ArrayLike, constraints: Held) -> Any:
         """How the first frames move as the second ones, or the world, see it, (..., m) [m/s, rad/s]."""
-        return self._checked("constraint_velocity", constraints=tuple(constraints))(q, v)
+        return self._checked("constraint_velocity", constraints=listed(constraints))(q, v)
 
-    def constraint_bias(self, q: ArrayLike, v: ArrayLike, constraints: Sequence[Constraint]) -> Any:
+    def constraint_bias(self, q: ArrayLike, v: ArrayLike, constraints: Held) -> Any:
         """The rate of that velocity when the joints do not accelerate, dJ/dt v, (..., m) [m/s^2, rad/s^2]."""
-        return self._checked("constraint_bias", constraints=tuple(constraints))(q, v)
+        return self._checked("constraint_bias", constraints=listed(constraints))(q, v)
 
     def constraint_error(
         self,
         q: ArrayLike,
-        constraints: Sequence[Constraint],
+        constraints: Held,
         anchors: ArrayLike | Sequence[ArrayLike] | None = None,
     ) -> Any:
         """How far the first frames are from where they are held, (..., m) [m, rad]: places, then rotation vectors.
 
         Contacts need `anchors`, as in `constrained_dynamics`; loops have none.
         """
-        contacts = [constraint for constraint in constraints if constraint.is_contact]
+        told = listed(constraints)
+        contacts = [constraint for constraint in told if constraint.is_contact]
         if contacts and anchors is None:
             raise InputError(
                 "Contacts have an error only against anchors; give anchors=robot.constraint_anchors(q0, constraints)."
             )
         given = (_poses(anchors, contacts),) if contacts else ()
-        return self._checked("constraint_error", constraints=tuple(constraints))(q, *given)
+        return self._checked("constraint_error", constraints=told)(q, *given)
 
-    def constraint_anchors(self, q: ArrayLike, constraints: Sequence[Constraint]) -> Any:
+    def constraint_anchors(self, q: ArrayLike, constraints: Held) -> Any:
         """Where the contacts among the constraints are, as poses in the world, (..., contacts, 4, 4).
 
         Taken where contacts take hold, they are the `anchors` that keep them there.
         """
         poses = [
             self._checked("fk", frame=name)(q) @ placement.matrix()
-            for constraint in constraints
+            for constraint in listed(constraints)
             if constraint.is_contact
             for name, placement in constraint.ends()
         ]

@@ -194,22 +194,32 @@ class FrameLoop(Constraint):
         return (self.frame_a, self.placement_a), (self.frame_b, self.placement_b)
 
 
-def bonds(model: Model, constraints: Sequence[Constraint]) -> tuple[Bond, ...]:
+def listed(constraints: Any) -> tuple[Constraint, ...]:
+    """The constraints of a list; one alone counts as one.
+
+    Raises:
+        InputError: There is something else among them, or nothing.
+    """
+    given = tuple(constraints) if isinstance(constraints, (list, tuple)) else (constraints,)
+    if not all(isinstance(constraint, Constraint) for constraint in given):
+        raise InputError(
+            f"`constraints` is {constraints!r}; expected a list of PointContact, FrameContact, PointLoop or FrameLoop."
+        )
+    if not given:
+        raise InputError(
+            "`constraints` is empty; expected one or more. `forward_dynamics` is what nothing binds."
+        )
+    return given
+
+
+def bonds(model: Model, constraints: Sequence[Constraint] | Constraint) -> tuple[Bond, ...]:
     """The constraints with their frames found in a model.
 
     Raises:
         UnknownName: There is no such frame.
-        InputError: What was given is no sequence of constraints; or no joint can move what one of them holds.
+        InputError: What was given are no constraints; or no joint can move what one of them holds.
     """
-    if not isinstance(constraints, (tuple, list)) or not all(isinstance(c, Constraint) for c in constraints):
-        raise InputError(
-            f"`constraints` is {constraints!r}; expected a list of PointContact, FrameContact, PointLoop or FrameLoop."
-        )
-    if not constraints:
-        raise InputError(
-            "`constraints` is empty; expected one or more. `forward_dynamics` is what nothing binds."
-        )
-    return tuple(_bond(model, constraint) for constraint in constraints)
+    return tuple(_bond(model, constraint) for constraint in listed(constraints))
 
 
 def _bond(model: Model, constraint: Constraint) -> Bond:

@@ -96,6 +96,20 @@ def test_forces_and_friction_act_too(robot: ulna.Robot, state) -> None:
     np.testing.assert_allclose(motion.a, same, atol=1e-8)
 
 
+def test_every_choice_has_its_own_kernel(robot: ulna.Robot, state) -> None:
+    """Also when the choices are made of the same values."""
+    q, v, tau = (x[0, 0] for x in state)
+    tip = PointContact("tip")
+    plain = robot.constrained_dynamics(q, v, tau, tip)  # one alone need not be in a list
+    rubbed = robot.constrained_dynamics(q, v, tau, [tip], friction=True)
+    braked = robot.constrained_dynamics(q, v, tau, [tip], kd=1.0)
+    direct = robot.constrained_dynamics(q, v, tau, [tip], solver=Proximal(mu=0.0))
+    assert np.abs(plain.a - rubbed.a).max() > 1e-3
+    assert np.abs(plain.a - braked.a).max() > 1e-3
+    np.testing.assert_allclose(plain.a, direct.a, atol=1e-8)
+    np.testing.assert_array_equal(plain.a, robot.constrained_dynamics(q, v, tau, (tip,)).a)
+
+
 def test_what_constraints_must_be(robot: ulna.Robot, state) -> None:
     q, v, tau = (x[0, 0] for x in state)
 
@@ -107,6 +121,8 @@ def test_what_constraints_must_be(robot: ulna.Robot, state) -> None:
         ask(PointContact("tipp"))
     with pytest.raises(InputError, match="expected a list of PointContact"):
         ask("tip")
+    with pytest.raises(InputError, match="`constraints` is 7; expected a list"):
+        robot.constrained_dynamics(q, v, tau, 7)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="`constraints` is empty.*forward_dynamics"):
         ask()
     with pytest.raises(InputError, match="frames of one body"):
