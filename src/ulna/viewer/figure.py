@@ -97,7 +97,11 @@ class Figure:
 
     def move(self, q: ArrayLike) -> None:
         """Hand over configuration `q` (nq,). Where the links are is computed when somebody looks."""
-        self._q = checked_configuration(self.robot, q)
+        self.put(checked_configuration(self.robot, q))
+
+    def put(self, q: Floats) -> None:
+        """As `move`, for an array that is known to be a configuration and that nobody will change."""
+        self._q = q
         self.moves += 1
         self.scene.later(self, self._bring)
 
@@ -125,27 +129,65 @@ class Figure:
 
 @final
 class Ghosts:
-    """A robot in many configurations at once, faintly; a screen draws each link once for all of them."""
+    """A robot in many configurations at once; a screen draws each link once for all of them.
+
+    Args:
+        scene: Where to.
+        robot: An `ulna.Robot`.
+        q: Configurations, shape (n, nq).
+        name: The group of its nodes.
+        rgba: One colour for everything; the materials' own when None.
+        show: As for `Figure`.
+        bases: T_group_base of each, shape (n, 4, 4); all at the group's origin when not given.
+    """
 
     def __init__(
-        self, scene: Scene, robot: Any, q: ArrayLike, name: str, rgba: RGBA, show: Showing = "visual"
+        self,
+        scene: Scene,
+        robot: Any,
+        q: ArrayLike,
+        name: str,
+        rgba: RGBA | None = None,
+        show: Showing = "visual",
+        bases: Floats | None = None,
     ) -> None:
         self.scene, self.robot, self.name = scene, robot, name
-        self._looks = link_looks(robot, show, (*rgba[:3], 1.0))
-        self._opacity = rgba[3]
+        self._q = self._checked(q)
+        if bases is not None and np.shape(bases) != (len(self._q), 4, 4):
+            raise ShapeError("bases", np.shape(bases), f"({len(self._q)}, 4, 4), one for each configuration")
+        self._bases = None if bases is None else np.array(bases, dtype=float)
+        self._looks = link_looks(robot, show, None if rgba is None else (*rgba[:3], 1.0))
+        self._opacity = 1.0 if rgba is None else rgba[3]
         scene.add(name)
-        self.move(q)
+        self._bring()
+
+    @property
+    def q(self) -> Floats:
+        """The configurations, shape (n, nq)."""
+        return self._q.copy()
 
     def move(self, q: ArrayLike) -> None:
-        """Show configurations `q`, shape (n, nq)."""
-        q = np.array(q, dtype=float)
-        if q.ndim != 2 or q.shape[1] != self.robot.nq:
-            raise ShapeError("q", q.shape, f"(n, {self.robot.nq}), one configuration in each row")
-        if not np.isfinite(q).all():
-            where = tuple(int(i) for i in np.argwhere(~np.isfinite(q))[0])
-            raise NonFiniteError("q", where, float(q[where]))
-        poses = self.robot.link_poses(q)
-        self.q = q
+        """Hand over configurations `q`, shape (n, nq). Where the links are is computed when somebody looks."""
+        self._q = self._checked(q)
+        self.scene.later(self, self._bring)
+
+    def _checked(self, q: ArrayLike) -> Floats:
+        out = np.array(q, dtype=float)
+        if out.ndim != 2 or out.shape[1] != self.robot.nq:
+            raise ShapeError("q", out.shape, f"(n, {self.robot.nq}), one configuration in each row")
+        if getattr(self, "_bases", None) is not None and len(out) != len(self._q):
+            raise ShapeError("q", out.shape, f"({len(self._q)}, {self.robot.nq}), as many as there are bases")
+        if not np.isfinite(out).all():
+            where = tuple(int(i) for i in np.argwhere(~np.isfinite(out))[0])
+            raise NonFiniteError("q", where, float(out[where]))
+        return out
+
+    def _bring(self) -> None:
+        if self.name not in self.scene:
+            return
+        poses = self.robot.link_poses(self._q)
+        if self._bases is not None:
+            poses = self._bases[:, None] @ poses
         for k, (link, surfaces) in enumerate(zip(link_names(self.robot), self._looks, strict=True)):
             if surfaces:
                 copies = Copies(surfaces, poses[:, k], opacity=self._opacity)
@@ -153,7 +195,7 @@ class Ghosts:
                 if node in self.scene:
                     self.scene.set_content(node, copies)
                 else:
-                    self.scene.add(node, shadow=False, content=copies)
+                    self.scene.add(node, shadow=self._opacity >= 0.999, content=copies)
 
 
 def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
@@ -166,8 +208,8 @@ def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
     if out.shape != (robot.model.nq,):
         names = ", ".join(robot.joint_names[:8])
         raise ShapeError("q", out.shape, f"({robot.model.nq},)", f"One number for each of: {names}.")
-    total = out.sum()
-    if total - total != 0.0 and not np.isfinite(out).all():  # a quick look first
+    square = out.dot(out)
+    if square - square != 0.0 and not np.isfinite(out).all():  # a quick look first
         where = int(np.argwhere(~np.isfinite(out))[0][0])
         raise NonFiniteError("q", (where,), float(out[where]))
     return out

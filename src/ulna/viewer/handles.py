@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -14,6 +14,12 @@ from ulna.viewer.scene import Scene, checked_pose
 from ulna.viewer.surface import colour, unit
 
 _NONE = -1.0
+
+
+def setters(kind: type) -> dict[str, Callable[[Any, Any], None]]:
+    """What of a kind of handles can be assigned to, and by which function."""
+    found = ((n, a) for c in reversed(kind.__mro__) for n, a in vars(c).items() if isinstance(a, property))
+    return {name: a.fset for name, a in found if a.fset is not None}
 
 
 class Handle:
@@ -27,17 +33,20 @@ class Handle:
     def __init__(self, scene: Scene, name: str) -> None:
         self._scene, self._name = scene, name
 
+    _setters: ClassVar[dict[str, Callable[[Any, Any], None]]]
+
+    def __init_subclass__(cls) -> None:
+        cls._setters = setters(cls)
+
     def __setattr__(self, name: str, value: Any) -> None:
+        setter = self._setters.get(name)
+        if setter is not None:
+            setter(self, value)
+            return
         if name.startswith("_"):
             object.__setattr__(self, name, value)
             return
-        attribute = getattr(type(self), name, None)
-        if isinstance(attribute, property) and attribute.fset is not None:
-            attribute.fset(self, value)
-            return
-        raise UnknownName(
-            f"thing to assign of {type(self).__name__} {self._name!r}", name, settable(type(self))
-        )
+        raise UnknownName(f"thing to assign of {type(self).__name__} {self._name!r}", name, self._setters)
 
     @property
     def name(self) -> str:
@@ -122,6 +131,9 @@ class Handle:
 
     def _content(self) -> Any:
         return self._scene.node(self._name).content
+
+
+Handle._setters = setters(Handle)
 
 
 class Cloud(Handle):
@@ -281,14 +293,6 @@ def rotation_to(vector: Floats) -> Floats:
     helper = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     x = unit(np.cross(helper, z))
     return np.stack([x, np.cross(z, x), z], axis=1)
-
-
-def settable(kind: type) -> tuple[str, ...]:
-    """What of a kind of handles can be assigned to."""
-    found = (
-        n for c in kind.__mro__ for n, a in vars(c).items() if isinstance(a, property) and a.fset is not None
-    )
-    return tuple(dict.fromkeys(found))
 
 
 def _numbers(name: str, value: ArrayLike, count: int) -> Floats:

@@ -73,7 +73,9 @@ class Panel:
         start = float(np.clip(start, low, high))
         if self._gui is None:
             return Control.kept(start)
-        handle = self._gui.add_slider(_with(label, unit), low, high, step, start, hint=hint)
+        handle = self._gui.add_slider(
+            _with(label, unit), min=low, max=high, step=step, initial_value=start, hint=hint
+        )
         return self._wire(handle, on_change)
 
     def number(
@@ -82,7 +84,7 @@ class Panel:
         """A number to type."""
         if self._gui is None:
             return Control.kept(float(value))
-        return self._wire(self._gui.add_number(_with(label, unit), float(value)), on_change)
+        return self._wire(self._gui.add_number(_with(label, unit), initial_value=float(value)), on_change)
 
     def checkbox(
         self, label: str, value: bool = False, on_change: Callable[[bool], None] = nothing
@@ -90,7 +92,7 @@ class Panel:
         """A box to tick."""
         if self._gui is None:
             return Control.kept(bool(value))
-        return self._wire(self._gui.add_checkbox(label, bool(value)), on_change)
+        return self._wire(self._gui.add_checkbox(label, initial_value=bool(value)), on_change)
 
     def select(
         self,
@@ -108,7 +110,7 @@ class Panel:
         options, value = _choices(label, options, value)
         if self._gui is None:
             return Control.kept(value)
-        return self._wire(self._gui.add_dropdown(label, options, value), on_change)
+        return self._wire(self._gui.add_dropdown(label, options, initial_value=value), on_change)
 
     def radio(
         self,
@@ -127,7 +129,7 @@ class Panel:
         if self._gui is None:
             return Control.kept(value)
         with self._gui.add_folder(label):
-            boxes = {o: self._gui.add_checkbox(o, o == value) for o in options}
+            boxes = {o: self._gui.add_checkbox(o, initial_value=o == value) for o in options}
         out = Control.of_choice(boxes, value)
         for option, box in boxes.items():
 

@@ -10,7 +10,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.errors import InputError
+from ulna.errors import InputError, UnknownName
 from ulna.sim import Body
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer import ellipsoids
@@ -78,9 +78,7 @@ class RobotHandle(Handle):
 
     @q.setter
     def q(self, q: ArrayLike | str) -> None:
-        from ulna.viewer.show import configuration
-
-        value = configuration(self.robot, q) if isinstance(q, str) else checked_configuration(self.robot, q)
+        value = _named(self.robot, q) if isinstance(q, str) else checked_configuration(self.robot, q)
         with self._lock:
             if self._body is not None:
                 self._body.q = value
@@ -131,7 +129,7 @@ class RobotHandle(Handle):
             self._move(self._body.q)
 
     def _move(self, q: Floats) -> None:
-        self._figure.move(q)
+        self._figure.put(q)
         for trace in self._traces:
             trace.add(q)
 
@@ -310,7 +308,7 @@ class RobotHandle(Handle):
 
 @final
 class GhostsHandle(Handle):
-    """A robot in many configurations; `q` can be assigned to."""
+    """A robot many times over; `q`, shape (n, nq), can be assigned to."""
 
     __slots__ = ("_ghosts",)
 
@@ -321,7 +319,7 @@ class GhostsHandle(Handle):
     @property
     def q(self) -> Floats:
         """The configurations, shape (n, nq)."""
-        return self._ghosts.q.copy()
+        return self._ghosts.q
 
     @q.setter
     def q(self, q: ArrayLike) -> None:
@@ -338,6 +336,12 @@ def add_arrow(scene: Scene, name: str, vector: ArrayLike, color: Iterable[float]
     except BaseException:
         scene.remove(name)
         raise
+
+
+def _named(robot: Any, name: str) -> Floats:
+    if name not in robot.configurations:
+        raise UnknownName("configuration", name, robot.configurations)
+    return np.array(robot.configurations[name], dtype=float)
 
 
 class _Trace:

@@ -14,10 +14,10 @@ from ulna.errors import InputError, UnknownName
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
-from ulna.viewer.figure import Figure, Showing
+from ulna.viewer.figure import Figure, Ghosts, Showing
 from ulna.viewer.handles import Arrow, Cloud, Crowd, Handle, Path, Words
 from ulna.viewer.progress import progress
-from ulna.viewer.robot_handle import RobotHandle, add_arrow
+from ulna.viewer.robot_handle import GhostsHandle, RobotHandle, add_arrow
 from ulna.viewer.scene import Scene
 from ulna.viewer.show import checked_robot, configuration
 from ulna.viewer.surface import RGBA, Surface, colour
@@ -304,6 +304,38 @@ class Stage(abc.ABC):
         tints, factors = (None if v is None else np.asarray(v, dtype=float) for v in (colors, scales))
         content = Copies(_surfaces(thing), places, tints, factors)
         return self._put(name, "copies", content=content, pose=pose, opacity=opacity, kind_of=Crowd)
+
+    def fleet(
+        self,
+        robot: Any,
+        q: ArrayLike,
+        bases: ArrayLike | None = None,
+        *,
+        name: str | None = None,
+        color: Colour = None,
+        opacity: float = 1.0,
+        show: Showing = "visual",
+    ) -> GhostsHandle:
+        """Many robots of one make, drawn at once; the handle's `q`, shape (n, nq), moves all of them.
+
+        Args:
+            robot: The robot.
+            q: Their configurations, shape (n, nq).
+            bases: T_group_base of each, shape (n, 4, 4).
+            name: The name of their group.
+            color: One colour for all; their own when not given.
+            opacity: From 0 to 1.
+            show: What of them, as for `add`.
+
+        Raises:
+            ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
+        """
+        rgba = None if color is None else colour(color)
+        places = None if bases is None else np.asarray(bases, dtype=float)
+        node = name or self._free(f"{checked_robot(robot).name} fleet")
+        out = GhostsHandle(Ghosts(self.scene, robot, q, node, rgba, show, places))
+        self._keep(out, opacity)
+        return out
 
     def remove(self, thing: Handle | str) -> None:
         """Take a thing out, with all that is in it.

@@ -92,7 +92,7 @@ class Timeline:
             start = str(self._speed if self._speed % 1 else int(self._speed))
             panel.select("speed", SPEEDS, start if start in SPEEDS else "1", self._set_speed)
             panel.button("Play / pause", self._toggle)
-            handle = gui.add_slider("time [s]", 0.0, 1e-3, 1e-3, 0.0)
+            handle = gui.add_slider("time [s]", min=0.0, max=1e-3, step=1e-3, initial_value=0.0)
         self._slider = handle
 
         async def scrubbed(event: Any) -> None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ulna.viewer.guard import allowed
+from ulna.viewer.guard import allowed, cookie, knows
 
 OURS = "localhost:8080"
 
@@ -47,3 +47,25 @@ def test_others_may_not(host: str | None, origin: str | None) -> None:
 def test_an_open_host_still_refuses_foreign_pages() -> None:
     assert allowed("robot.lab:8080", "http://robot.lab:8080", any_host=True)
     assert not allowed("robot.lab:8080", "http://evil.example", any_host=True)
+
+
+def test_a_token_is_known_from_the_address_or_a_cookie() -> None:
+    assert knows("", "/", None)
+    assert knows("secret", "/?token=secret", None)
+    assert knows("secret", "/?x=1&token=secret", "other=1")
+    remembered = cookie("secret").partition(";")[0]
+    assert knows("secret", "/", remembered)
+    assert knows("secret", "/", f"a=b; {remembered}")
+    for path, jar in (
+        ("/", None),
+        ("/?token=", None),
+        ("/?token=Secret", None),
+        ("/?token=sécret", None),
+        ("/", "ulna=secret"),
+        ("/", cookie("another").partition(";")[0]),
+        ("/", '"\\";;='),
+        ("http://[", None),
+    ):
+        assert not knows("secret", path, jar)
+    assert "HttpOnly" in cookie("secret")
+    assert "SameSite=Strict" in cookie("secret")

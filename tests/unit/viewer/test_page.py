@@ -12,9 +12,9 @@ import pytest
 
 pytest.importorskip("viser", reason="viser, which serves the page, is not installed")
 
-from ulna.errors import InputError, MissingExtra
+from ulna.errors import InputError, MissingExtra, UlnaWarning
 from ulna.geometry import Box
-from ulna.viewer import channel
+from ulna.viewer import channel, guard
 from ulna.viewer import hold as hold_module
 from ulna.viewer.page import Page
 from ulna.viewer.scene import Scene
@@ -244,3 +244,59 @@ def test_hold_ends_when_the_page_is_closed(page: Page, monkeypatch: pytest.Monke
     hold_module.hold(page)
     timer.join()
     assert page.closed
+
+
+def test_on_a_network_the_page_warns_and_asks_for_a_token() -> None:
+    with pytest.warns(UlnaWarning, match="not encrypted"):
+        page = Page(box_scene(), port=0, host="0.0.0.0")
+    with page:
+        token = page.url.partition("token=")[2]
+        assert len(token) >= 32
+        assert status(page) == 403
+        assert status(page, Host="192.0.2.1") == 403
+        assert status(page, f"/?token={token}") == 200
+        assert status(page, f"/?token={token}", Host="192.0.2.1") == 200
+        assert status(page, f"/?token={token}", Origin="http://evil.example") == 403
+        assert status(page, Origin=f"http://localhost:{page.port}", **UPGRADE) == 403
+        remembered = guard.cookie(token).partition(";")[0]
+        own = f"http://localhost:{page.port}"
+        assert status(page, Cookie=remembered, Origin=own, **UPGRADE) == 101
+
+
+def test_no_file_of_the_machine_can_be_fetched(page: Page) -> None:
+    for path in (
+        "/etc/passwd",
+        "//etc/passwd",
+        "/../../../../etc/passwd",
+        "/%2e%2e/%2e%2e/%2e%2e/etc/passwd",
+    ):
+        assert status(page, path) in (400, 403, 404)
+
+
+def test_looks_travel_in_one_message_and_plain_ones_not_at_all(page: Page) -> None:
+    def looks() -> dict:
+        messages = [m for m in buffered(page, "SceneNodeUpdateMessage") if m.name == channel.LOOKS]
+        return dict(zip(messages[-1].updates["names"], messages[-1].updates["v"].reshape(-1, 7), strict=True))
+
+    page.scene.set_look("robot", "opacity", 0.5)
+    page.scene.set_look("robot/box", "scale", 2.0)
+    assert wait(lambda: "/robot/box" in looks())
+    np.testing.assert_allclose(looks()["/robot/box"], (-1, -1, -1, 0.5, 2, 2, 2))
+    page.scene.set_look("robot", "opacity", 1.0)
+    page.scene.set_look("robot/box", "scale", 1.0)
+    assert wait(lambda: looks() == {})
+
+
+def test_hold_ends_after_its_time(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hold_module, "somebody_can_look", lambda: True)
+    began = time.monotonic()
+    hold_module.hold(page, 0.3)
+    assert 0.3 <= time.monotonic() - began < 10
+    assert page.closed
+
+
+def test_a_slow_page_does_not_hold_up_the_loop(page: Page) -> None:
+    with page._tick_lock:  # as if the page were busy sending
+        for k in range(1000):
+            page.scene.set_pose("robot/box", at(k))
+    assert wait(lambda: sent(page)["/robot/box"][0] == 999)

@@ -268,9 +268,25 @@ def test_ghosts_stand_in_all_their_configurations(viewer: Viewer, panda: ulna.Ro
     assert isinstance(content, Copies)
     np.testing.assert_allclose(content.poses, panda.fk(q, "panda_hand"), atol=1e-12)
     ghosts.q = np.zeros((5, 7))
+    viewer.scene.snapshot()
     assert len(viewer.scene.node(f"{ghosts.name}/panda_hand").content.poses) == 5  # type: ignore[union-attr]
     with pytest.raises(ShapeError):
         ghosts.q = np.zeros(7)
+
+
+def test_a_fleet_stands_on_its_bases(viewer: Viewer, panda: ulna.Robot) -> None:
+    q, bases = np.tile(panda.configurations["qr"], (3, 1)), np.tile(np.eye(4), (3, 1, 1))
+    bases[:, 0, 3] = (0, 1, 2)
+    fleet = viewer.fleet(panda, q, bases)
+    fleet.q = q + 0.1
+    viewer.scene.snapshot()
+    content = viewer.scene.node(f"{fleet.name}/panda_hand").content
+    assert isinstance(content, Copies)
+    np.testing.assert_allclose(content.poses, bases @ panda.fk(q + 0.1, "panda_hand"), atol=1e-12)
+    with pytest.raises(ShapeError, match="bases"):
+        fleet.q = q[:2]
+    with pytest.raises(ShapeError, match="bases"):
+        viewer.fleet(panda, q, bases[:2])
 
 
 def test_a_simulation_moves_the_robots_it_found_and_those_that_come(

@@ -1,0 +1,244 @@
+"""What the viewer costs: a user's step, the page's thread, and how soon things are seen in a real browser.
+
+    python benchmarks/viewer.py              # needs viser; without a browser the first table only
+    python benchmarks/viewer.py --soak 1e6   # steps, and the memory they take
+
+Peer: viser itself, a frame for each link whose position and rotation are set, in the same run. The browser is a headless
+Chromium that draws by the processor, if playwright and a Chromium are there; frames a second are far below a graphics
+card's.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import resource
+import shutil
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from _timing import medians, shown, table
+
+import ulna
+from ulna.geometry import Box
+from ulna.viewer.surface import Surface
+from ulna.viewer.viewer import Viewer
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+
+
+def steps(robot: ulna.Robot) -> None:
+    """The user's step: hand over configurations, while the thread of an open page publishes them."""
+    q, rows = np.array(robot.configurations["qr"]), []
+    for count in (1, 20):
+        with Viewer(port=0, browser=False) as viewer:
+            arms = [viewer.add(robot, q) for _ in range(count)]
+
+            def forward(count: int = count) -> None:
+                for _ in range(count):
+                    robot.link_poses(q)
+
+            def hand_over(arms: list[Any] = arms) -> None:
+                for arm in arms:
+                    arm.q = q
+
+            fk, ours = medians([forward, hand_over])
+            sim = viewer.simulate(realtime=False, record=False)
+            (whole,) = medians([lambda sim=sim: sim.step(1e-6)])
+            crowd, many = viewer.fleet(robot, np.tile(q, (count, 1))), np.tile(q, (count, 1))
+
+            def hand_over_fleet(crowd: Any = crowd, many: Any = many) -> None:
+                crowd.q = many
+
+            (fleet,) = medians([hand_over_fleet])
+        peer = plain_viser(robot, q, count)
+        rows.append(
+            [
+                str(count),
+                shown(fk),
+                shown(ours),
+                shown(fleet),
+                shown(whole),
+                shown(peer),
+                f"{peer / ours:.0f}",
+            ]
+        )
+    head = [
+        "robots",
+        "FK of all links",
+        "hand over q",
+        "a step of a Simulation",
+        "viser: set each link",
+        "viser / ours",
+    ]
+    print(table("A user's step", head, rows))
+
+
+def plain_viser(robot: ulna.Robot, q: np.ndarray, count: int) -> float:
+    """The same robots by viser's public interface: a handle for each link."""
+    from ulna.viewer.channel import serve, stop
+    from ulna.viewer.controls import pose_rows
+
+    server = serve("127.0.0.1", 0, "peer")
+    try:
+        links = len(robot.link_names)
+        handles = [
+            server.scene.add_frame(f"/{r}/{k}", show_axes=False) for r in range(count) for k in range(links)
+        ]
+        rng = np.random.default_rng(0)
+
+        def step() -> None:
+            rows = pose_rows(robot.link_poses(q + 0.1 * rng.random(7)))
+            for k, handle in enumerate(handles):
+                handle.position, handle.wxyz = rows[k % links, :3], rows[k % links, 3:]
+
+        return medians([step], 5, 0.2)[0]
+    finally:
+        stop(server)
+
+
+def publisher(robot: ulna.Robot, count: int = 20, seconds: float = 5.0) -> None:
+    """The share of a core that the process takes while robots move at 60 Hz and nobody slows it down."""
+    with Viewer(port=0, browser=False) as viewer:
+        arms = [viewer.add(robot, "qr") for _ in range(count)]
+        q, due = np.array(robot.configurations["qr"]), time.monotonic()
+        time.sleep(1.0)
+        began, used = time.monotonic(), time.process_time()
+        while time.monotonic() - began < seconds:
+            q[0] = np.sin(time.monotonic())
+            for arm in arms:
+                arm.q = q
+            due = max(due + 1 / 60, time.monotonic())
+            time.sleep(max(0.0, due - time.monotonic()))
+        share = (time.process_time() - used) / (time.monotonic() - began)
+    print(f"{count} robots of {len(robot.link_names)} links moved 60 times a second: {share:.1%} of a core")
+
+
+def browser(robot: ulna.Robot) -> None:
+    """How soon things are seen, and how many of the frames sent are drawn."""
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        print("\nno playwright: nothing is measured in a browser")
+        return
+    program = next((p for n in BROWSERS if (p := shutil.which(n))), None)
+    if program is None:
+        print("\nno Chromium: nothing is measured in a browser")
+        return
+    with sync_playwright() as driver:
+        flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        chromium = driver.chromium.launch(executable_path=program, args=flags)
+        rng = np.random.default_rng(0)
+        million = grid_surface(708)
+        cases: dict[str, Callable[[Viewer], Any]] = {
+            "Panda, meshes of the catalogue": lambda v: v.add(ulna.load("panda"), "qr", name="thing"),
+            "10,000 boxes in one": lambda v: v.copies(
+                Box((0.02, 0.02, 0.02)), positions=rng.uniform(-1, 1, (10_000, 3)), name="thing"
+            ),
+            f"a mesh of {len(million.triangles):,} triangles": lambda v: v.add(million, name="thing"),
+        }
+        print(f"\n{'from the call of Viewer to the first frame with it':<52} {'s':>6}")
+        for what, put in cases.items():
+            began = time.perf_counter()
+            with Viewer(port=0, browser=False) as viewer:
+                put(viewer)
+                page = chromium.new_context(viewport={"width": 640, "height": 400}).new_page()
+                page.goto(f"{viewer.url}/?fixedDpr=1")
+                page.wait_for_function(SEEN, arg=viewer.scene.names[-1], timeout=120_000)
+                print(f"{what:<52} {time.perf_counter() - began:>6.2f}")
+                page.context.close()
+        applied(chromium, robot)
+        chromium.close()
+
+
+SEEN = """name => { const nodes = window.__viserMutable?.nodeRefFromName ?? {};
+    const node = nodes["/" + name] ?? nodes["/thing/panda_hand"];
+    if (!node) return false;
+    return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true)))); }"""
+
+COUNT = """seconds => new Promise(done => {
+    const node = window.__viserMutable.nodeRefFromName["/box"], seen = new Set(), end = performance.now() + 1e3 * seconds;
+    const look = () => { seen.add(node.position.x);
+        performance.now() < end ? requestAnimationFrame(look) : done(seen.size / seconds); };
+    look(); })"""
+
+
+def applied(chromium: Any, robot: ulna.Robot, count: int = 20) -> None:
+    """Distinct poses that frames of the browser show, while robots of simple shapes move at 60 Hz."""
+    with Viewer(port=0, browser=False) as viewer:
+        arms = [viewer.add(robot, "qr", show="skeleton") for _ in range(count)]
+        box = viewer.box((0.1, 0.1, 0.1), name="box")
+        stop = False
+        q = np.array(robot.configurations["qr"])
+
+        def tick() -> None:
+            if not stop:
+                q[0] = np.sin(time.monotonic())
+                for arm in arms:
+                    arm.q = q
+                box.position = (time.monotonic() % 100.0, 0.0, 0.0)
+
+        assert viewer._page is not None
+        viewer._page.each_tick(tick)
+        page = chromium.new_context(viewport={"width": 480, "height": 360}).new_page()
+        page.goto(f"{viewer.url}/?fixedDpr=1")
+        page.wait_for_function("() => !!window.__viserMutable?.nodeRefFromName['/box']", timeout=120_000)
+        page.wait_for_timeout(3000)
+        print(f"\n{count} moving skeletons: {page.evaluate(COUNT, 5):.0f} distinct poses a second are drawn")
+        stop = True
+        page.context.close()
+
+
+def grid_surface(size: int) -> Surface:
+    """A wavy sheet of 2 size^2 triangles."""
+    x, y = np.meshgrid(np.linspace(-1, 1, size + 1), np.linspace(-1, 1, size + 1))
+    vertices = np.stack([x, y, 0.1 * np.sin(9 * x) * np.cos(7 * y) + 0.3], -1).reshape(-1, 3)
+    i = (np.arange(size)[:, None] * (size + 1) + np.arange(size)).reshape(-1)
+    triangles = np.concatenate(
+        [np.stack([i, i + 1, i + size + 2], 1), np.stack([i, i + size + 2, i + size + 1], 1)]
+    )
+    return Surface(vertices, triangles, np.broadcast_to((0.0, 0.0, 1.0), vertices.shape))
+
+
+def soak(robot: ulna.Robot, count: int) -> None:
+    """Steps with a page open, and the memory of this process before and after."""
+    with Viewer(port=0, browser=False) as viewer:
+        arm = viewer.add(robot, "qr")
+        arm.trace()
+        sim = viewer.simulate(realtime=False, record=False)
+        arm.qd = 0.1 * np.ones(robot.nv)
+        for part in range(10):
+            began = time.perf_counter()
+            for k in range(count // 10):
+                if k % 1000 == 0:
+                    arm.qd = -arm.qd
+                sim.step(1e-3)
+            gc.collect()
+            peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+            rate = count // 10 / (time.perf_counter() - began)
+            print(
+                f"{(part + 1) * count // 10:>9} steps  peak memory {peak:7.1f} MiB  {rate:9.0f} steps/s",
+                flush=True,
+            )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--soak", type=float, metavar="STEPS", help="only count memory over so many steps")
+    chosen = parser.parse_args()
+    robot = ulna.load("panda", visuals="simple")
+    if chosen.soak:
+        soak(robot, int(chosen.soak))
+        return
+    steps(robot)
+    publisher(robot)
+    browser(robot)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
