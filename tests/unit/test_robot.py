@@ -12,6 +12,7 @@ import pytest
 import ulna
 from ulna import algorithms, kernels
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.model import PointContact
 
 
 @pytest.fixture(scope="module")
@@ -35,10 +36,13 @@ def test_every_kernel_equals_its_algorithm_on_floats_and_in_batches(panda: ulna.
     rng = np.random.default_rng(3)
     recipe = kernels.RECIPES[name]
     size = {"nq": panda.nq, "nv": panda.nv}
-    shapes = [(size[s],) if isinstance(s, str) else s for _, s in recipe.arguments]
+    chosen = {"constraints": (PointContact("panda_hand"),)} if "constraints" in recipe.options else {}
+    options = {**recipe.options, **chosen}
+    arguments = (*recipe.arguments, *recipe.more(options))
+    shapes = [tuple(size.get(n, n) for n in ((s,) if isinstance(s, str) else s)) for _, s in arguments]
     batch = [rng.uniform(0.1, 1.0, (13, *shape)) for shape in shapes]
-    plain = recipe.build(panda.model, **dict(recipe.options))
-    kernel = panda.kernel(name)
+    plain = recipe.build(panda.model, **options)
+    kernel = panda.kernel(name, **chosen)
     expected = plain(*batch)
     got = kernel(*batch)
     one = kernel(*(b[4] for b in batch))
