@@ -22,11 +22,10 @@ from ulna.errors import InputError, UnknownName
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3, Motion, so3_exp, so3_log
 from ulna.trajectory.base import Trajectory
-from ulna.trajectory.boundary import quintic
 from ulna.trajectory.compose import Retimed
-from ulna.trajectory.inputs import numbers, pose, seconds, vector
+from ulna.trajectory.inputs import pose, vector
+from ulna.trajectory.paths import UnitPath, law
 from ulna.trajectory.polynomial import Polynomial
-from ulna.trajectory.profiles import s_curve, trapezoidal
 from ulna.trajectory.space import Poses, Space
 from ulna.typing import ArrayLike, Floats
 
@@ -35,24 +34,13 @@ Interpolation = Literal["straight", "screw"]
 
 @final
 @dataclass(frozen=True, eq=False, repr=False)
-class Screw(Trajectory):
+class Screw(UnitPath):
     """From a pose at a constant twist in the moving frame, in one second."""
 
     origin: SE3
     twist: Motion
     kind: str = "screw"
-    duration: float = 1.0
     space: Space = Poses()  # noqa: RUF009, frozen
-
-    @property
-    def knots(self) -> Floats:
-        """Start and end."""
-        return np.array([0.0, self.duration])
-
-    @property
-    def order(self) -> int:
-        """2: no jerk."""
-        return 2
 
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
         T = self.origin @ SE3.exp(Motion(t[:, None] * self.twist.linear, t[:, None] * self.twist.angular))
@@ -66,7 +54,7 @@ class Screw(Trajectory):
 
 @final
 @dataclass(frozen=True, eq=False, repr=False)
-class Arc(Trajectory):
+class Arc(UnitPath):
     """The origin along a circle (or a straight line, with no turn), and the rotation evenly about an axis, in
     one second.
 
@@ -84,18 +72,7 @@ class Arc(Trajectory):
     way: Floats
     turn: Floats
     kind: str
-    duration: float = 1.0
     space: Space = Poses()  # noqa: RUF009, frozen
-
-    @property
-    def knots(self) -> Floats:
-        """Start and end."""
-        return np.array([0.0, self.duration])
-
-    @property
-    def order(self) -> int:
-        """2: no jerk."""
-        return 2
 
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
         s = t[:, None]
@@ -229,27 +206,11 @@ def arc_through(T0: Any, via: ArrayLike, end: ArrayLike, duration: float, **opti
 
 
 def _law(lengths: Floats, duration: Any, velocity: Any, acceleration: Any, jerk: Any) -> Polynomial:
-    """The law from 0 to 1 for ways of the origin and of the rotation of those lengths."""
-    if velocity is None and acceleration is None and jerk is None:
-        if duration is None:
-            raise InputError(
-                "Expected a `duration`, or limits `velocity` and `acceleration`; neither was given."
-            )
-        return quintic(0.0, 1.0, seconds("duration", duration))
-    if velocity is None or acceleration is None:
-        raise InputError("Limits need both `velocity` and `acceleration`, each for origin and rotation.")
-    given = {"velocity": velocity, "acceleration": acceleration} | ({} if jerk is None else {"jerk": jerk})
-    share = []
-    for name, value in given.items():
-        limit = numbers(name, value)
-        if limit.shape != (2,) or (limit <= 0.0).any():
-            raise InputError(
-                f"`{name}` is {value}; expected two limits above zero: of the origin, and of the rotation."
-            )
-        share.append(float((limit[lengths > 0.0] / lengths[lengths > 0.0]).min()))
-    if jerk is None:
-        return trapezoidal(0.0, 1.0, *share, duration=duration)
-    return s_curve(0.0, 1.0, *share, duration=duration)
+    """The law for ways of the origin and of the rotation of those lengths."""
+    for name, value in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)):
+        if value is not None and np.shape(value) != (2,):
+            raise InputError(f"`{name}` is {value}; expected two limits: of the origin, and of the rotation.")
+    return law(lengths, duration, velocity, acceleration, jerk)
 
 
 def _side_by_side(T: SE3, linear: Floats, angular: Floats) -> Floats:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -12,17 +11,16 @@ from ulna import algorithms, kernels
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.trajectory.base import Trajectory
-from ulna.trajectory.boundary import quintic
 from ulna.trajectory.compose import Chain, Retimed
-from ulna.trajectory.inputs import not_repeating, rows, seconds, vector
-from ulna.trajectory.profiles import s_curve, trapezoidal
+from ulna.trajectory.inputs import not_repeating, rows, vector
+from ulna.trajectory.paths import UnitPath, law
 from ulna.trajectory.space import Configurations, Space, model_of
 from ulna.typing import ArrayLike, Floats
 
 
 @final
 @dataclass(frozen=True, eq=False, repr=False)
-class Geodesic(Trajectory):
+class Geodesic(UnitPath):
     """The straight line from a configuration along a tangent vector, at constant velocity, in one second.
 
     Attributes:
@@ -36,12 +34,6 @@ class Geodesic(Trajectory):
     origin: Floats
     step: Floats
     kind: str = "straight"
-    duration: float = 1.0
-
-    @property
-    def knots(self) -> Floats:
-        """Start and end."""
-        return np.array([0.0, self.duration])
 
     @property
     def order(self) -> int:
@@ -85,7 +77,7 @@ def straight(
     """
     model = model_of(robot)
     line = _line(model, _configuration(model, "q0", q0), _configuration(model, "q1", q1))
-    return Retimed(line, _law(line.step, duration, velocity, acceleration, jerk), "straight")
+    return Retimed(line, law(np.abs(line.step), duration, velocity, acceleration, jerk), "straight")
 
 
 def straight_through(robot: Any, points: ArrayLike, durations: ArrayLike) -> Trajectory:
@@ -129,20 +121,3 @@ def _configuration(model: Model, name: str, value: ArrayLike) -> Floats:
 
 def _line(model: Model, q0: Floats, q1: Floats) -> Geodesic:
     return Geodesic(Configurations.of(model), q0, algorithms.difference(model, q0, q1))
-
-
-def _law(step: Floats, duration: Any, velocity: Any, acceleration: Any, jerk: Any) -> Any:
-    """The law from 0 to 1 for a line of that length."""
-    if velocity is None and acceleration is None and jerk is None:
-        if duration is None:
-            raise InputError(
-                "Expected a `duration`, or limits `velocity` and `acceleration`; neither was given."
-            )
-        return quintic(0.0, 1.0, seconds("duration", duration))
-    if velocity is None or acceleration is None:
-        raise InputError("Limits need both `velocity` and `acceleration`.")
-    make: Callable[..., Any] = trapezoidal if jerk is None else s_curve
-    limits = (velocity, acceleration) if jerk is None else (velocity, acceleration, jerk)
-    whole = make(np.zeros(step.size), step, *limits, duration=duration)
-    k = int(np.argmax(np.abs(step)))
-    return type(whole).of(whole.times, whole.coefficients[:, :, k : k + 1] / (step[k] or 1.0), "law")
