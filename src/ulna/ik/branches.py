@@ -5,22 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import product
 from typing import Any, final
 
 import numpy as np
 
 from ulna.errors import InputError, ShapeError
 from ulna.ik.analytic.candidates import Source, between, source_of
+from ulna.ik.analytic.sift import Sift
 from ulna.model import Model
 from ulna.spatial import SE3
 from ulna.spatial.check import checked
 from ulna.typing import ArrayLike, Floats
 
-_DISTINCT = 1e-6  # two solutions are one when no joint differs by more [rad or m]
-_STEPS = 12
-_FEW = 16  # candidates up to which all pairs are compared at once
-_EARLIER = np.tri(_FEW, k=-1, dtype=bool)
 _ONE = np.zeros(1)
 _ROWS = 100_000  # configurations looked at together, which bounds memory
 
@@ -118,7 +114,7 @@ def ik_all(
     base = _start(model, q0, batch)
     source = source_of(model, frame, names, free, _held(base, between(model, frame, names)))
     values = _values(model, source, samples, None if q0 is None else base)
-    sift = _Sift(source, q0 is not None, limits, turns, position_tolerance, rotation_tolerance)
+    sift = Sift(source, q0 is not None, limits, turns, position_tolerance, rotation_tolerance)
     goals, base = goals.reshape(-1, 4, 4), base.reshape(-1, model.nq)
     step = max(1, _ROWS // (64 * max(len(values), 1)))
     poses: list[Any] = []
@@ -131,18 +127,19 @@ def ik_all(
 
 
 def _goals(T: Any) -> Floats:
-    """The goals (..., 4, 4); a rotation that is none shows when forward kinematics does not meet it, see `_Sift`."""
-    if isinstance(T, SE3):
-        return T.matrix()
+    """The goals (..., 4, 4); a rotation that is none shows when forward kinematics does not meet it, see `Sift`."""
     if isinstance(T, np.ndarray) and T.dtype == np.float64 and T.shape[-2:] == (4, 4):
         return T
+    if isinstance(T, SE3):
+        return T.matrix()
     return SE3.from_matrix(T).matrix()
 
 
 def _start(model: Model, q0: ArrayLike | None, batch: tuple[int, ...]) -> Floats:
     """The configurations (*batch, nq) of all joints before the arm's are found."""
     if q0 is None:
-        return np.broadcast_to(_rest(model), (*batch, model.nq))
+        rest = _rest(model)
+        return np.broadcast_to(rest, (*batch, model.nq)) if batch else rest
     q = checked("q0", q0, (model.nq,))
     try:
         return np.broadcast_to(q, (*batch, model.nq))
@@ -203,102 +200,6 @@ def _method(source: Source, values: Floats) -> str:
         f"{len(values)} values from {values.min():.3g} to {values.max():.3g}" if len(values) else "no value"
     )
     return f"{source.method}; joint {name} at {spread}"
-
-
-@dataclass(frozen=True)
-class _Sift:
-    """Which candidates are solutions: at the goal, within the limits, each once."""
-
-    source: Source
-    near: bool
-    limits: bool
-    turns: bool
-    position: float
-    rotation: float
-
-    def __call__(self, T: Floats, base: Floats, values: Floats, seed: int) -> tuple[list[Any], bool]:
-        """For each pose (q, position errors, rotation errors, found, miss), and whether the source found all."""
-        source = self.source
-        centre = (
-            base[:, source.index]
-            if self.near
-            else np.broadcast_to(source.centre, (len(T), len(source.index)))
-        )
-        q, worth, complete = source.rows(T, base, centre, values, seed)
-        at, close = self._is_at(worth)
-        if close.any():
-            pose = np.nonzero(close)[0]
-            led = source.refine(q[close], T[pose], _STEPS)
-            q[close], worth[close] = source.certify(led, T[pose], centre[pose])
-            at, _ = self._is_at(worth)
-        if not at.any(axis=(1, 2)).all():  # or else every goal has been met, and must be a pose
-            SE3.from_matrix(T)
-        at &= self._first(q, at)
-        good = at & (worth[..., 2] > 0.5) if self.limits else at
-        found = at.sum(axis=(1, 2)).tolist()
-        nearest = worth[..., :2].sum(axis=-1).reshape(len(T), -1)
-        nearest = np.where(np.isnan(nearest), np.inf, nearest).argmin(axis=-1).tolist()
-        poses = []
-        for i in range(len(T)):
-            miss = worth[i, ..., :2].reshape(-1, 2)[nearest[i]]
-            poses.append((*self._ordered(q[i][good[i]], worth[i][good[i]], base[i]), found[i], miss))
-        return poses, complete
-
-    def _is_at(self, worth: Floats) -> tuple[Any, Any]:
-        """Whether candidates are at their goals; whether they are not, but so near that Newton may bring them there."""
-        position, rotation = worth[..., 0], worth[..., 1]
-        at = (position <= self.position) & (rotation <= self.rotation)
-        return at, (position < self.source.near) & (rotation < self.source.near) & ~at
-
-    def _first(self, q: Floats, at: Any) -> Any:
-        """Whether no earlier solution of the same group is the same configuration, turns apart."""
-        x = np.where(at[..., None], q[..., self.source.index], np.nan)
-        if x.shape[-2] <= _FEW:
-            same = self._same(x[..., :, None, :], x[..., None, :, :])
-            return ~(same & _EARLIER[: x.shape[-2], : x.shape[-2]]).any(axis=-1)
-        out = np.ones(at.shape, dtype=bool)
-        for place in np.ndindex(at.shape[:-1]):  # one by one
-            left = np.flatnonzero(at[place])
-            while len(left):
-                same = self._same(x[place][left[0]], x[place][left])
-                out[place][left[same][1:]] = False
-                left = left[~same]
-        return out
-
-    def _same(self, a: Floats, b: Floats) -> Any:
-        gap = np.abs(a - b)
-        return (np.minimum(gap, np.abs(self.source.periods - gap)) < _DISTINCT).all(
-            axis=-1
-        )  # a turn apart at most
-
-    def _ordered(self, q: Floats, worth: Floats, base: Floats) -> tuple[Floats, Floats, Floats]:
-        if self.turns and len(q):
-            copies = [self._copies(row) for row in q]
-            worth = np.repeat(worth, [len(c) for c in copies], axis=0)
-            q = np.concatenate(copies)
-        if self.near and len(q) > 1:
-            order = (
-                np.square(q[:, self.source.index] - base[self.source.index])
-                .sum(axis=-1)
-                .argsort(kind="stable")
-            )
-            q, worth = q[order], worth[order]
-        return q, worth[:, 0], worth[:, 1]
-
-    def _copies(self, q: Floats) -> Floats:
-        """The same configuration with whole turns added wherever both limits leave room for them."""
-        source, options = self.source, []
-        for x, low, high, period in zip(
-            q[source.index], source.lower, source.upper, source.periods, strict=True
-        ):
-            if not np.isfinite([low, high, period]).all():
-                options.append([x])
-                continue
-            first, last = np.ceil((low - x) / period - 1e-12), np.floor((high - x) / period + 1e-12)
-            options.append([x + n * period for n in np.arange(first, last + 1)] or [x])
-        out = np.repeat(q[None], np.prod([len(o) for o in options]), axis=0)
-        out[:, source.index] = list(product(*options))
-        return out
 
 
 def _packed(poses: list[Any], batch: tuple[int, ...], nq: int, complete: bool, method: str) -> Branches:

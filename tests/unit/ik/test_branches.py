@@ -133,6 +133,22 @@ def test_what_is_no_pose_is_refused(ur5: ulna.Robot) -> None:
         ur5.ik_all(T, frame="tool")
 
 
+def test_loose_tolerances_do_not_let_pass_what_is_no_pose(ur5: ulna.Robot) -> None:
+    T = ur5.fk(np.ones(6))
+    T[:3, :3] *= 1.001
+    with pytest.raises(InputError, match="not a rotation"):
+        ur5.ik_all(T, position_tolerance=1.0, rotation_tolerance=1.0)
+
+
+def test_poses_of_few_digits_are_solved_for_the_nearest_rotation(ur5: ulna.Robot) -> None:
+    q = np.array([0.3, -1.2, 1.4, -0.6, 0.9, 0.2])
+    T = ur5.fk(q)
+    for rounded in (T.astype(np.float32), np.round(T, 8), np.round(T, 8).tolist()):
+        found = ur5.ik_all(rounded, q0=q)
+        assert len(found) == 8 and np.abs(found.q[0] - q).max() < 1e-6
+        assert np.abs(ur5.fk(found.q) - np.asarray(rounded)).max() < 1e-6
+
+
 def test_options_that_do_not_fit_are_refused(ur5: ulna.Robot, panda: ulna.Robot) -> None:
     with pytest.raises(InputError, match="6 joints"):
         ur5.ik_all(np.eye(4), free="elbow_joint")

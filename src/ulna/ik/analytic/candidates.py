@@ -110,7 +110,7 @@ class ClosedForm(Source):
         """T_world_base, (..., 4, 4), for configurations (..., nq)."""
         return self.arm.base(q).matrix() if self.arm.before else self._base
 
-    @property
+    @cached_property
     def method(self) -> str:
         """How it works, in words."""
         words = self.plan.describe(self.arm.names)
@@ -129,7 +129,7 @@ class ClosedForm(Source):
 class Elimination(Source):
     """Branches of any six turning joints, from eigenvalues; see general.py."""
 
-    @property
+    @cached_property
     def method(self) -> str:
         """How it works, in words."""
         return "six general axes: elimination to an eigenvalue problem, refined by Newton's method"
@@ -178,7 +178,7 @@ class ManyStarts(Source):
             np.isfinite(self.upper), self.upper, np.maximum(spread, self.lower + 2.0 * spread)
         )
 
-    @property
+    @cached_property
     def method(self) -> str:
         """How it works, in words."""
         return f"Newton's method from {_STARTS} random starts"

@@ -1,0 +1,144 @@
+"""Which candidates are solutions: at the goal, within the limits, each once, in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from ulna.ik.analytic.candidates import Source
+from ulna.spatial import SE3
+from ulna.spatial.check import nearest_rotation
+from ulna.typing import Floats
+
+_DISTINCT = 1e-6  # two solutions are one when no joint differs by more [rad or m]
+_STEPS = 12
+_LOOSE = 1e-7  # tolerances above it could take what is no pose for one
+_ROUNDED = 1e-13  # how far a rotation may be off by rounding
+_FEW = 16  # candidates up to which all pairs are compared at once
+_EARLIER = np.tri(_FEW, k=-1, dtype=bool)
+
+
+@dataclass(frozen=True)
+class Sift:
+    """Picks the solutions among the candidates of a source.
+
+    Attributes:
+        source: Where candidates come from.
+        near: Whether solutions come nearest to the base configuration first, angles next to its own.
+        limits: Whether those outside the joint limits are left out.
+        turns: Whether a solution is listed for every whole turn that limits have room for.
+        position: Largest distance from the goal [m].
+        rotation: Largest angle from the goal [rad].
+    """
+
+    source: Source
+    near: bool
+    limits: bool
+    turns: bool
+    position: float
+    rotation: float
+
+    def __call__(self, T: Floats, base: Floats, values: Floats, seed: int) -> tuple[list[Any], bool]:
+        """For each pose (q, position errors, rotation errors, found, miss), and whether the source found all."""
+        source = self.source
+        centre = base[:, source.index] if self.near else source.centre[None]
+        q, worth, complete = source.rows(T, base, centre, values, seed)
+        at, close = self._is_at(worth)
+        if close.any():
+            pose = np.nonzero(close)[0]
+            wanted = np.broadcast_to(centre, (len(T), len(source.index)))[pose]
+            led = source.refine(q[close], T[pose], _STEPS)
+            q[close], worth[close] = source.certify(led, T[pose], wanted)
+            at, _ = self._is_at(worth)
+        at &= self._first(q, at)
+        good = at & (worth[..., 2] > 0.5) if self.limits else at
+        found = at.sum(axis=(1, 2)).tolist()
+        if (
+            0 in found or max(self.position, self.rotation) > _LOOSE
+        ):  # else every goal has been met: it is a pose
+            exact = _orthogonal(T)
+            if exact is not None:
+                return self(exact, base, values, seed)
+        poses = []
+        for i, count in enumerate(found):
+            misses = worth[i][at[i]] if count else _nearest(worth[i])
+            poses.append((*self._ordered(q[i][good[i]], worth[i][good[i]], base[i]), count, misses[0, :2]))
+        return poses, complete
+
+    def _is_at(self, worth: Floats) -> tuple[Any, Any]:
+        """Whether candidates are at their goals; whether they are not, but so near that Newton may bring them there."""
+        position, rotation = worth[..., 0], worth[..., 1]
+        at = (position <= self.position) & (rotation <= self.rotation)
+        return at, (position < self.source.near) & (rotation < self.source.near) & ~at
+
+    def _first(self, q: Floats, at: Any) -> Any:
+        """Whether no earlier solution of the same group is the same configuration, turns apart."""
+        x = np.where(at[..., None], q[..., self.source.index], np.nan)
+        if x.shape[-2] <= _FEW:
+            same = self._same(x[..., :, None, :], x[..., None, :, :])
+            return ~(same & _EARLIER[: x.shape[-2], : x.shape[-2]]).any(axis=-1)
+        out = np.ones(at.shape, dtype=bool)
+        for place in np.ndindex(at.shape[:-1]):  # one by one
+            left = np.flatnonzero(at[place])
+            while len(left):
+                same = self._same(x[place][left[0]], x[place][left])
+                out[place][left[same][1:]] = False
+                left = left[~same]
+        return out
+
+    def _same(self, a: Floats, b: Floats) -> Any:
+        gap = np.abs(a - b)
+        return (np.minimum(gap, np.abs(self.source.periods - gap)) < _DISTINCT).all(
+            axis=-1
+        )  # a turn apart at most
+
+    def _ordered(self, q: Floats, worth: Floats, base: Floats) -> tuple[Floats, Floats, Floats]:
+        if self.turns and len(q):
+            copies = [self._copies(row) for row in q]
+            worth = np.repeat(worth, [len(c) for c in copies], axis=0)
+            q = np.concatenate(copies)
+        if self.near and len(q) > 1:
+            order = (
+                np.square(q[:, self.source.index] - base[self.source.index])
+                .sum(axis=-1)
+                .argsort(kind="stable")
+            )
+            q, worth = q[order], worth[order]
+        return q, worth[:, 0], worth[:, 1]
+
+    def _copies(self, q: Floats) -> Floats:
+        """The same configuration with whole turns added wherever both limits leave room for them."""
+        source, options = self.source, []
+        for x, low, high, period in zip(
+            q[source.index], source.lower, source.upper, source.periods, strict=True
+        ):
+            if not np.isfinite([low, high, period]).all():
+                options.append([x])
+                continue
+            first, last = np.ceil((low - x) / period - 1e-12), np.floor((high - x) / period + 1e-12)
+            options.append([x + n * period for n in np.arange(first, last + 1)] or [x])
+        out = np.repeat(q[None], np.prod([len(o) for o in options]), axis=0)
+        out[:, source.index] = list(product(*options))
+        return out
+
+
+def _orthogonal(T: Floats) -> Floats | None:
+    """The poses with the nearest rotations, where those given are rotations in their first digits only; else None."""
+    given = SE3.from_matrix(T).rotation
+    rotation = nearest_rotation(given)
+    if np.abs(rotation - given).max(initial=0.0) < _ROUNDED:
+        return None
+    return SE3(rotation, T[..., :3, 3]).matrix()
+
+
+def _nearest(worth: Floats) -> Floats:
+    """The worth of the candidate with the least errors, (1, 3)."""
+    rows = worth.reshape(-1, worth.shape[-1])
+    if not len(rows):
+        return np.full((1, 3), np.inf)
+    total = rows[:, 0] + rows[:, 1]
+    least = np.where(np.isnan(total), np.inf, total).argmin()
+    return rows[least : least + 1]
