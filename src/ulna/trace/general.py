@@ -154,6 +154,12 @@ class General:
                 "in a tuple."
             )
         for target, port in zip(given, f.outputs, strict=True):
+            if (
+                type(target) is np.ndarray
+                and target.shape == batch + port.shape
+                and target.dtype == self.dtype
+            ):
+                continue
             if target is None or _is_foreign(target):  # None: a new array
                 continue
             if not isinstance(target, np.ndarray):
@@ -163,8 +169,6 @@ class General:
                 raise ShapeError("out", target.shape, str(batch + port.shape))
             if not np.can_cast(self.dtype, target.dtype, "same_kind"):
                 raise DtypeError("out", str(target.dtype), f"{self.dtype}, or what that casts to")
-            if not target.flags.writeable:
-                raise InputError("`out` is read-only; expected an array that can be written to.")
 
     def _is_apart(self, arrays: Sequence[Any], out: Any, batch: tuple[int, ...]) -> bool:
         """Whether parts of the batch can be written to `out` independently; else NumPy must see the whole."""
