@@ -32,6 +32,7 @@ from ulna.algorithms.friction import Friction
 from ulna.algorithms.inverse_mass_matrix import inverse_mass_matrix
 from ulna.errors import InputError, MissingExtra, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Constraint
+from ulna.model.constraint import listed
 from ulna.model.joints.base import VectorKind
 from ulna.robot import Robot, compile
 from ulna.sim.recording import Recording
@@ -202,7 +203,7 @@ def simulate(
     dt: float = 1e-3,
     method: Method = "euler",
     friction: Friction | Literal["model"] | None = "model",
-    constraints: Sequence[Constraint] = (),
+    constraints: Sequence[Constraint] | Constraint = (),
     kp: float = 100.0,
     every: int = 1,
     solver: str | None = None,
@@ -340,15 +341,16 @@ def _plant(robot: Robot, friction: Friction | Literal["model"] | None) -> Plant:
 
 
 def _bound(
-    robot: Robot, q: Floats, constraints: Sequence[Constraint], kp: float
+    robot: Robot, q: Floats, constraints: Sequence[Constraint] | Constraint, kp: float
 ) -> Callable[[Floats, Floats, Floats], Floats]:
     """The accelerations of the robot under constraints that hold where they are at `q`."""
     if not (np.isfinite(kp) and kp >= 0.0):
         raise InputError(f"`kp` is {kp}; expected a gain that is not below zero [1/s^2].")
-    kernel = robot.kernel("constrained_dynamics", constraints=tuple(constraints), stabilised=True)
-    held = any(constraint.is_contact for constraint in constraints)
-    anchors = (robot.constraint_anchors(q, constraints),) if held else ()
-    gains = np.tile([kp, 2.0 * np.sqrt(kp)], (len(constraints), 1))
+    bonds = listed(constraints)
+    kernel = robot.kernel("constrained_dynamics", constraints=bonds, stabilised=True)
+    held = any(constraint.is_contact for constraint in bonds)
+    anchors = (robot.constraint_anchors(q, bonds),) if held else ()
+    gains = np.tile([kp, 2.0 * np.sqrt(kp)], (len(bonds), 1))
     return lambda q, v, tau: kernel(q, v, tau, *anchors, gains)[0]
 
 
