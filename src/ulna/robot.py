@@ -398,7 +398,7 @@ class Robot(Dynamics, Operational, Constraints, Derivatives, InverseKinematics, 
         return kernels.function(self.model, name, **options)
 
     def _checked(self, name: str, **options: Any) -> Any:
-        key = (name, *(_key(v) for v in options.values()))
+        key = (name, *options, *(_key(v) for v in options.values()))
         kernel = self._kernels.get(key)
         if kernel is None:
             kernel = self._kernels[key] = self.kernel(name, checked=True, **options)
