@@ -10,12 +10,21 @@ from ulna.collision import Checker, World
 from ulna.geometry import Box, Capsule, Cylinder, Sphere
 from ulna.spatial import SE3
 
+BASES = {"panda": "panda_link0", "ur5": "base_link"}
+LOW = {"base_link": ("shoulder_link",)}
+"""Links that turn flat over the table, by the base they stand on: their spheres reach into it."""
+
 
 def table(link: str = "panda_link0", count: int = 20, seed: int = 0) -> World:
     """A table in front of an arm with `count - 1` boxes, cylinders, balls and capsules standing on it."""
     rng = np.random.default_rng(seed)
-    world = World().add("table", Box((1.2, 1.6, 0.04)), (0.5, 0.0, -0.02), touches=[link])
-    kinds = ((Box((0.08, 0.06, 0.2)), 0.1), (Cylinder(0.04, 0.25), 0.125), (Sphere(0.06), 0.06), (Capsule(0.03, 0.15), 0.105))
+    world = World().add("table", Box((1.2, 1.6, 0.04)), (0.5, 0.0, -0.02), touches=[link, *LOW.get(link, ())])
+    kinds = (
+        (Box((0.08, 0.06, 0.2)), 0.1),
+        (Cylinder(0.04, 0.25), 0.125),
+        (Sphere(0.06), 0.06),
+        (Capsule(0.03, 0.15), 0.105),
+    )
     for k in range(count - 1):
         shape, height = kinds[k % 4]
         place = (rng.uniform(0.25, 0.85), rng.uniform(-0.7, 0.7), height)

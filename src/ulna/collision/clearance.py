@@ -26,7 +26,7 @@ import numpy as np
 from ulna import algorithms
 from ulna.collision.fit import cover
 from ulna.collision.pairs import LinkPair, link_pairs
-from ulna.collision.solids import Solid, obstacle_solids
+from ulna.collision.solids import Missing, Solid, link_solids, obstacle_solids
 from ulna.collision.spheres import Spheres, fit
 from ulna.collision.world import World
 from ulna.geometry import Box, Capsule, Cylinder, Plane, Sphere
@@ -60,9 +60,9 @@ class Part:
     sizes: Floats
 
 
-def parts(world: World) -> tuple[Part, ...]:
+def parts(world: World, missing: Missing = "error") -> tuple[Part, ...]:
     """The pieces of a world's obstacles; meshes (by convex hulls), cones and ellipsoids become spheres around them."""
-    return tuple(part for solid in obstacle_solids(world) for part in _parts(solid))
+    return tuple(part for solid in obstacle_solids(world, missing) for part in _parts(solid))
 
 
 def _parts(solid: Solid) -> list[Part]:
@@ -82,6 +82,29 @@ def _parts(solid: Solid) -> list[Part]:
     return [
         Part(name, "box", SE3.from_translation(c), np.array([0.0, 0.0, 0.0, r]))
         for c, r in zip(centres, radii, strict=True)
+    ]
+
+
+def standing(
+    model: Model, pairs: Sequence[LinkPair], missing: Missing = "error"
+) -> list[tuple[Part, tuple[str, ...]]]:
+    """The pieces of links that never move, placed in the world, with the links that each is checked against.
+
+    They need no spheres: the spheres of the others are checked against their real shapes.
+    """
+    partners: dict[str, list[str]] = {}
+    for a, b in pairs:
+        for one, other in ((a, b), (b, a)):
+            if model.link(one).joint < 0:
+                partners.setdefault(one, []).append(other)
+    return [
+        (
+            Part(part.owner, part.kind, solid.placement @ part.placement, part.sizes),
+            tuple(partners[solid.owner]),
+        )
+        for solid in link_solids(model, missing)
+        if solid.owner in partners
+        for part in _parts(solid)
     ]
 
 
@@ -124,10 +147,10 @@ def signed(kind: Kind, c: Array, numbers: Array) -> Any:
         deepest = maximum(deepest, x)
     inside = minimum(deepest, 0.0)
     total, m = squared(kind, c, numbers)
-    return inside + _root(total) - m
+    return inside + root(total) - m
 
 
-def _root(x: Any) -> Any:
+def root(x: Any) -> Any:
     """The square root, with a derivative at 0 as well."""
     return sqrt(x + 1e-300)
 
@@ -142,7 +165,7 @@ def _beyond(kind: Kind, c: Array, numbers: Array) -> list[Any]:
     v = c - numbers[3:6]
     z = numbers[:3] @ v
     across = v - numbers[:3] * z
-    return [_root(across @ across) - numbers[6], abs(z) - numbers[7]]
+    return [root(across @ across) - numbers[6], abs(z) - numbers[7]]
 
 
 def centres(model: Model, q: Array, spheres: Spheres) -> dict[str, Array]:
@@ -160,12 +183,12 @@ def centres(model: Model, q: Array, spheres: Spheres) -> dict[str, Array]:
     return found
 
 
-def self_pairs(spheres: Spheres, pairs: Sequence[LinkPair]) -> list[tuple[str, int, str, int]]:
-    """Every two spheres that are checked against each other, as link and number, twice."""
+def self_pairs(model: Model, spheres: Spheres, pairs: Sequence[LinkPair]) -> list[tuple[str, int, str, int]]:
+    """Every two spheres of moving links that are checked against each other, as link and number, twice."""
     return [
         (a, i, b, j)
         for a, b in pairs
-        if a in spheres.links and b in spheres.links
+        if model.link(a).joint >= 0 and model.link(b).joint >= 0
         for i in range(len(spheres.links[a].radii))
         for j in range(len(spheres.links[b].radii))
     ]
@@ -203,20 +226,26 @@ def sphere_clearance(
             everywhere and is below the minimum by at most s log(count); None for the minimum.
     """
     balls = fit(model) if spheres is None else spheres
-    couples = self_pairs(balls, link_pairs(model) if pairs is None else pairs)
+    chosen = link_pairs(model) if pairs is None else pairs
+    couples = self_pairs(model, balls, chosen)
     world = World() if world is None else world
-    rows = [(part, row(part, world[part.owner].pose)) for part in parts(world)]
+    rows: list[tuple[Kind, Floats, tuple[str, ...]]] = [
+        (part.kind, row(part, SE3.identity()), links) for part, links in standing(model, chosen)
+    ]
+    for part in parts(world):
+        numbers = row(part, world[part.owner].pose)
+        rows.append((part.kind, numbers, tuple(checked_links(model, world, part.owner))))
 
     def distances(q: Array) -> list[Any]:
         c = centres(model, q, balls)
         found = []
         for a, i, b, j in couples:
             v = c[a][i] - c[b][j]
-            found.append(_root(v @ v) - (balls.links[a].radii[i] + balls.links[b].radii[j]))
-        for part, numbers in rows:
-            for link in checked_links(model, world, part.owner):
+            found.append(root(v @ v) - (balls.links[a].radii[i] + balls.links[b].radii[j]))
+        for kind, numbers, links in rows:
+            for link in links:
                 for centre, radius in zip(c[link], balls.links[link].radii, strict=True):
-                    found.append(signed(part.kind, centre, numbers) - radius)
+                    found.append(signed(kind, centre, numbers) - radius)
         return found
 
     def function(q: Array) -> Any:

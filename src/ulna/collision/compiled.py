@@ -7,18 +7,20 @@ remove one compiles nothing.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, final
+from typing import Any, Literal, final
 
 import numpy as np
 
 from ulna.collision import clearance as gap
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
+from ulna.collision.solids import Missing
 from ulna.collision.spheres import Spheres, fit
 from ulna.collision.world import World
-from ulna.errors import InputError, UnknownName
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Model
-from ulna.numeric import minimum, where
+from ulna.numeric import less, minimum, where
 from ulna.spatial import SE3
 from ulna.trace import compile, trace
 from ulna.typing import Array, ArrayLike, Floats
@@ -26,21 +28,31 @@ from ulna.typing import Array, ArrayLike, Floats
 TOUCH = 1e-6
 """What is this near counts as touching [m]: the tolerance that coal's own distances have."""
 
+What = Literal["free", "signed"]
+
 _CHUNK = 512  # configurations whose spheres fit the second cache
+
+
+_Group = tuple[gap.Kind, tuple[str, ...], list[tuple[gap.Part, SE3, str]]]
+"""A formula, links, and the pieces checked by it against their spheres: each with its pose, and whose pose that is."""
 
 
 @final
 class SphereChecker:
     """Conservative collision checks of one robot, in one world, by spheres on its links.
 
+    Links that never move take part by their real shapes; their spheres only serve against moving obstacles.
+
     Args:
         model: The robot.
         world: Its obstacles; None for none.
         spheres: Spheres of the links; None for `fit(model)`.
         pairs: Pairs of links to check against each other; None for `link_pairs(model)`, () for none.
+        missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
 
     Raises:
         ModelError: If the robot has no collision geometry.
+        InputError: If a link with collision geometry has no spheres.
         UnknownName: If spheres or pairs name no link.
     """
 
@@ -51,18 +63,27 @@ class SphereChecker:
         *,
         spheres: Spheres | None = None,
         pairs: Iterable[LinkPair] | None = None,
+        missing: Missing = "error",
     ) -> None:
+        self._missing: Missing = missing
         self.model, self.world = model, World() if world is None else world
-        self.spheres = fit(model) if spheres is None else spheres
+        self.spheres = fit(model, missing=missing) if spheres is None else spheres
         for name in self.spheres.links:
             model.link_index(name)
+        for link in model.links:
+            seen = link.name in self.spheres.links or missing == "skip"
+            if link.collisions and not seen:
+                raise InputError(
+                    f"`spheres` has none for link {link.name!r}, which has collision geometry; it would never be seen. "
+                    "Start from `fit(model)` and replace what you know better."
+                )
         self.pairs = link_pairs(model) if pairs is None else checked_pairs(model, pairs)
         starts = np.cumsum([0, *(len(s.radii) for s in self.spheres.links.values())])
         self._places = {
             k: range(a, b) for k, a, b in zip(self.spheres.links, starts, starts[1:], strict=False)
         }
-        self._radii = np.concatenate([s.radii for s in self.spheres.links.values()])
         self._groups = self._grouped()
+        self._still = [self._rows(parts, {}) for _, _, parts in self._groups]
         self._kernels: dict[Any, Any] = {}
 
     def collides(
@@ -109,7 +130,7 @@ class SphereChecker:
 
     def _evaluate(
         self,
-        what: str,
+        what: What,
         q: ArrayLike,
         moving: Mapping[str, ArrayLike] | None,
         join: Any,
@@ -118,15 +139,17 @@ class SphereChecker:
     ) -> Any:
         poses = {name: SE3.from_matrix(_matrix(T)) for name, T in (moving or {}).items()}
         self._check_moving(poses)
-        q = np.asarray(q, dtype=float)
+        q = self._configurations(q)
         batch = np.broadcast_shapes(q.shape[:-1], *(T.translation.shape[:-1] for T in poses.values()))
-        rows = [(kind, links, self._rows(parts, poses)) for kind, links, parts in self._groups]
-        own = self._own(what)
+        rows = [
+            (kind, links, self._rows(parts, poses) if any(name in poses for *_, name in parts) else still)
+            for (kind, links, parts), still in zip(self._groups, self._still, strict=True)
+        ]
+        own = _own_kernel(what, self.model, self.spheres, self.pairs)
         if not batch:
             return self._one(what, own(q, reach), rows, join, reach)[()]
-        own(q.reshape(-1, *q.shape[-1:])[:1], reach)  # a wrong shape is named as it was given
         count = int(np.prod(batch))
-        flat = np.broadcast_to(q, (*batch, q.shape[-1])).reshape(count, -1)
+        flat = np.broadcast_to(q, (*batch, self.model.nq)).reshape(count, self.model.nq)
         spread = [
             (kind, links, np.broadcast_to(x, (*batch, *x.shape[-2:])).reshape(count, *x.shape[-2:]))
             for kind, links, x in rows
@@ -157,7 +180,7 @@ class SphereChecker:
                 found = [piece for share in pool.map(run, shares) for piece in share]
         return np.concatenate(found).reshape(batch) if found else np.empty(batch)
 
-    def _one(self, what: str, placed: tuple[Any, Any], rows: Any, join: Any, reach: float) -> Any:
+    def _one(self, what: What, placed: tuple[Any, Any], rows: Any, join: Any, reach: float) -> Any:
         """The verdicts of some configurations whose spheres are placed and checked against each other."""
         centres, result = placed
         for kind, links, numbers in rows:
@@ -165,6 +188,18 @@ class SphereChecker:
             found = self._outer(what, kind, links)(chosen, numbers, reach)
             result = join(result, join.reduce(found, axis=-1))
         return np.asarray(result)
+
+    def _configurations(self, q: ArrayLike) -> Floats:
+        try:
+            found = np.asarray(q, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise DtypeError("q", type(q).__name__) from error
+        if found.shape[-1:] != (self.model.nq,):
+            raise ShapeError("q", found.shape, f"(..., {self.model.nq})")
+        if not np.isfinite(found).all():
+            bad = tuple(int(i) for i in np.argwhere(~np.isfinite(found))[0])
+            raise NonFiniteError("q", bad, float(found[bad]))
+        return found
 
     def _check_moving(self, poses: Mapping[str, SE3]) -> None:
         for name in poses:
@@ -176,19 +211,20 @@ class SphereChecker:
                     "Add it with moving=True, or make another world with `world.move(name, pose)`."
                 )
 
-    def _grouped(self) -> list[tuple[gap.Kind, tuple[str, ...], list[gap.Part]]]:
-        """The world's parts by formula and by the links they are checked against."""
-        groups: dict[tuple[gap.Kind, tuple[str, ...]], list[gap.Part]] = {}
-        for part in gap.parts(self.world):
-            links = [
-                k for k in gap.checked_links(self.model, self.world, part.owner) if k in self.spheres.links
-            ]
+    def _grouped(self) -> list[_Group]:
+        """What spheres are checked against, by formula and by the links: fixed links, and the world's obstacles."""
+        groups: dict[tuple[gap.Kind, tuple[str, ...]], list[tuple[gap.Part, SE3, str]]] = {}
+        for part, links in gap.standing(self.model, self.pairs, self._missing):
+            groups.setdefault((part.kind, links), []).append((part, SE3.identity(), ""))
+        for part in gap.parts(self.world, self._missing):
+            links = tuple(gap.checked_links(self.model, self.world, part.owner))
             if links:
-                groups.setdefault((part.kind, tuple(links)), []).append(part)
+                found = groups.setdefault((part.kind, links), [])
+                found.append((part, self.world[part.owner].pose, part.owner))
         return [(kind, links, found) for (kind, links), found in groups.items()]
 
-    def _rows(self, parts: Sequence[gap.Part], poses: Mapping[str, SE3]) -> Floats:
-        found = [gap.row(part, poses.get(part.owner, self.world[part.owner].pose)) for part in parts]
+    def _rows(self, parts: Sequence[tuple[gap.Part, SE3, str]], poses: Mapping[str, SE3]) -> Floats:
+        found = [gap.row(part, poses.get(name, pose)) for part, pose, name in parts]
         batch = np.broadcast_shapes(*(x.shape[:-1] for x in found))
         return np.stack([np.broadcast_to(x, (*batch, x.shape[-1])) for x in found], axis=-2)
 
@@ -197,59 +233,79 @@ class SphereChecker:
         whole = index == list(range(index[0], index[-1] + 1))
         return slice(index[0], index[-1] + 1) if whole else index
 
-    # kernels -----------------------------------------------------------------------------------------------
-
-    def _own(self, what: str) -> Any:
-        """The kernel from q and a reach to the centres and the verdict of spheres on spheres."""
-        if what in self._kernels:
-            return self._kernels[what]
-        spheres, couples = self.spheres, gap.self_pairs(self.spheres, self.pairs)
-
-        def check(q: Array, reach: Any) -> tuple[Any, Any]:
-            c = gap.centres(self.model, q, spheres)
-            result: Any = True if what == "free" else np.inf
-            for a, i, b, j in couples:
-                v = c[a][i] - c[b][j]
-                sum_of_radii = spheres.links[a].radii[i] + spheres.links[b].radii[j]
-                result = _join(what, result, v @ v, sum_of_radii, 0.0, reach)
-            every = np.concatenate([np.asarray(x, dtype=object) for x in c.values()])
-            return every, _number(what, result)
-
-        traced = trace(check, name=f"spheres_{what}", q=(self.model.nq,), reach=())
-        return self._kernels.setdefault(what, compile(traced, checked=True))
-
-    def _outer(self, what: str, kind: gap.Kind, links: tuple[str, ...]) -> Any:
-        """The kernel from centres and a row of an obstacle to the verdict of the spheres of `links`."""
+    def _outer(self, what: What, kind: gap.Kind, links: tuple[str, ...]) -> Any:
+        """The kernel of one kind of obstacle for the spheres of `links`."""
         key = what, kind, links
-        if key in self._kernels:
-            return self._kernels[key]
-        radii = self._radii[[k for link in links for k in self._places[link]]]
-
-        def check(c: Array, numbers: Array, reach: Any) -> Any:
-            result: Any = True if what == "free" else np.inf
-            for k, radius in enumerate(radii):
-                if what == "free":
-                    total, m = gap.squared(kind, c[k], numbers)
-                    result = _join(what, result, total, radius, m, reach)
-                else:
-                    result = minimum(result, gap.signed(kind, c[k], numbers) - radius)
-            return _number(what, result)
-
-        shapes = {"c": (len(radii), 3), "numbers": (gap.WIDTH[kind],), "reach": ()}
-        traced = trace(check, name=f"spheres_{kind}_{what}", **shapes)
-        return self._kernels.setdefault(key, compile(traced))
+        if key not in self._kernels:
+            radii = np.concatenate([self.spheres.links[link].radii for link in links])
+            self._kernels[key] = _outer_kernel(what, kind, tuple(radii.tolist()))
+        return self._kernels[key]
 
 
-def _join(what: str, result: Any, squared: Any, radius: Any, rounding: Any, reach: Any) -> Any:
-    """The verdict so far, with that of one more squared distance."""
-    if what == "free":
-        beyond = radius + rounding + reach
-        return (beyond * beyond < squared) & result  # nan is not free
-    return minimum(result, np.sqrt(squared + 1e-300) - radius)
+@functools.lru_cache(maxsize=64)
+def _own_kernel(what: What, model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...]) -> Any:
+    """From a configuration and a reach to the centres of all spheres and the verdict of spheres on spheres.
+
+    Shared by all worlds: to change obstacles compiles nothing.
+    """
+    couples = gap.self_pairs(model, spheres, pairs)
+
+    def check(q: Array, reach: Any) -> tuple[Any, Any]:
+        c = gap.centres(model, q, spheres)
+        verdict = _Verdict(what, reach)
+        for a, i, b, j in couples:
+            v = c[a][i] - c[b][j]
+            radius = spheres.links[a].radii[i] + spheres.links[b].radii[j]
+            if what == "free":
+                verdict.beyond(v @ v, radius)
+            else:
+                verdict.at(gap.root(v @ v) - radius)
+        return np.concatenate([np.asarray(x, dtype=object) for x in c.values()]), verdict.number()
+
+    return compile(trace(check, name=f"spheres_{what}", q=(model.nq,), reach=()))
 
 
-def _number(what: str, result: Any) -> Any:
-    return where(result, 1.0, 0.0) if what == "free" else result
+@functools.lru_cache(maxsize=64)
+def _outer_kernel(what: What, kind: gap.Kind, radii: tuple[float, ...]) -> Any:
+    """From centres, the numbers of one obstacle, and a reach to the verdict of spheres on that obstacle."""
+
+    def check(c: Array, numbers: Array, reach: Any) -> Any:
+        verdict = _Verdict(what, reach)
+        for centre, radius in zip(c, radii, strict=True):
+            if what == "free" and kind != "plane":
+                squared, rounding = gap.squared(kind, centre, numbers)
+                verdict.beyond(squared, radius + rounding)
+            else:
+                verdict.at(gap.signed(kind, centre, numbers) - radius)
+        return verdict.number()
+
+    shapes = {"c": (len(radii), 3), "numbers": (gap.WIDTH[kind],), "reach": ()}
+    return compile(trace(check, name=f"spheres_{kind}_{what}", **shapes))
+
+
+@final
+class _Verdict:
+    """What is gathered while spheres are looked at: whether all is free, or the least distance; nan is not free."""
+
+    def __init__(self, what: What, reach: Any) -> None:
+        self.what, self.reach = what, reach
+        self.result: Any = True if what == "free" else np.inf
+
+    def beyond(self, squared: Any, radius: Any) -> None:
+        """Takes in a squared distance that must be above that of `radius`: no root is needed to say so."""
+        limit = radius + self.reach
+        self.result = less(limit * limit, squared) & self.result
+
+    def at(self, distance: Any) -> None:
+        """Takes in a distance."""
+        if self.what == "free":
+            self.result = less(self.reach, distance) & self.result
+        else:
+            self.result = minimum(self.result, distance)
+
+    def number(self) -> Any:
+        """1 for free and 0 for not, or the least distance."""
+        return where(self.result, 1.0, 0.0) if self.what == "free" else self.result
 
 
 def _matrix(pose: Any) -> Any:

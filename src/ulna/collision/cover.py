@@ -17,11 +17,11 @@ import numpy as np
 
 from ulna.collision.solids import Solid, half_spaces
 from ulna.errors import InputError
-from ulna.geometry import Box, Capsule, Cylinder, Shape, Sphere
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Shape, Sphere
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 
-_MOST = 150_000  # points of a grid
+_MOST = 60_000  # points of a grid
 
 
 def sample(solid: Solid, place: SE3, step: float) -> tuple[Floats, Floats, float]:
@@ -55,11 +55,23 @@ def _onto(solid: Solid, grid: Floats, reach: float) -> tuple[Floats, Floats]:
     if nearest is not None:
         kept = nearest[((nearest - grid) ** 2).sum(axis=1) <= reach**2]
         return kept, kept
-    A, b, corners = half_spaces(solid)
-    beyond = np.full(len(grid), -np.inf)
-    for normal, offset in zip(A, b, strict=True):
-        np.maximum(beyond, grid @ normal - offset, out=beyond)
-    return grid[beyond <= reach], np.vstack([grid[beyond <= 0.0], corners])
+    beyond = _beyond(solid, grid)
+    return grid[beyond <= reach], np.vstack([grid[beyond <= 0.0], solid.vertices])
+
+
+def _beyond(solid: Solid, points: Floats) -> Floats:
+    """Lower bounds of the distances of points from a solid without a formula for them; not above 0 inside."""
+    match solid.shape:
+        case Ellipsoid(radii=radii):  # the gauge of an ellipsoid grows by at most 1 / (least half axis)
+            return (np.sqrt(((points / np.array(radii)) ** 2).sum(axis=1)) - 1.0) * min(radii)
+        case Cone(radius=r, length=length):
+            rho, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
+            slope = (rho * length + r * (z - length / 2.0)) / np.hypot(r, length)
+            return np.maximum(slope, -length / 2.0 - z)
+    beyond = np.full(len(points), -np.inf)
+    for normal, offset in zip(*half_spaces(solid), strict=True):
+        np.maximum(beyond, points @ normal - offset, out=beyond)
+    return beyond
 
 
 def _projection(shape: Shape, points: Floats) -> Array | None:

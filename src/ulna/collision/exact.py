@@ -424,7 +424,9 @@ class _Narrow:
         c = narrow.coal()
         request, result = c.CollisionRequest(), c.CollisionResult()
         request.security_margin, request.num_max_contacts = margin, 1
-        request.enable_contact = True  # without it coal 3.0 calls some shapes free that share an axis and overlap
+        request.enable_contact = (
+            True  # without it coal 3.0 calls some shapes free that share an axis and overlap
+        )
         made, geometries, place = self._collisions, self._geometries, self._place
 
         def ask(poses: Poses, row: int, i: int, j: int) -> bool:

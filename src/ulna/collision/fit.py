@@ -27,8 +27,8 @@ from ulna.errors import MissingExtra
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 
-_COUNTS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 64)
-_ROUNDS = 25
+_COUNTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
+_ROUNDS = 8
 _FEW = 4000  # points that decide where centres go; all of them decide radii
 
 
@@ -75,16 +75,16 @@ def _cluster(solid: Solid, tolerance: float, most: int) -> Cover:
     x, inside, delta = sample(solid, SE3.identity(), tolerance / 4.0)
     few = x[:: max(1, len(x) // _FEW)]
     tree = _tree(inside)
-    best: Cover | None = None
+    best, least = _start(few, 1), np.inf
     for count in [n for n in _COUNTS if n < most] + [most]:
-        c, r = _radii(x, _settled(few, _start(few, count)), delta)
+        c, r = _radii(few, _settled(few, _start(few, count)), delta)
         rough = _rough(tree, c, r)
-        if best is None or rough < best[2]:
-            best = c, r, rough
+        if rough < least:
+            best, least = c, rough
         if rough <= tolerance:
             break
-    assert best is not None
-    return best[0], best[1], _excess(tree, best[0], best[1], max(delta, tolerance / 4.0))
+    c, r = _radii(x, best, delta)
+    return c, r, _excess(tree, c, r, max(delta, tolerance / 4.0))
 
 
 def _start(x: Floats, count: int) -> Floats:
@@ -112,7 +112,7 @@ def _middle(x: Floats, start: Floats) -> Floats:
     if not len(x):
         return start
     c = x.mean(axis=0)
-    for k in range(1, 40):
+    for k in range(1, 15):
         c = c + (x[np.argmax(((x - c) ** 2).sum(axis=1))] - c) / (k + 1)
     return c
 

@@ -9,6 +9,7 @@
 | w | edges of one cell of a box, or of the square cells that cover a disc | [m] |
 
 Capsule: R^2 = r^2 + s^2 covers between neighbours, r + e = R past the last centre; n reach L = 2 s (n - 1) + 2 e.
+A cone and an ellipsoid are cut into n slices with a ball around each.
 Cylinder: n layers, each disc covered by circles of radius rho: R^2 = rho^2 + (L / 2n)^2. Box: R = |w| / 2.
 Source: Pythagoras; Kershner, The number of circles covering a set, American Journal of Mathematics 61 (1939) for
 discs covered by 3, 4 and 7 circles.
@@ -21,7 +22,7 @@ import math
 
 import numpy as np
 
-from ulna.geometry import Box, Capsule, Cylinder, Shape, Sphere
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Shape, Sphere
 from ulna.typing import Floats
 
 Cover = tuple[Floats, Floats, float]
@@ -54,6 +55,10 @@ def pack(shape: Shape, t: float, most: int) -> Cover | None:
             return _cylinder(r, length, t, most)
         case Box(size=size):
             return _box(size, t, most)
+        case Cone(radius=r, length=length):
+            return _cone(r, length, t, most)
+        case Ellipsoid(radii=radii):
+            return _ellipsoid(radii, t, most)
     return None
 
 
@@ -74,13 +79,13 @@ def _capsule(r: float, length: float, t: float, most: int) -> Cover:
 
 
 def _cylinder(r: float, length: float, t: float, most: int) -> Cover:
-    discs = [(rho * r, r * np.array(c)) for rho, c in _DISCS] + [_squares(r, t * k) for k in (16, 8, 4)]
+    discs = [(rho * r, r * np.array(c)) for rho, c in _DISCS] + [_squares(r, t * k) for k in (16, 8, 4, 2)]
     options = [(rho, centres, n) for rho, centres in discs for n in range(1, most // len(centres) + 1)]
 
     def price(option: tuple[float, Floats, int]) -> float:
         """Spheres, dearer the farther they stick out."""
         side, flat, _ = _out_of_cylinder(r, length, *option)
-        return len(option[1]) * option[2] * max(1.0, side / t, flat / (2.0 * t)) ** 2
+        return len(option[1]) * option[2] * max(1.0, side / t, flat / (2.0 * t)) ** 3
 
     rho, centres, n = min(options, key=price)
     side, flat, R = _out_of_cylinder(r, length, rho, centres, n)
@@ -125,3 +130,39 @@ def _box(size: tuple[float, float, float], t: float, most: int) -> Cover:
     axes = [edge * ((np.arange(n) + 0.5) / n - 0.5) for edge, n in zip(size, counts, strict=True)]
     centres = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     return centres, np.full(len(centres), R), R - min(w) / 2.0
+
+
+def _cone(r: float, length: float, t: float, most: int) -> Cover:
+    """A ball around each slice, centred where both its rims are as far, or on the wider one."""
+    for n in range(1, most + 1):
+        low = length * (np.arange(n) / n - 0.5)
+        high = low + length / n
+        wide, narrow = r * (0.5 - low / length), r * (0.5 - high / length)
+        z = np.maximum((high**2 - low**2 + narrow**2 - wide**2) / (2.0 * (high - low)), low)
+        R = np.sqrt(wide**2 + (z - low) ** 2)
+        inner = (r * (0.5 - z / length)) * length / math.hypot(r, length)  # to the slope
+        excess = float(np.max(R - np.minimum(inner, z + length / 2.0)))
+        if excess <= 2.0 * t:
+            break
+    return np.stack([0.0 * z, 0.0 * z, z], axis=1), R, excess
+
+
+def _ellipsoid(radii: tuple[float, float, float], t: float, most: int) -> Cover:
+    """A ball around each slice across the longest axis."""
+    order = np.argsort(radii)
+    thin, wide, long = (radii[k] for k in order)
+    for n in range(1, most + 1):
+        low = long * (2.0 * np.arange(n) / n - 1.0)
+        high = low + 2.0 * long / n
+        z = (low + high) / 2.0
+        # how far the rim at x is from z grows towards both ends of a slice
+        ends = [wide**2 * (1.0 - x * x / long**2).clip(0.0) + (x - z) ** 2 for x in (low, high)]
+        R = np.sqrt(np.maximum(*ends))
+        excess = float(
+            np.max(R - thin * (1.0 - np.abs(z) / long))
+        )  # a ball of radius thin and the tip are inside
+        if excess <= 2.0 * t:
+            break
+    centres = np.zeros((n, 3))
+    centres[:, order[2]] = z
+    return centres, R, excess

@@ -177,33 +177,10 @@ def hull(vertices: Floats) -> tuple[Floats, Array]:
     return vertices[corners], place[triangles]
 
 
-def half_spaces(solid: Solid) -> tuple[Floats, Floats, Floats]:
-    """Half spaces A x <= b, (m, 3) and (m,), whose intersection holds the solid, and some points inside it, (k, 3).
-
-    A mesh is taken by its convex hull, an ellipsoid and a cone by planes that touch them.
-    """
-    match solid.shape:
-        case Ellipsoid(radii=radii):
-            k = np.arange(200) + 0.5
-            z, angle = 1.0 - k / 100.0, np.pi * (1.0 + np.sqrt(5.0)) * k  # a spiral of even density
-            flat = np.sqrt(1.0 - z * z)
-            A: Any = np.stack([np.cos(angle) * flat, np.sin(angle) * flat, z], axis=1)
-            return A, np.sqrt(((A * np.array(radii)) ** 2).sum(axis=1)), np.zeros((1, 3))
-        case Cone(radius=r, length=length):
-            angle = np.arange(32) * (2.0 * np.pi / 32)
-            slope = np.hypot(r, length)
-            ring = np.stack([np.cos(angle) * length, np.sin(angle) * length, np.full(32, r)], axis=1) / slope
-            base = np.array([[0.0, 0.0, -1.0]])
-            b = np.append(np.full(32, r * length / 2.0 / slope), length / 2.0)
-            return np.vstack([ring, base]), b, np.zeros((1, 3))
-        case Mesh():
-            vertices, triangles = hull(solid.vertices)
-            a, b, c = (vertices[triangles[:, k]] for k in range(3))
-            normal = np.cross(b - a, c - a)
-            normal /= np.sqrt((normal**2).sum(axis=1, keepdims=True))
-            return (
-                normal,
-                np.asarray((vertices @ normal.T).max(axis=0)),
-                vertices,
-            )  # all inside, whatever rounding does
-    raise InputError(f"{solid.shape.describe()} needs no half spaces.")
+def half_spaces(solid: Solid) -> tuple[Floats, Floats]:
+    """Half spaces A x <= b, (m, 3) and (m,), whose intersection is the convex hull of a mesh."""
+    vertices, triangles = hull(solid.vertices)
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    normal: Any = np.cross(b - a, c - a)
+    normal /= np.sqrt((normal**2).sum(axis=1, keepdims=True))
+    return normal, (vertices @ normal.T).max(axis=0)  # every vertex is inside, whatever rounding does

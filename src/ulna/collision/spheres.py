@@ -10,7 +10,9 @@ from typing import final
 
 import numpy as np
 
+from ulna import algorithms
 from ulna.collision.fit import cover
+from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.solids import Missing, Solid, link_solids
 from ulna.errors import FormatError, InputError, NonFiniteError, ShapeError
 from ulna.geometry import Mesh
@@ -19,7 +21,9 @@ from ulna.model.content import fingerprint
 from ulna.trace import cache
 from ulna.typing import ArrayLike, Floats
 
-_VERSION = 1  # of the fit: changed with every change to what it finds
+_TRIALS = 64
+_SHARPEST = 8  # how much finer than asked for the spheres of links that pass each other closely may be
+_VERSION = 4  # of the fit: changed with every change to what it finds
 
 
 @final
@@ -64,6 +68,12 @@ class Spheres:
     """
 
     links: Mapping[str, LinkSpheres]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Spheres) and self.fingerprint == other.fingerprint
+
+    def __hash__(self) -> int:
+        return hash(self.fingerprint)
 
     @property
     def count(self) -> int:
@@ -113,7 +123,9 @@ class Spheres:
 
 
 def fit(model: Model, tolerance: float = 0.012, most: int = 12, *, missing: Missing = "error") -> Spheres:
-    """Spheres that cover the collision geometry of every link; kept on disk, since finding them takes seconds.
+    """Spheres that cover the collision geometry of every link; kept on disk, since finding them may take seconds.
+
+    Links whose spheres touch those of another in most configurations get finer ones, up to eight times.
 
     Args:
         model: The robot.
@@ -133,17 +145,52 @@ def fit(model: Model, tolerance: float = 0.012, most: int = 12, *, missing: Miss
     by_link: dict[str, list[Solid]] = {}
     for solid in link_solids(model, missing):
         by_link.setdefault(solid.owner, []).append(solid)
-    found = {}
-    for name, solids in by_link.items():
-        base = model.link(name).placement.inverse()
-        places = [base @ solid.placement for solid in solids]
-        parts = [[s.shape, s.vertices if isinstance(s.shape, Mesh) else None] for s in solids]
-        key = cache.key("spheres", fingerprint([_VERSION, parts, places, float(tolerance), int(most)]))
-        kept = cache.read(key)
-        if kept is None:
-            centres, radii, excess = cover(solids, places, float(tolerance), int(most))
-            found[name] = LinkSpheres(centres, radii, excess)
-            cache.write(key, Spheres({name: found[name]}).to_json().encode())
-        else:
-            found[name] = Spheres.from_json(kept.decode()).links[name]
-    return Spheres(found)
+    sharpness = dict.fromkeys(by_link, 1)
+    while True:
+        found = Spheres(
+            {k: _link(model, k, v, tolerance / sharpness[k], most * sharpness[k]) for k, v in by_link.items()}
+        )
+        blunt = {name for pair in _crowded(model, found) for name in pair if sharpness[name] < _SHARPEST}
+        if not blunt:
+            return found
+        for name in blunt:
+            sharpness[name] *= 2
+
+
+def _link(model: Model, name: str, solids: list[Solid], tolerance: float, most: int) -> LinkSpheres:
+    """The spheres of one link, from the disk where they are."""
+    base = model.link(name).placement.inverse()
+    places = [base @ solid.placement for solid in solids]
+    parts = [[s.shape, s.vertices if isinstance(s.shape, Mesh) else None] for s in solids]
+    key = cache.key("spheres", fingerprint([_VERSION, parts, places, float(tolerance), int(most)]))
+    kept = cache.read(key)
+    if kept is not None:
+        return Spheres.from_json(kept.decode()).links[name]
+    found = LinkSpheres(*cover(solids, places, float(tolerance), int(most)))
+    cache.write(key, Spheres({name: found}).to_json().encode())
+    return found
+
+
+def _crowded(model: Model, spheres: Spheres) -> list[LinkPair]:
+    """Pairs of links whose spheres touch in more than half of some configurations: links that pass each other closely,
+    where blunt spheres would leave no room at all.
+    """
+    q = algorithms.random(model, np.random.default_rng(0), (_TRIALS,))
+    joints = algorithms.joint_poses(model, q)
+    placed = {}
+    for name, balls in spheres.links.items():
+        link = model.link(name)
+        local = link.placement @ balls.centres
+        if link.joint >= 0:
+            T = joints[link.joint]
+            local = local @ np.swapaxes(T.rotation, -1, -2) + T.translation[..., None, :]
+        placed[name] = np.broadcast_to(local, (_TRIALS, *local.shape[-2:]))
+    crowded = []
+    for a, b in link_pairs(model):
+        if model.link(a).joint < 0 or model.link(b).joint < 0:
+            continue  # fixed links need no spheres against others
+        apart = ((placed[a][:, :, None] - placed[b][:, None]) ** 2).sum(axis=-1)
+        reach = spheres.links[a].radii[:, None] + spheres.links[b].radii
+        if (apart <= reach**2).any(axis=(1, 2)).mean() > 0.5:
+            crowded.append((a, b))
+    return crowded

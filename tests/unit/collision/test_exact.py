@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,15 @@ import pytest
 import ulna
 from support.scenes import table
 from ulna.collision import Checker, World
-from ulna.errors import InputError, MissingExtra, ModelError, ModelWarning, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import (
+    InputError,
+    MissingExtra,
+    ModelError,
+    ModelWarning,
+    NonFiniteError,
+    ShapeError,
+    UnknownName,
+)
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Geometry, Mesh, Plane, Shape, Sphere
 from ulna.model import Model, ModelBuilder, Prismatic
 from ulna.spatial import SE3
@@ -68,14 +77,20 @@ def test_distances_by_hand(shape: Shape, reach: float) -> None:
 
 
 def test_a_plane_is_solid_below() -> None:
-    world = World().add("floor", Plane(), SE3.from_rpy((0.0, -np.pi / 2, 0.0), (1.0, 0.0, 0.0)))  # normal is -x
+    world = World().add(
+        "floor", Plane(), SE3.from_rpy((0.0, -np.pi / 2, 0.0), (1.0, 0.0, 0.0))
+    )  # normal is -x
     checker = Checker(slider(Sphere(0.3)), world)
     np.testing.assert_allclose(checker.distance([[0.0], [0.9]]).distance, [0.7, -0.2], atol=1e-9)
     np.testing.assert_array_equal(checker.collides([[0.0], [0.9], [5.0]]), [False, True, True])
 
 
 def test_moving_obstacles() -> None:
-    world = World().add("ball", Sphere(0.1), (9.0, 0.0, 0.0), moving=True).add("still", Sphere(0.1), (0.0, 3.0, 0.0))
+    world = (
+        World()
+        .add("ball", Sphere(0.1), (9.0, 0.0, 0.0), moving=True)
+        .add("still", Sphere(0.1), (0.0, 3.0, 0.0))
+    )
     checker = Checker(slider(Sphere(0.3)), world)
     poses = np.tile(np.eye(4), (3, 2, 1, 1))
     poses[:, :, 0, 3] = [[1.0, 2.0], [3.0, 4.0], [0.3, 0.0]]
@@ -119,7 +134,7 @@ def test_a_batch_is_its_rows_and_its_questions_agree(robot: ulna.Robot) -> None:
     assert near[0].distance == float(one) and list(near[0].names) == one.names.tolist()
     np.testing.assert_allclose(near[0].gradient, robot.distance_gradient(q[1, 2], world))
     assert len(near) == len(checker.owners)
-    assert all(a.distance <= b.distance for a, b in zip(near, near[1:], strict=False))
+    assert all(a.distance <= b.distance for a, b in itertools.pairwise(near))
     assert robot.collision_checker(world) is checker
 
 
@@ -171,15 +186,25 @@ def test_missing_meshes() -> None:
     model = slider(Mesh("/nowhere/hand.stl", missing=True))
     with pytest.raises(ModelError, match=r"hand\.stl of link 'cart' of robot 'slider'.*missing='skip'"):
         Checker(model)
-    with pytest.warns(ModelWarning, match=r"hand\.stl"), pytest.raises(ModelError, match="no collision geometry"):
+    with (
+        pytest.warns(ModelWarning, match=r"hand\.stl"),
+        pytest.raises(ModelError, match="no collision geometry"),
+    ):
         Checker(model, missing="skip")
 
 
 def test_meshes_and_their_hulls(tmp_path: Path) -> None:
     trimesh = pytest.importorskip("trimesh")
     horseshoe = trimesh.util.concatenate(
-        [trimesh.creation.box((0.2, 1.0, 0.2), trimesh.transformations.translation_matrix((x, 0.0, 0.0))) for x in (-0.5, 0.5)]
-        + [trimesh.creation.box((1.2, 0.2, 0.2), trimesh.transformations.translation_matrix((0.0, -0.6, 0.0)))]
+        [
+            trimesh.creation.box((0.2, 1.0, 0.2), trimesh.transformations.translation_matrix((x, 0.0, 0.0)))
+            for x in (-0.5, 0.5)
+        ]
+        + [
+            trimesh.creation.box(
+                (1.2, 0.2, 0.2), trimesh.transformations.translation_matrix((0.0, -0.6, 0.0))
+            )
+        ]
     )
     horseshoe.export(tmp_path / "u.stl")
     model = slider(Mesh(str(tmp_path / "u.stl"), (1.0, 1.0, 2.0)))

@@ -21,7 +21,9 @@ def chain(*fixed: int) -> Model:
         builder.add_link(f"link{k}", collisions=(Geometry("", Sphere(0.05)),))
     for k in range(4):
         kind = Fixed() if k in fixed else Revolute((0.0, 0.0, 1.0))
-        builder.add_joint(f"joint{k}", kind, f"link{k}", f"link{k + 1}", SE3.from_translation((0.2, 0.0, 0.0)))
+        builder.add_joint(
+            f"joint{k}", kind, f"link{k}", f"link{k + 1}", SE3.from_translation((0.2, 0.0, 0.0))
+        )
     return builder.build()
 
 
@@ -115,7 +117,9 @@ def test_survey_finds_what_always_and_never_touches() -> None:
     builder.add_link("base", collisions=(Geometry("", Cylinder(0.1, 0.2)),))
     builder.add_link("turret", collisions=(Geometry("", Cylinder(0.1, 0.2)),))  # overlaps the base
     builder.add_link("arm", collisions=(Geometry("", Sphere(0.05), SE3.from_translation((1.0, 0.0, 0.0))),))
-    builder.add_joint("turn", Revolute((0.0, 0.0, 1.0)), "base", "turret", SE3.from_translation((0.0, 0.0, 0.1)))
+    builder.add_joint(
+        "turn", Revolute((0.0, 0.0, 1.0)), "base", "turret", SE3.from_translation((0.0, 0.0, 0.1))
+    )
     builder.add_joint("swing", Revolute((0.0, 0.0, 1.0)), "turret", "arm")
     found = survey(builder.build(), 50)
     assert found.always == (("base", "turret"),)
