@@ -77,7 +77,7 @@ def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
     size += len(f.results) * (2 + lanes.bit_length())  # transposing and writing
     if size < _BEARABLE:
         return _cut(f, order, 1)
-    stores = [step for step in order if isinstance(step, Store)]
+    stores: list[Step] = [step for step in order if isinstance(step, Store)]
     rest = [step for step in order if not isinstance(step, Store)]
     return [*_cut(f, rest, round(size / _SIZES[True])), stores]
 
