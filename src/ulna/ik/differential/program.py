@@ -136,15 +136,13 @@ class Program:
 
     def quaternions(self, arguments: Sequence[str]) -> tuple[tuple[int, tuple[int, ...]], ...]:
         """Where the arguments of a kernel hold unit quaternions: (number of the argument, entries), ..."""
-        at = [
-            tuple(range(joint.idx_q + k, joint.idx_q + k + 4))
-            for joint in self.model.joints
-            if joint.mimic is None
-            for k, coordinate in enumerate(joint.kind.coordinates)
-            if coordinate.name.endswith("qx")
-        ]
         configurations = ["q", *(task.label for task in self.objectives if isinstance(task, PostureTask))]
-        return tuple((k, place) for k, name in enumerate(arguments) if name in configurations for place in at)
+        return tuple(
+            (k, entries)
+            for k, name in enumerate(arguments)
+            if name in configurations
+            for entries in self.model.quaternions
+        )
 
     def of(self, part: Task | Limit, told: Mapping[str, Array]) -> list[Array]:
         """The inputs of a part, in its order."""
