@@ -40,7 +40,7 @@ def main() -> None:
 
     low = [0.0, 0.4, 0.0, -2.0, 0.0, 2.4, 0.8]
     left, right = np.array([low, low])
-    left[0], right[0] = 1.2, -0.6
+    left[0], right[0] = 1.2, -0.8
     print("Both ends free:", not robot.collides([left, right], world).any())
     time = robot.first_contact(left, right, world)
     print(f"The way between them first touches at {time:.3f} of it")
