@@ -8,6 +8,7 @@ remove one compiles nothing.
 from __future__ import annotations
 
 import functools
+import threading
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, final
 
@@ -85,6 +86,7 @@ class SphereChecker:
         self._groups = self._grouped()
         self._still = [self._rows(parts, {}) for _, _, parts in self._groups]
         self._kernels: dict[Any, Any] = {}
+        self._scratch = threading.local()
 
     def collides(
         self,
@@ -156,8 +158,10 @@ class SphereChecker:
         ]
 
         def run(starts: Sequence[int]) -> list[Any]:
-            """Chunk after chunk in one buffer: fresh memory for each would cost more than the kernels."""
-            buffer = np.empty((min(_CHUNK, count), *own.function.outputs[0].shape))
+            """Chunk after chunk in the thread's own buffer: fresh memory would cost as much as the kernels."""
+            buffer = getattr(self._scratch, "buffer", None)
+            if buffer is None:
+                buffer = self._scratch.buffer = np.empty((_CHUNK, *own.function.outputs[0].shape))
             found = []
             for start in starts:
                 part = slice(start, min(start + _CHUNK, count))
