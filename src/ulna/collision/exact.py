@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
 
 from ulna import kernels
 from ulna.collision import broad, narrow
+from ulna.collision.narrow import Found, Look, Narrow, Poses
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.result import Distance, Proximity
 from ulna.collision.solids import Missing, link_solids, obstacle_solids
@@ -26,16 +26,6 @@ from ulna.spatial import SE3
 from ulna.typing import Array, ArrayLike, Floats
 
 _CHUNK = 256  # configurations whose boxes are compared at once: what fits the second cache
-
-
-@dataclass(frozen=True)
-class Poses:
-    """Poses of every solid, and the boxes around them, for some configurations; links first, then obstacles."""
-
-    rotation: Floats  # (rows, n, 3, 3)
-    translation: Floats  # (rows, n, 3)
-    centre: Floats  # (rows, n, 3)
-    half: Floats  # (rows, n, 3)
 
 
 @final
@@ -85,7 +75,7 @@ class Checker:
         )
         self._boxes = broad.boxes_at(obstacles, self._fixed, self._placed)
         self._planes = [len(links) + k for k, s in enumerate(obstacles) if isinstance(s.shape, Plane)]
-        self._narrow = _Narrow([narrow.geometry_of(s, convex) for s in self.solids])
+        self._narrow = Narrow([narrow.geometry_of(s, convex) for s in self.solids])
         self._jacobians: dict[str, Any] = {}
         self.lock = threading.RLock()
 
@@ -367,91 +357,6 @@ class Checker:
         if link not in self._jacobians:
             self._jacobians[link] = kernels.kernel(self.model, "jacobian", frame=link, reference="world")
         return self._jacobians[link]
-
-
-@dataclass(frozen=True)
-class Found:
-    """A distance that coal found, by the numbers of the two solids."""
-
-    distance: float
-    points: Floats
-    normal: Floats
-    first: int
-    second: int
-
-
-@final
-@dataclass(frozen=True)
-class Look:
-    """The solids of a checker at one configuration.
-
-    Attributes:
-        bounds: Lower bounds of signed distances, inf for pairs that are not checked, (n links, n) [m].
-    """
-
-    bounds: Floats
-    _poses: Poses
-    _narrow: _Narrow
-
-    def distance(self, i: int, j: int) -> float:
-        """The signed distance of two solids [m]."""
-        return self._narrow.distance(self._poses, 0, i, j).distance
-
-
-class _Narrow:
-    """Coal's objects, reused from pair to pair; not for two threads at once."""
-
-    def __init__(self, geometries: Sequence[Any]) -> None:
-        c = narrow.coal()
-        self._geometries = geometries
-        self._transforms = [c.Transform3s() for _ in geometries]
-        self._poses: Poses | None = None
-        self._rows = [-1] * len(geometries)
-        self._collisions: dict[tuple[int, int], Any] = {}
-        self._distances: dict[tuple[int, int], Any] = {}
-        self._request, self._result = c.DistanceRequest(), c.DistanceResult()
-
-    def _place(self, poses: Poses, row: int, k: int) -> Any:
-        if poses is not self._poses:
-            self._poses, self._rows = poses, [-1] * len(self._geometries)
-        if self._rows[k] != row:
-            self._transforms[k].setTransform(poses.rotation[row, k], poses.translation[row, k])
-            self._rows[k] = row
-        return self._transforms[k]
-
-    def collision(self, margin: float) -> Any:
-        """A function that says whether two solids come as near as `margin`."""
-        c = narrow.coal()
-        request, result = c.CollisionRequest(), c.CollisionResult()
-        request.security_margin, request.num_max_contacts = margin, 1
-        request.enable_contact = (
-            True  # without it coal 3.0 calls some shapes free that share an axis and overlap
-        )
-        made, geometries, place = self._collisions, self._geometries, self._place
-
-        def ask(poses: Poses, row: int, i: int, j: int) -> bool:
-            pair = made.get((i, j))
-            if pair is None:
-                pair = made[i, j] = c.ComputeCollision(geometries[i], geometries[j])
-            result.clear()
-            return pair(place(poses, row, i), place(poses, row, j), request, result) > 0
-
-        return ask
-
-    def distance(self, poses: Poses, row: int, i: int, j: int, best: Found | None = None) -> Any:
-        """The distance of two solids, or `best` where that is not larger."""
-        pair = self._distances.get((i, j))
-        if pair is None:
-            pair = self._distances[i, j] = narrow.coal().ComputeDistance(
-                self._geometries[i], self._geometries[j]
-            )
-        result = self._result
-        result.clear()
-        d = pair(self._place(poses, row, i), self._place(poses, row, j), self._request, result)
-        if best is not None and best.distance <= d:
-            return best
-        points = np.stack([result.getNearestPoint1(), result.getNearestPoint2()])
-        return Found(float(d), points, np.array(result.normal), i, j)
 
 
 def _number(name: str, value: Any) -> float:

@@ -1,8 +1,10 @@
-"""Shapes as coal's collision geometries; the only file that imports coal."""
+"""What coal is asked: two solids at their poses; the only file that imports it."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, final
 
 import numpy as np
 
@@ -67,3 +69,96 @@ def _triangles(vertices: Floats, triangles: Array) -> Any:
     model.addTriangles(np.asfortranarray(triangles))
     model.endModel()
     return model
+
+
+@dataclass(frozen=True)
+class Poses:
+    """Poses of every solid, and the boxes around them, for some configurations; links first, then obstacles."""
+
+    rotation: Floats  # (rows, n, 3, 3)
+    translation: Floats  # (rows, n, 3)
+    centre: Floats  # (rows, n, 3)
+    half: Floats  # (rows, n, 3)
+
+
+@dataclass(frozen=True)
+class Found:
+    """A distance that coal found, by the numbers of the two solids."""
+
+    distance: float
+    points: Floats
+    normal: Floats
+    first: int
+    second: int
+
+
+@final
+@dataclass(frozen=True)
+class Look:
+    """The solids of a checker at one configuration.
+
+    Attributes:
+        bounds: Lower bounds of signed distances, inf for pairs that are not checked, (n links, n) [m].
+    """
+
+    bounds: Floats
+    _poses: Poses
+    _narrow: Narrow
+
+    def distance(self, i: int, j: int) -> float:
+        """The signed distance of two solids [m]."""
+        return self._narrow.distance(self._poses, 0, i, j).distance
+
+
+class Narrow:
+    """Coal's objects, reused from pair to pair; not for two threads at once."""
+
+    def __init__(self, geometries: Sequence[Any]) -> None:
+        c = coal()
+        self._geometries = geometries
+        self._transforms = [c.Transform3s() for _ in geometries]
+        self._poses: Poses | None = None
+        self._rows = [-1] * len(geometries)
+        self._collisions: dict[tuple[int, int], Any] = {}
+        self._distances: dict[tuple[int, int], Any] = {}
+        self._request, self._result = c.DistanceRequest(), c.DistanceResult()
+
+    def _place(self, poses: Poses, row: int, k: int) -> Any:
+        if poses is not self._poses:
+            self._poses, self._rows = poses, [-1] * len(self._geometries)
+        if self._rows[k] != row:
+            self._transforms[k].setTransform(poses.rotation[row, k], poses.translation[row, k])
+            self._rows[k] = row
+        return self._transforms[k]
+
+    def collision(self, margin: float) -> Any:
+        """A function that says whether two solids come as near as `margin`."""
+        c = coal()
+        request, result = c.CollisionRequest(), c.CollisionResult()
+        request.security_margin, request.num_max_contacts = margin, 1
+        request.enable_contact = (
+            True  # without it coal 3.0 calls some shapes free that share an axis and overlap
+        )
+        made, geometries, place = self._collisions, self._geometries, self._place
+
+        def ask(poses: Poses, row: int, i: int, j: int) -> bool:
+            pair = made.get((i, j))
+            if pair is None:
+                pair = made[i, j] = c.ComputeCollision(geometries[i], geometries[j])
+            result.clear()
+            return pair(place(poses, row, i), place(poses, row, j), request, result) > 0
+
+        return ask
+
+    def distance(self, poses: Poses, row: int, i: int, j: int, best: Found | None = None) -> Any:
+        """The distance of two solids, or `best` where that is not larger."""
+        pair = self._distances.get((i, j))
+        if pair is None:
+            pair = self._distances[i, j] = coal().ComputeDistance(self._geometries[i], self._geometries[j])
+        result = self._result
+        result.clear()
+        d = pair(self._place(poses, row, i), self._place(poses, row, j), self._request, result)
+        if best is not None and best.distance <= d:
+            return best
+        points = np.stack([result.getNearestPoint1(), result.getNearestPoint2()])
+        return Found(float(d), points, np.array(result.normal), i, j)
