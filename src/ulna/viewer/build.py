@@ -12,7 +12,7 @@ import numpy as np
 from ulna.typing import Floats
 from ulna.viewer.content import Copies, Lines, Points, Text
 from ulna.viewer.controls import pose_rows, position_wxyz
-from ulna.viewer.glb import glb
+from ulna.viewer.glb import INSET, glb
 from ulna.viewer.scene import Node, Snapshot
 from ulna.viewer.surface import paint
 
@@ -186,7 +186,7 @@ def _points(
             path,
             content.positions,
             colours,
-            point_size=content.size,
+            point_size=content.size / 2,  # viser means the radius
             point_shape="circle",
             precision="float32",
             **place,
@@ -226,10 +226,11 @@ def _copies(
     for k, surface in enumerate(content.original):
         own = surface.rgba[:3] if content.colours is None else content.colours
         opacity = float(surface.rgba[3] * content.opacity * seen.opacity[i])
+        vertices = surface.vertices if opacity >= 0.999 else surface.vertices - INSET * surface.normals
         handles.append(
             server.scene.add_batched_meshes_simple(
                 path if k == 0 else f"{path} ·{k}",
-                surface.vertices.astype(np.float32),
+                vertices.astype(np.float32),
                 surface.triangles.astype(np.uint32),
                 rows[:, 3:],
                 rows[:, :3],

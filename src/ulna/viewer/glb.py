@@ -14,7 +14,8 @@ from ulna.viewer.surface import Surface, paint
 
 _FLOAT, _UINT32 = 5126, 5125
 _VERTICES, _INDICES = 34962, 34963
-_INSET = 0.0007  # m
+INSET = 0.0007
+"""How far within itself a translucent thing is drawn [m]: it does not flicker on a solid one where it coincides."""
 
 
 def glb(surfaces: Iterable[Surface]) -> bytes:
@@ -39,8 +40,8 @@ def glb(surfaces: Iterable[Surface]) -> bytes:
         if not len(surface.triangles):
             continue
         vertices = surface.vertices.astype("<f4")
-        if surface.rgba[3] < 0.999:  # a ghost just within the solid thing it coincides with does not flicker
-            vertices = (surface.vertices - _INSET * surface.normals).astype("<f4")
+        if surface.rgba[3] < 0.999:
+            vertices = (surface.vertices - INSET * surface.normals).astype("<f4")
         bounds = {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
         attributes = {
             "POSITION": accessor(vertices, _FLOAT, _VERTICES, **bounds),

@@ -2,37 +2,26 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path as FilePath
+from collections.abc import Sequence
 from typing import Any, final
 
-import numpy as np
-
 from ulna.errors import InputError
-from ulna.sim import Recording, Simulation
-from ulna.typing import Array
+from ulna.sim import Simulation
 from ulna.viewer.camera import Camera, frame
-from ulna.viewer.film import check_film, moments, write_film
 from ulna.viewer.handles import Handle
 from ulna.viewer.hold import hold
-from ulna.viewer.html import write_html
 from ulna.viewer.page import Page
 from ulna.viewer.panel import Panel
 from ulna.viewer.pendant import Pendant
-from ulna.viewer.progress import progress
-from ulna.viewer.raster import render, write_png
 from ulna.viewer.robot_handle import RobotHandle
 from ulna.viewer.screen import open_browser, somebody_can_look
-from ulna.viewer.stage import Stage
+from ulna.viewer.studio import Recorded, Studio
 from ulna.viewer.theme import LIGHT, Theme, theme_of
 from ulna.viewer.timeline import Motion, Timeline
 
-Recorded = Recording | Mapping[RobotHandle, Recording] | None
-
 
 @final
-class Viewer(Stage):
+class Viewer(Studio):
     """A scene with a page in the browser.
 
     It returns at once and never waits for a browser; whoever opens `url` sees what there is. Without a screen, a
@@ -65,9 +54,7 @@ class Viewer(Stage):
         camera: Camera | None = None,
         floor: float | None = None,
     ) -> None:
-        super().__init__()
-        self.title, self._theme, self._camera, self._floor = title, theme_of(theme), camera, floor
-        self._grid = True
+        super().__init__(title, theme, camera, floor)
         self._page = Page(self.scene, title, port, host, camera, self._theme, floor) if page else None
         self.panel = Panel(self._page)
         """The panel, for sliders, buttons, menus, words and plots of your own."""
@@ -182,11 +169,6 @@ class Viewer(Stage):
 
     # time -----------------------------------------------------------------------------------------------------
 
-    @property
-    def robots(self) -> tuple[RobotHandle, ...]:
-        """The robots in the scene."""
-        return tuple(h for h in self._handles.values() if isinstance(h, RobotHandle))
-
     def simulate(
         self, realtime: bool | None = None, speed: float = 1.0, substep: float = 1e-3, **told: Any
     ) -> Simulation:
@@ -245,162 +227,3 @@ class Viewer(Stage):
         timeline.time = 0.0
         timeline.play(speed)
         return timeline
-
-    def _motions(self, recorded: Recorded) -> Sequence[Motion]:
-        if recorded is None:
-            motions = self._simulated()
-            if not motions:
-                raise InputError("Nothing was simulated here; give a recording.")
-            return motions
-        if isinstance(recorded, Recording):
-            if len(self.robots) != 1:
-                raise InputError(
-                    f"There are {len(self.robots)} robots here; give {{handle: recording}} to say which one it is of."
-                )
-            return [(self.robots[0], lambda: recorded)]
-        return [(robot, lambda r=r: r) for robot, r in recorded.items()]
-
-    # files ----------------------------------------------------------------------------------------------------
-
-    def picture(
-        self,
-        path: str | os.PathLike[str] | None = None,
-        width: int = 1600,
-        height: int = 1000,
-        *,
-        camera: Camera | None = None,
-        samples: int = 2,
-    ) -> Array:
-        """A picture of the scene (height, width, 3), uint8, drawn without a browser; written as a PNG file, too.
-
-        Args:
-            path: The file; none is written when not given.
-            width: Width [pixels].
-            height: Height [pixels].
-            camera: From where; the viewer's when not given.
-            samples: Samples along each edge of a pixel; 2 is smooth, 1 quick.
-
-        Raises:
-            InputError: The size is out of range, or the file cannot be written.
-        """
-        view = camera or self._camera or frame(self.scene, width / height)
-        image = render(self.scene, width, height, view, samples, self._theme, self._floor)
-        if path is not None:
-            write_png(path, image)
-        return image
-
-    def film(
-        self,
-        path: str | os.PathLike[str],
-        recorded: Recorded = None,
-        *,
-        fps: float = 25.0,
-        speed: float = 1.0,
-        width: int = 960,
-        height: int = 600,
-        camera: Camera | None = None,
-        samples: int = 2,
-        move: Callable[[float], None] | None = None,
-        duration: float | None = None,
-    ) -> FilePath:
-        """Write a film at its true speed: .mp4 or .gif, drawn without a browser.
-
-        Args:
-            path: The file.
-            recorded: A recording of the only robot, recordings by robot, or None for those of the simulation.
-            fps: Pictures a second.
-            speed: Seconds of what happened per second of film.
-            width: Width [pixels].
-            height: Height [pixels].
-            camera: From where; one that stays and has the first and the last moment in view when not given.
-            samples: Samples along each edge of a pixel.
-            move: Brings the scene to a time [s], called before each picture; instead of `recorded`, with `duration`.
-            duration: How long it is that `move` shows [s].
-
-        Raises:
-            UnknownName: It ends neither in .mp4 nor in .gif.
-            MissingExtra: imageio-ffmpeg or Pillow is not installed.
-            InputError: It is not clear what to show, or the file cannot be written.
-        """
-        check_film(path)
-        bring, length = self._mover(recorded, move, duration)
-        times = moments(length, fps, speed)
-        with self._as_it_was():
-            view = camera or self._camera or self._view_of(bring, times, width / height)
-
-            def pictures() -> Iterator[Array]:
-                with progress(f"Drawing {os.path.basename(os.fspath(path))}") as report:
-                    for k, t in enumerate(times):
-                        report(k, len(times))
-                        bring(float(t))
-                        yield self.picture(None, width, height, camera=view, samples=samples)
-
-            return write_film(path, pictures(), fps)
-
-    def html(
-        self,
-        path: str | os.PathLike[str],
-        recorded: Recorded = None,
-        *,
-        fps: float = 30.0,
-        camera: Camera | None = None,
-    ) -> FilePath:
-        """Write the scene as one HTML file that plays offline, with a time line and a camera to move.
-
-        Args:
-            path: The file.
-            recorded: What moves, as for `film`; None for the simulation's recordings, or a scene at rest.
-            fps: Poses a second.
-            camera: From where at first.
-
-        Raises:
-            MissingExtra: viser is not installed.
-            InputError: It is not clear what to show, or the file cannot be written.
-        """
-        times, bring = np.zeros(0), None
-        if recorded is not None or self._simulated():
-            bring, length = self._mover(recorded, None, None)
-            times = moments(length, fps)
-        options: dict[str, Any] = {"title": self.title, "theme": self._theme, "floor": self._floor}
-        with self._as_it_was():
-            return write_html(
-                path, self.scene, times.tolist(), bring, camera=camera or self._camera, **options
-            )
-
-    def _mover(
-        self, recorded: Recorded, move: Callable[[float], None] | None, duration: float | None
-    ) -> tuple[Callable[[float], None], float]:
-        if (move is None) != (duration is None) or (move is not None and recorded is not None):
-            raise InputError("Give either what was recorded, or `move` with a `duration` [s].")
-        if move is not None and duration is not None:
-            return move, float(duration)
-        motions = self._motions(recorded)
-        timeline = Timeline(None, lambda: motions)
-
-        def bring(t: float) -> None:
-            timeline.time = t
-
-        return bring, timeline.duration
-
-    def _view_of(self, bring: Callable[[float], None], times: Array, aspect: float) -> Camera:
-        bring(float(times[-1]))
-        last = self.scene.points()
-        bring(float(times[0]))
-        return frame(self.scene, aspect, also=last)
-
-    def _as_it_was(self) -> _AsItWas:
-        return _AsItWas(self.robots)
-
-
-class _AsItWas:
-    """Robots stand afterwards where they stood before."""
-
-    def __init__(self, robots: Sequence[RobotHandle]) -> None:
-        self._before = [(robot, robot.q) for robot in robots]
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, *_: object) -> None:
-        for robot, q in self._before:
-            robot.show_at(q)

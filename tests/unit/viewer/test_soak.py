@@ -1,0 +1,39 @@
+"""A long run holds memory flat: with a page open, a trace drawn, and nothing recorded."""
+
+import gc
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.viewer.viewer import Viewer
+
+
+@pytest.mark.slow
+def test_memory_stays_flat_over_many_steps() -> None:
+    pytest.importorskip("viser", reason="viser, which serves the page, is not installed")
+    with Viewer(port=0, browser=False) as viewer:
+        arm = viewer.add(ulna.load("panda", visuals="simple"), "qr")
+        arm.trace(most=500)
+        arm.frames("panda_hand")
+        plot = viewer.panel.plot("speed", ("v",))
+        sim = viewer.simulate(realtime=False, record=False)
+
+        def run(steps: int) -> int:
+            for k in range(steps):
+                if k % 500 == 0:
+                    arm.qd = np.full(7, 0.1 if k % 1000 else -0.1)
+                sim.step(1e-3)
+                plot.add(sim.t, 0.1)
+            viewer.flush()
+            gc.collect()
+            return tracemalloc.get_traced_memory()[0]
+
+        run(5_000)
+        tracemalloc.start()
+        try:
+            first, second = run(10_000), run(40_000)
+        finally:
+            tracemalloc.stop()
+    assert second - first < 400_000  # bytes; a float kept from each step would be more than a million
