@@ -1,11 +1,11 @@
 """Dynamics of Ulna beside Pinocchio, from Python, in one run: single calls and batches, medians and ratios.
 
-    python benchmarks/dynamics.py [--quick] [--cold] [robot ...]
+    python benchmarks/dynamics.py [--quick] [robot ...]
 
 Needs `pin` and `example-robot-data`. Both libraries read the same URDF; the fingers of the Panda are locked in both, and
 robots that walk have a free flyer in both. The batch is compared with a Python loop over Pinocchio's function, and, where
-Pinocchio has one, with its own `...InParallel` on one thread. The last table tells how long kernels take to make: with
-`--cold` into an empty cache, else out of the cache as it is. One core; run it on a quiet machine.
+Pinocchio has one, with its own `...InParallel` on one thread. How long kernels take to make is told by `compile.py`. One
+core; run it on a quiet machine.
 """
 
 from __future__ import annotations
@@ -14,8 +14,6 @@ import argparse
 import os
 import platform
 import sys
-import tempfile
-import time
 from collections.abc import Callable
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -46,8 +44,8 @@ PEERS: dict[str, tuple[int, Callable[..., object]]] = {
 PARALLEL = {"inverse_dynamics": pin.rneaInParallel, "forward_dynamics": pin.abaInParallel}
 
 
-def compare(label: str, robot: Robot, peer: pin.Model, name: str, count: int) -> tuple[list[str], list[str]]:
-    """A row of times, and one of what making the kernel took."""
+def compare(label: str, robot: Robot, peer: pin.Model, name: str, count: int) -> list[str]:
+    """A row of times."""
     arguments, function = PEERS[name]
     memory, rng = peer.createData(), np.random.default_rng(0)
     one = [robot.random_configuration(seed=0), *rng.standard_normal((2, robot.nv))][:arguments]
@@ -59,14 +57,8 @@ def compare(label: str, robot: Robot, peer: pin.Model, name: str, count: int) ->
         [pin.randomConfiguration(peer), *rng.standard_normal((2, peer.nv))] for _ in range(min(count, 1000))
     ]
 
-    start = time.perf_counter()
-    traced = robot.function(name)
-    after_trace = time.perf_counter()
     kernel = robot.kernel(name)
-    kernel(*one)
-    after_one = time.perf_counter()
     out = kernel(*many)
-    after_batch = time.perf_counter()
 
     def call() -> object:
         return function(peer, memory, *theirs[:arguments])
@@ -81,8 +73,7 @@ def compare(label: str, robot: Robot, peer: pin.Model, name: str, count: int) ->
     batch, looped = batch / count, looped / len(few)
     row = [label, name, shown(ours), shown(single), f"{single / ours:.1f}", shown(batch), shown(looped), f"{looped / batch:.0f}"]  # fmt: skip
     row.append(f"{in_parallel(peer, name, few) / batch:.0f}" if name in PARALLEL else "")
-    making = [shown(t) for t in (after_trace - start, after_one - after_trace, after_batch - after_one)]
-    return row, [label, name, str(robot.nv), str(traced.operations), *making]
+    return row
 
 
 def in_parallel(peer: pin.Model, name: str, states: list[list[np.ndarray]]) -> float:
@@ -99,28 +90,19 @@ def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="smaller batches")
-    parser.add_argument("--cold", action="store_true", help="make the kernels anew")
     parser.add_argument("robots", nargs="*", help=f"out of {', '.join(ROBOTS)}; default all")
     given = parser.parse_args()
     count = 1_000 if given.quick else 10_000
-    rows, making = [], []
-    with tempfile.TemporaryDirectory() as empty:
-        if given.cold:
-            os.environ["ULNA_CACHE"] = empty
-        for label in given.robots or ROBOTS:
-            model, peer = load(ROBOTS[label])
-            robot = Robot(model)
-            for name in PEERS:
-                row, made = compare(label, robot, peer, name, count)
-                rows.append(row)
-                making.append(made)
+    rows = []
+    for label in given.robots or ROBOTS:
+        model, peer = load(ROBOTS[label])
+        robot = Robot(model)
+        rows += [compare(label, robot, peer, name, count) for name in PEERS]
     print(
         f"Python {sys.version.split()[0]}, NumPy {np.__version__}, pin {pin.__version__}, {platform.machine()}\n"
     )
     head = ["robot", "kernel", "one call", "pin", "ratio", "in a batch", "loop over pin", "ratio", "InParallel, ratio"]  # fmt: skip
     print(table(f"Dynamics: one call from Python; batches of {count:,}, one core", head, rows))
-    head = ["robot", "kernel", "nv", "operations", "trace", "one call ready", "batch ready"]
-    print(table("Making the kernels", head, making))
 
 
 if __name__ == "__main__":

@@ -30,6 +30,7 @@ print(t1 - t0, t2 - t1, t3 - t2)
 def once(cache: str) -> list[float]:
     """Seconds of import, load and first call in a new process."""
     environment = {**os.environ, "ULNA_CACHE": cache}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # else every process compiles the sources again
     done = subprocess.run(
         [sys.executable, "-c", _SCRIPT], env=environment, capture_output=True, text=True, check=True
     )
