@@ -11,6 +11,7 @@ import pytest
 import sympy
 
 from ulna.model import (
+    Circle,
     Composite,
     Continuous,
     Fixed,
@@ -18,6 +19,7 @@ from ulna.model import (
     Helical,
     JointKind,
     Planar,
+    PlanarCircle,
     Prismatic,
     Revolute,
     Spherical,
@@ -50,6 +52,10 @@ KINDS: dict[str, JointKind] = {
     "planar x": Planar((1, 0, 0)),
     "planar -y": Planar((0, -1, 0)),
     "planar": Planar(SKEW),
+    "circle z": Circle(),
+    "circle": Circle(SKEW),
+    "planar circle": PlanarCircle(),
+    "planar circle skew": PlanarCircle(SKEW),
     "spherical": Spherical(),
     "free flyer": FreeFlyer(),
     "composite": Composite(

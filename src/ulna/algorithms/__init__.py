@@ -68,10 +68,12 @@ from ulna.algorithms.inverse_mass_matrix import inverse_mass_matrix as inverse_m
 from ulna.algorithms.jacobian import frame_jacobian as frame_jacobian
 from ulna.algorithms.jacobian import joint_jacobians as joint_jacobians
 from ulna.algorithms.jacobian_dot import frame_jacobian_dot as frame_jacobian_dot
+from ulna.algorithms.jacobian_dot import joint_jacobians_dot as joint_jacobians_dot
 from ulna.algorithms.kinematics import frame_acceleration as frame_acceleration
 from ulna.algorithms.kinematics import frame_pose as frame_pose
 from ulna.algorithms.kinematics import frame_poses as frame_poses
 from ulna.algorithms.kinematics import frame_velocity as frame_velocity
+from ulna.algorithms.kinematics import joint_accelerations as joint_accelerations
 from ulna.algorithms.kinematics import joint_poses as joint_poses
 from ulna.algorithms.kinematics import joint_velocities as joint_velocities
 from ulna.algorithms.manipulability import asada as asada
@@ -95,6 +97,7 @@ from ulna.algorithms.regressors import static_regressor as static_regressor
 from ulna.algorithms.rnea import bias_forces as bias_forces
 from ulna.algorithms.rnea import gravity_forces as gravity_forces
 from ulna.algorithms.rnea import inverse_dynamics as inverse_dynamics
+from ulna.algorithms.rnea import joint_wrenches as joint_wrenches
 from ulna.algorithms.rnea import static_torque as static_torque
 from ulna.algorithms.velocity_derivatives import (
     frame_acceleration_derivatives as frame_acceleration_derivatives,

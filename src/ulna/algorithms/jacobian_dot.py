@@ -19,9 +19,9 @@ from __future__ import annotations
 from functools import reduce
 from operator import add
 
-from ulna.algorithms.jacobian import Column, by_step, frame_columns
+from ulna.algorithms.jacobian import Column, by_step, frame_columns, world_columns
 from ulna.algorithms.references import Reference
-from ulna.algorithms.tree import blank, chain
+from ulna.algorithms.tree import blank, chain, steps
 from ulna.model import Frame, Model
 from ulna.numeric import cross
 from ulna.spatial import Motion
@@ -46,6 +46,28 @@ def frame_jacobian_dot(
     for group, V, rest in zip(groups, upto, beyond, strict=True):
         for column in group:
             change = _change(column.motion, V, rest, reference)
+            dJ[..., :3, column.index] += change.linear
+            dJ[..., 3:, column.index] += change.angular
+    return dJ
+
+
+def joint_jacobians_dot(model: Model, q: Array, v: Array) -> Array:
+    """The time derivative of `joint_jacobians` along `v`, shape (..., 6, nv).
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+    """
+    tree = steps(model)
+    dJ = blank((6, model.nv), q, v)
+    twists: list[Motion] = []
+    groups = by_step(world_columns(tree, q))
+    for step, group in zip(tree, groups, strict=True):
+        before = twists[step.parent] if step.parent >= 0 else Motion.zero()
+        twists.append(before + step_twist(group, v))
+        for column in group:
+            change = twists[-1].cross(column.motion)
             dJ[..., :3, column.index] += change.linear
             dJ[..., 3:, column.index] += change.angular
     return dJ

@@ -76,6 +76,21 @@ def joint_velocities(model: Model, q: Array, v: Array) -> list[Motion]:
     return [spread_motion(V, q, v) for V, step in zip(velocities, tree, strict=True) if step.is_last]
 
 
+def joint_accelerations(model: Model, q: Array, v: Array, a: Array | None) -> list[Motion]:
+    """A of the moving frame of every joint in its own coordinates [m/s^2, rad/s^2], without gravity.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv); None for zero.
+    """
+    tree = steps(model)
+    inputs = (q, v) if a is None else (q, v, a)
+    found = _accelerations(tree, q, v, a)
+    return [spread_motion(A, *inputs) for (_, A), step in zip(found, tree, strict=True) if step.is_last]
+
+
 def frame_velocity(
     model: Model, q: Array, v: Array, frame: Frame, reference: Reference = "local_world_aligned"
 ) -> Motion:
@@ -127,13 +142,7 @@ def frame_acceleration(
     if not tree:
         return spread_motion(Motion.zero(), *inputs)
 
-    def advance(step: Step, before: tuple[Motion, Motion]) -> tuple[Motion, Motion]:
-        own = step.motion(v)
-        V = step.carry(before[0], q) + own
-        A = step.carry(before[1], q) + V.cross(own)
-        return V, A if a is None else A + step.motion(a)
-
-    V, A = outward(tree, (Motion.zero(), Motion.zero()), advance)[-1]
+    V, A = _accelerations(tree, q, v, a)[-1]
     placement = relevant_placement(frame.placement, reference)
     V, A = placement.act_inverse(V), placement.act_inverse(A)
     T = tip_pose(tree, q, placement)
@@ -148,3 +157,15 @@ def frame_acceleration(
 
 def _velocities(tree: Sequence[Step], q: Array, v: Array) -> list[Motion]:
     return outward(tree, Motion.zero(), lambda step, V: step.carry(V, q) + step.motion(v))
+
+
+def _accelerations(tree: Sequence[Step], q: Array, v: Array, a: Array | None) -> list[tuple[Motion, Motion]]:
+    """V and A of every step."""
+
+    def advance(step: Step, before: tuple[Motion, Motion]) -> tuple[Motion, Motion]:
+        own = step.motion(v)
+        V = step.carry(before[0], q) + own
+        A = step.carry(before[1], q) + V.cross(own)
+        return V, A if a is None else A + step.motion(a)
+
+    return outward(tree, (Motion.zero(), Motion.zero()), advance)

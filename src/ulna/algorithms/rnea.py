@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna.algorithms.external import External, batches
-from ulna.algorithms.lumps import Lump, felt
+from ulna.algorithms.lumps import Lump, felt, lumps
 from ulna.algorithms.tidy import Tidy, tidy
 from ulna.algorithms.tree import Step, blank, inward, outward
 from ulna.model import Model
@@ -99,6 +99,25 @@ def static_torque(model: Model, q: Array, external: External) -> Array:
         external: Forces on the bodies.
     """
     return inverse_dynamics(model, q, None, None, external)
+
+
+def joint_wrenches(
+    model: Model, q: Array, v: Array | None, a: Array | None, external: External = None
+) -> list[Force]:
+    """What every joint passes on to the body it moves, in its moving frame [N, N m]; see `inverse_dynamics`.
+
+    The inertias are those of the bodies, not the ones that a joint can feel: bearings carry what no joint feels.
+    """
+    tidied = tidy(model)
+    moving = rates(tidied.tree, q, v, a, -np.asarray(model.gravity))
+    forces = [wrench(body, rate) for body, rate in zip(lumps(model, tidied), moving, strict=True)]
+    gathered = _gathered(tidied, q, less_external(model, tidied, forces, external))
+    inputs = [*(x for x in (q, v, a) if x is not None), *batches(external)]
+    return [
+        frame.act(force) + Force(blank((3,), *inputs), blank((3,), *inputs))
+        for step, frame, force in zip(tidied.tree, tidied.frames, gathered, strict=True)
+        if step.is_last
+    ]
 
 
 def rates(tree: Sequence[Step], q: Array, v: Array | None, a: Array | None, world: Array) -> list[Rates]:
@@ -172,13 +191,15 @@ def wrench(body: Lump, rate: Rates) -> Force:
 def project(model: Model, tidied: Tidy, q: Array, forces: Sequence[Force], inputs: Sequence[Array]) -> Array:
     """tau without armature: the forces on the bodies, gathered inward and felt at the joints."""
     tau = blank((model.nv,), *inputs)
-    gathered = inward(
-        tidied.tree, forces, lambda step, force: step.placement.act(step.transform(q).act(force))
-    )
-    for step, force in zip(tidied.tree, gathered, strict=True):
+    for step, force in zip(tidied.tree, _gathered(tidied, q, forces), strict=True):
         for k, S in zip(step.indices, step.subspace(), strict=True):
             tau[..., k] += S.dot(force) * step.multiplier
     return tau
+
+
+def _gathered(tidied: Tidy, q: Array, forces: Sequence[Force]) -> list[Force]:
+    """For every step, what moves all bodies from it outward."""
+    return inward(tidied.tree, forces, lambda step, force: step.placement.act(step.transform(q).act(force)))
 
 
 def less_external(model: Model, tidied: Tidy, forces: Sequence[Force], external: External) -> list[Any]:

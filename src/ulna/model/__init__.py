@@ -17,6 +17,7 @@ from ulna.model.inertial import (
     with_link_inertias,
 )
 from ulna.model.joints import (
+    Circle,
     Composite,
     Continuous,
     Coordinate,
@@ -25,6 +26,7 @@ from ulna.model.joints import (
     Helical,
     JointKind,
     Planar,
+    PlanarCircle,
     Prismatic,
     Revolute,
     Spherical,
@@ -40,6 +42,7 @@ from ulna.model.reduce import lock_joints
 from ulna.model.variable import parameter_names, parameters, with_parameters
 
 __all__ = [
+    "Circle",
     "Composite",
     "Constraint",
     "Continuous",
@@ -59,6 +62,7 @@ __all__ = [
     "Model",
     "ModelBuilder",
     "Planar",
+    "PlanarCircle",
     "PointContact",
     "PointLoop",
     "Prismatic",

@@ -2,6 +2,7 @@
 
 from ulna.model.joints.ball import FreeFlyer, Spherical
 from ulna.model.joints.base import Coordinate, JointKind, VectorKind
+from ulna.model.joints.circle import Circle, PlanarCircle
 from ulna.model.joints.composite import Composite
 from ulna.model.joints.fixed import Fixed
 from ulna.model.joints.planar import Planar
@@ -9,6 +10,7 @@ from ulna.model.joints.sliding import Prismatic, Translation
 from ulna.model.joints.turning import Continuous, Helical, Revolute, Universal
 
 __all__ = [
+    "Circle",
     "Composite",
     "Continuous",
     "Coordinate",
@@ -17,6 +19,7 @@ __all__ = [
     "Helical",
     "JointKind",
     "Planar",
+    "PlanarCircle",
     "Prismatic",
     "Revolute",
     "Spherical",

@@ -84,18 +84,28 @@ EYE = constant(np.eye(3))
 
 
 def rotation_about(axis: Axis, angle: Any) -> Array:
-    """The rotation matrix about a unit axis: a a^T + cos(angle) (I - a a^T) + sin(angle) [a]x.
+    """The rotation matrix about a unit axis, shape (..., 3, 3).
+
+    Args:
+        axis: Unit axis.
+        angle: Angle [rad], shape (...).
+    """
+    return rotation_of(axis, *sincos(angle))
+
+
+def rotation_of(axis: Axis, s: Any, c: Any) -> Array:
+    """The rotation matrix about a unit axis: a a^T + c (I - a a^T) + s [a]x.
 
     This is Rodrigues' formula, its constant matrices worked out beforehand.
 
     Args:
         axis: Unit axis a.
-        angle: Angle [rad], shape (...).
+        s: Sine of the angle, shape (...).
+        c: Cosine of the angle, shape (...).
 
     Returns:
         Rotation matrix, shape (..., 3, 3).
     """
-    s, c = sincos(angle)
     x, y, z = axis
     cross = ((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0))
     rows = []
