@@ -70,7 +70,7 @@ class Handle:
     @position.setter
     def position(self, position: ArrayLike) -> None:
         pose = self.pose
-        pose[:3, 3] = _numbers("position", position, 3)
+        pose[:3, 3] = numbers("position", position, 3)
         self._scene.set_pose(self._name, pose)
 
     @property
@@ -108,7 +108,7 @@ class Handle:
     @scale.setter
     def scale(self, scale: ArrayLike) -> None:
         factors = np.broadcast_to(np.asarray(scale, dtype=float), 3) if np.ndim(scale) == 0 else scale
-        factors = _numbers("scale", factors, 3)
+        factors = numbers("scale", factors, 3)
         if not (factors > 0.0).all():
             raise InputError(f"`scale` is {factors.tolist()}; expected factors above zero.")
         self._scene.set_look(self._name, "scale", factors)
@@ -272,7 +272,7 @@ class Arrow(Handle):
 
     @vector.setter
     def vector(self, vector: ArrayLike) -> None:
-        self._vector = _numbers("vector", vector, 3)
+        self._vector = numbers("vector", vector, 3)
         length = float(np.linalg.norm(self._vector))
         tip = min(5.0 * self._radius, 0.5 * length)
         pose, top = self.pose, np.eye(4)
@@ -295,7 +295,12 @@ def rotation_to(vector: Floats) -> Floats:
     return np.stack([x, np.cross(z, x), z], axis=1)
 
 
-def _numbers(name: str, value: ArrayLike, count: int) -> Floats:
+def numbers(name: str, value: ArrayLike, count: int) -> Floats:
+    """`count` finite numbers.
+
+    Raises:
+        ShapeError, NonFiniteError: They are not.
+    """
     out = np.array(value, dtype=float)
     if out.shape != (count,):
         raise ShapeError(name, out.shape, f"({count},)")

@@ -34,6 +34,7 @@ RATE = 60.0
 """How often the page looks for something new [1/s]."""
 
 _PLAIN = (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
+_SETTLING = 0.2  # s between two looks for a camera that has everything in view
 _CALM = 1 / 15  # s between two new contents of one node
 
 
@@ -98,7 +99,7 @@ class Page:
         self._stop = threading.Event()
         self._complaint = ""
         self._floor, self._grid = floor, True
-        self._framed = camera is not None
+        self._framed, self._unframed, self._framed_at = camera is not None, False, 0.0
         self._theme = theme
         self.visited = False
         """Whether any tab has looked at it so far."""
@@ -157,9 +158,13 @@ class Page:
         self._framed = True
         look_from(self.server, camera or self._view())
 
-    def frame_once(self) -> None:
-        """Have what there is by now in view and above the floor, unless camera or floor were chosen."""
-        if not self._framed and not self.visited:
+    def frame_soon(self) -> None:
+        """Have all in view and above the floor, unless a camera or a floor was chosen or somebody looks already."""
+        self._unframed = True
+
+    def _frame(self, now: float) -> None:
+        self._unframed, self._framed_at = False, now
+        if not self._framed and (not self.visited or now < self._again):
             look_from(self.server, self._view())
         if self._floor is None:
             lay_floor(self.server, self._theme, self.scene.floor(), self._grid)
@@ -174,6 +179,7 @@ class Page:
         """Send what the scene holds now, without waiting for the thread of the page."""
         with self._tick_lock:
             self._revised.clear()
+            self._framed_at = 0.0
             self._publish()
         self.server.flush()
 
@@ -225,6 +231,8 @@ class Page:
 
     def _publish(self) -> None:
         now = time.monotonic()
+        if self._unframed and now - self._framed_at > _SETTLING:
+            self._frame(now)
         if self._settled and self.scene.version == self._sent and now >= self._again and not self._stale:
             return
         seen = self.scene.snapshot()

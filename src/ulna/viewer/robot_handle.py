@@ -16,7 +16,7 @@ from ulna.typing import ArrayLike, Floats
 from ulna.viewer import ellipsoids
 from ulna.viewer.content import Lines
 from ulna.viewer.figure import Figure, Ghosts, Showing, checked_configuration
-from ulna.viewer.handles import Arrow, Handle, Path
+from ulna.viewer.handles import Arrow, Handle, Path, numbers
 from ulna.viewer.scene import Scene
 from ulna.viewer.surface import RGBA, colour
 from ulna.viewer.tessellate import arrow, axes, ball
@@ -93,8 +93,7 @@ class RobotHandle(Handle):
     def qd(self, qd: ArrayLike) -> None:
         with self._lock:
             if self._body is None:
-                self._body = Body(self.robot, self.q, qd, name=self.name)
-                self._qd, self._body = self._body.qd, None
+                self._qd = numbers("qd", qd, self.robot.nv)
             else:
                 self._body.qd = qd
 

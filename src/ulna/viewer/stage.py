@@ -41,6 +41,7 @@ class Stage(abc.ABC):
         self.scene = Scene()
         """The scene: names, poses and looks of everything."""
         self._handles: dict[str, Handle] = {}
+        self._counts: dict[str, int] = {}
 
     @abc.abstractmethod
     def _added(self, handle: Handle) -> None:
@@ -356,6 +357,7 @@ class Stage(abc.ABC):
         for name in self.scene.names:
             if name in self.scene:
                 self.remove(name)
+        self._counts.clear()
 
     def __getitem__(self, name: str) -> Any:
         """The handle of a thing; of a group that appeared by itself, too."""
@@ -367,8 +369,11 @@ class Stage(abc.ABC):
         return name in self.scene
 
     def _free(self, kind: str) -> str:
-        names = itertools.chain([kind], (f"{kind} {k}" for k in itertools.count(2)))
-        return next(n for n in names if n not in self.scene)
+        """A name for another thing of that kind."""
+        names = ((k, kind if k == 1 else f"{kind} {k}") for k in itertools.count(self._counts.get(kind, 1)))
+        count, name = next((k, n) for k, n in names if n not in self.scene)
+        self._counts[kind] = count
+        return name
 
     def _put(
         self,

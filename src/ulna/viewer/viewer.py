@@ -153,7 +153,7 @@ class Viewer(Studio):
 
     def _added(self, handle: Handle) -> None:
         if self._page is not None:
-            self._page.frame_once()
+            self._page.frame_soon()
         if isinstance(handle, RobotHandle) and self._simulation is not None:
             self._adopt(handle)
 

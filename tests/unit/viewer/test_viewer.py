@@ -10,6 +10,7 @@ import ulna
 from ulna.errors import InputError, NonFiniteError, ShapeError, UlnaError, UnknownName
 from ulna.geometry import Box, Mesh, Sphere
 from ulna.sim import Recording
+from ulna.viewer.camera import Camera
 from ulna.viewer.content import Copies, Lines, Points
 from ulna.viewer.handles import Handle
 from ulna.viewer.robot_handle import RobotHandle
@@ -375,6 +376,35 @@ def test_a_viewer_without_a_page_says_so_and_draws(
     with pytest.raises(UnknownName, match="'dark'"):
         viewer.theme = "drak"
     assert isinstance(viewer["panda"], RobotHandle)
+
+
+def test_a_page_has_what_is_added_in_view_and_above_its_floor() -> None:
+    pytest.importorskip("viser", reason="viser, which serves the page, is not installed")
+    with Viewer(port=0, browser=False) as viewer:
+        viewer.box((1, 1, 1), pose=ulna.SE3.trans(5, 6, -3))
+        viewer.flush()
+        page = viewer._page
+        assert page is not None
+        first = page.server.initial_camera
+        np.testing.assert_allclose(first.look_at, (5, 6, -3), atol=1.5)
+        floor = page.server.scene.get_handle_by_name("/(page)/floor")
+        assert floor is not None
+        assert floor.position[2] == pytest.approx(-3.5, abs=0.01)
+        viewer.camera = Camera((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))
+        viewer.sphere(0.1, pose=ulna.SE3.trans(-50, 0, 0))
+        viewer.floor = -7.0
+        viewer.flush()
+        np.testing.assert_allclose(first.position, (1, 2, 3))  # it was chosen
+        assert "<iframe" in str(viewer._repr_html_())
+
+
+def test_many_things_are_added_in_time_that_grows_with_their_number(viewer: Viewer) -> None:
+    for _ in range(1500):
+        viewer.box((1, 1, 1))
+    assert viewer.scene.names[-1] == "box 1500"
+    viewer.remove("box 2")
+    viewer.clear()
+    assert viewer.box((1, 1, 1)).name == "box"
 
 
 def test_controls_without_a_page_keep_their_values(viewer: Viewer) -> None:
