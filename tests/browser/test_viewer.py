@@ -123,6 +123,25 @@ def test_looks_change_in_the_browser_and_back(viewer: Viewer, tab: Tab) -> None:
     assert wait(lambda: tab.look(path) == plain), (tab.look(path), plain)
 
 
+def test_a_texture_is_drawn_and_a_colour_hides_it(viewer: Viewer, tab: Tab, tmp_path: Path) -> None:
+    pytest.importorskip("trimesh")
+    Image = pytest.importorskip("PIL.Image")
+    Image.new("RGB", (4, 4), (255, 0, 0)).save(tmp_path / "red.png")
+    (tmp_path / "a.mtl").write_text("newmtl m\nmap_Kd red.png\n")
+    (tmp_path / "a.obj").write_text(
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"
+    )
+    thing = viewer.mesh(tmp_path / "a.obj", name="textured")
+    mapped = """() => { let map = null; window.__viserMutable.nodeRefFromName["/textured"]?.traverse(
+        o => { if (o.material?.map) map = [o.material.map.image.width, o.material.map.image.height]; }); return map; }"""
+    assert wait(lambda: tab.page.evaluate(mapped) == [4, 4])
+    thing.color = (0, 0, 1)
+    assert wait(lambda: tab.page.evaluate(mapped) is None)
+    thing.color = None
+    assert wait(lambda: tab.page.evaluate(mapped) == [4, 4])
+    thing.remove()
+
+
 def test_a_newcomer_sees_looks_too(viewer: Viewer, chromium: Any) -> None:
     ball = viewer.sphere(0.1, name="ball")
     ball.opacity = 0.25
