@@ -1,0 +1,1 @@
+"""The module of that name, which holds nothing in spatialgeometry either."""
