@@ -170,9 +170,10 @@ class Shape(SceneNode, abc.ABC):
         from spatialmath import SE3  # pyright: ignore[reportMissingImports]
 
         sizes = [f"{name}={np.asarray(getattr(self, name)).tolist()!r}" for name in self.lengths]
-        colour = ", ".join(str(round(c, 3)) for c in self._rgba[: 3 if self.opacity == 1.0 else 4])
+        look = [f"color=({', '.join(str(round(c, 3)) for c in self._rgba[:3])})"]
+        look += [f"opacity={self.opacity:g}"] if self.opacity < 1.0 else []
         where = SE3(self.T, check=False).strline()
-        return f"{type(self).__name__}({', '.join([*sizes, f'color=({colour})'])}, pose={where!r})"
+        return f"{type(self).__name__}({', '.join([*sizes, *look])}, pose={where!r})"
 
 
 def box_corners(bounds: Floats) -> Floats:
