@@ -78,10 +78,10 @@ def render(
         )
     look = theme_of(theme)
     camera = camera or frame(scene, width / height)
+    floor = scene.floor() if floor is None else floor
     seen = scene.snapshot()
     triangles = _gather(seen)
     solid = triangles.rgba[:, 3] >= 0.999
-    floor = scene.floor() if floor is None else floor
     casting = triangles.corners[triangles.shadow & (triangles.rgba[:, 3] > 0.6)]
     shadows = light.shadow_map(casting, floor)
     picture = _ground(camera, width, height, floor, shadows, casting, look)

@@ -108,15 +108,16 @@ class Studio(Stage, abc.ABC):
         times = moments(length, fps, speed)
         with self._as_it_was():
             view = camera or self._camera or self._view_of(bring, times, width / height)
+            floor = self.scene.floor() if self._floor is None else self._floor
+            with progress(f"Drawing {os.path.basename(os.fspath(path))}") as report:
 
-            def pictures() -> Iterator[Array]:
-                with progress(f"Drawing {os.path.basename(os.fspath(path))}") as report:
+                def pictures() -> Iterator[Array]:
                     for k, t in enumerate(times):
                         report(k, len(times))
                         bring(float(t))
-                        yield self.picture(None, width, height, camera=view, samples=samples)
+                        yield render(self.scene, width, height, view, samples, self._theme, floor)
 
-            return write_film(path, pictures(), fps)
+                return write_film(path, pictures(), fps)
 
     def html(
         self,
