@@ -27,9 +27,10 @@ import numpy as np
 
 from ulna import algorithms, numeric
 from ulna.errors import InputError, UnknownName
+from ulna.ik.goal import Mask, squared_tolerances
 from ulna.ik.problem import Errors, Problem, errors
 from ulna.ik.qp import solve_box
-from ulna.ik.question import check_count, check_tolerances, matrix_of, problem_of, refuse, rest
+from ulna.ik.question import check_count, check_tolerances, matrix_of, problem_of, refuse, rest, shift_of
 from ulna.ik.result import IKSolution
 from ulna.ik.search import start
 from ulna.ik.verdict import are_rotations, unwound, verdict
@@ -193,13 +194,13 @@ class ClassicSolver:
         self,
         model: Model,
         frames: Sequence[str],
-        masks: Sequence[Any] | None,
+        masks: Sequence[Mask] | None,
         joints: Sequence[str] | None,
         method: Method,
         has_null_motion: bool,
     ) -> None:
         """The arguments are those of `robot.ik_classic`, with `frames` as names."""
-        if method not in DAMPING:
+        if not isinstance(method, str) or method not in DAMPING:
             raise UnknownName("method", method, DAMPING)
         self.problem = problem_of(model, frames, masks, joints, radian=1.0, by_angle=True)
         unit = tuple((1, entries) for entries in model.quaternions)
@@ -216,11 +217,14 @@ class ClassicSolver:
         check_count("iterations", settings["iterations"])
         check_count("searches", settings["searches"])
         for name in ("damping", "limit_gain", "influence", "manipulability_gain"):
-            if not 0.0 <= settings[name] < float("inf") or (name == "influence" and not settings[name]):
-                raise InputError(f"`{name}` is {settings[name]!r}; expected a number, not below 0.")
+            value = settings[name]
+            if not (isinstance(value, (int, float, np.number)) and 0.0 <= value < float("inf")):
+                raise InputError(f"`{name}` is {value!r}; expected a number, not below 0.")
+        if not settings["influence"]:
+            raise InputError("`influence` is 0; expected a number above 0.")
         numbers = np.array([float(settings[name]) for name in SETTINGS])
-        numbers[:2] **= 2
-        shift = np.random.default_rng(seed).random(len(self.problem.drawn))
+        numbers[:2] = squared_tolerances(settings["position_tolerance"], settings["rotation_tolerance"])
+        shift = shift_of(seed, self.problem)
         raw = self._kernel(matrix_of(T), self._rest if q0 is None else q0, shift, numbers, threads=threads)
         if (raw[..., self.problem.model.nq] < -0.5).any():
             refuse(np.asarray(T, dtype=float))

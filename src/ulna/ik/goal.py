@@ -8,6 +8,7 @@
 | s, c | sine times axis, and cosine, of the angle theta to R* | | s = 1/2 sum r_i x r*_i, c = (tr(R^T R*) - 1)/2 |
 | e_r | rotation error: the axis times the chord 2 sin(theta/2) | (3,) [rad] | s / cos(theta/2) |
 | e_a | error of one axis of the tool, in tool axes: likewise with s = a x a*, c = a . a* | (3,) [rad] | |
+| e_w | rotation vector, of which weights may leave parts free | (3,) [rad] | e_r theta / chord |
 
 Sources: Luh, Walker & Paul 1980 (s as an orientation error); Siciliano et al. 2009, section 3.7.3. The chord grows up
 to half a turn, where s alone has no slope left, and equals the angle to third order at the goal.
@@ -15,6 +16,7 @@ to half a turn, where s alone has no slope left, and equals the angle to third o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, final
@@ -29,6 +31,8 @@ from ulna.typing import Array
 _AXES = {"x": 0, "y": 1, "z": 2}
 _ONES, _ZEROS = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 _HALF_TURN = 1e-9  # how close (1 + c)/2 may come to 0, where the direction of e_r is lost
+_ANY_CHORD, _ANY_LENGTH = 3.0, 1e100  # above all there are, with finite squares
+_NEARLY_HALF_TURN = -0.999  # c where the direction of e_w begins to be lost
 
 
 @final
@@ -63,7 +67,7 @@ MASKS: dict[str, Mask] = {
 
 
 def mask_of(value: Any) -> Mask:
-    """The mask that a user means by a name or by six weights.
+    """The mask that a user means by a name or by six weights, of which the ratios count.
 
     Raises:
         UnknownName: For an unknown name.
@@ -84,7 +88,8 @@ def mask_of(value: Any) -> Mask:
             f"`mask` is {value!r}; expected one of {', '.join(map(repr, MASKS))}, or six weights "
             "(x, y, z, rx, ry, rz), 0 where the pose is free, in world axes."
         )
-    return Mask(weights[:3], weights[3:])
+    whole = tuple(w / max(weights) for w in weights)
+    return Mask(whole[:3], whole[3:])
 
 
 class Distance(NamedTuple):
@@ -93,15 +98,15 @@ class Distance(NamedTuple):
     position: Any
     """Squared length of what counts of e_p [m^2]."""
     rotation: Any
-    """Squared length of what counts of e_r or e_a [rad^2]."""
+    """Squared length of e_r or e_a, or of what counts of e_w [rad^2]."""
     is_near: Any
-    """Whether the frame is turned by so little that `rotation` can tell no turn from half a turn."""
+    """Whether e_w can be told: not half a turn from the goal, where its direction is lost."""
     weighted: Sequence[Any]
     """The errors, weighted; radians count as `length` metres."""
     rows: Sequence[Array]
     """Their derivatives by v, negated: what a velocity takes off each, (nv,) each; empty if not asked for."""
     angle: Any
-    """The angle that counts [rad]."""
+    """The angle that counts: theta, or the length of what counts of e_w [rad]."""
 
 
 def distance(
@@ -142,16 +147,35 @@ def distance(
         turning = J[3:] if J is not None else None
     if any(weights):
         chord = s / numeric.sqrt(numeric.maximum(0.5 * (1.0 + c), _HALF_TURN))
-        is_near = c > (0.0 if all(weights) or mask.axis is not None else -0.999)
         turned = [k for k, weight in enumerate(weights) if weight]
+        is_whole = mask.axis is not None or all(weights)
+        arc = _arc(s, c, chord) if by_angle or not is_whole else 1.0
         rotation = sum((chord[k] * chord[k] for k in turned), 0.0)
-        angle = numeric.arctan2(numeric.sqrt(sum((s[k] * s[k] for k in turned), 0.0)), c)
-        stretch: Any = 1.0
-        if by_angle:
-            whole = numeric.sqrt(numeric.dot(chord, chord))
-            theta = numeric.arctan2(numeric.sqrt(numeric.dot(s, s)), c)
-            stretch = numeric.where(whole > 1e-6, theta / numeric.maximum(whole, 1e-6), 1.0)
+        if is_whole:
+            rotation = numeric.where(c > 0.0, rotation, 2.0 - 2.0 * c)  # beyond, s says ever less
+            angle = numeric.arctan2(numeric.sqrt(sum((s[k] * s[k] for k in turned), 0.0)), c)
+        else:
+            is_near = c > _NEARLY_HALF_TURN
+            rotation = rotation * (arc * arc)
+            angle = numeric.sqrt(rotation)
+        stretch = arc if by_angle else 1.0
         weighted += [chord[k] * (weights[k] * length) * stretch for k in turned]
         if turning is not None:
             rows += [turning[k] * (weights[k] * length) for k in turned]
     return Distance(position, rotation, is_near, weighted, rows, angle)
+
+
+def _arc(s: Array, c: Any, chord: Array) -> Any:
+    """How much longer than its chord the angle is, 1 to pi/2."""
+    whole = numeric.sqrt(numeric.dot(chord, chord))
+    theta = numeric.arctan2(numeric.sqrt(numeric.dot(s, s)), c)
+    return numeric.where(whole > 1e-6, theta / numeric.maximum(whole, 1e-6), 1.0)
+
+
+def squared_tolerances(position: float, rotation: float) -> tuple[float, float]:
+    """The greatest `Distance.position` and `Distance.rotation` within tolerances [m] and [rad].
+
+    An angle is within its tolerance where its chord is; half a turn and more is any turn.
+    """
+    chord = 2.0 * math.sin(0.5 * rotation) if rotation < math.pi else _ANY_CHORD
+    return min(position, _ANY_LENGTH) ** 2, chord**2

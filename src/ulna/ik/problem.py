@@ -65,8 +65,15 @@ class Problem:
 
     @cached_property
     def drawn(self) -> list[int]:
-        """Where in q the joints stand whose starting points are drawn: those with one coordinate."""
-        return [j.idx_q for j in (self.model.joints[i] for i in self.joints) if j.nq == j.nv == 1]
+        """Where in q starting points are drawn: joints of one coordinate, and others' coordinates between limits."""
+        lower, upper = self.limits
+        chosen = [self.model.joints[i] for i in self.joints]
+        return [
+            j.idx_q + k
+            for j in chosen
+            for k in range(j.nq)
+            if j.nq == j.nv and (j.nq == 1 or upper[j.idx_q + k] - lower[j.idx_q + k] < np.inf)
+        ]
 
     @property
     def limits(self) -> tuple[Floats, Floats]:
@@ -92,10 +99,14 @@ class Problem:
 
     @cached_property
     def range(self) -> tuple[Floats, Floats]:
-        """Between which positions starting points are drawn, (len(drawn),): the limits, within half a turn of 0."""
+        """Between which positions starting points are drawn, (len(drawn),): the limits, within half a turn of 0.
+
+        From a limit that has no other, a whole turn.
+        """
         lower, upper = (x[self.drawn] for x in self.limits)
         low, high = np.maximum(lower, -_HALF_TURN), np.minimum(upper, _HALF_TURN)
-        apart = low >= high  # limits that lie wholly beyond half a turn
+        single = np.isfinite(lower) != np.isfinite(upper)
+        apart = single | (low >= high)  # limits that lie wholly beyond half a turn
         width = np.minimum(upper - lower, 2 * _HALF_TURN)
         low = np.where(apart, np.where(np.isfinite(lower), lower, upper - width), low)
         return low, np.where(apart, low + width, high)
@@ -164,7 +175,7 @@ class Errors(NamedTuple):
 
 
 def errors(problem: Problem, q: Array, goals: Array, tolerances: Array) -> Errors:
-    """The errors at `q`; `tolerances` are those of position [m^2] and rotation [rad^2], squared."""
+    """The errors at `q`; `tolerances` are `goal.squared_tolerances`."""
     each = problem.distances(q, goals)
     e = np.array([x for d in each for x in d.weighted], dtype=object)
     J = np.array([row[problem.velocities] for d in each for row in d.rows], dtype=object)

@@ -7,18 +7,20 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ulna.errors import InputError, UnknownName
-from ulna.ik.goal import mask_of
+from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.ik.goal import Mask, mask_of
 from ulna.ik.problem import Problem
 from ulna.model import Model
-from ulna.spatial.check import checked_rotation
+from ulna.spatial.check import checked, checked_rotation
 from ulna.typing import Floats
 
 REST = ("rest", "home", "ready", "qr", "half_sitting", "standing")
 """Names of configurations that a search sets out from, the first that the robot has."""
 
 
-def named_goals(T: Any, frame: Any, mask: Any) -> tuple[Any, tuple[str | None, ...], tuple[Any, ...] | None]:
+def named_goals(
+    T: Any, frame: Any, mask: Any, tool: str
+) -> tuple[Any, tuple[str, ...], tuple[Any, ...] | None]:
     """Goals, names of their frames and their masks, out of what users may pass: see `robot.ik`."""
     if isinstance(T, Mapping):
         if frame is not None:
@@ -26,12 +28,8 @@ def named_goals(T: Any, frame: Any, mask: Any) -> tuple[Any, tuple[str | None, .
         if not T:
             raise InputError("`T` is an empty dictionary; expected a pose for at least one frame.")
         names = tuple(T)
-        T = (
-            np.stack([matrix_of(pose) for pose in T.values()], axis=-3)
-            if len(T) > 1
-            else matrix_of(T[names[0]])
-        )
-    elif isinstance(frame, (list, tuple)):
+        T = _side_by_side(T) if len(T) > 1 else matrix_of(T[names[0]])
+    elif isinstance(frame, (list, tuple, np.ndarray)):
         names = tuple(frame)
         if not names:
             raise InputError("`frame` is empty; expected the name of a frame, or several.")
@@ -40,40 +38,59 @@ def named_goals(T: Any, frame: Any, mask: Any) -> tuple[Any, tuple[str | None, .
             T = T[..., 0, :, :] if T.ndim > 2 and T.shape[-3] == 1 else T
     else:
         names = (frame,)
-    several = isinstance(mask, Mapping) or (
-        isinstance(mask, (list, tuple)) and any(not isinstance(m, (int, float)) for m in mask)
-    )
+    names = tuple(tool if name is None else name for name in names)
+    return T, names, _masks(mask, names)
+
+
+def _masks(mask: Any, names: Sequence[str]) -> tuple[Mask, ...] | None:
+    """The mask of each frame; None where nothing is said."""
     if mask is None:
-        return T, names, None
-    if not several:
-        return T, names, (_key(mask),) * len(names)
+        return None
+    if isinstance(mask, np.ndarray):
+        mask = mask.tolist()
     if isinstance(mask, Mapping):
         for key in mask:
             if key not in names:
-                raise UnknownName("frame of `mask`", key, [str(n) for n in names])
-        return T, names, tuple(_key(mask.get(name, "pose")) for name in names)
+                raise UnknownName("frame of `mask`", key, names)
+        return tuple(mask_of(mask.get(name, "pose")) for name in names)
+    if not isinstance(mask, (list, tuple)) or all(isinstance(m, (int, float, np.generic)) for m in mask):
+        return (mask_of(mask),) * len(names)
     if len(mask) != len(names):
         raise InputError(f"`mask` has {len(mask)} entries for {len(names)} frames; expected one for each.")
-    return T, names, tuple(_key(m) for m in mask)
+    return tuple(mask_of(m) for m in mask)
+
+
+def _side_by_side(goals: Mapping[Any, Any]) -> Floats:
+    """The goals of several frames as (..., k, 4, 4)."""
+    poses = [checked(f"T[{name!r}]", matrix_of(pose), (4, 4)) for name, pose in goals.items()]
+    try:
+        return np.stack(np.broadcast_arrays(*poses), axis=-3)
+    except ValueError:
+        shapes = ", ".join(f"{name!r} {pose.shape}" for name, pose in zip(goals, poses, strict=True))
+        raise InputError(f"`T` has poses whose leading axes do not broadcast: {shapes}.") from None
 
 
 def rest(problem: Problem) -> Floats:
-    """The configuration a search without `q0` sets out from: a named one, or neutral, or the middle of the limits."""
+    """The configuration a search without `q0` sets out from: a named one, or neutral, or the middle of the limits.
+
+    All of it is within the limits, for the joints that do not move stay there.
+    """
     model = problem.model
+    lower, upper = problem.limits
     for name in REST:
         if name in model.configurations:
-            return np.array(model.configurations[name])
+            return np.clip(model.configurations[name], lower, upper)
     q = model.neutral.copy()
     low, high = problem.range
     inside = (q[problem.drawn] >= low) & (q[problem.drawn] <= high)
     q[problem.drawn] = np.where(inside, q[problem.drawn], 0.5 * (low + high))
-    return q
+    return np.clip(q, lower, upper)
 
 
 def problem_of(
     model: Model,
     frames: Sequence[str],
-    masks: Sequence[Any] | None,
+    masks: Sequence[Mask] | None,
     joints: Sequence[str] | None,
     **options: Any,
 ) -> Problem:
@@ -95,8 +112,7 @@ def problem_of(
         moved = [i for i in moved if i in allowed]
     if not moved:
         raise InputError(f"No joint that may move carries {', '.join(f.name for f in found)}.")
-    chosen = tuple(mask_of(m) for m in masks or ["pose"] * len(found))
-    problem = Problem(model, found, chosen, tuple(moved), **options)
+    problem = Problem(model, found, tuple(masks or [Mask()] * len(found)), tuple(moved), **options)
     n = len(problem.velocities)
     if masks is None and problem.rows > n:
         raise InputError(
@@ -116,8 +132,15 @@ def _source(model: Model, index: int) -> str:
 
 
 def matrix_of(T: Any) -> Any:
-    """Goals as an array, out of an array, a list, or whatever has a method `matrix`."""
-    return np.asarray(T.matrix() if hasattr(T, "matrix") else T)
+    """Goals as an array, out of an array, a list, or whatever has a method `matrix`.
+
+    Raises:
+        InputError: If a list has rows of different lengths.
+    """
+    try:
+        return np.asarray(T.matrix() if hasattr(T, "matrix") else T)
+    except ValueError:
+        raise InputError("`T` is made of rows of different lengths; expected (..., 4, 4).") from None
 
 
 def refuse(T: Floats) -> NoReturn:
@@ -133,8 +156,20 @@ def refuse(T: Floats) -> NoReturn:
     raise InputError(f"`T` has the last row {wrong.tolist()}; expected [0, 0, 0, 1].{mend}")
 
 
-def _key(mask: Any) -> Any:
-    return tuple(mask) if isinstance(mask, (list, np.ndarray)) else mask
+def refuse_batch(T: Any, q0: Any, problem: Problem) -> None:
+    """Says so, in the user's words, where goals and `q0` have leading axes that do not broadcast.
+
+    Raises:
+        ShapeError: If that is so.
+    """
+    if q0 is None:
+        return
+    batch = np.shape(T)[: np.ndim(T) - len(problem.shapes["T"])]
+    try:
+        np.broadcast_shapes(batch, np.shape(q0)[:-1])
+    except ValueError:
+        mend = f"`T` has shape {np.shape(T)}."
+        raise ShapeError("q0", np.shape(q0), f"leading axes that broadcast with {batch}", mend) from None
 
 
 def check_tolerances(position: Any, rotation: Any) -> None:
@@ -148,7 +183,17 @@ def check_tolerances(position: Any, rotation: Any) -> None:
             raise InputError(f"`{name}` is {value!r}; expected a {expected}.")
 
 
-def check_count(name: str, value: Any) -> None:
-    """Refuses what is no whole number above 0."""
-    if not isinstance(value, (int, np.integer)) or value < 1:
-        raise InputError(f"`{name}` is {value!r}; expected a whole number, 1 or more.")
+def check_count(name: str, value: Any, least: int = 1) -> None:
+    """Refuses what is no whole number, `least` or above."""
+    if not isinstance(value, (int, np.integer)) or value < least:
+        raise InputError(f"`{name}` is {value!r}; expected a whole number, {least} or more.")
+
+
+def shift_of(seed: Any, problem: Problem) -> Floats:
+    """Where the sequence of starting points begins, (len(drawn),) of [0, 1).
+
+    Raises:
+        InputError: If `seed` is no whole number, 0 or more: what is drawn is drawn again.
+    """
+    check_count("seed", seed, 0)
+    return np.random.default_rng(seed).random(len(problem.drawn))

@@ -141,8 +141,7 @@ def race(problem: Problem) -> Function:
     """The search of one goal in all lanes.
 
     Inputs: goals T, (4, 4) or for k > 1 frames (k, 4, 4), q0 (nq,), shift (d,) of the starting points, and settings
-    (4,): squared tolerances of position [m^2] and rotation [rad^2], 1 to stay near q0 else 0, the greatest number of
-    steps.
+    (4,): `goal.squared_tolerances`, 1 to stay near q0 else 0, the greatest number of steps.
 
     Output: (nq + 3 + 2 k,): q, whether it meets the goals (-1: a goal is no rotation), steps, number of the starting
     point, and for each frame the errors of position [m] and rotation [rad].

@@ -11,16 +11,28 @@ import numpy as np
 from ulna.errors import ShapeError
 from ulna.ik import search
 from ulna.ik.approach import approach
-from ulna.ik.question import check_count, check_tolerances, matrix_of, problem_of, refuse, rest
+from ulna.ik.goal import Mask, squared_tolerances
+from ulna.ik.question import (
+    check_count,
+    check_tolerances,
+    matrix_of,
+    problem_of,
+    refuse,
+    refuse_batch,
+    rest,
+    shift_of,
+)
 from ulna.ik.result import IKSolution
 from ulna.ik.verdict import judge
 from ulna.model import Model
+from ulna.spatial.check import checked
 from ulna.trace import compile
 from ulna.typing import Floats
 
 _BATCH = 64  # goals from which marching together beats racing one by one
 _FEW = 16  # goals left over that race
 _ROUNDS = 12  # looks at a batch before the goals left over race
+_KEPT = 256  # seeds, and sets of tolerances, that are remembered
 
 
 @final
@@ -28,7 +40,7 @@ class Solver:
     """Inverse kinematics of one robot for one kind of question: which frames, what of them, which joints."""
 
     def __init__(
-        self, model: Model, frames: Sequence[str], masks: Sequence[Any] | None, joints: Sequence[str] | None
+        self, model: Model, frames: Sequence[str], masks: Sequence[Mask] | None, joints: Sequence[str] | None
     ) -> None:
         """The arguments are those of `robot.ik`, with `frames` as names."""
         self.problem = problem_of(model, frames, masks, joints)
@@ -51,12 +63,11 @@ class Solver:
     ) -> IKSolution:
         """Solves for goals T (..., 4, 4), or (..., k, 4, 4) for k frames; see `robot.ik`."""
         key = (position_tolerance, rotation_tolerance, attempts, q0 is None)
-        settings = self._settings.get(key)
-        if settings is None:
-            settings = self._settings[key] = _settings(*key)
-        shift = self._shifts.get(seed)
-        if shift is None:
-            shift = self._shifts[seed] = np.random.default_rng(seed).random(len(self.problem.drawn))
+        try:
+            settings, shift = self._settings[key], self._shifts[seed]
+        except (KeyError, TypeError):  # not met before, or no number at all
+            settings = _remember(self._settings, key, _settings(*key))
+            shift = _remember(self._shifts, seed, shift_of(seed, self.problem))
         if type(T) is not np.ndarray:
             T = matrix_of(T)
         single = len(self.problem.frames) == 1
@@ -66,7 +77,11 @@ class Solver:
         else:
             start = self._rest if q0 is None else q0
             options = {} if threads is None else {"threads": threads}
-            raw = self._race(T, start, shift, settings, **options)
+            try:
+                raw = self._race(T, start, shift, settings, **options)
+            except ShapeError:
+                refuse_batch(T, q0, self.problem)
+                raise
         if raw.ndim == 1:
             if raw[self._status] < 0.5:
                 raw = self._nearest(T, raw, settings)
@@ -77,10 +92,9 @@ class Solver:
     def _march(self, T: Any, shift: Floats, settings: Floats, threads: int | None) -> Floats:
         """All goals go on together, a few steps at a time; those that have arrived step out, the last few race."""
         core = self.problem.shapes["T"]
-        if T.shape[T.ndim - len(core) :] != core:
-            raise ShapeError("T", T.shape, _shown(core))
+        T = checked("T", T, core)
         batch = T.shape[: T.ndim - len(core)]
-        goals = np.ascontiguousarray(T, dtype=float).reshape(-1, *core)
+        goals = np.ascontiguousarray(T).reshape(-1, *core)
         rest, n = self._rest, len(self.problem.positions)
         q, told = np.tile(rest, (len(goals), 1)), np.zeros((len(goals), 2))
         state = np.tile(
@@ -136,8 +150,12 @@ def _settings(position_tolerance: float, rotation_tolerance: float, attempts: in
     check_tolerances(position_tolerance, rotation_tolerance)
     check_count("attempts", attempts)
     steps = -(-attempts // search.LANES) * search.USUAL + search.ATTEMPT
-    return np.array([position_tolerance**2, rotation_tolerance**2, float(not is_free), float(steps)])
+    squared = squared_tolerances(position_tolerance, rotation_tolerance)
+    return np.array([*squared, float(not is_free), float(steps)])
 
 
-def _shown(core: tuple[int, ...]) -> str:
-    return "(" + ", ".join(["...", *map(str, core)]) + ")"
+def _remember(known: dict[Any, Floats], key: Any, value: Floats) -> Floats:
+    if len(known) >= _KEPT:
+        known.clear()
+    known[key] = value
+    return value

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ulna.methods.base import Part
 from ulna.typing import ArrayLike
@@ -46,10 +49,11 @@ class InverseKinematics(Part):
             mask: What counts of the goal: "pose" (the default), "position", "rotation", "position+z" (and where the
                 tool's z axis points; likewise x, y), "z" (the direction alone), or weights (x, y, z, rx, ry, rz), 0
                 where it is free, in world axes. For several frames a list or a dictionary of such.
-            joints: Names of the joints that may move; the others stay as in `q0`. None for all that carry a frame.
+            joints: Names of the joints that may move; the others stay as in `q0`, wherever that is. None for all that
+                carry a frame.
             position_tolerance: Greatest distance from the goal that counts as met [m].
             rotation_tolerance: Greatest angle from the goal that counts as met [rad].
-            seed: Chooses the starting points; the same seed gives the same answer.
+            seed: Chooses the starting points, a whole number, 0 or more; the same seed gives the same answer.
             attempts: About how many starting points are tried before the goal counts as out of reach.
             threads: How many threads a large batch may use.
 
@@ -67,7 +71,7 @@ class InverseKinematics(Part):
         Reference: Sugihara 2011 (damping); the search runs in the SIMD lanes, see `ulna.ik.search`.
         """
         try:
-            solver = self._solvers[type(T) is dict, frame, mask, joints]
+            solver = self._solvers[type(T) is not np.ndarray and isinstance(T, Mapping), frame, mask, joints]
         except (KeyError, TypeError):
             T, solver = self._solver(T, frame, mask, joints)
         return solver(T, q0, position_tolerance, rotation_tolerance, seed, attempts, threads)
@@ -118,13 +122,12 @@ class InverseKinematics(Part):
         from ulna.ik.classic import DAMPING, ClassicSolver
         from ulna.ik.question import named_goals
 
-        goals, names, masks = named_goals(T, frame, mask)
+        goals, names, masks = named_goals(T, frame, mask, self.model.tool)
         has_null_motion = bool(limit_gain or manipulability_gain)
         key = ("classic", method, names, masks, None if joints is None else tuple(joints), has_null_motion)
-        solver = self._solvers.get(key)
+        solver = self._solvers.get(key) if isinstance(method, str) else None
         if solver is None:
-            frames = [self.model.tool if name is None else name for name in names]
-            solver = ClassicSolver(self.model, frames, masks, key[4], method, has_null_motion)
+            solver = ClassicSolver(self.model, names, masks, key[4], method, has_null_motion)
             self._solvers[key] = solver
         settings = {
             "position_tolerance": position_tolerance,
@@ -142,18 +145,13 @@ class InverseKinematics(Part):
         from ulna.ik.question import named_goals
         from ulna.ik.solve import Solver
 
-        goals, names, masks = named_goals(T, frame, mask)
+        goals, names, masks = named_goals(T, frame, mask, self.model.tool)
         moved = None if joints is None else tuple(joints)
         key = (names, masks, moved)
         solver = self._solvers.get(key)
         if solver is None:
-            model = self.model
-            frames = [model.tool if name is None else name for name in names]
-            solver = self._solvers[key] = Solver(model, frames, masks, moved)
-        if not isinstance(T, Mapping) and not isinstance(frame, (list, tuple)):
-            self._solvers[False, frame, _hashable(mask), moved] = solver
+            solver = self._solvers[key] = Solver(self.model, names, masks, moved)
+        if not isinstance(T, Mapping) and isinstance(frame, (str, type(None))):
+            with suppress(TypeError):  # a list of weights is no key: it is understood anew at each call
+                self._solvers[False, frame, mask, moved] = solver
         return goals, solver
-
-
-def _hashable(mask: Any) -> Any:
-    return mask if isinstance(mask, (str, tuple, type(None))) else tuple(mask)

@@ -1,15 +1,17 @@
 """robot.ik: one goal, batches, masks, several frames, limits, wrong input."""
 
 import pickle
+from collections import OrderedDict
+from types import MappingProxyType
 
 import numpy as np
 import pytest
 
 import ulna
-from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.ik.goal import mask_of
 from ulna.ik.result import IKSolution
-from ulna.model import Continuous, FreeFlyer, ModelBuilder, Prismatic, Revolute, with_root_joint
+from ulna.model import Continuous, FreeFlyer, ModelBuilder, Planar, Prismatic, Revolute, with_root_joint
 from ulna.spatial import SE3, so3_log
 
 TIGHT = 1e-6
@@ -117,6 +119,35 @@ def test_masks_leave_free_what_does_not_count(panda, goals, mask, rows):
         axis = "xyz".index(mask[-1])
         assert np.abs(pose[:, :3, axis] - far[:, :3, axis]).max() <= 2 * TIGHT
     assert mask_of(mask).rows == rows
+
+
+@pytest.mark.parametrize(
+    "mask", [(1, 1, 1, 1, 1, 0), (1, 1, 1, 0, 0, 1), (0, 0, 0, 1, 0, 0), (1, 1, 1, 2, 3, 0.1)]
+)
+def test_what_counts_of_a_turn_is_met_however_far_the_rest_is_turned(panda, goals, mask):
+    T = goals[1]
+    solution = panda.ik(T, panda.random_configuration(len(T), seed=9), mask=mask)
+    turns = panda.fk(solution.q)[:, :3, :3] @ np.swapaxes(T[:, :3, :3], -1, -2)
+    counting = so3_log(turns)[:, np.flatnonzero(mask[3:])]
+    assert solution.success.all()
+    np.testing.assert_allclose(solution.rotation_error, np.linalg.norm(counting, axis=1), rtol=0.0, atol=1e-9)
+    assert solution.rotation_error.max() <= TIGHT * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("tolerance", [0.3, 1.0, 1.5, 2.5, 4.0])
+def test_large_tolerances_are_met_by_the_angle(panda, goals, tolerance):
+    q0 = panda.random_configuration(len(goals[1]), seed=3)
+    solution = panda.ik(goals[1], q0, position_tolerance=tolerance, rotation_tolerance=tolerance)
+    within = (solution.position_error <= tolerance) & (solution.rotation_error <= tolerance)
+    assert solution.success.all() and within.all()
+    assert tolerance < np.pi or solution.iterations.max() == 1
+
+
+def test_of_weights_the_ratios_count(panda, goals):
+    tiny, huge = (panda.ik(goals[1][0], mask=[k * 1e-12, *[k * 1e-11] * 5]) for k in (1.0, 1e24))
+    assert tiny.success
+    np.testing.assert_array_equal(tiny.q, huge.q)
+    assert mask_of(np.full(6, 3)) == mask_of("pose")
 
 
 def test_weights_free_directions_in_world_axes(panda, goals):
@@ -319,3 +350,101 @@ def test_an_answer_cannot_be_changed_and_says_what_it_is(panda, goals):
     with pytest.raises(TypeError, match="no single truth"):
         bool(batch)
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(batch)).q, batch.q)
+
+
+def _slide_and_turn(**limits):
+    builder = ModelBuilder("slide and turn").add_link("base").add_link("cart").add_link("arm")
+    builder.add_joint("slide", Planar((0, 0, 1)), "base", "cart", **limits)
+    builder.add_joint("turn", Revolute((0, 1, 0)), "cart", "arm", lower=-1.0, upper=1.0)
+    builder.add_frame("tip", "arm", SE3.trans(0.3, 0.0, 0.0)).set_tool("tip")
+    return builder
+
+
+def test_a_rest_configuration_beyond_the_limits_is_no_answer():
+    builder = _slide_and_turn().add_configuration("rest", [0.0, 0.0, 0.0, 1.5])
+    robot = ulna.Robot(builder.build())
+    T = np.stack([robot.fk(robot.configurations["rest"])] * 100)
+    for solution in (robot.ik(T, mask="position"), robot.ik(T[:2], mask="position")):
+        assert not solution.success.any() and robot.limits.contains(solution.q).all()
+
+
+def test_joints_of_several_coordinates_are_searched_within_their_limits():
+    robot = ulna.Robot(_slide_and_turn(lower=[1.0, 1.0, -1.0], upper=[2.0, 2.0, 1.0]).build())
+    solution = robot.ik(robot.fk(robot.random_configuration(300, seed=1)), mask="position")
+    assert solution.success.all() and robot.limits.contains(solution.q).all()
+    nowhere = robot.ik(np.stack([robot.fk(robot.model.neutral)] * 100), mask="position")
+    assert not nowhere.success.any() and robot.limits.contains(nowhere.q).all()
+
+
+def test_a_limit_without_another_is_searched_for_a_whole_turn():
+    builder = ModelBuilder("one-sided").add_link("l0")
+    for k in range(6):
+        builder.add_link(f"l{k + 1}")
+        axis = (0, 0, 1) if k % 2 else (0, 1, 0)
+        builder.add_joint(f"j{k}", Revolute(axis), f"l{k}", f"l{k + 1}", SE3.trans(0.1, 0, 0.3), lower=0.5)
+    robot = ulna.Robot(builder.build())
+    q = np.random.default_rng(2).uniform(0.5, 0.5 + 2 * np.pi, (200, 6))
+    solution = robot.ik(robot.fk(q))
+    assert solution.success.mean() > 0.99 and (solution.q >= 0.5).all()
+
+
+def test_without_q0_joints_that_do_not_move_stand_within_their_limits():
+    robot = ulna.load("g1")
+    solution = robot.ik(
+        robot.fk(robot.random_configuration(seed=1), "left_rubber_hand"), frame="left_rubber_hand"
+    )
+    assert solution.success and robot.limits.contains(solution.q)
+
+
+def test_new_seeds_and_tolerances_do_not_fill_the_memory(panda, goals):
+    for k in range(1000):
+        panda.ik(goals[1][0], seed=k, position_tolerance=1e-6 * (1 + 1e-3 * k))
+    solver = panda._solvers[False, None, None, None]
+    assert len(solver._shifts) < 300 and len(solver._settings) < 300
+
+
+def test_a_mapping_is_understood_whatever_was_asked_before(panda, goals):
+    T = goals[1][0]
+    tool = panda.ik(T)
+    named = panda.ik(OrderedDict(panda_hand_tcp=T)), panda.ik(MappingProxyType({"panda_hand_tcp": T}))
+    for solution in named:
+        np.testing.assert_array_equal(solution.q, tool.q)
+    by_name = panda.ik(T, mask={"panda_hand_tcp": "position"})
+    np.testing.assert_array_equal(by_name.q, panda.ik(T, mask="position").q)
+
+
+def test_goals_of_several_frames_broadcast(panda, goals):
+    q, T = goals
+    elbow = panda.fk(q[0], "panda_link4")
+    masks = {"panda_hand_tcp": "position", "panda_link4": "position"}
+    several = panda.ik({"panda_hand_tcp": T[:3], "panda_link4": elbow}, mask=masks)
+    assert several.q.shape == (3, 7) and several[0].success
+    with pytest.raises(InputError, match="do not broadcast.*panda_link4"):
+        panda.ik({"panda_hand_tcp": T[:3], "panda_link4": T[:2]}, mask=masks)
+    with pytest.raises(ShapeError, match="panda_link4"):
+        panda.ik({"panda_hand_tcp": T[:3], "panda_link4": elbow[:3]}, mask=masks)
+
+
+@pytest.mark.parametrize(
+    "error, words, options",
+    [
+        (InputError, "`seed` is -1", {"seed": -1}),
+        (InputError, "`seed` is None", {"seed": None}),
+        (InputError, "`position_tolerance` is array", {"position_tolerance": np.array([1e-6])}),
+        (InputError, "`position_tolerance` is \\[", {"position_tolerance": [1e-6]}),
+        (InputError, "`mask` is {'z'}", {"mask": {"z"}}),
+        (ShapeError, "`q0`.*`T` has shape \\(300, 4, 4\\)", {"q0": np.zeros((2, 7))}),
+    ],
+)
+def test_what_means_nothing_is_refused_in_the_words_of_the_call(panda, goals, error, words, options):
+    with pytest.raises(error, match=words):
+        panda.ik(goals[1], **options)
+
+
+@pytest.mark.parametrize("method", ["ik", "ik_classic"])
+def test_goals_that_are_no_numbers_are_refused_in_batches_too(panda, goals, method):
+    for T in (goals[1].astype(complex), goals[1].astype(str)):
+        with pytest.raises(DtypeError, match="`T`"):
+            getattr(panda, method)(T)
+    with pytest.raises(InputError, match="different lengths"):
+        getattr(panda, method)([[1.0, 2.0], [3.0]])
