@@ -19,7 +19,7 @@ from ulna.methods.collision import Collisions
 from ulna.methods.constraints import Constraints
 from ulna.methods.derivatives import Derivatives
 from ulna.methods.dynamics import Dynamics
-from ulna.methods.ik import InverseKinematics
+from ulna.methods.free import FreeInverseKinematics
 from ulna.methods.operational import Operational
 from ulna.methods.regressors import Regressors
 from ulna.model import Model
@@ -55,7 +55,7 @@ class Limits:
 
 
 @final
-class Robot(Dynamics, Operational, Constraints, Derivatives, InverseKinematics, Branching, Regressors, Collisions):
+class Robot(Dynamics, Operational, Constraints, Derivatives, FreeInverseKinematics, Branching, Regressors):
     """A robot: its model, and its kernels compiled when first used.
 
     Every method takes configurations of shape (..., nq) and velocities of shape (..., nv), with any leading batch

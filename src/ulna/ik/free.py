@@ -1,0 +1,273 @@
+"""Inverse kinematics that touches nothing: many configurations that reach a goal, the nearest free one of them.
+
+An arm with finitely many solutions is asked for all of them (`ulna.ik.branches`), so that "all collide" is an answer.
+Any other is asked from more and more starting points, farther and farther from where it stands. What is returned is
+certified by the exact check.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from ulna.collision import Checker
+from ulna.errors import InputError
+from ulna.ik.analytic.candidates import ClosedForm, Elimination, between, source_of
+from ulna.ik.branches import Branches, ik_all
+from ulna.ik.question import check_count, matrix_of
+from ulna.ik.result import IKSolution
+from ulna.ik.solve import Solver
+from ulna.spatial.check import checked
+from ulna.typing import Array, ArrayLike, Floats
+
+_FIRST, _MOST = 12, 192  # starting points of the first and of the largest round
+_WHOLE = 64  # the starting point from which on they are drawn from the whole ranges
+_SAME = 1e-3  # rad or m: solutions this near are one
+_CHECKED = 16  # configurations checked together; at first fewer, since the nearest is often free
+_EXPLAINED = 32  # configurations looked at to say why there is no solution
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class FreeSolution:
+    """The answer of `robot.ik_free`, for one goal or a batch of them; it counts as true when it is met and free.
+
+    Attributes:
+        q: The configuration, (..., nq). Where there is no solution: of those that reach the goal the one that
+            overlaps least; where none does, the nearest that was found.
+        success: Whether the goal is met within the limits and nothing touches, (...).
+        position_error: Distance from the goal [m], (...), or (..., k) for k frames.
+        rotation_error: Angle from the goal [rad], likewise.
+        distance: How far everything is apart at least [m], (...): asked for where there is no solution, else nan.
+        candidates: How many configurations that reach the goal were looked at, (...).
+        reason: Why there is no solution, in words; "" where there is one. A list of such for a batch.
+    """
+
+    q: Floats
+    success: Any
+    position_error: Any
+    rotation_error: Any
+    distance: Any
+    candidates: Any
+    reason: Any
+
+    def __bool__(self) -> bool:
+        if np.ndim(self.success):
+            raise TypeError(
+                "A batch of solutions has no single truth; use `.success.all()` or `.success.any()`."
+            )
+        return self.success
+
+    def __repr__(self) -> str:
+        if np.ndim(self.success):
+            return f"<{self.success.size} free IK solutions, {int(self.success.sum())} of them met>"
+        found = "free solution" if self.success else f"no free solution: {self.reason}"
+        with np.printoptions(precision=4, suppress=True):
+            return f"<IK {found}, q={self.q}, {self.candidates} candidates>"
+
+
+@final
+@dataclass(frozen=True)
+class Question:
+    """What is asked beside goals and start.
+
+    Attributes:
+        margin: What comes as near as this counts as touching [m].
+        moving: Poses of the world's moving obstacles, T_world_shape (4, 4), by name.
+        position_tolerance: [m].
+        rotation_tolerance: [rad].
+        seed: Chooses the starting points.
+        attempts: How many starting points are tried at most, of arms without finitely many solutions.
+    """
+
+    margin: float
+    moving: Mapping[str, ArrayLike] | None
+    position_tolerance: float
+    rotation_tolerance: float
+    seed: int
+    attempts: int
+
+    def __post_init__(self) -> None:
+        check_count("attempts", self.attempts)
+        if not (np.isfinite(self.margin) and self.margin >= 0.0):
+            raise InputError(f"`margin` is {self.margin!r}; expected a finite length, not below 0 [m].")
+
+
+@final
+class FreeSolver:
+    """Inverse kinematics of one robot in one world, for one kind of question.
+
+    Args:
+        solver: What finds single solutions.
+        checker: The exact check of the robot in its world.
+        apart: The kernel of the distance of two configurations.
+    """
+
+    def __init__(self, solver: Solver, checker: Checker, apart: Any) -> None:
+        self.solver, self.checker, self._apart = solver, checker, apart
+        self.model = checker.model
+        self.is_finite = self._has_branches()
+
+    def _has_branches(self) -> bool:
+        """Whether all configurations that reach a pose can be listed."""
+        problem = self.solver.problem
+        if len(problem.frames) != 1 or problem.rows != 6 or len(problem.velocities) != 6:
+            return False
+        frame = problem.frames[0].name
+        held = self.model.neutral[list(between(self.model, frame, self._arm))]
+        source = source_of(self.model, frame, self._arm, None, tuple(held.tolist()))
+        return isinstance(source, (ClosedForm, Elimination))
+
+    @property
+    def _arm(self) -> tuple[str, ...]:
+        """The joints that may move, those that do not carry the frame left out."""
+        return tuple(self.model.joints[i].name for i in self.solver.problem.joints)
+
+    def __call__(self, T: Any, q0: ArrayLike | None, question: Question) -> FreeSolution:
+        """Solves for goals T (..., 4, 4), or (..., k, 4, 4) for k frames; see `robot.ik_free`."""
+        core: Any = self.solver.problem.shapes["T"]
+        T = checked("T", matrix_of(T), core)
+        batch = T.shape[: T.ndim - len(core)]
+        starts: Any = [None]
+        if q0 is not None:
+            given = checked("q0", q0, (self.model.nq,))
+            batch = np.broadcast_shapes(batch, given.shape[:-1])
+            starts = np.broadcast_to(given, (*batch, self.model.nq)).reshape(-1, self.model.nq)
+        goals = np.broadcast_to(T, (*batch, *core)).reshape(-1, *core)
+        if q0 is None:
+            starts = starts * len(goals)
+        found = [self._solve(goal, start, question) for goal, start in zip(goals, starts, strict=True)]
+        if not batch:
+            return found[0]
+        return _stacked(found, batch, self.model.nq, len(self.solver.problem.frames))
+
+    def _solve(self, T: Floats, q0: Floats | None, question: Question) -> FreeSolution:
+        """One goal."""
+        first = self._reach(T, q0, question)
+        if not first:
+            return _answer(
+                first, False, np.nan, 0, f"no configuration was found that reaches the goal; {first.reason}"
+            )
+        if q0 is None and self._first_free([first], question):
+            return _answer(first, True, np.nan, 1, "")
+        home = first.q if q0 is None else q0
+        branches = self._branches(T, home, question) if self.is_finite else None
+        seen: list[IKSolution] = []
+        for starts in self._starts(home, first.q, branches, question):
+            some = self._news(T, starts, home, seen, question)
+            seen += some
+            chosen = self._first_free(some, question)
+            if chosen is not None:
+                return _answer(chosen, True, np.nan, len(seen), "")
+        seen.sort(key=lambda solution: self._apart(home, solution.q))
+        return self._refusal(seen, branches is not None and branches.complete, question)
+
+    def _reach(self, T: Floats, q0: Any, question: Question) -> IKSolution:
+        """A configuration that reaches the goal, whatever it touches; for goals in rows one for each."""
+        return self.solver(T, q0, question.position_tolerance, question.rotation_tolerance, question.seed)
+
+    def _branches(self, T: Floats, home: Floats, question: Question) -> Branches:
+        """All solutions of an arm that has finitely many."""
+        return ik_all(
+            self.model,
+            T,
+            self.solver.problem.frames[0].name,
+            home,
+            joints=self._arm,
+            position_tolerance=question.position_tolerance,
+            rotation_tolerance=question.rotation_tolerance,
+        )
+
+    def _starts(
+        self, home: Floats, first: Floats, branches: Branches | None, question: Question
+    ) -> Iterator[Floats]:
+        """Starting points (k, nq) in rounds: what is known, then points drawn around `home`, farther and farther."""
+        yield first[None] if branches is None else np.vstack([first, branches.q])
+        if branches is not None and branches.complete:
+            return
+        rng = np.random.default_rng(question.seed)
+        drawn, done = self.solver.problem.drawn, 1
+        low, high = self.solver.problem.range
+        while done < question.attempts:
+            count = min(3 * done + _FIRST, _MOST, question.attempts - done)
+            spread = np.minimum((done + np.arange(count)) / _WHOLE, 1.0)[:, None]
+            starts = np.repeat(home[None], count, axis=0)
+            there = rng.uniform(low, high, (count, len(low)))
+            starts[:, drawn] += spread * (there - starts[:, drawn])
+            done += count
+            yield starts
+
+    def _news(
+        self, T: Floats, starts: Floats, home: Floats, seen: Sequence[IKSolution], question: Question
+    ) -> list[IKSolution]:
+        """The solutions met from starting points that were not seen before, the nearest to `home` first."""
+        found = self._reach(np.broadcast_to(T, (len(starts), *T.shape)), starts, question)
+        q, good = found.q, np.asarray(found.success)
+        known = np.array([solution.q for solution in seen]).reshape(-1, self.model.nq)
+        same = self._apart(q[:, None], np.concatenate([q, known])) < _SAME
+        new: list[int] = []
+        for i in np.argsort(self._apart(home, q), kind="stable").tolist():
+            if good[i] and not (same[i, new].any() or same[i, len(q) :].any()):
+                new.append(i)
+        return [found[i] for i in new]
+
+    def _first_free(self, some: Sequence[IKSolution], question: Question) -> IKSolution | None:
+        """The first solution that is free by the exact check."""
+        done = 0
+        while done < len(some):
+            part = some[done : done + min(3 * done + 1, _CHECKED)]
+            done += len(part)
+            q = np.array([solution.q for solution in part])
+            free = np.flatnonzero(~self.checker.collides(q, question.moving, margin=question.margin))
+            if len(free):
+                return part[int(free[0])]
+        return None
+
+    def _refusal(self, seen: Sequence[IKSolution], complete: bool, question: Question) -> FreeSolution:
+        """All collide: the one that overlaps least, of those nearest to the start."""
+        nearest = self.checker.distance(np.array([s.q for s in seen[:_EXPLAINED]]), question.moving)
+        best = int(np.argmax(nearest.distance))
+        a, b = nearest.names[best]
+        d = float(nearest.distance[best])
+        how = f"overlap by {-1e3 * d:.3g} mm" if d < 0.0 else f"are {1e3 * d:.3g} mm apart"
+        wanted = (
+            f", less than the margin of {1e3 * question.margin:.3g} mm" if d >= 0.0 < question.margin else ""
+        )
+        count = f"{len(seen)} configuration{'s' * (len(seen) > 1)}"
+        known = "all there are" if complete else "as many as were found"
+        return _answer(
+            seen[best],
+            False,
+            d,
+            len(seen),
+            f"{count} reach the goal ({known}), and all collide; at best {a} and {b} {how}{wanted}",
+        )
+
+
+def _answer(
+    solution: IKSolution, success: bool, distance: float, candidates: int, reason: str
+) -> FreeSolution:
+    errors = solution.position_error, solution.rotation_error
+    return FreeSolution(solution.q, success, *errors, distance, candidates, reason)
+
+
+def _stacked(found: Sequence[FreeSolution], batch: tuple[int, ...], nq: int, frames: int) -> FreeSolution:
+    """The answers of a batch as one."""
+
+    def of(name: str, kind: Any, *core: int) -> Array:
+        return np.array([getattr(answer, name) for answer in found], dtype=kind).reshape(*batch, *core)
+
+    each = (frames,) if frames > 1 else ()
+    reasons = of("reason", object).tolist()
+    return FreeSolution(
+        of("q", float, nq),
+        of("success", bool),
+        of("position_error", float, *each),
+        of("rotation_error", float, *each),
+        of("distance", float),
+        of("candidates", int),
+        reasons,
+    )

@@ -1,0 +1,75 @@
+"""Inverse kinematics of a robot that must not touch anything."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ulna.methods.collision import Collisions
+from ulna.methods.ik import InverseKinematics
+from ulna.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from ulna.collision import World
+    from ulna.ik.free import FreeSolution
+
+
+class FreeInverseKinematics(InverseKinematics, Collisions):
+    """Which configuration puts the hand there, and touches nothing."""
+
+    __slots__ = ()
+
+    def ik_free(
+        self,
+        T: Any,
+        world: World | None = None,
+        q0: ArrayLike | None = None,
+        frame: str | Sequence[str] | None = None,
+        *,
+        margin: float = 0.0,
+        moving: Mapping[str, ArrayLike] | None = None,
+        mask: Any = None,
+        joints: Sequence[str] | None = None,
+        position_tolerance: float = 1e-6,
+        rotation_tolerance: float = 1e-6,
+        seed: int = 0,
+        attempts: int = 256,
+        **options: Any,
+    ) -> FreeSolution:
+        """Inverse kinematics: a configuration within the limits, at the goal, that touches neither robot nor world.
+
+        Of a six-joint arm all solutions are looked at, the nearest to `q0` first, so that "all collide" is the last
+        word; of other arms those met from more and more starting points, farther and farther from `q0`, and the nearest
+        free one of the first round that has one is returned. What is returned has passed the exact check.
+
+        Args:
+            T: The goal, as for `ik`; a batch is solved goal by goal.
+            world: Obstacles; None for the robot alone.
+            q0: Configuration to stay near, (..., nq) [rad or m]; None for anywhere.
+            frame: As for `ik`.
+            margin: What comes as near as this counts as touching [m].
+            moving: Poses of the world's moving obstacles by name, T_world_shape (4, 4).
+            mask: As for `ik`.
+            joints: As for `ik`.
+            position_tolerance: As for `ik` [m].
+            rotation_tolerance: As for `ik` [rad].
+            seed: Chooses the starting points.
+            attempts: How many starting points are tried at most, of arms without finitely many solutions.
+            **options: Of the exact check, as for `collision_checker`.
+
+        Returns:
+            A solution with `.q`, `.success`, `.position_error`, `.rotation_error`, `.candidates`, `.distance` and
+            `.reason`. Where all that was found collides, `q` is what overlaps least, and `reason` names the two that
+            overlap, and by how much.
+
+        Raises:
+            InputError, ShapeError, DtypeError, NonFiniteError, UnknownName: As for `ik` and `collides`.
+            ModelError: If the robot has no collision geometry, or a mesh file is missing.
+            MissingExtra: If coal is not installed.
+        """
+        from ulna.ik.free import FreeSolver, Question
+
+        question = Question(margin, moving, position_tolerance, rotation_tolerance, seed, attempts)
+        goals, solver = self._solver(T, frame, mask, joints)
+        checker = self.collision_checker(world, **options)
+        return FreeSolver(solver, checker, self._plain["distance"])(goals, q0, question)
