@@ -83,6 +83,14 @@ class Shown:
         self.node = node
         return True
 
+    def rescale(self, look: tuple[Any, ...]) -> bool:
+        """Take over another scale, where nothing else of the look is new and its kind has one; whether it did."""
+        if look[:4] != self.look[:4] or isinstance(self.node.content, Text):
+            return False
+        for handle in self.handles:
+            handle.scale = look[4:]
+        return True
+
     def place(self, row: Any) -> None:
         """Set the pose through viser's public interface: x y z, w x y z."""
         for handle in self.handles:

@@ -288,11 +288,9 @@ class Page:
             if shown is None:
                 continue
             look = look_of(seen, i)
-            if look != shown.look and not shown.solid and shown.node is node:
+            if look != shown.look and not shown.solid and shown.node is node and not shown.rescale(look):
                 shown.remove()
-                shown = self._shown[node.name] = build(
-                    self.server, shown.path, seen, i, not self._channel.open
-                )
+                shown = self._shown[node.name] = build(self.server, shown.path, seen, i, self._baked)
                 self._route = None
             shown.look = look
             shown.see(bool(seen.visible[i]))

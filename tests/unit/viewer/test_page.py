@@ -300,3 +300,14 @@ def test_a_slow_page_does_not_hold_up_the_loop(page: Page) -> None:
         for k in range(1000):
             page.scene.set_pose("robot/box", at(k))
     assert wait(lambda: sent(page)["/robot/box"][0] == 999)
+
+
+def test_a_scale_that_changes_makes_no_new_node(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(channel, "KNOWN", ("0.0.",))  # a page that cannot change materials
+    with Page(box_scene(), port=0) as page:
+        handle = page._shown["robot/box"].handles[0]
+        page.scene.set_look("robot/box", "scale", (1.0, 2.0, 3.0))
+        assert wait(lambda: tuple(handle.scale) == (1.0, 2.0, 3.0))
+        assert page._shown["robot/box"].handles[0] is handle
+        page.scene.set_look("robot/box", "opacity", 0.5)
+        assert wait(lambda: page._shown["robot/box"].handles[0] is not handle)
