@@ -15,7 +15,6 @@ from ulna.algorithms.references import Reference
 from ulna.errors import InputError, UnknownName
 from ulna.methods.base import Plain
 from ulna.methods.branches import Branching
-from ulna.methods.collision import Collisions
 from ulna.methods.constraints import Constraints
 from ulna.methods.derivatives import Derivatives
 from ulna.methods.dynamics import Dynamics
