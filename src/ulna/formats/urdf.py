@@ -97,7 +97,7 @@ def urdf_builder(
     for link in document.links:
         builder.add_link(
             link.name,
-            inertia=_inertia(link.inertial) if link.inertial else None,
+            inertia=inertia_of(link.inertial) if link.inertial else None,
             visuals=shapes.geometries(link.name, link.visuals),
             collisions=shapes.geometries(link.name, link.collisions),
             where=_place(document, link.line),
@@ -116,7 +116,8 @@ def link_visuals(document: UrdfDocument, resolver: Resolver | None = None) -> di
     return found
 
 
-def _inertia(inertial: UrdfInertial) -> Inertia:
+def inertia_of(inertial: UrdfInertial) -> Inertia:
+    """The inertia of a link in the link frame."""
     xx, xy, xz, yy, yz, zz = inertial.inertia
     frame = pose(inertial.origin.xyz, inertial.origin.rpy)
     matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

@@ -1,0 +1,84 @@
+"""The face of Pinocchio over Ulna: its names, its argument shapes, its mutable Data; the mathematics is Ulna's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio import explog as explog
+from pinocchio import rpy as rpy
+from pinocchio import utils as utils
+from pinocchio._arrays import StdVec as StdVec
+from pinocchio._configurations import *
+from pinocchio._data import Data as Data
+from pinocchio._derivatives import *
+from pinocchio._dynamics import *
+from pinocchio._enums import ArgumentPosition as ArgumentPosition
+from pinocchio._enums import Convention as Convention
+from pinocchio._enums import FrameType as FrameType
+from pinocchio._enums import GeometryType as GeometryType
+from pinocchio._enums import KinematicLevel as KinematicLevel
+from pinocchio._enums import ReferenceFrame as ReferenceFrame
+from pinocchio._frame import Frame as Frame
+from pinocchio._inertia import Inertia as Inertia
+from pinocchio._inertia import Symmetric3 as Symmetric3
+from pinocchio._jacobians import *
+from pinocchio._joints import *
+from pinocchio._kinematics import *
+from pinocchio._masses import *
+from pinocchio._model import Model as Model
+from pinocchio._reduce import *
+from pinocchio._regressors import *
+from pinocchio._rotations import AngleAxis as AngleAxis
+from pinocchio._rotations import Quaternion as Quaternion
+from pinocchio._se3 import SE3 as SE3
+from pinocchio._se3 import SE3ToXYZQUAT as SE3ToXYZQUAT
+from pinocchio._se3 import SE3ToXYZQUATtuple as SE3ToXYZQUATtuple
+from pinocchio._se3 import XYZQUATToSE3 as XYZQUATToSE3
+from pinocchio._urdf import buildModelFromUrdf as buildModelFromUrdf
+from pinocchio._urdf import buildModelFromXML as buildModelFromXML
+from pinocchio._vectors import Force as Force
+from pinocchio._vectors import Motion as Motion
+from pinocchio._vectors import classicAcceleration as classicAcceleration
+from pinocchio._vectors import seed as seed
+from pinocchio._vectors import skew as skew
+from pinocchio._vectors import skewSquare as skewSquare
+from pinocchio._vectors import unSkew as unSkew
+from pinocchio._words import refusal
+from pinocchio.explog import *
+
+PINOCCHIO_MAJOR_VERSION, PINOCCHIO_MINOR_VERSION, PINOCCHIO_PATCH_VERSION = 4, 1, 0
+WITH_CPPAD = WITH_SDFORMAT = WITH_OPENMP = False
+WITH_URDFDOM = WITH_COLLISION = WITH_HPP_FCL = WITH_HPP_FCL_BINDINGS = True
+XAxis, YAxis, ZAxis = np.eye(3)
+__version__ = "4.1.0"
+"""The version of Pinocchio whose names and behaviour this face follows."""
+
+for _kind in (ArgumentPosition, FrameType, GeometryType, KinematicLevel, ReferenceFrame):
+    globals().update(_kind.__members__)
+
+
+def __getattr__(name: str) -> Any:
+    if name.startswith("StdVec_"):
+        return StdVec
+    if name == "RobotWrapper":
+        from pinocchio.robot_wrapper import RobotWrapper
+
+        return RobotWrapper
+    word = refusal(name)
+    raise AttributeError(f"module 'pinocchio' (Ulna's face) has no {name!r}. {word}", name=name, obj=None)
+
+
+def checkVersionAtLeast(major: int, minor: int, patch: int) -> bool:
+    """Whether the version that this face follows is at least that one."""
+    return (major, minor, patch) <= (
+        PINOCCHIO_MAJOR_VERSION,
+        PINOCCHIO_MINOR_VERSION,
+        PINOCCHIO_PATCH_VERSION,
+    )
+
+
+def printVersion(delimiter: str = ".") -> str:
+    """The version that this face follows."""
+    return delimiter.join(__version__.split("."))

@@ -1,0 +1,100 @@
+"""Shapes of arguments, printing of matrices, and lists whose entries are views: what all parts of the face share."""
+
+from __future__ import annotations
+
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from ulna.errors import InputError, ShapeError
+from ulna.typing import Floats
+
+Item = TypeVar("Item")
+_FLOAT = np.dtype(np.float64)
+
+
+def vector(value: Any, size: int, name: str) -> Floats:
+    """`value` as a vector (size,): arrays of any number type, columns, `np.matrix`, lists and tuples.
+
+    Raises:
+        ShapeError: it has another size.
+        InputError: it holds no numbers.
+    """
+    if type(value) is np.ndarray and value.dtype == _FLOAT and value.shape == (size,):
+        return value
+    array = numbers(value, name)
+    if array.shape not in ((size,), (size, 1)) and not (isinstance(value, np.matrix) and array.size == size):
+        raise ShapeError(name, array.shape, f"({size},)")
+    return np.asarray(array).reshape(size)
+
+
+def matrix(value: Any, shape: tuple[int, ...], name: str) -> Floats:
+    """`value` as an array of that shape.
+
+    Raises:
+        ShapeError: it has another one.
+        InputError: it holds no numbers.
+    """
+    array = numbers(value, name)
+    if array.shape != shape:
+        raise ShapeError(name, array.shape, str(shape))
+    return array
+
+
+def numbers(value: Any, name: str) -> Floats:
+    """`value` as an array of floats.
+
+    Raises:
+        InputError: it holds no numbers.
+    """
+    try:
+        return np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"`{name}` is {value!r}; expected real numbers.") from None
+
+
+def index(value: Any, count: int, what: str, mend: str) -> int:
+    """`value`, if it is an index below `count`.
+
+    Raises:
+        InputError: it is not; says what would be.
+    """
+    try:
+        number = value.__index__()
+    except AttributeError:
+        raise InputError(f"The {what} is given as {value!r}; expected an index. {mend}") from None
+    if not 0 <= number < count:
+        raise InputError(f"There is no {what} {number}; expected 0 to {count - 1}. {mend}")
+    return number
+
+
+def text(array: Floats) -> str:
+    """A matrix or a row as text: six significant digits, all entries equally wide."""
+    rows = np.atleast_2d(array)
+    words = [[f"{x:.6g}" for x in row] for row in rows]
+    width = max((len(word) for row in words for word in row), default=0)
+    return "\n".join(" ".join(word.rjust(width) for word in row) for row in words)
+
+
+class StdVec(list, Generic[Item]):
+    """A list; what is assigned to an entry is copied into it, so that references to the entry see it."""
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        if isinstance(key, slice):
+            for place, entry in zip(range(*key.indices(len(self))), value, strict=True):
+                self[place] = entry
+            return
+        assign = getattr(self[key], "_assign", None)
+        if assign is None:
+            super().__setitem__(key, value)
+        else:
+            assign(value)
+
+    def tolist(self) -> list[Item]:
+        """A plain list of the entries."""
+        return list(self)
+
+
+def views(cls: Any, block: Floats) -> StdVec[Any]:
+    """One object of `cls` for each row of an array, its storage being that row."""
+    return StdVec(cls._of(row) for row in block)

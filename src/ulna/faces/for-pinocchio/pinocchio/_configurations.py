@@ -1,0 +1,120 @@
+"""The space of configurations: neutral, random, integrate, difference and their derivatives."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio._arrays import vector
+from pinocchio._enums import ArgumentPosition
+from pinocchio._model import FREE, Model
+from pinocchio._vectors import generator
+from ulna import algorithms
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+__all__ = [
+    "dDifference",
+    "dIntegrate",
+    "dIntegrateTransport",
+    "difference",
+    "distance",
+    "integrate",
+    "interpolate",
+    "isNormalized",
+    "isSameConfiguration",
+    "neutral",
+    "normalize",
+    "randomConfiguration",
+    "squaredDistance",
+]
+
+
+def neutral(model: Model) -> Floats:
+    """The configuration (nq,) in which nothing is turned or slid."""
+    return np.array(algorithms.neutral(model.engine().model))
+
+
+def randomConfiguration(model: Model, lower: Any = None, upper: Any = None) -> Floats:
+    """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m."""
+    low = model._arrays["lowerPositionLimit"] if lower is None else vector(lower, model.nq, "lower")
+    high = model._arrays["upperPositionLimit"] if upper is None else vector(upper, model.nq, "upper")
+    if not (low <= high).all():
+        raise InputError(
+            "randomConfiguration: a lower limit is above the upper one; expected lower <= upper."
+        )
+    ends = np.where(low <= -FREE, -np.inf, low), np.where(high >= FREE, np.inf, high)
+    return algorithms.random(model.engine().model, generator(), (), *ends)
+
+
+def integrate(model: Model, q: Any, v: Any) -> Floats:
+    """The configuration (nq,) reached from q in one second with v."""
+    return model.engine().kernel("integrate")(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+
+
+def difference(model: Model, q0: Any, q1: Any) -> Floats:
+    """The velocity (nv,) that leads from q0 to q1 in one second."""
+    return model.engine().kernel("difference")(*_pair(model, q0, q1))
+
+
+def interpolate(model: Model, q0: Any, q1: Any, alpha: float) -> Floats:
+    """The configuration (nq,) a part `alpha` of the way from q0 to q1."""
+    return model.engine().kernel("interpolate")(*_pair(model, q0, q1), np.float64(alpha))
+
+
+def distance(model: Model, q0: Any, q1: Any) -> float:
+    """The length of the difference."""
+    return float(model.engine().kernel("distance")(*_pair(model, q0, q1)))
+
+
+def squaredDistance(model: Model, q0: Any, q1: Any) -> Floats:
+    """For each joint, the squared length of its part of the difference."""
+    d = difference(model, q0, q1)
+    joints = [j for j in model.joints[1:] if not j.mimic]
+    return np.array([float(d[j.idx_v : j.idx_v + j.nv] @ d[j.idx_v : j.idx_v + j.nv]) for j in joints])
+
+
+def normalize(model: Model, q: Any) -> Floats:
+    """The same configuration with quaternions, and pairs of cosine and sine, of unit length."""
+    return model.engine().kernel("normalize")(vector(q, model.nq, "q"))
+
+
+def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
+    """Whether they are."""
+    given = vector(q, model.nq, "q")
+    return bool(np.abs(normalize(model, given) - given).max(initial=0.0) <= prec)
+
+
+def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float = 1e-12) -> bool:
+    """Whether two configurations are the same place."""
+    return bool(algorithms.is_same(model.engine().model, *_pair(model, q1, q2), tolerance=prec))
+
+
+def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> Any:
+    """The derivatives (nv, nv) of `integrate` by q and v; one of them for ARG0 or ARG1."""
+    both = model.engine().kernel("integrate_derivatives")(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    return _chosen(both, argument_position)
+
+
+def dDifference(model: Model, q0: Any, q1: Any, argument_position: Any = None) -> Any:
+    """The derivatives (nv, nv) of `difference` by q0 and q1; one of them for ARG0 or ARG1."""
+    both = model.engine().kernel("difference_derivatives")(*_pair(model, q0, q1))
+    return _chosen(both, argument_position)
+
+
+def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_position: Any) -> Floats:
+    """A matrix (nv, n) at integrate(q, v), carried by the derivative of `integrate`."""
+    return dIntegrate(model, q, v, argument_position) @ np.asarray(Jin, dtype=float)
+
+
+def _pair(model: Model, q0: Any, q1: Any) -> tuple[Floats, Floats]:
+    return vector(q0, model.nq, "q0"), vector(q1, model.nq, "q1")
+
+
+def _chosen(both: Any, position: Any) -> Any:
+    if position is None:
+        return both
+    if position not in (ArgumentPosition.ARG0, ArgumentPosition.ARG1):
+        raise InputError(f"The argument is {position!r}; expected ARG0 or ARG1.")
+    return both[int(position)]

@@ -1,0 +1,205 @@
+"""Data: what algorithms write their results into; its entries are live references into arrays of one model's sizes."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from pinocchio._arrays import StdVec, views
+from pinocchio._inertia import Inertia
+from pinocchio._se3 import SE3
+from pinocchio._vectors import Force, Motion
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from pinocchio._engine import Engine
+    from pinocchio._model import Model
+
+
+class _Masses(StdVec[Any]):
+    """Per-joint values of which the first is there, and the others are computed when they are asked for."""
+
+    pull: Callable[[], None] | None = None
+
+    def __getitem__(self, key: Any) -> Any:
+        if self.pull is not None and key != 0:
+            pull, self.pull = self.pull, None
+            pull()
+        return super().__getitem__(key)
+
+    def __iter__(self) -> Any:
+        return (self[i] for i in range(len(self)))
+
+
+_MATRICES = {
+    "M": "vv",
+    "Minv": "vv",
+    "C": "vv",
+    "J": "6v",
+    "dJ": "6v",
+    "Ag": "6v",
+    "dAg": "6v",
+    "Jcom": "3v",
+    "tau": "v",
+    "nle": "v",
+    "g": "v",
+    "ddq": "v",
+    "dtau_dq": "vv",
+    "dtau_dv": "vv",
+    "ddq_dq": "vv",
+    "ddq_dv": "vv",
+    "ddq_dtau": "vv",
+    "dHdq": "6v",
+    "dFdq": "6v",
+    "dFdv": "6v",
+    "dFda": "6v",
+    "kineticEnergyRegressor": "p",
+    "potentialEnergyRegressor": "p",
+    "jointTorqueRegressor": "vp",
+    "staticRegressor": "3s",
+    "bodyRegressor": "6t",
+}
+_POSES = ("oMi", "liMi")
+_MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
+_FORCES = ("f", "h", "of", "oh")
+
+
+@final
+class Data:
+    """Working memory of algorithms for one model: `model.createData()`."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._layout = model._layout
+        self.nframes = model.nframes
+        nj, nv, np_ = model.njoints, model.nv, model.njoints - 1
+        sizes = {"6": 6, "3": 3, "v": nv, "p": 10 * np_, "s": 4 * np_, "t": 10}
+        self._blocks: dict[str, Floats] = {k: np.zeros([sizes[c] for c in s]) for k, s in _MATRICES.items()}
+        for name in (*_POSES, "oMf"):
+            self._blocks[name] = np.tile(np.eye(4), (model.nframes if name == "oMf" else nj, 1, 1))
+        for name in (*_MOTIONS, *_FORCES):
+            self._blocks[name] = np.zeros((nj, 6))
+        for name in ("com", "vcom", "acom"):
+            self._blocks[name] = np.zeros((nj, 3))
+        self._fill_views()
+        self.hg, self.dhg, self.Ig = Force(), Force(), Inertia()
+        self.kinetic_energy = self.potential_energy = self.mechanical_energy = 0.0
+        self.joints = StdVec(model.joints)
+        self._engine: Engine | None = None
+        self._due: dict[str, Callable[[], Any]] = {}
+        self._q: Floats | None = None
+        self._qv: tuple[Floats, Floats] | None = None
+        self._qva: tuple[Floats, Floats, Floats] | None = None
+        self._q_of_jacobians: Floats | None = None
+        self._qv_of_jacobians: tuple[Floats, Floats] | None = None
+        self._of_derivatives: tuple[Floats, ...] | None = None
+        self._has_frames = False
+
+    def _fill_views(self) -> None:
+        blocks = self._blocks
+        self.oMi: StdVec[SE3] = views(SE3, blocks["oMi"])
+        self.liMi: StdVec[SE3] = views(SE3, blocks["liMi"])
+        self.oMf: StdVec[SE3] = views(SE3, blocks["oMf"])
+        self._lists: dict[str, Any] = {n: views(Motion, blocks[n]) for n in _MOTIONS}
+        self._lists |= {n: views(Force, blocks[n]) for n in _FORCES}
+        for name in ("com", "vcom", "acom"):
+            self._lists[name] = _Masses(list(blocks[name]))
+        self.mass: Any = _Masses([0.0] * len(blocks["com"]))
+        self._tails = {n: blocks[n][1:] for n in (*_POSES, *_MOTIONS, *_FORCES)}
+
+    def copy(self) -> Data:
+        """One of its own, with the same numbers."""
+        return copy.deepcopy(self)
+
+    def __deepcopy__(self, memo: Any) -> Data:
+        for due in list(self._due):
+            self._pull(due)
+        out = object.__new__(Data)
+        kept = {
+            k: v
+            for k, v in self.__dict__.items()
+            if k not in ("_lists", "_tails", "oMi", "liMi", "oMf", "mass")
+        }
+        out.__dict__.update(kept)
+        out._blocks = {k: b.copy() for k, b in self._blocks.items()}
+        out.hg, out.dhg, out.Ig = self.hg.copy(), self.dhg.copy(), self.Ig.copy()
+        out._due = {}
+        out._fill_views()
+        return out
+
+    __copy__ = copy
+
+    def __reduce__(self) -> Any:
+        return Data, (self._model,)
+
+    def _pull(self, name: str) -> None:
+        due = self._due.pop(name, None)
+        if due is not None:
+            due()
+
+    def require(self, what: Any, mend: str) -> Any:
+        """`what`, a state that an earlier algorithm leaves.
+
+        Raises:
+            InputError: it has not been left yet.
+        """
+        if what is None:
+            raise InputError(f"This Data holds nothing to answer from yet. Call {mend} first.")
+        return what
+
+    def __repr__(self) -> str:
+        return f"<Data of {self._model.name!r}: nv={self._model.nv}, {len(self.oMi)} joints, {self.nframes} frames>"
+
+
+def _block(name: str) -> property:
+    def get(self: Data) -> Floats:
+        if self._due:
+            self._pull(name)
+        return self._blocks[name]
+
+    def put(self: Data, value: Any) -> None:
+        self._blocks[name][...] = value
+
+    return property(get, put, doc=f"`{name}` as the last algorithm left it, live; assigning copies into it.")
+
+
+def _list(name: str) -> property:
+    def get(self: Data) -> Any:
+        if self._due:
+            self._pull(name)
+        return self._lists[name]
+
+    return property(get, doc=f"`{name}` of every joint as the last algorithm left it, live references.")
+
+
+for _name in _MATRICES:
+    setattr(Data, _name, _block(_name))
+for _name in (*_MOTIONS, *_FORCES, "com", "vcom", "acom"):
+    setattr(Data, _name, _list(_name))
+
+
+def engine_for(model: Model, data: Data) -> Engine:
+    """The kernels of the model's present numbers, when the Data fits the model.
+
+    Raises:
+        InputError: joints were added since the Data was made, or it was made for another robot.
+    """
+    if data._layout is not model._layout and data._layout != model._layout:
+        raise InputError(
+            f"This Data was made for a model of {len(data._layout)} joints that are not those of the model, which "
+            f"now has {model.njoints}. Make a new one: data = model.createData()."
+        )
+    return model.engine()
+
+
+def frames_fit(model: Model, data: Data) -> None:
+    """Raises InputError when frames were added since the Data was made."""
+    if data.nframes != len(model.frames):
+        raise InputError(
+            f"This Data was made when the model had {data.nframes} frames; now it has {model.nframes}. "
+            "Make a new one: data = model.createData() (robot.rebuildData() for a RobotWrapper)."
+        )

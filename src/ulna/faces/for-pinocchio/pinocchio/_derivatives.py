@@ -1,0 +1,209 @@
+"""Derivatives of dynamics and of kinematics by configuration, velocity and acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pinocchio._arrays import index, vector
+from pinocchio._data import Data, engine_for
+from pinocchio._dynamics import external, split_forces
+from pinocchio._enums import ReferenceFrame, reference_of
+from pinocchio._kinematics import at_frame, at_joint, forwardKinematics
+from pinocchio._model import Model
+from pinocchio._vectors import skew
+from ulna import algorithms
+from ulna.model import Frame
+from ulna.model import Model as TowerModel
+from ulna.typing import Array, Floats
+
+__all__ = [
+    "computeABADerivatives",
+    "computeCentroidalDynamicsDerivatives",
+    "computeForwardKinematicsDerivatives",
+    "computeGeneralizedGravityDerivatives",
+    "computeRNEADerivatives",
+    "computeStaticTorqueDerivatives",
+    "getCenterOfMassVelocityDerivatives",
+    "getFrameAccelerationDerivatives",
+    "getFrameVelocityDerivatives",
+    "getJointAccelerationDerivatives",
+    "getJointVelocityDerivatives",
+]
+
+
+def computeRNEADerivatives(
+    model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None
+) -> tuple[Floats, Floats, Floats]:
+    """Derivatives of the torques by q, v and a (the mass matrix), (nv, nv) each; kept in `data`."""
+    engine = engine_for(model, data)
+    nv = model.nv
+    state = vector(q, model.nq, "q"), vector(v, nv, "v"), vector(a, nv, "a")
+    if fext is None:
+        found = engine.kernel("inverse_dynamics_derivatives")(*state)
+    else:
+        F = external(fext, model.njoints)
+        found = engine.made(
+            "rnea derivatives",
+            lambda m: lambda q, v, a, F: algorithms.inverse_dynamics_derivatives(m, q, v, a, split_forces(F)),
+            q=(model.nq,),
+            v=(nv,),
+            a=(nv,),
+            F=F.shape,
+        )(*state, F)
+    for name, block in zip(("dtau_dq", "dtau_dv", "M"), found, strict=True):
+        data._blocks[name][:] = block
+    data._of_derivatives = tuple(x.copy() for x in state)
+    return found
+
+
+def computeABADerivatives(
+    model: Model, data: Data, q: Any, v: Any, tau: Any, fext: Any = None
+) -> tuple[Floats, Floats, Floats]:
+    """Derivatives of the accelerations by q, v and tau (the inverse mass matrix), (nv, nv) each; kept in `data`."""
+    engine = engine_for(model, data)
+    nv = model.nv
+    state = vector(q, model.nq, "q"), vector(v, nv, "v"), vector(tau, nv, "tau")
+    if fext is None:
+        found = engine.kernel("forward_dynamics_derivatives")(*state)
+        ddq = engine.kernel("forward_dynamics")(*state)
+    else:
+        F = external(fext, model.njoints)
+        shapes: dict[str, Any] = {"q": (model.nq,), "v": (nv,), "tau": (nv,), "F": F.shape}
+
+        def build(m: TowerModel) -> Any:
+            return lambda q, v, tau, F: (
+                *algorithms.forward_dynamics_derivatives(m, q, v, tau, split_forces(F)),
+                algorithms.forward_dynamics(m, q, v, tau, split_forces(F)),
+            )
+
+        *found, ddq = engine.made("aba derivatives", build, **shapes)(*state, F)
+    for name, block in zip(
+        ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq"), (*found, found[2], ddq), strict=True
+    ):
+        data._blocks[name][:] = block
+    return tuple(found)
+
+
+def computeGeneralizedGravityDerivatives(model: Model, data: Data, q: Any) -> Floats:
+    """The derivative (nv, nv) of the torques against gravity by q."""
+    rest = np.zeros(model.nv)
+    return engine_for(model, data).kernel("inverse_dynamics_derivatives")(
+        vector(q, model.nq, "q"), rest, rest
+    )[0]
+
+
+def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) -> Floats:
+    """The derivative (nv, nv) of the torques against gravity and forces on the joints by q."""
+    rest = np.zeros(model.nv)
+    return computeRNEADerivatives(model, data, q, rest, rest, fext)[0]
+
+
+def computeForwardKinematicsDerivatives(model: Model, data: Data, q: Any, v: Any, a: Any = None) -> None:
+    """Prepares the derivatives of velocities and accelerations of joints and frames."""
+    a = np.zeros(model.nv) if a is None else a
+    forwardKinematics(model, data, q, v, a)
+    from pinocchio._jacobians import computeJointJacobians
+
+    computeJointJacobians(model, data, q)
+
+
+def getJointVelocityDerivatives(
+    model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
+) -> tuple[Floats, Floats]:
+    """Derivatives of a joint's velocity by q and v, (6, nv) each."""
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, False)
+
+
+def getFrameVelocityDerivatives(
+    model: Model, data: Data, *place: Any, reference_frame: Any = None
+) -> tuple[Floats, Floats]:
+    """Derivatives of a frame's velocity (its index, or a joint's and a placement) by q and v, (6, nv) each."""
+    *where, rf = place if reference_frame is None else (*place, reference_frame)
+    key, given = at_frame(model, tuple(where))
+    return _motions(model, data, key, given, rf, False)
+
+
+def getJointAccelerationDerivatives(
+    model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
+) -> tuple[Floats, ...]:
+    """Derivatives of a joint's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, True)
+
+
+def getFrameAccelerationDerivatives(
+    model: Model, data: Data, *place: Any, reference_frame: Any = None
+) -> tuple[Floats, ...]:
+    """Derivatives of a frame's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
+    *where, rf = place if reference_frame is None else (*place, reference_frame)
+    key, given = at_frame(model, tuple(where))
+    return _motions(model, data, key, given, rf, True)
+
+
+def _motions(model: Model, data: Data, key: Any, given: Frame | None, rf: Any, with_a: bool) -> Any:
+    reference = reference_of(rf)
+    state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
+
+    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+        frame = frames[key] if given is None else given
+
+        def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
+            speed = algorithms.frame_velocity_derivatives(tower, q, v, frame)
+            T = algorithms.frame_pose(tower, q, frame)
+            V = algorithms.frame_velocity(tower, q, v, frame, "local").vector()
+            A = algorithms.frame_acceleration(tower, q, v, a, frame, "local").vector()
+            gain = algorithms.frame_acceleration_derivatives(tower, q, v, a, frame)
+            J = algorithms.frame_jacobian(tower, q, frame, "local")
+            return (T.matrix(), V, A, J, *speed, *gain)
+
+        return run
+
+    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
+    kernel = engine_for(model, data).of_frame(("derivatives", key), build, **shapes)
+    T, V, A, J, V_q, V_v, A_q, A_v, A_a = kernel(*state)
+    X, V_q, A_q = _seen(reference, T, V, A, J, V_q, A_q)
+    if with_a:
+        return X @ V_q, X @ A_q, X @ A_v, X @ A_a
+    return X @ V_q, X @ V_v
+
+
+def _seen(reference: str, T: Floats, V: Floats, A: Floats, J: Floats, V_q: Floats, A_q: Floats) -> Any:
+    """The matrix that rewrites a local motion in a reference, and the derivatives by q with what its change adds.
+
+    As there, LOCAL_WORLD_ALIGNED is WORLD moved to the frame's origin: that the origin moves with q is not counted.
+    """
+    R, p = T[:3, :3], T[:3, 3]
+    X = np.eye(6)
+    if reference == "local":
+        return X, V_q, A_q
+    X[:3, :3] = X[3:, 3:] = R
+    if reference == "world":
+        X[:3, 3:] = skew(p) @ R
+    return X, V_q + _cross(J, V), A_q + _cross(J, A)
+
+
+def _cross(J: Floats, V: Floats) -> Floats:
+    """Each column of J x V."""
+    linear = np.cross(J[3:], V[:3], axisa=0, axisc=0) + np.cross(J[:3], V[3:], axisa=0, axisc=0)
+    return np.vstack([linear, np.cross(J[3:], V[3:], axisa=0, axisc=0)])
+
+
+def computeCentroidalDynamicsDerivatives(
+    model: Model, data: Data, q: Any, v: Any, a: Any
+) -> tuple[Floats, ...]:
+    """Derivatives of the centroidal momentum by q, and of its rate by q, v and a, (6, nv) each."""
+    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
+    found = engine_for(model, data).kernel("centroidal_derivatives")(*state)
+    for name, block in zip(("dHdq", "dFdq", "dFdv", "dFda"), found, strict=True):
+        data._blocks[name][:] = block
+    return found
+
+
+def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
+    """The derivative (3, nv) of the velocity of the centre of mass by q."""
+    q, v = data.require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
+    return engine_for(model, data).kernel("com_velocity_derivatives")(q, v)[0]

@@ -1,0 +1,258 @@
+"""Inverse and forward dynamics, the mass matrix and its kin, and all of them at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio._arrays import vector
+from pinocchio._data import Data, engine_for
+from pinocchio._enums import Convention
+from pinocchio._kinematics import own_poses, rows, stacked
+from pinocchio._masses import fill_masses
+from pinocchio._model import Model
+from pinocchio._vectors import Force
+from ulna import algorithms, spatial
+from ulna.errors import InputError
+from ulna.model import Model as TowerModel
+from ulna.typing import Array, Floats
+
+__all__ = [
+    "aba",
+    "computeAllTerms",
+    "computeCoriolisMatrix",
+    "computeGeneralizedGravity",
+    "computeMinverse",
+    "computeStaticTorque",
+    "crba",
+    "getCoriolisMatrix",
+    "nle",
+    "nonLinearEffects",
+    "rnea",
+]
+
+
+def external(fext: Any, count: int) -> Floats:
+    """Forces on the joints, the universe left out, as one array (njoints - 1, 6).
+
+    Raises:
+        InputError: there are not as many as joints.
+    """
+    if len(fext) != count:
+        raise InputError(
+            f"`fext` holds {len(fext)} forces; expected {count}, one for each joint, the universe included."
+        )
+    forces = [f.vector if isinstance(f, Force) else vector(f, 6, "fext") for f in fext]
+    return np.array(forces[1:], dtype=float).reshape(count - 1, 6)
+
+
+def split_forces(F: Array) -> list[spatial.Force | None]:
+    """Rows of an array as the tower's forces on joints."""
+    return [spatial.Force(F[k, :3], F[k, 3:]) for k in range(F.shape[0])]
+
+
+def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> Floats:
+    """The joint torques of a motion, (nv,); kept in `data.tau`.
+
+    Args:
+        model: The model.
+        data: Its data.
+        q: Configuration (nq,).
+        v: Velocity (nv,).
+        a: Acceleration (nv,).
+        fext: For every joint, the force on its body in its frame.
+    """
+    engine = engine_for(model, data)
+    nv = model.nv
+    q, v, a = vector(q, model.nq, "q"), vector(v, nv, "v"), vector(a, nv, "a")
+    F = None
+    if fext is None:
+        kernel = engine.kernels.get("rnea")
+        if kernel is None:
+            kernel = engine.kernels["rnea"] = engine.kernel("inverse_dynamics")
+        tau = kernel(q, v, a)
+    else:
+        F = external(fext, model.njoints)
+        kernel = engine.made(
+            "rnea under forces",
+            lambda m: lambda q, v, a, F: algorithms.inverse_dynamics(m, q, v, a, split_forces(F)),
+            q=(model.nq,),
+            v=(nv,),
+            a=(nv,),
+            F=F.shape,
+        )
+        tau = kernel(q, v, a, F)
+    data._blocks["tau"][:] = tau
+    due_of_motion(model, data, q, v, a, F)
+    return tau
+
+
+def due_of_motion(model: Model, data: Data, q: Floats, v: Floats, a: Floats, F: Floats | None) -> None:
+    """Leaves what a motion makes of every body to be computed when it is asked for: v, a_gf, f, h."""
+    engine = engine_for(model, data)
+    state = (q.copy(), v.copy(), a.copy())
+    under = F is not None
+
+    def build(tower: TowerModel) -> Any:
+        lift = spatial.Motion(-np.asarray(tower.gravity), np.zeros(3))
+
+        def run(q: Array, v: Array, a: Array, *F: Array) -> tuple[Array, ...]:
+            speeds = algorithms.joint_velocities(tower, q, v)
+            poses = algorithms.joint_poses(tower, q)
+            gains = algorithms.joint_accelerations(tower, q, v, a)
+            felt = [A + T.act_inverse(lift) for A, T in zip(gains, poses, strict=True)]
+            wrenches = algorithms.joint_wrenches(tower, q, v, a, split_forces(F[0]) if F else None)
+            momenta = [i.apply(V) for i, V in zip(tower.inertias, speeds, strict=True)]
+            return rows(speeds), rows(felt), rows(wrenches), rows(momenta), own_poses(tower, q)
+
+        return run
+
+    def pull() -> None:
+        for name in ("v", "a_gf", "f", "h"):
+            data._due.pop(name, None)
+        shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
+        if F is not None:
+            shapes["F"] = F.shape
+        kernel = engine.made(("bodies", under), build, **shapes)
+        tails = data._tails
+        kernel(
+            *state, *(() if F is None else (F,)), out=tuple(tails[n] for n in ("v", "a_gf", "f", "h", "liMi"))
+        )
+
+    for name in ("v", "a_gf", "f", "h"):
+        data._due[name] = pull
+
+
+def nonLinearEffects(model: Model, data: Data, q: Any, v: Any) -> Floats:
+    """Coriolis, centrifugal and gravity torques (nv,); kept in `data.nle`."""
+    kernel = engine_for(model, data).kernel("bias_forces")
+    data._blocks["nle"][:] = found = kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    return found
+
+
+nle = nonLinearEffects
+
+
+def computeGeneralizedGravity(model: Model, data: Data, q: Any) -> Floats:
+    """The torques that hold the robot against gravity (nv,); kept in `data.g`."""
+    data._blocks["g"][:] = found = engine_for(model, data).kernel("gravity_forces")(vector(q, model.nq, "q"))
+    return found
+
+
+def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
+    """The torques that hold the robot against gravity and forces on its joints (nv,); kept in `data.tau`."""
+    F = external(fext, model.njoints)
+    kernel = engine_for(model, data).made(
+        "static torque",
+        lambda m: lambda q, F: algorithms.static_torque(m, q, split_forces(F)),
+        q=(model.nq,),
+        F=F.shape,
+    )
+    data._blocks["tau"][:] = found = kernel(vector(q, model.nq, "q"), F)
+    return found
+
+
+def aba(
+    model: Model, data: Data, q: Any, v: Any, tau: Any, fext: Any = None, convention: Any = None
+) -> Floats:
+    """The accelerations that torques give (nv,); kept in `data.ddq`.
+
+    Args:
+        model: The model.
+        data: Its data.
+        q: Configuration (nq,).
+        v: Velocity (nv,).
+        tau: Torques (nv,).
+        fext: For every joint, the force on its body in its frame.
+        convention: LOCAL or WORLD; the result is the same.
+    """
+    engine = engine_for(model, data)
+    nv = model.nv
+    q, v, tau = vector(q, model.nq, "q"), vector(v, nv, "v"), vector(tau, nv, "tau")
+    if fext is None or isinstance(fext, Convention):
+        kernel = engine.kernels.get("aba")
+        if kernel is None:
+            kernel = engine.kernels["aba"] = engine.kernel("forward_dynamics")
+        found = kernel(q, v, tau)
+    else:
+        F = external(fext, model.njoints)
+        kernel = engine.made(
+            "aba under forces",
+            lambda m: lambda q, v, tau, F: algorithms.forward_dynamics(m, q, v, tau, split_forces(F)),
+            q=(model.nq,),
+            v=(nv,),
+            tau=(nv,),
+            F=F.shape,
+        )
+        found = kernel(q, v, tau, F)
+    data._blocks["ddq"][:] = found
+    return found
+
+
+def crba(model: Model, data: Data, q: Any, convention: Any = None) -> Floats:
+    """The mass matrix (nv, nv), both triangles; kept in `data.M`."""
+    engine = engine_for(model, data)
+    kernel = engine.kernels.get("crba")
+    if kernel is None:
+        kernel = engine.kernels["crba"] = engine.kernel("mass_matrix")
+    found = kernel(vector(q, model.nq, "q"))
+    data._blocks["M"][:] = found
+    return found
+
+
+def computeMinverse(model: Model, data: Data, q: Any = None) -> Floats:
+    """The inverse of the mass matrix (nv, nv); kept in `data.Minv`."""
+    q = data.require(data._q, "aba(model, data, q, v, tau)") if q is None else vector(q, model.nq, "q")
+    data._blocks["Minv"][:] = found = engine_for(model, data).kernel("inverse_mass_matrix")(q)
+    return found
+
+
+def computeCoriolisMatrix(model: Model, data: Data, q: Any, v: Any) -> Floats:
+    """The Coriolis matrix (nv, nv) of the Christoffel symbols; kept in `data.C`."""
+    kernel = engine_for(model, data).kernel("coriolis_matrix")
+    data._blocks["C"][:] = found = kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    return found
+
+
+def getCoriolisMatrix(model: Model, data: Data) -> Floats:
+    """The Coriolis matrix of the last derivatives of inverse dynamics."""
+    state = data.require(data._of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
+    return computeCoriolisMatrix(model, data, *state[:2])
+
+
+def _everything(model: TowerModel) -> Any:
+    def run(q: Array, v: Array) -> tuple[Any, ...]:
+        return (
+            algorithms.mass_matrix(model, q),
+            algorithms.bias_forces(model, q, v),
+            algorithms.gravity_forces(model, q),
+            algorithms.joint_jacobians(model, q),
+            algorithms.joint_jacobians_dot(model, q, v),
+            algorithms.center_of_mass_jacobian(model, q),
+            algorithms.centroidal_matrix(model, q),
+            stacked(algorithms.joint_poses(model, q)),
+            own_poses(model, q),
+            rows(algorithms.joint_velocities(model, q, v)),
+        )
+
+    return run
+
+
+def computeAllTerms(model: Model, data: Data, q: Any, v: Any) -> None:
+    """Fills M, nle, g, J, dJ, Jcom, Ag, hg, com, vcom, energies and placements; not C, not oMf."""
+    engine = engine_for(model, data)
+    q, v = vector(q, model.nq, "q"), vector(v, model.nv, "v")
+    blocks, tails = data._blocks, data._tails
+    out = tuple(blocks[n] for n in ("M", "nle", "g", "J", "dJ", "Jcom", "Ag"))
+    out += (tails["oMi"], tails["liMi"], tails["v"])
+    engine.made("everything", _everything, q=(model.nq,), v=(model.nv,))(q, v, out=out)
+    q, v = q.copy(), v.copy()
+    data._engine, data._q, data._qv = engine, q, (q, v)
+    data._q_of_jacobians, data._qv_of_jacobians = q, (q, v)
+    data._due.pop("v", None)
+    data.hg._v[:] = blocks["Ag"] @ v
+    fill_masses(model, data, q, v)
+    data.kinetic_energy = float(0.5 * v @ blocks["M"] @ v)
+    data.potential_energy = float(engine.kernel("potential_energy")(q))
+    data.mechanical_energy = data.kinetic_energy + data.potential_energy

@@ -1,0 +1,83 @@
+"""The enumerations: frames, geometries, references, arguments, conventions."""
+
+from __future__ import annotations
+
+import enum
+from typing import Any
+
+from ulna.algorithms.references import Reference
+from ulna.errors import InputError
+
+
+class _Named(enum.IntEnum):
+    """Numbers with names; printed by their name."""
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __repr__(self) -> str:
+        return f"pinocchio.{type(self).__name__}.{self.name}"
+
+
+class FrameType(_Named):
+    """What a frame belongs to; values combine with `|` for searches."""
+
+    OP_FRAME = 1
+    JOINT = 2
+    FIXED_JOINT = 4
+    BODY = 8
+    SENSOR = 16
+
+
+class ReferenceFrame(_Named):
+    """In which axes, and at which point, velocities are written."""
+
+    WORLD = 0
+    LOCAL = 1
+    LOCAL_WORLD_ALIGNED = 2
+
+
+class GeometryType(_Named):
+    """What a geometry is for."""
+
+    VISUAL = 0
+    COLLISION = 1
+
+
+class ArgumentPosition(_Named):
+    """Which argument to differentiate by."""
+
+    ARG0 = 0
+    ARG1 = 1
+    ARG2 = 2
+    ARG3 = 3
+    ARG4 = 4
+
+
+class Convention(_Named):
+    """In which frames an algorithm works inside; the results are the same."""
+
+    WORLD = 0
+    LOCAL = 1
+
+
+class KinematicLevel(_Named):
+    """Up to which derivative."""
+
+    POSITION = 0
+    VELOCITY = 1
+    ACCELERATION = 2
+
+
+_REFERENCES: dict[int, Reference] = {0: "world", 1: "local", 2: "local_world_aligned"}
+
+
+def reference_of(rf: Any) -> Reference:
+    """The tower's word for a ReferenceFrame.
+
+    Raises:
+        InputError: it is none; a plain number does not say what it means.
+    """
+    if not isinstance(rf, ReferenceFrame):
+        raise InputError(f"The reference frame is {rf!r}; expected LOCAL, WORLD or LOCAL_WORLD_ALIGNED.")
+    return _REFERENCES[rf]

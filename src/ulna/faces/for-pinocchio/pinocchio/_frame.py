@@ -1,0 +1,132 @@
+"""Frame: a named placement on a joint."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+from pinocchio._enums import FrameType
+from pinocchio._inertia import Inertia
+from pinocchio._se3 import SE3
+from ulna.errors import InputError
+
+changes = [0]
+"""How often a name or a parent of any frame was changed; placements are compared by their numbers."""
+
+
+@final
+class Frame:
+    """`Frame(name, parentJoint, parentFrame, placement, type, inertia)`; parent frame and inertia may be left out."""
+
+    __slots__ = ("_inertia", "_name", "_parent_frame", "_parent_joint", "_placement", "_type")
+
+    def __init__(self, *parts: Any, **named: Any) -> None:
+        if len(parts) == 1 and isinstance(parts[0], Frame):
+            other = parts[0]
+            parts = (
+                other.name,
+                other.parentJoint,
+                other.parentFrame,
+                other.placement,
+                other.type,
+                other.inertia,
+            )
+        names = ["name", "parentJoint", "parentFrame", "placement", "type", "inertia"]
+        if len(parts) > 2 and isinstance(parts[2], SE3):
+            names.remove("parentFrame")
+        told: dict[str, Any] = {"name": "", "parentJoint": 0, "parentFrame": 0, "placement": SE3()}
+        told |= {"type": FrameType.OP_FRAME, "inertia": Inertia()}
+        if len(parts) > len(names) or set(named) - set(told):
+            raise InputError(f"Frame was given {parts}, {named}; expected {', '.join(names)}.")
+        told |= dict(zip(names, parts, strict=False)) | named
+        if not isinstance(told["name"], str):
+            raise InputError(f"The name of a frame is {told['name']!r}; expected a string.")
+        self._name: str = told["name"]
+        self._parent_joint = int(told["parentJoint"])
+        self._parent_frame = int(told["parentFrame"])
+        self._placement = SE3(told["placement"])
+        self._type = FrameType(told["type"])
+        self._inertia = Inertia(told["inertia"])
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self._name
+
+    @name.setter
+    def name(self, name: str) -> None:
+        self._name = name
+        changes[0] += 1
+
+    @property
+    def parentJoint(self) -> int:
+        """The index of the joint it moves with."""
+        return self._parent_joint
+
+    @parentJoint.setter
+    def parentJoint(self, joint: int) -> None:
+        self._parent_joint = int(joint)
+        changes[0] += 1
+
+    @property
+    def parentFrame(self) -> int:
+        """The index of the frame before it."""
+        return self._parent_frame
+
+    @parentFrame.setter
+    def parentFrame(self, frame: int) -> None:
+        self._parent_frame = int(frame)
+
+    parent, previousFrame = parentJoint, parentFrame
+
+    @property
+    def placement(self) -> SE3:
+        """Where it is in the frame of its joint, a live reference."""
+        return self._placement
+
+    @placement.setter
+    def placement(self, M: SE3) -> None:
+        self._placement._assign(M)
+
+    @property
+    def type(self) -> FrameType:
+        """What it belongs to."""
+        return self._type
+
+    @type.setter
+    def type(self, type_: FrameType) -> None:
+        self._type = FrameType(type_)
+
+    @property
+    def inertia(self) -> Inertia:
+        """What it added to its joint's body, in its own frame."""
+        return self._inertia
+
+    @inertia.setter
+    def inertia(self, inertia: Inertia) -> None:
+        self._inertia._assign(inertia)
+
+    def copy(self) -> Frame:
+        """One of its own."""
+        return Frame(self)
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: Any) -> Frame:
+        return Frame(self)
+
+    def __reduce__(self) -> Any:
+        parts = (self.name, self.parentJoint, self.parentFrame, self.placement, self.type, self.inertia)
+        return Frame, parts
+
+    def __eq__(self, other: object) -> bool:
+        return self.__reduce__()[1] == other.__reduce__()[1] if isinstance(other, Frame) else NotImplemented
+
+    __hash__ = object.__hash__
+
+    def __str__(self) -> str:
+        return (
+            f"Frame name: {self.name} paired to (parent joint/ parent frame)({self.parentJoint}/{self.parentFrame})\n"
+            f"with relative placement wrt parent joint:\n{self.placement}containing inertia:\n{self.inertia}\n"
+        )
+
+    __repr__ = __str__

@@ -1,0 +1,183 @@
+"""Jacobians of joints and frames, their time derivatives and Hessians."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pinocchio._arrays import index, vector
+from pinocchio._data import Data, engine_for
+from pinocchio._enums import reference_of
+from pinocchio._kinematics import LOCAL, at_frame, at_joint, own_poses, split, stacked
+from pinocchio._model import Model
+from ulna import algorithms
+from ulna.algorithms.references import Reference
+from ulna.model import Frame
+from ulna.model import Model as TowerModel
+from ulna.typing import Floats
+
+__all__ = [
+    "computeFrameJacobian",
+    "computeJointJacobian",
+    "computeJointJacobians",
+    "computeJointJacobiansTimeVariation",
+    "computeJointKinematicHessians",
+    "frameJacobianTimeVariation",
+    "getFrameJacobian",
+    "getFrameJacobianTimeVariation",
+    "getFrameKinematicHessian",
+    "getJointJacobian",
+    "getJointJacobianTimeVariation",
+    "getJointKinematicHessian",
+]
+
+
+def _all_columns(model: TowerModel) -> Any:
+    return lambda q: (
+        algorithms.joint_jacobians(model, q),
+        stacked(algorithms.joint_poses(model, q)),
+        own_poses(model, q),
+    )
+
+
+def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
+    """Fills `data.J` (columns in WORLD), `data.oMi` and `data.liMi`; returns J (6, nv)."""
+    engine = engine_for(model, data)
+    q = data.require(data._q, "forwardKinematics(model, data, q)") if q is None else vector(q, model.nq, "q")
+    kernel = engine.kernels.get("J") or engine.made("J", _all_columns, q=(model.nq,))
+    J = data._blocks["J"]
+    kernel(q, out=(J, data._tails["oMi"], data._tails["liMi"]))
+    data._engine = engine
+    data._q = data._q_of_jacobians = q.copy()
+    return J.copy()
+
+
+def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
+    """The Jacobian (6, nv) of a joint, after computeJointJacobians."""
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
+    return _jacobian(model, data, reference_of(reference_frame), ("joint", joint), at_joint(joint))(q)
+
+
+def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Floats:
+    """The Jacobian (6, nv) of a joint in LOCAL."""
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    q = vector(q, model.nq, "q")
+    return _jacobian(model, data, "local", ("joint", joint), at_joint(joint))(q)
+
+
+def getFrameJacobian(model: Model, data: Data, *place: Any, reference_frame: Any = None) -> Floats:
+    """The Jacobian (6, nv) of a frame, after computeJointJacobians.
+
+    Args:
+        model: The model.
+        data: Its data.
+        place: Index of the frame; or index of a joint, and a placement in its frame; then the reference.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED, where it is not the last of `place`.
+    """
+    place, reference = split(place, reference_frame)
+    key, given = at_frame(model, place)
+    q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
+    return _jacobian(model, data, reference, key, given)(q)
+
+
+def computeFrameJacobian(
+    model: Model, data: Data, q: Any, frame_id: int, reference_frame: Any = LOCAL
+) -> Floats:
+    """The Jacobian (6, nv) of a frame at q."""
+    key, _ = at_frame(model, (frame_id,))
+    return _jacobian(model, data, reference_of(reference_frame), key, None)(vector(q, model.nq, "q"))
+
+
+def _jacobian(model: Model, data: Data, reference: Reference, key: Any, given: Frame | None) -> Any:
+    engine = engine_for(model, data)
+
+    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+        frame = frames[key] if given is None else given
+        return lambda q: algorithms.frame_jacobian(tower, q, frame, reference)
+
+    return engine.of_frame(("J", key, reference), build, q=(model.nq,))
+
+
+# time derivatives and Hessians --------------------------------------------------------------------------
+
+
+def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
+    """Fills `data.dJ` (columns in WORLD) and `data.J`; returns dJ (6, nv)."""
+    engine = engine_for(model, data)
+    q, v = vector(q, model.nq, "q"), vector(v, model.nv, "v")
+    computeJointJacobians(model, data, q)
+
+    def build(tower: TowerModel) -> Any:
+        return lambda q, v: algorithms.joint_jacobians_dot(tower, q, v)
+
+    dJ = data._blocks["dJ"]
+    engine.made("dJ", build, q=(model.nq,), v=(model.nv,))(q, v, out=dJ)
+    data._qv_of_jacobians = (q.copy(), v.copy())
+    return dJ.copy()
+
+
+def getJointJacobianTimeVariation(
+    model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL
+) -> Floats:
+    """The time derivative (6, nv) of a joint's Jacobian, after computeJointJacobiansTimeVariation."""
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    return _jacobian_dot(model, data, reference_of(reference_frame), ("joint", joint), at_joint(joint))
+
+
+def getFrameJacobianTimeVariation(
+    model: Model, data: Data, frame_id: int, reference_frame: Any = LOCAL
+) -> Floats:
+    """The time derivative (6, nv) of a frame's Jacobian, after computeJointJacobiansTimeVariation."""
+    key, _ = at_frame(model, (frame_id,))
+    return _jacobian_dot(model, data, reference_of(reference_frame), key, None)
+
+
+def frameJacobianTimeVariation(
+    model: Model, data: Data, q: Any, v: Any, frame_id: int, reference_frame: Any = LOCAL
+) -> Floats:
+    """The time derivative (6, nv) of a frame's Jacobian."""
+    computeJointJacobiansTimeVariation(model, data, q, v)
+    return getFrameJacobianTimeVariation(model, data, frame_id, reference_frame)
+
+
+def _jacobian_dot(model: Model, data: Data, reference: Reference, key: Any, given: Frame | None) -> Floats:
+    mend = "computeJointJacobiansTimeVariation(model, data, q, v)"
+    q, v = data.require(data._qv_of_jacobians, mend)
+
+    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+        frame = frames[key] if given is None else given
+        return lambda q, v: algorithms.frame_jacobian_dot(tower, q, v, frame, reference)
+
+    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,)}
+    return engine_for(model, data).of_frame(("dJ", key, reference), build, **shapes)(q, v)
+
+
+def computeJointKinematicHessians(model: Model, data: Data, q: Any = None) -> None:
+    """Prepares getJointKinematicHessian and getFrameKinematicHessian."""
+    computeJointJacobians(model, data, q)
+
+
+def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
+    """The derivative (6, nv, nv) of a joint's Jacobian by q; [:, j, k] is that of column j by entry k."""
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    return _hessian(model, data, reference_of(reference_frame), ("joint", joint), at_joint(joint))
+
+
+def getFrameKinematicHessian(model: Model, data: Data, frame_id: int, reference_frame: Any = LOCAL) -> Floats:
+    """The derivative (6, nv, nv) of a frame's Jacobian by q; see `getJointKinematicHessian`."""
+    key, _ = at_frame(model, (frame_id,))
+    return _hessian(model, data, reference_of(reference_frame), key, None)
+
+
+def _hessian(model: Model, data: Data, reference: Reference, key: Any, given: Frame | None) -> Floats:
+    q = data.require(data._q_of_jacobians, "computeJointKinematicHessians(model, data, q)")
+
+    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+        frame = frames[key] if given is None else given
+        return lambda q: algorithms.frame_hessian(tower, q, frame, reference)
+
+    found = engine_for(model, data).of_frame(("H", key, reference), build, q=(model.nq,))(q)
+    return np.ascontiguousarray(np.moveaxis(found, 0, 2))

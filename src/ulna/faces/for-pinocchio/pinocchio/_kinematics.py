@@ -1,0 +1,236 @@
+"""Placements, velocities and accelerations of joints and frames."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pinocchio._arrays import index, vector
+from pinocchio._data import Data, engine_for, frames_fit
+from pinocchio._enums import ReferenceFrame, reference_of
+from pinocchio._model import Model
+from pinocchio._se3 import SE3
+from pinocchio._vectors import Motion
+from ulna import algorithms, spatial
+from ulna.algorithms.references import Reference
+from ulna.model import Frame
+from ulna.model import Model as TowerModel
+from ulna.typing import Array, Floats
+
+__all__ = [
+    "forwardKinematics",
+    "framesForwardKinematics",
+    "getAcceleration",
+    "getClassicalAcceleration",
+    "getFrameAcceleration",
+    "getFrameClassicalAcceleration",
+    "getFrameVelocity",
+    "getVelocity",
+    "updateFramePlacement",
+    "updateFramePlacements",
+    "updateGlobalPlacements",
+]
+
+LOCAL = ReferenceFrame.LOCAL
+
+
+def stacked(poses: Sequence[spatial.SE3]) -> Array:
+    """Placements as one array (n, 4, 4)."""
+    return np.stack([T.matrix() for T in poses]) if poses else np.zeros((0, 4, 4))
+
+
+def rows(motions: Sequence[Any]) -> Array:
+    """Motions or forces as one array (n, 6)."""
+    return np.stack([m.vector() for m in motions]) if motions else np.zeros((0, 6))
+
+
+def own_poses(model: TowerModel, q: Array) -> Array:
+    """Each joint in the frame of the joint before it, (n, 4, 4)."""
+    return stacked([j.placement @ j.kind.transform(j.q_of(q)) for j in model.joints])
+
+
+def _places(model: TowerModel) -> Any:
+    return lambda q: (stacked(algorithms.joint_poses(model, q)), own_poses(model, q))
+
+
+def _moving(model: TowerModel) -> Any:
+    places = _places(model)
+    return lambda q, v: (*places(q), rows(algorithms.joint_velocities(model, q, v)))
+
+
+def _speeding(model: TowerModel) -> Any:
+    moving = _moving(model)
+    return lambda q, v, a: (*moving(q, v), rows(algorithms.joint_accelerations(model, q, v, a)))
+
+
+def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = None) -> None:
+    """Fills `data.oMi` and `data.liMi`; with v and a also `data.v` and `data.a`."""
+    engine = engine_for(model, data)
+    q = vector(q, model.nq, "q")
+    tails = data._tails
+    if v is None:
+        kernel = engine.kernels.get("fk") or engine.made("fk", _places, q=(model.nq,))
+        kernel(q, out=(tails["oMi"], tails["liMi"]))
+    else:
+        v = vector(v, model.nv, "v")
+        out = (tails["oMi"], tails["liMi"], tails["v"])
+        if a is None:
+            engine.made("fk1", _moving, q=(model.nq,), v=(model.nv,))(q, v, out=out)
+        else:
+            a = vector(a, model.nv, "a")
+            engine.made("fk2", _speeding, q=(model.nq,), v=(model.nv,), a=(model.nv,))(
+                q, v, a, out=(*out, tails["a"])
+            )
+            data._qva = (q.copy(), v.copy(), a.copy())
+            data._due.pop("a", None)
+        data._qv = (q.copy(), v.copy())
+        data._due.pop("v", None)
+    data._engine, data._q = engine, q.copy()
+
+
+def _frame_places(model: TowerModel, frames: Sequence[Frame]) -> Any:
+    places = _places(model)
+    return lambda q: (*places(q), stacked(algorithms.frame_poses(model, q, frames)))
+
+
+def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
+    """Fills `data.oMi`, `data.liMi` and `data.oMf`."""
+    frames_fit(model, data)
+    engine = engine_for(model, data)
+    q = vector(q, model.nq, "q")
+    kernel = engine.of_frame("fk", _frame_places, q=(model.nq,))
+    kernel(q, out=(data._tails["oMi"], data._tails["liMi"], data._blocks["oMf"]))
+    data._engine, data._q = engine, q.copy()
+
+
+def _carried(model: TowerModel, frames: Sequence[Frame]) -> Any:
+    def run(oMi: Array) -> Array:
+        found = []
+        for frame in frames:
+            T = oMi[frame.joint + 1]
+            found.append(spatial.SE3(T[:3, :3], T[:3, 3]) @ frame.placement)
+        return stacked(found)
+
+    return run
+
+
+def updateFramePlacements(model: Model, data: Data) -> None:
+    """Fills `data.oMf` from `data.oMi`."""
+    frames_fit(model, data)
+    engine = data.require(data._engine, "forwardKinematics(model, data, q)")
+    kernel = engine.of_frame("carried", _carried, oMi=(model.njoints, 4, 4))
+    kernel(data._blocks["oMi"], out=data._blocks["oMf"])
+
+
+def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
+    """Fills `data.oMf[frame_id]` from `data.oMi`, and returns it."""
+    frames_fit(model, data)
+    place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")
+    data.require(data._engine, "forwardKinematics(model, data, q)")
+    frame = model.frames[place]
+    np.matmul(data._blocks["oMi"][frame.parentJoint], frame.placement._m, out=data._blocks["oMf"][place])
+    return data.oMf[place]
+
+
+def updateGlobalPlacements(model: Model, data: Data) -> None:
+    """Fills `data.oMi` from `data.liMi`."""
+    blocks = data._blocks
+    for i in range(1, model.njoints):
+        np.matmul(blocks["oMi"][model.parents[i]], blocks["liMi"][i], out=blocks["oMi"][i])
+
+
+# velocities and accelerations ---------------------------------------------------------------------------
+
+
+def at_joint(joint: int) -> Frame:
+    """The frame of a joint, for the tower."""
+    return Frame("", joint - 1, spatial.SE3.identity(), "user", "", spatial.SE3.identity())
+
+
+def at_frame(model: Model, place: Any) -> tuple[Any, Any]:
+    """A key and the tower's frame of an index of a frame, or of (index of a joint, placement)."""
+    if len(place) == 1:
+        return index(place[0], model.nframes, "frame", "model.getFrameId(name) gives one."), None
+    joint, M = place
+    joint = index(joint, model.njoints, "joint", "model.getJointId(name) gives one.")
+    given = Frame("", joint - 1, M._pose(), "user", "", spatial.SE3.identity())
+    return (joint, M._m.tobytes()), given
+
+
+def split(rest: tuple[Any, ...], rf: Any) -> tuple[tuple[Any, ...], Reference]:
+    """(index) or (joint, placement), and the reference, out of what stands before and by name."""
+    if len(rest) > 1 and isinstance(rest[-1], ReferenceFrame):
+        rest, rf = rest[:-1], rest[-1]
+    elif len(rest) > 1 and not isinstance(rest[-1], SE3):
+        reference_of(rest[-1])
+    return rest, reference_of(LOCAL if rf is None else rf)
+
+
+def getVelocity(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
+    """The velocity of a joint, after forwardKinematics with v."""
+    return _joint_motion(model, data, joint_id, reference_frame, "velocity")
+
+
+def getAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
+    """The spatial acceleration of a joint, after forwardKinematics with v and a."""
+    return _joint_motion(model, data, joint_id, reference_frame, "acceleration")
+
+
+def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
+    """The acceleration of the point at a joint's origin, after forwardKinematics with v and a."""
+    return _joint_motion(model, data, joint_id, reference_frame, "classical")
+
+
+def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -> Motion:
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    return _motion(model, data, kind, reference_of(rf), ("joint", joint), at_joint(joint))
+
+
+def getFrameVelocity(model: Model, data: Data, *place: Any, reference_frame: Any = None) -> Motion:
+    """The velocity of a frame (its index, or a joint's and a placement), after forwardKinematics with v."""
+    return _frame_motion(model, data, place, reference_frame, "velocity")
+
+
+def getFrameAcceleration(model: Model, data: Data, *place: Any, reference_frame: Any = None) -> Motion:
+    """The spatial acceleration of a frame, after forwardKinematics with v and a; see `getFrameVelocity`."""
+    return _frame_motion(model, data, place, reference_frame, "acceleration")
+
+
+def getFrameClassicalAcceleration(
+    model: Model, data: Data, *place: Any, reference_frame: Any = None
+) -> Motion:
+    """The acceleration of the point at a frame's origin; see `getFrameAcceleration`."""
+    return _frame_motion(model, data, place, reference_frame, "classical")
+
+
+def _frame_motion(model: Model, data: Data, place: Any, rf: Any, kind: str) -> Motion:
+    place, reference = split(place, rf)
+    key, frame = at_frame(model, place)
+    return _motion(model, data, kind, reference, key, frame)
+
+
+def _motion(
+    model: Model, data: Data, kind: str, reference: Reference, key: Any, given: Frame | None
+) -> Motion:
+    mend = (
+        "forwardKinematics(model, data, q, v)"
+        if kind == "velocity"
+        else "forwardKinematics(model, data, q, v, a)"
+    )
+    state: tuple[Floats, ...] = data.require(data._qv if kind == "velocity" else data._qva, mend)
+    engine = engine_for(model, data)
+
+    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+        frame = frames[key] if given is None else given
+        if kind == "velocity":
+            return lambda q, v: algorithms.frame_velocity(tower, q, v, frame, reference).vector()
+        return lambda q, v, a: algorithms.frame_acceleration(
+            tower, q, v, a, frame, reference, classical=kind == "classical"
+        ).vector()
+
+    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,)}
+    if kind != "velocity":
+        shapes["a"] = (model.nv,)
+    return Motion._of(engine.of_frame((kind, key, reference), build, **shapes)(*state))

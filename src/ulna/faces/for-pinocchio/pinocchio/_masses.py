@@ -1,0 +1,212 @@
+"""Centre of mass, centroidal momentum, energies, masses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio._arrays import index, vector
+from pinocchio._data import Data, engine_for
+from pinocchio._model import Model
+from pinocchio._vectors import Force
+from ulna import algorithms
+from ulna.typing import Floats
+
+__all__ = [
+    "ccrba",
+    "centerOfMass",
+    "computeCentroidalMap",
+    "computeCentroidalMapTimeVariation",
+    "computeCentroidalMomentum",
+    "computeCentroidalMomentumTimeVariation",
+    "computeKineticEnergy",
+    "computeMechanicalEnergy",
+    "computePotentialEnergy",
+    "computeSubtreeMasses",
+    "computeTotalMass",
+    "dccrba",
+    "getJacobianSubtreeCenterOfMass",
+    "jacobianCenterOfMass",
+    "jacobianSubtreeCenterOfMass",
+]
+
+_WORDS = ("center_of_mass", "center_of_mass_velocity", "center_of_mass_acceleration")
+_FIELDS = ("com", "vcom", "acom")
+
+
+def centerOfMass(
+    model: Model, data: Data, q: Any = None, v: Any = None, a: Any = None, compute_subtree_coms: bool = True
+) -> Floats:
+    """The centre of mass in the world (3,); fills `data.com` and `data.mass`, with v `vcom`, with a `acom`.
+
+    What belongs to subtrees is computed when it is read, whatever `compute_subtree_coms` says.
+    """
+    v, a = (
+        None if isinstance(x, bool) else x for x in (v, a)
+    )  # compute_subtree_coms may stand in their place
+    if q is None or isinstance(q, (int, np.integer)):
+        q = data.require(data._q, "forwardKinematics(model, data, q)")
+    q = vector(q, model.nq, "q")
+    state = [q, *(vector(x, model.nv, n) for x, n in ((v, "v"), (a, "a")) if x is not None)]
+    fill_masses(model, data, *state)
+    data._q = q.copy()
+    return data._blocks["com"][0].copy()
+
+
+def fill_masses(model: Model, data: Data, *state: Floats) -> None:
+    """Fills com, vcom and acom of the whole robot; those of subtrees are left until they are asked for."""
+    engine = engine_for(model, data)
+    kept = tuple(x.copy() for x in state)
+    for k, (word, field) in enumerate(zip(_WORDS[: len(state)], _FIELDS, strict=False)):
+        data._blocks[field][0] = engine.kernel(word)(*state[: k + 1])
+        data._lists[field].pull = lambda k=k, field=field: _fill_subtrees(
+            model, data, k, field, kept[: k + 1]
+        )
+    list.__setitem__(data.mass, 0, float(algorithms.total_mass(engine.model)))
+    data.mass.pull = lambda: computeSubtreeMasses(model, data)
+    _place_joints(model, data, kept[0])
+
+
+def _place_joints(model: Model, data: Data, q: Floats) -> None:
+    kernel = engine_for(model, data).made(
+        "oMi", lambda m: lambda q: np.stack([T.matrix() for T in algorithms.joint_poses(m, q)]), q=(model.nq,)
+    )
+    kernel(q, out=data._tails["oMi"])
+    data._engine = engine_for(model, data)
+
+
+def _fill_subtrees(model: Model, data: Data, order: int, field: str, state: tuple[Floats, ...]) -> None:
+    """The same of what each joint moves, in the joint's frame."""
+    engine = engine_for(model, data)
+    heavy = [j.name for j in engine.model.joints if algorithms.total_mass(engine.model, j.name) > 0.0]
+    found = {name: engine.kernel(_WORDS[order], subtree=name)(*state) for name in heavy}
+    for i, name in enumerate(model.names):
+        if name in found:
+            M = data.oMi[i]
+            data._blocks[field][i] = M.actInv(found[name]) if order == 0 else M.rotation.T @ found[name]
+
+
+def jacobianCenterOfMass(
+    model: Model, data: Data, q: Any = None, compute_subtree_coms: bool = True
+) -> Floats:
+    """The Jacobian (3, nv) of the centre of mass; kept in `data.Jcom`."""
+    q = data.require(data._q, "forwardKinematics(model, data, q)") if q is None else vector(q, model.nq, "q")
+    data._blocks["Jcom"][:] = found = engine_for(model, data).kernel("center_of_mass_jacobian")(q)
+    fill_masses(model, data, q)
+    data._q = q.copy()
+    return found
+
+
+def jacobianSubtreeCenterOfMass(
+    model: Model, data: Data, q: Any, subtree_root_joint_id: int | None = None
+) -> Floats:
+    """The Jacobian (3, nv) of the centre of mass of what a joint moves."""
+    if subtree_root_joint_id is None:
+        q, subtree_root_joint_id = data.require(data._q, "forwardKinematics(model, data, q)"), int(q)
+    joint = index(subtree_root_joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    subtree = None if joint == 0 else model.names[joint]
+    return engine_for(model, data).kernel("center_of_mass_jacobian", subtree=subtree)(
+        vector(q, model.nq, "q")
+    )
+
+
+def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_id: int) -> Floats:
+    """The same after jacobianCenterOfMass."""
+    return jacobianSubtreeCenterOfMass(model, data, subtree_root_joint_id)
+
+
+def computeTotalMass(model: Model, data: Data | None = None) -> float:
+    """The mass of all that moves [kg]."""
+    return float(algorithms.total_mass(model.engine().model))
+
+
+def computeSubtreeMasses(model: Model, data: Data) -> None:
+    """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves."""
+    tower = engine_for(model, data).model
+    found = [float(algorithms.total_mass(tower, n)) for n in (None, *tower.joint_names)]
+    data.mass.pull = None
+    for i, mass in enumerate(found):
+        list.__setitem__(data.mass, i, mass)
+
+
+# momentum -----------------------------------------------------------------------------------------------
+
+
+def ccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
+    """The centroidal matrix (6, nv); fills `data.Ag`, `data.hg` and `data.Ig`."""
+    computeCentroidalMomentum(model, data, q, v)
+    return computeCentroidalMap(model, data, q)
+
+
+def dccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
+    """The time derivative (6, nv) of the centroidal matrix; fills `data.dAg` and what ccrba fills."""
+    ccrba(model, data, q, v)
+    return computeCentroidalMapTimeVariation(model, data, q, v)
+
+
+def computeCentroidalMap(model: Model, data: Data, q: Any) -> Floats:
+    """The centroidal matrix (6, nv); kept in `data.Ag`."""
+    data._blocks["Ag"][:] = found = engine_for(model, data).kernel("centroidal_matrix")(
+        vector(q, model.nq, "q")
+    )
+    return found
+
+
+def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
+    """Its time derivative (6, nv); kept in `data.dAg`."""
+    kernel = engine_for(model, data).kernel("centroidal_matrix_dot")
+    data._blocks["dAg"][:] = found = kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    computeCentroidalMap(model, data, q)
+    return found
+
+
+def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = None) -> Force:
+    """The momentum about the centre of mass; kept in `data.hg`, the inertia in `data.Ig`."""
+    if q is None:
+        q, v = data.require(data._qv, "forwardKinematics(model, data, q, v)")
+    engine = engine_for(model, data)
+    q, v = vector(q, model.nq, "q"), vector(v, model.nv, "v")
+    data.hg._v[:] = engine.kernel("centroidal_momentum")(q, v)
+    data.Ig.mass = float(algorithms.total_mass(engine.model))
+    data.Ig.inertia = engine.kernel("centroidal_inertia")(q)
+    fill_masses(model, data, q, v)
+    return data.hg
+
+
+def computeCentroidalMomentumTimeVariation(
+    model: Model, data: Data, q: Any = None, v: Any = None, a: Any = None
+) -> Force:
+    """Its time derivative; kept in `data.dhg`, the momentum in `data.hg`."""
+    if q is None:
+        q, v, a = data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
+    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
+    computeCentroidalMomentum(model, data, *state[:2])
+    data.dhg._v[:] = engine_for(model, data).kernel("centroidal_momentum_rate")(*state)
+    return data.dhg
+
+
+# energies -----------------------------------------------------------------------------------------------
+
+
+def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
+    """The kinetic energy [J]; kept in `data.kinetic_energy`."""
+    if q is None:
+        q, v = data.require(data._qv, "forwardKinematics(model, data, q, v)")
+    kernel = engine_for(model, data).kernel("kinetic_energy")
+    data.kinetic_energy = float(kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v")))
+    return data.kinetic_energy
+
+
+def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
+    """The potential energy [J]; kept in `data.potential_energy`."""
+    q = data.require(data._q, "forwardKinematics(model, data, q)") if q is None else vector(q, model.nq, "q")
+    data.potential_energy = float(engine_for(model, data).kernel("potential_energy")(q))
+    return data.potential_energy
+
+
+def computeMechanicalEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
+    """Their sum [J]; kept in `data.mechanical_energy`."""
+    kinetic = computeKineticEnergy(model, data, q, v)
+    data.mechanical_energy = kinetic + computePotentialEnergy(model, data, q)
+    return data.mechanical_energy

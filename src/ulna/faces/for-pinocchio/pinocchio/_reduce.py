@@ -1,0 +1,185 @@
+"""Models made of models: with joints locked, with another one appended, with a joint that mimics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from pinocchio._arrays import index, vector
+from pinocchio._enums import FrameType
+from pinocchio._frame import Frame
+from pinocchio._kinematics import own_poses
+from pinocchio._model import Model
+from pinocchio._se3 import SE3
+from ulna.errors import InputError
+
+__all__ = [
+    "appendModel",
+    "buildReducedModel",
+    "findCommonAncestor",
+    "transformJointIntoMimic",
+]
+
+_LIMITS = ("lowerEffortLimit", "upperEffortLimit", "lowerVelocityLimit", "upperVelocityLimit")
+_LIMITS += ("lowerPositionLimit", "upperPositionLimit", "positionLimitMargin")
+_LIMITS += ("lowerDryFrictionLimit", "upperDryFrictionLimit", "damping")
+
+
+def buildReducedModel(model: Model, *rest: Any) -> Any:
+    """The model with some joints locked.
+
+    Args:
+        model: The model.
+        rest: A geometry model or a list of them, if wanted; the indices of the joints to lock; a configuration (nq,).
+
+    Returns:
+        The model, or (model, geometry model), or (model, list of geometry models).
+    """
+    *geometries, locked, reference = rest
+    several = bool(geometries) and isinstance(geometries[0], (list, tuple))
+    given = list(geometries[0]) if several else geometries
+    out, moved = _locked(model, [index(i, model.njoints, "joint", _NAMES) for i in locked], reference)
+    if not given:
+        return out
+    reduced = [_moved_geometry(g, moved) for g in given]
+    return (out, reduced) if several else (out, reduced[0])
+
+
+_NAMES = "model.getJointId(name) gives one."
+
+
+def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, list[tuple[int, SE3]]]:
+    q = vector(reference, model.nq, "reference_configuration")
+    if 0 in locked:
+        raise InputError(
+            "Joint 0 is the universe, which does not move; take it off the list of joints to lock."
+        )
+    for i, joint in enumerate(model.joints):
+        if joint.mimic and i not in locked and joint.mimic[0] in locked:
+            raise InputError(f"Joint {model.names[i]!r} follows a joint that is to be locked. Lock it, too.")
+    poses = own_poses(model.engine().model, q)
+    out = Model()
+    out.name, out._gravity = model.name, model.gravity.copy()
+    out.frames.clear()
+    out._inertias[0]._assign(model.inertias[0])
+    out.nbodies = model.nbodies
+    moved: list[tuple[int, SE3]] = [(0, SE3())]  # for each old joint: the new one, and its frame there
+    for i in range(1, model.njoints):
+        carrier, M = moved[model.parents[i]]
+        if i in locked:
+            placement = M * SE3._of(poses[i - 1].copy())
+            out._inertias[carrier] += model.inertias[i].se3Action(placement)
+            moved.append((carrier, placement))
+            continue
+        new = add_like(
+            out, model, i, carrier, M * model.jointPlacements[i], model.names[i], [n for n, _ in moved]
+        )
+        moved.append((new, SE3()))
+    for frame in model.frames:
+        carrier, M = moved[frame.parentJoint]
+        kept = frame.copy()
+        if frame.type == FrameType.JOINT and frame.parentJoint in locked:
+            kept.type = FrameType.FIXED_JOINT
+        kept.parentJoint, kept.placement = carrier, M * frame.placement
+        out.frames.append(kept)
+    free = [k for j in model.joints[1:] if j.id not in locked for k in range(j.idx_q, j.idx_q + j.nq)]
+    out.referenceConfigurations = {n: r[free] for n, r in model.referenceConfigurations.items()}
+    out._frames_changed()
+    return out, moved
+
+
+def add_like(
+    out: Model, model: Model, i: int, parent: int, placement: SE3, name: str, new_of: Sequence[int]
+) -> int:
+    """Adds to `out` a joint like joint i of `model`, with its limits, inertia and armature."""
+    joint = model.joints[i].copy()
+    rows = {
+        True: slice(joint.idx_q, joint.idx_q + joint.nq),
+        False: slice(joint.idx_v, joint.idx_v + joint.nv),
+    }
+    if joint.mimic is not None:
+        leader = new_of[joint.mimic[0]]
+        joint.mimic = (leader, *joint.mimic[1:])
+        joint.idx_q, joint.idx_v = out.joints[leader].idx_q, out.joints[leader].idx_v
+    new = out.addJoint(parent, joint, placement, name)
+    made = out.joints[new]
+    for key, values in model._arrays.items():
+        if joint.nv:
+            per_q = "osition" in key
+            at = slice(made.idx_q, made.idx_q + made.nq) if per_q else slice(made.idx_v, made.idx_v + made.nv)
+            out._arrays[key][at] = values[rows[per_q]]
+    out._inertias[new]._assign(model.inertias[i])
+    return new
+
+
+def _moved_geometry(geometry: Any, moved: list[tuple[int, SE3]]) -> Any:
+    out = geometry.copy()
+    for shape in out.geometryObjects:
+        carrier, M = moved[shape.parentJoint]
+        shape.parentJoint, shape.placement = carrier, M * shape.placement
+    return out
+
+
+def appendModel(modelA: Model, modelB: Model, *rest: Any) -> Any:
+    """Model B put on a frame of model A.
+
+    Args:
+        modelA: The first model; its gravity is kept.
+        modelB: The model to append. Its names must not be those of A.
+        rest: Two geometry models, if wanted; the index of the frame of A; the placement of B's world in it.
+
+    Returns:
+        The model, or (model, geometry model).
+    """
+    *geometries, frame_id, aMb = rest
+    frame = modelA.frames[index(frame_id, modelA.nframes, "frame", "model.getFrameId(name) gives one.")]
+    out = modelA.copy()
+    out.name = modelA.name or modelB.name
+    base = frame.placement * aMb
+    joints = [frame.parentJoint]
+    out._inertias[frame.parentJoint] += modelB.inertias[0].se3Action(base)
+    for i in range(1, modelB.njoints):
+        parent = modelB.parents[i]
+        placement = base * modelB.jointPlacements[i] if parent == 0 else modelB.jointPlacements[i]
+        joints.append(add_like(out, modelB, i, joints[parent], placement, modelB.names[i], joints))
+    frames = [int(frame_id)]
+    for other in modelB.frames[1:]:
+        placed = base * other.placement if other.parentJoint == 0 else other.placement
+        told = Frame(
+            other.name,
+            joints[other.parentJoint],
+            frames[other.parentFrame],
+            placed,
+            other.type,
+            other.inertia,
+        )
+        frames.append(out.addFrame(told, False))
+    out.nbodies += modelB.nbodies - 1
+    if not geometries:
+        return out
+    first, second = geometries
+    whole = first.copy()
+    for shape in second.geometryObjects:
+        own = shape.copy()
+        own.placement = base * shape.placement if shape.parentJoint == 0 else shape.placement
+        own.parentJoint, own.parentFrame = joints[shape.parentJoint], frames[shape.parentFrame]
+        whole.addGeometryObject(own)
+    return out, whole
+
+
+def transformJointIntoMimic(
+    input_model: Model, index_mimicked: int, index_mimicking: int, scaling: float, offset: float
+) -> Model:
+    """The model with one joint following another: q = scaling * q_followed + offset."""
+    out = input_model.copy()
+    for i in (index_mimicked, index_mimicking):
+        index(i, out.njoints, "joint", _NAMES)
+    out.make_mimic(int(index_mimicked), int(index_mimicking), float(scaling), float(offset))
+    return out
+
+
+def findCommonAncestor(model: Model, joint1_id: int, joint2_id: int) -> tuple[int, int, int]:
+    """The last joint that two joints stand on, and where it is in both of their supports."""
+    first, second = (model.supports[index(i, model.njoints, "joint", _NAMES)] for i in (joint1_id, joint2_id))
+    shared = sum(1 for a, b in zip(first, second, strict=False) if a == b)
+    return first[shared - 1], shared - 1, shared - 1

@@ -1,0 +1,85 @@
+"""Regressors: what dynamics are linear in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pinocchio._arrays import index, vector
+from pinocchio._data import Data, engine_for
+from pinocchio._kinematics import at_frame, at_joint
+from pinocchio._model import Model
+from pinocchio._vectors import Motion
+from ulna import algorithms
+from ulna.typing import Floats
+
+__all__ = [
+    "bodyRegressor",
+    "computeJointTorqueRegressor",
+    "computeKineticEnergyRegressor",
+    "computePotentialEnergyRegressor",
+    "computeStaticRegressor",
+    "frameBodyRegressor",
+    "jointBodyRegressor",
+]
+
+
+def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any) -> Floats:
+    """The matrix (nv, 10 (njoints - 1)) that makes torques of dynamic parameters."""
+    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
+    return _kept(
+        data, "jointTorqueRegressor", engine_for(model, data).kernel("joint_torque_regressor")(*state)
+    )
+
+
+def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
+    """The matrix (3, 4 (njoints - 1)) that makes the centre of mass of masses and first moments."""
+    kernel = engine_for(model, data).kernel("static_regressor")
+    return _kept(data, "staticRegressor", kernel(vector(q, model.nq, "q")))
+
+
+def computeKineticEnergyRegressor(model: Model, data: Data, q: Any, v: Any) -> Floats:
+    """The vector (10 (njoints - 1),) that makes kinetic energy of dynamic parameters."""
+    kernel = engine_for(model, data).kernel("kinetic_energy_regressor")
+    return _kept(data, "kineticEnergyRegressor", kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v")))
+
+
+def computePotentialEnergyRegressor(model: Model, data: Data, q: Any) -> Floats:
+    """The same of potential energy."""
+    kernel = engine_for(model, data).kernel("potential_energy_regressor")
+    return _kept(data, "potentialEnergyRegressor", kernel(vector(q, model.nq, "q")))
+
+
+def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:
+    """The matrix (6, 10) that makes the force on a body of its dynamic parameters."""
+    value = algorithms.body_regressor(velocity._value(), acceleration._value())
+    return value
+
+
+def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
+    """The regressor (6, 10) of the body of a joint, after rnea or forwardKinematics with v and a."""
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    return _body(model, data, ("joint", joint), at_joint(joint))
+
+
+def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
+    """The same in a frame of the body."""
+    key, _ = at_frame(model, (frame_id,))
+    return _body(model, data, key, None)
+
+
+def _body(model: Model, data: Data, key: Any, given: Any) -> Floats:
+    state = data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
+
+    def build(tower: Any, frames: Any) -> Any:
+        frame = frames[key] if given is None else given
+        return lambda q, v, a: algorithms.frame_regressor(tower, q, v, a, frame)
+
+    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
+    return _kept(
+        data, "bodyRegressor", engine_for(model, data).of_frame(("regressor", key), build, **shapes)(*state)
+    )
+
+
+def _kept(data: Data, name: str, found: Floats) -> Floats:
+    data._blocks[name][:] = found
+    return found

@@ -1,0 +1,63 @@
+"""Roll, pitch and yaw: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio._arrays import matrix, vector
+from pinocchio._vectors import skew
+from ulna import spatial
+from ulna.errors import UnknownName
+from ulna.typing import Floats
+
+
+def rpyToMatrix(*rpy: Any) -> Floats:
+    """The rotation matrix (3, 3) of roll, pitch, yaw [rad]: three numbers, or an array (3,)."""
+    return np.array(spatial.rpy_to_matrix(vector(rpy if len(rpy) == 3 else rpy[0], 3, "rpy")))
+
+
+def matrixToRpy(R: Any) -> Floats:
+    """Roll, pitch, yaw (3,) [rad] of a rotation matrix."""
+    return np.array(spatial.matrix_to_rpy(matrix(R, (3, 3), "R")))
+
+
+def rotate(axis: str, angle: float) -> Floats:
+    """The rotation matrix (3, 3) about 'x', 'y' or 'z' by an angle [rad]."""
+    if axis not in ("x", "y", "z"):
+        raise UnknownName("axis", axis, ("x", "y", "z"))
+    return np.array(spatial.rotation_about("xyz".index(axis), float(angle)))
+
+
+def computeRpyJacobian(rpy: Any, reference_frame: Any = None) -> Floats:
+    """The matrix (3, 3) from the rates of roll, pitch, yaw to the angular velocity; in the moving frame by default."""
+    R = rpyToMatrix(rpy)
+    in_world = np.array(spatial.rpy_rate_matrix(vector(rpy, 3, "rpy")))
+    return R.T @ in_world if _is_local(reference_frame) else in_world
+
+
+def computeRpyJacobianInverse(rpy: Any, reference_frame: Any = None) -> Floats:
+    """The inverse of `computeRpyJacobian`."""
+    inverse = np.array(spatial.rpy_rate_matrix_inverse(vector(rpy, 3, "rpy")))
+    return inverse @ rpyToMatrix(rpy) if _is_local(reference_frame) else inverse
+
+
+def computeRpyJacobianTimeDerivative(rpy: Any, rpydot: Any, reference_frame: Any = None) -> Floats:
+    """The time derivative (3, 3) of `computeRpyJacobian`."""
+    roll, pitch, _ = vector(rpy, 3, "rpy")
+    x, y, z = vector(rpydot, 3, "rpydot")
+    J = computeRpyJacobian(rpy)
+    dJ = np.zeros((3, 3))  # each column is a fixed axis turned by the angles that follow it
+    Rx = rotate("x", roll).T
+    about_x, about_y = skew([-x, 0.0, 0.0]), skew([0.0, -y, 0.0])
+    dJ[:, 1] = about_x @ J[:, 1]
+    dJ[:, 2] = about_x @ J[:, 2] + Rx @ about_y @ rotate("y", pitch).T @ np.array([0.0, 0.0, 1.0])
+    if _is_local(reference_frame):
+        return dJ
+    R = rpyToMatrix(rpy)
+    return R @ (skew(J @ np.array([x, y, z])) @ J + dJ)
+
+
+def _is_local(reference_frame: Any) -> bool:
+    return reference_frame is None or getattr(reference_frame, "name", "LOCAL") == "LOCAL"

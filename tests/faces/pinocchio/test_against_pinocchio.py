@@ -1,0 +1,77 @@
+"""The face answers what Pinocchio answers: the same lines are run on both, each in a Python of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ulna.faces.shelves import SHELVES, environment
+from ulna.robots.example_robot_data import share_folder
+
+ROBOTS = {
+    "ur5": ("ur_description/urdf/ur5_robot.urdf", "", ""),
+    "panda": ("panda_description/urdf/panda.urdf", "", ""),
+    "panda, fingers coupled": ("panda_description/urdf/panda.urdf", "", "mimic"),
+    "kinova": ("kinova_description/robots/kinova.urdf", "", ""),
+    "ur5 in the plane": ("ur_description/urdf/ur5_robot.urdf", "Planar", ""),
+    "solo12": ("solo_description/robots/solo12.urdf", "FreeFlyer", ""),
+}
+SLOW = ("panda", "ur5 in the plane")
+SECOND = "double_pendulum_description/urdf/double_pendulum.urdf"
+
+
+def _answers(out: Path, faced: bool, *words: str) -> tuple[str, dict]:
+    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    variables = environment(["pinocchio"], plain) if faced else plain
+    script = Path(__file__).parent / "asked.py"
+    done = subprocess.run(
+        [sys.executable, str(script), str(out), *words],
+        env=variables,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(out.read_text(encoding="utf-8"))
+    return found["file"], found["answers"]
+
+
+def _compare(tmp_path: Path, *words: str) -> None:
+    place, own = _answers(tmp_path / "face.json", True, *words)
+    assert str(SHELVES["pinocchio"]) in place
+    place, wanted = _answers(tmp_path / "real.json", False, *words)
+    assert str(SHELVES["pinocchio"]) not in place
+    assert list(own) == list(wanted)
+    wrong = [line for line in wanted if not _same(own[line], wanted[line])]
+    assert not wrong
+
+
+def _same(own: object, wanted: object) -> bool:
+    if isinstance(wanted, str) or (isinstance(wanted, list) and wanted and isinstance(wanted[0], str)):
+        return own == wanted
+    if isinstance(wanted, list) and wanted and isinstance(wanted[0], list):
+        assert isinstance(own, list)
+        return len(own) == len(wanted) and all(_same(a, b) for a, b in zip(own, wanted, strict=True))
+    a, b = np.asarray(own, dtype=float), np.asarray(wanted, dtype=float)
+    return a.shape == b.shape and bool(
+        np.abs(a - b).max(initial=0.0) <= 1e-9 * max(1.0, np.abs(b).max(initial=0.0))
+    )
+
+
+def test_displacements_motions_forces_inertias(tmp_path: Path) -> None:
+    _compare(tmp_path, "spatial")
+
+
+@pytest.mark.parametrize("robot", [pytest.param(r, marks=[pytest.mark.slow] * (r in SLOW)) for r in ROBOTS])
+def test_models_and_algorithms(robot: str, tmp_path: Path) -> None:
+    file, root, mimic = ROBOTS[robot]
+    share = share_folder()
+    if share is None:
+        pytest.skip("example-robot-data is not installed")
+    _compare(tmp_path, "robot", *(str(share / "robots" / file), root, mimic, str(share / "robots" / SECOND)))
