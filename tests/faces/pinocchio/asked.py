@@ -11,7 +11,6 @@ from contextlib import redirect_stdout
 
 import numpy as np
 import pinocchio as pin
-import pinocchio.rpy
 
 SPATIAL = """
 ! R, S = pin.exp3(rng.normal(size=3)), pin.exp3(rng.normal(size=3)); p, r = rng.normal(size=(2, 3))
@@ -36,10 +35,10 @@ pin.exp3(w); pin.log3(R); pin.exp6(m); pin.exp6(m.vector); pin.log6(A); pin.log6
 pin.Jexp3(w); pin.Jlog3(R); pin.Jexp6(m); pin.Jlog6(A); pin.exp3_quat(w); pin.exp6_quat(m.vector)
 pin.SE3ToXYZQUAT(A); pin.SE3ToXYZQUATtuple(B); pin.XYZQUATToSE3(pin.SE3ToXYZQUAT(A)); pin.log6_quat(pin.SE3ToXYZQUAT(A))
 pin.skew(p); pin.unSkew(pin.skew(p)); pin.skewSquare(p, r); pin.rpy.rpyToMatrix(0.1, 0.2, 0.3); pin.rpy.rpyToMatrix(p)
-pin.rpy.matrixToRpy(R); pin.rpy.rotate("y", 0.3); pin.rpy.computeRpyJacobian(p); utils.rotate("x", 0.4)
+pin.rpy.matrixToRpy(R); pin.rpy.rotate("y", 0.3); pin.rpy.computeRpyJacobian(p); pin.utils.rotate("x", 0.4)
 pin.rpy.computeRpyJacobian(p, RF); pin.rpy.computeRpyJacobianInverse(p, RF); pin.rpy.computeRpyJacobianTimeDerivative(p, r, RF)
-utils.npToTuple(R); utils.npToTuple(p); utils.isapprox(A.homogeneous, A.homogeneous); utils.eye(3); utils.zero([2, 3])
-printed(utils.mprint, np.arange(1, 15.0).reshape(2, 7) / 7); printed(utils.mprint, A); printed(utils.mprint, p * 1e-7)
+pin.utils.npToTuple(R); pin.utils.npToTuple(p); pin.utils.isapprox(A.homogeneous, A.homogeneous); pin.utils.eye(3); pin.utils.zero([2, 3])
+printed(pin.utils.mprint, np.arange(1, 15.0).reshape(2, 7) / 7); printed(pin.utils.mprint, A); printed(pin.utils.mprint, p * 1e-7)
 """
 
 MODEL = """
