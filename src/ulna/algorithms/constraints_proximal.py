@@ -52,12 +52,18 @@ class Proximal:
     iterations: int = 50
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.mu) and self.mu >= 0.0):
-            raise InputError(f"`mu` is {self.mu}; expected a number that is not below zero, such as 1e-8.")
-        if not (np.isfinite(self.tolerance) and self.tolerance > 0.0):
-            raise InputError(f"`tolerance` is {self.tolerance}; expected a number above zero, such as 1e-12.")
+        if not (_is_finite(self.mu) and self.mu >= 0.0):
+            raise InputError(f"`mu` is {self.mu!r}; expected a number that is not below zero, such as 1e-8.")
+        if not (_is_finite(self.tolerance) and self.tolerance > 0.0):
+            raise InputError(
+                f"`tolerance` is {self.tolerance!r}; expected a number above zero, such as 1e-12."
+            )
         if not isinstance(self.iterations, (int, np.integer)) or self.iterations < 1:
-            raise InputError(f"`iterations` is {self.iterations}; expected a whole number from 1.")
+            raise InputError(f"`iterations` is {self.iterations!r}; expected a whole number from 1.")
+
+
+def _is_finite(value: Any) -> bool:
+    return isinstance(value, (int, float, np.number)) and bool(np.isfinite(value))
 
 
 class Solution(NamedTuple):

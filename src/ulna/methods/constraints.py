@@ -15,6 +15,7 @@ from ulna.methods.dynamics import Forces, stacked
 from ulna.model import Constraint
 from ulna.model.constraint import listed
 from ulna.numeric import is_symbolic
+from ulna.spatial.check import checked
 from ulna.typing import Array, ArrayLike
 
 Held = Sequence[Constraint] | Constraint
@@ -96,7 +97,7 @@ class Constraints(Part):
                 "`anchors` pull nothing without a gain; give `kp` too, such as kp=100.0 [1/s^2]."
             )
         if solver is not _DEFAULT:
-            options["solver"] = solver
+            options["solver"] = _solver(solver)
         return ConstrainedMotion(*self._checked("constrained_dynamics", **options)(*arrays))
 
     def forward_dynamics_with_jacobian(
@@ -126,7 +127,7 @@ class Constraints(Part):
         shape = np.shape(J)
         if len(shape) < 2 or 0 in shape[-2:]:
             raise ShapeError("J", shape, f"(..., m, {self.model.nv}) with m from 1")
-        options = {"rows": shape[-2], "compliant": compliance is not None, "solver": solver}
+        options = {"rows": shape[-2], "compliant": compliance is not None, "solver": _solver(solver)}
         soft = () if compliance is None else (compliance,)
         kernel = self._checked("forward_dynamics_with_jacobian", **options)
         return ConstrainedMotion(*kernel(q, v, tau, J, drift, *soft))
@@ -157,7 +158,7 @@ class Constraints(Part):
         Reference: Featherstone 2008, section 11.7.
         """
         given = listed(constraints)
-        options: dict[str, Any] = {"constraints": given, "solver": solver}
+        options: dict[str, Any] = {"constraints": given, "solver": _solver(solver)}
         if isinstance(restitution, (int, float)) and restitution == 0.0:
             return Impact(*self._checked("impulse_dynamics", **options)(q, v))
         back = _one_each("restitution", restitution, len(given))
@@ -216,6 +217,14 @@ class Constraints(Part):
         return np.stack(poses, axis=-3)
 
 
+def _solver(given: Any) -> Proximal:
+    if not isinstance(given, Proximal):
+        raise InputError(
+            f"`solver` is {given!r}; expected an ulna.algorithms.Proximal, such as Proximal(mu=0.0)."
+        )
+    return given
+
+
 def _pull(constraints: Sequence[Constraint], anchors: Any, kp: Any, kd: Any) -> list[Array]:
     """The further arguments of the kernel: anchors, if there are contacts, and kp and kd of each, (..., count, 2)."""
     count = len(constraints)
@@ -244,7 +253,7 @@ def _gains(name: str, given: ArrayLike, count: int) -> Array:
 
 def _one_each(name: str, given: ArrayLike, count: int) -> Array:
     """One number for all, or one for each constraint, as (..., count)."""
-    value = np.asarray(given, dtype=object if is_symbolic(given) else float)
+    value = checked(name, given, ())
     if value.ndim == 0:
         return np.broadcast_to(value, (count,))
     if value.shape[-1] != count:

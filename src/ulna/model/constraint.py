@@ -17,6 +17,7 @@ import numpy as np
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.model.model import Model
 from ulna.spatial import SE3
+from ulna.spatial.check import checked
 
 Axes: TypeAlias = Literal["local_world_aligned", "local"]
 """The axes along which a constraint and its forces are written: those of the world, or of its first frame."""
@@ -244,11 +245,9 @@ def _at(point: tuple[float, float, float]) -> SE3:
 
 
 def _point(name: str, given: Any) -> tuple[float, ...]:
-    point = np.asarray(given, dtype=float)
-    if point.shape != (3,):
+    point = checked(name, given, (3,), "A point in the frame [m].")
+    if point.ndim > 1:
         raise ShapeError(name, point.shape, "(3,)", "A point in the frame [m].")
-    if not np.isfinite(point).all():
-        raise InputError(f"`{name}` is {given!r}; expected three finite numbers [m].")
     return tuple(point.tolist())
 
 

@@ -13,7 +13,7 @@ import ulna
 from support.random_models import random_model
 from ulna import algorithms as alg
 from ulna.algorithms import Proximal
-from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.model import FrameContact, FrameLoop, PointContact, PointLoop
 from ulna.model.constraint import bonds
 from ulna.robots.panda import panda
@@ -161,11 +161,19 @@ def test_what_constraints_must_be(robot: ulna.Robot, state) -> None:
         robot.forward_dynamics_with_jacobian(q, v, tau, np.zeros((2, robot.nv)), np.zeros(3))
     with pytest.raises(NonFiniteError):
         robot.constrained_dynamics(q, np.nan * v, tau, [tip])
+    with pytest.raises(InputError, match="`solver` is 'direct'"):
+        ask(tip, solver="direct")
+    with pytest.raises(DtypeError, match="`kp`"):
+        ask(tip, kp="stiff", anchors=np.zeros((1, 3)))
+    with pytest.raises(DtypeError, match="`point`"):
+        PointContact("tip", "here")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="no joint moves"):
         ulna.Robot(panda()).delassus_matrix(np.zeros(7), [FrameContact("panda_link0")])
 
 
-@pytest.mark.parametrize("wrong", [{"mu": -1e-8}, {"tolerance": 0.0}, {"iterations": 0}, {"mu": np.nan}])
+@pytest.mark.parametrize(
+    "wrong", [{"mu": -1e-8}, {"tolerance": 0.0}, {"iterations": 0}, {"mu": np.nan}, {"mu": "a"}]
+)
 def test_what_a_solver_must_be(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=next(iter(wrong))):
         Proximal(**wrong)

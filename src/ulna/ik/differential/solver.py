@@ -66,12 +66,20 @@ class DifferentialIK:
             raise InputError(
                 f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) gives, or a Model."
             )
-        limits = (VelocityLimit(), PositionLimit()) if limits is None else tuple(limits)
+        limits = (VelocityLimit(), PositionLimit()) if limits is None else limits
         _check_kinds("tasks", tasks, Task)
         _check_kinds("constraints", constraints, Task)
         _check_kinds("limits", limits, Limit)
         self._hold(
-            Program(model, tuple(tasks), tuple(constraints), limits, damping, recover, _moving(model, locked))
+            Program(
+                model,
+                tuple(tasks),
+                tuple(constraints),
+                tuple(limits),
+                damping,
+                recover,
+                _moving(model, locked),
+            )
         )
 
     def _hold(self, program: Program) -> None:
@@ -209,9 +217,12 @@ class DifferentialIK:
 
     def _seconds(self, dt: Any) -> Any:
         """The duration as an array, kept for the next step."""
-        seconds = np.asarray(dt, dtype=float)
+        try:
+            seconds = np.asarray(dt, dtype=float)
+        except (TypeError, ValueError):
+            seconds = np.zeros(())
         if not (seconds > 0.0).all():
-            raise InputError(f"`dt` is {dt}; expected a duration above 0 s.")
+            raise InputError(f"`dt` is {dt!r}; expected a duration above 0 s.")
         if not seconds.ndim:
             self._dt = (float(seconds), seconds)
         return seconds
@@ -239,6 +250,8 @@ def _of_program(program: Program) -> DifferentialIK:
 
 
 def _check_kinds(what: str, parts: Sequence[Any], kind: type) -> None:
+    if not isinstance(parts, (list, tuple)):
+        raise InputError(f"`{what}` is {parts!r}; expected a list of objects of kind {kind.__name__}.")
     for part in parts:
         if not isinstance(part, kind):
             raise InputError(f"`{what}` holds {part!r}; expected objects of kind {kind.__name__}.")

@@ -112,7 +112,10 @@ def cost_of(value: Any, count: int, what: str) -> Floats:
     Raises:
         InputError: Another shape, or a negative number, nan or inf.
     """
-    given = np.asarray(value, dtype=float)
+    try:
+        given = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{what} is {value!r}; expected a number or {count} numbers.") from None
     if given.shape not in ((), (count,)):
         raise InputError(f"{what} has shape {given.shape}; expected a number or {count} numbers.")
     if not (np.isfinite(given) & (given >= 0.0)).all():
@@ -124,4 +127,4 @@ def as_array(target: Any) -> Floats:
     """A target as an array; a pose or a rotation may come as SE3 or SO3."""
     if isinstance(target, SE3):
         return target.matrix()
-    return np.asarray(target.matrix if isinstance(target, SO3) else target, dtype=float)
+    return np.asarray(target.matrix if isinstance(target, SO3) else target)

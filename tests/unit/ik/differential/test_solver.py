@@ -11,6 +11,7 @@ import pytest
 
 import ulna
 from ulna.errors import (
+    DtypeError,
     InfeasibleError,
     InputError,
     MissingExtra,
@@ -116,7 +117,10 @@ def test_what_is_told_wrongly_is_refused(ik: DifferentialIK, q, goal) -> None:
         ik.velocity(q, DT, np.full((4, 4), np.nan))
     with pytest.raises(NonFiniteError, match="`q"):
         ik.velocity(q + np.inf, DT, goal)
-    for dt in (0.0, -1.0, np.nan):
+    for told in ("here", None):
+        with pytest.raises(DtypeError, match="panda_hand"):
+            ik.velocity(q, DT, told)
+    for dt in (0.0, -1.0, np.nan, "soon", None):
         with pytest.raises(InputError, match="duration above 0"):
             ik.velocity(q, dt, goal)
 
@@ -152,6 +156,11 @@ def test_what_is_made_wrongly_is_refused(panda: ulna.Robot) -> None:
         made(FrameTask(HAND, name="q"))
     with pytest.raises(InputError, match="`tasks` holds 'panda_hand'"):
         made(HAND)
+    for tasks in (None, FrameTask(HAND), iter([FrameTask(HAND)])):
+        with pytest.raises(InputError, match="expected a list"):
+            DifferentialIK(panda, tasks)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="`position_cost` is 'much'"):
+        made(FrameTask(HAND, position_cost="much"))  # type: ignore[arg-type]
     with pytest.raises(InputError, match="kind Limit"):
         made(FrameTask(HAND), limits=[FrameTask(HAND)])
     with pytest.raises(InputError, match="`damping` is 0"):
