@@ -1,0 +1,69 @@
+"""The Robotics Toolbox's names for robot arms, over Ulna: `import roboticstoolbox as rtb`."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+_HOMES = {
+    "roboticstoolbox._et": ("ET", "ET2"),
+    "roboticstoolbox._ets": ("ETS", "ETS2"),
+    "roboticstoolbox._link": ("Link", "Link2", "ELink", "ELink2"),
+    "roboticstoolbox._gripper": ("Gripper",),
+    "roboticstoolbox._robot": ("BaseRobot", "Robot", "Robot2", "ERobot", "ERobot2"),
+    "roboticstoolbox._ik": ("IKSolution", "IKSolver", "IK_LM", "IK_NR", "IK_GN", "IK_QP"),
+    "roboticstoolbox._dh": (
+        "DHLink", "DHRobot", "SerialLink", "RevoluteDH", "PrismaticDH", "RevoluteMDH", "PrismaticMDH",
+    ),
+    "roboticstoolbox._poe": ("PoELink", "PoERevolute", "PoEPrismatic", "PoERobot"),
+    "roboticstoolbox.tools.trajectory": (
+        "Trajectory", "jtraj", "ctraj", "mtraj", "mstraj", "quintic", "quintic_func", "trapezoidal",
+        "trapezoidal_func", "lspb", "xplot",
+    ),
+    "roboticstoolbox.tools.servo": ("p_servo", "angle_axis", "angle_axis_python"),
+    "roboticstoolbox.tools.helpers": ("null", "jsingu", "jacobian_numerical", "hessian_numerical", "Ticker"),
+}  # fmt: skip
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+_MODULES = ("models", "tools")
+_MOBILE = {
+    "Bicycle", "BinaryOccupancyGrid", "Bug2", "CurvaturePolyPlanner", "DiffSteer", "DistanceTransformPlanner",
+    "DstarPlanner", "DubinsPlanner", "EKF", "LandmarkMap", "LatticePlanner", "NoPathError", "OccupancyGrid",
+    "PRMPlanner", "ParticleFilter", "PlannerBase", "PolygonMap", "PoseGraph", "PurePursuit", "QuinticPolyPlanner",
+    "RRTPlanner", "RandomPath", "RangeBearingSensor", "ReedsSheppPlanner", "SensorBase", "Unicycle",
+    "VehicleAnimationBase", "VehicleBase", "VehicleDriverBase", "VehicleIcon", "VehicleMarker", "VehiclePolygon",
+    "mobile", "blocks",
+}  # fmt: skip
+_INSTEAD = {
+    "trchain": "ETS, whose text ulna.formats.ets.ETS.parse reads",
+    "trchain2": "ETS2",
+    "rtb_load_data": "numpy.load, or ulna.load for robots",
+    "rtb_load_matfile": "scipy.io.loadmat",
+    "rtb_load_jsonfile": "json.load",
+    "rtb_path_to_datafile": "a path of your own; the toolbox's data files are not part of Ulna",
+    "rtb_set_param": "arguments of the functions themselves",
+    "rtb_get_param": "arguments of the functions themselves",
+    "backends": "robot.plot, or swift",
+}
+
+__all__ = list(_HOME_OF)
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME_OF:
+        value = getattr(importlib.import_module(_HOME_OF[name]), name)
+        globals()[name] = value
+        return value
+    if name in _MODULES:
+        return importlib.import_module(f"roboticstoolbox.{name}")
+    if name in _MOBILE:
+        raise AttributeError(
+            f"roboticstoolbox.{name} is not offered: Ulna is for robot arms; for mobile robots, maps, filters and "
+            "block diagrams use the toolbox itself, without `ulna run`."
+        )
+    if name in _INSTEAD:
+        raise AttributeError(f"roboticstoolbox.{name} is not offered; use {_INSTEAD[name]}.")
+    raise AttributeError(f"module 'roboticstoolbox' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, *_MODULES]

@@ -1,0 +1,392 @@
+"""Chains of elementary transforms: lists that compose, compile, split and answer kinematic questions."""
+
+from __future__ import annotations
+
+import math
+from collections import UserList
+from collections.abc import Iterable
+from typing import Any, Self
+
+import numpy as np
+
+from roboticstoolbox import _ik
+from roboticstoolbox._chain import Chain
+from roboticstoolbox._et import ET, ET2, BaseET, flat
+from roboticstoolbox._poses import matrix, pose
+from ulna.typing import Floats
+
+
+class BaseETS(UserList):
+    """What ETS and ETS2 share: composition, numbering, and changes of form."""
+
+    _et: type[BaseET] = ET
+
+    def __init__(self, arg: Any = None) -> None:
+        """From nothing, a transform, a list of them, or another chain.
+
+        Raises:
+            ValueError: Some joints have a number and some have none.
+        """
+        super().__init__()
+        items = [] if arg is None else [arg] if isinstance(arg, BaseET) else list(arg)
+        for item in items:
+            if not isinstance(item, self._et):
+                raise TypeError(
+                    f"{item!r} is no {self._et.__name__}, of which a {type(self).__name__} is made."
+                )
+        self.data = [et._like() for et in items]
+        joints = [et for et in self.data if et.isjoint]
+        missing = [et.jindex is None for et in joints]
+        if any(missing) and not all(missing):
+            raise ValueError(
+                "Some joints have a `jindex` and some have none; give it to all of them or to none."
+            )
+        if all(missing):
+            for i, et in enumerate(joints):
+                et.jindex = i
+
+    @classmethod
+    def _of(cls, items: Iterable[BaseET]) -> Self:
+        out = cls()
+        out.data = [et._like() for et in items]
+        return out
+
+    def _numbered(self, other: Any) -> list[BaseET]:
+        """Transforms to append: joints without a number take the next ones."""
+        items = [other] if isinstance(other, BaseET) else list(other)
+        following = max((et.jindex for et in self.data if et.isjoint), default=-1) + 1
+        out = []
+        for et in items:
+            copy = et._like()
+            if copy.isjoint and copy.jindex is None:
+                copy.jindex, following = following, following + 1
+            out.append(copy)
+        return out
+
+    def __mul__(self, other: Any) -> Any:
+        if hasattr(other, "ets") and not isinstance(other, (BaseET, BaseETS)):
+            other = other.ets
+        if not isinstance(other, (self._et, type(self))):
+            return NotImplemented
+        return type(self)._of([*self.data, *self._numbered(other)])
+
+    def __rmul__(self, other: Any) -> Any:
+        return type(self)(other) * self
+
+    def __add__(self, other: Any) -> Any:
+        return self * other
+
+    def __iadd__(self, other: Any) -> Any:
+        return self * other
+
+    def append(self, item: Any) -> None:
+        """Adds a transform, or a chain, at the end."""
+        self.data.extend(self._numbered(item))
+
+    def extend(self, other: Any) -> None:
+        """Adds the transforms of a chain at the end."""
+        self.append(other)
+
+    def insert(self, i: int, item: Any) -> None:
+        """Puts a transform, or a chain, before the one at `i`."""
+        self.data[i:i] = self._numbered(item)
+
+    def __getitem__(self, i: Any) -> Any:
+        return type(self)._of(self.data[i]) if isinstance(i, slice) else self.data[i]
+
+    @property
+    def n(self) -> int:
+        """How many joints it has."""
+        return sum(et.isjoint for et in self.data)
+
+    @property
+    def m(self) -> int:
+        """How many transforms it has."""
+        return len(self.data)
+
+    @property
+    def jindices(self) -> Floats:
+        """Which joint coordinate each joint takes, (n,)."""
+        return np.array([et.jindex for et in self.data if et.isjoint], dtype=int)
+
+    @property
+    def structure(self) -> str:
+        """A letter for each joint: R turns, P slides."""
+        return "".join("R" if et.isrotation else "P" for et in self.data if et.isjoint)
+
+    def joints(self) -> list[BaseET]:
+        """The transforms that move."""
+        return [et for et in self.data if et.isjoint]
+
+    def joint_idx(self) -> Floats:
+        """Where in the chain the joints are."""
+        return np.array([i for i, et in enumerate(self.data) if et.isjoint], dtype=int)
+
+    def jindex_set(self) -> set[int]:
+        """The numbers of its joints."""
+        return {et.jindex for et in self.joints() if et.jindex is not None}
+
+    @property
+    def qlim(self) -> Floats:
+        """Joint limits, (2, n); a turn without limits has -pi and pi.
+
+        Raises:
+            ValueError: A sliding joint has none.
+        """
+        return limits_of(self.joints())
+
+    def random_q(self, i: int = 1) -> Floats:
+        """Random joint coordinates within the limits, (n,) or (i, n)."""
+        low, high = self.qlim
+        q = np.random.default_rng().uniform(low, high, (i, self.n))
+        return q[0] if i == 1 else q
+
+    def inv(self) -> Self:
+        """The chain from the end to the start."""
+        return type(self)._of(et.inv() for et in reversed(self.data))
+
+    def compile(self) -> Self:
+        """The chain with constants between joints made one."""
+        out: list[BaseET] = []
+        T = np.eye(self._et._size)
+        any_constant = False
+        for et in [*self.data, None]:
+            if et is not None and not et.isjoint:
+                T, any_constant = T @ et.A(), True
+                continue
+            if any_constant and not np.array_equal(T, np.eye(len(T))):
+                out.append(self._constant(T))
+            T, any_constant = np.eye(self._et._size), False
+            if et is not None:
+                out.append(et)
+        return type(self)._of(out)
+
+    def _constant(self, T: Floats) -> BaseET:
+        return self._et("SE3" if self._et._size == 4 else "SE2", T=T)
+
+    def split(self, method: str = "last") -> list[Self]:
+        """The parts that one joint each moves, its joint last ("last") or first ("first"), and the rest."""
+        parts: list[list[BaseET]] = [[]]
+        for et in self.data:
+            if et.isjoint and method == "first":
+                parts.append([])
+            parts[-1].append(et)
+            if et.isjoint and method == "last":
+                parts.append([])
+        return [type(self)._of(part) for part in parts]
+
+    def fixjoint(self, j: int, value: float, unit: str = "rad") -> Self:
+        """The chain with the joint of number `j` held at `value`."""
+        out = []
+        for et in self.data:
+            if et.isjoint and et.jindex == j:
+                held = math.radians(value) if unit == "deg" and et.isrotation else value
+                out.append(self._et(et.axis, -held if et.isflip else held))
+                continue
+            out.append(et)
+        return type(self)._of(out)
+
+    def merge(self, i: int) -> None:
+        """Makes one constant of those at `i` and `i + 1`, which must be along the same axis.
+
+        Raises:
+            ValueError: They are not constants of one kind.
+        """
+        a, b = self.data[i], self.data[i + 1]
+        if a.axis != b.axis or a.isjoint or b.isjoint:
+            raise ValueError(f"{a} and {b} are not constants of the same kind, so they cannot be merged.")
+        one = self._constant(a.A() @ b.A()) if a._T is not None else self._et(a.axis, a.eta + b.eta)
+        self.data[i : i + 2] = [one]
+
+    def merged(self, i: int) -> Self:
+        """A copy on which `merge` was called."""
+        return self._changed("merge", i)
+
+    def swap(self, i: int) -> None:
+        """Exchanges those at `i` and `i + 1`, which must commute: both along or about one axis, or both shifts.
+
+        Raises:
+            ValueError: They do not commute.
+        """
+        a, b = self.data[i], self.data[i + 1]
+        commute = (
+            a.iselementary and b.iselementary and (a.ax == b.ax or (a.istranslation and b.istranslation))
+        )
+        if not commute:
+            raise ValueError(f"{a} and {b} do not commute, so they cannot be swapped.")
+        self.data[i], self.data[i + 1] = b, a
+
+    def swapped(self, i: int) -> Self:
+        """A copy on which `swap` was called."""
+        return self._changed("swap", i)
+
+    def _changed(self, what: str, *arguments: Any) -> Self:
+        out = type(self)._of(self.data)
+        getattr(out, what)(*arguments)
+        return out
+
+    def words(self, joint: str | None = None) -> str:
+        """The chain in words; `joint` is what joints are called, "q{0}" by number."""
+        if not self.data:
+            return f"SE{self._et._size - 1}()"
+        form = joint or ("q" if self.n == 1 else "q{0}")
+        shown = []
+        for et in self.data:
+            sign = "-" if et.isflip else ""
+            shown.append(et._words(sign + form.format(et.jindex)) if et.isjoint else et._words())
+        return " ⊕ ".join(shown)
+
+    def __str__(self) -> str:
+        return self.words()
+
+    def __repr__(self) -> str:
+        return f"[{', '.join(map(repr, self.data))}]"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, BaseETS) and repr(self) == repr(other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _at(self, tool: Any) -> Chain:
+        """The chain's kernels; made anew when a transform was changed."""
+        key = tuple((id(et), et.axis, et.eta, et.jindex, et.isflip) for et in self.data)
+        known = self.__dict__.get("_known")
+        if known is None or known[0] != key:
+            known = self.__dict__["_known"] = (key, Chain(self.data), list(self.data))
+        chain = known[1]
+        return chain if tool is None else chain.with_tool(matrix(tool))
+
+    def __deepcopy__(self, memo: Any) -> Self:
+        return type(self)._of(self.data)
+
+
+def limits_of(joints: Iterable[BaseET]) -> Floats:
+    """Limits of joints, (2, n)."""
+    out = []
+    for et in joints:
+        if et.qlim is None and not et.isrotation:
+            raise ValueError(f"The sliding joint {et} has no limits; set its `qlim`.")
+        out.append((-math.pi, math.pi) if et.qlim is None else et.qlim)
+    return np.array(out, dtype=float).reshape(-1, 2).T
+
+
+class ETS(BaseETS):
+    """A chain of transforms in space."""
+
+    def eval(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Floats:
+        """The pose of the end, (4, 4) or (m, 4, 4)."""
+        T = self._at(tool).fk(np.zeros(self.n) if q is None else q)
+        return matrix(base) @ T if base is not None and include_base else T
+
+    def fkine(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Any:
+        """The pose of the end as an SE3."""
+        return pose(self.eval(q, base, tool, include_base))
+
+    def jacob0(self, q: Any, tool: Any = None) -> Floats:
+        """The Jacobian in the axes of the start, (6, n)."""
+        return self._at(tool).jacob0(q)
+
+    def jacobe(self, q: Any, tool: Any = None) -> Floats:
+        """The Jacobian in the axes of the end, (6, n)."""
+        return self._at(tool).jacobe(q)
+
+    def hessian0(self, q: Any = None, J0: Any = None, tool: Any = None) -> Floats:
+        """The Hessian in the axes of the start, (n, 6, n); `J0` is not needed."""
+        return self._at(tool).hessian0(q)
+
+    def hessiane(self, q: Any = None, Je: Any = None, tool: Any = None) -> Floats:
+        """The Hessian in the axes of the end, (n, 6, n); `Je` is not needed."""
+        return self._at(tool).hessiane(q)
+
+    def jacob0_analytical(self, q: Any, representation: str = "rpy/xyz", tool: Any = None) -> Floats:
+        """The Jacobian of position and angles, (6, n)."""
+        return self._at(tool).analytical(q, representation)
+
+    def manipulability(self, q: Any, method: str = "yoshikawa", axes: Any = "all") -> Any:
+        """How far the Jacobian is from losing rank."""
+        return self._at(None).manipulability(q, method, axes)
+
+    def jacobm(self, q: Any, axes: Any = "all") -> Floats:
+        """The gradient of manipulability, (n, 1)."""
+        return self._at(None).jacobm(q, axes)
+
+    def replace(self, i: int, axis: str) -> None:
+        """Writes the transform at `i` as turns and one about or along another axis.
+
+        Raises:
+            ValueError: There is no such axis.
+        """
+        et = self.data[i]
+        if axis not in ("x", "y", "z"):
+            raise ValueError(f"`axis` is {axis!r}; expected 'x', 'y' or 'z'.")
+        if et.ax == axis:
+            return
+        if et.ax is None:
+            raise ValueError(f"{et} is a whole pose, which has no axis.")
+        order = "xyz"
+        step = (order.index(axis) - order.index(et.ax)) % 3
+        about = order[3 - order.index(et.ax) - order.index(axis)]
+        turn = math.pi / 2 if step == 1 else -math.pi / 2
+        other = et._like()
+        other.axis = et.axis[0] + axis
+        self.data[i : i + 1] = [ET(f"R{about}", -turn), other, ET(f"R{about}", turn)]
+
+    def replaced(self, i: int, axis: str) -> ETS:
+        """A copy on which `replace` was called."""
+        return self._changed("replace", i, axis)
+
+    def _ik(self, kind: Any, Tep: Any, q0: Any, tool: Any, rest: dict[str, Any]) -> _ik.IKSolution:
+        shared = {n: rest.pop(n) for n in ("ilimit", "slimit", "tol", "mask", "joint_limits") if n in rest}
+        return _ik.solve(self._at(tool), Tep, kind, q0, **shared, **_ik.settings(rest))
+
+    def ik_LM(self, Tep: Any, q0: Any = None, tool: Any = None, **rest: Any) -> _ik.IKSolution:
+        """The joint coordinates for a pose of the end; see `roboticstoolbox._ik` for settings and solvers."""
+        return self._ik("LM", Tep, q0, tool, rest)
+
+    def ik_NR(self, Tep: Any, q0: Any = None, tool: Any = None, **rest: Any) -> _ik.IKSolution:
+        """The same by Newton and Raphson's method."""
+        return self._ik("NR", Tep, q0, tool, rest)
+
+    def ik_GN(self, Tep: Any, q0: Any = None, tool: Any = None, **rest: Any) -> _ik.IKSolution:
+        """The same by Gauss and Newton's method."""
+        return self._ik("GN", Tep, q0, tool, rest)
+
+    def ikine_QP(self, Tep: Any, q0: Any = None, tool: Any = None, **rest: Any) -> _ik.IKSolution:
+        """The same by quadratic programs."""
+        return self._ik("QP", Tep, q0, tool, rest)
+
+    ikine_LM, ikine_NR, ikine_GN = ik_LM, ik_NR, ik_GN
+
+
+class ETS2(BaseETS):
+    """A chain of transforms in the plane."""
+
+    _et = ET2
+
+    def eval(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Floats:
+        """The pose of the end, (3, 3) or (m, 3, 3)."""
+        T = flat(self._at(None).fk(np.zeros(self.n) if q is None else q))
+        T = T if tool is None else T @ matrix(tool, 3)
+        return matrix(base, 3) @ T if base is not None and include_base else T
+
+    def fkine(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Any:
+        """The pose of the end as an SE2."""
+        return pose(self.eval(q, base, tool, include_base))
+
+    def jacob0(self, q: Any) -> Floats:
+        """The Jacobian in the axes of the start, (3, n): x, y, angle."""
+        return self._at(None).jacob0(q)[..., [0, 1, 5], :]
+
+    def jacobe(self, q: Any) -> Floats:
+        """The Jacobian in the axes of the end, (3, n)."""
+        return self._at(None).jacobe(q)[..., [0, 1, 5], :]
+
+    def ikine_LM(self, Tep: Any, q0: Any = None, mask: Any = None, **rest: Any) -> _ik.IKSolution:
+        """The joint coordinates for a pose in the plane, an SE2 or (3, 3)."""
+        T, flatT = np.eye(4), matrix(Tep, 3)
+        T[:2, :2], T[:2, 3] = flatT[:2, :2], flatT[:2, 2]
+        x, y, turn = (1.0, 1.0, 1.0) if mask is None else mask
+        shared = {n: rest.pop(n) for n in ("ilimit", "slimit", "tol", "joint_limits") if n in rest}
+        return _ik.solve(
+            self._at(None), T, "LM", q0, mask=(x, y, 0, 0, 0, turn), **shared, **_ik.settings(rest)
+        )

@@ -1,0 +1,1 @@
+"""Helpers beside robots: trajectories, servoing, numerical derivatives."""

@@ -1,0 +1,61 @@
+"""Odds and ends: null spaces, singular Jacobians, numerical derivatives, a clock."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from ulna.typing import Floats
+
+
+def null(A: Any, tol: float = 1e-10) -> Floats:
+    """Orthonormal columns that `A` maps to zero."""
+    given = np.atleast_2d(np.asarray(A, dtype=float))
+    _, s, Vt = np.linalg.svd(given)
+    rank = int((s > tol).sum())
+    return Vt[rank:].T
+
+
+def jsingu(J: Any) -> None:
+    """Prints which columns of a Jacobian depend on earlier ones."""
+    given = np.asarray(J, dtype=float)
+    for j in range(1, given.shape[1]):
+        found, *_ = np.linalg.lstsq(given[:, :j], given[:, j], rcond=None)
+        if np.linalg.norm(given[:, :j] @ found - given[:, j]) < 1e-9:
+            terms = [f"{x:.3g} column_{i}" for i, x in enumerate(found) if abs(x) > 1e-9]
+            print(f"column {j} = " + (" + ".join(terms) or "0"))
+
+
+def jacobian_numerical(f: Callable[[Floats], Any], x: Any, dx: float = 1e-8, N: int = 0) -> Floats:
+    """The Jacobian of a vector function by differences, (m, n)."""
+    at = np.ravel(np.asarray(x, dtype=float))
+    before = np.ravel(np.asarray(f(at), dtype=float))
+    columns = [(np.ravel(np.asarray(f(at + dx * e), dtype=float)) - before) / dx for e in np.eye(at.size)]
+    return np.column_stack(columns)
+
+
+def hessian_numerical(J: Callable[[Floats], Any], x: Any, dx: float = 1e-8) -> Floats:
+    """The derivative of a Jacobian function by differences, (n, m, n)."""
+    at = np.ravel(np.asarray(x, dtype=float))
+    before = np.asarray(J(at), dtype=float)
+    return np.stack([(np.asarray(J(at + dx * e), dtype=float) - before) / dx for e in np.eye(at.size)])
+
+
+class Ticker:
+    """Goes round a loop every `period` seconds; `behind` says how late the last round was."""
+
+    def __init__(self, period: float) -> None:
+        self.period, self.behind, self.count = period, 0.0, 0
+
+    def __iter__(self) -> Iterator[float]:
+        begin, self.count = time.perf_counter(), 0
+        while True:
+            yield self.count * self.period
+            self.count += 1
+            wait = begin + self.count * self.period - time.perf_counter()
+            self.behind = max(-wait, 0.0)
+            if wait > 0.0:
+                time.sleep(wait)

@@ -1,0 +1,37 @@
+"""Servoing towards a pose."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna.control import p_servo as _servo
+from ulna.typing import Floats
+
+
+def p_servo(
+    wTe: Any, wTep: Any, gain: Any = 1.0, threshold: float = 0.1, method: str = "rpy"
+) -> tuple[Floats, bool]:
+    """The twist that leads from one pose towards another, and whether it is reached.
+
+    Args:
+        wTe: Where the end is, an SE3 or (4, 4).
+        wTep: Where it should be.
+        gain: One gain or six [1/s].
+        threshold: Reached when the absolute errors add up to less [m and rad].
+        method: "rpy": in the end's axes, for `jacobe`; "angle-axis": in the base's axes, for `jacob0`.
+    """
+    T = wTe.data[0] if hasattr(wTe, "data") and type(wTe.data) is list else np.asarray(wTe, dtype=float)
+    goal = (
+        wTep.data[0] if hasattr(wTep, "data") and type(wTep.data) is list else np.asarray(wTep, dtype=float)
+    )
+    return _servo(T, goal, float(gain) if isinstance(gain, (int, float)) else gain, threshold, method)  # type: ignore[arg-type]
+
+
+def angle_axis(T: Any, Td: Any) -> Floats:
+    """The difference of positions and the rotation vector from one pose to another, (6,)."""
+    return p_servo(T, Td, 1.0, 0.0, "angle-axis")[0]
+
+
+angle_axis_python = angle_axis

@@ -1,0 +1,262 @@
+"""Sampled trajectories by the toolbox's names; the laws of motion are those of ulna.trajectory."""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ulna import trajectory
+from ulna.errors import InputError, MissingExtra, ShapeError
+from ulna.typing import Floats
+
+mstraj_info = namedtuple("mstraj_info", ["slowest", "segtime", "clock"])
+
+
+class Trajectory:
+    """Positions, velocities and accelerations by rows, (m, n), or (m,) of one coordinate.
+
+    Attributes:
+        name: What made it.
+        t: Times, (m,).
+        q: Positions; also `s`.
+        qd: Velocities; also `sd`.
+        qdd: Accelerations; also `sdd`.
+        istime: Whether `t` is in seconds rather than steps.
+    """
+
+    def __init__(
+        self, name: str, t: Any, s: Any, sd: Any = None, sdd: Any = None, istime: bool = False
+    ) -> None:
+        """`s`, `sd` and `sdd` are positions, velocities and accelerations."""
+        self.name, self.t, self.istime = name, np.asarray(t), istime
+        self.s, self.sd, self.sdd = s, sd, sdd
+
+    @property
+    def q(self) -> Floats:
+        """Positions."""
+        return self.s
+
+    @property
+    def qd(self) -> Floats:
+        """Velocities."""
+        return self.sd
+
+    @property
+    def qdd(self) -> Floats:
+        """Accelerations."""
+        return self.sdd
+
+    @property
+    def naxes(self) -> int:
+        """How many coordinates there are."""
+        return 1 if self.s.ndim == 1 else self.s.shape[1]
+
+    def __len__(self) -> int:
+        return len(self.s)
+
+    def __str__(self) -> str:
+        return f"Trajectory created by {self.name}: {len(self)} time steps x {self.naxes} axes"
+
+    __repr__ = __str__
+
+    def plot(self, block: bool = False, **_: Any) -> Any:
+        """Draws positions, velocities and accelerations over time; gives the figure."""
+        plt = _pyplot("Trajectory.plot")
+        rows = [("q", self.s), ("qd", self.sd), ("qdd", self.sdd)]
+        rows = [(label, values) for label, values in rows if values is not None]
+        figure, axes = plt.subplots(len(rows), sharex=True, squeeze=False)
+        for axis, (label, values) in zip(axes[:, 0], rows, strict=True):
+            axis.plot(self.t, values)
+            axis.set_ylabel(label)
+            axis.grid(True)
+        axes[-1, 0].set_xlabel("t [s]" if self.istime else "step")
+        if block:
+            plt.show(block=True)
+        return figure
+
+    def qplot(self, **options: Any) -> Any:
+        """Draws positions over time; see `xplot`."""
+        return xplot(self.t, self.s, **options)
+
+
+def _pyplot(purpose: str) -> Any:
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError:
+        raise MissingExtra("matplotlib", "toolbox", purpose) from None
+    return plt
+
+
+def xplot(
+    x: Any, y: Any = None, block: bool = False, labels: Any = None, latex: bool = False, **_: Any
+) -> Any:
+    """Draws coordinates over time, a line each; `labels` name them, "q1" and so on if not given."""
+    plt = _pyplot("xplot")
+    values = np.asarray(x if y is None else y, dtype=float)
+    at = np.arange(len(values)) if y is None else np.asarray(x)
+    names = labels.split() if isinstance(labels, str) else labels
+    figure, axis = plt.subplots()
+    for i, column in enumerate(np.atleast_2d(values.T)):
+        axis.plot(at, column, label=names[i] if names else f"q{i + 1}")
+    axis.legend()
+    axis.grid(True)
+    if block:
+        plt.show(block=True)
+    return figure
+
+
+def _times(t: Any) -> tuple[Any, bool]:
+    """Steps 0 ... t - 1 of a count, or the times given."""
+    if isinstance(t, (int, np.integer)):
+        if t < 2:
+            raise InputError(f"`t` is {t}; expected at least 2 steps, or times.")
+        return np.arange(t), False
+    out = np.asarray(t, dtype=float)
+    if out.ndim != 1 or out.size < 2:
+        raise ShapeError("t", out.shape, "a count, or times (m,)")
+    return out, True
+
+
+def jtraj(q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None) -> Trajectory:
+    """A quintic from one configuration to another.
+
+    Args:
+        q0: Start, (n,).
+        qf: End, (n,).
+        t: Times [s]; or how many points: then velocities are per duration of the whole, as those of the toolbox.
+        qd0: Velocity at the start.
+        qd1: Velocity at the end.
+    """
+    rows, is_time = _times(t)
+    lasts = float(rows.max()) if is_time else 1.0
+    at = rows if is_time else np.linspace(0.0, 1.0, len(rows))
+    law = trajectory.quintic(q0, qf, lasts, qd0, qd1)
+    q, v, a = law.state(at)
+    clock = rows if is_time else np.linspace(0.0, float(t), len(rows))
+    return Trajectory("jtraj", clock, q, v, a, istime=True)
+
+
+def quintic_func(q0: float, qf: float, T: float, qd0: float = 0, qdf: float = 0) -> Callable[[Any], Any]:
+    """The quintic as a function of time that gives position, velocity, acceleration."""
+    return _function(trajectory.quintic(float(q0), float(qf), float(T), float(qd0), float(qdf)))
+
+
+def trapezoidal_func(q0: float, qf: float, T: float, V: float | None = None) -> Callable[[Any], Any]:
+    """The trapezoid as a function of time that gives position, velocity, acceleration."""
+    return _function(_trapezoid(q0, qf, T, V))
+
+
+def _trapezoid(q0: float, qf: float, T: float, V: float | None) -> Any:
+    speed = None if V is None else abs(float(V))
+    return trajectory.trapezoidal(float(q0), float(qf), duration=float(T), velocity=speed)
+
+
+def _function(law: Any) -> Callable[[Any], Any]:
+    def at(t: Any) -> Any:
+        rows = [x[..., 0] for x in law.state(np.asarray(t, dtype=float))]
+        return tuple(map(float, rows)) if np.ndim(t) == 0 else tuple(rows)
+
+    return at
+
+
+def _one(name: str, make: Callable[[float], Any], t: Any) -> Trajectory:
+    rows, is_time = _times(t)
+    s, sd, sdd = (x[:, 0] for x in make(float(rows.max())).state(rows))
+    return Trajectory(name, rows, s, sd, sdd, istime=is_time)
+
+
+def quintic(q0: float, qf: float, t: Any, qd0: float = 0, qdf: float = 0) -> Trajectory:
+    """A quintic of one coordinate, at times, or at steps one second apart."""
+    return _one("quintic", lambda T: trajectory.quintic(float(q0), float(qf), T, float(qd0), float(qdf)), t)
+
+
+def trapezoidal(q0: float, qf: float, t: Any, V: float | None = None) -> Trajectory:
+    """A trapezoid of speed of one coordinate; `V` is the cruising speed."""
+    return _one("trapezoidal", lambda T: _trapezoid(q0, qf, T, V), t)
+
+
+lspb = trapezoidal
+
+
+def mtraj(tfunc: Callable[..., Trajectory], q0: Any, qf: Any, t: Any) -> Trajectory:
+    """The law `tfunc`, `quintic` or `trapezoidal`, for each coordinate."""
+    start, end = np.ravel(np.asarray(q0, dtype=float)), np.ravel(np.asarray(qf, dtype=float))
+    if start.shape != end.shape:
+        raise ShapeError("qf", end.shape, f"({start.size},), like q0")
+    laws = [tfunc(a, b, t) for a, b in zip(start, end, strict=True)]
+    s, sd, sdd = (np.column_stack([getattr(law, k) for law in laws]) for k in ("s", "sd", "sdd"))
+    return Trajectory("mtraj", laws[0].t, s, sd, sdd, istime=laws[0].istime)
+
+
+def ctraj(T0: Any, T1: Any, t: Any = None, s: Any = None) -> Any:
+    """Poses on the straight line from one to another, turning evenly, as one SE3.
+
+    Args:
+        T0: Start.
+        T1: End.
+        t: How many, or times; the way along the line follows a trapezoid of speed.
+        s: The way along the line instead, from 0 to 1, (m,).
+    """
+    from roboticstoolbox._poses import matrix, pose
+    from ulna.spatial import SE3
+
+    if (t is None) == (s is None):
+        raise InputError("ctraj takes `t` or `s`, one of them.")
+    way = np.asarray(s, dtype=float) if s is not None else trapezoidal(0.0, 1.0, t).s
+    start, end = SE3.from_matrix(matrix(T0)), SE3.from_matrix(matrix(T1))
+    return pose(start.interpolate(end, way, straight=True).matrix())
+
+
+def mstraj(
+    viapoints: Any,
+    dt: float,
+    tacc: Any,
+    qdmax: Any = None,
+    tsegment: Any = None,
+    q0: Any = None,
+    qd0: Any = None,
+    qdf: Any = None,
+    verbose: bool = False,
+) -> Trajectory:
+    """Straight from point to point, corners cut by blends of `tacc` seconds, sampled every `dt`.
+
+    Args:
+        viapoints: Points by rows, (k, n); the first is the start unless `q0` is given.
+        dt: Time between rows [s].
+        tacc: Time of a blend [s], one for all.
+        qdmax: Greatest speeds, one or (n,).
+        tsegment: Times of segments instead, (k - 1,) [s].
+        q0: Start, (n,).
+        qd0: Zero; motions begin and end at rest.
+        qdf: Zero.
+        verbose: Let pass.
+    """
+    points = np.atleast_2d(np.asarray(viapoints, dtype=float))
+    if q0 is not None:
+        points = np.vstack([np.asarray(q0, dtype=float), points])
+    for name, rate in (("qd0", qd0), ("qdf", qdf)):
+        if rate is not None and np.any(rate):
+            raise InputError(f"`{name}` is {rate}; expected none: motions begin and end at rest.")
+    blend = np.unique(np.ravel(np.asarray(tacc, dtype=float)))
+    if blend.size != 1:
+        raise InputError(f"`tacc` is {tacc}; expected one time for all blends.")
+    if (qdmax is None) == (tsegment is None):
+        raise InputError("mstraj takes `qdmax` or `tsegment`, one of them.")
+    if tsegment is not None:
+        lasts = np.asarray(tsegment, dtype=float)
+    else:
+        slowest = (np.abs(np.diff(points, axis=0)) / np.asarray(qdmax, dtype=float)).max(axis=1)
+        half = math.ceil(blend[0] / 2 / dt) * dt
+        lasts = np.ceil(slowest / dt - 1e-9) * dt + 2 * half
+        lasts[0] -= half
+    law = trajectory.blended(points, float(blend[0]), segment_times=lasts, kind="quintic", ends="half")
+    count = round(law.duration / dt)
+    q, v, a = law.state(np.minimum(dt * np.arange(1, count + 1), law.duration))
+    out: Any = Trajectory("mstraj", dt * np.arange(count), q, v, a, istime=True)
+    out.arrive, out.via = np.cumsum(lasts), points[1:]
+    out.info = [mstraj_info(None, last, end - last) for last, end in zip(lasts, out.arrive, strict=True)]
+    return out
