@@ -122,7 +122,7 @@ def test_what_is_told_wrongly_is_refused(ik: DifferentialIK, q, goal) -> None:
             ik.velocity(q, DT, told)
     for dt in (0.0, -1.0, np.nan, "soon", None):
         with pytest.raises(InputError, match="duration above 0"):
-            ik.velocity(q, dt, goal)
+            ik.velocity(q, dt, goal)  # type: ignore[arg-type]
 
 
 def test_a_target_that_is_no_rotation_is_refused(panda: ulna.Robot, ik: DifferentialIK, q, goal) -> None:
