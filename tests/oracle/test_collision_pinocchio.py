@@ -47,6 +47,7 @@ def test_same_verdicts_and_distances_in_a_scene(name: str, link: str) -> None:
     ("name", "count", "tolerance"),
     [("anymal", 40, 1e-9), ("panda", 4, 1e-6), ("ur5", 4, 1e-6), ("talos", 2, 1e-6)],
 )
+@pytest.mark.filterwarnings("ignore:.*no collision geometry.*imu_link")
 def test_same_on_files_with_meshes_and_srdf(name: str, count: int, tolerance: float) -> None:
     """Geometry, placements, meshes are read twice, by Ulna and by Pinocchio; pairs are those of Ulna."""
     if example_robot_data.share_folder() is None:

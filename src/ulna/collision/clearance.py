@@ -28,7 +28,7 @@ from ulna.collision.fit import cover
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.solids import Missing, Solid, link_solids, obstacle_solids
 from ulna.collision.spheres import Spheres, fit
-from ulna.collision.world import World
+from ulna.collision.world import Obstacle, World
 from ulna.geometry import Box, Capsule, Cylinder, Plane, Sphere
 from ulna.model import Model
 from ulna.numeric import exp, maximum, minimum, sqrt
@@ -194,13 +194,17 @@ def self_pairs(model: Model, spheres: Spheres, pairs: Sequence[LinkPair]) -> lis
     ]
 
 
-def checked_links(model: Model, world: World, name: str) -> list[str]:
-    """The links that an obstacle is checked against."""
-    obstacle = world[name]
+def checked_links(model: Model, spheres: Spheres, obstacle: Obstacle) -> list[str]:
+    """The links that an obstacle is checked against.
+
+    Raises:
+        UnknownName: If the obstacle may touch a link that the model does not have.
+    """
+    touches = {model.links[model.link_index(name)].name for name in obstacle.touches}
     return [
         link.name
         for link in model.links
-        if link.collisions and link.name not in obstacle.touches and (link.joint >= 0 or obstacle.moving)
+        if link.name in spheres.links and link.name not in touches and (link.joint >= 0 or obstacle.moving)
     ]
 
 
@@ -234,7 +238,7 @@ def sphere_clearance(
     ]
     for part in parts(world):
         numbers = row(part, world[part.owner].pose)
-        rows.append((part.kind, numbers, tuple(checked_links(model, world, part.owner))))
+        rows.append((part.kind, numbers, tuple(checked_links(model, balls, world[part.owner]))))
 
     def distances(q: Array) -> list[Any]:
         c = centres(model, q, balls)

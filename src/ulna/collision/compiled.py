@@ -42,7 +42,8 @@ _Group = tuple[gap.Kind, tuple[str, ...], list[tuple[gap.Part, SE3, str]]]
 class SphereChecker:
     """Conservative collision checks of one robot, in one world, by spheres on its links.
 
-    Links that never move take part by their real shapes; their spheres only serve against moving obstacles.
+    Links that never move take part by their real shapes; their spheres only serve against moving obstacles. Spheres
+    that you give to a link without collision geometry are checked against the world, and with `pairs` against links.
 
     Args:
         model: The robot.
@@ -78,7 +79,8 @@ class SphereChecker:
                     f"`spheres` has none for link {link.name!r}, which has collision geometry; it would never be seen. "
                     "Start from `fit(model)` and replace what you know better."
                 )
-        self.pairs = link_pairs(model) if pairs is None else checked_pairs(model, pairs)
+        chosen = link_pairs(model) if pairs is None else checked_pairs(model, pairs)
+        self.pairs = tuple(pair for pair in chosen if all(name in self.spheres.links for name in pair))
         starts = np.cumsum([0, *(len(s.radii) for s in self.spheres.links.values())])
         self._places = {
             k: range(a, b) for k, a, b in zip(self.spheres.links, starts, starts[1:], strict=False)
@@ -221,7 +223,7 @@ class SphereChecker:
         for part, links in gap.standing(self.model, self.pairs, self._missing):
             groups.setdefault((part.kind, links), []).append((part, SE3.identity(), ""))
         for part in gap.parts(self.world, self._missing):
-            links = tuple(gap.checked_links(self.model, self.world, part.owner))
+            links = tuple(gap.checked_links(self.model, self.spheres, self.world[part.owner]))
             if links:
                 found = groups.setdefault((part.kind, links), [])
                 found.append((part, self.world[part.owner].pose, part.owner))

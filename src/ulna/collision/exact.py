@@ -228,9 +228,9 @@ class Checker:
         out = [self._gradient(item, row) for item, row in zip(items, rows, strict=True)]
         return np.array(out).reshape(*batch, self.model.nv)
 
-    def look(self, q: Floats) -> Look:
+    def look(self, q: Floats, moving: Mapping[str, ArrayLike] | None = None) -> Look:
         """The solids at one configuration (nq,), for algorithms that ask for pairs themselves; hold `lock`."""
-        _, chunks = self._chunks(q, None)
+        _, chunks = self._chunks(q, moving)
         _, poses = next(chunks)
         return Look(self._bounds(poses, True)[..., 0], poses, self._narrow)
 

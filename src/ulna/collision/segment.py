@@ -16,6 +16,7 @@ Adaptive dynamic collision checking, IEEE Transactions on Robotics 21 (2005), fo
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -31,30 +32,44 @@ from ulna.typing import ArrayLike, Floats
 NEAR = 1e-4
 """How near two solids are when advancement stops and calls it contact [m]."""
 
+_LONGEST = 1e5
+"""A motion beyond this would take hours to check [m]."""
+
 _SOON, _STRIDE = 0.01, 0.1
 """Pairs that are safe for less than the first are looked at; where boxes alone keep them safe for less than the
 second, they are asked for their real distance."""
 
 
-def first_contact(checker: Checker, q0: ArrayLike, q1: ArrayLike, margin: float = 0.0) -> Any:
+def first_contact(
+    checker: Checker,
+    q0: ArrayLike,
+    q1: ArrayLike,
+    margin: float = 0.0,
+    moving: Mapping[str, ArrayLike] | None = None,
+) -> Any:
     """When a motion from `q0` to `q1` at constant velocity first comes as near as `margin`; inf where it never does.
 
     "Near" is within `NEAR` above the margin, so that a time is never late and a contact never missed; a motion that
     passes by within a tenth of a millimetre counts as one that touches.
 
     Args:
-        checker: The robot and its world; obstacles stay where they are.
+        checker: The robot and its world.
         q0: Configurations, (..., nq) [rad or m].
         q1: Configurations, (..., nq) [rad or m].
         margin: Not below 0 [m].
+        moving: Where moving obstacles stand meanwhile, by name, T_world_shape (4, 4).
 
     Returns:
         Times in [0, 1], or inf, (...).
 
     Raises:
         ShapeError, DtypeError, NonFiniteError: If `q0` or `q1` cannot be configurations.
-        InputError: If `margin` is negative.
+        InputError: If `margin` is negative, the checker is none of `coal`, or the motion is absurdly long.
     """
+    if not isinstance(checker, Checker):
+        raise InputError(
+            f"first_contact asks coal; expected a Checker, but {type(checker).__name__} was given."
+        )
     if not (np.isfinite(margin) and margin >= 0.0):
         raise InputError(f"`margin` is {margin!r}; expected a finite length, not below 0 [m].")
     model = checker.model
@@ -62,19 +77,26 @@ def first_contact(checker: Checker, q0: ArrayLike, q1: ArrayLike, margin: float 
     start = np.broadcast_to(np.asarray(q0, dtype=float), (*v.shape[:-1], model.nq))
     rows = zip(start.reshape(-1, model.nq), v.reshape(-1, model.nv), strict=True)
     with checker.lock:
-        times = np.array([_advance(checker, q, step, float(margin)) for q, step in rows])
+        times = np.array([_advance(checker, q, step, float(margin), moving) for q, step in rows])
     return times.reshape(v.shape[:-1])[()]
 
 
-def _advance(checker: Checker, q0: Floats, v: Floats, margin: float) -> float:
+def _advance(
+    checker: Checker, q0: Floats, v: Floats, margin: float, moving: Mapping[str, ArrayLike] | None
+) -> float:
     """Each pair is safe until some time; the least of them is where all is looked at again."""
     model = checker.model
     speed = _speeds(model, checker.solids, q0, v)[: len(checker.mask)]
+    longest = float(speed[checker.mask].max(initial=0.0))
+    if longest > _LONGEST:
+        raise InputError(
+            f"From q0 to q1 the robot moves up to {longest:.3g} m; expected at most {_LONGEST:g} m. Look at the units."
+        )
     safe = np.zeros(speed.shape)
     safe[~checker.mask] = np.inf
     with np.errstate(divide="ignore", invalid="ignore"):
         while (t := float(safe.min(initial=np.inf))) <= 1.0:
-            scene = checker.look(algorithms.integrate(model, q0, t * v))
+            scene = checker.look(algorithms.integrate(model, q0, t * v), moving)
             due = safe <= t + _SOON
             ahead = np.where(scene.bounds > margin, (scene.bounds - margin) / speed, 0.0)
             safe = np.maximum(safe, t + ahead)

@@ -68,8 +68,10 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
         model: The robot.
         missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
 
+    Warns (ModelWarning) of links that are drawn and have no collision geometry.
+
     Raises:
-        ModelError: If no link has collision geometry, or a mesh file is missing.
+        ModelError: If no link has collision geometry, a mesh file is missing, or a plane moves.
         MissingExtra: If there are meshes and trimesh is not installed.
     """
     if missing not in ("error", "skip"):
@@ -77,6 +79,11 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
     found = []
     for link in model.links:
         for geometry in link.collisions:
+            if isinstance(geometry.shape, Plane) and link.joint >= 0:
+                raise ModelError(
+                    f"Link {link.name!r} of robot {model.name!r} moves, and a plane on it would fill half of space. "
+                    "Give it a Box."
+                )
             solid = _solid(
                 f"link {link.name!r} of robot {model.name!r}",
                 link.name,
@@ -91,6 +98,14 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
         raise ModelError(
             f"Robot {model.name!r} has no collision geometry, so nothing can be said about its collisions. "
             "Give its links <collision> elements, or `collisions=` of ModelBuilder.add_link."
+        )
+    unseen = [repr(link.name) for link in model.links if link.visuals and not link.collisions]
+    if unseen:
+        warnings.warn(
+            f"Robot {model.name!r} has links that can be seen and have no collision geometry: {', '.join(unseen)}. "
+            "No check sees them; give them <collision> elements.",
+            ModelWarning,
+            stacklevel=3,
         )
     return tuple(found)
 
@@ -165,7 +180,8 @@ def hull(vertices: Floats) -> tuple[Floats, Array]:
         found = ConvexHull(vertices)
     except QhullError as error:
         raise InputError(
-            "The points of a mesh lie in a plane and have no convex hull with a volume. Use convex=False."
+            "The points of a mesh lie in a plane and have no convex hull with a volume. "
+            "Put a thin Box in its place, or ask for exact checks with convex=False."
         ) from error
     corners = found.vertices
     place = np.full(len(vertices), -1)

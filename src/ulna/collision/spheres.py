@@ -165,7 +165,8 @@ def _link(model: Model, name: str, solids: list[Solid], tolerance: float, most: 
     key = cache.key("spheres", fingerprint([_VERSION, parts, places, float(tolerance), int(most)]))
     kept = cache.read(key)
     if kept is not None:
-        return Spheres.from_json(kept.decode()).links[name]
+        (same,) = Spheres.from_json(kept.decode()).links.values()  # of a link of any name: shapes are the key
+        return same
     found = LinkSpheres(*cover(solids, places, float(tolerance), int(most)))
     cache.write(key, Spheres({name: found}).to_json().encode())
     return found
@@ -187,8 +188,8 @@ def _crowded(model: Model, spheres: Spheres) -> list[LinkPair]:
         placed[name] = np.broadcast_to(local, (_TRIALS, *local.shape[-2:]))
     crowded = []
     for a, b in link_pairs(model):
-        if model.link(a).joint < 0 or model.link(b).joint < 0:
-            continue  # fixed links need no spheres against others
+        if model.link(a).joint < 0 or model.link(b).joint < 0 or not {a, b} <= placed.keys():
+            continue  # fixed links need no spheres against others; what was skipped has none
         apart = ((placed[a][:, :, None] - placed[b][:, None]) ** 2).sum(axis=-1)
         reach = spheres.links[a].radii[:, None] + spheres.links[b].radii
         if (apart <= reach**2).any(axis=(1, 2)).mean() > 0.5:

@@ -94,6 +94,7 @@ class Collisions(Part):
         q1: ArrayLike,
         world: World | None = None,
         *,
+        moving: Mapping[str, ArrayLike] | None = None,
         margin: float = 0.0,
         **options: Any,
     ) -> Any:
@@ -103,14 +104,15 @@ class Collisions(Part):
         """
         from ulna import collision
 
-        return collision.first_contact(self.collision_checker(world, **options), q0, q1, margin)
+        return collision.first_contact(self.collision_checker(world, **options), q0, q1, margin, moving)
 
     def collision_checker(
         self, world: World | None = None, *, method: Method = "exact", **options: Any
     ) -> Any:
         """What answers the questions above, for hot loops: a `Checker`, or a `SphereChecker` for "spheres".
 
-        The last ones used are kept. Options of "exact": pairs, without, convex, missing; of "spheres": spheres, pairs.
+        The last ones used are kept. Options of "exact": pairs, without, convex, missing; of "spheres": spheres, pairs,
+        missing.
         """
         from ulna import collision
 
@@ -126,8 +128,8 @@ class Collisions(Part):
         if checker is None:
             checker = makers[method](self.model, world, **options)
         kept[key] = checker
-        while len(kept) > _KEPT:
-            kept.pop(next(iter(kept)))
+        for old in list(kept)[:-_KEPT]:
+            kept.pop(old, None)  # another thread may have been faster
         return checker
 
     def collision_spheres(self, tolerance: float = 0.012, most: int = 12) -> Spheres:

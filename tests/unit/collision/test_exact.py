@@ -12,7 +12,7 @@ import pytest
 
 import ulna
 from support.scenes import table
-from ulna.collision import Checker, World
+from ulna.collision import Checker, World, first_contact
 from ulna.errors import (
     InputError,
     MissingExtra,
@@ -226,3 +226,36 @@ def test_coal_that_is_not_there(monkeypatch: pytest.MonkeyPatch, robot: ulna.Rob
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(MissingExtra, match=r"ulna\[collision\]"):
         Checker(robot.model)
+
+
+def test_links_that_are_seen_but_not_checked_are_named() -> None:
+    builder = ModelBuilder("half")
+    builder.add_link("rail")
+    builder.add_link("cart", collisions=(Geometry("", Sphere(0.1)),))
+    builder.add_link("mast", visuals=(Geometry("", Sphere(0.1)),))
+    builder.add_joint("slide", Prismatic((1.0, 0.0, 0.0)), "rail", "cart", lower=-5.0, upper=5.0)
+    builder.add_joint("lift", Prismatic((0.0, 0.0, 1.0)), "cart", "mast", lower=-5.0, upper=5.0)
+    with pytest.warns(ModelWarning, match="no collision geometry: 'mast'"):
+        Checker(builder.build())
+
+
+def test_a_plane_does_not_move() -> None:
+    with pytest.raises(ModelError, match="'cart'.*half of space"):
+        Checker(slider(Plane()))
+
+
+def test_first_contact_refuses_what_it_cannot_answer(robot: ulna.Robot) -> None:
+    q = robot.configurations["qr"]
+    with pytest.raises(InputError, match="asks coal"):
+        robot.first_contact(q, q + 0.1, method="spheres")
+    far = Checker(slider(Sphere(0.1)), World().add("wall", Sphere(0.1), (0.0, 0.0, 9.0)))
+    with pytest.raises(InputError, match="units"):
+        first_contact(far, [0.0], [1e9])
+
+
+def test_first_contact_sees_moving_obstacles_where_they_stand() -> None:
+    checker = Checker(slider(Sphere(0.1)), World().add("ball", Sphere(0.1), (3.0, 0.0, 0.0), moving=True))
+    there = np.eye(4)
+    there[0, 3] = 1.2
+    assert first_contact(checker, [0.0], [2.0]) == np.inf
+    assert first_contact(checker, [0.0], [2.0], moving={"ball": there}) == pytest.approx(0.5, abs=1e-4)

@@ -10,9 +10,17 @@ from support.scenes import table
 from ulna.collision import LinkSpheres, SphereChecker, Spheres, World, fit, sphere_clearance
 from ulna.collision.fit import cover
 from ulna.collision.solids import Solid
-from ulna.errors import FormatError, InputError, ModelError, NonFiniteError, ShapeError, UnknownName
-from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Plane, Shape, Sphere
-from ulna.model import ModelBuilder
+from ulna.errors import (
+    FormatError,
+    InputError,
+    ModelError,
+    ModelWarning,
+    NonFiniteError,
+    ShapeError,
+    UnknownName,
+)
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Geometry, Mesh, Plane, Shape, Sphere
+from ulna.model import Model, ModelBuilder, Prismatic
 from ulna.spatial import SE3
 from ulna.typing import Floats
 
@@ -183,3 +191,52 @@ def test_wrong_input() -> None:
     with pytest.raises(ModelError, match="no collision geometry"):
         SphereChecker(builder.build())
     assert checker.collides(np.zeros((0, 7))).shape == (0,)
+
+
+def two_links(first: str, second: str, shape: Shape) -> Model:
+    """Two links of one shape, each on its own slide."""
+    builder = ModelBuilder("two")
+    builder.add_link("rail")
+    for k, name in enumerate((first, second)):
+        builder.add_link(name, collisions=(Geometry("", shape),))
+        axis = (1.0, 0.0, 0.0) if k else (0.0, 1.0, 0.0)
+        builder.add_joint(f"slide{k}", Prismatic(axis), "rail", name, lower=-5.0, upper=5.0)
+    return builder.build()
+
+
+def test_links_of_equal_shape_share_what_is_kept_on_disk() -> None:
+    shape = Sphere(0.1234)
+    assert list(fit(two_links("left", "right", shape)).links) == ["left", "right"]
+    assert list(fit(two_links("one", "other", shape)).links) == ["one", "other"]
+
+
+def test_a_link_whose_mesh_is_skipped_is_not_asked_for_spheres() -> None:
+    builder = ModelBuilder("gap")
+    builder.add_link("rail")
+    for k, shape in enumerate((Sphere(0.1), Mesh("nowhere.stl", missing=True))):
+        builder.add_link(f"link{k}", collisions=(Geometry("", shape),))
+        builder.add_joint(f"slide{k}", Prismatic((1.0, 0.0, 0.0)), "rail", f"link{k}", lower=-5.0, upper=5.0)
+    world = World().add("ball", Sphere(0.1), (1.0, 0.0, 0.0))
+    with pytest.warns(ModelWarning, match="nowhere"):
+        checker = SphereChecker(builder.build(), world, missing="skip")
+    assert checker.collides([1.0, 0.0]) and not checker.collides([0.0, 1.0])
+
+
+def test_spheres_given_to_a_bare_link_are_seen() -> None:
+    builder = ModelBuilder("bare")
+    builder.add_link("rail")
+    builder.add_link("body", collisions=(Geometry("", Sphere(0.1)),))
+    builder.add_link("mast")
+    builder.add_joint("slide", Prismatic((1.0, 0.0, 0.0)), "rail", "body", lower=-5.0, upper=5.0)
+    builder.add_joint("lift", Prismatic((0.0, 0.0, 1.0)), "body", "mast", lower=-5.0, upper=5.0)
+    model = builder.build()
+    world = World().add("lamp", Sphere(0.1), (0.0, 0.0, 2.0))
+    more = fit(model).replace("mast", [[0.0, 0.0, 0.0]], [0.1])
+    assert not SphereChecker(model, world).collides([0.0, 2.0])
+    assert SphereChecker(model, world, spheres=more).collides([0.0, 2.0])
+
+
+def test_a_link_that_an_obstacle_may_touch_must_exist() -> None:
+    world = World().add("table", Box((1.0, 1.0, 0.1)), touches=["panda_hnd"])
+    with pytest.raises(UnknownName, match="panda_hand"):
+        SphereChecker(ulna.load("panda").model, world)
