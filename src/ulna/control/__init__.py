@@ -8,6 +8,7 @@ from ulna.control.cartesian import impedance as impedance
 from ulna.control.cartesian import operational_space as operational_space
 from ulna.control.joints import computed_torque as computed_torque
 from ulna.control.joints import joint_pd as joint_pd
+from ulna.control.obstacles import obstacle_rows as obstacle_rows
 from ulna.control.rates import resolved_rate as resolved_rate
 from ulna.control.reactive import Reactive as Reactive
 from ulna.control.servo import p_servo as p_servo
