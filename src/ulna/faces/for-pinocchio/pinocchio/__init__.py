@@ -26,6 +26,7 @@ from pinocchio._inertia import Symmetric3 as Symmetric3
 from pinocchio._jacobians import *
 from pinocchio._joints import *
 from pinocchio._kinematics import *
+from pinocchio._late import LATE, MODULES, late
 from pinocchio._masses import *
 from pinocchio._model import Model as Model
 from pinocchio._reduce import *
@@ -62,10 +63,8 @@ for _kind in (ArgumentPosition, FrameType, GeometryType, KinematicLevel, Referen
 def __getattr__(name: str) -> Any:
     if name.startswith("StdVec_"):
         return StdVec
-    if name == "RobotWrapper":
-        from pinocchio.robot_wrapper import RobotWrapper
-
-        return RobotWrapper
+    if name in LATE or name in MODULES:
+        return late(name)
     word = refusal(name)
     raise AttributeError(f"module 'pinocchio' (Ulna's face) has no {name!r}. {word}", name=name, obj=None)
 

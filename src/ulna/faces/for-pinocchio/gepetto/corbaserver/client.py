@@ -1,0 +1,75 @@
+"""Clients of the one viewer of this process, which is opened when the first of them wants it."""
+
+from __future__ import annotations
+
+import atexit
+import sys
+import warnings
+from typing import Any, final
+
+import ulna
+from gepetto.corbaserver.gui import Gui
+from ulna.errors import MissingExtra, UlnaWarning
+from ulna.viewer.screen import somebody_can_look
+
+_shared: list[Gui] = []
+
+
+def opened(**options: Any) -> Gui:
+    """A new viewer, and the calls that draw into it; without viser, one without a page, with a warning.
+
+    A script that ends while somebody can look keeps the page open until Ctrl-C or until its tab is closed, as the
+    external viewer stayed; where nobody can, it ends.
+    """
+    try:
+        viewer = ulna.Viewer(**options)
+    except MissingExtra as error:
+        warnings.warn(f"{error} Going on without a page; pictures can be written.", UlnaWarning, stacklevel=3)
+        viewer = ulna.Viewer(page=False)
+    if viewer.url and somebody_can_look() and not hasattr(sys, "ps1"):
+        atexit.register(viewer.hold)
+    return Gui(viewer)
+
+
+def shared_gui() -> Gui:
+    """The calls that draw into the viewer all clients share."""
+    if not _shared or (_shared[0].viewer.closed and _shared[0].had_page):
+        _shared[:] = [opened()]
+    return _shared[0]
+
+
+def shared_viewer() -> Any:
+    """The `ulna.Viewer` that all clients share; what Gepetto has no call for is told to it directly."""
+    return shared_gui().viewer
+
+
+@final
+class Client:
+    """`Client().gui` has the calls of the viewer. Addresses of servers play no part: the viewer is in this process."""
+
+    def __init__(
+        self, clients: Any = None, host: Any = None, port: Any = None, url: Any = None, gui: Any = None
+    ) -> None:
+        self.gui: Gui = gui or shared_gui()
+        """Everything that can be drawn."""
+
+    @property
+    def viewer(self) -> Any:
+        """The `ulna.Viewer` behind it."""
+        return self.gui.viewer
+
+    def __repr__(self) -> str:
+        return f"<client of {self.viewer!r}>"
+
+
+def gui_client(window_name: str | None = None, *_: Any, **__: Any) -> Gui:
+    """The calls of the viewer, with a window of that name."""
+    gui = shared_gui()
+    if window_name is not None:
+        gui.createWindow(window_name)
+    return gui
+
+
+def start_server(*_: Any, **__: Any) -> None:
+    """Opens the viewer, which needs no server."""
+    shared_gui()

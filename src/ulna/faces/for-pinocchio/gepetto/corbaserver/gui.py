@@ -1,0 +1,51 @@
+"""The graphical interface: all calls of the viewer together, and words on those that are not offered."""
+
+from __future__ import annotations
+
+from typing import Any, NoReturn, final
+
+from gepetto.corbaserver.looks import Looks
+from gepetto.corbaserver.shapes import Shapes
+from gepetto.corbaserver.windows import Windows
+from ulna.errors import UnknownName, ViewerError
+
+REFUSED = {
+    "addRod": "addCapsule and addCylinder draw rods.",
+    "attachCameraToNode": "Set the camera in your loop: setCameraTransform(wid, configuration).",
+    "registerNodeCallback": "Panels of `viewer.panel` and `viewer.pendant(robot)` tell what somebody clicks and drags.",
+    "setCaptureTransform": "viewer.html(path, recording) writes what moves as a file that plays.",
+    "captureTransformOnRefresh": "viewer.html(path, recording) writes what moves as a file that plays.",
+    "captureTransform": "getNodeGlobalTransform(nodeName) tells where a node is; write it down in your loop.",
+    "writeBlenderScript": "Blender reads the URDF's meshes; getNodeGlobalTransform(nodeName) tells where they are.",
+}
+"""Calls that make no sense in a browser, and what to use."""
+
+
+@final
+class Gui(Shapes, Looks, Windows):
+    """The calls of Gepetto viewer's graphical interface over an `ulna.Viewer`.
+
+    Nodes are named by paths; a node is placed in its group by `applyConfiguration`, which takes effect at `refresh`.
+    Wrong names raise at once with the nearest right one.
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        offered = [n for n in dir(type(self)) if n[0] != "_"]
+        raise AttributeError(str(UnknownName("call of the viewer", name, offered)), name=name, obj=self)
+
+    def __repr__(self) -> str:
+        return f"<calls of {self.viewer!r}>"
+
+
+def _refusal(name: str, word: str) -> Any:
+    def refuse(self: Gui, *_: Any, **__: Any) -> NoReturn:
+        raise ViewerError(f"{name} is not offered in this viewer. {word}")
+
+    refuse.__name__, refuse.__doc__ = name, f"Not offered. {word}"
+    return refuse
+
+
+for _name, _word in REFUSED.items():
+    setattr(Gui, _name, _refusal(_name, _word))

@@ -1,0 +1,268 @@
+"""Adding shapes, lines, meshes and robots."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from gepetto.corbaserver.placement import pose_of
+from gepetto.corbaserver.tree import PARTS, Tree
+from ulna.errors import InputError, UnknownName
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Shape, Sphere
+from ulna.viewer.content import Lines
+from ulna.viewer.handles import Path
+from ulna.viewer.surface import Surface, colour
+from ulna.viewer.tessellate import tessellate
+
+Rgba = Sequence[float]
+_PIXEL = 0.002  # how thick a line of one pixel is [m]
+
+
+class Shapes(Tree, abc.ABC):
+    """Calls that add. A node of a name that is taken is replaced; groups appear by themselves."""
+
+    def __init__(self, viewer: Any) -> None:
+        super().__init__(viewer)
+        self._made: dict[str, tuple[Shape, Rgba]] = {}
+        self._curves: dict[str, Any] = {}
+        self._roadmaps: dict[str, tuple[Rgba, float, float, Rgba]] = {}
+
+    def _new(self, name: str) -> str:
+        place = self.at(name)
+        for kept in (self._placed, self._static, self._waiting):
+            kept.pop(place, None)
+        return place
+
+    def _add(self, name: str, thing: Any, rgba: Rgba) -> bool:
+        red, green, blue, opacity = colour(rgba)
+        self.viewer.add(thing, name=self._new(name), color=(red, green, blue), opacity=opacity)
+        if isinstance(thing, Shape):
+            self._made[self.at(name)] = (thing, rgba)
+        return True
+
+    def addSphere(self, sphereName: str, radius: float, RGBAcolor: Rgba) -> bool:
+        """A ball [m]; the colour is red, green, blue, opacity from 0 to 1."""
+        return self._add(sphereName, Sphere(radius), RGBAcolor)
+
+    def addBox(
+        self, boxName: str, boxSize1: float, boxSize2: float, boxSize3: float, RGBAcolor: Rgba
+    ) -> bool:
+        """A box, centred; its edges along x, y, z [m]."""
+        return self._add(boxName, Box((boxSize1, boxSize2, boxSize3)), RGBAcolor)
+
+    def addCylinder(self, cylinderName: str, radius: float, height: float, RGBAcolor: Rgba) -> bool:
+        """A cylinder about z, centred [m]."""
+        return self._add(cylinderName, Cylinder(radius, height), RGBAcolor)
+
+    def addCapsule(self, name: str, radius: float, height: float, RGBAcolor: Rgba) -> bool:
+        """A cylinder about z with half a ball on either end, centred; `height` without these [m]."""
+        return self._add(name, Capsule(radius, height), RGBAcolor)
+
+    def addCone(self, name: str, radius: float, height: float, RGBAcolor: Rgba) -> bool:
+        """A cone about z, its tip up, centred [m]."""
+        return self._add(name, Cone(radius, height), RGBAcolor)
+
+    def resizeCapsule(self, capsuleName: str, height: float) -> bool:
+        """Makes a capsule another height [m]."""
+        place = self.known(capsuleName)
+        shape, rgba = self._made.get(place, (None, ()))
+        if not isinstance(shape, Capsule):
+            raise UnknownName(
+                "capsule", capsuleName, [n for n, (s, _) in self._made.items() if isinstance(s, Capsule)]
+            )
+        shape = Capsule(shape.radius, height)
+        self._made[place] = (shape, rgba)
+        self.scene.set_surfaces(place, [tessellate(shape, colour((*rgba[:3], 1.0)))])
+        return True
+
+    def addArrow(self, name: str, radius: float, length: float, RGBAcolor: Rgba) -> bool:
+        """An arrow from the node's origin along its x axis [m]."""
+        place = self._new(name)
+        if place in self.scene:
+            self.viewer.remove(place)
+        self.viewer.group(place).opacity = colour(RGBAcolor)[3]
+        self._made[place] = (Cylinder(radius, length), RGBAcolor)
+        self.viewer.arrow((length, 0, 0), name=f"{place}/{PARTS}arrow", color=RGBAcolor[:3], radius=radius)
+        return True
+
+    def resizeArrow(self, capsuleName: str, radius: float, length: float) -> bool:
+        """Makes an arrow another size [m]."""
+        place = self.known(capsuleName)
+        arrow = f"{place}/{PARTS}arrow"
+        if arrow not in self.scene:
+            raise UnknownName(
+                "arrow", capsuleName, [n for n in self.getNodeList() if f"{n}/{PARTS}arrow" in self.scene]
+            )
+        self.viewer.remove(arrow)
+        self.viewer.arrow((length, 0, 0), name=arrow, color=self._made[place][1][:3], radius=radius)
+        return True
+
+    def addXYZaxis(self, nodeName: str, RGBAcolor: Rgba, radius: float, sizeAxis: float) -> bool:
+        """A ball with arrows in red, green, blue along x, y, z [m]."""
+        place = self._new(nodeName)
+        self.viewer.group(place).opacity = colour(RGBAcolor)[3]
+        self.viewer.sphere(radius, name=f"{place}/{PARTS}ball", color=RGBAcolor[:3])
+        self.viewer.axes(sizeAxis, name=f"{place}/{PARTS}axes")
+        return True
+
+    def addLandmark(self, nodeName: str, size: float) -> bool:
+        """Shows the frame of a node [m]."""
+        self.viewer.axes(size, name=f"{self.known(nodeName)}/{PARTS}landmark")
+        return True
+
+    def deleteLandmark(self, nodeName: str) -> bool:
+        """Shows the frame of a node no longer; False if it was not shown."""
+        place = f"{self.known(nodeName)}/{PARTS}landmark"
+        if place not in self.scene:
+            return False
+        self.viewer.remove(place)
+        return True
+
+    def addFloor(self, floorName: str) -> bool:
+        """A grid in the plane z = 0."""
+        self.viewer.grid(10.0, 0.5, name=self._new(floorName))
+        return True
+
+    def createSceneWithFloor(self, sceneName: str) -> bool:
+        """A scene with a grid in the plane z = 0."""
+        return self.createScene(sceneName) and self.addFloor(f"{sceneName}/floor")
+
+    # files ----------------------------------------------------------------------------------------------
+
+    def addMesh(self, meshName: str, meshPath: str) -> bool:
+        """A mesh file: dae, stl, obj, glb ..."""
+        self.viewer.mesh(str(meshPath).removeprefix("file://"), name=self._new(meshName))
+        return True
+
+    def addURDF(self, robotName: str, urdfFilePath: str, packagePath: str | None = None) -> bool:
+        """The links of a robot, as nodes `robotName/link`, in its usual configuration."""
+        return self.addUrdfObjects(robotName, urdfFilePath, True, packagePath)
+
+    def addUrdfCollision(self, robotName: str, urdfFilePath: str, packagePath: str | None = None) -> bool:
+        """What the links of a robot collide with, as nodes `robotName/link`."""
+        return self.addUrdfObjects(robotName, urdfFilePath, False, packagePath)
+
+    def addUrdfObjects(
+        self, nodeName: str, urdfFilePath: str, visual: bool = True, packagePath: str | None = None
+    ) -> bool:
+        """The links of a robot, as they look or as they collide."""
+        import ulna
+
+        robot = ulna.load(str(urdfFilePath), package_dirs=[packagePath] if packagePath else ())
+        self.viewer.add(robot, name=self._new(nodeName), show="visual" if visual else "collision")
+        return True
+
+    # lines and faces ------------------------------------------------------------------------------------
+
+    def addLine(self, lineName: str, pos1: Sequence[float], pos2: Sequence[float], RGBAcolor: Rgba) -> bool:
+        """A line between two points [m]."""
+        return self.addCurve(lineName, [pos1, pos2], RGBAcolor)
+
+    def addCurve(self, curveName: str, pos: Any, RGBAcolor: Rgba) -> bool:
+        """A line from point to point, (n, 3) [m]."""
+        points, rgba = np.array(pos, dtype=float), colour(RGBAcolor)
+        place = self._new(curveName)
+        self.viewer.line(points, name=place, color=rgba[:3], opacity=rgba[3], thickness=2 * _PIXEL)
+        self._curves[place] = points
+        return True
+
+    def _curve(self, name: str) -> str:
+        place = self.known(name)
+        if not isinstance(self.scene.node(place).content, Lines):
+            raise InputError(f"{name!r} is no line or curve; addLine and addCurve add one.")
+        return place
+
+    def setLineStartPoint(self, lineName: str, pos1: Sequence[float]) -> bool:
+        """Moves where a line begins [m]."""
+        return self.setCurvePoints(lineName, [pos1, self._curves[self._curve(lineName)][-1]])
+
+    def setLineEndPoint(self, lineName: str, pos2: Sequence[float]) -> bool:
+        """Moves where a line ends [m]."""
+        return self.setCurvePoints(lineName, [self._curves[self._curve(lineName)][0], pos2])
+
+    def setLineExtremalPoints(self, lineName: str, pos1: Sequence[float], pos2: Sequence[float]) -> bool:
+        """Moves both ends of a line [m]."""
+        return self.setCurvePoints(lineName, [pos1, pos2])
+
+    def setCurvePoints(self, curveName: str, pos: Any) -> bool:
+        """Gives a curve other points, (n, 3) [m]."""
+        place = self._curve(curveName)
+        points = np.array(pos, dtype=float)
+        Path(self.scene, place).points = points
+        self._curves[place] = points
+        return True
+
+    def setCurvePointsSubset(self, curveName: str, first: int, count: int) -> bool:
+        """Shows some points of a curve only: `count` of them from `first` on."""
+        place = self._curve(curveName)
+        points = self._curves[place]
+        if not 0 <= first < first + count <= len(points) or count < 2:
+            raise InputError(
+                f"{count} points from {first} on of {len(points)}; expected two of them or more."
+            )
+        Path(self.scene, place).points = points[first : first + count]
+        return True
+
+    def setCurveLineWidth(self, curveName: str, width: float) -> bool:
+        """Makes a curve as thick as so many pixels."""
+        place = self._curve(curveName)
+        old = self.scene.node(place).content
+        self.scene.set_content(place, Lines(old.segments, old.rgba, max(float(width), 0.1) * _PIXEL))
+        return True
+
+    def addTriangleFace(self, faceName: str, pos1: Any, pos2: Any, pos3: Any, RGBAcolor: Rgba) -> bool:
+        """A triangle that is seen from both sides [m]."""
+        return self._add(faceName, _face([pos1, pos2, pos3]), RGBAcolor)
+
+    def addSquareFace(
+        self, faceName: str, pos1: Any, pos2: Any, pos3: Any, pos4: Any, RGBAcolor: Rgba
+    ) -> bool:
+        """A plane face with four corners, in their order around it, that is seen from both sides [m]."""
+        return self._add(faceName, _face([pos1, pos2, pos3, pos4]), RGBAcolor)
+
+    # roadmaps -------------------------------------------------------------------------------------------
+
+    def createRoadmap(
+        self, name: str, RGBAcolorNode: Rgba, radius: float, sizeAxis: float, RGBAcolorEdge: Rgba
+    ) -> bool:
+        """A group of nodes and edges that look as told here."""
+        self._roadmaps[self._new(name)] = (RGBAcolorNode, radius, sizeAxis, RGBAcolorEdge)
+        return self.createGroup(name)
+
+    def _roadmap(self, name: str) -> tuple[Rgba, float, float, Rgba]:
+        if self.at(name) not in self._roadmaps:
+            raise UnknownName("roadmap", name, self._roadmaps, "createRoadmap makes one.")
+        return self._roadmaps[self.at(name)]
+
+    def addNodeToRoadmap(self, nameRoadmap: str, configuration: Sequence[float]) -> bool:
+        """A ball with its axes, placed by seven numbers; see `applyConfiguration`."""
+        rgba, radius, size, _ = self._roadmap(nameRoadmap)
+        pose, name = pose_of(configuration), f"{nameRoadmap}/node{len(self.getGroupNodeList(nameRoadmap))}"
+        self.addXYZaxis(name, rgba, radius, size)
+        self.scene.set_pose(self.at(name), pose)
+        return True
+
+    def addEdgeToRoadmap(self, nameRoadmap: str, posFrom: Sequence[float], posTo: Sequence[float]) -> bool:
+        """A line between two points [m]."""
+        rgba = self._roadmap(nameRoadmap)[3]
+        return self.addLine(
+            f"{nameRoadmap}/edge{len(self.getGroupNodeList(nameRoadmap))}", posFrom, posTo, rgba
+        )
+
+
+def _face(corners: Sequence[Any]) -> Surface:
+    points = np.array(corners, dtype=float)
+    if points.shape != (len(corners), 3):
+        raise InputError(f"The corners are {corners}; expected points of three numbers [m].")
+    normal = np.cross(points[1] - points[0], points[-1] - points[0])
+    length = float(np.linalg.norm(normal))
+    if length < 1e-12:
+        raise InputError("The corners of the face lie on a line.")
+    normal /= length
+    fan = np.array([[0, k, k + 1] for k in range(1, len(points) - 1)])
+    normals = np.tile(normal, (len(points), 1))
+    both = np.concatenate([fan, fan[:, ::-1] + len(points)])
+    return Surface(np.concatenate([points, points]), both, np.concatenate([normals, -normals]))

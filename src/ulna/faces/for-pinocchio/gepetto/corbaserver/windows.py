@@ -1,0 +1,148 @@
+"""Windows, cameras and pictures: every window is a name for the one page."""
+
+from __future__ import annotations
+
+import abc
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gepetto.corbaserver.placement import configuration_of, pose_of
+from gepetto.corbaserver.tree import Tree
+from ulna.errors import InputError, UnknownName
+from ulna.viewer.camera import Camera
+from ulna.viewer.surface import colour
+
+
+class Windows(Tree, abc.ABC):
+    """Calls about windows."""
+
+    def __init__(self, viewer: Any) -> None:
+        super().__init__(viewer)
+        self._windows: list[str] = []
+        self._capture: tuple[str, str] | None = None
+        self._captured = 0
+
+    def createWindow(self, name: str) -> str:
+        """A window, by whose name it is meant in other calls."""
+        if name not in self._windows:
+            self._windows.append(name)
+        return name
+
+    def getWindowID(self, name: str) -> str:
+        """The window of that name. Raises UnknownName with the nearest one if there is none."""
+        return self._window(name)
+
+    def getWindowList(self) -> list[str]:
+        """The names of the windows."""
+        return list(self._windows)
+
+    def addSceneToWindow(self, sceneName: str, wid: str) -> bool:
+        """Shows a scene in a window; all are in the one page anyway."""
+        self.known(sceneName)
+        self._window(wid)
+        return True
+
+    def _window(self, wid: str) -> str:
+        if wid not in self._windows:
+            raise UnknownName("window", wid, self._windows, "createWindow(name) makes one.")
+        return wid
+
+    def setBackgroundColor1(self, wid: str, RGBAcolor: Sequence[float]) -> bool:
+        """Colours the sky above."""
+        return self._dress(wid, "top", RGBAcolor)
+
+    def setBackgroundColor2(self, wid: str, RGBAcolor: Sequence[float]) -> bool:
+        """Colours the sky where it meets the floor."""
+        return self._dress(wid, "horizon", RGBAcolor)
+
+    def _dress(self, wid: str, what: str, rgba: Sequence[float]) -> bool:
+        self._window(wid)
+        red, green, blue = (round(255 * c) for c in colour(rgba)[:3])
+        self.viewer.theme = dataclasses.replace(self.viewer.theme, **{what: (red, green, blue)})
+        return True
+
+    # camera ---------------------------------------------------------------------------------------------
+
+    def getCameraTransform(self, wid: str) -> list[float]:
+        """Where the camera is, as seven numbers; its axes are right, up and backwards of the picture."""
+        self._window(wid)
+        camera, pose = self.viewer.camera, np.eye(4)
+        pose[:3, :3], pose[:3, 3] = camera.axes(), camera.position
+        return configuration_of(pose)
+
+    def setCameraTransform(self, wid: str, configuration: Sequence[float]) -> bool:
+        """Places the camera by seven numbers; its axes are right, up and backwards of the picture."""
+        self._window(wid)
+        pose, old = pose_of(configuration), self.viewer.camera
+        away = max(float(np.linalg.norm(np.subtract(old.position, old.target))), 0.1)
+        eye, up, target = pose[:3, 3], pose[:3, 1], pose[:3, 3] - away * pose[:3, 2]
+        self.viewer.camera = Camera(_three(eye), _three(target), old.fov, _three(up))
+        return True
+
+    def setCameraToBestFit(self, wid: str) -> bool:
+        """Moves the camera so that everything is in view."""
+        self._window(wid)
+        self.viewer.camera = None
+        return True
+
+    def detachCamera(self, wid: str) -> bool:
+        """Lets the camera follow no node; it never does."""
+        self._window(wid)
+        return True
+
+    # pictures -------------------------------------------------------------------------------------------
+
+    def captureFrame(self, wid: str, imageFilename: str) -> bool:
+        """Writes a picture (PNG), drawn without a browser."""
+        self._window(wid)
+        if Path(imageFilename).suffix.lower() != ".png":
+            raise InputError(f"Pictures are written as .png here; {imageFilename!r} is none.")
+        self.viewer.picture(imageFilename)
+        return True
+
+    def startCapture(self, wid: str, filename: str, extension: str) -> bool:
+        """Writes a picture filename_0_0.png, filename_0_1.png, ... at every `refresh` from now on."""
+        self._window(wid)
+        if extension.lower().lstrip(".") != "png":
+            raise InputError(
+                f"Pictures are written as png here; {extension!r} is none. viewer.film writes .mp4, .gif."
+            )
+        self._capture, self._captured = (filename, "png"), 0
+        return True
+
+    def stopCapture(self, wid: str) -> bool:
+        """Writes no more pictures at `refresh`."""
+        self._window(wid)
+        self._capture = None
+        return True
+
+    def refreshed(self) -> None:
+        """Has the page show what is new, and a capture take it."""
+        if self._capture is not None:
+            name, ending = self._capture
+            self.viewer.picture(f"{name}_0_{self._captured}.{ending}")
+            self._captured += 1
+
+    def writeNodeFile(self, nodeName: str, filename: str) -> bool:
+        """Writes the scene as one HTML file that is looked at offline."""
+        self.known(nodeName)
+        return self._html(filename)
+
+    def writeWindowFile(self, wid: str, filename: str) -> bool:
+        """Writes the scene as one HTML file that is looked at offline."""
+        self._window(wid)
+        return self._html(filename)
+
+    def _html(self, filename: str) -> bool:
+        if Path(filename).suffix.lower() not in (".html", ".htm"):
+            raise InputError(f"Scenes are written as .html here; {filename!r} is none.")
+        self.viewer.html(filename)
+        return True
+
+
+def _three(v: Any) -> tuple[float, float, float]:
+    return float(v[0]), float(v[1]), float(v[2])

@@ -1,0 +1,433 @@
+"""RobotWrapper: a model, its data, its geometries and a visualizer in one object, with short calls."""
+
+from __future__ import annotations
+
+from typing import Any, NoReturn
+
+import numpy as np
+
+import pinocchio as pin
+from pinocchio._arrays import index as checked_index
+from pinocchio._enums import ReferenceFrame
+from pinocchio._geometry import GeometryModel, GeometryObject, updateGeometryPlacements
+from pinocchio._model import Model
+from pinocchio._se3 import SE3
+from pinocchio._vectors import Force, Motion
+from pinocchio.shortcuts import buildModelsFromUrdf, createDatas
+from ulna.errors import InputError, UnknownName
+from ulna.typing import Floats
+
+_LOCAL = ReferenceFrame.LOCAL
+_JOINT = "robot.index(name) gives one."
+_FRAME = "robot.model.getFrameId(name) gives one."
+
+
+class RobotWrapper:
+    """A robot as tutorials use it.
+
+    Args:
+        model: The model.
+        collision_model: What it collides with.
+        visual_model: What it looks like.
+        constraint_models: Kept for whoever asks.
+        verbose: Not needed.
+    """
+
+    def __init__(
+        self,
+        model: Model | None = None,
+        collision_model: GeometryModel | None = None,
+        visual_model: GeometryModel | None = None,
+        constraint_models: Any = None,
+        verbose: bool = False,
+    ) -> None:
+        self.model = Model() if model is None else model
+        """The kinematic tree."""
+        self.collision_model, self.visual_model = collision_model, visual_model
+        self.constraint_models = constraint_models
+        self.viz: Any = None
+        """The visualizer, after `initViewer`."""
+        self.rebuildData()
+        self.v0 = np.zeros(self.nv)
+        """No velocity (nv,)."""
+        self.q0 = pin.neutral(self.model)
+        """The neutral configuration (nq,)."""
+
+    @staticmethod
+    def BuildFromURDF(
+        filename: Any,
+        package_dirs: Any = None,
+        root_joint: Any = None,
+        *more: Any,
+        **named: Any,
+    ) -> RobotWrapper:
+        """The robot of a URDF file.
+
+        Args:
+            filename: The file.
+            package_dirs: One or several folders to look for packages in. None are needed when the meshes lie around
+                the file, in ROS_PACKAGE_PATH or in the installed example-robot-data.
+            root_joint: How its base moves, such as JointModelFreeFlyer(); it stands still when not given.
+            more: See `buildModelsFromUrdf`.
+            named: See `buildModelsFromUrdf`.
+
+        Raises:
+            FormatError: The file is missing or broken; says where and what mends it. A missing mesh only warns.
+        """
+        robot = RobotWrapper.__new__(RobotWrapper)
+        robot.initFromURDF(filename, package_dirs, root_joint, *more, **named)
+        return robot
+
+    def initFromURDF(
+        self, filename: Any, package_dirs: Any = None, root_joint: Any = None, *more: Any, **named: Any
+    ) -> None:
+        """Makes this the robot of a URDF file; see `BuildFromURDF`."""
+        named.pop("geometry_types", None)
+        model, collision_model, visual_model = buildModelsFromUrdf(
+            filename, package_dirs, root_joint, *more, **named
+        )
+        RobotWrapper.__init__(self, model, collision_model, visual_model)
+
+    @staticmethod
+    def BuildFromSDF(*_: Any, **__: Any) -> NoReturn:
+        """Not offered."""
+        raise InputError("SDF files are not read. Convert the file to URDF, and use BuildFromURDF.")
+
+    @staticmethod
+    def BuildFromMJCF(filename: Any, *_: Any, **__: Any) -> NoReturn:
+        """Not offered."""
+        raise InputError(f"MJCF files are not read as a RobotWrapper ({filename}). Convert the file to URDF.")
+
+    # sizes and names ------------------------------------------------------------------------------------
+
+    @property
+    def nq(self) -> int:
+        """How many numbers a configuration has."""
+        return self.model.nq
+
+    @property
+    def nv(self) -> int:
+        """How many numbers a velocity has."""
+        return self.model.nv
+
+    def index(self, name: str) -> int:
+        """The index of the joint of that name. Raises UnknownName with the nearest one."""
+        return self.model.getJointId(name)
+
+    def rebuildData(self) -> None:
+        """Makes new data, after joints, frames or geometries were added."""
+        self.data, self.collision_data, self.visual_data = createDatas(
+            self.model, self.collision_model, self.visual_model
+        )
+        if self.viz is not None:
+            self.viz.rebuildData()
+
+    def _joint(self, joint: Any) -> int:
+        return checked_index(joint, self.model.njoints, "joint", _JOINT)
+
+    def _frame(self, frame: Any) -> int:
+        return checked_index(frame, self.model.nframes, "frame", _FRAME)
+
+    # the centre of mass and momenta ---------------------------------------------------------------------
+
+    def com(self, q: Any = None, v: Any = None, a: Any = None) -> Any:
+        """The centre of mass (3,) [m]; with v also its velocity, with a its acceleration, in a tuple.
+
+        Without q, that of the data's present state.
+        """
+        if q is None:
+            return pin.centerOfMass(self.model, self.data)
+        state = [x for x in (q, v, a) if x is not None]
+        pin.centerOfMass(self.model, self.data, *state)
+        found = (self.data.com[0], self.data.vcom[0], self.data.acom[0])[: len(state)]
+        return found[0] if len(found) == 1 else found
+
+    def vcom(self, q: Any, v: Any) -> Floats:
+        """The velocity of the centre of mass (3,) [m/s]."""
+        return self.com(q, v)[1]
+
+    def acom(self, q: Any, v: Any, a: Any) -> Floats:
+        """The acceleration of the centre of mass (3,) [m/s^2]."""
+        return self.com(q, v, a)[2]
+
+    def Jcom(self, q: Any) -> Floats:
+        """The Jacobian of the centre of mass (3, nv)."""
+        return pin.jacobianCenterOfMass(self.model, self.data, q)
+
+    def centroidalMomentum(self, q: Any, v: Any) -> Force:
+        """The momentum about the centre of mass."""
+        return pin.computeCentroidalMomentum(self.model, self.data, q, v)
+
+    def centroidalMap(self, q: Any) -> Floats:
+        """The matrix (6, nv) from velocities to the momentum about the centre of mass."""
+        return pin.computeCentroidalMap(self.model, self.data, q)
+
+    def centroidal(self, q: Any, v: Any) -> tuple[Any, Any, Any]:
+        """The momentum about the centre of mass, its matrix, and the inertia of the whole as one body."""
+        pin.ccrba(self.model, self.data, q, v)
+        return self.data.hg, self.data.Ag, self.data.Ig
+
+    def centroidalMomentumVariation(self, q: Any, v: Any, a: Any) -> Force:
+        """The time derivative of the momentum about the centre of mass."""
+        return pin.computeCentroidalMomentumTimeVariation(self.model, self.data, q, v, a)
+
+    # dynamics -------------------------------------------------------------------------------------------
+
+    def mass(self, q: Any) -> Floats:
+        """The mass matrix (nv, nv)."""
+        return pin.crba(self.model, self.data, q)
+
+    def nle(self, q: Any, v: Any) -> Floats:
+        """Coriolis, centrifugal and gravity torques (nv,)."""
+        return pin.nonLinearEffects(self.model, self.data, q, v)
+
+    bias = biais = nle
+    """Historic names of `nle`."""
+
+    def gravity(self, q: Any) -> Floats:
+        """Gravity torques (nv,)."""
+        return pin.computeGeneralizedGravity(self.model, self.data, q)
+
+    # kinematics -----------------------------------------------------------------------------------------
+
+    def forwardKinematics(self, q: Any, v: Any = None, a: Any = None) -> None:
+        """Fills `data.oMi`; with v and a also `data.v` and `data.a`."""
+        pin.forwardKinematics(self.model, self.data, *(x for x in (q, v, a) if x is not None))
+
+    def framesForwardKinematics(self, q: Any) -> None:
+        """Fills `data.oMi` and `data.oMf`."""
+        pin.framesForwardKinematics(self.model, self.data, q)
+
+    def placement(self, q: Any, index: int, update_kinematics: bool = True) -> SE3:
+        """Where a joint is in the world: a live reference into `data.oMi`."""
+        joint = self._joint(index)
+        if update_kinematics:
+            self.forwardKinematics(q)
+        return self.data.oMi[joint]
+
+    position = placement
+    """The historic name of `placement`."""
+
+    def velocity(
+        self, q: Any, v: Any, index: int, update_kinematics: bool = True, reference_frame: Any = _LOCAL
+    ) -> Motion:
+        """The velocity of a joint."""
+        joint = self._joint(index)
+        if update_kinematics:
+            self.forwardKinematics(q, v)
+        return pin.getVelocity(self.model, self.data, joint, reference_frame)
+
+    def acceleration(
+        self,
+        q: Any,
+        v: Any,
+        a: Any,
+        index: int,
+        update_kinematics: bool = True,
+        reference_frame: Any = _LOCAL,
+    ) -> Motion:
+        """The spatial acceleration of a joint."""
+        joint = self._joint(index)
+        if update_kinematics:
+            self.forwardKinematics(q, v, a)
+        return pin.getAcceleration(self.model, self.data, joint, reference_frame)
+
+    def classicalAcceleration(
+        self,
+        q: Any,
+        v: Any,
+        a: Any,
+        index: int,
+        update_kinematics: bool = True,
+        reference_frame: Any = _LOCAL,
+    ) -> Motion:
+        """The acceleration of the point at a joint's origin."""
+        joint = self._joint(index)
+        if update_kinematics:
+            self.forwardKinematics(q, v, a)
+        return pin.getClassicalAcceleration(self.model, self.data, joint, reference_frame)
+
+    classicAcceleration = classicalAcceleration
+
+    def framePlacement(self, q: Any, index: int, update_kinematics: bool = True) -> SE3:
+        """Where a frame is in the world: a live reference into `data.oMf`."""
+        frame = self._frame(index)
+        if update_kinematics:
+            self.forwardKinematics(q)
+        return pin.updateFramePlacement(self.model, self.data, frame)
+
+    framePosition = framePlacement
+    """The historic name of `framePlacement`."""
+
+    def frameVelocity(
+        self, q: Any, v: Any, index: int, update_kinematics: bool = True, reference_frame: Any = _LOCAL
+    ) -> Motion:
+        """The velocity of a frame."""
+        frame = self._frame(index)
+        if update_kinematics:
+            self.forwardKinematics(q, v)
+        return pin.getFrameVelocity(self.model, self.data, frame, reference_frame)
+
+    def frameAcceleration(
+        self,
+        q: Any,
+        v: Any,
+        a: Any,
+        index: int,
+        update_kinematics: bool = True,
+        reference_frame: Any = _LOCAL,
+    ) -> Motion:
+        """The spatial acceleration of a frame."""
+        frame = self._frame(index)
+        if update_kinematics:
+            self.forwardKinematics(q, v, a)
+        return pin.getFrameAcceleration(self.model, self.data, frame, reference_frame)
+
+    def frameClassicalAcceleration(
+        self,
+        q: Any,
+        v: Any,
+        a: Any,
+        index: int,
+        update_kinematics: bool = True,
+        reference_frame: Any = _LOCAL,
+    ) -> Motion:
+        """The acceleration of the point at a frame's origin."""
+        frame = self._frame(index)
+        if update_kinematics:
+            self.forwardKinematics(q, v, a)
+        return pin.getFrameClassicalAcceleration(self.model, self.data, frame, reference_frame)
+
+    frameClassicAcceleration = frameClassicalAcceleration
+
+    def computeJointJacobians(self, q: Any) -> Floats:
+        """Fills `data.J` (6, nv), all columns in WORLD, and `data.oMi`."""
+        return pin.computeJointJacobians(self.model, self.data, q)
+
+    def computeJointJacobian(self, q: Any, index: int) -> Floats:
+        """The Jacobian (6, nv) of a joint, in LOCAL."""
+        return pin.computeJointJacobian(self.model, self.data, q, self._joint(index))
+
+    jointJacobian = computeJointJacobian
+    """The historic name of `computeJointJacobian`."""
+
+    def getJointJacobian(self, index: int, rf_frame: Any = _LOCAL) -> Floats:
+        """The Jacobian (6, nv) of a joint, after `computeJointJacobians`."""
+        return pin.getJointJacobian(self.model, self.data, self._joint(index), rf_frame)
+
+    def computeFrameJacobian(self, q: Any, frame_id: int) -> Floats:
+        """The Jacobian (6, nv) of a frame, in LOCAL."""
+        return pin.computeFrameJacobian(self.model, self.data, q, self._frame(frame_id))
+
+    frameJacobian = computeFrameJacobian
+    """The historic name of `computeFrameJacobian`."""
+
+    def getFrameJacobian(self, frame_id: int, rf_frame: Any = _LOCAL) -> Floats:
+        """The Jacobian (6, nv) of a frame, after `computeJointJacobians`."""
+        return pin.getFrameJacobian(self.model, self.data, self._frame(frame_id), rf_frame)
+
+    def buildReducedRobot(
+        self, list_of_joints_to_lock: Any, reference_configuration: Any = None
+    ) -> RobotWrapper:
+        """The robot with some joints, by names or indices, locked as in a configuration; the neutral one else."""
+        locked = [self.index(j) if isinstance(j, str) else self._joint(j) for j in list_of_joints_to_lock]
+        q = pin.neutral(self.model) if reference_configuration is None else reference_configuration
+        geometries = [g for g in (self.visual_model, self.collision_model) if g is not None]
+        model, reduced = pin.buildReducedModel(self.model, geometries, locked, q)
+        left = iter(reduced)
+        visual = None if self.visual_model is None else next(left)
+        collision = None if self.collision_model is None else next(left)
+        return RobotWrapper(model, collision, visual)
+
+    # the viewer -----------------------------------------------------------------------------------------
+
+    def updateGeometryPlacements(self, q: Any = None, visual: bool = False) -> None:
+        """Fills `visual_data.oMg` or `collision_data.oMg`."""
+        model, data = (
+            (self.visual_model, self.visual_data) if visual else (self.collision_model, self.collision_data)
+        )
+        if model is None or data is None:
+            raise InputError(f"This robot has no {'visual' if visual else 'collision'} model.")
+        updateGeometryPlacements(self.model, self.data, model, data, q)
+
+    def setVisualizer(self, visualizer: Any, init: bool = True, copy_models: bool = False) -> None:
+        """Has a visualizer show this robot."""
+        if init:
+            visualizer.__init__(self.model, self.collision_model, self.visual_model, copy_models)
+        self.viz = visualizer
+
+    def initViewer(self, share_data: Any = True, *parts: Any, **named: Any) -> None:
+        """Opens the viewer: `initViewer(loadModel=True)`. It returns at once, and never waits for a browser.
+
+        Args:
+            share_data: Whether the visualizer works in this robot's data.
+            parts: See `GepettoVisualizer.initViewer`.
+            named: `windowName`, `sceneName`, `loadModel`.
+        """
+        if not isinstance(share_data, bool):
+            share_data, parts = True, (share_data, *parts)
+        if self.viz is None:
+            from pinocchio.visualize import Visualizer
+
+            data = (self.data, self.collision_data, self.visual_data) if share_data else (None, None, None)
+            models = (self.model, self.collision_model, self.visual_model)
+            self.viz = Visualizer.default()(*models, False, *data)
+        self.viz.initViewer(*parts, **named)
+
+    def _visualizer(self) -> Any:
+        if self.viz is None:
+            raise InputError("There is no viewer yet. Call robot.initViewer(loadModel=True) first.")
+        return self.viz
+
+    @property
+    def viewer(self) -> Any:
+        """The viewer: `robot.viewer.gui.addSphere(...)`."""
+        return self._visualizer().viewer
+
+    def loadViewerModel(self, *parts: Any, **named: Any) -> None:
+        """Loads the geometries into the viewer."""
+        self._visualizer().loadViewerModel(*parts, **named)
+
+    def initDisplay(self, *parts: Any, **named: Any) -> None:
+        """The historic name of `initViewer`: (windowName, sceneName, loadModel)."""
+        self.initViewer(True, None, *parts, **named)
+
+    loadDisplayModel = loadViewerModel
+    """The historic name of `loadViewerModel`."""
+
+    def getViewerNodeName(self, geometry_object: GeometryObject, geometry_type: Any) -> str:
+        """The name of a geometry's node in the viewer."""
+        return self._visualizer().getViewerNodeName(geometry_object, geometry_type)
+
+    viewerNodeNames = getViewerNodeName
+    """The historic name of `getViewerNodeName`."""
+
+    def display(self, q: Any) -> None:
+        """Shows a configuration."""
+        self._visualizer().display(q)
+
+    def displayCollisions(self, visibility: bool) -> None:
+        """Shows or hides what it collides with."""
+        self._visualizer().displayCollisions(visibility)
+
+    def displayVisuals(self, visibility: bool) -> None:
+        """Shows or hides what it looks like."""
+        self._visualizer().displayVisuals(visibility)
+
+    def play(self, q_trajectory: Any, dt: float) -> None:
+        """Shows configurations one after the other, `dt` seconds each; where nobody can look, without waiting."""
+        self._visualizer().play(q_trajectory, dt)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name in ("viz", "model"):
+            raise AttributeError(name)
+        offered = [n for n in (*dir(type(self)), *self.__dict__) if n[0] != "_"]
+        raise AttributeError(
+            str(UnknownName("attribute of a RobotWrapper", name, offered)), name=name, obj=self
+        )
+
+    def __repr__(self) -> str:
+        return f"<RobotWrapper of {self.model.name!r}: nq={self.nq}, nv={self.nv}>"
+
+
+__all__ = ["RobotWrapper"]

@@ -1,0 +1,356 @@
+"""A robot in the viewer: its geometries as nodes, moved by one configuration."""
+
+from __future__ import annotations
+
+import abc
+import copy
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from gepetto.corbaserver.client import Client, opened
+from gepetto.corbaserver.gui import Gui
+
+from pinocchio._enums import GeometryType
+from pinocchio._geometry import GeometryData, GeometryModel, GeometryObject, updateGeometryPlacements
+from pinocchio._kinematics import forwardKinematics
+from pinocchio._model import Model
+from pinocchio.visualize.figures import surfaces_of
+from ulna.errors import InputError, UnknownName
+from ulna.viewer.screen import somebody_can_look
+from ulna.viewer.viewer import Viewer
+
+
+class BaseVisualizer(abc.ABC):  # noqa: B024 (what differs is how the viewer is opened)
+    """Shows a robot's geometries: `initViewer(loadModel=True)`, then `display(q)`.
+
+    Args:
+        model: The model; or a RobotWrapper, which brings the rest.
+        collision_model: What it collides with.
+        visual_model: What it looks like.
+        copy_models: Whether models are copied, so that later changes to them are not seen.
+        data: Its working memory; one of its own when not given.
+        collision_data: That of the collision geometries.
+        visual_data: That of the visual geometries.
+    """
+
+    def __init__(
+        self,
+        model: Any = None,
+        collision_model: GeometryModel | None = None,
+        visual_model: GeometryModel | None = None,
+        copy_models: bool = False,
+        data: Any = None,
+        collision_data: GeometryData | None = None,
+        visual_data: GeometryData | None = None,
+    ) -> None:
+        if hasattr(model, "visual_model"):
+            model, collision_model, visual_model = model.model, model.collision_model, model.visual_model
+        self.model: Model = Model() if model is None else model
+        self.collision_model, self.visual_model = collision_model, visual_model
+        if copy_models:
+            self.model, self.collision_model, self.visual_model = copy.deepcopy(
+                (self.model, collision_model, visual_model)
+            )
+        self.data, self.collision_data, self.visual_data = data, collision_data, visual_data
+        if data is None:
+            self.rebuildData()
+        self._client: Client | None = None
+        self.sceneName = ""
+        """The group that the robot's nodes are in; empty for none."""
+        self._root = ""
+        self._shown = {GeometryType.VISUAL: True, GeometryType.COLLISION: False}
+        self._rows: tuple[Any, ...] = ()
+        self._q: Any = None
+        self._frames: list[int] = []
+        self._film: list[Any] | None = None
+
+    def rebuildData(self) -> None:
+        """Makes new data, after frames, joints or geometries were added."""
+        self.data = self.model.createData()
+        self.collision_data = None if self.collision_model is None else self.collision_model.createData()
+        self.visual_data = None if self.visual_model is None else self.visual_model.createData()
+        self._rows = ()
+
+    # the viewer -----------------------------------------------------------------------------------------
+
+    def initViewer(
+        self,
+        viewer: Any = None,
+        *named: Any,
+        loadModel: bool = False,
+        open: bool = False,
+        **more: Any,
+    ) -> None:
+        """Opens the viewer; returns at once.
+
+        Args:
+            viewer: An `ulna.Viewer`, or a client, to draw into; a viewer of its own when not given.
+            named: Where some visualizers have `open` and `loadModel`.
+            loadModel: Whether to load the geometries, too.
+            open: Whether to open a browser window, where there is a screen.
+            more: `host`, `port` of the page.
+        """
+        positional = dict(zip(("open", "loadModel"), named, strict=False))
+        self._attach(viewer, {"browser": bool(positional.get("open", open)), **_options(more)})
+        if positional.get("loadModel", loadModel):
+            self.loadViewerModel()
+
+    def _attach(self, viewer: Any, options: dict[str, Any]) -> None:
+        gui = getattr(viewer, "gui", viewer)
+        if isinstance(gui, Viewer):
+            gui = Gui(gui)
+        if gui is None:
+            gui = self._opened(options)
+        if not isinstance(gui, Gui):
+            raise InputError(
+                f"`viewer` is {viewer!r}; expected None, an ulna.Viewer, or gepetto.corbaserver.Client()."
+            )
+        self._client = Client(gui=gui)
+
+    def _opened(self, options: dict[str, Any]) -> Gui:
+        return opened(**options)
+
+    @property
+    def viewer(self) -> Any:
+        """The client: `viewer.gui` has the calls that draw, `viewer.viewer` is the `ulna.Viewer`."""
+        if self._client is None:
+            raise InputError("There is no viewer yet. Call initViewer(loadModel=True) first.")
+        return self._client
+
+    @property
+    def _scene(self) -> Any:
+        return self.viewer.gui.scene
+
+    def loadViewerModel(
+        self,
+        rootNodeName: str = "pinocchio",
+        color: Sequence[float] | None = None,
+        collision_color: Sequence[float] | None = None,
+        visual_color: Sequence[float] | None = None,
+        **_: Any,
+    ) -> None:
+        """Loads the geometries into the viewer, below a node of that name.
+
+        Args:
+            rootNodeName: The node; what was there before is replaced.
+            color: Red, green, blue, opacity of all; their own when not given.
+            collision_color: Those of the collision geometries.
+            visual_color: Those of the visual geometries.
+        """
+        gui = self.viewer.gui
+        self._root = f"{self.sceneName}/{rootNodeName}".lstrip("/")
+        looks = {
+            f"{self._group(kind)}/{g.name}": surfaces_of(g, own or color)
+            for kind, own in ((GeometryType.VISUAL, visual_color), (GeometryType.COLLISION, collision_color))
+            for g in self._objects(kind)
+        }
+        with self._scene.together():
+            gui.deleteNode(self._root, True)
+            for kind in (GeometryType.VISUAL, GeometryType.COLLISION):
+                gui.createGroup(self._group(kind))
+                gui.setVisibility(self._group(kind), "ON" if self._shown[kind] else "OFF")
+            for name, surfaces in looks.items():
+                self._scene.add(name, surfaces)
+            self._rows = ()
+            self.display(np.array(self._neutral()) if self._q is None else self._q)
+
+    def _neutral(self) -> Any:
+        from pinocchio import neutral
+
+        return neutral(self.model)
+
+    def _group(self, kind: GeometryType) -> str:
+        return f"{self._root}/{'visuals' if kind == GeometryType.VISUAL else 'collisions'}"
+
+    def _objects(self, kind: GeometryType) -> Sequence[GeometryObject]:
+        found = self.visual_model if kind == GeometryType.VISUAL else self.collision_model
+        return () if found is None else found.geometryObjects
+
+    def getViewerNodeName(self, geometry_object: GeometryObject, geometry_type: GeometryType) -> str:
+        """The name of a geometry's node in the viewer."""
+        if not self._root:
+            raise InputError("No model is loaded yet. Call initViewer(loadModel=True) first.")
+        names = [g.name for g in self._objects(geometry_type)]
+        if geometry_object.name not in names:
+            raise UnknownName(f"geometry in {self._group(geometry_type)}", geometry_object.name, names)
+        return f"{self._group(geometry_type)}/{geometry_object.name}"
+
+    def addGeometryObject(self, obj: GeometryObject, color: Sequence[float] | None = None) -> None:
+        """Adds a geometry to what is shown, and to the visual model."""
+        if self.visual_model is None:
+            self.visual_model = GeometryModel()
+        self.visual_model.addGeometryObject(obj)
+        self.visual_data = self.visual_model.createData()
+        self._scene.add(self.getViewerNodeName(obj, GeometryType.VISUAL), surfaces_of(obj, color))
+        self.display()
+
+    # showing --------------------------------------------------------------------------------------------
+
+    def display(self, q: Any = None) -> None:
+        """Shows configuration q, or the data's present placements without one."""
+        if not self._root:
+            raise InputError("No model is loaded yet. Call initViewer(loadModel=True) first.")
+        if q is not None:
+            forwardKinematics(self.model, self.data, q)
+            self._q = q
+        scene, gui = self._scene, self.viewer.gui
+        with scene.together():
+            gui.settle()
+            for kind, rows in zip(self._shown, self._current_rows(), strict=True):
+                if self._shown[kind] and rows is not None:
+                    model, data = self._pair(kind)
+                    updateGeometryPlacements(self.model, self.data, model, data)
+                    scene.set_poses(data._block, rows)
+            for frame in self._frames:
+                scene.set_pose(self._frame_node(frame), self._frame_pose(frame))
+        gui.refreshed()
+
+    def _pair(self, kind: GeometryType) -> tuple[Any, Any]:
+        if kind == GeometryType.VISUAL:
+            return self.visual_model, self.visual_data
+        return self.collision_model, self.collision_data
+
+    def _current_rows(self) -> tuple[Any, ...]:
+        """Where in the scene the nodes of visuals and of collisions are; None for none."""
+        structure = self._scene.version[0]
+        if not self._rows or self._rows[0] != structure:
+            gui, found = self.viewer.gui, []
+            for kind in self._shown:
+                names = [gui.known(f"{self._group(kind)}/{g.name}") for g in self._objects(kind)]
+                found.append(self._scene.rows(names) if names else None)
+            self._rows = (structure, *found)
+        return self._rows[1:]
+
+    def displayVisuals(self, visibility: bool) -> None:
+        """Shows or hides what the robot looks like."""
+        self._show(GeometryType.VISUAL, visibility)
+
+    def displayCollisions(self, visibility: bool) -> None:
+        """Shows or hides what the robot collides with."""
+        self._show(GeometryType.COLLISION, visibility)
+
+    def _show(self, kind: GeometryType, visibility: bool) -> None:
+        self._shown[kind] = bool(visibility)
+        self.viewer.gui.setVisibility(self._group(kind), "ON" if visibility else "OFF")
+        if visibility and self._q is not None:
+            self.display(self._q)
+
+    def displayFrames(
+        self,
+        visibility: bool,
+        frame_ids: Sequence[int] | None = None,
+        axis_length: float = 0.2,
+        axis_width: float = 2,
+    ) -> None:
+        """Shows or hides the axes of frames: of all, or of some."""
+        viewer = self.viewer.viewer
+        for frame in self._frames:
+            viewer.remove(self._frame_node(frame))
+        chosen = range(self.model.nframes) if frame_ids is None else frame_ids
+        self._frames = [int(i) for i in chosen] if visibility else []
+        for frame in self._frames:
+            viewer.axes(axis_length, name=self._frame_node(frame), pose=self._frame_pose(frame))
+
+    def _frame_node(self, frame: int) -> str:
+        return f"{self._root}/frames/{frame} {self.model.frames[frame].name}".rstrip("/")
+
+    def _frame_pose(self, frame: int) -> Any:
+        told = self.model.frames[frame]
+        return (self.data.oMi[told.parentJoint] * told.placement).homogeneous
+
+    def drawFrameVelocities(
+        self, frame_id: int, v_scale: float = 0.2, color: Sequence[float] | None = None
+    ) -> None:
+        """Draws an arrow along the velocity of a frame's origin, after forwardKinematics with v."""
+        from pinocchio import LOCAL_WORLD_ALIGNED, getFrameVelocity
+
+        v = getFrameVelocity(self.model, self.data, frame_id, LOCAL_WORLD_ALIGNED).linear
+        start = self._frame_pose(frame_id)[:3, 3]
+        name = f"{self._root}/velocities/{frame_id}"
+        self.viewer.viewer.arrow(v_scale * v, start, name=name, color=color)
+
+    def play(
+        self,
+        q_trajectory: Any,
+        dt: float | None = None,
+        callback: Callable[..., None] | None = None,
+        capture: bool = False,
+        **named: Any,
+    ) -> list[Any] | None:
+        """Shows configurations one after the other, `dt` seconds each; where nobody can look, without waiting.
+
+        Args:
+            q_trajectory: Configurations, (N, nq) or a list; an array (nq, N) as of older scripts, too.
+            dt: How long each stays [s].
+            callback: Called as `callback(i, **named)` after each.
+            capture: Whether to return pictures of all of them.
+            named: What the callback is given besides.
+        """
+        images: list[Any] = []
+        wait = dt is not None and somebody_can_look() and not self.viewer.viewer.closed
+        for i, q in enumerate(_configurations(q_trajectory, self.model.nq)):
+            start = time.perf_counter()
+            self.display(q)
+            if callback is not None:
+                callback(i, **named)
+            if capture or self._film is not None:
+                images.append(self.captureImage())
+            if wait and dt is not None:
+                time.sleep(max(0.0, dt - (time.perf_counter() - start)))
+        if self._film is not None:
+            self._film += images
+        return images if capture else None
+
+    def captureImage(self, w: int | None = None, h: int | None = None) -> Any:
+        """A picture (h, w, 3), uint8, drawn without a browser."""
+        return self.viewer.viewer.picture(None, w or 960, h or 600)
+
+    @contextmanager
+    def create_video_ctx(self, filename: str, fps: float = 25.0, **_: Any) -> Iterator[None]:
+        """Writes what is played within to a film: .mp4 or .gif."""
+        from ulna.viewer.film import check_film, write_film
+
+        check_film(filename)
+        self._film = []
+        try:
+            yield
+            write_film(filename, iter(self._film), fps)
+        finally:
+            self._film = None
+
+    def clean(self) -> None:
+        """Takes the robot out of the viewer."""
+        self.viewer.gui.deleteNode(self._root, True)
+        self._root, self._frames = "", []
+
+    def reload(self, new_geometry_object: GeometryObject, geometry_type: Any = None) -> None:
+        """Replaces the geometry of the same name."""
+        kind = GeometryType.VISUAL if geometry_type is None else geometry_type
+        model = self._pair(kind)[0]
+        model.geometryObjects.pop(place := model.getGeometryId(new_geometry_object.name))
+        model.geometryObjects.insert(place, new_geometry_object.copy())
+        self._scene.set_surfaces(
+            self.getViewerNodeName(new_geometry_object, kind), surfaces_of(new_geometry_object)
+        )
+        self.display(self._q)
+
+    def reset(self) -> None:
+        """Empties the viewer."""
+        self.viewer.viewer.clear()
+        self._root, self._frames = "", []
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {self.model.name!r}>"
+
+
+def _options(more: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in more.items() if key in ("host", "port") and value is not None}
+
+
+def _configurations(given: Any, nq: int) -> Any:
+    if isinstance(given, np.ndarray) and given.ndim == 2 and given.shape[1] != nq and given.shape[0] == nq:
+        return given.T
+    return given

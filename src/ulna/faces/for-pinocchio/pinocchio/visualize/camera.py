@@ -1,0 +1,90 @@
+"""Where visualizers let the scene be looked at from."""
+
+from __future__ import annotations
+
+import abc
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pinocchio.visualize.base_visualizer import BaseVisualizer
+from ulna.errors import UnknownName
+from ulna.viewer.surface import colour
+
+_PRESETS: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
+    "preset1": ((1.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
+    "preset2": ((1.0, 0.0, 1.2), (0.0, 0.0, 0.6)),
+    "acrobot": ((0.0, 4.0, 0.0), (0.0, 0.0, 0.0)),
+    "cam_ur": ((0.6, 1.2, 1.0), (0.4, 0.0, 0.2)),
+    "cam_ur2": ((-0.5, 1.2, 1.0), (0.4, 0.0, 0.2)),
+    "cam_ur3": ((0.6, -1.2, 1.0), (0.4, 0.0, 0.2)),
+    "cam_ur4": ((-0.5, -1.2, 1.0), (0.4, 0.0, 0.2)),
+    "cam_ur5": ((1.2, 0.0, 0.6), (0.4, 0.0, 0.4)),
+    "talos": ((2.0, 0.0, 1.5), (0.0, 0.0, 0.9)),
+    "talos2": ((2.0, 2.0, 1.5), (0.0, 0.0, 0.9)),
+}
+
+
+class CameraVisualizer(BaseVisualizer, abc.ABC):
+    """A visualizer whose camera and background can be set."""
+
+    def _look(self, **news: Any) -> None:
+        viewer = self.viewer.viewer
+        viewer.camera = dataclasses.replace(viewer.camera, **news)
+
+    def setCameraTarget(self, target: Sequence[float]) -> None:
+        """Has the camera look at a point [m]."""
+        self._look(target=_three(target))
+
+    def setCameraPosition(self, position: Sequence[float]) -> None:
+        """Puts the camera at a point [m]."""
+        self._look(position=_three(position))
+
+    def setCameraZoom(self, zoom: float) -> None:
+        """Makes things appear so many times as large as with the usual lens."""
+        from ulna.viewer.camera import Camera
+
+        self._look(fov=float(2.0 * np.arctan(np.tan(Camera().fov / 2.0) / zoom)))
+
+    def setCameraPose(self, pose: Any) -> None:
+        """Places the camera; x is right, y up, z backwards of the picture."""
+        M = np.asarray(getattr(pose, "homogeneous", pose), dtype=float)
+        old = self.viewer.viewer.camera
+        away = float(np.linalg.norm(np.subtract(old.position, old.target)))
+        self._look(position=_three(M[:3, 3]), target=_three(M[:3, 3] - away * M[:3, 2]), up=_three(M[:3, 1]))
+
+    def setCameraPreset(self, preset_key: str) -> None:
+        """Places the camera as one of the known ways: "preset1", "cam_ur", "talos", ..."""
+        if preset_key not in _PRESETS:
+            raise UnknownName("camera preset", preset_key, _PRESETS)
+        position, target = _PRESETS[preset_key]
+        self._look(position=position, target=target, up=(0.0, 0.0, 1.0))
+
+    def enableCameraControl(self) -> None:
+        """Lets the mouse move the camera, as it always may."""
+
+    def disableCameraControl(self) -> None:
+        """Leaves the camera to calls; the mouse may move it all the same."""
+
+    def setBackgroundColor(
+        self,
+        preset_name: str = "gray",
+        col_top: Sequence[float] | None = None,
+        col_bot: Sequence[float] | None = None,
+    ) -> None:
+        """Colours the sky: "white", "gray", "black", or above and at the horizon by red, green, blue from 0 to 1."""
+        named = {"white": (1.0,) * 3, "gray": (0.9,) * 3, "grey": (0.9,) * 3, "black": (0.0,) * 3}
+        if col_top is None and preset_name not in named:
+            raise UnknownName("background", preset_name, named)
+        top = colour(named[preset_name] if col_top is None else col_top)
+        low = top if col_bot is None else colour(col_bot)
+        viewer = self.viewer.viewer
+        top8, low8 = (tuple(round(255 * c) for c in rgba[:3]) for rgba in (top, low))
+        viewer.theme = dataclasses.replace(viewer.theme, top=top8, horizon=low8)
+
+
+def _three(v: Any) -> tuple[float, float, float]:
+    x, y, z = (float(c) for c in v)
+    return x, y, z

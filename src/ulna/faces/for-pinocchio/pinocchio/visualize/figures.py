@@ -1,0 +1,47 @@
+"""What geometries look like."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pinocchio._geometry import GeometryObject
+from ulna.errors import ModelWarning
+from ulna.geometry import Mesh
+from ulna.viewer.meshes import load_mesh, smooth
+from ulna.viewer.surface import Surface, colour
+from ulna.viewer.tessellate import tessellate
+
+
+def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) -> list[Surface]:
+    """The surfaces of a geometry in its own frame, in a colour of their own or in the one given.
+
+    A mesh file that is not there is left out, with a warning.
+    """
+    shape = geometry.shape
+    own = geometry.meshColor if color is None else color
+    rgba = colour(float(c) for c in own)
+    if shape is None:
+        return [_of_triangles(geometry.geometry, rgba)]
+    if not isinstance(shape, Mesh):
+        return [tessellate(shape, rgba)]
+    if shape.path is None or not os.path.isfile(shape.path):
+        warnings.warn(
+            f"The mesh {shape.path!r} of {geometry.name!r} was not found.", ModelWarning, stacklevel=3
+        )
+        return []
+    found = [s.moved(np.eye(4), shape.scale) for s in load_mesh(shape.path)]
+    return [s.coloured(rgba) for s in found] if geometry.overrideMaterial or color is not None else found
+
+
+def _of_triangles(geometry: Any, rgba: Any) -> Surface:
+    """A mesh of coal."""
+    vertices = np.array([geometry.vertices(i) for i in range(geometry.num_vertices)])
+    triangles = [
+        [int(t[k]) for k in range(3)] for t in (geometry.tri_indices(i) for i in range(geometry.num_tris))
+    ]
+    return smooth(vertices, np.array(triangles), rgba)

@@ -1,0 +1,12 @@
+"""The visualizer of viser's spelling."""
+
+from __future__ import annotations
+
+from typing import final
+
+from pinocchio.visualize.camera import CameraVisualizer
+
+
+@final
+class ViserVisualizer(CameraVisualizer):
+    """Draws into a viewer of its own, or the one it is given; `host` and `port` are those of its page."""
