@@ -23,7 +23,7 @@ from ulna.viewer.show import checked_robot, configuration
 from ulna.viewer.surface import RGBA, Surface, colour
 from ulna.viewer.tessellate import axes, tessellate
 
-Colour = Iterable[float] | None
+Colour = str | Iterable[float] | None
 
 _PLAIN: RGBA = (0.35, 0.52, 0.78, 1.0)
 _INK: RGBA = (0.16, 0.22, 0.32, 1.0)

@@ -9,9 +9,7 @@ import numpy as np
 
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Array, ArrayLike, Floats
-
-RGBA = tuple[float, float, float, float]
-"""Red, green, blue (sRGB) and opacity, each from 0 to 1."""
+from ulna.viewer.colours import RGBA, colour
 
 DEFAULT_COLOUR: RGBA = (0.78, 0.80, 0.82, 1.0)
 """What a surface without a material is drawn in: a light, neutral grey."""
@@ -83,19 +81,6 @@ class Surface:
     def coloured(self, rgba: Iterable[float]) -> Surface:
         """The same triangles in another colour, without a texture."""
         return replace(self, rgba=colour(rgba), texture=None)
-
-
-def colour(value: Iterable[float]) -> RGBA:
-    """`value` as red, green, blue, opacity within 0..1; three numbers are opaque."""
-    numbers = tuple(float(c) for c in value)
-    if len(numbers) == 3:
-        numbers = (*numbers, 1.0)
-    if len(numbers) != 4 or not np.isfinite(numbers).all():
-        raise InputError(
-            f"A colour is 3 or 4 finite numbers from 0 to 1 (red, green, blue, opacity); got {numbers}."
-        )
-    r, g, b, a = (min(max(c, 0.0), 1.0) for c in numbers)
-    return (r, g, b, a)
 
 
 def unit(vectors: Array) -> Array:
