@@ -33,7 +33,7 @@ __all__ = [
 
 def neutral(model: Model) -> Floats:
     """The configuration (nq,) in which nothing is turned or slid."""
-    return np.array(algorithms.neutral(model.engine().model))
+    return np.array(algorithms.neutral(model.shape().model))
 
 
 def randomConfiguration(model: Model, lower: Any = None, upper: Any = None) -> Floats:
@@ -45,27 +45,27 @@ def randomConfiguration(model: Model, lower: Any = None, upper: Any = None) -> F
             "randomConfiguration: a lower limit is above the upper one; expected lower <= upper."
         )
     ends = np.where(low <= -FREE, -np.inf, low), np.where(high >= FREE, np.inf, high)
-    return algorithms.random(model.engine().model, generator(), (), *ends)
+    return algorithms.random(model.shape().model, generator(), (), *ends)
 
 
 def integrate(model: Model, q: Any, v: Any) -> Floats:
     """The configuration (nq,) reached from q in one second with v."""
-    return model.engine().kernel("integrate")(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    return model.shape().plain("integrate")(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
 
 
 def difference(model: Model, q0: Any, q1: Any) -> Floats:
     """The velocity (nv,) that leads from q0 to q1 in one second."""
-    return model.engine().kernel("difference")(*_pair(model, q0, q1))
+    return model.shape().plain("difference")(*_pair(model, q0, q1))
 
 
 def interpolate(model: Model, q0: Any, q1: Any, alpha: float) -> Floats:
     """The configuration (nq,) a part `alpha` of the way from q0 to q1."""
-    return model.engine().kernel("interpolate")(*_pair(model, q0, q1), np.float64(alpha))
+    return model.shape().plain("interpolate")(*_pair(model, q0, q1), np.float64(alpha))
 
 
 def distance(model: Model, q0: Any, q1: Any) -> float:
     """The length of the difference."""
-    return float(model.engine().kernel("distance")(*_pair(model, q0, q1)))
+    return float(model.shape().plain("distance")(*_pair(model, q0, q1)))
 
 
 def squaredDistance(model: Model, q0: Any, q1: Any) -> Floats:
@@ -77,7 +77,7 @@ def squaredDistance(model: Model, q0: Any, q1: Any) -> Floats:
 
 def normalize(model: Model, q: Any) -> Floats:
     """The same configuration with quaternions, and pairs of cosine and sine, of unit length."""
-    return model.engine().kernel("normalize")(vector(q, model.nq, "q"))
+    return model.shape().plain("normalize")(vector(q, model.nq, "q"))
 
 
 def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
@@ -88,18 +88,18 @@ def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
 
 def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float = 1e-12) -> bool:
     """Whether two configurations are the same place."""
-    return bool(algorithms.is_same(model.engine().model, *_pair(model, q1, q2), tolerance=prec))
+    return bool(algorithms.is_same(model.shape().model, *_pair(model, q1, q2), tolerance=prec))
 
 
 def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> Any:
     """The derivatives (nv, nv) of `integrate` by q and v; one of them for ARG0 or ARG1."""
-    both = model.engine().kernel("integrate_derivatives")(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    both = model.shape().plain("integrate_derivatives")(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
     return _chosen(both, argument_position)
 
 
 def dDifference(model: Model, q0: Any, q1: Any, argument_position: Any = None) -> Any:
     """The derivatives (nv, nv) of `difference` by q0 and q1; one of them for ARG0 or ARG1."""
-    both = model.engine().kernel("difference_derivatives")(*_pair(model, q0, q1))
+    both = model.shape().plain("difference_derivatives")(*_pair(model, q0, q1))
     return _chosen(both, argument_position)
 
 

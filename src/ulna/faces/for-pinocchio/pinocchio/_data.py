@@ -65,6 +65,7 @@ _MATRICES = {
 }
 _POSES = ("oMi", "liMi")
 _MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
+_OF_MOTION = ("v", "a_gf", "f", "h")
 _FORCES = ("f", "h", "of", "oh")
 
 
@@ -91,6 +92,11 @@ class Data:
         self.joints = StdVec(model.joints)
         self._engine: Engine | None = None
         self._due: dict[str, Callable[[], Any]] = {}
+        self._due_of_places = {"liMi": self._fill_places}
+        self._due_of_motion: dict[str, Callable[[], Any]] = dict.fromkeys(_OF_MOTION, self._fill_bodies)
+        self._motion: Any = None
+        self._moments: tuple[Floats, ...] = ()
+        self._subtrees = {n: self._filler(n) for n in ("com", "vcom", "acom", "mass")}
         self._q: Floats | None = None
         self._qv: tuple[Floats, Floats] | None = None
         self._qva: tuple[Floats, Floats, Floats] | None = None
@@ -102,9 +108,9 @@ class Data:
     def _fill_views(self) -> None:
         blocks = self._blocks
         self.oMi: StdVec[SE3] = views(SE3, blocks["oMi"])
-        self.liMi: StdVec[SE3] = views(SE3, blocks["liMi"])
         self.oMf: StdVec[SE3] = views(SE3, blocks["oMf"])
-        self._lists: dict[str, Any] = {n: views(Motion, blocks[n]) for n in _MOTIONS}
+        self._lists: dict[str, Any] = {"liMi": views(SE3, blocks["liMi"])}
+        self._lists |= {n: views(Motion, blocks[n]) for n in _MOTIONS}
         self._lists |= {n: views(Force, blocks[n]) for n in _FORCES}
         for name in ("com", "vcom", "acom"):
             self._lists[name] = _Masses(list(blocks[name]))
@@ -117,17 +123,16 @@ class Data:
 
     def __deepcopy__(self, memo: Any) -> Data:
         for due in list(self._due):
-            self._pull(due)
+            self.pull(due)
         out = object.__new__(Data)
-        kept = {
-            k: v
-            for k, v in self.__dict__.items()
-            if k not in ("_lists", "_tails", "oMi", "liMi", "oMf", "mass")
-        }
+        kept = {k: v for k, v in self.__dict__.items() if k not in ("_lists", "_tails", "oMi", "oMf", "mass")}
         out.__dict__.update(kept)
         out._blocks = {k: b.copy() for k, b in self._blocks.items()}
         out.hg, out.dhg, out.Ig = self.hg.copy(), self.dhg.copy(), self.Ig.copy()
         out._due = {}
+        out._due_of_places = {"liMi": out._fill_places}
+        out._due_of_motion = dict.fromkeys(self._due_of_motion, out._fill_bodies)
+        out._subtrees = {n: out._filler(n) for n in self._subtrees}
         out._fill_views()
         return out
 
@@ -136,10 +141,42 @@ class Data:
     def __reduce__(self) -> Any:
         return Data, (self._model,)
 
-    def _pull(self, name: str) -> None:
-        due = self._due.pop(name, None)
+    def keep(self, engine: Engine, q: Floats) -> Floats:
+        """Remembers what the placements are of; returns a copy of q."""
+        self._engine = engine
+        self._q = q = q.copy()
+        self._due.update(self._due_of_places)
+        return q
+
+    def pull(self, name: str) -> None:
+        """Computes what was left to be computed until it is asked for."""
+        due = self._due.get(name)
         if due is not None:
             due()
+
+    def _filler(self, field: str) -> Callable[[], None]:
+        def fill() -> None:
+            from pinocchio._masses import fill_subtrees
+
+            fill_subtrees(self._model, self, field)
+
+        return fill
+
+    def _fill_places(self) -> None:
+        from pinocchio._kinematics import own_poses
+
+        engine, q = self._engine, self._q
+        assert engine is not None and q is not None  # `keep` left this to do
+        kernel = engine.made("liMi", lambda m: lambda q: own_poses(m, q), q=q.shape)
+        self._tails["liMi"][...] = kernel(q)
+        del self._due["liMi"]
+
+    def _fill_bodies(self) -> None:
+        from pinocchio._dynamics import bodies
+
+        for name, found in zip(self._due_of_motion, bodies(*self._motion), strict=True):
+            if self._due.pop(name, None) is not None:  # else a later algorithm has filled it
+                self._tails[name][...] = found
 
     def require(self, what: Any, mend: str) -> Any:
         """`what`, a state that an earlier algorithm leaves.
@@ -158,7 +195,7 @@ class Data:
 def _block(name: str) -> property:
     def get(self: Data) -> Floats:
         if self._due:
-            self._pull(name)
+            self.pull(name)
         return self._blocks[name]
 
     def put(self: Data, value: Any) -> None:
@@ -170,7 +207,7 @@ def _block(name: str) -> property:
 def _list(name: str) -> property:
     def get(self: Data) -> Any:
         if self._due:
-            self._pull(name)
+            self.pull(name)
         return self._lists[name]
 
     return property(get, doc=f"`{name}` of every joint as the last algorithm left it, live references.")
@@ -178,7 +215,7 @@ def _list(name: str) -> property:
 
 for _name in _MATRICES:
     setattr(Data, _name, _block(_name))
-for _name in (*_MOTIONS, *_FORCES, "com", "vcom", "acom"):
+for _name in ("liMi", *_MOTIONS, *_FORCES, "com", "vcom", "acom"):
     setattr(Data, _name, _list(_name))
 
 

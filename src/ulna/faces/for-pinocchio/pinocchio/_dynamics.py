@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pinocchio._arrays import vector
 from pinocchio._data import Data, engine_for
 from pinocchio._enums import Convention
-from pinocchio._kinematics import own_poses, rows, stacked
+from pinocchio._kinematics import rows, stacked
 from pinocchio._masses import fill_masses
 from pinocchio._model import Model
 from pinocchio._vectors import Force
@@ -17,6 +17,9 @@ from ulna import algorithms, spatial
 from ulna.errors import InputError
 from ulna.model import Model as TowerModel
 from ulna.typing import Array, Floats
+
+if TYPE_CHECKING:
+    from pinocchio._engine import Engine
 
 __all__ = [
     "aba",
@@ -68,10 +71,7 @@ def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> 
     q, v, a = vector(q, model.nq, "q"), vector(v, nv, "v"), vector(a, nv, "a")
     F = None
     if fext is None:
-        kernel = engine.kernels.get("rnea")
-        if kernel is None:
-            kernel = engine.kernels["rnea"] = engine.kernel("inverse_dynamics")
-        tau = kernel(q, v, a)
+        tau = engine.plain("inverse_dynamics")(q, v, a)
     else:
         F = external(fext, model.njoints)
         kernel = engine.made(
@@ -83,15 +83,14 @@ def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> 
             F=F.shape,
         )
         tau = kernel(q, v, a, F)
-    data._blocks["tau"][:] = tau
-    due_of_motion(model, data, q, v, a, F)
+    data._blocks["tau"][...] = tau
+    data._motion = (engine, q.copy(), v.copy(), a.copy(), F)
+    data._due.update(data._due_of_motion)
     return tau
 
 
-def due_of_motion(model: Model, data: Data, q: Floats, v: Floats, a: Floats, F: Floats | None) -> None:
-    """Leaves what a motion makes of every body to be computed when it is asked for: v, a_gf, f, h."""
-    engine = engine_for(model, data)
-    state = (q.copy(), v.copy(), a.copy())
+def bodies(engine: Engine, q: Floats, v: Floats, a: Floats, F: Floats | None) -> tuple[Floats, ...]:
+    """What a motion makes of every body: its velocity, its acceleration less gravity, the force on it, its momentum."""
     under = F is not None
 
     def build(tower: TowerModel) -> Any:
@@ -104,24 +103,14 @@ def due_of_motion(model: Model, data: Data, q: Floats, v: Floats, a: Floats, F: 
             felt = [A + T.act_inverse(lift) for A, T in zip(gains, poses, strict=True)]
             wrenches = algorithms.joint_wrenches(tower, q, v, a, split_forces(F[0]) if F else None)
             momenta = [i.apply(V) for i, V in zip(tower.inertias, speeds, strict=True)]
-            return rows(speeds), rows(felt), rows(wrenches), rows(momenta), own_poses(tower, q)
+            return rows(speeds), rows(felt), rows(wrenches), rows(momenta)
 
         return run
 
-    def pull() -> None:
-        for name in ("v", "a_gf", "f", "h"):
-            data._due.pop(name, None)
-        shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-        if F is not None:
-            shapes["F"] = F.shape
-        kernel = engine.made(("bodies", under), build, **shapes)
-        tails = data._tails
-        kernel(
-            *state, *(() if F is None else (F,)), out=tuple(tails[n] for n in ("v", "a_gf", "f", "h", "liMi"))
-        )
-
-    for name in ("v", "a_gf", "f", "h"):
-        data._due[name] = pull
+    shapes: dict[str, Any] = {"q": q.shape, "v": v.shape, "a": a.shape}
+    if F is not None:
+        shapes["F"] = F.shape
+    return engine.made(("bodies", under), build, **shapes)(q, v, a, *(() if F is None else (F,)))
 
 
 def nonLinearEffects(model: Model, data: Data, q: Any, v: Any) -> Floats:
@@ -171,10 +160,7 @@ def aba(
     nv = model.nv
     q, v, tau = vector(q, model.nq, "q"), vector(v, nv, "v"), vector(tau, nv, "tau")
     if fext is None or isinstance(fext, Convention):
-        kernel = engine.kernels.get("aba")
-        if kernel is None:
-            kernel = engine.kernels["aba"] = engine.kernel("forward_dynamics")
-        found = kernel(q, v, tau)
+        found = engine.plain("forward_dynamics")(q, v, tau)
     else:
         F = external(fext, model.njoints)
         kernel = engine.made(
@@ -192,12 +178,8 @@ def aba(
 
 def crba(model: Model, data: Data, q: Any, convention: Any = None) -> Floats:
     """The mass matrix (nv, nv), both triangles; kept in `data.M`."""
-    engine = engine_for(model, data)
-    kernel = engine.kernels.get("crba")
-    if kernel is None:
-        kernel = engine.kernels["crba"] = engine.kernel("mass_matrix")
-    found = kernel(vector(q, model.nq, "q"))
-    data._blocks["M"][:] = found
+    found = engine_for(model, data).plain("mass_matrix")(vector(q, model.nq, "q"))
+    data._blocks["M"][...] = found
     return found
 
 
@@ -232,7 +214,6 @@ def _everything(model: TowerModel) -> Any:
             algorithms.center_of_mass_jacobian(model, q),
             algorithms.centroidal_matrix(model, q),
             stacked(algorithms.joint_poses(model, q)),
-            own_poses(model, q),
             rows(algorithms.joint_velocities(model, q, v)),
         )
 
@@ -244,12 +225,13 @@ def computeAllTerms(model: Model, data: Data, q: Any, v: Any) -> None:
     engine = engine_for(model, data)
     q, v = vector(q, model.nq, "q"), vector(v, model.nv, "v")
     blocks, tails = data._blocks, data._tails
-    out = tuple(blocks[n] for n in ("M", "nle", "g", "J", "dJ", "Jcom", "Ag"))
-    out += (tails["oMi"], tails["liMi"], tails["v"])
-    engine.made("everything", _everything, q=(model.nq,), v=(model.nv,))(q, v, out=out)
-    q, v = q.copy(), v.copy()
-    data._engine, data._q, data._qv = engine, q, (q, v)
-    data._q_of_jacobians, data._qv_of_jacobians = q, (q, v)
+    found = engine.made("everything", _everything, q=(model.nq,), v=(model.nv,))(q, v)
+    for name, block in zip(("M", "nle", "g", "J", "dJ", "Jcom", "Ag"), found[:7], strict=True):
+        blocks[name][...] = block
+    tails["oMi"][...], tails["v"][...] = found[7:]
+    q, v = data.keep(engine, q), v.copy()
+    data._qv = data._qv_of_jacobians = (q, v)
+    data._q_of_jacobians = q
     data._due.pop("v", None)
     data.hg._v[:] = blocks["Ag"] @ v
     fill_masses(model, data, q, v)

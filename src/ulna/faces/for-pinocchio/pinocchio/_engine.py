@@ -33,10 +33,19 @@ class Engine:
 
     def kernel(self, name: str, **options: Any) -> Any:
         """The tower's kernel of that name."""
+        if not options:
+            return self.plain(name)
         key = (name, *options.items())
         found = self.kernels.get(key)
         if found is None:
             found = self.kernels[key] = kernels.kernel(self.model, name, **options)
+        return found
+
+    def plain(self, name: str) -> Any:
+        """The tower's kernel of that name, without options."""
+        found = self.kernels.get(name)
+        if found is None:
+            found = self.kernels[name] = kernels.kernel(self.model, name)
         return found
 
     def made(self, key: Any, build: Any, /, **shapes: Any) -> Any:

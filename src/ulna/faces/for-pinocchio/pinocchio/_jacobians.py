@@ -10,7 +10,7 @@ import numpy as np
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
 from pinocchio._enums import reference_of
-from pinocchio._kinematics import LOCAL, at_frame, at_joint, own_poses, split, stacked
+from pinocchio._kinematics import LOCAL, at_frame, at_joint, split, stacked
 from pinocchio._model import Model
 from ulna import algorithms
 from ulna.algorithms.references import Reference
@@ -35,11 +35,7 @@ __all__ = [
 
 
 def _all_columns(model: TowerModel) -> Any:
-    return lambda q: (
-        algorithms.joint_jacobians(model, q),
-        stacked(algorithms.joint_poses(model, q)),
-        own_poses(model, q),
-    )
+    return lambda q: (algorithms.joint_jacobians(model, q), stacked(algorithms.joint_poses(model, q)))
 
 
 def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
@@ -47,11 +43,10 @@ def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
     engine = engine_for(model, data)
     q = data.require(data._q, "forwardKinematics(model, data, q)") if q is None else vector(q, model.nq, "q")
     kernel = engine.kernels.get("J") or engine.made("J", _all_columns, q=(model.nq,))
-    J = data._blocks["J"]
-    kernel(q, out=(J, data._tails["oMi"], data._tails["liMi"]))
-    data._engine = engine
-    data._q = data._q_of_jacobians = q.copy()
-    return J.copy()
+    J, data._tails["oMi"][...] = kernel(q)
+    data._blocks["J"][...] = J
+    data._q_of_jacobians = data.keep(engine, q)
+    return J
 
 
 def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
@@ -113,10 +108,10 @@ def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any)
     def build(tower: TowerModel) -> Any:
         return lambda q, v: algorithms.joint_jacobians_dot(tower, q, v)
 
-    dJ = data._blocks["dJ"]
-    engine.made("dJ", build, q=(model.nq,), v=(model.nv,))(q, v, out=dJ)
+    dJ = engine.made("dJ", build, q=(model.nq,), v=(model.nv,))(q, v)
+    data._blocks["dJ"][...] = dJ
     data._qv_of_jacobians = (q.copy(), v.copy())
-    return dJ.copy()
+    return dJ
 
 
 def getJointJacobianTimeVariation(

@@ -52,12 +52,12 @@ def own_poses(model: TowerModel, q: Array) -> Array:
 
 
 def _places(model: TowerModel) -> Any:
-    return lambda q: (stacked(algorithms.joint_poses(model, q)), own_poses(model, q))
+    return lambda q: stacked(algorithms.joint_poses(model, q))
 
 
 def _moving(model: TowerModel) -> Any:
     places = _places(model)
-    return lambda q, v: (*places(q), rows(algorithms.joint_velocities(model, q, v)))
+    return lambda q, v: (places(q), rows(algorithms.joint_velocities(model, q, v)))
 
 
 def _speeding(model: TowerModel) -> Any:
@@ -71,28 +71,26 @@ def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = 
     q = vector(q, model.nq, "q")
     tails = data._tails
     if v is None:
-        kernel = engine.kernels.get("fk") or engine.made("fk", _places, q=(model.nq,))
-        kernel(q, out=(tails["oMi"], tails["liMi"]))
+        kernel = engine.kernels.get("oMi") or engine.made("oMi", _places, q=(model.nq,))
+        tails["oMi"][...] = kernel(q)
+        data.keep(engine, q)
+        return
+    v = vector(v, model.nv, "v")
+    if a is None:
+        kernel = engine.made("fk1", _moving, q=(model.nq,), v=(model.nv,))
+        tails["oMi"][...], tails["v"][...] = kernel(q, v)
     else:
-        v = vector(v, model.nv, "v")
-        out = (tails["oMi"], tails["liMi"], tails["v"])
-        if a is None:
-            engine.made("fk1", _moving, q=(model.nq,), v=(model.nv,))(q, v, out=out)
-        else:
-            a = vector(a, model.nv, "a")
-            engine.made("fk2", _speeding, q=(model.nq,), v=(model.nv,), a=(model.nv,))(
-                q, v, a, out=(*out, tails["a"])
-            )
-            data._qva = (q.copy(), v.copy(), a.copy())
-            data._due.pop("a", None)
-        data._qv = (q.copy(), v.copy())
-        data._due.pop("v", None)
-    data._engine, data._q = engine, q.copy()
+        a = vector(a, model.nv, "a")
+        kernel = engine.made("fk2", _speeding, q=(model.nq,), v=(model.nv,), a=(model.nv,))
+        tails["oMi"][...], tails["v"][...], tails["a"][...] = kernel(q, v, a)
+        data._qva = (q.copy(), v.copy(), a.copy())
+    data._due.pop("v", None)
+    data._qv = (data.keep(engine, q), v.copy())
 
 
 def _frame_places(model: TowerModel, frames: Sequence[Frame]) -> Any:
     places = _places(model)
-    return lambda q: (*places(q), stacked(algorithms.frame_poses(model, q, frames)))
+    return lambda q: (places(q), stacked(algorithms.frame_poses(model, q, frames)))
 
 
 def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
@@ -101,8 +99,8 @@ def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
     engine = engine_for(model, data)
     q = vector(q, model.nq, "q")
     kernel = engine.of_frame("fk", _frame_places, q=(model.nq,))
-    kernel(q, out=(data._tails["oMi"], data._tails["liMi"], data._blocks["oMf"]))
-    data._engine, data._q = engine, q.copy()
+    data._tails["oMi"][...], data._blocks["oMf"][...] = kernel(q)
+    data.keep(engine, q)
 
 
 def _carried(model: TowerModel, frames: Sequence[Frame]) -> Any:
@@ -121,7 +119,7 @@ def updateFramePlacements(model: Model, data: Data) -> None:
     frames_fit(model, data)
     engine = data.require(data._engine, "forwardKinematics(model, data, q)")
     kernel = engine.of_frame("carried", _carried, oMi=(model.njoints, 4, 4))
-    kernel(data._blocks["oMi"], out=data._blocks["oMf"])
+    data._blocks["oMf"][...] = kernel(data._blocks["oMi"])
 
 
 def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
@@ -137,6 +135,7 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
 def updateGlobalPlacements(model: Model, data: Data) -> None:
     """Fills `data.oMi` from `data.liMi`."""
     blocks = data._blocks
+    data.pull("liMi")
     for i in range(1, model.njoints):
         np.matmul(blocks["oMi"][model.parents[i]], blocks["liMi"][i], out=blocks["oMi"][i])
 

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
+from pinocchio._kinematics import stacked
 from pinocchio._model import Model
 from pinocchio._vectors import Force
 from ulna import algorithms
-from ulna.typing import Floats
+from ulna.model import Model as TowerModel
+from ulna.typing import Array, Floats
+
+if TYPE_CHECKING:
+    from pinocchio._engine import Engine
 
 __all__ = [
     "ccrba",
@@ -33,6 +38,12 @@ __all__ = [
 
 _WORDS = ("center_of_mass", "center_of_mass_velocity", "center_of_mass_acceleration")
 _FIELDS = ("com", "vcom", "acom")
+_KEYS = ("com", "com 1", "com 2")
+_CENTRES: tuple[Any, ...] = (
+    algorithms.center_of_mass,
+    algorithms.center_of_mass_velocity,
+    algorithms.center_of_mass_acceleration,
+)
 
 
 def centerOfMass(
@@ -50,36 +61,57 @@ def centerOfMass(
     q = vector(q, model.nq, "q")
     state = [q, *(vector(x, model.nv, n) for x, n in ((v, "v"), (a, "a")) if x is not None)]
     fill_masses(model, data, *state)
-    data._q = q.copy()
     return data._blocks["com"][0].copy()
+
+
+def _moments(order: int) -> Any:
+    """The centre of mass and its rates up to an order, and the placements of the joints."""
+
+    def build(tower: TowerModel) -> Any:
+        def run(*state: Array) -> tuple[Array, ...]:
+            found = [f(tower, *state[: k + 1]) for k, f in enumerate(_CENTRES[: order + 1])]
+            return (*found, stacked(algorithms.joint_poses(tower, state[0])))
+
+        return run
+
+    return build
 
 
 def fill_masses(model: Model, data: Data, *state: Floats) -> None:
     """Fills com, vcom and acom of the whole robot; those of subtrees are left until they are asked for."""
     engine = engine_for(model, data)
-    kept = tuple(x.copy() for x in state)
-    for k, (word, field) in enumerate(zip(_WORDS[: len(state)], _FIELDS, strict=False)):
-        data._blocks[field][0] = engine.kernel(word)(*state[: k + 1])
-        data._lists[field].pull = lambda k=k, field=field: _fill_subtrees(
-            model, data, k, field, kept[: k + 1]
-        )
-    list.__setitem__(data.mass, 0, float(algorithms.total_mass(engine.model)))
-    data.mass.pull = lambda: computeSubtreeMasses(model, data)
-    _place_joints(model, data, kept[0])
+    order = len(state) - 1
+    key = _KEYS[order]
+    kernel = engine.kernels.get(key)
+    if kernel is None:
+        shapes: dict[str, Any] = dict(zip("qva", (x.shape for x in state), strict=False))
+        kernel = engine.made(key, _moments(order), **shapes)
+    *found, data._tails["oMi"][...] = kernel(*state)
+    for field, moment in zip(_FIELDS, found, strict=False):
+        data._blocks[field][0] = moment
+        data._lists[field].pull = data._subtrees[field]
+    data.keep(engine, state[0])
+    data._moments = tuple(x.copy() for x in state)
+    list.__setitem__(data.mass, 0, _mass(engine))
+    data.mass.pull = data._subtrees["mass"]
 
 
-def _place_joints(model: Model, data: Data, q: Floats) -> None:
-    kernel = engine_for(model, data).made(
-        "oMi", lambda m: lambda q: np.stack([T.matrix() for T in algorithms.joint_poses(m, q)]), q=(model.nq,)
-    )
-    kernel(q, out=data._tails["oMi"])
-    data._engine = engine_for(model, data)
+def _mass(engine: Engine) -> float:
+    found = engine.kernels.get("mass")
+    if found is None:
+        found = engine.kernels["mass"] = float(algorithms.total_mass(engine.model))
+    return found
 
 
-def _fill_subtrees(model: Model, data: Data, order: int, field: str, state: tuple[Floats, ...]) -> None:
-    """The same of what each joint moves, in the joint's frame."""
+def fill_subtrees(model: Model, data: Data, field: str) -> None:
+    """The same of what each joint moves, in the joint's frame; or the masses."""
+    if field == "mass":
+        computeSubtreeMasses(model, data)
+        return
+    order = _FIELDS.index(field)
     engine = engine_for(model, data)
     heavy = [j.name for j in engine.model.joints if algorithms.total_mass(engine.model, j.name) > 0.0]
+    state = data._moments[: order + 1]
     found = {name: engine.kernel(_WORDS[order], subtree=name)(*state) for name in heavy}
     for i, name in enumerate(model.names):
         if name in found:
@@ -92,9 +124,8 @@ def jacobianCenterOfMass(
 ) -> Floats:
     """The Jacobian (3, nv) of the centre of mass; kept in `data.Jcom`."""
     q = data.require(data._q, "forwardKinematics(model, data, q)") if q is None else vector(q, model.nq, "q")
-    data._blocks["Jcom"][:] = found = engine_for(model, data).kernel("center_of_mass_jacobian")(q)
     fill_masses(model, data, q)
-    data._q = q.copy()
+    data._blocks["Jcom"][...] = found = engine_for(model, data).plain("center_of_mass_jacobian")(q)
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from pinocchio._se3 import SE3, SE3ToXYZQUAT
 from pinocchio._vectors import Motion
 from ulna import spatial
 from ulna.errors import ShapeError
-from ulna.typing import Floats
+from ulna.trace import compile as compile_function
+from ulna.typing import Array, Floats
 
 __all__ = [
     "Jexp3",
@@ -30,14 +32,36 @@ __all__ = [
 ]
 
 
+def _twist(T: Array) -> Array:
+    return spatial.se3_log(spatial.SE3(T[:3, :3], T[:3, 3])).vector()
+
+
+_FUNCTIONS: dict[str, tuple[Any, tuple[int, ...]]] = {
+    "exp3": (spatial.so3_exp, (3,)),
+    "log3": (spatial.so3_log, (3, 3)),
+    "exp6": (lambda x: spatial.se3_exp(x).matrix(), (6,)),
+    "log6": (_twist, (4, 4)),
+    "Jexp3": (spatial.so3_right_jacobian, (3,)),
+    "Jlog3": (lambda R: spatial.so3_right_jacobian_inverse(spatial.so3_log(R)), (3, 3)),
+    "Jexp6": (spatial.se3_right_jacobian, (6,)),
+    "Jlog6": (lambda T: spatial.se3_right_jacobian_inverse(_twist(T)), (4, 4)),
+}
+
+
+@cache
+def _compiled(name: str) -> Any:
+    function, shape = _FUNCTIONS[name]
+    return compile_function(function, x=shape)
+
+
 def exp3(w: Any) -> Floats:
     """The rotation matrix (3, 3) of a rotation vector (3,) [rad]."""
-    return np.array(spatial.so3_exp(vector(w, 3, "w")))
+    return _compiled("exp3")(vector(w, 3, "w"))
 
 
 def log3(R: Any, theta: Any = None) -> Floats:
     """The rotation vector (3,) [rad] of a rotation matrix."""
-    return np.array(spatial.so3_log(matrix(R, (3, 3), "R")))
+    return _compiled("log3")(matrix(R, (3, 3), "R"))
 
 
 def exp3_quat(w: Any) -> Floats:
@@ -47,7 +71,7 @@ def exp3_quat(w: Any) -> Floats:
 
 def exp6(v: Any) -> SE3:
     """The placement reached in one second with a Motion (or six numbers)."""
-    return SE3._of(np.array(spatial.se3_exp(_six(v)).matrix()))
+    return SE3._of(_compiled("exp6")(_six(v)))
 
 
 def exp6_quat(v: Any) -> Floats:
@@ -57,7 +81,7 @@ def exp6_quat(v: Any) -> Floats:
 
 def log6(M: Any) -> Motion:
     """The Motion that leads to a placement (SE3 or 4x4) in one second."""
-    return Motion._from(spatial.se3_log(_placement(M)._pose()))
+    return Motion._of(_compiled("log6")(_placement(M)._m))
 
 
 def log6_quat(xyzquat: Any) -> Motion:
@@ -68,22 +92,22 @@ def log6_quat(xyzquat: Any) -> Motion:
 
 def Jexp3(w: Any) -> Floats:
     """The right Jacobian (3, 3) of the exponential of SO(3)."""
-    return np.array(spatial.so3_right_jacobian(vector(w, 3, "w")))
+    return _compiled("Jexp3")(vector(w, 3, "w"))
 
 
 def Jlog3(R: Any) -> Floats:
     """The right Jacobian (3, 3) of the logarithm of SO(3)."""
-    return np.array(spatial.so3_right_jacobian_inverse(log3(R)))
+    return _compiled("Jlog3")(matrix(R, (3, 3), "R"))
 
 
 def Jexp6(v: Any) -> Floats:
     """The right Jacobian (6, 6) of the exponential of SE(3)."""
-    return np.array(spatial.se3_right_jacobian(_six(v)))
+    return _compiled("Jexp6")(_six(v))
 
 
 def Jlog6(M: Any) -> Floats:
     """The right Jacobian (6, 6) of the logarithm of SE(3)."""
-    return np.array(spatial.se3_right_jacobian_inverse(log6(M)._v))
+    return _compiled("Jlog6")(_placement(M)._m)
 
 
 def exp(x: Any) -> Any:

@@ -1,0 +1,100 @@
+"""Pinocchio's calls through the face, beside real Pinocchio: each package in a Python of its own, taking turns.
+
+python benchmarks/face_pinocchio.py
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+ROBOTS = {"UR5": "ur5", "Panda": "panda", "Solo12": "solo12"}
+ROUNDS = 7
+CALLS = {
+    "forwardKinematics, oMi[-1] read": "pin.forwardKinematics(m, d, q); d.oMi[end].translation",
+    "framesForwardKinematics": "pin.framesForwardKinematics(m, d, q)",
+    "computeJointJacobians": "pin.computeJointJacobians(m, d, q)",
+    "getFrameJacobian": "pin.getFrameJacobian(m, d, last, pin.LOCAL)",
+    "rnea": "pin.rnea(m, d, q, v, a)",
+    "crba": "pin.crba(m, d, q)",
+    "aba": "pin.aba(m, d, q, v, tau)",
+    "nonLinearEffects": "pin.nonLinearEffects(m, d, q, v)",
+    "computeMinverse": "pin.computeMinverse(m, d, q)",
+    "computeRNEADerivatives": "pin.computeRNEADerivatives(m, d, q, v, a)",
+    "computeABADerivatives": "pin.computeABADerivatives(m, d, q, v, tau)",
+    "centerOfMass": "pin.centerOfMass(m, d, q)",
+    "jacobianCenterOfMass": "pin.jacobianCenterOfMass(m, d, q)",
+    "integrate": "pin.integrate(m, q, v)",
+    "difference": "pin.difference(m, q, k)",
+    "log6(SE3)": "pin.log6(M)",
+    "SE3 * SE3": "M * M",
+}
+
+
+def worker(urdf: str, floating: bool) -> None:
+    """Answers each line of standard input with the medians [us] of all calls."""
+    import numpy as np
+    import pinocchio as pin
+
+    m = pin.buildModelFromUrdf(urdf, *([pin.JointModelFreeFlyer()] if floating else []))
+    rng = np.random.default_rng(0)
+    q, k = (pin.integrate(m, pin.neutral(m), rng.uniform(-1.0, 1.0, m.nv)) for _ in range(2))
+    v, a, tau = rng.normal(size=(3, m.nv))
+    d, M = m.createData(), pin.SE3.Random()
+    names: dict[str, Any] = {"pin": pin, "m": m, "d": d, "q": q, "k": k, "v": v, "a": a, "tau": tau, "M": M}
+    names |= {"end": m.njoints - 1, "last": m.nframes - 1, "clock": time.perf_counter}
+    pin.framesForwardKinematics(m, d, q)
+    pin.computeJointJacobians(m, d, q)
+    loops = {}
+    for title, call in CALLS.items():
+        exec(f"def loop(n):\n start = clock()\n for _ in range(n): {call}\n return clock() - start", names)
+        loops[title] = names["loop"]
+        loops[title](20)
+    for _ in sys.stdin:
+        print(json.dumps({title: loop(400) / 400 * 1e6 for title, loop in loops.items()}), flush=True)
+
+
+def main() -> None:
+    from ulna.faces.shelves import environment
+    from ulna.robots.example_robot_data import files
+
+    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    print(f"{'us a call':<34}" + "".join(f"{name:>24}" for name in ROBOTS))
+    print(" " * 34 + f"{'face   pin  ratio':>24}" * len(ROBOTS))
+    columns = []
+    for key in ROBOTS.values():
+        command = [sys.executable, __file__, str(files(key)[0]), str(int(key == "solo12"))]
+        pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        pair = [
+            subprocess.Popen(command, env=env, **pipes) for env in (environment(["pinocchio"], plain), plain)
+        ]
+        rounds: list[list[dict[str, float]]] = [[], []]
+        for _ in range(ROUNDS):
+            for process, found in zip(pair, rounds, strict=True):
+                assert process.stdin is not None and process.stdout is not None
+                process.stdin.write("\n")
+                process.stdin.flush()
+                found.append(json.loads(process.stdout.readline()))
+        for process in pair:
+            assert process.stdin is not None
+            process.stdin.close()
+            process.wait()
+        columns.append([{t: statistics.median(r[t] for r in found) for t in CALLS} for found in rounds])
+    for title in CALLS:
+        row = [
+            f"{own[title]:6.2f}{real[title]:6.2f}{real[title] / own[title]:6.2f}x" for own, real in columns
+        ]
+        print(f"{title:<34}" + "".join(f"{cell:>24}" for cell in row))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 3 and Path(sys.argv[1]).suffix == ".urdf":
+        worker(sys.argv[1], sys.argv[2] == "1")
+    else:
+        main()
