@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from support.shelf import worn
-from ulna.errors import InputError, NonFiniteError, ShapeError
+from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.faces.shelves import environment
 from ulna.viewer.viewer import Viewer
 
@@ -171,7 +171,7 @@ def test_groups_are_lists_that_move_together(sg: Any) -> None:
         (lambda sg: sg.Cuboid([1, 2]), InputError),
         (lambda sg: sg.Sphere(-1), InputError),
         (lambda sg: sg.Sphere("big"), InputError),
-        (lambda sg: sg.Sphere(1, color="nocolour"), InputError),
+        (lambda sg: sg.Sphere(1, color="nocolour"), UnknownName),
         (lambda sg: sg.Sphere(1, color="#12345g"), InputError),
         (lambda sg: sg.Sphere(1, color=[1, 2]), InputError),
         (lambda sg: sg.Sphere(1, color=[-1, 0, 0]), InputError),

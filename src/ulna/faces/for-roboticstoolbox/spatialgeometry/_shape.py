@@ -8,11 +8,12 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from spatialgeometry._colour import RGBA, rgba
+from spatialgeometry._colour import rgba
 from spatialgeometry._node import SceneNode, matrix_of
 from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.spatial import matrix_to_quat_xyzw
 from ulna.typing import Floats
+from ulna.viewer.colours import RGBA
 
 __all__ = ["Shape"]
 
