@@ -15,48 +15,84 @@ whatever follows positions: inverse kinematics, resolved rate, its own controlle
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
+from typing import Any, final
 
-from ulna.numeric import vector
+from ulna.errors import InputError
+from ulna.numeric import less, minimum, vector, where
 from ulna.spatial import SE3, so3_exp
 from ulna.trace import compile
-from ulna.typing import Array
+from ulna.typing import Array, ArrayLike
+
+
+@final
+class Admittance:
+    """How a goal gives way to a force; see `admittance`."""
+
+    def __init__(self) -> None:
+        six = (6,)
+        shapes = dict.fromkeys(("x", "rate", "force", "mass", "damping", "stiffness"), six)
+        self._kernel = compile(_step, checked=True, T_goal=(4, 4), **shapes, dt=())
+
+    @property
+    def operations(self) -> int:
+        """How many scalar operations a step takes."""
+        return self._kernel.operations
+
+    def __call__(
+        self,
+        T_goal: ArrayLike,
+        x: ArrayLike,
+        rate: ArrayLike,
+        force: ArrayLike,
+        mass: ArrayLike,
+        damping: ArrayLike,
+        stiffness: ArrayLike,
+        dt: ArrayLike,
+    ) -> tuple[Array, Array, Array]:
+        """The pose to be led to (..., 4, 4), and `x` and `rate` (..., 6) after a step of `dt` [s].
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If an argument cannot be one.
+            InputError: If a mass, damping, stiffness or step is negative, or all are zero along an axis.
+        """
+        led, there, after, least = self._kernel(T_goal, x, rate, force, mass, damping, stiffness, dt)
+        if not (least > 0.0 if least.ndim == 0 else (least > 0.0).all()):
+            raise InputError(
+                "`mass`, `damping`, `stiffness` and `dt` must not be negative, and along each axis one of mass, "
+                "dt * damping and dt^2 * stiffness must be above 0: nothing would hold the goal against a force."
+            )
+        return led, there, after
 
 
 @cache
-def admittance() -> Any:
-    """How a goal gives way to a force: a kernel, the same for every robot.
+def admittance() -> Admittance:
+    """How a goal gives way to a force, the same for every robot.
 
     `law(T_goal, x, rate, force, mass, damping, stiffness, dt)` gives the pose to be led to (4, 4), and `x` and `rate`
     (6,) after a step of `dt` [s]. Begin with zeros.
     """
+    return Admittance()
 
-    def law(
-        T_goal: Array,
-        x: Array,
-        rate: Array,
-        force: Array,
-        mass: Array,
-        damping: Array,
-        stiffness: Array,
-        dt: Any,
-    ) -> tuple[Array, Array, Array]:
-        after = (mass * rate + dt * (force - stiffness * x)) / (mass + dt * damping + dt * dt * stiffness)
-        there = x + dt * after
-        goal = SE3(T_goal[:3, :3], T_goal[:3, 3])
-        led = goal @ SE3(so3_exp(there[3:]), vector(*there[:3]))
-        return led.matrix(), there, after
 
-    six = (6,)
-    return compile(
-        law,
-        checked=True,
-        T_goal=(4, 4),
-        x=six,
-        rate=six,
-        force=six,
-        mass=six,
-        damping=six,
-        stiffness=six,
-        dt=(),
-    )
+def _step(
+    T_goal: Array,
+    x: Array,
+    rate: Array,
+    force: Array,
+    mass: Array,
+    damping: Array,
+    stiffness: Array,
+    dt: Any,
+) -> tuple[Array, Array, Array, Any]:
+    """The step, and a number that is above 0 when mass, damping, stiffness and dt make sense."""
+    holds = mass + dt * damping + dt * dt * stiffness
+    after = (mass * rate + dt * (force - stiffness * x)) / holds
+    there = x + dt * after
+    goal = SE3(T_goal[:3, :3], T_goal[:3, 3])
+    led = goal @ SE3(so3_exp(there[3:]), vector(*there[:3]))
+    least: Any = holds[0]
+    for number in holds[1:]:
+        least = minimum(least, number)
+    for number in (*mass, *damping, *stiffness, dt):
+        least = where(less(number, 0.0), -1.0, least)
+    return led.matrix(), there, after, least

@@ -21,9 +21,12 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ulna import algorithms
 from ulna.algorithms.operational_space import Task
 from ulna.control.bounds import within_effort
+from ulna.errors import InputError
 from ulna.linalg import solve_spd
 from ulna.numeric import vector
 from ulna.recipes.base import frame_of
@@ -60,7 +63,9 @@ def impedance(
 
     Raises:
         UnknownName: If there is no such frame.
+        InputError: If `regularisation` is not above 0.
     """
+    _check(regularisation)
     model, one = robot.model, frame_of(robot.model, frame)
 
     def law(
@@ -97,7 +102,9 @@ def operational_space(
 
     Raises:
         UnknownName: If there is no such frame.
+        InputError: If `regularisation` is not above 0.
     """
+    _check(regularisation)
     model, one = robot.model, frame_of(robot.model, frame)
 
     def law(
@@ -114,6 +121,14 @@ def operational_space(
         return within_effort(model, tau) if bounded else tau
 
     return _compiled(law, robot, acceleration_goal=(6,), kp=(6,), kd=(6,))
+
+
+def _check(regularisation: float) -> None:
+    if not 0.0 < regularisation < np.inf:
+        raise InputError(
+            f"`regularisation` is {regularisation}; expected a small number above 0, such as 1e-3: without it torques "
+            "are nan where the Jacobian is singular."
+        )
 
 
 def _compiled(law: Any, robot: Robot, **shapes: Any) -> Any:

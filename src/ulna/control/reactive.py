@@ -21,7 +21,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import algorithms, numeric
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.ik.qp import solve_box, solve_rows
 from ulna.recipes.base import frame_of
 from ulna.robot import Robot, compile
@@ -43,7 +43,8 @@ class Reactive:
 
     Raises:
         UnknownName: If there is no such frame.
-        InputError: If a joint has several coordinates, or `stop` is not less than `influence`.
+        InputError: If a joint has several coordinates, `stop` is not less than `influence`, or a gain or a weight makes
+            no sense.
     """
 
     def __init__(
@@ -59,8 +60,15 @@ class Reactive:
     ) -> None:
         if robot.nq != robot.nv:
             raise InputError(f"{robot.name} has joints of several coordinates; lock them: robot.lock([...]).")
-        if not 0.0 <= stop < influence:
+        if not 0.0 <= stop < influence < np.inf:
             raise InputError(f"`stop` is {stop} and `influence` {influence}; expected 0 <= stop < influence.")
+        for what, number in {"gain": gain, "velocity_weight": velocity_weight}.items():
+            if not 0.0 < number < np.inf:
+                raise InputError(f"`{what}` is {number}; expected a finite number above 0.")
+        if not 0.0 <= manipulability_weight < np.inf:
+            raise InputError(
+                f"`manipulability_weight` is {manipulability_weight}; expected a finite number, 0 for nothing."
+            )
         self.robot = robot
         self._frame = frame_of(robot.model, frame)
         self._numbers = influence, stop, gain, velocity_weight, manipulability_weight
@@ -86,18 +94,18 @@ class Reactive:
             rows: A (k, nv) and b (k,) with A v <= b; see `obstacle_rows`.
 
         Raises:
-            InputError: If no velocity is within the limits and the rows.
+            InputError: If no velocity is within the limits and the rows, or the weight is negative.
+            ShapeError, NonFiniteError: If rows are not (k, nv) and (k,), or hold nan.
             MissingExtra: If there are rows, and daqp is not installed.
         """
+        if slack_weight < 0.0 if type(slack_weight) is float else np.any(np.less(slack_weight, 0.0)):
+            raise InputError(f"`slack_weight` is {slack_weight}; expected no number below 0.")
         v, H, g, lower, upper, solved = self._kernel(q, twist, slack_weight)
         if rows is None:
             if not np.all(solved):
                 raise InputError("The quadratic program has no optimum; look for nan in the weights.")
             return v
-        A = np.ascontiguousarray(rows[0], dtype=float).reshape(-1, self.robot.nv)
-        b = np.asarray(rows[1], dtype=float).reshape(-1)
-        if len(A) != len(b):
-            raise ShapeError("rows[1]", b.shape, f"({len(A)},), one for each row")
+        A, b = self._rows(rows, v.shape)
         if not len(A) or (A @ v <= b).all():  # the optimum within the limits already keeps the rows
             return v
         below = np.full(len(b), -np.inf)
@@ -108,6 +116,22 @@ class Reactive:
                 "can give way, or two ask for opposite motions. Stop the arm, or take rows away."
             )
         return found
+
+    def _rows(self, rows: tuple[ArrayLike, ArrayLike], given: tuple[int, ...]) -> tuple[Floats, Floats]:
+        """A and b, checked: a row that is misread would be an obstacle that is not seen."""
+        A, b, n = np.ascontiguousarray(rows[0], dtype=float), np.asarray(rows[1], dtype=float), self.robot.nv
+        if len(given) > 1:
+            raise ShapeError("q", given, f"({n},)", "With rows, ask for one configuration at a time.")
+        if A.shape[1:] != (n,) or A.ndim != 2:
+            raise ShapeError("rows[0]", A.shape, f"(k, {n}), one row for each bound")
+        if b.shape != (len(A),):
+            raise ShapeError("rows[1]", b.shape, f"({len(A)},), one for each row")
+        wrong = ~(np.isfinite(A).all(axis=1) & (b > -np.inf))
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            bad = np.append(A[k], b[k])
+            raise NonFiniteError("rows", (k,), float(bad[~np.isfinite(bad)][0]))
+        return A, b
 
     def _program(self, q: Array, twist: Array, slack_weight: Any) -> tuple[Any, ...]:
         influence, stop, gain, velocity_weight, manipulability_weight = self._numbers

@@ -7,14 +7,15 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ulna.errors import ShapeError, UnknownName
-from ulna.numeric import vector
+from ulna.errors import DtypeError, InputError, ShapeError, UnknownName
+from ulna.numeric import maximum, vector
 from ulna.spatial import matrix_to_rpy, so3_log
 from ulna.trace import compile
 from ulna.typing import Array, ArrayLike
 
 Method = Literal["rpy", "angle-axis"]
 _METHODS: tuple[Method, ...] = get_args(Method)
+_ROUGH = 1e-3  # how far R^T R of a pose may be from the identity: poses typed with few digits are poses
 
 
 def p_servo(
@@ -48,17 +49,26 @@ def p_servo(
     Raises:
         ShapeError: A pose is not (..., 4, 4), or the gain is neither one number nor six.
         NonFiniteError: A pose or the gain holds nan or inf.
+        InputError: What should be a pose is none: scaled, transposed, or empty. It would seem reached.
         UnknownName: There is no such method.
 
     Source: Corke, "Robotics, Vision and Control", 2023, section 15.1.
     """
     if method not in _METHODS:
         raise UnknownName("method", method, _METHODS)
-    factors = gain if type(gain) is float else np.asarray(gain, dtype=float)
+    try:
+        factors = gain if type(gain) is float else np.asarray(gain, dtype=float)
+    except (TypeError, ValueError):
+        raise DtypeError("gain", type(gain).__name__) from None
     shape = () if type(gain) is float else np.shape(factors)
     if shape not in ((), (6,)):
         raise ShapeError("gain", shape, "one number or (6,)")
-    twist, lack = _kernel(method, shape)(T, T_goal, factors)
+    twist, lack, off = _kernel(method, shape)(T, T_goal, factors)
+    if not (off if off.ndim == 0 else off.max(initial=0.0)) < _ROUGH:
+        raise InputError(
+            f"`T` or `T_goal` is no pose: R^T R or its last row is off by {np.max(off):.3g}. Look whether it is "
+            "transposed or scaled; SE3.project(matrix) gives the nearest pose."
+        )
     arrived = lack < threshold
     return twist, bool(arrived) if arrived.ndim == 0 else arrived
 
@@ -67,12 +77,23 @@ def p_servo(
 def _kernel(method: Method, gain: tuple[int, ...]) -> Any:
     """The twist and the sum of the absolute errors, compiled when first asked for."""
 
-    def servo(T: Array, T_goal: Array, gain: Any) -> tuple[Array, Any]:
+    def servo(T: Array, T_goal: Array, gain: Any) -> tuple[Array, Any, Any]:
         R, R_goal, away = T[:3, :3], T_goal[:3, :3], T_goal[:3, 3] - T[:3, 3]
         if method == "rpy":
             error = vector(*(R.T @ away), *matrix_to_rpy(R.T @ R_goal))
         else:
             error = vector(*away, *so3_log(R_goal @ R.T))
-        return gain * error, sum(abs(x) for x in error)
+        off = maximum(_off(T), _off(T_goal))
+        return gain * error, sum(abs(x) for x in error), off
 
     return compile(servo, checked=True, T=(4, 4), T_goal=(4, 4), gain=gain)
+
+
+def _off(T: Array) -> Any:
+    """How far a matrix is from a pose: R^T R from the identity, the last row from 0, 0, 0, 1."""
+    R, worst = T[:3, :3], abs(T[3, 3] - 1.0)
+    for i in range(3):
+        worst = maximum(worst, abs(T[3, i]))
+        for j in range(i + 1):
+            worst = maximum(worst, abs(R[:, i] @ R[:, j] - float(i == j)))
+    return worst

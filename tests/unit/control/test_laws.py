@@ -202,3 +202,38 @@ def test_mistakes_are_named(panda):
         law(q, q, q * np.nan, q, q, q)
     with pytest.raises(ShapeError, match="rows"):
         control.Reactive(panda)(q, np.zeros(6), rows=(np.zeros((2, 7)), [1.0]))
+    rows = np.eye(7)[:1]
+    reactive = control.Reactive(panda)
+    with pytest.raises(ShapeError, match=r"rows\[0\]"):
+        reactive(q, np.zeros(6), rows=(np.ones((7, 2)), [1.0, 1.0]))
+    with pytest.raises(ShapeError, match="one configuration"):
+        reactive(np.zeros((2, 7)), np.zeros(6), rows=(rows, [1.0]))
+    for bad in ((rows * np.nan, [1.0]), (rows, [np.nan]), (rows, [-np.inf])):
+        with pytest.raises(NonFiniteError, match="rows"):
+            reactive(q, np.ones(6), rows=bad)
+    reactive(q, np.ones(6), rows=(rows, [np.inf]))
+    with pytest.raises(InputError, match="slack_weight"):
+        reactive(q, np.ones(6), -1.0)
+    for wrong in ("gain", "velocity_weight", "manipulability_weight"):
+        with pytest.raises(InputError, match=wrong):
+            control.Reactive(panda, **{wrong: -1.0})
+    with pytest.raises(InputError, match="influence"):
+        control.Reactive(panda, influence=np.inf)
+    for make in (control.impedance, control.operational_space):
+        with pytest.raises(InputError, match="regularisation"):
+            make(panda, regularisation=0.0)
+
+
+def test_admittance_refuses_what_holds_nothing():
+    law, six, one = control.admittance(), np.zeros(6), np.ones(6)
+    for mass, damping, stiffness, dt in (
+        (six, six, six, 1e-3),
+        (-one, six, six, 1e-3),
+        (one, one, one, -1e-3),
+        (np.array([one, -one]), one, one, 1e-3),
+    ):
+        with pytest.raises(InputError, match="must not be negative"):
+            law(np.eye(4), six, six, one, mass, damping, stiffness, dt)
+    _, x, _ = law(np.eye(4), six, six, one, six, one, six, 1e-3)  # a damper alone is enough
+    np.testing.assert_allclose(x, 1e-3)
+    assert law.operations < 300

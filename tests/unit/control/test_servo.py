@@ -94,3 +94,16 @@ def test_mistakes_are_named() -> None:
         p_servo(np.eye(4), np.eye(4), gain=np.inf)
     with pytest.raises(UnknownName, match="'angle-axis'"):
         p_servo(np.eye(4), np.eye(4), method="angle_axis")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("method", ["rpy", "angle-axis"])
+def test_what_is_no_pose_is_never_reached(method: str) -> None:
+    shifted = np.eye(4)
+    shifted[3, :3] = 0.01  # a transposed pose
+    for bad in (np.zeros((4, 4)), 2.0 * np.eye(4), shifted):
+        with pytest.raises(InputError, match="no pose"):
+            p_servo(bad, bad, method=method)
+        with pytest.raises(InputError, match="no pose"):
+            p_servo(np.stack([np.eye(4), bad]), np.eye(4), method=method)
+    assert p_servo(np.eye(4).round(4), np.eye(4), method=method)[1]
+    assert p_servo(np.zeros((0, 4, 4)), np.eye(4), method=method)[0].shape == (0, 6)
