@@ -33,8 +33,10 @@ def rgba(value: Any) -> RGBA:
         numbers = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
         numbers = np.zeros(0)
-    if numbers.shape not in ((3,), (4,)):
-        raise InputError(f"`color` is {value!r}; expected a name, '#rrggbb', or three or four numbers.")
+    if numbers.shape not in ((3,), (4,)) or not (numbers.min() >= 0.0 and numbers.max() <= 255.0):
+        raise InputError(
+            f"`color` is {value!r}; expected a name, '#rrggbb', or three or four numbers from 0 to 1, or to 255."
+        )
     return colour((numbers / 255.0 if numbers.max() > 1.0 else numbers).tolist())
 
 
