@@ -1,0 +1,187 @@
+"""Where Pinocchio crashes, or goes on with nonsense, the face says what is wrong; lists and mimic joints work."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+from ulna.errors import InputError, ModelError, ShapeError, UnknownName
+
+ARM = """
+<robot name="arm">
+  <link name="base"/>
+  <link name="upper"><inertial><mass value="2"/><origin xyz="0 0 0.2"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.02"/></inertial></link>
+  <link name="lower"><inertial><mass value="1"/><origin xyz="0 0 0.1"/>
+    <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.01"/></inertial></link>
+  <link name="hand"/>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2" velocity="3" effort="50"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0 0 0.4"/><axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2" velocity="3" effort="50"/><mimic joint="shoulder" multiplier="-2" offset="0.1"/></joint>
+  <joint name="wrist" type="fixed"><parent link="lower"/><child link="hand"/><origin xyz="0 0 0.3"/></joint>
+</robot>"""
+
+
+@pytest.fixture(scope="module")
+def pin() -> Iterator[Any]:
+    with worn("pinocchio"):
+        import pinocchio
+
+        yield pinocchio
+
+
+def _arm(pin: Any, mimic: bool = False) -> Any:
+    return pin.buildModelFromXML(ARM, mimic=mimic)
+
+
+def test_unknown_names_offer_the_nearest(pin: Any) -> None:
+    model = _arm(pin)
+    with pytest.raises(UnknownName, match="'elbow'"):
+        model.getJointId("elbo")
+    with pytest.raises(UnknownName, match="'hand'"):
+        model.getFrameId("hnad")
+    assert not model.existFrame("hnad")
+
+
+def test_indices_that_do_not_exist_are_refused(pin: Any) -> None:
+    model = _arm(pin)
+    data, q, v = model.createData(), [0.1, 0.2], [0.3, 0.4]
+    pin.forwardKinematics(model, data, q, v, v)
+    pin.computeJointJacobians(model, data, q)
+    for call in (
+        lambda: pin.updateFramePlacement(model, data, 999),
+        lambda: pin.getVelocity(model, data, 10**7),
+        lambda: pin.getFrameVelocity(model, data, model.nframes),
+        lambda: pin.computeJointJacobian(model, data, q, -1),
+        lambda: pin.getJointJacobian(model, data, 999, pin.LOCAL),
+        lambda: pin.computeFrameJacobian(model, data, q, 999),
+    ):
+        with pytest.raises(InputError, match=r"expected 0 to .* gives one"):
+            call()
+    with pytest.raises(InputError, match="LOCAL, WORLD"):
+        pin.getJointJacobian(model, data, 1, 0)
+
+
+def test_data_made_before_the_model_grew_is_refused(pin: Any) -> None:
+    model = _arm(pin)
+    data = model.createData()
+    model.addFrame(pin.Frame("grip", 2, 0, pin.SE3.Random(), pin.OP_FRAME))
+    pin.forwardKinematics(model, data, [0.0, 0.0])  # knows nothing of frames
+    with pytest.raises(InputError, match="createData"):
+        pin.framesForwardKinematics(model, data, [0.0, 0.0])
+    with pytest.raises(InputError, match="createData"):
+        pin.updateFramePlacements(model, data)
+    model.addJoint(2, pin.JointModelRX(), pin.SE3(), "thumb")
+    with pytest.raises(InputError, match="createData"):
+        pin.forwardKinematics(model, data, [0.0, 0.0, 0.0])
+
+
+def test_what_was_never_computed_is_not_answered(pin: Any) -> None:
+    model = _arm(pin)
+    data = model.createData()
+    with pytest.raises(InputError, match="computeJointJacobians"):
+        pin.getFrameJacobian(model, data, 1, pin.LOCAL)
+    with pytest.raises(InputError, match="forwardKinematics"):
+        pin.getVelocity(model, data, 1)
+
+
+def test_wrong_sizes_and_words_are_named(pin: Any) -> None:
+    model = _arm(pin)
+    data = model.createData()
+    with pytest.raises(ShapeError, match=r"`q` has shape \(3,\); expected \(2,\)"):
+        pin.forwardKinematics(model, data, np.zeros(3))
+    with pytest.raises(InputError, match="one for each joint"):
+        pin.rnea(model, data, [0, 0], [0, 0], [0, 0], [pin.Force()])
+    with pytest.raises(ModelError, match="already"):
+        model.addJoint(0, pin.JointModelRX(), pin.SE3(), "elbow")
+    with pytest.raises(AttributeError, match="compile"):
+        _ = pin.casadi
+
+
+def test_lists_columns_and_integers_are_configurations(pin: Any) -> None:
+    model = _arm(pin)
+    data = model.createData()
+    wanted = pin.rnea(model, data, np.array([1.0, 2.0]), np.zeros(2), np.ones(2))
+    for q in ([1, 2], (1, 2), np.array([[1.0], [2.0]]), np.array([1, 2], dtype=np.float32)):
+        np.testing.assert_array_equal(pin.rnea(model, data, q, [0, 0], [1, 1]), wanted)
+
+
+def test_references_are_live(pin: Any) -> None:
+    model = _arm(pin)
+    data, q = model.createData(), [0.1, 0.2]
+    tip, place = data.oMi[2], model.jointPlacements[2]
+    pin.forwardKinematics(model, data, q)
+    before = tip.copy()
+    place.translation[2] += 0.1
+    pin.forwardKinematics(model, data, q)
+    assert tip is data.oMi[2]
+    assert np.linalg.norm(tip.translation - before.translation) == pytest.approx(0.1)
+    torque = pin.computeGeneralizedGravity(model, data, q)
+    model.inertias[2].mass *= 2.0
+    model.inertias[1].mass *= 2.0
+    np.testing.assert_allclose(pin.computeGeneralizedGravity(model, data, q), 2.0 * torque, rtol=1e-12)
+    model.gravity.linear = [0.0, 0.0, 0.0]
+    np.testing.assert_array_equal(pin.computeGeneralizedGravity(model, data, q), 0.0)
+    model.armature[:] = 0.5
+    with_armature = pin.crba(model, data, q)
+    model.armature = [0.0, 0.0]
+    np.testing.assert_allclose(with_armature - pin.crba(model, data, q), 0.5 * np.eye(2), atol=1e-12)
+    frame = model.frames[model.getFrameId("hand")]
+    pin.framesForwardKinematics(model, data, q)
+    was = data.oMf[-1].translation.copy()
+    frame.placement.translation[2] += 0.2
+    pin.framesForwardKinematics(model, data, q)
+    assert np.linalg.norm(data.oMf[-1].translation - was) == pytest.approx(0.2)
+
+
+def test_copies_and_pickles_stand_alone(pin: Any) -> None:
+    model = _arm(pin, mimic=True)
+    for twin in (model.copy(), copy.deepcopy(model), pickle.loads(pickle.dumps(model))):
+        assert twin == model
+        twin.inertias[1].mass = 9.0
+        assert twin != model
+    data = model.createData()
+    pin.forwardKinematics(model, data, [0.3])
+    twin_data = data.copy()
+    pin.forwardKinematics(model, data, [0.6])
+    assert twin_data.oMi[1] != data.oMi[1]
+
+
+def test_mimic_joints_work_everywhere(pin: Any) -> None:
+    free, tied = _arm(pin), _arm(pin, mimic=True)
+    assert (tied.nq, tied.nv, tied.nvExtended) == (1, 1, 2)
+    G = np.array([[1.0], [-2.0]])  # velocities of the free arm by that of the tied one
+    q, v, tau = np.array([0.3]), np.array([0.7]), np.array([1.5])
+    whole = np.array([0.3, -2 * 0.3 + 0.1])
+    f, t = free.createData(), tied.createData()
+    M = G.T @ pin.crba(free, f, whole) @ G
+    nle = G.T @ pin.nle(free, f, whole, (G @ v))
+    np.testing.assert_allclose(pin.crba(tied, t, q), M, rtol=1e-12)
+    np.testing.assert_allclose(pin.nle(tied, t, q, v), nle, rtol=1e-12)
+    np.testing.assert_allclose(pin.aba(tied, t, q, v, tau), np.linalg.solve(M, tau - nle), rtol=1e-10)
+    np.testing.assert_allclose(pin.computeMinverse(tied, t, q), np.linalg.inv(M), rtol=1e-10)
+    energy = pin.computeKineticEnergy(free, f, whole, G @ v)
+    assert pin.computeKineticEnergy(tied, t, q, v) == pytest.approx(energy)
+    pin.computeAllTerms(tied, t, q, v)
+    np.testing.assert_allclose(t.J, pin.computeJointJacobians(free, f, whole) @ G, atol=1e-12)
+    ahead, behind = (pin.rnea(tied, t, q + h, v, v) for h in (1e-6, -1e-6))
+    dtau_dq, _, _ = pin.computeRNEADerivatives(tied, t, q, v, v)
+    np.testing.assert_allclose(dtau_dq[:, 0], (ahead - behind) / 2e-6, rtol=1e-6)
+
+
+def test_everything_public_is_said_in_words(pin: Any) -> None:
+    for name in dir(pin):
+        thing = getattr(pin, name)
+        if not name.startswith("_") and callable(thing) and not isinstance(thing, type(Any)):
+            assert thing.__doc__, name
+    for cls in (pin.SE3, pin.Motion, pin.Force, pin.Inertia, pin.Model, pin.Data, pin.Frame):
+        for name, member in vars(cls).items():
+            if not name.startswith("_") and (callable(member) or isinstance(member, property)):
+                assert member.__doc__, f"{cls.__name__}.{name}"
