@@ -134,14 +134,6 @@ class Link:
                 f"Link {name!r} has the transforms {given}; expected one joint at most, at the end."
             )
         self._ets = given
-        own = (
-            None
-            if ets is None
-            else [et.jindex for et in ([ets] if isinstance(ets, BaseET) else ets) if et.isjoint]
-        )
-        self._numbered = jindex is not None or bool(
-            own and own[0] is not None and not isinstance(ets, BaseETS)
-        )
         if joints:
             joint = given.data[joints[0]]
             if jindex is not None:

@@ -26,6 +26,8 @@ _ELSEWHERE = {
     "pay": "payload",
     "paycap": "payload_capacity",
     "URDF_read": "ulna.load(path), or models.URDF.URDFRobot(path)",
+    "ikine_a": "robot.ik_all of an ulna.Robot, which gives all closed-form answers",
+    "ikine_6s": "robot.ik_all of an ulna.Robot, which gives all closed-form answers",
     "analytic_ik": "robot.ik_all of an ulna.Robot",
     "ikine_analytic": "robot.ik_all of an ulna.Robot",
     "vision_collision_damper": "link_collision_damper",
@@ -85,8 +87,8 @@ class BaseRobot(Kinematics, Dynamics, Collision, Plotting):
         self.keywords, self.symbolic = list(keywords), False
         self.urdf_string, self.urdf_filepath = urdf_string, urdf_filepath
         self._setup(links, gripper_links)
-        self._base = None if base is None else matrix(base, self._size)
-        self._tool = None if tool is None else matrix(tool, self._size)
+        self._base = self._unless_identity(base)
+        self._tool = self._unless_identity(tool)
         self._gravity = _three(gravity)
         self.q, self.qd, self.qdd = np.zeros(self.n), np.zeros(self.n), np.zeros(self.n)
         self.control_mode = "v"
@@ -108,7 +110,6 @@ class BaseRobot(Kinematics, Dynamics, Collision, Plotting):
             if part.data:
                 parent = out[-1] if out else None
                 out.append(cls._link_class(part, parent=parent, name=f"link{len(out)}"))
-                out[-1]._numbered = True
         return out
 
     def _setup(self, links: list[Link], gripper_links: Any) -> None:
@@ -256,7 +257,7 @@ class BaseRobot(Kinematics, Dynamics, Collision, Plotting):
     @base.setter
     def base(self, T: Any) -> None:
         self._base = self._unless_identity(T)
-        self._whole, self._weights, self._kernels = None, None, {}
+        self._placed_anew()
 
     @property
     def tool(self) -> Any:
@@ -266,6 +267,11 @@ class BaseRobot(Kinematics, Dynamics, Collision, Plotting):
     @tool.setter
     def tool(self, T: Any) -> None:
         self._tool = self._unless_identity(T)
+        self._placed_anew()
+
+    def _placed_anew(self) -> None:
+        """Drops what base and tool are compiled into."""
+        self._whole, self._weights, self._kernels = None, None, {}
 
     def _unless_identity(self, T: Any) -> Floats | None:
         if T is None:

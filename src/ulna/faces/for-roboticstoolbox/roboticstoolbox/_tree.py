@@ -21,7 +21,7 @@ def connect(links: Sequence[Link], robot: Any) -> None:
     """Names, numbers and joins links, and tells them whose they are.
 
     Raises:
-        ModelError: Two links share a name, or joints are numbered in part.
+        ModelError: Two links share a name.
         UnknownName: A parent does not exist.
     """
     for i, link in enumerate(links):
@@ -42,16 +42,11 @@ def connect(links: Sequence[Link], robot: Any) -> None:
 
 
 def number(links: Sequence[Link]) -> None:
-    """Gives joints their places in q, in the order of the links, unless all have one."""
+    """Gives joints their places in q, in the order of the links, unless they have them: 0 to n - 1, each once."""
     joints = [link for link in links if link.isjoint]
-    told = [link._numbered for link in joints]
-    if all(told) and sorted(link.jindex for link in joints) == list(range(len(joints))):  # type: ignore[type-var]
-        return
-    if any(told) and not all(told):
-        raise ModelError("Some joints have a `jindex` and some have none; give it to all of them or to none.")
-    for i, link in enumerate(joints):
-        link.jindex = i
-        link._numbered = True
+    if sorted(link.jindex or 0 for link in joints) != list(range(len(joints))):
+        for i, link in enumerate(joints):
+            link.jindex = i
 
 
 def up(link: Link) -> list[Link]:

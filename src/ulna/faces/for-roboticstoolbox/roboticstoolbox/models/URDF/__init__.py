@@ -6,6 +6,7 @@ from typing import Any
 
 from roboticstoolbox._load import from_model, read
 from roboticstoolbox._robot import Robot
+from roboticstoolbox.models._made import table, tree_class
 from ulna.robots.panda import panda
 
 
@@ -37,4 +38,24 @@ class Panda(URDFRobot):
             self.addconfiguration_attr(name, model.configurations[name][:7])
 
 
-__all__ = ["Panda", "URDFRobot"]
+_DESCRIBED = {
+    "UR3": "ur3", "UR5": "ur5", "UR10": "ur10", "Fetch": "fetch", "KinovaGen3": "kinova", "Valkyrie": "valkyrie",
+    "PR2": "pr2", "YuMi": "yumi", "Jaco": "j2n6s200", "Frankie": "panda",
+}  # fmt: skip
+_OWN = [name for name in table("urdf") if name != "Panda"]
+
+__all__ = sorted({"Panda", "URDFRobot"} | set(_OWN))
+
+for _each in _OWN:
+    globals()[_each] = tree_class("urdf", _each, URDFRobot, __name__)
+
+
+def __getattr__(name: str) -> Any:
+    if name.startswith("__"):
+        raise AttributeError(name)
+    if name in _DESCRIBED:
+        raise AttributeError(
+            f"models.URDF.{name} is downloaded by the toolbox and not offered here; "
+            f"use models.URDF.URDFRobot({_DESCRIBED[name]!r}), or the path of a URDF file."
+        )
+    raise AttributeError(f"There is no models.URDF.{name}; there are {', '.join(__all__)}.")

@@ -1,0 +1,276 @@
+"""Arms by Denavit and Hartenberg's parameters: links of four numbers, and robots that print them.
+
+Standard: Rz(theta) tz(d) tx(a) Rx(alpha). Modified: tx(a) Rx(alpha) tz(d) Rz(theta), a and alpha of the link before.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._chain import Chain
+from roboticstoolbox._et import ET
+from roboticstoolbox._ets import ETS
+from roboticstoolbox._link import Link
+from roboticstoolbox._poses import matrix, pose
+from roboticstoolbox._robot import BaseRobot, Robot
+from roboticstoolbox._table import grid
+from ulna.errors import InputError, ModelError
+from ulna.typing import Floats
+
+
+class DHLink(Link):
+    """A link of four numbers, one of which is a joint's."""
+
+    def __init__(
+        self,
+        d: float = 0.0,
+        alpha: float = 0.0,
+        theta: float = 0.0,
+        a: float = 0.0,
+        sigma: int = 0,
+        mdh: bool = False,
+        offset: float = 0.0,
+        flip: bool = False,
+        qlim: Any = None,
+        **more: Any,
+    ) -> None:
+        """`sigma` is 0 for a joint that turns (theta), 1 for one that slides (d); `more` are arguments of `Link`."""
+        self.d, self.alpha, self.theta, self.a = d, alpha, theta, a
+        self.sigma, self.mdh, self.offset = sigma, bool(mdh), offset
+        joint = ET("tz" if sigma else "Rz", flip=flip, qlim=qlim)
+        turned = [ET.Rz(theta)] if sigma and theta else [ET.Rz(offset)] if not sigma and offset else []
+        lifted = [ET.tz(d)] if not sigma and d else [ET.tz(offset)] if sigma and offset else []
+        beside = ([ET.tx(a)] if a else []) + ([ET.Rx(alpha)] if alpha else [])
+        if mdh:
+            steps = [*beside, *(turned + lifted if sigma else lifted + turned), joint]
+        else:
+            steps = [*turned, *([*lifted, joint] if sigma else [joint, *lifted]), *beside]
+        super().__init__(ETS(steps), **more)
+
+    def _words(self) -> tuple[str, str]:
+        shift = f" + {self.offset}" if self.offset else ""
+        if self.sigma:
+            return f"{self.theta}", f"q{shift}"
+        return f"q{shift}", f"{self.d}"
+
+    def __str__(self) -> str:
+        theta, d = self._words()
+        head = f"{type(self).__name__}:{' ' * (2 if self.sigma else 3)}"
+        return f"{head}θ={theta},  d={d},  a={self.a},  ⍺={float(self.alpha)}"
+
+    def __repr__(self) -> str:
+        first = f"θ={self.theta:.3g}" if self.sigma else f"d={self.d:.3g}"
+        head = f"{first}, a={self.a:.3g}, ⍺={self.alpha:.3g}"
+        parts = [head, f'name = "{self.name}"', *self._details()]
+        return f"{type(self).__name__}({', '.join(parts)})"
+
+
+class RevoluteDH(DHLink):
+    """A joint that turns, standard parameters."""
+
+    def __init__(
+        self, d: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
+    ) -> None:
+        super().__init__(d=d, a=a, alpha=alpha, offset=offset, sigma=0, mdh=False, **more)
+
+
+class PrismaticDH(DHLink):
+    """A joint that slides, standard parameters."""
+
+    def __init__(
+        self, theta: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
+    ) -> None:
+        super().__init__(theta=theta, a=a, alpha=alpha, offset=offset, sigma=1, mdh=False, **more)
+
+
+class RevoluteMDH(DHLink):
+    """A joint that turns, modified parameters."""
+
+    def __init__(
+        self, d: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
+    ) -> None:
+        super().__init__(d=d, a=a, alpha=alpha, offset=offset, sigma=0, mdh=True, **more)
+
+
+class PrismaticMDH(DHLink):
+    """A joint that slides, modified parameters."""
+
+    def __init__(
+        self, theta: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
+    ) -> None:
+        super().__init__(theta=theta, a=a, alpha=alpha, offset=offset, sigma=1, mdh=True, **more)
+
+
+class DHRobot(Robot):
+    """A serial arm of DH links; its base and its tool are part of its transforms."""
+
+    def __init__(self, links: Any, meshdir: Any = None, **more: Any) -> None:
+        """`links` are DH links of one convention, or a DH robot; `more` are arguments of `Robot`."""
+        own = [link.copy() for link in links._links] if isinstance(links, BaseRobot) else list(links)
+        if any(not isinstance(link, DHLink) for link in own):
+            raise ModelError(
+                "A DHRobot is made of DH links: RevoluteDH, PrismaticDH, RevoluteMDH, PrismaticMDH."
+            )
+        if len({link.mdh for link in own}) > 1:
+            raise ModelError("Some links have standard and some modified parameters; use one convention.")
+        for i, link in enumerate(own):
+            link._parent = own[i - 1] if i else None
+            link.name = link.name or f"link{i + 1}"
+        super().__init__(own, **more)
+
+    def ets(self, start: Any = None, end: Any = None) -> ETS:
+        """The transforms from `start` to `end`; of the whole arm with base and tool."""
+        inner = super().ets(start, end)
+        before = [ET("SE3", T=self._base)] if start is None and self._base is not None else []
+        after = [ET("SE3", T=self._tool)] if end is None and self._tool is not None else []
+        return ETS._of([*before, *inner.data, *after])
+
+    def _chain(self, end: Any, start: Any, tool: Any = None) -> Any:
+        key = self._named(end), self._named(start)
+        if key not in self._chains:
+            self._chains[key] = Chain(self.ets(start, end).data)
+        chain = self._chains[key]
+        return chain if tool is None else chain.with_tool(matrix(tool))
+
+    def fkine(
+        self, q: Any, end: Any = None, start: Any = None, tool: Any = None, include_base: bool = True
+    ) -> Any:
+        """The pose of `end` in the world, an SE3; one for each row of a trajectory (m, n)."""
+        T = self._chain(end, start, tool).fk(q)
+        if not include_base and self._base is not None:
+            T = np.linalg.inv(self._base) @ T
+        return pose(T)
+
+    def _placed_anew(self) -> None:
+        self._forget()
+
+    @property
+    def mdh(self) -> int:
+        """1 for modified parameters, 0 for standard ones."""
+        return int(self._column("mdh")[0])
+
+    def _column(self, name: str) -> list[float]:
+        return [getattr(link, name) for link in self._links]
+
+    theta = property(lambda self: self._column("theta"), doc="Angles about z of the links.")
+    d = property(lambda self: self._column("d"), doc="Distances along z of the links.")
+    a = property(lambda self: self._column("a"), doc="Distances along x of the links.")
+    alpha = property(lambda self: self._column("alpha"), doc="Angles about x of the links.")
+    offset = property(lambda self: self._column("offset"), doc="What is added to the joint coordinates.")
+
+    @property
+    def r(self) -> Floats:
+        """Centres of mass of the links, (3, n)."""
+        return np.array([link.r for link in self._links]).T
+
+    def A(self, j: Any, q: Any = None) -> Any:
+        """The pose of link `j` in the one before, or of link j[1] before link j[0]."""
+        at = self.q if q is None else np.asarray(q, dtype=float)
+        first, last = (j, j) if np.ndim(j) == 0 else (j[0], j[1])
+        T = np.eye(4)
+        for k in range(first, last + 1):
+            T = T @ self._links[k].A(at[k]).A
+        return pose(T)
+
+    def fkine_path(self, q: Any, old: Any = None) -> Any:
+        """Poses of the base, of all links, and of the tool."""
+        return self.fkine_all(q)
+
+    def isspherical(self) -> bool:
+        """Whether the last three joints' axes meet in a point."""
+        wrist = self._links[-3:]
+        if len(wrist) < 3 or any(link.sigma for link in wrist):  # type: ignore[attr-defined]
+            return False
+        a, b, c = wrist
+        turns = sorted([abs(a.alpha), abs(b.alpha)])  # type: ignore[attr-defined]
+        close = all(abs(x) < 1e-9 for x in (a.a, b.a, b.d))  # type: ignore[attr-defined]
+        return close and c is not None and bool(np.allclose(turns, math.pi / 2))
+
+    def rne(
+        self,
+        q: Any,
+        qd: Any = None,
+        qdd: Any = None,
+        gravity: Any = None,
+        fext: Any = None,
+        base_wrench: bool = False,
+    ) -> Floats:
+        """The joint torques of a motion, (n,) or (m, n).
+
+        Args:
+            q: Configuration, (n,) or (m, n) [rad or m]; or q, qd, qdd side by side, (3 n,).
+            qd: Velocity.
+            qdd: Acceleration.
+            gravity: Acceleration of free fall, (3,); None for the robot's.
+            fext: A wrench that the last link exerts, along its own axes, (6,) [N, N m].
+            base_wrench: Refused.
+        """
+        if base_wrench:
+            raise InputError(
+                "base_wrench=True is not offered; ask `frame_wrench` of an ulna.Robot on a free base."
+            )
+        if qd is None and qdd is None and np.shape(q)[-1] == 3 * self.n and self.n:
+            q, qd, qdd = np.split(np.asarray(q, dtype=float), 3, axis=-1)
+        tau = super().rne(q, qd, qdd, gravity=gravity)
+        if fext is None:
+            return tau
+        J = self._chain(self._links[-1].name, None).jacobe(q)
+        return tau + np.swapaxes(J, -1, -2) @ np.asarray(fext, dtype=float)
+
+    rne_python = rne
+
+    def __str__(self) -> str:
+        kind = "modified" if self.mdh else "standard"
+        head = f"{self._headline()}, {kind} DH parameters"
+        return f"{head}\n{self._parameters()}{self._placed()}{self.configurations_str()}"
+
+    def _parameters(self) -> str:
+        limits = self.qlim
+        rows = []
+        for j, link in enumerate(self._links):
+            assert isinstance(link, DHLink)
+            sign = "-" if link.isflip else " "
+            if link.sigma:
+                theta, d = _angle(link.theta), f"{sign.strip()}q{j + 1}"
+                d += f" + {_number(link.offset)}" if link.offset else ""
+                low, high = (f"{x:.4g}" for x in limits[:, j])
+            else:
+                theta, d = f"{sign}q{j + 1}", _number(link.d)
+                theta += f" + {_angle(link.offset)}" if link.offset else ""
+                low, high = (f"{math.degrees(x):.1f}°" for x in limits[:, j])
+            beside = [_number(link.a), _angle(link.alpha)]
+            rows.append([*beside, theta, d, low, high] if self.mdh else [theta, d, *beside, low, high])
+        if self.mdh:
+            return grid(["aⱼ₋₁", "⍺ⱼ₋₁", "θⱼ", "dⱼ", "q⁻", "q⁺"], rows, [True, True, False, True, True, True])
+        return grid(["θⱼ", "dⱼ", "aⱼ", "⍺ⱼ", "q⁻", "q⁺"], rows, [False] + [True] * 5)
+
+    def _placed(self) -> str:
+        rows = []
+        for name, T in (("base", self._base), ("tool", self._tool)):
+            if T is not None:
+                from ulna.spatial import matrix_to_euler
+
+                xyz = ", ".join(f"{x:.2g}" for x in T[:3, 3])
+                angles = ", ".join(
+                    f"{math.degrees(x) + 0.0:.2g}°" for x in matrix_to_euler(T[:3, :3], "xyz")[::-1]
+                )
+                rows.append([name, f"t = {xyz}; rpy/xyz = {angles}"])
+        return "\n" + grid([], rows, [True, False]) if rows else ""
+
+
+class SerialLink(DHRobot):
+    """The former name of `DHRobot`."""
+
+
+def _number(x: float) -> str:
+    return str(x) if isinstance(x, int) else str(float(f"{x:.4g}"))
+
+
+def _angle(x: float) -> str:
+    return f"{math.degrees(x)}°"
+
+
+__all__ = ["DHLink", "DHRobot", "PrismaticDH", "PrismaticMDH", "RevoluteDH", "RevoluteMDH", "SerialLink"]

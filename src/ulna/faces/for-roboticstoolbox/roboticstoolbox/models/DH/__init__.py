@@ -1,0 +1,18 @@
+"""Arms by Denavit and Hartenberg's parameters."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from roboticstoolbox.models._made import dh_class, table
+
+__all__ = list(table("dh"))
+
+for _each in __all__:
+    globals()[_each] = dh_class(_each, __name__)
+
+
+def __getattr__(name: str) -> Any:
+    if name.startswith("__"):
+        raise AttributeError(name)
+    raise AttributeError(f"There is no models.DH.{name}; there are {', '.join(__all__)}.")

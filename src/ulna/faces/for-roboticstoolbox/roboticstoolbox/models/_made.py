@@ -1,0 +1,121 @@
+"""Robots made of the tables beside this file: numbers that makers and papers publish, in SI units and radians.
+
+| file | rows | sources |
+|---|---|---|
+| dh.json | parameters of Denavit and Hartenberg, masses, motors | Puma 560: Corke & Armstrong-Helouvry 1994, A search
+  for consensus; Stanford arm: Paul 1981; Panda: Gaz et al. 2019; the others: data sheets of their makers |
+| ets.json, urdf.json | transforms of each link, limits, masses | URDF descriptions by the makers |
+
+The robots are those of the Robotics Toolbox 1.5 by Corke and Haviland (MIT licence), which collected the numbers.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._dh import DHLink, DHRobot, PrismaticDH, PrismaticMDH, RevoluteDH, RevoluteMDH
+from roboticstoolbox._et import ET
+from roboticstoolbox._ets import ETS
+from roboticstoolbox._link import Link
+from roboticstoolbox._robot import BaseRobot, Robot
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+_KINDS = {(0, 0): RevoluteDH, (1, 0): PrismaticDH, (0, 1): RevoluteMDH, (1, 1): PrismaticMDH}
+_LENGTH = {"Hyper", "Hyper3d", "Coil"}
+
+
+@cache
+def table(name: str) -> dict[str, Any]:
+    """The table "dh", "ets" or "urdf"."""
+    return json.loads((Path(__file__).parent / f"{name}.json").read_text(encoding="utf-8"))
+
+
+def _placed(twelve: Any) -> Floats:
+    return np.vstack([np.reshape(np.asarray(twelve, dtype=float), (3, 4)), [0.0, 0.0, 0.0, 1.0]])
+
+
+def _about(entry: dict[str, Any]) -> dict[str, Any]:
+    out = {key: entry[key] for key in ("name", "manufacturer", "gravity") if key in entry}
+    return out | {key: _placed(entry[key]) for key in ("base", "tool") if key in entry}
+
+
+def dh_links(entry: dict[str, Any]) -> list[DHLink]:
+    """The links of an entry of "dh"."""
+    out = []
+    for row in entry["links"]:
+        fields = {k: v for k, v in row.items() if k != "sigma"}
+        fields.pop("d" if row["sigma"] else "theta", None)
+        out.append(_KINDS[row["sigma"], entry["mdh"]](**fields))
+    return out
+
+
+def _links(entry: dict[str, Any]) -> list[Link]:
+    by_name: dict[str, Link] = {}
+    for row in entry["links"]:
+        fields = {k: v for k, v in row.items() if k not in ("ets", "parent", "name")}
+        items = []
+        for axis, value, *flip in row.get("ets", ()):
+            if axis == "SE3":
+                items.append(ET("SE3", T=_placed(value)))
+            else:
+                items.append(ET(axis, value, flip=bool(flip)))
+        parent = by_name.get(row.get("parent", ""))
+        chain = ETS(items) if items else None
+        by_name[row["name"]] = Link(chain, name=row["name"], parent=parent, **fields)
+    return list(by_name.values())
+
+
+def fill(robot: BaseRobot, source: str, name: str) -> None:
+    """Makes `robot` that of an entry of "ets" or "urdf"."""
+    entry = table(source)[name]
+    links = _links(entry)
+    hands = dict(entry.get("grippers", ()))
+    firsts = [link for link in links if link.name in hands]
+    Robot.__init__(robot, links, gripper_links=firsts or None, **_about(entry))  # type: ignore[arg-type]
+    for gripper in robot.grippers:
+        gripper.tool = _placed(hands[gripper.name])
+    _name(robot, entry)
+
+
+def _name(robot: BaseRobot, entry: dict[str, Any]) -> None:
+    for key, q in entry.get("configs", {}).items():
+        robot.addconfiguration_attr(key, q)
+
+
+def dh_class(name: str, module: str) -> type:
+    """The class of an entry of "dh"."""
+    entry = table("dh")[name]
+
+    def init(self: Any, N: int | None = None, a: float | None = None, **options: Any) -> None:
+        if any(options.values()):
+            raise InputError(f"{name} takes no {', '.join(options)}.")
+        chosen = entry
+        if N is not None and name not in _LENGTH and len(entry["links"]) != N:
+            raise InputError(f"`N` is {N}; the face has {name} with {len(entry['links'])} joints.")
+        if name in _LENGTH and (N is not None or a is not None):
+            count = 10 if N is None else N
+            row = entry["links"][0] | {"a": 1.0 / count if a is None else a}
+            configs = {key: [q[0]] * count for key, q in entry["configs"].items()}
+            chosen = entry | {"links": [row] * count, "configs": configs, "name": f"{name}{count}"}
+        DHRobot.__init__(self, dh_links(chosen), **_about(chosen))
+        _name(self, chosen)
+
+    about = f"{entry['name']}, {len(entry['links'])} joints, by Denavit and Hartenberg's parameters."
+    return type(name, (DHRobot,), {"__init__": init, "__doc__": about, "__module__": module})
+
+
+def tree_class(source: str, name: str, base: type, module: str) -> type:
+    """The class of an entry of "ets" or "urdf"."""
+
+    def init(self: Any) -> None:
+        fill(self, source, name)
+
+    return type(
+        name, (base,), {"__init__": init, "__doc__": f"{name}, by frames of its links.", "__module__": module}
+    )
