@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from ulna.faces.shelves import SHELVES, environment
+from support.two_pythons import both
 from ulna.robots.example_robot_data import share_folder
 
 ROBOTS = {
@@ -26,27 +22,8 @@ SLOW = ("panda", "ur5 in the plane")
 SECOND = "double_pendulum_description/urdf/double_pendulum.urdf"
 
 
-def _answers(out: Path, faced: bool, *words: str) -> tuple[str, dict]:
-    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    variables = environment(["pinocchio"], plain) if faced else plain
-    script = Path(__file__).parent / "asked.py"
-    done = subprocess.run(
-        [sys.executable, str(script), str(out), *words],
-        env=variables,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    found = json.loads(out.read_text(encoding="utf-8"))
-    return found["file"], found["answers"]
-
-
 def _compare(tmp_path: Path, *words: str) -> None:
-    place, own = _answers(tmp_path / "face.json", True, *words)
-    assert str(SHELVES["pinocchio"]) in place
-    place, wanted = _answers(tmp_path / "real.json", False, *words)
-    assert str(SHELVES["pinocchio"]) not in place
+    own, wanted = both(Path(__file__).parent / "asked.py", tmp_path, *words)
     assert list(own) == list(wanted)
     wrong = [line for line in wanted if not _same(own[line], wanted[line])]
     assert not wrong
