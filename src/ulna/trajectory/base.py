@@ -16,6 +16,9 @@ from ulna.typing import ArrayLike, Floats
 END_TOLERANCE = 1e-9
 """How far beyond its ends, in parts of the duration, a time still counts as that end: what summing steps may lose."""
 
+_BETWEEN = np.arange(1, 16) / 16.0  # where between two knots peaks are looked for at least
+_NEAR = 201  # times around the greatest of them
+
 
 class Samples(NamedTuple):
     """Rows of a trajectory: times (m,) [s], points (m, ...), and their derivatives by time (m, n)."""
@@ -180,13 +183,13 @@ class Trajectory(ABC):
             velocity: Limits of speed, one or (nv,) [rad/s or m/s].
             acceleration: Limits of acceleration [rad/s^2 or m/s^2].
             jerk: Limits of jerk [rad/s^3 or m/s^3].
-            samples: At how many times the motion is looked at, besides its knots.
+            samples: At how many times the motion is looked at, besides its knots and some between any two.
         """
         given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
         limits = [positive(name, x, self.space.n, infinite=True) for name, x in given.items()]
         order = 3 if np.isfinite(limits[2]).any() else 2
-        rates = self._checked_at(self.instants(samples), order)[1:]
-        used = [float((np.abs(x) / limit).max()) for x, limit in zip(rates, limits, strict=False)]
+        peaks = self._peaks(samples, order)
+        used = [float((peak / limit).max()) for peak, limit in zip(peaks, limits, strict=False)]
         factor = max(part ** (1.0 / power) for power, part in enumerate(used, start=1))
         if factor == 0.0:
             raise InputError(
@@ -195,10 +198,27 @@ class Trajectory(ABC):
         return self._stretched(factor)
 
     def instants(self, samples: int) -> Floats:
-        """`samples` even times, and each knot with the moment before it, sorted: where peaks are looked for."""
+        """Where peaks are looked for, sorted: `samples` even times, some between any two knots, and each knot with the
+        moment before it.
+        """
         knots = self.knots
         before = np.nextafter(knots[1:], 0.0)
-        return np.sort(np.concatenate([np.linspace(0.0, self.duration, max(samples, 2)), knots, before]))
+        between = knots[:-1, None] + np.diff(knots)[:, None] * _BETWEEN
+        even = np.linspace(0.0, self.duration, max(samples, 2))
+        return np.sort(np.concatenate([even, between.reshape(-1), knots, before]))
+
+    def _peaks(self, samples: int, order: int) -> list[Floats]:
+        """The greatest absolute values (n,) of the derivatives from the first to `order`."""
+        t = self.instants(samples)
+        found = []
+        for k, rate in enumerate(self._checked_at(t, order)[1:], start=1):
+            size = np.abs(rate)
+            peak = size.max(axis=0)
+            for j, at in enumerate(size.argmax(axis=0)):
+                near = np.linspace(t[max(at - 1, 0)], t[min(at + 1, t.size - 1)], _NEAR)
+                peak[j] = max(peak[j], float(np.abs(self._checked_at(near, k)[k][:, j]).max()))
+            found.append(peak)
+        return found
 
     def reversed(self) -> Trajectory:
         """The same way back: at `t` it is where this one is at `duration - t`."""

@@ -99,9 +99,9 @@ def check(
 ) -> Report:
     """Whether a trajectory keeps the limits of a robot: positions, speeds, torques, and others that are given.
 
-    It looks at even times, at every knot from both sides, and then closer around each worst value. Torques are those of
-    inverse dynamics, with gravity and armature, without friction. Position limits of joints without any are
-    not checked.
+    It looks at even times, between any two knots, at each knot from both sides, and then closer around each worst
+    value. Torques are those of inverse dynamics, with gravity and armature, without friction. Position limits of
+    joints without any are not checked.
 
     Args:
         robot: A Robot or a Model.
@@ -116,9 +116,15 @@ def check(
         A report: `if report`, `print(report)`, `report.require()`.
 
     Raises:
-        InputError: The trajectory is not one of that robot's joints.
+        InputError: The trajectory is none of that robot's joints, or tolerance and samples make no sense.
     """
     model = model_of(robot)
+    if not isinstance(trajectory, Trajectory):
+        raise InputError(f"`trajectory` is {trajectory!r}; expected one such as quintic(...) makes.")
+    if not (isinstance(tolerance, (int, float)) and 0.0 <= tolerance < np.inf):
+        raise InputError(f"`tolerance` is {tolerance!r}; expected a part of the limits, such as 1e-6.")
+    if not isinstance(samples, (int, np.integer)) or samples < 2:
+        raise InputError(f"`samples` is {samples!r}; expected a count of at least 2.")
     if isinstance(trajectory.space, Poses):
         raise InputError("The trajectory moves a pose; expected joints: follow(trajectory, ik) makes them.")
     if trajectory.space.shape != (model.nq,) or trajectory.space.n != model.nv:

@@ -15,6 +15,8 @@ from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.space import Space, Vectors
 from ulna.typing import Floats
 
+_SAME = 1e-9  # how near a knot of the law and one of the path are one, in parts of the path's length
+_HALVINGS = 60
 _AT_ENDS = 1e-6  # how far a law may miss the ends of the path, in parts of its length
 
 
@@ -67,8 +69,18 @@ class Retimed(Trajectory):
 
     @property
     def knots(self) -> Floats:
-        """Times where the law's pieces meet."""
-        return self.law.times
+        """Times where the law's pieces meet, and where it passes the path's knots."""
+        law, times, inner = self.law, self.law.times, self.path.knots[1:-1]
+        s = law._at(times, 0)[0][:, 0]
+        rounding = _SAME * self.path.duration
+        low, high = np.minimum(s[:-1], s[1:])[:, None], np.maximum(s[:-1], s[1:])[:, None]
+        piece, knot = np.nonzero((inner > low + rounding) & (inner < high - rounding))
+        before, after, rises = times[piece], times[piece + 1], s[piece] < s[piece + 1]
+        for _ in range(_HALVINGS if piece.size else 0):
+            middle = 0.5 * (before + after)
+            passed = (law._at(middle, 0)[0][:, 0] >= inner[knot]) == rises
+            before, after = np.where(passed, before, middle), np.where(passed, middle, after)
+        return np.unique(np.concatenate([times, after]))
 
     @property
     def order(self) -> int:
@@ -153,6 +165,9 @@ def chained(parts: Sequence[Trajectory], tolerance: float) -> Trajectory:
     """See `ulna.trajectory.concatenate`."""
     if not parts:
         raise InputError("concatenate() was given nothing; expected at least one trajectory.")
+    for number, part in enumerate(parts):
+        if not isinstance(part, Trajectory):
+            raise InputError(f"Part {number} is {part!r}; expected a trajectory.")
     clock = 0.0
     for number, (one, two) in enumerate(pairwise(parts)):
         clock += one.duration

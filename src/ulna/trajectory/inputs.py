@@ -15,10 +15,12 @@ def numbers(name: str, value: Any) -> Floats:
     """`value` as an array of finite floats of any shape."""
     try:
         array = np.asarray(value)
+        if array.dtype.kind == "c":
+            raise DtypeError(name, str(array.dtype))
         if array.dtype != float:
             array = array.astype(float) if array.dtype.kind in "fiub" else np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise DtypeError(name, type(value).__name__) from None
+    except (TypeError, ValueError) as error:
+        raise (error if isinstance(error, DtypeError) else DtypeError(name, type(value).__name__)) from None
     if not np.isfinite(array).all():
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise NonFiniteError(name, index, float(array[index]))

@@ -120,6 +120,11 @@ def hermite(
     h, n = times[1:] - times[:-1], q.shape[1]
     states = [row for x in (q, v, a) if x is not None for row in (x[:-1], x[1:])]
     c = _hermite_kernel(n, a is not None)(h, *states)
+    if not np.isfinite(c).all():
+        raise InputError(
+            f"Between {times[0]:g} s and {times[-1]:g} s the motion is too fast to be computed; expected longer times "
+            "or points nearer to each other."
+        )
     times = times.copy()
     times.flags.writeable = c.flags.writeable = False
     return Polynomial(times, c, space or Vectors.of(n), kind)

@@ -5,7 +5,7 @@ import pytest
 
 import ulna
 from ulna import trajectory
-from ulna.errors import InputError, ShapeError
+from ulna.errors import DtypeError, InputError, ShapeError
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +68,49 @@ def test_it_must_be_that_robots_motion(panda: ulna.Robot) -> None:
         trajectory.check(panda, trajectory.pose_line(ulna.SE3.identity(), ulna.SE3.rx(1.0), 1.0))
     with pytest.raises(InputError, match=r"acceleration\[0\]"):
         trajectory.check(panda, trajectory.quintic(np.zeros(7), np.ones(7), 1.0), acceleration=-1.0)
+
+
+def test_corners_of_a_path_under_another_law_are_seen(panda: ulna.Robot) -> None:
+    q = panda.configurations["qr"]
+    step = np.zeros(7)
+    step[0] = 0.5
+    path = trajectory.blended([q, q + step, q + 2.0 * step[::-1]], blend=1e-3, segment_times=[5, 5])
+    slow = path.retimed(trajectory.cubic(0.0, 10.0, 10.0))
+    assert isinstance(slow, trajectory.Retimed)
+    inner = path.knots[1:-1]
+    times = slow.knots[1:-1]
+    np.testing.assert_allclose(slow.law(times)[:, 0], inner, atol=1e-12)
+    peak = np.abs(slow.a(np.linspace(4.99, 5.01, 2001))).max()
+    assert trajectory.check(panda, slow, acceleration=50.0, torque=False).use["acceleration"] >= peak / 50.0
+    back = slow.reversed()
+    np.testing.assert_allclose(back.knots, (10.0 - slow.knots)[::-1], atol=1e-9)
+
+
+def test_short_pieces_between_knots_are_seen(panda: ulna.Robot) -> None:
+    rng = np.random.default_rng(5)
+    points = panda.configurations["qr"] + rng.uniform(-0.1, 0.1, (400, 7))
+    spline = trajectory.cubic_spline(points, times=np.arange(400) * 0.05)
+    truth = (np.abs(spline.v(np.linspace(0.0, spline.duration, 200_001))) / panda.limits.velocity).max()
+    assert trajectory.check(panda, spline, torque=False).use["velocity"] == pytest.approx(truth, rel=1e-4)
+    even = spline.within(velocity=1.0, acceleration=10.0)
+    assert np.abs(even.v(np.linspace(0.0, even.duration, 200_001))).max() < 1.0 + 1e-6
+    assert trajectory.check(panda, even, acceleration=10.0, torque=False, tolerance=1e-5)
+
+
+def test_what_is_no_question_is_refused(panda: ulna.Robot) -> None:
+    q = panda.configurations["qr"]
+    fast = trajectory.quintic(q, q + 1.0, 0.1)
+    for tolerance in (np.nan, np.inf, -1.0):
+        with pytest.raises(InputError, match="tolerance"):
+            trajectory.check(panda, fast, tolerance=tolerance)
+    with pytest.raises(InputError, match="samples"):
+        trajectory.check(panda, fast, samples=0)
+    with pytest.raises(InputError, match="expected one such as quintic"):
+        trajectory.check(panda, q)  # pyright: ignore[reportArgumentType]
+    assert not trajectory.check(panda, fast, samples=2, torque=False)
+    with pytest.raises(InputError, match="Part 1"):
+        trajectory.concatenate(fast, q)  # pyright: ignore[reportArgumentType]
+    with pytest.raises(InputError, match="too fast"):
+        trajectory.quintic(q, q + 1.0, 1e-120)
+    with pytest.raises(DtypeError, match="complex"):
+        trajectory.quintic(q + 1j, q, 1.0)

@@ -147,7 +147,7 @@ def test_way_points_and_grids(panda: ulna.Robot) -> None:
         points, panda, acceleration=free, torque=np.inf, grid=np.linspace(0, 1, 30) ** 1.2
     )
     np.testing.assert_allclose(best.end, points[-1], atol=1e-12)
-    assert len(best.knots) == 30
+    assert len(best.law.knots) == 30
     assert best.kind == "time-optimal"
 
 
