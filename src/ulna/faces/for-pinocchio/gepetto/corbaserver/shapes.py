@@ -14,7 +14,8 @@ from ulna.errors import InputError, UnknownName
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Shape, Sphere
 from ulna.viewer.content import Lines
 from ulna.viewer.handles import Path
-from ulna.viewer.surface import Surface, colour
+from ulna.viewer.colours import colour
+from ulna.viewer.surface import Surface
 from ulna.viewer.tessellate import tessellate
 
 Rgba = Sequence[float]

@@ -14,7 +14,10 @@ from gepetto.corbaserver.placement import configuration_of, pose_of
 from gepetto.corbaserver.tree import Tree
 from ulna.errors import InputError, UnknownName
 from ulna.viewer.camera import Camera
-from ulna.viewer.surface import colour
+from ulna.viewer.colours import colour
+
+
+_SIZE = (960, 600)  # of pictures [pixels]
 
 
 class Windows(Tree, abc.ABC):
@@ -101,7 +104,7 @@ class Windows(Tree, abc.ABC):
         self._window(wid)
         if Path(imageFilename).suffix.lower() != ".png":
             raise InputError(f"Pictures are written as .png here; {imageFilename!r} is none.")
-        self.viewer.picture(imageFilename)
+        self.viewer.picture(imageFilename, *_SIZE)
         return True
 
     def startCapture(self, wid: str, filename: str, extension: str) -> bool:
@@ -124,7 +127,7 @@ class Windows(Tree, abc.ABC):
         """Has the page show what is new, and a capture take it."""
         if self._capture is not None:
             name, ending = self._capture
-            self.viewer.picture(f"{name}_0_{self._captured}.{ending}")
+            self.viewer.picture(f"{name}_0_{self._captured}.{ending}", *_SIZE)
             self._captured += 1
 
     def writeNodeFile(self, nodeName: str, filename: str) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 
 from pinocchio.visualize.base_visualizer import BaseVisualizer
 from ulna.errors import UnknownName
-from ulna.viewer.surface import colour
+from ulna.viewer.colours import colour
 
 _PRESETS: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
     "preset1": ((1.0, 1.0, 1.0), (0.0, 0.0, 0.0)),

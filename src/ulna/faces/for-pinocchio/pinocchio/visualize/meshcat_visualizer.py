@@ -11,7 +11,7 @@ from pinocchio._rotations import Quaternion
 from pinocchio.visualize.camera import CameraVisualizer
 from ulna.errors import ShapeError
 from ulna.geometry import Box, Cylinder, Ellipsoid, Shape, Sphere
-from ulna.viewer.surface import colour
+from ulna.viewer.colours import colour
 
 _GREY = (0.6, 0.6, 0.65, 1.0)
 
