@@ -41,6 +41,19 @@ pin.utils.npToTuple(R); pin.utils.npToTuple(p); pin.utils.isapprox(A.homogeneous
 printed(pin.utils.mprint, np.arange(1, 15.0).reshape(2, 7) / 7); printed(pin.utils.mprint, A); printed(pin.utils.mprint, p * 1e-7)
 """
 
+GROUPS = """
+! L = pin.liegroups; G = L.SE3() * L.SO2() * L.R2() * L.SE2() * L.SO3() * L.Rn(4); x, y = rng.normal(size=(2, G.nv))
+! q, k = (G.integrate(G.neutral, 0.5 * u) for u in (x, y))
+G.name; G.nq; G.nv; G.neutral; q; G.difference(q, k); G.interpolate(q, k, 0.3); G.distance(q, k); G.squaredDistance(q, k)
+G.dIntegrate_dq(q, x); G.dIntegrate_dv(q, x); G.dDifference(q, k, pin.ARG0); G.dDifference(q, k, pin.ARG1)
+pin.JointModelRX().lieGroup().name; pin.JointModelRUBX().lieGroup().name; pin.JointModelFreeFlyer().lieGroup().name
+! m = pin.buildSampleModelManipulator(); d = m.createData(); q, v = rng.normal(size=(2, 6)); Q = rng.normal(size=(6, 5))
+pin.lieGroup(m).name; str(m); [f.name for f in m.frames]; [f.parentFrame for f in m.frames]; list(m.inertias); m.upperEffortLimit
+pin.rnea(m, d, q, v, v); pin.rneaInParallel(1, pin.ModelPool(m, 1), Q, Q, Q); pin.abaInParallel(1, pin.ModelPool(m, 1), Q, Q, Q)
+! M = pin.crba(m, d, q); _ = pin.cholesky.decompose(m, d)
+pin.cholesky.solve(m, d, v); pin.cholesky.computeMinv(m, d); pin.linalg.inv(M)
+"""
+
 MODEL = """
 list(m.names); [j.shortname() for j in m.joints]; [f.name for f in m.frames]; [str(f.type) for f in m.frames]
 list(m.parents); [f.parentJoint for f in m.frames]; [f.parentFrame for f in m.frames]; [f.placement for f in m.frames]
@@ -160,7 +173,7 @@ def answers(text, names):
 if __name__ == "__main__":
     target, group, *robot = sys.argv[1:]
     if group == "spatial":
-        result = answers(SPATIAL, {"rng": np.random.default_rng(3)})
+        result = answers(SPATIAL + GROUPS, {"rng": np.random.default_rng(3)})
     else:
         file, root, mimic, other = robot
         text = MODEL + KINEMATICS + ("" if mimic else NOT_WITH_MIMIC)

@@ -27,6 +27,7 @@ __all__ = [
     "computeRNEADerivatives",
     "computeStaticTorqueDerivatives",
     "getCenterOfMassVelocityDerivatives",
+    "getCentroidalDynamicsDerivatives",
     "getFrameAccelerationDerivatives",
     "getFrameVelocityDerivatives",
     "getJointAccelerationDerivatives",
@@ -201,6 +202,12 @@ def computeCentroidalDynamicsDerivatives(
     for name, block in zip(("dHdq", "dFdq", "dFdv", "dFda"), found, strict=True):
         data._blocks[name][:] = block
     return found
+
+
+def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Floats, ...]:
+    """The same at the state of the last computeRNEADerivatives."""
+    state = data.require(data._of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
+    return computeCentroidalDynamicsDerivatives(model, data, *state)
 
 
 def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:

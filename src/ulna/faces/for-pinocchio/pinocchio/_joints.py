@@ -84,6 +84,12 @@ class JointModel:
         """The name of its kind."""
         return self._word
 
+    def lieGroup(self) -> Any:
+        """The Lie group of its configurations."""
+        from pinocchio.liegroups import of_joint
+
+        return of_joint(self)
+
     @classmethod
     def classname(cls) -> str:
         """The name of its class."""

@@ -22,13 +22,16 @@ _OF = {
         "removeCollisionPairs",
         "removeCollisionPairsFromXML",
     ),
+    "_samples": ("buildSampleModelManipulator",),
+    "_parallel": ("ModelPool", "abaInParallel", "rneaInParallel"),
+    "liegroups": ("LieGroup", "lieGroup"),
     "robot_wrapper": ("RobotWrapper",),
     "shortcuts": ("buildModelsFromUrdf", "createDatas"),
     "visualize": ("GepettoVisualizer", "MeshcatVisualizer", "ViserVisualizer", "Visualizer"),
 }
 LATE: dict[str, str] = {name: module for module, names in _OF.items() for name in names}
 """The module of each of these names."""
-MODULES = ("robot_wrapper", "shortcuts", "visualize")
+MODULES = ("cholesky", "liegroups", "linalg", "robot_wrapper", "shortcuts", "visualize")
 
 
 def late(name: str) -> Any:

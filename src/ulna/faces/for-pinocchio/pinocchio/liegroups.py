@@ -1,0 +1,192 @@
+"""Lie groups that configurations are points of: R1, R2, R3, Rn, SO2, SO3, SE2, SE3, and their products."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._arrays import vector
+from pinocchio._enums import ArgumentPosition
+from pinocchio._joints import JointModel
+from pinocchio._model import Model
+from pinocchio._vectors import generator
+from ulna.errors import InputError
+from ulna.model import Circle, Composite, FreeFlyer, JointKind, PlanarCircle, Prismatic, Spherical
+from ulna.typing import Floats
+
+_Block = tuple[str, tuple[JointKind, ...]]
+
+
+@final
+class LieGroup:
+    """A Lie group, or with `*` a product of several."""
+
+    def __init__(self, blocks: tuple[_Block, ...] = ()) -> None:
+        self._blocks = blocks
+        kinds = tuple(kind for _, part in blocks for kind in part)
+        self._kind: JointKind | None = None
+        if kinds:
+            self._kind = kinds[0] if len(kinds) == 1 else Composite(kinds)
+
+    @property
+    def name(self) -> str:
+        """Its name, such as "SE(3) x R^1"."""
+        return " x ".join(name for name, _ in self._blocks)
+
+    @property
+    def nq(self) -> int:
+        """How many numbers a point has."""
+        return 0 if self._kind is None else self._kind.nq
+
+    @property
+    def nv(self) -> int:
+        """How many numbers a tangent vector has."""
+        return 0 if self._kind is None else self._kind.nv
+
+    @property
+    def neutral(self) -> Floats:
+        """The neutral point (nq,)."""
+        return np.zeros(0) if self._kind is None else np.array(self._kind.neutral())
+
+    def integrate(self, q: Any, v: Any) -> Floats:
+        """The point reached from q with v."""
+        return np.array(self._own.integrate(vector(q, self.nq, "q"), vector(v, self.nv, "v")))
+
+    def difference(self, q0: Any, q1: Any) -> Floats:
+        """The tangent vector that leads from q0 to q1."""
+        return np.array(self._own.difference(vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1")))
+
+    def interpolate(self, q0: Any, q1: Any, u: float) -> Floats:
+        """The point a part u of the way from q0 to q1."""
+        return np.array(self._own.interpolate(vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1"), u))
+
+    def squaredDistance(self, q0: Any, q1: Any) -> float:
+        """The squared length of the difference."""
+        return float(self._own.squared_distance(vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1")))
+
+    def distance(self, q0: Any, q1: Any) -> float:
+        """The length of the difference."""
+        return float(np.sqrt(self.squaredDistance(q0, q1)))
+
+    def normalize(self, q: Any) -> Floats:
+        """The same point with unit entries of unit length."""
+        return np.array(self._own.normalize(vector(q, self.nq, "q")))
+
+    def random(self) -> Floats:
+        """Any point."""
+        return self._own.random(generator())
+
+    def randomConfiguration(self, lower: Any, upper: Any) -> Floats:
+        """A point within limits (nq,)."""
+        return self._own.random(generator(), vector(lower, self.nq, "lower"), vector(upper, self.nq, "upper"))
+
+    def dIntegrate(self, q: Any, v: Any, argument_position: ArgumentPosition) -> Floats:
+        """The derivative (nv, nv) of `integrate` by q (ARG0) or v (ARG1)."""
+        both = self._own.integrate_derivatives(vector(q, self.nq, "q"), vector(v, self.nv, "v"))
+        return np.array(both[_first_or_second(argument_position)])
+
+    def dIntegrate_dq(self, q: Any, v: Any) -> Floats:
+        """The derivative (nv, nv) of `integrate` by q."""
+        return self.dIntegrate(q, v, ArgumentPosition.ARG0)
+
+    def dIntegrate_dv(self, q: Any, v: Any) -> Floats:
+        """The derivative (nv, nv) of `integrate` by v."""
+        return self.dIntegrate(q, v, ArgumentPosition.ARG1)
+
+    def dIntegrateTransport(self, q: Any, v: Any, J: Any, argument_position: ArgumentPosition) -> Floats:
+        """A matrix (nv, n) at integrate(q, v), carried by the derivative."""
+        return self.dIntegrate(q, v, argument_position) @ np.asarray(J, dtype=float)
+
+    def dDifference(self, q0: Any, q1: Any, argument_position: ArgumentPosition) -> Floats:
+        """The derivative (nv, nv) of `difference` by q0 (ARG0) or q1 (ARG1)."""
+        both = self._own.difference_derivatives(vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1"))
+        return np.array(both[_first_or_second(argument_position)])
+
+    @property
+    def _own(self) -> JointKind:
+        if self._kind is None:
+            raise InputError("This Lie group is empty; make one with pinocchio.liegroups.SE3() and the like.")
+        return self._kind
+
+    def __mul__(self, other: LieGroup) -> LieGroup:
+        return LieGroup((*self._blocks, *other._blocks))
+
+    def __eq__(self, other: object) -> bool:
+        return self._blocks == other._blocks if isinstance(other, LieGroup) else NotImplemented
+
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        return f"<LieGroup {self.name}>"
+
+
+def _first_or_second(position: Any) -> int:
+    if position not in (ArgumentPosition.ARG0, ArgumentPosition.ARG1):
+        raise InputError(f"The argument is {position!r}; expected ARG0 or ARG1.")
+    return int(position)
+
+
+def Rn(n: int) -> LieGroup:
+    """Vectors of n numbers."""
+    return LieGroup(((f"R^{n}", (Prismatic(),) * n),))
+
+
+def R1() -> LieGroup:
+    """Numbers."""
+    return Rn(1)
+
+
+def R2() -> LieGroup:
+    """Vectors in the plane."""
+    return Rn(2)
+
+
+def R3() -> LieGroup:
+    """Vectors in space."""
+    return Rn(3)
+
+
+def SO2() -> LieGroup:
+    """Rotations in the plane, as (cos, sin)."""
+    return LieGroup((("SO(2)", (Circle(),)),))
+
+
+def SO3() -> LieGroup:
+    """Rotations in space, as quaternions xyzw."""
+    return LieGroup((("SO(3)", (Spherical(),)),))
+
+
+def SE2() -> LieGroup:
+    """Displacements in the plane, as (x, y, cos, sin)."""
+    return LieGroup((("SE(2)", (PlanarCircle(),)),))
+
+
+def SE3() -> LieGroup:
+    """Displacements in space, as position and quaternion xyzw."""
+    return LieGroup((("SE(3)", (FreeFlyer(),)),))
+
+
+def of_joint(joint: JointModel) -> LieGroup:
+    """The group of a joint's configurations."""
+    if joint.kind is None or joint.nv == 0:
+        return LieGroup()
+    groups: dict[type, Any] = {Circle: SO2, Spherical: SO3, PlanarCircle: SE2, FreeFlyer: SE3}
+    kinds = joint.kind.kinds if isinstance(joint.kind, Composite) else (joint.kind,)
+    if all(type(kind) not in groups for kind in kinds):
+        return Rn(joint.nv)
+    out = LieGroup()
+    for kind in kinds:
+        out = out * (groups[type(kind)]() if type(kind) in groups else Rn(kind.nv))
+    return out
+
+
+def lieGroup(model: Model) -> LieGroup:
+    """The group of a model's configurations."""
+    out = LieGroup()
+    for joint in model.joints[1:]:
+        out = out * of_joint(joint)
+    return out
+
+
+__all__ = ["R1", "R2", "R3", "SE2", "SE3", "SO2", "SO3", "Rn"]
