@@ -1,4 +1,4 @@
-"""What is in the environment: robots, assemblies of parts, shapes; each told before a step and shown after it."""
+"""What is in the environment: robots, assemblies of parts, shapes; moved on in each step, and shown."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ class Item(abc.ABC):
 
     @abc.abstractmethod
     def tell(self, t: float, dt: float, values: dict[str, Any]) -> None:
-        """Say what is to happen in the step that ends at time `t`."""
+        """Move it on by `dt` [s], to the time `t`."""
 
     @abc.abstractmethod
     def show(self) -> None:
-        """Take over what happened, and show it."""
+        """Show where it is, and how it looks by now."""
 
     @abc.abstractmethod
     def remove(self) -> None:
@@ -128,8 +128,7 @@ class RobotHandle(AssemblyHandle):
 
     Args:
         viewer: The `ulna.Viewer`.
-        simulation: What steps it.
-        robot: A robot of the toolbox, with `q`, `qd` and the `ulna.Robot` behind it.
+        robot: A robot of the toolbox, with `q`, `qd`, `qlim`, `base`, and the `ulna.Robot` behind it.
         alphas: Opacity of what it looks like and of what it collides with.
         readonly: Whether it is shown only, never moved.
         own: Whether it has a state of its own, as a robot has that is there already.
@@ -137,28 +136,26 @@ class RobotHandle(AssemblyHandle):
     """
 
     def __init__(
-        self,
-        viewer: Any,
-        simulation: Any,
-        robot: Any,
-        alphas: tuple[float, float],
-        readonly: bool,
-        own: bool,
-        **more: Any,
+        self, viewer: Any, robot: Any, alphas: tuple[float, float], readonly: bool, own: bool, **more: Any
     ) -> None:
         super().__init__(**more)
-        self._viewer, self._simulation, self.robot, self.readonly = viewer, simulation, robot, bool(readonly)
+        self._viewer, self.robot, self.readonly = viewer, robot, bool(readonly)
         self._holds = SimpleNamespace(q=np.array(robot.q), qd=np.array(robot.qd)) if own else robot
         self._model = robot.ulna
+        limits = getattr(robot, "qlim", None)
+        self._low, self._high = (
+            (self._model.limits.lower, self._model.limits.upper)
+            if limits is None
+            else np.array(limits, dtype=float)
+        )
         self._base = self._placed()
         start = self._configuration()
-        self._figures = [
+        self.figures = [
             viewer.add(self._model, start, pose=self._base, opacity=alpha, show=what)
             for alpha, what in zip(alphas, ("visual", "collision"), strict=True)
             if alpha > 0.0
         ]
-        unseen = f"{self._model.name} ({self.id}, not shown)"
-        self._bodies = [f.body for f in self._figures] or [simulation.add(self._model, q=start, name=unseen)]
+        """What the viewer has of it."""
 
     @property
     def thing(self) -> Any:
@@ -181,50 +178,40 @@ class RobotHandle(AssemblyHandle):
         return pose_of(getattr(self.robot, "base", np.eye(4)))
 
     def tell(self, t: float, dt: float, values: dict[str, Any]) -> None:
-        """Have the simulated bodies start where the robot is, at its velocity."""
-        moves = self._moves(t, values)
-        q = self._configuration()
-        for body in self._bodies:
-            body.control = "velocity" if moves else "position"
-            body.q = q
-            if moves:
-                body.qd = self._holds.qd
-        self._moved = moves
+        """Move it on: joints turn and slide, so that moving is adding."""
+        if self._moves(t, values):
+            q, qd = self._configuration(), np.asarray(self._holds.qd, dtype=float)
+            if not np.isfinite(qd.sum()) or qd.shape != q.shape:
+                raise InputError(
+                    f"`qd` of {self._model.name!r} is {qd.tolist()}; expected {len(q)} finite numbers."
+                )
+            self._holds.q = np.minimum(np.maximum(q + dt * qd, self._low), self._high)
 
     def show(self) -> None:
-        """Take over where the simulation brought it."""
-        if self._moved:
-            self._holds.q = self._bodies[0].q
+        """Show where it is."""
+        q = self._configuration()
+        for figure in self.figures:
+            figure.q = q
+        self._viewer.scene.later(self, self._place)  # a base seldom moves, and asking for it takes time
+
+    def _place(self) -> None:
         base = self._placed()
         if not np.array_equal(base, self._base):
             self._base = base
-            for figure in self._figures:
+            for figure in self.figures:
                 figure.pose = base
 
-    def stand(self) -> None:
-        """Show where the robot is, without a step."""
-        self._moved = False
-        for figure in self._figures:
-            figure.q = self._configuration()
-        self.show()
-
     def remove(self) -> None:
-        """Take it out of the scene and of the simulation."""
-        for body in self._bodies:
-            self._simulation.remove(body)
-        for figure in self._figures:
+        """Take it out of the scene."""
+        for figure in self.figures:
             self._viewer.remove(figure)
-
-    @property
-    def figures(self) -> list[Any]:
-        """What the viewer has of it."""
-        return self._figures
+        self.figures = []
 
     def part_poses(self) -> list[Any]:
         """Where its links are in the world, an SE3 each."""
         from spatialmath import SE3  # pyright: ignore[reportMissingImports]
 
-        poses = self._base @ self._model.link_poses(self._configuration())
+        poses = self._placed() @ self._model.link_poses(self._configuration())
         return [SE3(T, check=False) for T in poses]
 
 

@@ -18,6 +18,7 @@ from swift._elements import SwiftElement
 from swift._handles import AssemblyHandle, Callback, Item, PartsHandle, RobotHandle, ShapeHandle
 from swift._recorder import Recorder
 from ulna.errors import InputError, UlnaWarning, UnknownName, ViewerError
+from ulna.sim import Simulation
 from ulna.viewer.camera import Camera
 from ulna.viewer.screen import open_browser, somebody_can_look
 from ulna.viewer.viewer import Viewer
@@ -115,8 +116,12 @@ class Swift:
 
     def _start(self, page: bool, port: int, realtime: bool, speed: float, axes: bool) -> None:
         self._viewer = Viewer(port, page=page, browser=False, title="Swift")
-        self._simulation = self._viewer.simulate(realtime, speed, control="velocity")
-        self._simulation.each_step(lambda _: self._show())
+        # with a page, the viewer records what happens, for its time line; robots are moved here
+        self._simulation = (
+            self._viewer.simulate(realtime, speed, control="position")
+            if page
+            else Simulation(realtime, speed)
+        )
         self._items, self.elements, self._names, self._number = {}, {}, {}, 0
         if axes:
             self._viewer.axes(0.3, name="world axes")
@@ -234,7 +239,7 @@ class Swift:
         own = any(item.thing is robot for item in self._items.values())
         alphas = float(robot_alpha), float(collision_alpha)
         more = self._more(name, callback)
-        return self._keep(RobotHandle(self.viewer, self._simulation, robot, alphas, readonly, own, **more))
+        return self._keep(RobotHandle(self.viewer, robot, alphas, readonly, own, **more))
 
     def add_assembly(
         self,
@@ -312,7 +317,12 @@ class Swift:
         if not found:
             raise UnknownName("thing in the environment", id, (str(i) for i in self._items))
         for item in found:
+            bodies = (
+                [f.body for f in item.figures if f.body is not None] if isinstance(item, RobotHandle) else []
+            )
             item.remove()
+            for body in bodies:
+                self._simulation.remove(body)
             del self._items[item.id]
 
     def __getitem__(self, key: str | int) -> Any:
@@ -354,20 +364,17 @@ class Swift:
         if not (np.isfinite(dt) and dt >= 0.0):
             raise InputError(f"`dt` is {dt}; expected a time of at least zero [s].")
         self.process_events()
-        if dt == 0.0:
-            with viewer.scene.together():
-                for item in self._items.values():
-                    item.stand() if isinstance(item, RobotHandle) else item.show()
-            return
-        t, values = self._simulation.t + dt, self.values
-        for item in self._items.values():
-            item.tell(t, dt, values)
-        self._simulation.step(dt)
-
-    def _show(self) -> None:
-        with self.viewer.scene.together():
-            for item in self._items.values():
+        items, simulation = self._items.values(), self._simulation
+        t = simulation.t + dt
+        with viewer.scene.together():
+            if dt > 0.0:
+                values = self.values
+                for item in items:
+                    item.tell(t, dt, values)
+            for item in items:
                 item.show()
+        if dt > 0.0:
+            simulation.step(dt)
         if self._recorder is not None:
             self._note()
 
