@@ -1,6 +1,6 @@
 """A robot from its file: what its model and its data hold, and the short calls of RobotWrapper, in historic spelling.
 
-Run it by `ulna run`. You should see what the model offers, where the wrist is, the centre of mass, and where joint 3 is.
+Run it by `ulna run`. You should see what the model offers, the wrist, the centre of mass, joint 3.
 """
 
 # ruff: noqa: F403, F405, UP031 (spelled as the tutorial did)

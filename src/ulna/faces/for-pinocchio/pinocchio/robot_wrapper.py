@@ -250,11 +250,11 @@ class RobotWrapper:
     classicAcceleration = classicalAcceleration
 
     def framePlacement(self, q: Any, index: int, update_kinematics: bool = True) -> SE3:
-        """Where a frame is in the world: a live reference into `data.oMf`."""
+        """Where a frame is in the world; `data.oMf` has it, too."""
         frame = self._frame(index)
         if update_kinematics:
             self.forwardKinematics(q)
-        return pin.updateFramePlacement(self.model, self.data, frame)
+        return pin.updateFramePlacement(self.model, self.data, frame).copy()
 
     framePosition = framePlacement
     """The historic name of `framePlacement`."""

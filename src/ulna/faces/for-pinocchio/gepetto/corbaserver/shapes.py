@@ -12,9 +12,9 @@ from gepetto.corbaserver.placement import pose_of
 from gepetto.corbaserver.tree import PARTS, Tree
 from ulna.errors import InputError, UnknownName
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Shape, Sphere
+from ulna.viewer.colours import colour
 from ulna.viewer.content import Lines
 from ulna.viewer.handles import Path
-from ulna.viewer.colours import colour
 from ulna.viewer.surface import Surface
 from ulna.viewer.tessellate import tessellate
 

@@ -16,7 +16,6 @@ from ulna.errors import InputError, UnknownName
 from ulna.viewer.camera import Camera
 from ulna.viewer.colours import colour
 
-
 _SIZE = (960, 600)  # of pictures [pixels]
 
 

@@ -12,8 +12,8 @@ import numpy as np
 from pinocchio._geometry import GeometryObject
 from ulna.errors import ModelWarning
 from ulna.geometry import Mesh
-from ulna.viewer.meshes import load_mesh, smooth
 from ulna.viewer.colours import colour
+from ulna.viewer.meshes import load_mesh, smooth
 from ulna.viewer.surface import Surface
 from ulna.viewer.tessellate import tessellate
 
