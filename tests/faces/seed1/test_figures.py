@@ -38,8 +38,7 @@ def test_the_recorded_figures_of_three_robots(tmp_path: Path) -> None:
         for key in ("total_mass", "neutral"):
             _same(found[name][key], figures[key], f"{name}: {key}")
         for own, wanted in zip(found[name]["configs"], figures["configs"], strict=True):
-            assert set(own) == set(wanted) - {"q", "v", "a", "tau"}
-            for key in own:
+            for key in sorted(set(wanted) - {"q", "v", "a", "tau"}):
                 _same(own[key], wanted[key], f"{name}: {key}")
 
 
