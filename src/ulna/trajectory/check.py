@@ -9,11 +9,11 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.model import Model
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.inputs import positive
-from ulna.trajectory.space import Poses, model_of
+from ulna.trajectory.space import Poses, model_of, require_configurations
 from ulna.typing import ArrayLike, Floats
 
 _ZOOMS = 3  # each narrows the place of the worst value tenfold
@@ -127,10 +127,7 @@ def check(
         raise InputError(f"`samples` is {samples!r}; expected a count of at least 2.")
     if isinstance(trajectory.space, Poses):
         raise InputError("The trajectory moves a pose; expected joints: follow(trajectory, ik) makes them.")
-    if trajectory.space.shape != (model.nq,) or trajectory.space.n != model.nv:
-        raise ShapeError(
-            "trajectory", trajectory.space.shape, f"({model.nq},), configurations of {model.name!r}"
-        )
+    require_configurations("trajectory", trajectory.space, model)
     limits = _limits(model, acceleration, jerk, torque)
     t = trajectory.instants(samples)
     values = _values(model, trajectory, t, limits)

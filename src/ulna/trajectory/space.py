@@ -10,6 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import algorithms
+from ulna.errors import InputError, ShapeError
 from ulna.model import Model
 from ulna.spatial import so3_log
 from ulna.typing import Floats
@@ -119,6 +120,22 @@ class Poses(Space):
 @lru_cache(maxsize=64)
 def _numbered(n: int) -> Vectors:
     return Vectors(tuple(f"q{k}" for k in range(n)))
+
+
+def require_configurations(name: str, space: Space, model: Model) -> None:
+    """Refuses what does not move the joints of a model.
+
+    Raises:
+        ShapeError: If the points are no configurations.
+        InputError: If they are, but quaternions in them move as plain numbers, off the manifold.
+    """
+    if space.shape != (model.nq,):
+        raise ShapeError(name, space.shape, f"({model.nq},), configurations of {model.name!r}")
+    if space.n != model.nv:
+        raise InputError(
+            f"`{name}` moves the {model.nq} entries of q as plain numbers, but {model.name!r} has quaternions, which "
+            "do not stay unit so. Use straight(robot, ...) or straight_through(robot, ...)."
+        )
 
 
 def model_of(robot: Any) -> Model:

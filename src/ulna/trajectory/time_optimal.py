@@ -22,7 +22,7 @@ from ulna.trajectory.infeasible import Problem
 from ulna.trajectory.inputs import rows
 from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.reach import controllable, fastest, reachable
-from ulna.trajectory.space import Poses, Vectors, model_of
+from ulna.trajectory.space import Poses, Vectors, model_of, require_configurations
 from ulna.trajectory.waypoints import cubic_spline
 from ulna.typing import ArrayLike, Floats
 
@@ -78,8 +78,8 @@ def time_optimal(
         raise InputError("The path is one of poses; expected joints: follow(path, ik) makes them.")
     n = curve.space.n
     model = None if robot is None else model_of(robot)
-    if model is not None and model.nv != n:
-        raise InputError(f"The path moves {n} joints, but {model.name!r} has {model.nv}; expected the same.")
+    if model is not None:
+        require_configurations("path", curve.space, model)
     if torque is not None and model is None:
         raise InputError("`torque` was given without `robot`, whose dynamics they take; pass it.")
     names = curve.space.names if model is None else model.velocity_names

@@ -6,6 +6,7 @@ import pytest
 import ulna
 from ulna import trajectory
 from ulna.errors import DtypeError, InputError, ShapeError
+from ulna.model import FreeFlyer
 
 
 @pytest.fixture(scope="module")
@@ -114,3 +115,15 @@ def test_what_is_no_question_is_refused(panda: ulna.Robot) -> None:
         trajectory.quintic(q, q + 1.0, 1e-120)
     with pytest.raises(DtypeError, match="complex"):
         trajectory.quintic(q + 1j, q, 1.0)
+
+
+def test_quaternions_moved_as_numbers_are_refused() -> None:
+    flyer = ulna.load("ur5", root=FreeFlyer())
+    q0, q1 = flyer.random_configuration(2, seed=1)
+    with pytest.raises(InputError, match="straight"):
+        trajectory.check(flyer, trajectory.quintic(q0, q1, 1.0))
+    with pytest.raises(InputError, match="straight"):
+        trajectory.time_optimal([q0, q1], flyer, acceleration=1.0)
+    with pytest.raises(ShapeError, match="path"):
+        trajectory.time_optimal(np.zeros((2, flyer.nv)) + [[0.0], [0.1]], flyer, acceleration=1.0)
+    assert "position" in trajectory.check(flyer, trajectory.straight(flyer, q0, q1, 9.0)).use
