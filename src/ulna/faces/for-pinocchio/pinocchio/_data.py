@@ -92,7 +92,7 @@ class Data:
         self.joints = StdVec(model.joints)
         self._engine: Engine | None = None
         self._due: dict[str, Callable[[], Any]] = {}
-        self._due_of_places = {"liMi": self._fill_places}
+        self._due_of_places = self._fill_places
         self._due_of_motion: dict[str, Callable[[], Any]] = dict.fromkeys(_OF_MOTION, self._fill_bodies)
         self._motion: Any = None
         self._moments: tuple[Floats, ...] = ()
@@ -130,7 +130,7 @@ class Data:
         out._blocks = {k: b.copy() for k, b in self._blocks.items()}
         out.hg, out.dhg, out.Ig = self.hg.copy(), self.dhg.copy(), self.Ig.copy()
         out._due = {}
-        out._due_of_places = {"liMi": out._fill_places}
+        out._due_of_places = out._fill_places
         out._due_of_motion = dict.fromkeys(self._due_of_motion, out._fill_bodies)
         out._subtrees = {n: out._filler(n) for n in self._subtrees}
         out._fill_views()
@@ -145,7 +145,7 @@ class Data:
         """Remembers what the placements are of; returns a copy of q."""
         self._engine = engine
         self._q = q = q.copy()
-        self._due.update(self._due_of_places)
+        self._due["liMi"] = self._due_of_places
         return q
 
     def pull(self, name: str) -> None:

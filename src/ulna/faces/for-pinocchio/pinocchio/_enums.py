@@ -12,6 +12,8 @@ from ulna.errors import InputError
 class _Named(enum.IntEnum):
     """Numbers with names; printed by their name."""
 
+    __hash__ = int.__hash__  # that of Enum is slow
+
     def __str__(self) -> str:
         return self.name
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio import _frame
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
 from pinocchio._enums import reference_of
@@ -72,10 +73,19 @@ def getFrameJacobian(model: Model, data: Data, *place: Any, reference_frame: Any
         place: Index of the frame; or index of a joint, and a placement in its frame; then the reference.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED, where it is not the last of `place`.
     """
-    place, reference = split(place, reference_frame)
-    key, given = at_frame(model, place)
-    q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
-    return _jacobian(model, data, reference, key, given)(q)
+    engine, q = data._engine, data._q_of_jacobians
+    if engine is not None and q is not None and len(place) == 2 and reference_frame is None:
+        hot = engine.hot.get(place) if type(place[0]) is int else None
+        if hot is not None and hot[1] == _frame.changes[0] and hot[2].tobytes() == hot[3]:
+            return hot[0](q)
+    where, reference = split(place, reference_frame)
+    key, given = at_frame(model, where)
+    q = data.require(q, "computeJointJacobians(model, data, q)")
+    kernel = _jacobian(model, data, reference, key, given)
+    if engine is not None and given is None and len(place) == 2 and reference_frame is None:
+        M = model.frames[key].placement._m
+        engine.hot[place] = (kernel, _frame.changes[0], M, M.tobytes())
+    return kernel(q)
 
 
 def computeFrameJacobian(
