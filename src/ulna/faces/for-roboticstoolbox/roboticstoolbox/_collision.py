@@ -1,7 +1,127 @@
-"""Whether a robot touches things, and bounds on velocities that keep it from doing so."""
+"""Whether a robot touches things, and bounds on velocities that keep it from doing so.
+
+| symbol | meaning | unit |
+|---|---|---|
+| d, grad d | distance of a link from a shape, its gradient by the configuration | [m], [m/rad] |
+| di, ds | distances at which damping begins, and at which it stops the approach | [m] |
+| xi | gain: -grad d qd <= xi (d - ds) / (di - ds) | [m/s] |
+
+Source: Faverjon & Tournassoud 1987, A local based approach for path planning of manipulators.
+"""
 
 from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+_SHAPE = "the shape"
 
 
 class Collision:
     """Contacts and distances."""
+
+    n: int
+    q: Floats
+    qlim: Floats
+
+    def _near(self, q: Any, shape: Any, within: float, links: Any = None) -> list[Any]:
+        """What is near a shape, one entry for each link."""
+        from roboticstoolbox._shapes import obstacle
+        from ulna import collision
+
+        body = self._everything()  # type: ignore[attr-defined]
+        solid, T = obstacle(shape)
+        self._require_shapes()
+        checker = body.collision_checker(collision.World().add(_SHAPE, solid, moving=True), pairs=())
+        whole = self._configuration(q)  # type: ignore[attr-defined]
+        near = checker.nearest(whole, {_SHAPE: T.matrix()}, within=within)
+        return [found for found in near if links is None or found.names[0] in links]
+
+    def _require_shapes(self) -> None:
+        if not any(link.collision for link in self.link_dict.values()):  # type: ignore[attr-defined]
+            raise InputError(f"Robot {self.name!r} has no collision shapes; give its links some.")  # type: ignore[attr-defined]
+
+    def iscollided(self, q: Any, shape: Any, skip: bool = False) -> bool:
+        """Whether the robot touches a shape."""
+        return any(found.distance <= 0.0 for found in self._near(self.q if q is None else q, shape, 0.01))
+
+    collided = iscollided
+
+    def isselfcollided(self, q: Any = None, skip: bool = False) -> bool:
+        """Whether two links touch that are not joined."""
+        body = self._everything()  # type: ignore[attr-defined]
+        return bool(body.collides(self._configuration(self.q if q is None else q)))  # type: ignore[attr-defined]
+
+    def closest_point(
+        self, q: Any, shape: Any, inf_dist: float = 1.0, skip: bool = False
+    ) -> tuple[float | None, Floats | None, Floats | None]:
+        """Distance from a shape, the nearest point of the robot and that of the shape; None beyond `inf_dist`."""
+        found = self._near(self.q if q is None else q, shape, inf_dist)
+        if not found:
+            return None, None, None
+        best = min(found, key=lambda item: item.distance)
+        return best.distance, best.points[0], best.points[1]
+
+    def joint_velocity_damper(
+        self, q: Any = None, ps: float = 0.05, pi: float = 0.1, n: int | None = None, gain: float = 1.0
+    ) -> tuple[Floats, Floats]:
+        """A and b of A qd <= b that keep joints from their limits, (n, n) and (n,).
+
+        Args:
+            q: Configuration, (n,).
+            ps: Distance from a limit that is kept [rad or m].
+            pi: Distance at which damping begins [rad or m].
+            n: How many of the joints; None for all.
+            gain: Greatest speed at that distance [rad/s or m/s].
+        """
+        at = np.asarray(self.q if q is None else q, dtype=float)
+        count = self.n if n is None else n
+        A, b = np.zeros((count, count)), np.zeros(count)
+        for i, (x, low, high) in enumerate(zip(at[:count], *self.qlim[:, :count], strict=True)):
+            for side, room in ((-1.0, x - low), (1.0, high - x)):
+                if room <= pi:
+                    A[i, i], b[i] = side, gain * (room - ps) / (pi - ps)
+        return A, b
+
+    def link_collision_damper(
+        self,
+        shape: Any,
+        q: Any = None,
+        di: float = 0.3,
+        ds: float = 0.05,
+        xi: float = 1.0,
+        end: Any = None,
+        start: Any = None,
+        collision_list: Any = None,
+    ) -> tuple[Floats | None, Floats | None]:
+        """A and b of A qd <= b that keep links from a shape, a row for each link that is near; None without any.
+
+        Args:
+            shape: The shape.
+            q: Configuration, (n,).
+            di: Distance at which damping begins [m].
+            ds: Distance that is kept [m].
+            xi: Greatest speed of approach at `di` [m/s].
+            end: Last link that counts.
+            start: First link that counts.
+            collision_list: Refused.
+        """
+        if collision_list is not None:
+            raise InputError(
+                "`collision_list` is not offered; the shapes are those of the links from start to end."
+            )
+        links = None
+        if end is not None or start is not None:
+            path, _, _ = self.get_path(end, start)  # type: ignore[attr-defined]
+            links = [link.name for link in path if link.collision]
+        near = self._near(self.q if q is None else q, shape, di, links)
+        found = [item for item in near if item.gradient[: self.n].any()]  # the base cannot give way
+        if not found:
+            return None, None
+        A = -np.array([item.gradient for item in found])[:, : self.n]
+        b = np.array([xi * (item.distance - ds) / (di - ds) for item in found])
+        return A, b

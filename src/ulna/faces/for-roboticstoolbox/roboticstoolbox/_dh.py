@@ -114,7 +114,7 @@ class DHRobot(Robot):
             raise ModelError(
                 "A DHRobot is made of DH links: RevoluteDH, PrismaticDH, RevoluteMDH, PrismaticMDH."
             )
-        if len({link.mdh for link in own}) > 1:
+        if len({getattr(link, "mdh", None) for link in own}) > 1:
             raise ModelError("Some links have standard and some modified parameters; use one convention.")
         for i, link in enumerate(own):
             link._parent = own[i - 1] if i else None

@@ -106,7 +106,9 @@ class Kinematics:
         """Arm and grippers as one robot of Ulna."""
         if self._whole is None:
             base = np.eye(4) if self._base is None else self._base
-            model = model_of(self.name, self._links, self._grippers, (0.0, 0.0, -9.81), base, moving=True)
+            pairs = self.__dict__.get("_disabled", ())
+            fall = (0.0, 0.0, -9.81)
+            model = model_of(self.name, self._links, self._grippers, fall, base, True, pairs)
             self._whole = Body(model)
         return self._whole
 

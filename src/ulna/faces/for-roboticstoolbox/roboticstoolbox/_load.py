@@ -71,6 +71,7 @@ def from_model(
         links.append(link)
     first = by_name[gripper_link] if gripper_link else None
     robot = kind._from_links(links, first, name=model.name, gravity=model.gravity, **more)
+    robot._disabled = [pair for pair in model.disabled_pairs if all(name in by_name for name in pair)]
     if tool is not None and robot.grippers:
         robot.grippers[0].tool = tool
     return robot

@@ -149,6 +149,11 @@ class BaseRobot(Kinematics, Dynamics, Collision, Plotting):
         return self._links
 
     @property
+    def ulna(self) -> Any:
+        """Arm and grippers as an `ulna.Robot`, whose configurations have the grippers' joints, too."""
+        return self._everything()
+
+    @property
     def grippers(self) -> list[Gripper]:
         """What the arm carries."""
         return self._grippers

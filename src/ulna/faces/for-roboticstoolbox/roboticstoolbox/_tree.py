@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from roboticstoolbox._gripper import Gripper
 from roboticstoolbox._link import Link
+from roboticstoolbox._shapes import geometry
 from ulna.errors import ModelError, UnknownName
 from ulna.formats.poses import tidy
 from ulna.model import Fixed, JointKind, Model, ModelBuilder, Prismatic, Revolute
@@ -83,6 +84,7 @@ def model_of(
     gravity: Any,
     base: Any,
     moving: bool,
+    disabled: Iterable[tuple[str, str]] = (),
 ) -> Model:
     """Links and grippers as one model, whose links bear their names.
 
@@ -93,6 +95,7 @@ def model_of(
         gravity: Acceleration of free fall in the world, (3,) [m/s^2].
         base: Where it stands in the world, (4, 4).
         moving: Whether joints of grippers move, after those of the arm; else they stand at the grippers' `q`.
+        disabled: Pairs of links whose shapes may touch.
     """
     builder = ModelBuilder(name or "robot")
     builder.gravity = gravity
@@ -112,7 +115,9 @@ def model_of(
                 stay[link] = float(gripper.q[link.jindex])
     order = sorted(range(len(whole)), key=lambda i: joints.get(whole[i], -1))
     for link in whole:
-        builder.add_link(link.name, link._inertia())
+        drawn = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link.geometry)]
+        checked = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link.collision)]
+        builder.add_link(link.name, link._inertia(), drawn, checked)
     for i in order:
         link = whole[i]
         parent = "base link of the robot" if link in roots else link.parent.name
@@ -124,6 +129,8 @@ def model_of(
             if link.qlim is not None:
                 extra |= {"lower": float(link.qlim[0]), "upper": float(link.qlim[1])}
         builder.add_joint(f"joint of {link.name}", kind, parent, link.name, before, offset=after, **extra)
+    for pair in disabled:
+        builder.disable_pair(*pair)
     return builder.build()
 
 

@@ -1,0 +1,127 @@
+"""Scripts as people write them run through `ulna run`, without a screen; what is not offered says what to use."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("matplotlib")
+pytest.importorskip("spatialmath")
+pytest.importorskip("PIL")
+
+FIRST = """
+import roboticstoolbox as rtb
+robot = rtb.models.Panda()
+print(robot)
+robot.plot(robot.qr, block=True)
+"""
+
+SIXTH = """
+import roboticstoolbox as rtb
+from spatialmath import SE3
+robot = rtb.models.Panda()
+Te = robot.fkine(robot.qr)
+Tep = SE3.Trans(0.6, -0.3, 0.1) * SE3.OA([0, 1, 0], [0, 0, -1])
+sol = robot.ik_LM(Tep)
+q_pickup = sol[0]
+assert sol.success and abs(robot.fkine(q_pickup).A - Tep.A).max() < 1e-5
+qt = rtb.jtraj(robot.qr, q_pickup, 5)
+robot.plot(qt.q, backend="pyplot", movie="panda1.gif")
+robot.plot(qt.q)
+from PIL import Image
+film = Image.open("panda1.gif")
+times = []
+for k in range(film.n_frames):
+    film.seek(k)
+    times.append(film.info["duration"])
+print(film.n_frames, sum(times))
+"""
+
+COLLISION = """
+import numpy as np, roboticstoolbox as rtb, spatialgeometry as sg, spatialmath as sm
+robot = rtb.models.Panda()
+q = robot.qr
+assert not robot.isselfcollided(q)
+ball = sg.Sphere(0.05, pose=sm.SE3(0.5, 0.2, 0.45))
+d, p, w = robot.closest_point(q, ball)
+assert np.isclose(np.linalg.norm(w - p), d) and not robot.iscollided(q, ball)
+A, b = robot.link_collision_damper(ball, q, di=0.3, ds=0.05, xi=2.0)
+near = d
+step = 1e-6 * A[np.argmin(b)]
+assert np.isclose((robot.closest_point(q + step, ball)[0] - near) / 1e-6, -A[np.argmin(b)] @ A[np.argmin(b)], rtol=1e-3)
+assert np.isclose(b.min(), 2.0 * (d - 0.05) / 0.25)
+ball.T = sm.SE3(5.0, 0.0, 0.0)
+assert robot.closest_point(q, ball) == (None, None, None)
+assert robot.link_collision_damper(ball, q) == (None, None)
+q2 = q.copy(); q2[3] = -0.12; q2[5] = 3.7
+A, b = robot.joint_velocity_damper(q2)
+assert np.allclose(b, [0, 0, 0, 0.004, 0, 0.05, 0]) and A[3, 3] == 1 and A[5, 5] == 1
+print("fine")
+"""
+
+STATE = """
+import copy, pickle, numpy as np, roboticstoolbox as rtb
+robot = rtb.models.Panda()
+robot.q = robot.qr
+robot.qd = [0.1] * 7
+twin = pickle.loads(pickle.dumps(robot))
+other = copy.deepcopy(robot)
+for one in (twin, other, robot.copy()):
+    assert np.array_equal(one.q, robot.qr) and np.array_equal(one.qd, robot.qd)
+    assert np.array_equal(one.fkine(one.q).A, robot.fkine(robot.q).A)
+    assert np.allclose(one.gravload(one.q), robot.gravload(robot.q))
+other.links[3].m = 50.0
+assert not np.allclose(other.gravload(other.q), robot.gravload(robot.q))
+other.grippers[0].tool = np.eye(4)
+assert not np.allclose(other.fkine(other.q).A, robot.fkine(robot.q).A)
+for name, word in (("DstarPlanner", "arms"), ("rtb_load_matfile", "scipy"), ("nonsense", "nonsense")):
+    try:
+        getattr(rtb, name)
+    except AttributeError as error:
+        assert word in str(error), error
+    else:
+        raise AssertionError(name)
+for name, word in (("pay", "payload"), ("ikine_LMS", "ikine_LM"), ("nonsense", "nonsense")):
+    try:
+        getattr(robot, name)
+    except AttributeError as error:
+        assert word in str(error), error
+    else:
+        raise AssertionError(name)
+print("fine")
+"""
+
+
+@pytest.mark.parametrize(
+    ("script", "said"), [(FIRST, "panda_link8"), (SIXTH, "5 250"), (COLLISION, "fine"), (STATE, "fine")]
+)
+def test_runs_to_the_end(script: str, said: str, tmp_path: Path) -> None:
+    file = tmp_path / "script.py"
+    file.write_text(script)
+    bare = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    done = subprocess.run(
+        [sys.executable, "-m", "ulna", "run", str(file)],
+        env=bare | {"MPLBACKEND": "agg"},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert said in done.stdout
+
+
+def test_importing_the_face_does_not_import_spatialmath_or_matplotlib(tmp_path: Path) -> None:
+    file = tmp_path / "script.py"
+    file.write_text(
+        "import sys, roboticstoolbox as rtb\nrtb.models.Panda()\n"
+        "print([m for m in ('spatialmath', 'matplotlib', 'scipy') if m in sys.modules])\n"
+    )
+    command = [sys.executable, "-m", "ulna", "run", str(file)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout.strip() == "[]"
