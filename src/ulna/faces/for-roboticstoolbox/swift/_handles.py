@@ -23,6 +23,13 @@ def pose_of(value: Any) -> Floats:
     return np.asarray(getattr(value, "A", value), dtype=float)
 
 
+def model_behind(robot: Any) -> Any:
+    """The `ulna.Robot` behind a robot of the toolbox; None where there is none."""
+    if hasattr(robot, "ulna"):
+        return robot.ulna
+    return robot._everything() if hasattr(robot, "_everything") else None
+
+
 class Item(abc.ABC):
     """Something in the environment.
 
@@ -141,17 +148,20 @@ class RobotHandle(AssemblyHandle):
         super().__init__(**more)
         self._viewer, self.robot, self.readonly = viewer, robot, bool(readonly)
         self._holds = SimpleNamespace(q=np.array(robot.q), qd=np.array(robot.qd)) if own else robot
-        self._model = robot.ulna
+        self._model = model_behind(robot)
         limits = getattr(robot, "qlim", None)
         self._low, self._high = (
             (self._model.limits.lower, self._model.limits.upper)
             if limits is None
             else np.array(limits, dtype=float)
         )
-        self._base = self._placed()
         start = self._configuration()
+        stands = np.asarray(self._model.link_poses(self._model.neutral))[0]
+        self._base = self._placed()
+        # a model may have the base built in
+        self._within = np.linalg.inv(stands) if np.allclose(stands, self._base) else np.eye(4)
         self.figures = [
-            viewer.add(self._model, start, pose=self._base, opacity=alpha, show=what)
+            viewer.add(self._model, start, pose=self._base @ self._within, opacity=alpha, show=what)
             for alpha, what in zip(alphas, ("visual", "collision"), strict=True)
             if alpha > 0.0
         ]
@@ -166,13 +176,18 @@ class RobotHandle(AssemblyHandle):
     def _state(self) -> Any:
         return self._holds
 
-    def _configuration(self) -> Floats:
+    def _joints(self) -> Floats:
         q = np.asarray(self._holds.q, dtype=float)
-        if q.shape != (self._model.nq,):
+        if q.shape != self._low.shape:
             raise ShapeError(
-                "q", q.shape, f"({self._model.nq},), a number for each joint of {self._model.name!r}"
+                "q", q.shape, f"({len(self._low)},), a number for each joint of {self._model.name!r}"
             )
         return q
+
+    def _configuration(self) -> Floats:
+        """The configuration of the model: the joints, and those of grippers where it has them."""
+        q = self._joints()
+        return q if len(q) == self._model.nq else self.robot._configuration(q)
 
     def _placed(self) -> Floats:
         return pose_of(getattr(self.robot, "base", np.eye(4)))
@@ -180,7 +195,7 @@ class RobotHandle(AssemblyHandle):
     def tell(self, t: float, dt: float, values: dict[str, Any]) -> None:
         """Move it on: joints turn and slide, so that moving is adding."""
         if self._moves(t, values):
-            q, qd = self._configuration(), np.asarray(self._holds.qd, dtype=float)
+            q, qd = self._joints(), np.asarray(self._holds.qd, dtype=float)
             if not np.isfinite(qd.sum()) or qd.shape != q.shape:
                 raise InputError(
                     f"`qd` of {self._model.name!r} is {qd.tolist()}; expected {len(q)} finite numbers."
@@ -199,7 +214,7 @@ class RobotHandle(AssemblyHandle):
         if not np.array_equal(base, self._base):
             self._base = base
             for figure in self.figures:
-                figure.pose = base
+                figure.pose = base @ self._within
 
     def remove(self) -> None:
         """Take it out of the scene."""
@@ -211,7 +226,7 @@ class RobotHandle(AssemblyHandle):
         """Where its links are in the world, an SE3 each."""
         from spatialmath import SE3  # pyright: ignore[reportMissingImports]
 
-        poses = self._placed() @ self._model.link_poses(self._configuration())
+        poses = self._placed() @ self._within @ self._model.link_poses(self._configuration())
         return [SE3(T, check=False) for T in poses]
 
 

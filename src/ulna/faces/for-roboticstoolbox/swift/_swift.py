@@ -199,7 +199,7 @@ class Swift:
         """
         if isinstance(ob, SwiftElement):
             return self.add_ui(ob, name)
-        if hasattr(ob, "ulna"):
+        if hasattr(ob, "ulna") or hasattr(ob, "_everything"):
             return self.add_robot(ob, robot_alpha, collision_alpha, readonly, name=name)
         if hasattr(ob, "draw") and hasattr(ob, "_wT"):
             return self.add_shape(ob, name=name)
