@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from pinocchio._model import Model
 
 _GREY = (0.9, 0.9, 0.9, 1.0)
+_WORDS = ("BOX", "SPHERE", "CYLINDER", "CAPSULE")
 _NAMES = ("mesh_path", "mesh_scale", "override_material", "mesh_color", "mesh_texture_path", "mesh_material")
 
 
@@ -64,7 +65,7 @@ class GeometryObject:
         self._placement = SE3(placement)
         self._geometry = geometry
         self.meshPath = str(told.get("mesh_path", ""))
-        """The file of the mesh; empty for other shapes."""
+        """The file of the mesh; for other shapes of a URDF file "BOX", "SPHERE", "CYLINDER" or "CAPSULE"; else empty."""
         self._scale = np.array(vector(told.get("mesh_scale", np.ones(3)), 3, "meshScale"))
         self.overrideMaterial = bool(told.get("override_material", False))
         """Whether `meshColor` hides the mesh's own colours."""
@@ -127,7 +128,7 @@ class GeometryObject:
     @property
     def shape(self) -> Shape | None:
         """Its shape as Ulna says it; None for a mesh that was made in memory."""
-        if self.meshPath:
+        if self.meshPath and self.meshPath not in _WORDS:
             return Mesh(self.meshPath, tuple(self._scale.tolist()), missing=not os.path.isfile(self.meshPath))
         return self._geometry if isinstance(self._geometry, Shape) else _shape_of(self._geometry)
 
@@ -391,7 +392,7 @@ def geometry_model_of(
         for k, geometry in enumerate(found):
             shape, material = geometry.shape, geometry.material
             placement = frame.placement * SE3(np.asarray(geometry.placement.matrix(), dtype=float))
-            named: dict[str, Any] = {}
+            named: dict[str, Any] = {"mesh_path": type(shape).__name__.upper()}
             if isinstance(shape, Mesh):
                 named = {"mesh_path": shape.path or "", "mesh_scale": np.array(shape.scale)}
             if material is not None and kind == GeometryType.VISUAL:
