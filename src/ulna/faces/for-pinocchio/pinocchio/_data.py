@@ -95,6 +95,7 @@ class Data:
         self._due_of_places = self._fill_places
         self._due_of_motion: dict[str, Callable[[], Any]] = dict.fromkeys(_OF_MOTION, self._fill_bodies)
         self._motion: Any = None
+        self._mass_of: Engine | None = None
         self._moments: tuple[Floats, ...] = ()
         self._subtrees = {n: self._filler(n) for n in ("com", "vcom", "acom", "mass")}
         self._q: Floats | None = None

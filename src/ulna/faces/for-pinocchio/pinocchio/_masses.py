@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from pinocchio._vectors import Force
 from ulna import algorithms
 from ulna.model import Model as TowerModel
 from ulna.typing import Array, Floats
-
-if TYPE_CHECKING:
-    from pinocchio._engine import Engine
 
 __all__ = [
     "ccrba",
@@ -53,14 +50,14 @@ def centerOfMass(
 
     What belongs to subtrees is computed when it is read, whatever `compute_subtree_coms` says.
     """
-    v, a = (
-        None if isinstance(x, bool) else x for x in (v, a)
-    )  # compute_subtree_coms may stand in their place
-    if q is None or isinstance(q, (int, np.integer)):
-        q = data.require(data._q, "forwardKinematics(model, data, q)")
-    q = vector(q, model.nq, "q")
-    state = [q, *(vector(x, model.nv, n) for x, n in ((v, "v"), (a, "a")) if x is not None)]
-    fill_masses(model, data, *state)
+    if v is None or isinstance(v, bool):  # compute_subtree_coms may stand in its place
+        if q is None or isinstance(q, (int, np.integer)):
+            q = data.require(data._q, "forwardKinematics(model, data, q)")
+        fill_masses(model, data, vector(q, model.nq, "q"))
+    elif a is None or isinstance(a, bool):
+        fill_masses(model, data, vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    else:
+        fill_masses(model, data, vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a"))
     return data._blocks["com"][0].copy()
 
 
@@ -86,21 +83,18 @@ def fill_masses(model: Model, data: Data, *state: Floats) -> None:
     if kernel is None:
         shapes: dict[str, Any] = dict(zip("qva", (x.shape for x in state), strict=False))
         kernel = engine.made(key, _moments(order), **shapes)
-    *found, data._tails["oMi"][...] = kernel(*state)
-    for field, moment in zip(_FIELDS, found, strict=False):
-        data._blocks[field][0] = moment
+    found = kernel(*state)
+    data._tails["oMi"][...] = found[-1]
+    for k in range(order + 1):
+        field = _FIELDS[k]
+        data._blocks[field][0] = found[k]
         data._lists[field].pull = data._subtrees[field]
-    data.keep(engine, state[0])
-    data._moments = tuple(x.copy() for x in state)
-    list.__setitem__(data.mass, 0, _mass(engine))
-    data.mass.pull = data._subtrees["mass"]
-
-
-def _mass(engine: Engine) -> float:
-    found = engine.kernels.get("mass")
-    if found is None:
-        found = engine.kernels["mass"] = float(algorithms.total_mass(engine.model))
-    return found
+    q = data.keep(engine, state[0])
+    data._moments = (q, *(x.copy() for x in state[1:])) if order else (q,)
+    if data._mass_of is not engine:
+        data._mass_of = engine
+        list.__setitem__(data.mass, 0, float(algorithms.total_mass(engine.model)))
+        data.mass.pull = data._subtrees["mass"]
 
 
 def fill_subtrees(model: Model, data: Data, field: str) -> None:
