@@ -9,7 +9,7 @@ from ulna import algorithms
 from ulna.algorithms import Proximal, Stabilisation
 from ulna.model import Model
 from ulna.model.constraint import bonds
-from ulna.recipes.base import QV, QVTAU, Arguments, Q, Recipe
+from ulna.recipes.base import QV, QVTAU, Arguments, Q, Recipe, with_mass
 from ulna.recipes.dynamics import FORCES, law_of, wrenches
 from ulna.typing import Array
 
@@ -109,24 +109,24 @@ RECIPES: dict[str, Recipe] = {
         _of_bonds(algorithms.constraint_bias), QV, _BOUND, "Its rate when a = 0, (m,)."
     ),
     "delassus_matrix": Recipe(
-        _of_bonds(algorithms.delassus_matrix), Q, _BOUND, "J M^-1 J^T of constraints, (m, m)."
+        with_mass(_of_bonds(algorithms.delassus_matrix)), Q, _BOUND, "J M^-1 J^T of constraints, (m, m)."
     ),
     "constrained_dynamics": Recipe(
-        _motion,
+        with_mass(_motion),
         QVTAU,
         {**_BOUND, **FORCES, "friction": False, "stabilised": False, "solver": Proximal()},
         "Accelerations (nv,), constraint forces (m,), residual and rounds, () each.",
         _motion_arguments,
     ),
     "forward_dynamics_with_jacobian": Recipe(
-        _with_jacobian,
+        with_mass(_with_jacobian),
         QVTAU,
         {"rows": 1, "compliant": False, "solver": Proximal()},
         "The same under J a + drift + compliance f = 0.",
         _jacobian_arguments,
     ),
     "impulse_dynamics": Recipe(
-        _impact,
+        with_mass(_impact),
         QV,
         {**_BOUND, "elastic": False, "solver": Proximal()},
         "Velocity after an impact (nv,), impulses (m,), residual and rounds, () each.",

@@ -8,7 +8,7 @@ from typing import Any
 from ulna import algorithms
 from ulna.algorithms import Friction
 from ulna.model import Model
-from ulna.recipes.base import QV, QVA, QVTAU, Arguments, Q, Recipe, on_model
+from ulna.recipes.base import QV, QVA, QVTAU, Arguments, Q, Recipe, on_model, with_mass
 from ulna.typing import Array
 
 FORCES = {"forces": (), "reference": "local_world_aligned"}
@@ -72,7 +72,11 @@ RECIPES: dict[str, Recipe] = {
         wrenches,
     ),
     "forward_dynamics": Recipe(
-        _forward, QVTAU, {**FORCES, "friction": False}, "Accelerations that torques give, (nv,).", wrenches
+        with_mass(_forward),
+        QVTAU,
+        {**FORCES, "friction": False},
+        "Accelerations that torques give, (nv,).",
+        wrenches,
     ),
     "bias_forces": Recipe(
         _under_forces(algorithms.bias_forces),
@@ -99,14 +103,16 @@ RECIPES: dict[str, Recipe] = {
         wrenches,
     ),
     "forward_dynamics_derivatives": Recipe(
-        _under_fixed_forces(algorithms.forward_dynamics_derivatives),
+        with_mass(_under_fixed_forces(algorithms.forward_dynamics_derivatives)),
         QVTAU,
         {"forces": ()},
         "Derivatives of the accelerations by q, v and tau, (nv, nv) each; the last is the inverse mass matrix.",
         wrenches,
     ),
     "mass_matrix": Recipe(on_model(algorithms.mass_matrix), Q, {}, "Mass matrix, (nv, nv)."),
-    "inverse_mass_matrix": Recipe(on_model(algorithms.inverse_mass_matrix), Q, {}, "Its inverse, (nv, nv)."),
+    "inverse_mass_matrix": Recipe(
+        with_mass(on_model(algorithms.inverse_mass_matrix)), Q, {}, "Its inverse, (nv, nv)."
+    ),
     "coriolis_matrix": Recipe(
         on_model(algorithms.coriolis_matrix), QV, {}, "Coriolis matrix of the Christoffel symbols, (nv, nv)."
     ),

@@ -7,7 +7,7 @@ from typing import Any
 
 from ulna import algorithms
 from ulna.model import Model
-from ulna.recipes.base import IN_FRAME, QV, QVTAU, Q, Recipe, frame_of
+from ulna.recipes.base import IN_FRAME, QV, QVTAU, Q, Recipe, frame_of, with_mass
 
 _TASK = {**IN_FRAME, "representation": None, "damping": 0.0}
 
@@ -22,16 +22,19 @@ def _of_task(function: Callable[..., Any]) -> Callable[..., Callable[..., Any]]:
 
 RECIPES: dict[str, Recipe] = {
     "operational_inertia": Recipe(
-        _of_task(algorithms.operational_inertia), Q, _TASK, "Inertia that a frame feels, (6, 6)."
+        with_mass(_of_task(algorithms.operational_inertia)), Q, _TASK, "Inertia that a frame feels, (6, 6)."
     ),
     "operational_coriolis": Recipe(
-        _of_task(algorithms.operational_coriolis), QV, _TASK, "Coriolis matrix of a frame, (6, 6)."
+        with_mass(_of_task(algorithms.operational_coriolis)), QV, _TASK, "Coriolis matrix of a frame, (6, 6)."
     ),
     "operational_gravity": Recipe(
-        _of_task(algorithms.operational_gravity), Q, _TASK, "Gravity that a frame feels, (6,) [N, N m]."
+        with_mass(_of_task(algorithms.operational_gravity)),
+        Q,
+        _TASK,
+        "Gravity that a frame feels, (6,) [N, N m].",
     ),
     "operational_acceleration": Recipe(
-        _of_task(algorithms.operational_acceleration),
+        with_mass(_of_task(algorithms.operational_acceleration)),
         QVTAU,
         _TASK,
         "How a frame accelerates under joint torques, (6,).",

@@ -11,6 +11,9 @@ from ulna.errors import InputError, UnknownName
 RGBA = tuple[float, float, float, float]
 """Red, green, blue (sRGB) and opacity, each from 0 to 1."""
 
+Colour = str | Iterable[float]
+"""What `colour` understands."""
+
 _CSS = """
 aliceblue f0f8ff, antiquewhite faebd7, aqua 00ffff, aquamarine 7fffd4, azure f0ffff, beige f5f5dc, bisque
 ffe4c4, black 000000, blanchedalmond ffebcd, blue 0000ff, blueviolet 8a2be2, brown a52a2a, burlywood deb887,
@@ -41,10 +44,10 @@ whitesmoke f5f5f5, yellow ffff00, yellowgreen 9acd32
 """
 """Names and values of the CSS Color Module, level 4."""
 
-NAMES: dict[str, str] = dict(pair.split() for pair in _CSS.replace("\n", " ").split(",") if pair.strip())
+NAMES: dict[str, str] = {name: digits for name, digits in (pair.split() for pair in _CSS.split(","))}
 
 
-def colour(value: str | Iterable[float]) -> RGBA:
+def colour(value: Colour) -> RGBA:
     """Red, green, blue and opacity within 0..1.
 
     Args:

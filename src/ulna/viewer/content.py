@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import final
@@ -13,6 +12,7 @@ import numpy as np
 from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.spatial import quat_xyzw_to_matrix
 from ulna.typing import Array, ArrayLike, Floats
+from ulna.viewer.colours import Colour
 from ulna.viewer.surface import RGBA, Surface, colour, unit
 
 _MOST_BALLS = 20_000  # points that a picture draws as balls; more are thinned out
@@ -88,7 +88,7 @@ class Lines(Content):
         object.__setattr__(self, "thickness", _positive("thickness", self.thickness))
 
     @classmethod
-    def through(cls, points: ArrayLike, rgba: Iterable[float], thickness: float = 0.004) -> Lines:
+    def through(cls, points: ArrayLike, rgba: Colour, thickness: float = 0.004) -> Lines:
         """A line from point to point, (n, 3) [m]."""
         way = _frozen("points", points, (None, 3))
         return cls(np.stack([way[:-1], way[1:]], axis=1), colour(rgba), thickness)

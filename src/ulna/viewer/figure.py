@@ -12,6 +12,7 @@ import numpy as np
 from ulna.errors import MissingExtra, ModelWarning, NonFiniteError, ShapeError, UlnaError, UnknownName
 from ulna.geometry import Geometry, Mesh
 from ulna.typing import ArrayLike, Floats
+from ulna.viewer.colours import Colour
 from ulna.viewer.content import Copies
 from ulna.viewer.progress import Report, silent
 from ulna.viewer.scene import Scene
@@ -52,7 +53,7 @@ class Figure:
         robot: Any,
         q: ArrayLike,
         name: str | None = None,
-        rgba: Iterable[float] | None = None,
+        rgba: Colour | None = None,
         show: Showing = "visual",
         pose: ArrayLike | None = None,
         report: Report = silent,

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.typing import ArrayLike, Floats
+from ulna.viewer.colours import Colour
 from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
 from ulna.viewer.scene import Scene, checked_pose
 from ulna.viewer.surface import colour, unit
@@ -86,7 +87,7 @@ class Handle:
         return None if tint[0] == _NONE else (float(tint[0]), float(tint[1]), float(tint[2]))
 
     @color.setter
-    def color(self, color: Iterable[float] | None) -> None:
+    def color(self, color: Colour | None) -> None:
         self._scene.set_look(self._name, "tint", np.full(3, _NONE) if color is None else colour(color)[:3])
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import threading
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, final
 
 import numpy as np
@@ -14,6 +14,7 @@ from ulna.errors import InputError, UnknownName
 from ulna.sim import Body
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer import ellipsoids
+from ulna.viewer.colours import Colour
 from ulna.viewer.content import Lines
 from ulna.viewer.figure import Figure, Ghosts, Showing, checked_configuration
 from ulna.viewer.handles import Arrow, Handle, Path, numbers
@@ -213,7 +214,7 @@ class RobotHandle(Handle):
     def trace(
         self,
         frame: str | None = None,
-        color: Iterable[float] = _TRACE,
+        color: Colour = _TRACE,
         most: int = 2000,
         thickness: float = 0.006,
     ) -> Path:
@@ -267,9 +268,7 @@ class RobotHandle(Handle):
         self._follow(group, bring)
         return out
 
-    def ghosts(
-        self, q: ArrayLike, color: Iterable[float] = (0.36, 0.47, 0.64), opacity: float = 0.25
-    ) -> GhostsHandle:
+    def ghosts(self, q: ArrayLike, color: Colour = (0.36, 0.47, 0.64), opacity: float = 0.25) -> GhostsHandle:
         """Show it in many more configurations `q`, shape (n, nq), faintly.
 
         Raises:
@@ -287,7 +286,7 @@ class RobotHandle(Handle):
         self._scene.add(name)
         return Handle(self._scene, name)
 
-    def _arrow(self, name: str, vector: ArrayLike, color: Iterable[float]) -> Arrow:
+    def _arrow(self, name: str, vector: ArrayLike, color: Colour) -> Arrow:
         return add_arrow(self._scene, name, vector, color, 0.008)
 
     def _follow(self, group: Handle, bring: Any) -> Handle:
@@ -325,7 +324,7 @@ class GhostsHandle(Handle):
         self._ghosts.move(q)
 
 
-def add_arrow(scene: Scene, name: str, vector: ArrayLike, color: Iterable[float], radius: float) -> Arrow:
+def add_arrow(scene: Scene, name: str, vector: ArrayLike, color: Colour, radius: float) -> Arrow:
     """Add an arrow from the origin of its group along a vector [m]."""
     shaft, tip = arrow(colour(color))
     scene.add(f"{name}/shaft", [shaft])

@@ -12,6 +12,7 @@ import numpy as np
 
 from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.typing import Array, ArrayLike, Floats
+from ulna.viewer.colours import Colour
 from ulna.viewer.content import Content, Lines
 from ulna.viewer.surface import Surface, colour
 from ulna.viewer.tessellate import axes
@@ -310,7 +311,7 @@ class Scene:
         return self.add(name, axes(length), pose, shadow=False, through=True)
 
     def add_path(
-        self, name: str, points: ArrayLike, rgba: Iterable[float] = (0.95, 0.45, 0.10), radius: float = 0.004
+        self, name: str, points: ArrayLike, rgba: Colour = (0.95, 0.45, 0.10), radius: float = 0.004
     ) -> Node:
         """Add a line through `points` (n, 3) [m]."""
         way = np.asarray(points, dtype=float).reshape(-1, 3)
@@ -318,9 +319,7 @@ class Scene:
             name, shadow=False, through=True, content=Lines.through(way, colour(rgba), 2 * radius)
         )
 
-    def add_robot(
-        self, robot: Any, q: ArrayLike, name: str | None = None, rgba: Iterable[float] | None = None
-    ) -> Any:
+    def add_robot(self, robot: Any, q: ArrayLike, name: str | None = None, rgba: Colour | None = None) -> Any:
         """Add a robot's links: see `ulna.viewer.figure.Figure`, which it gives."""
         from ulna.viewer.figure import Figure
 

@@ -13,6 +13,7 @@ import numpy as np
 from ulna.errors import InputError, UnknownName
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.typing import ArrayLike, Floats
+from ulna.viewer.colours import Colour
 from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
 from ulna.viewer.figure import Figure, Ghosts, Showing
 from ulna.viewer.handles import Arrow, Cloud, Crowd, Handle, Path, Words
@@ -22,8 +23,6 @@ from ulna.viewer.scene import Scene
 from ulna.viewer.show import checked_robot, configuration
 from ulna.viewer.surface import RGBA, Surface, colour
 from ulna.viewer.tessellate import axes, tessellate
-
-Colour = str | Iterable[float] | None
 
 _PLAIN: RGBA = (0.35, 0.52, 0.78, 1.0)
 _INK: RGBA = (0.16, 0.22, 0.32, 1.0)
@@ -54,7 +53,7 @@ class Stage(abc.ABC):
         *,
         name: str | None = None,
         pose: Any = None,
-        color: Colour = None,
+        color: Colour | None = None,
         opacity: float = 1.0,
         show: Showing = "visual",
     ) -> Any:
@@ -96,7 +95,14 @@ class Stage(abc.ABC):
         return self._robot(checked_robot(thing), q, name, pose, color, opacity, show)
 
     def _robot(
-        self, robot: Any, q: Any, name: str | None, pose: Any, color: Colour, opacity: float, show: Showing
+        self,
+        robot: Any,
+        q: Any,
+        name: str | None,
+        pose: Any,
+        color: Colour | None,
+        opacity: float,
+        show: Showing,
     ) -> RobotHandle:
         start, group = configuration(robot, q), name or self._free(robot.name)
         old = self._handles.get(group)
@@ -143,7 +149,7 @@ class Stage(abc.ABC):
         *,
         name: str | None = None,
         pose: Any = None,
-        color: Colour = None,
+        color: Colour | None = None,
         opacity: float = 1.0,
     ) -> Handle:
         """A mesh file: dae (with textures), stl, obj, glb ...
@@ -184,7 +190,7 @@ class Stage(abc.ABC):
         start: ArrayLike = (0.0, 0.0, 0.0),
         *,
         name: str | None = None,
-        color: Colour = None,
+        color: Colour | None = None,
         opacity: float = 1.0,
         radius: float = 0.008,
     ) -> Arrow:
@@ -204,7 +210,7 @@ class Stage(abc.ABC):
         *,
         name: str | None = None,
         pose: Any = None,
-        color: Colour = None,
+        color: Colour | None = None,
         opacity: float = 1.0,
         thickness: float = 0.004,
     ) -> Path:
@@ -253,7 +259,7 @@ class Stage(abc.ABC):
         *,
         name: str | None = None,
         pose: Any = None,
-        color: Colour = None,
+        color: Colour | None = None,
         opacity: float = 1.0,
     ) -> Handle:
         """A grid of lines in the plane z = 0, `size` [m] wide with cells of `cell` [m]."""
@@ -313,7 +319,7 @@ class Stage(abc.ABC):
         bases: ArrayLike | None = None,
         *,
         name: str | None = None,
-        color: Colour = None,
+        color: Colour | None = None,
         opacity: float = 1.0,
         show: Showing = "visual",
     ) -> GhostsHandle:

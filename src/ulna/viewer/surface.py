@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Array, ArrayLike, Floats
-from ulna.viewer.colours import RGBA, colour
+from ulna.viewer.colours import RGBA, Colour, colour
 
 DEFAULT_COLOUR: RGBA = (0.78, 0.80, 0.82, 1.0)
 """What a surface without a material is drawn in: a light, neutral grey."""
@@ -78,7 +78,7 @@ class Surface:
             normals=unit(normals),
         )
 
-    def coloured(self, rgba: Iterable[float]) -> Surface:
+    def coloured(self, rgba: Colour) -> Surface:
         """The same triangles in another colour, without a texture."""
         return replace(self, rgba=colour(rgba), texture=None)
 

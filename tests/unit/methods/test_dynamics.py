@@ -8,8 +8,10 @@ import pytest
 import ulna
 from support.random_models import random_model
 from ulna import algorithms as alg
-from ulna.errors import NonFiniteError, ShapeError, UnknownName
+from ulna.errors import ModelError, NonFiniteError, ShapeError, UnknownName
+from ulna.model import ModelBuilder, Revolute
 from ulna.robots.panda import panda
+from ulna.spatial import Inertia
 
 METHODS = {
     "inverse_dynamics": 3,
@@ -138,3 +140,27 @@ def test_inside_ones_own_function(robot: ulna.Robot, state) -> None:
     )  # gravity compensation under a load, with damping
     w = np.array([0.0, 0.0, -5.0, 0.0, 0.0, 0.0])
     np.testing.assert_allclose(held(q, v, w), robot.static_torque(q, {"panda_hand": w}) - 3.0 * v, atol=1e-12)
+
+
+def test_joints_that_move_no_mass_are_named() -> None:
+    b = (
+        ModelBuilder("idle")
+        .add_link("base")
+        .add_link("a", Inertia.from_point(1.0, (0.1, 0, 0)))
+        .add_link("b")
+    )
+    b.add_joint("turn", Revolute((0, 0, 1)), "base", "a").add_joint("spin", Revolute((1, 0, 0)), "a", "b")
+    robot = ulna.Robot(b.build())
+    z = np.zeros(2)
+    for ask in (
+        lambda: robot.forward_dynamics(z, z, z),
+        lambda: robot.inverse_mass_matrix(z),
+        lambda: robot.forward_dynamics_derivatives(z, z, z),
+        lambda: robot.operational_inertia(z),
+    ):
+        with pytest.raises(ModelError, match=r"'spin' of 'idle'.*robot\.lock\(\['spin'\]\)"):
+            ask()
+    assert robot.inverse_dynamics(z, z, z).shape == (2,)
+    assert np.isfinite(robot.lock(["spin"]).forward_dynamics([0.0], [0.0], [1.0])).all()
+    driven = robot.with_parameters({"armature": [0.0, 0.1]})
+    assert np.isfinite(driven.forward_dynamics(z, z, z)).all()
