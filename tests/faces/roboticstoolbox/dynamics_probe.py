@@ -51,6 +51,10 @@ def puma(rtb: Any, sm: Any) -> dict[str, Any]:
     q = Q[0]
     out["inertia_x"] = robot.inertia_x(q)
     out["gravload_x"] = robot.gravload_x(q)
+    for frame in ("base", "ee"):
+        out[f"capacity {frame}"] = robot.payload_capacity(
+            q, [56.0, 97.0, 52.0, 10.0, 10.0, 10.0], [3, -2, -9.81, 0.1, 0.2, 0.3], frame
+        )
     free = robot.nofriction()
     out["free"] = free.rne(q, QD[0], QDD[0])
     out["freer"] = robot.nofriction(viscous=True).rne(q, QD[0], QDD[0])
@@ -105,6 +109,11 @@ def own(rtb: Any, sm: Any) -> dict[str, Any]:
         out |= {f"{robot.name} {k}": v for k, v in _torques(robot, q, qd, qdd).items()}
     flipped = rtb.DHRobot([rtb.RevoluteDH(a=1, flip=True), rtb.RevoluteDH(a=0.5, offset=0.2, flip=True)])
     out["flipped"] = np.asarray(flipped.fkine([0.3, 0.4]).A)
+    tilted = rtb.PoERevolute([0, 0.6, 0.8], [1, 0, 0])
+    screws = [rtb.PoERevolute([0, 0, 1], [0, 0, 0]), tilted, rtb.PoEPrismatic([1, 0, 0])]
+    poe = rtb.PoERobot(screws, sm.SE3(2, 0, 0) * sm.SE3.Rx(0.2))
+    out["poe"] = np.asarray(poe.fkine(q).A)
+    out["poe jacob0"], out["poe jacobe"] = poe.jacob0(q), poe.jacobe(q)
     ET, Link = rtb.ET, rtb.Link
     a = Link(ET.Rz(jindex=0), name="a", m=1, r=[0.1, 0, 0], I=[1, 2, 3])
     b = Link(ET.tx(1) * ET.Rx(jindex=1), name="b", parent=a, m=2, r=[0.5, 0, 0], I=[1, 2, 3, 0, 0, 0])

@@ -22,6 +22,7 @@ from ulna.errors import InputError, MissingExtra, ShapeError, UnknownName
 from ulna.model import parameters
 from ulna.numeric import less, where
 from ulna.robot import Robot as Body
+from ulna.spatial import SE3, Inertia
 from ulna.trace import compile
 from ulna.typing import Array, Floats
 
@@ -55,6 +56,7 @@ class Dynamics:
     _links: list[Link]
     _grippers: list[Any]
     _base: Floats | None
+    _tool: Floats | None
     _gravity: Floats
     name: str
     n: int
@@ -206,19 +208,22 @@ class Dynamics:
             x, t = interpolate.interp1d(t, x, axis=0)(even), even
         return fdyn(t, x[:, :n], x[:, n:])
 
-    def _felt(self, name: str, arrays: tuple[Any, ...], representation: str | None) -> Floats:
-        """What is felt at the end, by Ulna's operational space; of the robot's weights now."""
+    def _weighed(self) -> tuple[Body, str]:
+        """The robot of Ulna with the weights of now, and the name of its end."""
         self._told()
         base = np.eye(4) if self._base is None else self._base
         body = Body(model_of(self.name, self._links, self._grippers, self._gravity, base, moving=False))
-        chain = self._chain(None, None)  # type: ignore[attr-defined]
         end, tool = self._end()  # type: ignore[attr-defined]
+        if tool is None and self._tool is None:
+            return body, end.name
         T = np.eye(4) if tool is None else tool
-        from ulna.spatial import SE3
+        body = body.with_tool(end.name, SE3.from_matrix(T if self._tool is None else T @ self._tool))
+        return body, body.tool
 
-        del chain
-        body = body.with_tool(end.name, SE3.from_matrix(T if self._tool is None else T @ self._tool))  # type: ignore[attr-defined]
-        return getattr(body, name)(*arrays, representation=representation)
+    def _felt(self, name: str, arrays: tuple[Any, ...], representation: str | None) -> Floats:
+        """What is felt at the end, by Ulna's operational space."""
+        body, end = self._weighed()
+        return getattr(body, name)(*arrays, frame=end, representation=representation)
 
     def inertia_x(
         self, q: Any = None, pinv: bool = False, representation: str = "rpy/xyz", Ji: Any = None
@@ -231,6 +236,37 @@ class Dynamics:
     ) -> Floats:
         """Coriolis and centrifugal effects felt at the end, (6, 6)."""
         return self._felt("operational_coriolis", (q, qd), representation)
+
+    def accel_x(
+        self,
+        q: Any,
+        xd: Any,
+        wrench: Any,
+        gravity: Any = None,
+        pinv: bool = False,
+        representation: str = "rpy/xyz",
+    ) -> Floats:
+        """The acceleration of position and angles of the end, moving at `xd`, under a force there, (6,)."""
+        J = self.jacob0_analytical(q, representation)  # type: ignore[attr-defined]
+        v = np.linalg.pinv(J) @ np.asarray(xd, dtype=float)
+        tau = J.T @ np.asarray(wrench, dtype=float) - self._rubbing(v)
+        kept = self._gravity
+        try:
+            self._gravity = kept if gravity is None else _three(gravity)
+            return self._felt("operational_acceleration", (q, v, tau), representation)
+        finally:
+            self._gravity = kept
+
+    def payload_capacity(self, q: Any, tau_m: Any, w: Any, frame: str = "base") -> Floats:
+        """How many times the wrench `w` (6,) at the end the joint torques `tau_m` (n,) can carry.
+
+        `frame` says in whose axes the wrench is written: "base" or "ee".
+        """
+        if frame not in ("base", "ee"):
+            raise InputError(f"`frame` is {frame!r}; expected 'base' or 'ee'.")
+        body, end = self._weighed()
+        where = "local_world_aligned" if frame == "base" else "local"
+        return np.atleast_2d(body.payload_capacity(q, end, w, tau_m, where))
 
     def gravload_x(
         self,
@@ -252,8 +288,6 @@ class Dynamics:
         """Adds a point mass `m` [kg] at `p` in the last link's frame [m]."""
         last = self._links[-1]
         body = last._inertia()
-        from ulna.spatial import Inertia
-
         more = Inertia.from_point(float(m), np.zeros(3) if p is None else np.asarray(p, dtype=float))
         whole = more if body is None else body + more
         last.m, last.r, last.I = float(whole.mass), whole.com, whole.inertia

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -20,6 +20,12 @@ class BaseET:
     """What ET and ET2 share: an axis, and a constant or a joint."""
 
     _size = 4
+    edits: ClassVar[int] = 0
+    """How often any transform was made or changed: what was compiled before the last time may be out of date."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        BaseET.edits += 1
+        super().__setattr__(name, value)
 
     def __init__(
         self,

@@ -249,10 +249,14 @@ class BaseETS(UserList):
 
     def _at(self, tool: Any) -> Chain:
         """The chain's kernels; made anew when a transform was changed."""
-        key = tuple((id(et), et.axis, et.eta, et.jindex, et.isflip) for et in self.data)
         known = self.__dict__.get("_known")
-        if known is None or known[0] != key:
-            known = self.__dict__["_known"] = (key, Chain(self.data), list(self.data))
+        if known is None or known[0] != BaseET.edits or known[2] != self.data:
+            key = [
+                (et.axis, et.eta, et.jindex, et.isflip, et.offset, str(et.qlim), str(et._T))
+                for et in self.data
+            ]
+            chain = known[1] if known is not None and known[3] == key else Chain(self.data)
+            known = self.__dict__["_known"] = (BaseET.edits, chain, list(self.data), key)
         chain = known[1]
         return chain if tool is None else chain.with_tool(matrix(tool))
 

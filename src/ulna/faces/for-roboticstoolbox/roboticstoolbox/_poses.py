@@ -35,13 +35,21 @@ def pose(T: Floats) -> Any:
     return out
 
 
+def array(T: Any) -> Floats:
+    """The numbers of a pose object, or of poses, or of an array."""
+    held = getattr(T, "data", None)
+    if type(held) is list:
+        return held[0] if len(held) == 1 else np.array(held, dtype=float)
+    return np.asarray(T, dtype=float)
+
+
 def matrix(T: Any, size: int = 4) -> Floats:
     """The homogeneous matrix (size, size) of a pose object or an array.
 
     Raises:
         ShapeError: It is neither.
     """
-    M = np.asarray(T.A if hasattr(T, "A") else T, dtype=float)
+    M = array(T)
     if M.shape != (size, size):
         raise ShapeError("pose", M.shape, f"({size}, {size}), or one SE{size - 1}")
     return M
@@ -49,7 +57,7 @@ def matrix(T: Any, size: int = 4) -> Floats:
 
 def matrices(T: Any) -> Floats:
     """The matrices of poses, (4, 4) or (m, 4, 4)."""
-    M = np.asarray(T.A if hasattr(T, "A") else T, dtype=float)
+    M = array(T)
     if M.shape[-2:] != (4, 4) or M.ndim > 3:
         raise ShapeError("pose", M.shape, "(4, 4) or (m, 4, 4), or an SE3")
     return M

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
+from roboticstoolbox._poses import array
 from ulna.control import p_servo as _servo
 from ulna.typing import Floats
 
 
 def p_servo(
-    wTe: Any, wTep: Any, gain: Any = 1.0, threshold: float = 0.1, method: str = "rpy"
+    wTe: Any, wTep: Any, gain: Any = 1.0, threshold: float = 0.1, method: Any = "rpy"
 ) -> tuple[Floats, bool]:
     """The twist that leads from one pose towards another, and whether it is reached.
 
@@ -22,11 +21,8 @@ def p_servo(
         threshold: Reached when the absolute errors add up to less [m and rad].
         method: "rpy": in the end's axes, for `jacobe`; "angle-axis": in the base's axes, for `jacob0`.
     """
-    T = wTe.data[0] if hasattr(wTe, "data") and type(wTe.data) is list else np.asarray(wTe, dtype=float)
-    goal = (
-        wTep.data[0] if hasattr(wTep, "data") and type(wTep.data) is list else np.asarray(wTep, dtype=float)
-    )
-    return _servo(T, goal, float(gain) if isinstance(gain, (int, float)) else gain, threshold, method)  # type: ignore[arg-type]
+    factor = float(gain) if isinstance(gain, (int, float)) else gain
+    return _servo(array(wTe), array(wTep), factor, threshold, method)
 
 
 def angle_axis(T: Any, Td: Any) -> Floats:
