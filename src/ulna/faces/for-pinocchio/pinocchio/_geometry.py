@@ -65,7 +65,7 @@ class GeometryObject:
         self._placement = SE3(placement)
         self._geometry = geometry
         self.meshPath = str(told.get("mesh_path", ""))
-        """The file of the mesh; for other shapes of a URDF file "BOX", "SPHERE", "CYLINDER" or "CAPSULE"; else empty."""
+        """The file of the mesh; "BOX", "SPHERE", ... for other shapes of a URDF file; else empty."""
         self._scale = np.array(vector(told.get("mesh_scale", np.ones(3)), 3, "meshScale"))
         self.overrideMaterial = bool(told.get("override_material", False))
         """Whether `meshColor` hides the mesh's own colours."""
