@@ -141,6 +141,19 @@ def test_references_are_live(pin: Any) -> None:
     assert np.linalg.norm(data.oMf[-1].translation - was) == pytest.approx(0.2)
 
 
+def test_frames_can_be_appended_and_replaced(pin: Any) -> None:
+    model = _arm(pin)
+    pin.framesForwardKinematics(model, model.createData(), [0.1, 0.2])
+    M = pin.SE3.Random()
+    model.frames.append(pin.Frame("grip", 2, 0, M, pin.OP_FRAME))
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, [0.1, 0.2])
+    np.testing.assert_allclose(data.oMf[-1].homogeneous, (data.oMi[2] * M).homogeneous, atol=1e-12)
+    model.frames[-1] = pin.Frame("grip", 1, 0, M, pin.OP_FRAME)
+    pin.framesForwardKinematics(model, data, [0.1, 0.2])
+    np.testing.assert_allclose(data.oMf[-1].homogeneous, (data.oMi[1] * M).homogeneous, atol=1e-12)
+
+
 def test_copies_and_pickles_stand_alone(pin: Any) -> None:
     model = _arm(pin, mimic=True)
     for twin in (model.copy(), copy.deepcopy(model), pickle.loads(pickle.dumps(model))):

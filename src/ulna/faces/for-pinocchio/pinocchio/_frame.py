@@ -105,6 +105,13 @@ class Frame:
     def inertia(self, inertia: Inertia) -> None:
         self._inertia._assign(inertia)
 
+    def _assign(self, other: Frame) -> None:
+        self._name, self._type = other.name, other.type
+        self._parent_joint, self._parent_frame = other.parentJoint, other.parentFrame
+        self._placement._assign(other.placement)
+        self._inertia._assign(other.inertia)
+        changes[0] += 1
+
     def copy(self) -> Frame:
         """One of its own."""
         return Frame(self)

@@ -372,7 +372,7 @@ class Model:
     def frame_state(self) -> tuple[int, bytes]:
         """What changes when a frame does."""
         flat = self._frame_flat
-        if flat is None:
+        if flat is None or len(flat) != len(self.frames):
             flat = self._frame_flat = np.stack([f._placement._m for f in self.frames])
             for frame, row in zip(self.frames, flat, strict=True):
                 frame._placement._m = row
