@@ -23,7 +23,7 @@ from ulna.ik.solve import Solver
 from ulna.spatial.check import checked
 from ulna.typing import Array, ArrayLike, Floats
 
-_FIRST, _MOST = 12, 192  # starting points of the first and of the largest round
+_FIRST, _MOST = 7, 64  # starting points of the first and of the largest round
 _WHOLE = 64  # the starting point from which on they are drawn from the whole ranges
 _SAME = 1e-3  # rad or m: solutions this near are one
 _CHECKED = 16  # configurations checked together; at first fewer, since the nearest is often free
@@ -192,7 +192,7 @@ class FreeSolver:
         drawn, done = self.solver.problem.drawn, 1
         low, high = self.solver.problem.range
         while done < question.attempts:
-            count = min(3 * done + _FIRST, _MOST, question.attempts - done)
+            count = min(done + _FIRST, _MOST, question.attempts - done)
             spread = np.minimum((done + np.arange(count)) / _WHOLE, 1.0)[:, None]
             starts = np.repeat(home[None], count, axis=0)
             there = rng.uniform(low, high, (count, len(low)))
