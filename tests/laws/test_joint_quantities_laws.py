@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
@@ -52,3 +54,25 @@ def test_joints_feel_the_torques_of_inverse_dynamics(seed: int) -> None:
             tau[joint.idx_v + k] += ratio * S.dot(force)
     wanted = algorithms.inverse_dynamics(model, q, v, a) - model.armature * a
     np.testing.assert_allclose(tau, wanted, rtol=0, atol=1e-9 * (1 + np.abs(wanted).max()))
+
+
+@pytest.mark.parametrize("reference", ["local", "local_world_aligned"])
+def test_points_change_as_their_differences_say(reference: Literal["local", "local_world_aligned"]) -> None:
+    model, q, v, a = _case(1)
+    frame = model.frame("tip")
+
+    def moves(q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        u = algorithms.frame_velocity(model, q, v, frame, reference).linear
+        gain = algorithms.frame_acceleration(model, q, v, a, frame, reference, classical=True).linear
+        return np.concatenate([u, gain])
+
+    u_q, u_v, A_q, A_v, A_a = algorithms.point_derivatives(model, q, v, a, frame, reference)
+    still = np.zeros((3, model.nv))
+    h, eye = 1e-6, np.eye(model.nv)
+    for found, at in (
+        (np.vstack([u_q, A_q]), lambda step: moves(algorithms.integrate(model, q, step), v, a)),
+        (np.vstack([u_v, A_v]), lambda step: moves(q, v + step, a)),
+        (np.vstack([still, A_a]), lambda step: moves(q, v, a + step)),
+    ):
+        wanted = np.stack([(at(h * e) - at(-h * e)) / (2 * h) for e in eye], axis=-1)
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-6 * (1 + np.abs(wanted).max()))

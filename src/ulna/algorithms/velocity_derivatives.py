@@ -10,6 +10,9 @@
 | dA/dq_k | | Motion | | C_k x J_k + (U_k x J_k) x (V - U_k) |
 | dA/dv_k | | Motion | | U_k x J_k + J_k x (V - V_k) |
 | dA/da_k | | Motion | | J_k |
+| u, w | linear and angular part of V | (3) | [m/s], [rad/s] | |
+| dA'/dx | of the point at the frame's origin, A' = A.linear + w x u | (3) | | dA/dx + dw/dx x u + w x du/dx |
+| in the world's axes | a vector R y changes with q_k also as R turns | (3) | | R dy/dq_k + R (J_k.angular x y) |
 
 All are seen from the frame. Source: Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics
 Algorithms (2018), section III. Derivatives by q are along the tangent space, as in hessian.py.
@@ -17,10 +20,15 @@ Algorithms (2018), section III. Derivatives by q are along the tangent space, as
 
 from __future__ import annotations
 
+from typing import Literal
+
 from ulna.algorithms.jacobian import by_step, local_columns
 from ulna.algorithms.jacobian_dot import partial_twists, step_twist
+from ulna.algorithms.kinematics import frame_acceleration, frame_pose, frame_velocity
 from ulna.algorithms.tree import blank, chain
+from ulna.errors import UnknownName
 from ulna.model import Frame, Model
+from ulna.numeric import skew
 from ulna.spatial import Motion
 from ulna.typing import Array
 
@@ -71,6 +79,48 @@ def frame_acceleration_derivatives(
         C = C + step_twist(group, a) + V_k.cross(own)
         U = V_k
     return dA_dq, dA_dv, dA_da
+
+
+def point_derivatives(
+    model: Model,
+    q: Array,
+    v: Array,
+    a: Array,
+    frame: Frame,
+    reference: Literal["local", "local_world_aligned"] = "local_world_aligned",
+) -> tuple[Array, Array, Array, Array, Array]:
+    """The derivatives of how the origin of a frame moves, as a point, each (..., 3, nv).
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv).
+        frame: A frame of the model.
+        reference: In whose axes: the frame's ("local") or the world's.
+
+    Returns:
+        Of its velocity by q and v; of its acceleration by q, v and a.
+    """
+    if reference not in ("local", "local_world_aligned"):
+        raise UnknownName("reference", reference, ("local", "local_world_aligned"), "A point has no twist.")
+    V_q, V_v = frame_velocity_derivatives(model, q, v, frame)
+    A_q, A_v, A_a = (A[..., :3, :] for A in frame_acceleration_derivatives(model, q, v, a, frame))
+    V = frame_velocity(model, q, v, frame, "local")
+    A = frame_acceleration(model, q, v, a, frame, "local", classical=True).linear
+    A_q, A_v = (x + _turning(V, dV) for x, dV in ((A_q, V_q), (A_v, V_v)))
+    u_q, u_v = V_q[..., :3, :], V_v[..., :3, :]
+    if reference == "local":
+        return u_q, u_v, A_q, A_v, A_a
+    R = frame_pose(model, q, frame).rotation
+    turns = V_v[..., 3:, :]  # the angular part of the Jacobian
+    u_q, A_q = u_q - skew(V.linear) @ turns, A_q - skew(A) @ turns
+    return R @ u_q, R @ u_v, R @ A_q, R @ A_v, R @ A_a
+
+
+def _turning(V: Motion, dV: Array) -> Array:
+    """The derivative of w x u, from the derivative of the twist (u; w)."""
+    return skew(V.angular) @ dV[..., :3, :] - skew(V.linear) @ dV[..., 3:, :]
 
 
 def _add(matrix: Array, index: int, motion: Motion) -> None:

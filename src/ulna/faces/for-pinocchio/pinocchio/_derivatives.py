@@ -32,6 +32,8 @@ __all__ = [
     "getFrameVelocityDerivatives",
     "getJointAccelerationDerivatives",
     "getJointVelocityDerivatives",
+    "getPointClassicAccelerationDerivatives",
+    "getPointVelocityDerivatives",
 ]
 
 
@@ -191,6 +193,33 @@ def _cross(J: Floats, V: Floats) -> Floats:
     """Each column of J x V."""
     linear = np.cross(J[3:], V[:3], axisa=0, axisc=0) + np.cross(J[:3], V[3:], axisa=0, axisc=0)
     return np.vstack([linear, np.cross(J[3:], V[3:], axisa=0, axisc=0)])
+
+
+def getPointVelocityDerivatives(
+    model: Model, data: Data, joint_id: int, placement: Any, reference_frame: ReferenceFrame
+) -> tuple[Floats, Floats]:
+    """Derivatives of the velocity of a point on a joint by q and v, (3, nv) each, in LOCAL or LOCAL_WORLD_ALIGNED."""
+    return _point(model, data, joint_id, placement, reference_frame)[:2]
+
+
+def getPointClassicAccelerationDerivatives(
+    model: Model, data: Data, joint_id: int, placement: Any, reference_frame: ReferenceFrame
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Derivatives of that velocity by q, and of the point's acceleration by q, v and a, (3, nv) each."""
+    u_q, _, *rest = _point(model, data, joint_id, placement, reference_frame)
+    return (u_q, *rest)
+
+
+def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> Any:
+    key, frame = at_frame(model, (joint_id, placement))
+    state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
+    reference: Any = reference_of(rf)
+
+    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+        return lambda q, v, a: algorithms.point_derivatives(tower, q, v, a, frame, reference)
+
+    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
+    return engine_for(model, data).of_frame(("point", key, reference), build, **shapes)(*state)
 
 
 def computeCentroidalDynamicsDerivatives(
