@@ -47,13 +47,7 @@ class GeometryObject:
         placement = told.pop("placement", next((x for x in pair if isinstance(x, SE3)), None))
         geometry = told.pop("collision_geometry", next((x for x in pair if not isinstance(x, SE3)), None))
         told |= dict(zip(_NAMES, rest, strict=False))
-        if (
-            not self.name
-            or not 1 <= len(ints) <= 2
-            or placement is None
-            or geometry is None
-            or set(told) - set(_NAMES)
-        ):
+        if not 1 <= len(ints) <= 2 or placement is None or geometry is None or set(told) - set(_NAMES):
             raise InputError(
                 f"GeometryObject was given {parts}, {named}; expected a name, the index of a joint, that of a frame "
                 "(or none), a placement SE3, a geometry, and " + ", ".join(_NAMES) + "."

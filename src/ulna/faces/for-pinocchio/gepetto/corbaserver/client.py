@@ -5,12 +5,12 @@ from __future__ import annotations
 import atexit
 import sys
 import warnings
-from typing import Any, final
+from typing import Any, NoReturn, final
 
 import ulna
 from gepetto.corbaserver.gui import Gui
-from ulna.errors import MissingExtra, UlnaWarning
-from ulna.viewer.screen import somebody_can_look
+from ulna.errors import MissingExtra, UlnaWarning, ViewerError
+from ulna.viewer.screen import open_browser, somebody_can_look
 
 _shared: list[Gui] = []
 
@@ -57,6 +57,24 @@ class Client:
     def viewer(self) -> Any:
         """The `ulna.Viewer` behind it."""
         return self.gui.viewer
+
+    def open(self) -> None:
+        """Opens a browser window, where there is a screen."""
+        open_browser(self.viewer.url)
+
+    def url(self) -> str:
+        """The address of the page; empty without one."""
+        return self.viewer.url
+
+    def jupyter_cell(self) -> Any:
+        """The page, for the end of a notebook's cell."""
+        return self.viewer
+
+    def __getitem__(self, name: str) -> NoReturn:
+        """Not offered."""
+        raise ViewerError(
+            f"MeshCat's tree is not offered: `.gui` adds, places and removes nodes such as {name!r}."
+        )
 
     def __repr__(self) -> str:
         return f"<client of {self.viewer!r}>"
