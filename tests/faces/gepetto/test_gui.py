@@ -20,6 +20,8 @@ from gepetto import corbaserver
 from gepetto.corbaserver import placement
 from gepetto.corbaserver.gui import REFUSED, Gui
 
+sys.path.remove(str(SHELVES["pinocchio"]))
+
 RED = (1.0, 0.0, 0.0, 1.0)
 NAMES = """
     createWindow getWindowID setBackgroundColor1 setBackgroundColor2 createScene createSceneWithFloor addSceneToWindow
