@@ -85,7 +85,7 @@ def test_an_environment_in_the_browser(toolbox: None, chromium: Any) -> None:
         tab.get_by_role("slider").nth(1).press("ArrowRight")  # the first one is that of time
         tab.get_by_role("button", name="Go", exact=True).click()
         tab.get_by_role("checkbox").nth(1).check()
-        assert wait(lambda: len(env._events) >= 3) and heard == []
+        assert wait(lambda: env._controls.waiting >= 3) and heard == []
         env.step(0.01)
         assert heard == [4.0, "go", [True, True]] and env.values == {"gain": 4.0}
         port = env.viewer.url

@@ -223,7 +223,7 @@ def test_controls_keep_values_and_call_in_the_thread_of_the_script(env: Any, swi
         assert env.add(element, name=name) is element
     assert env.values == {"s": 3.0, "m": 1, "c": [True, False], "r": [False, True], "b": None, "l": None}
     for element, value in ((slider, 4.0), (select, 0), (boxes, (1, True)), (radio, 0), (button, 0)):
-        env._notice(element, value)  # as the page does, from its thread
+        env._controls._hear(element, value)  # as the page does, from its thread
     assert said == []
     env.step(0.01)
     assert said == [4.0, 0, [True, True], 0, 0]

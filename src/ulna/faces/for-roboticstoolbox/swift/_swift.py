@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-import sys
-import threading
 import time
 import warnings
 import webbrowser
-from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from swift._controls import Controls
 from swift._elements import SwiftElement
 from swift._handles import AssemblyHandle, Callback, Item, PartsHandle, RobotHandle, ShapeHandle
 from swift._recorder import Recorder
@@ -36,11 +35,7 @@ class Swift:
     def __init__(self, _dev: bool = False) -> None:
         self._viewer: Viewer | None = None
         self._items: dict[int, Item] = {}
-        self.elements: dict[int, SwiftElement] = {}
-        """The controls in the panel, by their number."""
-        self._names: dict[str, SwiftElement] = {}
-        self._events: deque[tuple[SwiftElement, Any]] = deque()
-        self._holding = threading.Event()
+        self._controls = Controls(None)
         self._recorder: Recorder | None = None
         self._said = False
 
@@ -122,7 +117,7 @@ class Swift:
             if page
             else Simulation(realtime, speed)
         )
-        self._items, self.elements, self._names, self._number = {}, {}, {}, 0
+        self._items, self._controls, self._number = {}, Controls(self._viewer.panel), 0
         if axes:
             self._viewer.axes(0.3, name="world axes")
 
@@ -281,15 +276,8 @@ class Swift:
         Raises:
             InputError: It is there already.
         """
-        if element.shown:
-            raise InputError(f"This {type(element).__name__} ({element.label!r}) is in the panel already.")
-        if name is not None and name in self._names:
-            raise InputError(f"There is a control named {name!r} already.")
-        number = len(self.elements)
-        element.show(self.viewer.panel, number, self._notice)
-        self.elements[number] = element
-        if name is not None:
-            self._names[name] = element
+        self.viewer  # noqa: B018 - says so when there is none
+        self._controls.add(element, name)
         return element
 
     def _more(self, name: str | None, callback: Callback | None) -> dict[str, Any]:
@@ -336,7 +324,12 @@ class Swift:
     @property
     def values(self) -> dict[str, Any]:
         """The values of named controls."""
-        return {name: element.state for name, element in self._names.items()}
+        return self._controls.values
+
+    @property
+    def elements(self) -> dict[int, SwiftElement]:
+        """The controls in the panel, by their number."""
+        return self._controls.elements
 
     def show(self) -> None:
         """Print what there is."""
@@ -363,12 +356,12 @@ class Swift:
         viewer = self.viewer
         if not (np.isfinite(dt) and dt >= 0.0):
             raise InputError(f"`dt` is {dt}; expected a time of at least zero [s].")
-        self.process_events()
+        self._controls.handle()
         items, simulation = self._items.values(), self._simulation
         t = simulation.t + dt
         with viewer.scene.together():
             if dt > 0.0:
-                values = self.values
+                values = self._controls.values
                 for item in items:
                     item.tell(t, dt, values)
             for item in items:
@@ -401,18 +394,14 @@ class Swift:
         if not self._watched():
             self._say("so it is not held open.")
             return
-        self._holding.set()  # the script stands still: what is done in the panel is handled where it comes in
-        try:
+        with self._controls.at_once():
             if duration is None:
                 viewer.hold()
-            else:
-                end = time.monotonic() + duration
+                return
+            end = time.monotonic() + duration
+            with contextlib.suppress(KeyboardInterrupt):
                 while time.monotonic() < end and not viewer.closed:
                     time.sleep(0.05)
-        except KeyboardInterrupt:
-            print("", file=sys.stderr)
-        finally:
-            self._holding.clear()
 
     def _watched(self) -> bool:
         viewer = self.viewer
@@ -426,17 +415,7 @@ class Swift:
 
     def process_events(self, events: dict[Any, Any] | None = None) -> None:
         """Handle what was done in the panel, or `events`: what was chosen, by the number of the control."""
-        for number, value in (events or {}).items():
-            self.elements[int(number)].choose(value)
-        while self._events:
-            element, value = self._events.popleft()
-            element.choose(value)
-
-    def _notice(self, element: SwiftElement, value: Any) -> None:
-        if self._holding.is_set():
-            element.choose(value)
-        else:
-            self._events.append((element, value))
+        self._controls.handle(events)
 
     # looking at it --------------------------------------------------------------------------------------------
 
