@@ -1,6 +1,5 @@
 """Inverse kinematics: from poses of a frame to configurations."""
 
-from ulna.ik.damped import damped_step as damped_step
 from ulna.ik.differential import AccelerationLimit as AccelerationLimit
 from ulna.ik.differential import AxisTask as AxisTask
 from ulna.ik.differential import ComTask as ComTask

@@ -10,16 +10,14 @@ from typing import Any, Protocol, final
 
 import numpy as np
 
-from ulna.errors import InputError, ShapeError
-from ulna.ik import damped_step
 from ulna.spatial import SE3, matrix_to_rpy, quat_xyzw_to_matrix
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.controls import Control, Gizmo
+from ulna.viewer.follow import Follower
 from ulna.viewer.page import Page
 from ulna.viewer.panel import Panel
-from ulna.viewer.scene import Scene
+from ulna.viewer.scene import Scene, checked_pose
 
-_STEPS = 6  # of inverse kinematics in a tick: enough to follow a hand, a fraction of the time there is
 _GLIDE = 0.6  # how long a move to a named configuration takes [s]
 _CALM = 1 / 15  # s between two updates of sliders and words
 
@@ -87,9 +85,9 @@ class Pendant:
         self._target, self.robot, self._panel = target, target.robot, Panel(page)
         self._base = base or (lambda: np.eye(4))
         self._last, self._moves = target.q, target.moves
-        self.goal: Floats | None = (
-            None  # where the tool shall go in the robot's world, while it is on its way
-        )
+        self._follower = Follower(self.robot)
+        self.goal: Floats | None = None
+        """Where the tool shall go in the robot's world, while it is on its way."""
         self._glide: tuple[float, Floats, Floats] | None = None
         self._told = np.full_like(self._last, np.nan)
         self._told_at = 0.0
@@ -102,13 +100,9 @@ class Pendant:
         """Move the target to T_world_goal, as dragging it does: the tool follows as far as the joints allow.
 
         Raises:
-            ShapeError, InputError: It is no pose.
+            ShapeError, NonFiniteError, InputError: It is no pose.
         """
-        goal = np.array(T_goal, dtype=float)
-        if goal.shape != (4, 4):
-            raise ShapeError("T_goal", goal.shape, "(4, 4), a pose in the world")
-        if not np.isfinite(goal).all():
-            raise InputError("`T_goal` holds nan or inf; expected a pose.")
+        goal = checked_pose(T_goal, "T_goal")
         with self._target.lock:
             self._adopt()
             self._glide, self.goal = None, self._in_base(goal)
@@ -169,7 +163,7 @@ class Pendant:
             self._glide, self.goal = None, self._in_base(pose)
 
     def _in_base(self, T: Floats) -> Floats:
-        return np.asarray(np.linalg.inv(self._base()) @ T, dtype=float)
+        return SE3.project(np.linalg.inv(self._base()) @ T).matrix()
 
     def _adopt(self) -> None:
         """Take over what the program did with the robot meanwhile, which ends a way of ours."""
@@ -192,17 +186,11 @@ class Pendant:
             self._tell()
 
     def _follow(self, goal: Floats) -> None:
-        q = self._last
-        for _ in range(_STEPS):
-            step = damped_step(self.robot, q, goal)
-            still = float(np.abs(step.q - q).max(initial=0.0)) < 1e-7
-            q = step.q
-            if still:
-                if not self.gizmo.held:  # arrived, or as near as can be: the target returns to the tool
-                    self.goal = None
-                    self._told.fill(np.nan)
-                break
-        self._move(q)
+        step = self._follower.step(self._last, goal)
+        if step.rests and not self.gizmo.held:  # as near as can be: the target returns to the tool
+            self.goal = None
+            self._told.fill(np.nan)
+        self._move(step.q)
 
     def _move(self, q: Floats) -> None:
         self._target.q = q

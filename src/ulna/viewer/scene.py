@@ -352,7 +352,7 @@ class Scene:
         return lowest
 
 
-def checked_pose(value: Any) -> Floats:
+def checked_pose(value: Any, name: str = "pose") -> Floats:
     """A pose (4, 4) from an array or an `SE3`.
 
     Raises:
@@ -360,13 +360,13 @@ def checked_pose(value: Any) -> Floats:
     """
     out = np.array(value.matrix() if hasattr(value, "matrix") else value, dtype=float)
     if out.shape != (4, 4):
-        raise ShapeError("pose", out.shape, "(4, 4), or an SE3")
+        raise ShapeError(name, out.shape, "(4, 4), or an SE3")
     if not np.isfinite(out).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(out))[0])
-        raise NonFiniteError("pose", where, float(out[where]))
+        raise NonFiniteError(name, where, float(out[where]))
     if np.abs(out[:3, :3] @ out[:3, :3].T - np.eye(3)).max() > 1e-3 or np.linalg.det(out[:3, :3]) < 0:
         raise InputError(
-            f"`pose` holds no rotation: {out[:3, :3].tolist()}. To stretch or mirror a thing, set its scale."
+            f"`{name}` holds no rotation: {out[:3, :3].tolist()}. To stretch or mirror a thing, set its scale."
         )
     return out
 

@@ -109,8 +109,10 @@ def test_mistakes_are_named(shown: Show, panda: ulna.Robot) -> None:
             shown.q = wrong
     with pytest.raises(ShapeError, match="T_goal"):
         shown.aim(np.zeros(3))
-    with pytest.raises(InputError, match="T_goal"):
+    with pytest.raises(NonFiniteError, match="T_goal"):
         shown.aim(np.full((4, 4), np.inf))
+    with pytest.raises(InputError, match="T_goal"):
+        shown.aim(2.0 * np.eye(4))
     np.testing.assert_array_equal(shown.q, panda.configurations["qr"])
 
 
