@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 import weakref
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -214,6 +215,7 @@ RECIPES: dict[str, Recipe] = {
 }
 
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
+_recent: deque[Any] = deque(maxlen=64)  # stay alive for callers that ask anew each time instead of holding one
 _lock = threading.RLock()
 
 
@@ -268,6 +270,7 @@ def kernel(
             unit = _quaternions(model, name) if checked else ()
             traced = function(model, name, parameters=told, **chosen)
             found = _made[key] = compile(traced, dtype=dtype, checked=checked, unit_entries=unit)
+            _recent.append(found)
     return found
 
 
