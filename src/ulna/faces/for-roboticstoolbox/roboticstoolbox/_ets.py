@@ -135,6 +135,19 @@ class BaseETS(UserList):
         """
         return limits_of(self.joints())
 
+    def plot(self, q: Any, *arguments: Any, **options: Any) -> Any:
+        """Draws the chain as a robot; see `Robot.plot`."""
+        return self._robot().plot(q, *arguments, **options)
+
+    def teach(self, *arguments: Any, **options: Any) -> Any:
+        """A slider for each joint beside the chain; see `Robot.teach`."""
+        return self._robot().teach(*arguments, **options)
+
+    def _robot(self) -> Any:
+        from roboticstoolbox._robot import Robot, Robot2
+
+        return (Robot if self._et is ET else Robot2)(self, name="ETS")
+
     def random_q(self, i: int = 1) -> Floats:
         """Random joint coordinates within the limits, (n,) or (i, n)."""
         low, high = self.qlim

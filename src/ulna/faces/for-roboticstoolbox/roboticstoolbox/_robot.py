@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy as copying
+from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -31,6 +32,15 @@ _ELSEWHERE = {
     "analytic_ik": "robot.ik_all of an ulna.Robot",
     "ikine_analytic": "robot.ik_all of an ulna.Robot",
     "vision_collision_damper": "link_collision_damper",
+    "partial_fkine0": "hessian0, or kernels of robot.ulna with .jacobian()",
+    "showgraph": "print(robot.graph('mermaid'))",
+    "cinertia": "inertia_x",
+    "scene_children": "swift's env.add",
+    "attach": "robot.ulna.attach",
+    "attach_to": "robot.ulna.attach",
+    "fkine_geometry": "fkine_all, and the placements of link.geometry",
+    "twists": "PoERobot",
+    "dhunique": "print(robot)",
 }
 
 
@@ -383,6 +393,27 @@ class BaseRobot(Kinematics, Dynamics, Collision, Plotting):
             out.append(branch)
             waiting += [(at, child) for child in at.children]
         return out
+
+    def graph(self, format: str = "dot") -> str:
+        """The tree of links as text for Graphviz ("dot") or Mermaid ("mermaid")."""
+        pairs = [(link.parent_name or "BASE", link.name) for link in self.link_dict.values()]
+        if format == "mermaid":
+            return "\n".join(["graph TD", *(f"    {a} --> {b}" for a, b in pairs)])
+        if format != "dot":
+            raise InputError(f"`format` is {format!r}; expected 'dot' or 'mermaid'.")
+        return "\n".join(["digraph G {", *(f'    "{a}" -> "{b}";' for a, b in pairs), "}"])
+
+    def dotfile(self, filename: Any, **_: Any) -> None:
+        """Writes the tree of links for Graphviz, to a path or a file."""
+        if hasattr(filename, "write"):
+            filename.write(self.graph() + "\n")
+        else:
+            Path(filename).write_text(self.graph() + "\n", encoding="utf-8")
+
+    def jointdynamics(self, q: Any, qd: Any = None) -> list[tuple[tuple[float], tuple[float, float]]]:
+        """The transfer function of each motor, 1 / (J s + B): numerator and denominator, as seen by the motor."""
+        M = np.diagonal(self.inertia(q))
+        return [((1,), (float(m / link.G**2), link.B)) for m, link in zip(M, self._joints(), strict=True)]
 
     def hierarchy(self) -> None:
         """Prints the tree of links."""
