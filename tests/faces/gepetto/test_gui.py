@@ -154,6 +154,19 @@ def test_groups_move_what_is_in_them_and_nodes_keep_their_names(gui: Gui) -> Non
     assert gui.getSceneList() == ["tool", "world"]
 
 
+def test_a_node_that_was_put_elsewhere_outlives_its_first_group(gui: Gui) -> None:
+    gui.addSphere("world/ball", 0.1, RED)
+    gui.addSphere("world/other", 0.1, RED)
+    gui.createGroup("tool")
+    gui.addToGroup("world/ball", "tool")
+    gui.applyConfiguration("world/other", (1, 0, 0, 0, 0, 0, 1))
+    assert gui.deleteNode("world", True)
+    assert gui.getNodeList() == ["tool", "world/ball"] and gui.refresh()
+    gui.viewer.remove(gui.at("world/ball"))  # behind the back of what waits
+    gui.refresh()
+    assert gui.getNodeList() == ["tool"]
+
+
 def test_every_shape_is_one_node(gui: Gui) -> None:
     gui.addCylinder("world/cylinder", 0.1, 0.2, RED)
     gui.addCapsule("world/capsule", 0.1, 0.2, RED)

@@ -26,8 +26,10 @@ def opened(**options: Any) -> Gui:
     except MissingExtra as error:
         warnings.warn(f"{error} Going on without a page; pictures can be written.", UlnaWarning, stacklevel=3)
         viewer = ulna.Viewer(page=False)
-    if viewer.url and somebody_can_look() and not hasattr(sys, "ps1"):
-        atexit.register(viewer.hold)
+    if viewer.url and somebody_can_look():
+        print(f"Look at {viewer.url}.", flush=True)
+        if not hasattr(sys, "ps1"):  # at a prompt the user says when it ends
+            atexit.register(viewer.hold)
     return Gui(viewer)
 
 

@@ -138,11 +138,11 @@ class Tree(abc.ABC):
             raise InputError(
                 f"{len(inside)} nodes are in {nodeName!r}: deleteNode({nodeName!r}, True) removes them, too."
             )
-        gone = {name for name in (nodeName, *inside)}
         self.viewer.remove(place)
-        for kept in (self._elsewhere, self._placed, self._static, self._waiting):
-            for name in [n for n in kept if n in gone or n == place or n.startswith(place + "/")]:
-                del kept[name]
+        self._elsewhere = {name: to for name, to in self._elsewhere.items() if to in self.scene}
+        for kept in (self._placed, self._static, self._waiting):
+            for gone in [p for p in kept if p not in self.scene]:
+                del kept[gone]
         return True
 
     # placements -----------------------------------------------------------------------------------------
@@ -182,6 +182,8 @@ class Tree(abc.ABC):
     def settle(self) -> None:
         """Writes the placements that wait into the scene."""
         for place, pose in self._waiting.items():
+            if place not in self.scene:  # removed by other means
+                continue
             self._placed[place] = pose
             self.scene.set_pose(place, pose @ self._static[place] if place in self._static else pose)
         self._waiting.clear()

@@ -54,9 +54,10 @@ class BaseVisualizer(abc.ABC):  # noqa: B024 (what differs is how the viewer is 
             self.model, self.collision_model, self.visual_model = copy.deepcopy(
                 (self.model, collision_model, visual_model)
             )
-        self.data, self.collision_data, self.visual_data = data, collision_data, visual_data
-        if data is None:
-            self.rebuildData()
+        self.rebuildData()
+        self.data = self.data if data is None else data
+        self.collision_data = self.collision_data if collision_data is None else collision_data
+        self.visual_data = self.visual_data if visual_data is None else visual_data
         self._client: Client | None = None
         self.sceneName = ""
         """The group that the robot's nodes are in; empty for none."""
@@ -69,7 +70,7 @@ class BaseVisualizer(abc.ABC):  # noqa: B024 (what differs is how the viewer is 
 
     def rebuildData(self) -> None:
         """Makes new data, after frames, joints or geometries were added."""
-        self.data = self.model.createData()
+        self.data: Any = self.model.createData()
         self.collision_data = None if self.collision_model is None else self.collision_model.createData()
         self.visual_data = None if self.visual_model is None else self.visual_model.createData()
         self._rows = ()
