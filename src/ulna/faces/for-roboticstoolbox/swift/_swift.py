@@ -95,19 +95,14 @@ class Swift:
         told = _told_headless() if headless is None else bool(headless)
         page = not told and (headless is False or notebook or somebody_can_look())
         speed = 1.0 if isinstance(realtime, bool) else float(realtime)
-        self._asked = {
-            "realtime": realtime,
-            "headless": headless,
-            "rate": rate,
-            "browser": browser,
-            "axes": axes,
-        }
         self.headless, self.rate = not page, rate
         self._start(page, 8080, bool(realtime) and (page or headless is True), speed or 1.0, axes)
         if notebook:
             self._in_notebook()
         elif page and _open(self.viewer.url, browser):
             self._await_tab()
+        elif page:
+            print(f"Swift: the page is at {self.viewer.url}", flush=True)
 
     def _start(self, page: bool, port: int, realtime: bool, speed: float, axes: bool) -> None:
         self._viewer = Viewer(port, page=page, browser=False, title="Swift")
@@ -118,6 +113,7 @@ class Swift:
             else Simulation(realtime, speed)
         )
         self._items, self._controls, self._number = {}, Controls(self._viewer.panel), 0
+        self._axes = axes
         if axes:
             self._viewer.axes(0.3, name="world axes")
 
@@ -142,7 +138,7 @@ class Swift:
             ViewerError: It was not launched.
         """
         if self._viewer is None:
-            raise ViewerError("The environment is not open. Call env.launch() first.")
+            raise _closed()
         return self._viewer
 
     @property
@@ -162,7 +158,7 @@ class Swift:
         port = 8080 if old.closed else int(old.url.rsplit(":", 1)[1])
         page = not (self.headless or old.closed)
         self.close()
-        self._start(page, port, sim.realtime, sim.speed, self._asked["axes"])
+        self._start(page, port, sim.realtime, sim.speed, self._axes)
 
     restart = reset
 
@@ -275,8 +271,10 @@ class Swift:
 
         Raises:
             InputError: It is there already.
+            ViewerError: The environment was not launched.
         """
-        self.viewer  # noqa: B018 - says so when there is none
+        if self._viewer is None:
+            raise _closed()
         self._controls.add(element, name)
         return element
 
@@ -478,6 +476,10 @@ class Swift:
         if self._viewer is None:
             return "<Swift, not launched>"
         return f"<Swift of {len(self._items)} things at {self.sim_time:g} s>"
+
+
+def _closed() -> ViewerError:
+    return ViewerError("The environment is not open. Call env.launch() first.")
 
 
 def _told_headless() -> bool:
