@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._geometry import GeometryObject
-from ulna.errors import ModelWarning
+from ulna.errors import InputError, ModelWarning
 from ulna.geometry import Mesh
 from ulna.viewer.colours import colour
 from ulna.viewer.meshes import load_mesh, smooth
@@ -21,7 +21,7 @@ from ulna.viewer.tessellate import tessellate
 def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) -> list[Surface]:
     """The surfaces of a geometry in its own frame, in a colour of their own or in the one given.
 
-    A mesh file that is not there is left out, with a warning.
+    A mesh file that is not there, or cannot be read, is left out, with a warning.
     """
     shape = geometry.shape
     own = geometry.meshColor if color is None else color
@@ -35,7 +35,11 @@ def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) 
             f"The mesh {shape.path!r} of {geometry.name!r} was not found.", ModelWarning, stacklevel=3
         )
         return []
-    found = [s.moved(np.eye(4), shape.scale) for s in load_mesh(shape.path)]
+    try:
+        found = [s.moved(np.eye(4), shape.scale) for s in load_mesh(shape.path)]
+    except InputError as error:
+        warnings.warn(f"{geometry.name!r} is not shown: {error}", ModelWarning, stacklevel=3)
+        return []
     return [s.coloured(rgba) for s in found] if geometry.overrideMaterial or color is not None else found
 
 
