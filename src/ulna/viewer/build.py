@@ -13,7 +13,7 @@ from ulna.typing import Floats
 from ulna.viewer.content import Copies, Lines, Points, Text
 from ulna.viewer.controls import pose_rows, position_wxyz
 from ulna.viewer.glb import INSET, glb
-from ulna.viewer.scene import Node, Snapshot
+from ulna.viewer.node import Node, Snapshot
 from ulna.viewer.surface import paint
 
 

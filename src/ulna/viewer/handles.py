@@ -11,7 +11,8 @@ from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
-from ulna.viewer.scene import Scene, checked_pose
+from ulna.viewer.node import checked_pose
+from ulna.viewer.scene import Scene
 from ulna.viewer.surface import colour, unit
 
 _NONE = -1.0

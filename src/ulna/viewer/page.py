@@ -27,7 +27,8 @@ from ulna.viewer.camera import Camera, frame
 from ulna.viewer.channel import PoseChannel, serve, stop
 from ulna.viewer.controls import pose_rows
 from ulna.viewer.look import decorate, lay_floor, look_from
-from ulna.viewer.scene import Node, Scene, Snapshot
+from ulna.viewer.node import Node, Snapshot
+from ulna.viewer.scene import Scene
 from ulna.viewer.theme import LIGHT, Theme
 
 RATE = 60.0

@@ -14,9 +14,10 @@ from ulna.spatial import SE3, matrix_to_rpy, quat_xyzw_to_matrix
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.controls import Control, Gizmo
 from ulna.viewer.follow import Follower
+from ulna.viewer.node import checked_pose
 from ulna.viewer.page import Page
 from ulna.viewer.panel import Panel
-from ulna.viewer.scene import Scene, checked_pose
+from ulna.viewer.scene import Scene
 
 _GLIDE = 0.6  # how long a move to a named configuration takes [s]
 _CALM = 1 / 15  # s between two updates of sliders and words

@@ -10,8 +10,9 @@ from ulna.errors import InputError
 from ulna.typing import Array, Floats
 from ulna.viewer import light
 from ulna.viewer.camera import Camera, frame
+from ulna.viewer.node import Snapshot
 from ulna.viewer.png import write_png
-from ulna.viewer.scene import Scene, Snapshot
+from ulna.viewer.scene import Scene
 from ulna.viewer.surface import paint, unit
 from ulna.viewer.theme import LIGHT, Theme, theme_of
 from ulna.viewer.words import write_words

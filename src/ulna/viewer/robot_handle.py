@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import threading
-from collections import deque
 from collections.abc import Sequence
 from typing import Any, final
 
@@ -15,12 +14,12 @@ from ulna.sim import Body
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer import ellipsoids
 from ulna.viewer.colours import Colour
-from ulna.viewer.content import Lines
 from ulna.viewer.figure import Figure, Ghosts, Showing, checked_configuration
 from ulna.viewer.handles import Arrow, Handle, Path, numbers
 from ulna.viewer.scene import Scene
 from ulna.viewer.surface import RGBA, colour
 from ulna.viewer.tessellate import arrow, axes, ball
+from ulna.viewer.trail import Trail
 
 _CENTRE: RGBA = (0.85, 0.20, 0.55, 1.0)
 _HEAVY: RGBA = (0.55, 0.35, 0.80, 0.45)
@@ -44,7 +43,7 @@ class RobotHandle(Handle):
         self._figure, self._lock = figure, threading.RLock()
         self._body: Body | None = None
         self._qd = np.zeros(figure.robot.nv)
-        self._traces: list[_Trace] = []
+        self._traces: list[Trail] = []
         self._count = itertools.count(1)
 
     @property
@@ -224,7 +223,7 @@ class RobotHandle(Handle):
             UnknownName: There is no such frame.
         """
         group = self._group("trace")
-        trace = _Trace(self._scene, f"{group.name}/path", self.robot, frame, colour(color), most, thickness)
+        trace = Trail(self._scene, f"{group.name}/path", self.robot, frame, colour(color), most, thickness)
         trace.add(self.q)
         self._traces.append(trace)
         return Path(self._scene, trace.name)
@@ -340,27 +339,3 @@ def _named(robot: Any, name: str) -> Floats:
     if name not in robot.configurations:
         raise UnknownName("configuration", name, robot.configurations)
     return np.array(robot.configurations[name], dtype=float)
-
-
-class _Trace:
-    """The way of a frame's origin, as a line of its newest points."""
-
-    def __init__(
-        self, scene: Scene, name: str, robot: Any, frame: str | None, rgba: RGBA, most: int, thickness: float
-    ) -> None:
-        self.scene, self.name, self._robot, self._frame = scene, name, robot, frame
-        self._rgba, self._thickness = rgba, thickness
-        self._points: deque[Floats] = deque(maxlen=max(int(most), 2))
-        scene.add(name, shadow=False, through=True, content=Lines(np.zeros((0, 2, 3)), rgba, thickness))
-
-    def add(self, q: Floats) -> None:
-        point = np.asarray(self._robot.fk(q, self._frame))[:3, 3]
-        if (
-            not self._points or np.abs(point - self._points[-1]).max() > 1e-4
-        ):  # a tenth of a millimetre is seen
-            self._points.append(point)
-            self.scene.later(self, self._bring)
-
-    def _bring(self) -> None:
-        if self.name in self.scene:
-            self.scene.set_content(self.name, Lines.through(list(self._points), self._rgba, self._thickness))

@@ -11,7 +11,7 @@ from ulna.errors import UlnaWarning
 from ulna.typing import Array
 from ulna.viewer.camera import Camera
 from ulna.viewer.content import Text
-from ulna.viewer.scene import Snapshot
+from ulna.viewer.node import Snapshot
 from ulna.viewer.theme import Theme
 
 
