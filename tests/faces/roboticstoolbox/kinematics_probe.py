@@ -51,6 +51,7 @@ def panda(rtb: Any, sm: Any) -> dict[str, Any]:
         out[f"jacobm {i}"] = robot.jacobm(q)
         out[f"degrees {i}"] = robot.todegrees(q)
     out["fkine many"] = np.asarray(robot.fkine(Q).A)
+    out["eval row"], out["jacob0 row"] = robot.ets().eval(Q[:1]), robot.jacob0(Q[:1])
     out["eval many"] = robot.ets().eval(Q)
     robot.base = sm.SE3(1, 2, 3) * sm.SE3.Rz(0.5)
     out["fkine base"] = _pose(robot.fkine(Q[0]))

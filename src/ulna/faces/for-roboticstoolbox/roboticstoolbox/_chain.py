@@ -67,8 +67,8 @@ class Chain:
         if self._in_order and type(q) is np.ndarray and q.shape == self._shape:
             return q
         given = np.asarray(q, dtype=float)
-        if given.ndim == 2 and 1 in given.shape and given.size == self.n and given.shape[1] != self.n:
-            given = given.ravel()
+        if given.ndim == 2 and 1 in given.shape:  # one configuration, as a row or a column
+            given = given.ravel() if given.shape[0] == 1 or given.size == self.n != 1 else given
         size = given.shape[-1] if given.ndim else 1
         if given.ndim in (0, 1) and self.n == 1 and size == 1:
             return given.reshape(1)

@@ -480,7 +480,7 @@ class BaseRobot(Kinematics, Dynamics, Collision, Plotting):
 
     def _kind_name(self) -> str:
         own = type(self)
-        is_model = own.__module__.startswith("roboticstoolbox.models")
+        is_model = own.__module__.startswith("roboticstoolbox.models") and own.__name__ != "URDFRobot"
         return f"{own.__mro__[1].__name__}.{own.__name__}" if is_model else own.__name__
 
     def _headline(self) -> str:

@@ -10,7 +10,7 @@ from roboticstoolbox._link import Link2
 from roboticstoolbox._robot import Robot, Robot2
 from roboticstoolbox.models._made import table, tree_class
 
-__all__ = list({"Planar2"} | set(table("ets")))
+__all__ = list(dict.fromkeys(["Planar2", *table("ets")]))
 
 for _each in table("ets"):
     globals()[_each] = tree_class("ets", _each, Robot, __name__)

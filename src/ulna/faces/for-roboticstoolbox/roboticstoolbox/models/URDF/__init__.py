@@ -44,7 +44,7 @@ _DESCRIBED = {
 }  # fmt: skip
 _OWN = [name for name in table("urdf") if name != "Panda"]
 
-__all__ = list({"Panda", "URDFRobot"} | set(_OWN))
+__all__ = list(dict.fromkeys(["Panda", "URDFRobot", *_OWN]))
 
 for _each in _OWN:
     globals()[_each] = tree_class("urdf", _each, URDFRobot, __name__)
