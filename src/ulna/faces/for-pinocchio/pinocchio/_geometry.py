@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, final
 
 import numpy as np
 
 from pinocchio._arrays import StdVec, index, vector, views
-from pinocchio._enums import FrameType, GeometryType
 from pinocchio._se3 import SE3
-from ulna.errors import FormatError, InputError, UnknownName
-from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Geometry, Mesh, Shape, Sphere
+from ulna.errors import InputError, UnknownName
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.spatial import SE3 as Pose
 from ulna.typing import Floats
 
@@ -354,75 +352,3 @@ def updateGeometryPlacements(
     joints = [g.parentJoint for g in objects]
     own = np.array([g._placement._m for g in objects]).reshape(-1, 4, 4)
     np.matmul(data._blocks["oMi"][joints], own, out=geometry_data._block)
-
-
-# from files ---------------------------------------------------------------------------------------------
-
-
-def geometries_of_links(filename: Any, package_dirs: Any) -> Mapping[str, Any]:
-    """The links of a URDF file by name, with their visuals and collisions; meshes resolved."""
-    from ulna.formats.resolve import Resolver
-    from ulna.formats.urdf import read_urdf, urdf_builder
-    from ulna.robots import example_robot_data
-
-    file = os.fspath(filename)
-    folders = [package_dirs] if isinstance(package_dirs, (str, os.PathLike)) else list(package_dirs or ())
-    share = example_robot_data.share_folder()
-    resolver = Resolver(file, [*(f for f in folders if os.fspath(f)), *((share.parent,) if share else ())])
-    return {link.name: link for link in urdf_builder(read_urdf(file), resolver=resolver).build().links}
-
-
-def geometry_model_of(
-    model: Model, links: Mapping[str, Any], kind: GeometryType, into: GeometryModel | None = None
-) -> GeometryModel:
-    """The geometries of links, placed by the frames of bodies, in their order."""
-    out = GeometryModel() if into is None else into
-    bodies = [(i, f) for i, f in enumerate(model.frames) if f.type == FrameType.BODY and f.name in links]
-    if not bodies and links:
-        raise FormatError("No body of the model has the name of a link of this file. Is it the same robot?")
-    for i, frame in bodies:
-        link = links[frame.name]
-        found: Iterable[Geometry] = link.visuals if kind == GeometryType.VISUAL else link.collisions
-        for k, geometry in enumerate(found):
-            shape, material = geometry.shape, geometry.material
-            placement = frame.placement * SE3(np.asarray(geometry.placement.matrix(), dtype=float))
-            named: dict[str, Any] = {"mesh_path": type(shape).__name__.upper()}
-            if isinstance(shape, Mesh):
-                named = {"mesh_path": shape.path or "", "mesh_scale": np.array(shape.scale)}
-            if material is not None and kind == GeometryType.VISUAL:
-                named |= {"override_material": True, "mesh_texture_path": material.texture or ""}
-                if material.rgba is not None:
-                    named["mesh_color"] = np.array(material.rgba)
-            out.addGeometryObject(
-                GeometryObject(f"{frame.name}_{k}", frame.parentJoint, i, placement, shape, **named)
-            )
-    return out
-
-
-def buildGeomFromUrdf(
-    model: Model,
-    urdf_filename: Any,
-    geom_type: GeometryType,
-    geometry_model: Any = None,
-    package_dirs: Any = None,
-    mesh_loader: Any = None,
-) -> GeometryModel:
-    """The geometries that a URDF file gives the bodies of a model.
-
-    Args:
-        model: The model of the same file.
-        urdf_filename: The file.
-        geom_type: GeometryType.VISUAL or COLLISION.
-        geometry_model: One to add to. Package folders may stand here, too.
-        package_dirs: One or several folders to look for packages in. Those around the file and the installed
-            example-robot-data are looked in anyway.
-        mesh_loader: Not needed; meshes are read when somebody looks.
-
-    Raises:
-        FormatError: The file is missing, broken, or of another robot. A missing mesh only warns.
-    """
-    if geometry_model is not None and not isinstance(geometry_model, GeometryModel):
-        geometry_model, package_dirs = None, geometry_model
-    return geometry_model_of(
-        model, geometries_of_links(urdf_filename, package_dirs), geom_type, geometry_model
-    )

@@ -12,9 +12,9 @@ _OF = {
         "GeometryData",
         "GeometryModel",
         "GeometryObject",
-        "buildGeomFromUrdf",
         "updateGeometryPlacements",
     ),
+    "_geometry_urdf": ("buildGeomFromUrdf",),
     "_srdf": (
         "loadReferenceConfigurations",
         "loadReferenceConfigurationsFromXML",

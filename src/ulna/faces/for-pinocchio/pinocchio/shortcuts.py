@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from pinocchio._enums import GeometryType
-from pinocchio._geometry import geometries_of_links, geometry_model_of
+from pinocchio._geometry_urdf import geometries_of_links, geometry_model_of
 
 
 def buildModelsFromUrdf(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._geometry import GeometryObject
-from ulna.errors import InputError, ModelWarning
+from ulna.errors import InputError, MissingExtra, ModelWarning
 from ulna.geometry import Mesh
 from ulna.viewer.colours import colour
 from ulna.viewer.meshes import load_mesh, smooth
@@ -37,7 +37,7 @@ def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) 
         return []
     try:
         found = [s.moved(np.eye(4), shape.scale) for s in load_mesh(shape.path)]
-    except InputError as error:
+    except (InputError, MissingExtra) as error:
         warnings.warn(f"{geometry.name!r} is not shown: {error}", ModelWarning, stacklevel=3)
         return []
     return [s.coloured(rgba) for s in found] if geometry.overrideMaterial or color is not None else found
