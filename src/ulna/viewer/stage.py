@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import abc
-import itertools
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
-from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
+from ulna.viewer.content import Copies, Lines, Points, Text, transforms
 from ulna.viewer.figure import Figure, Ghosts, Showing
 from ulna.viewer.handles import Arrow, Cloud, Crowd, Handle, Path, Words
+from ulna.viewer.places import Places
 from ulna.viewer.progress import progress
 from ulna.viewer.robot_handle import GhostsHandle, RobotHandle, add_arrow
-from ulna.viewer.scene import Scene
 from ulna.viewer.show import checked_robot, configuration
 from ulna.viewer.surface import RGBA, Surface, colour
 from ulna.viewer.tessellate import axes, tessellate
@@ -28,23 +26,13 @@ _PLAIN: RGBA = (0.35, 0.52, 0.78, 1.0)
 _INK: RGBA = (0.16, 0.22, 0.32, 1.0)
 
 
-class Stage(abc.ABC):
+class Stage(Places):
     """A scene to put things into.
 
     Every method that adds takes `name` (`table/leg` puts it into the group `table`; a new name when not given, and one
     that is taken is replaced), `pose` (T_group_thing, an array (4, 4) or an `SE3`), `color` (red, green, blue from 0
     to 1) and `opacity`, and gives a handle to assign to. Wrong input raises before anything is added.
     """
-
-    def __init__(self) -> None:
-        self.scene = Scene()
-        """The scene: names, poses and looks of everything."""
-        self._handles: dict[str, Handle] = {}
-        self._counts: dict[str, int] = {}
-
-    @abc.abstractmethod
-    def _added(self, handle: Handle) -> None:
-        """Something was added."""
 
     def add(
         self,
@@ -343,68 +331,6 @@ class Stage(abc.ABC):
         out = GhostsHandle(Ghosts(self.scene, robot, q, node, rgba, show, places))
         self._keep(out, opacity)
         return out
-
-    def remove(self, thing: Handle | str) -> None:
-        """Take a thing out, with all that is in it.
-
-        Raises:
-            UnknownName: There is nothing of that name.
-        """
-        name = thing if isinstance(thing, str) else thing.name
-        handle = self._handles.get(name)
-        if handle is not None:
-            handle.remove()
-        else:
-            self.scene.remove(name)
-        self._handles = {n: h for n, h in self._handles.items() if n in self.scene}
-
-    def clear(self) -> None:
-        """Take everything out."""
-        for name in self.scene.names:
-            if name in self.scene:
-                self.remove(name)
-        self._counts.clear()
-
-    def __getitem__(self, name: str) -> Any:
-        """The handle of a thing; of a group that appeared by itself, too."""
-        if name not in self.scene:
-            raise UnknownName("thing in the scene", name, self.scene.names)
-        return self._handles.get(name) or Handle(self.scene, name)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self.scene
-
-    def _free(self, kind: str) -> str:
-        """A name for another thing of that kind."""
-        names = ((k, kind if k == 1 else f"{kind} {k}") for k in itertools.count(self._counts.get(kind, 1)))
-        count, name = next((k, n) for k, n in names if n not in self.scene)
-        self._counts[kind] = count
-        return name
-
-    def _put(
-        self,
-        name: str | None,
-        kind: str,
-        surfaces: Iterable[Surface] = (),
-        *,
-        content: Content | None = None,
-        pose: Any = None,
-        opacity: float = 1.0,
-        shadow: bool = True,
-        through: bool = False,
-        kind_of: Any = Handle,
-    ) -> Any:
-        node = name or self._free(kind)
-        place = None if pose is None else pose.matrix() if hasattr(pose, "matrix") else pose
-        self.scene.add(node, surfaces, place, shadow, through, content)
-        out = kind_of(self.scene, node)
-        self._keep(out, opacity)
-        return out
-
-    def _keep(self, handle: Handle, opacity: float) -> None:
-        handle.opacity = opacity
-        self._handles[handle.name] = handle
-        self._added(handle)
 
 
 def _surfaces(thing: Any) -> tuple[Surface, ...]:
