@@ -8,6 +8,7 @@ import numpy as np
 
 from roboticstoolbox._link import Link
 from roboticstoolbox._poses import matrix, pose
+from ulna.errors import ShapeError
 from ulna.typing import Floats
 
 
@@ -23,7 +24,22 @@ class Gripper:
         for i, link in enumerate(joints):
             link.jindex = i
         self.n = len(joints)
-        self.q: Floats = np.zeros(self.n)
+        self._q: Floats = np.zeros(self.n)
+
+    @property
+    def q(self) -> Floats:
+        """Its configuration, (n,)."""
+        return self._q
+
+    @q.setter
+    def q(self, q: Any) -> None:
+        given = np.array(q, dtype=float).ravel()
+        if given.shape != (self.n,):
+            raise ShapeError("q", np.shape(q), f"({self.n},)")
+        self._q = given
+        robot = self.links[0].robot
+        if robot is not None:
+            robot.dynchanged()
 
     @property
     def tool(self) -> Any:
