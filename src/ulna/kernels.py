@@ -215,7 +215,9 @@ RECIPES: dict[str, Recipe] = {
 }
 
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
-_recent: deque[Any] = deque(maxlen=64)  # stay alive for callers that ask anew each time instead of holding one
+_recent: deque[Any] = deque(
+    maxlen=64
+)  # stay alive for callers that ask anew each time instead of holding one
 _lock = threading.RLock()
 
 

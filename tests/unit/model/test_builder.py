@@ -541,7 +541,9 @@ def test_thin_plates_and_placeholders_are_not_warned_of() -> None:
     b = pair().add_joint("j", HINGE, "a", "b")
     b.add_link("plate", Inertia(1.0, np.zeros(3), np.diag([0.34, 0.34, 0.69])))  # rounded to two digits
     b.add_link("mark", Inertia(1e-6, np.zeros(3), np.diag([1e-6, 1e-6, 3e-6])))
-    b.add_link("felt", Inertia(0.0, np.zeros(3), np.diag([0.0, 0.35, 0.0])))  # as the first body of the Puma is told
+    b.add_link(
+        "felt", Inertia(0.0, np.zeros(3), np.diag([0.0, 0.35, 0.0]))
+    )  # as the first body of the Puma is told
     for name in ("plate", "mark", "felt"):
         b.add_joint(f"to_{name}", Prismatic(), "b", name)
     assert b.build().nq == 4

@@ -101,7 +101,9 @@ def test_a_swing_ends_at_a_position_limit(pendulum: ulna.Robot) -> None:
     sim.run(2.5, 0.001)
     way = body.recording.q[:, 0]
     assert way.min() == -1.0
-    assert way[np.argmin(way) :].max() == pytest.approx(1.0, abs=2e-3)  # the stop took all speed, gravity gave the rest
+    assert way[np.argmin(way) :].max() == pytest.approx(
+        1.0, abs=2e-3
+    )  # the stop took all speed, gravity gave the rest
 
 
 def test_a_law_of_torques_holds_its_robot(panda: ulna.Robot) -> None:
