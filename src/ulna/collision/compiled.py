@@ -38,6 +38,10 @@ _Group = tuple[gap.Kind, tuple[str, ...], list[tuple[gap.Part, SE3, str]]]
 """A formula, links, and the pieces checked by it against their spheres: each with its pose, and whose pose that is."""
 
 
+MOST_COUPLES = 30_000
+"""Pairs of a robot's own spheres that are still compiled into one kernel."""
+
+
 @final
 class SphereChecker:
     """Conservative collision checks of one robot, in one world, by spheres on its links.
@@ -255,6 +259,12 @@ def _own_kernel(what: What, model: Model, spheres: Spheres, pairs: tuple[LinkPai
     Shared by all worlds: to change obstacles compiles nothing.
     """
     couples = gap.self_pairs(model, spheres, pairs)
+    if len(couples) > MOST_COUPLES:
+        raise InputError(
+            f"{model.name!r} would check {len(couples):,} pairs of its own spheres, more than the {MOST_COUPLES:,} "
+            "that compile in seconds. Take coarser spheres (spheres=robot.collision_spheres(tolerance=0.05, most=4)), "
+            "name the links that matter (pairs=...), or ask coal (method='exact')."
+        )
 
     def check(q: Array, reach: Any) -> tuple[Any, Any]:
         c = gap.centres(model, q, spheres)

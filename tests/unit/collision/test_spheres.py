@@ -240,3 +240,13 @@ def test_a_link_that_an_obstacle_may_touch_must_exist() -> None:
     world = World().add("table", Box((1.0, 1.0, 0.1)), touches=["panda_hnd"])
     with pytest.raises(UnknownName, match="panda_hand"):
         SphereChecker(ulna.load("panda").model, world)
+
+
+def test_more_pairs_of_spheres_than_compile_in_seconds_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    from ulna.collision import compiled
+
+    monkeypatch.setattr(compiled, "MOST_COUPLES", 10)
+    robot = ulna.load("panda")
+    spheres = robot.collision_spheres(tolerance=0.03, most=3)
+    with pytest.raises(InputError, match=r"pairs of its own spheres, more than the 10 .*method='exact'"):
+        SphereChecker(robot.model, spheres=spheres).collides(np.zeros(7))
