@@ -8,8 +8,8 @@
 
 Three ways to step, all of which keep quaternions on their sphere:
 
-- "euler": semi-implicit. The velocity first, then the configuration with the new velocity. Of first order; keeps the
-  energy of a swinging robot in bounds for ever; friction is implicit and dry friction exact, at any step.
+- "euler": semi-implicit. The velocity first, then the configuration with the new velocity. Of first order, also in the
+  energy; friction is implicit and dry friction exact, at any step.
 - "rk4": the classical method of Runge and Kutta in the form of Munthe-Kaas, of fourth order; friction is smooth within
   its width, which bounds the step.
 - "adaptive": SciPy's solvers, with the error bounded and the step chosen; friction is smooth.
