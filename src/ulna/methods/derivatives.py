@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from ulna.algorithms.references import Reference
+from ulna.errors import InputError
 from ulna.methods.base import Part
 from ulna.methods.dynamics import Forces, stacked
 from ulna.typing import ArrayLike, Floats
@@ -15,7 +17,12 @@ class Derivatives(Part):
     __slots__ = ()
 
     def inverse_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, forces: Forces = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        forces: Forces = None,
+        reference: Reference | None = None,
     ) -> tuple[Floats, Floats, Floats]:
         """Derivatives of the torques of inverse dynamics by `q`, `v` and `a`, (..., nv, nv) each.
 
@@ -27,17 +34,25 @@ class Derivatives(Part):
             a: Acceleration, (..., nv).
             forces: External forces that turn with the frames they act at: frame name -> wrench (..., 6) [N, N m] in
                 the axes of the frame.
+            reference: "local" where there are forces, to say so: with the default of `inverse_dynamics` they would be
+                other forces.
 
         Raises:
+            InputError: If forces come without reference="local".
             ShapeError, DtypeError, NonFiniteError: If an argument cannot be what it stands for.
             UnknownName: If there is no such frame.
 
         Reference: Carpentier & Mansard 2018; Singh, Russell & Wensing 2022.
         """
-        return self._under_fixed("inverse_dynamics_derivatives", (q, v, a), forces)
+        return self._under_fixed("inverse_dynamics_derivatives", (q, v, a), forces, reference)
 
     def forward_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, forces: Forces = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        tau: ArrayLike,
+        forces: Forces = None,
+        reference: Reference | None = None,
     ) -> tuple[Floats, Floats, Floats]:
         """Derivatives of the accelerations of forward dynamics by `q`, `v` and `tau`, (..., nv, nv) each.
 
@@ -48,13 +63,14 @@ class Derivatives(Part):
             v: Velocity, (..., nv).
             tau: Joint torques, (..., nv) [N m or N].
             forces: As for `inverse_dynamics_derivatives`.
+            reference: Likewise.
 
         Raises:
             ShapeError, DtypeError, NonFiniteError: If an argument cannot be what it stands for.
 
         Reference: Carpentier & Mansard 2018, section V.
         """
-        return self._under_fixed("forward_dynamics_derivatives", (q, v, tau), forces)
+        return self._under_fixed("forward_dynamics_derivatives", (q, v, tau), forces, reference)
 
     def centroidal_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike
@@ -82,7 +98,14 @@ class Derivatives(Part):
         """Derivatives of the spatial acceleration of a frame, in "local", by `q`, `v` and `a`, (..., 6, nv) each."""
         return self._checked("frame_acceleration_derivatives", frame=frame)(q, v, a)
 
-    def _under_fixed(self, name: str, arrays: tuple[ArrayLike, ...], forces: Forces) -> Any:
+    def _under_fixed(
+        self, name: str, arrays: tuple[ArrayLike, ...], forces: Forces, reference: Reference | None
+    ) -> Any:
         if not forces:
             return self._plain[name](*arrays)
+        if reference != "local":
+            raise InputError(
+                f"`reference` is {reference!r}; expected 'local' where there are forces: derivatives are those under "
+                "wrenches in the axes of their frames, which turn with them. Give the dynamics reference='local', too."
+            )
         return self._checked(name, forces=tuple(forces))(*arrays, stacked(forces))

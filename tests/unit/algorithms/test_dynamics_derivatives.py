@@ -9,7 +9,7 @@ from support.derivatives import by_configuration
 from support.plain_dynamics import torques
 from support.random_models import random_model
 from ulna.algorithms.inverse_dynamics_derivatives import inverse_dynamics_derivatives
-from ulna.errors import NonFiniteError, ShapeError, UnknownName
+from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Model, ModelBuilder, Revolute
 from ulna.robot import Robot
 from ulna.spatial import SE3, Inertia
@@ -77,7 +77,7 @@ def test_forces_turn_with_their_frames(robot: Robot) -> None:
     rng = np.random.default_rng(5)
     q, (v, a) = robot.random_configuration(seed=6), rng.standard_normal((2, robot.nv))
     forces = {"tip": rng.standard_normal((2, 6)), "side": rng.standard_normal(6)}
-    found = robot.inverse_dynamics_derivatives(q, v, a, forces)[0]
+    found = robot.inverse_dynamics_derivatives(q, v, a, forces, "local")[0]
     assert found.shape == (2, robot.nv, robot.nv)
     for k in range(2):
         given = {"tip": forces["tip"][k], "side": forces["side"]}
@@ -87,12 +87,14 @@ def test_forces_turn_with_their_frames(robot: Robot) -> None:
         np.testing.assert_allclose(found[k], expected.T, atol=1e-8)
     tau = robot.inverse_dynamics(q, v, a, forces, "local")
     np.testing.assert_allclose(
-        robot.forward_dynamics_derivatives(q, v, tau, forces)[0],
+        robot.forward_dynamics_derivatives(q, v, tau, forces, "local")[0],
         -robot.inverse_mass_matrix(q) @ found,
         atol=1e-8 * np.abs(found).max(),
     )
     with pytest.raises(UnknownName):
-        robot.inverse_dynamics_derivatives(q, v, a, {"tpi": np.zeros(6)})
+        robot.inverse_dynamics_derivatives(q, v, a, {"tpi": np.zeros(6)}, "local")
+    with pytest.raises(InputError, match="expected 'local'"):
+        robot.forward_dynamics_derivatives(q, v, tau, forces)
 
 
 def test_refusals(robot: Robot) -> None:
