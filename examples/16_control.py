@@ -1,7 +1,8 @@
-"""Control laws in the loop: a tool that springs back, a joint motion that is followed, an arm that avoids its limits.
+"""Control laws in the loop: springs at joints and tool, motions that are followed, an arm that avoids its limits.
 
-You should see the tool give way by 12.5 mm under 5 N at 400 N/m, a tracking error that dies away within half a second,
-and a reactive controller that arrives with all joints inside their limits.
+You should see joints at rest at their goal, the tool give way by 12.5 mm under 5 N at 400 N/m, tracking errors that
+die away, a goal that gives way by 30 mm, a tool led by velocities, and a reactive controller that arrives within its
+limits.
 """
 
 from __future__ import annotations
@@ -17,6 +18,16 @@ def main() -> None:
     """Simulates a Panda under three control laws."""
     robot = ulna.load("panda")
     q0, zero = np.array(robot.configurations["qr"]), np.zeros(7)
+
+    # A spring at each joint, gravity taken off.
+    spring = control.joint_pd(robot)
+    soft, calm = np.full(7, 80.0), np.array([30.0, 30, 20, 15, 3, 3, 1])
+
+    def pulled(t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return spring(q, v, q0, zero, soft, calm)
+
+    log = simulate(robot, q0 + 0.2, torque=pulled, duration=4.0, dt=1e-3)
+    print("joint springs: at rest", f"{np.abs(log.q[-1] - q0).max():.0e}", "rad from the goal")
 
     # A spring at the tool: 400 N/m along every axis, pushed by 5 N.
     law = control.impedance(robot)
@@ -43,6 +54,37 @@ def main() -> None:
     log = simulate(robot, q0 + 0.1, zero + 0.8, torque=drive, duration=1.0, dt=1e-3, friction=None)
     error = np.abs(log.q - q0 - 0.4 * np.sin(2.0 * log.t)[:, None]).max(axis=1)
     print("computed torque: error", np.round(error[::250], 4), "rad at every quarter of a second")
+
+    # The same for the tool: it falls to its goal like a mass of one kilogram on a spring.
+    fall = control.operational_space(robot)
+    there = T.copy()
+    there[:3, 3] += 0.05, 0.1, -0.05
+    kp_tool, kd_tool, none = np.full(6, 64.0), np.full(6, 16.0), np.zeros(6)
+
+    def falling(t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return fall(q, v, there, none, none, kp_tool, kd_tool, q0, rest, rest)
+
+    log = simulate(robot, q0, torque=falling, duration=1.0, dt=1e-3, friction=None)
+    away = np.linalg.norm(robot.fk(log.q[::250])[:, :3, 3] - there[:3, 3], axis=1)
+    print("operational space:", np.round(1e3 * away, 1), "mm away at every quarter of a second")
+
+    # A goal that gives way to a measured push of 3 N, as a spring of 100 N/m would.
+    give = control.admittance()
+    x, rate = none, none
+    for _ in range(3000):
+        push_3 = np.array([3.0, 0, 0, 0, 0, 0])
+        led, x, rate = give(T, x, rate, push_3, np.full(6, 2.0), np.full(6, 40.0), np.full(6, 100.0), 1e-3)
+    print("admittance: the goal gave way by", np.round(1e3 * np.linalg.norm(led[:3, 3] - T[:3, 3]), 1), "mm")
+
+    # Velocities for a twist of the tool.
+    resolve = control.resolved_rate(robot)
+    q = q0
+    for _ in range(300):
+        twist, _ = control.p_servo(robot.fk(q), there, 2.0, method="angle-axis")
+        q = q + 0.01 * resolve(q, twist, 0.01, zero)
+    print(
+        "resolved rate:", f"{1e3 * np.linalg.norm(robot.fk(q)[:3, 3] - there[:3, 3]):.1f} mm away after 3 s"
+    )
 
     # Velocities that follow a twist as far as limits allow.
     reactive = control.Reactive(robot)

@@ -237,3 +237,58 @@ def test_admittance_refuses_what_holds_nothing():
     _, x, _ = law(np.eye(4), six, six, one, six, one, six, 1e-3)  # a damper alone is enough
     np.testing.assert_allclose(x, 1e-3)
     assert law.operations < 300
+
+
+def test_resolved_rate_over_computed_torque_brings_the_tool_to_its_goal(panda):
+    """Velocities become torques: the inner law follows what the outer one asks for, in the simulator."""
+    rate, track = control.resolved_rate(panda), control.computed_torque(panda)
+    q0, zero = np.array(panda.configurations["qr"]), np.zeros(7)
+    goal = panda.fk(q0)
+    goal[:3, 3] += 0.08, -0.1, 0.05
+    stiff, damped = np.zeros(7), np.full(7, 60.0)
+
+    def drive(t, q, v):
+        twist, _ = control.p_servo(panda.fk(q), goal, 3.0, method="angle-axis")
+        return track(q, v, q, rate(q, twist, 0.01, zero), zero, stiff, damped)
+
+    log = simulate(panda, q0, torque=drive, duration=3.0, dt=1e-3)
+    pose = panda.fk(log.q[-1])
+    assert np.linalg.norm(pose[:3, 3] - goal[:3, 3]) < 1e-3
+    assert np.linalg.norm(so3_log(pose[:3, :3].T @ goal[:3, :3])) < 1e-3
+    assert (np.abs(log["tau"]) <= panda.limits.effort + 1e-9).all()
+
+
+def test_reactive_over_computed_torque_keeps_its_limits(panda):
+    reactive, track = control.Reactive(panda), control.computed_torque(panda)
+    q0, zero = np.array(panda.configurations["qr"]), np.zeros(7)
+    goal = panda.fk(q0)
+    goal[:3, 3] += 0.1, 0.2, -0.1
+
+    def drive(t, q, v):
+        twist, _ = control.p_servo(panda.fk(q), goal, 2.0, method="angle-axis")
+        firm = 5.0 / max(float(np.abs(twist).sum()), 1e-4)  # the nearer, the less the twist may give way
+        return track(q, v, q, reactive(q, twist, firm), zero, zero, np.full(7, 60.0))
+
+    log = simulate(panda, q0, torque=drive, duration=3.0, dt=1e-3)
+    assert panda.limits.contains(log.q).all() and (np.abs(log["v"]) <= panda.limits.velocity).all()
+    assert np.linalg.norm(panda.fk(log.q[-1])[:3, 3] - goal[:3, 3]) < 5e-3
+
+
+def test_admittance_over_impedance_gives_way_to_a_pushing_hand(panda):
+    """A stiff arm that measures a push moves as the soft spring of its admittance would."""
+    give, hold = control.admittance(), control.impedance(panda)
+    q0 = np.array(panda.configurations["qr"])
+    T, six = panda.fk(q0), np.zeros(6)
+    mass, damping, stiffness = np.full(6, 2.0), np.full(6, 40.0), np.full(6, 100.0)
+    stiff, calm = np.repeat([3000.0, 100.0], 3), np.repeat([150.0, 8.0], 3)
+    rest = np.full(7, 5.0)
+    push = np.array([3.0, 0, 0, 0, 0, 0])
+    state = [six, six]
+
+    def drive(t, q, v):
+        led, *state[:] = give(T, *state, push, mass, damping, stiffness, 1e-3)
+        return hold(q, v, led, six, stiff, calm, q0, rest, rest)
+
+    log = simulate(panda, q0, torque=drive, duration=3.0, dt=1e-3)
+    moved = T[:3, :3].T @ (panda.fk(log.q[-1])[:3, 3] - T[:3, 3])
+    np.testing.assert_allclose(moved, [0.03, 0.0, 0.0], atol=1e-3)
