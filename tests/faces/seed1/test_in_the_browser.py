@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from browser.conftest import chromium  # noqa: F401
 from ulna.robots.example_robot_data import share_folder
 
 pytestmark = [
@@ -22,7 +21,7 @@ pytestmark = [
 WHERE = "n => window.__viserMutable?.nodeRefFromName[n]?.position.toArray() ?? [NaN, NaN, NaN]"
 
 
-def test_the_ball_sticks_to_the_tool(chromium: Any) -> None:  # noqa: F811
+def test_the_ball_sticks_to_the_tool(chromium: Any) -> None:
     with subprocess.Popen(
         [sys.executable, "-m", "ulna", "run", str(Path(__file__).parent / "looked_at.py")],
         env={**os.environ, "ULNA_HEADLESS": "1"},
