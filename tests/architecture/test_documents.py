@@ -18,7 +18,10 @@ def _name(path: Path) -> str:
 
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=_name)
-def test_python_blocks_run(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_python_blocks_run(
+    path: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # where blocks may write files
     blocks = re.findall(r"```python\n(.*?)```", path.read_text(), re.S)
     scope: dict[str, object] = {}
     for number, block in enumerate(blocks):
