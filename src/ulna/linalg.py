@@ -121,6 +121,22 @@ def solve_spd(a: Array, b: Array) -> Array:
     return _by_column(one, b)
 
 
+def solve_damped(J: Array, b: Array, damping: Any) -> Array:
+    """The x with the least |J x - b|^2 + damping |x|^2, by whichever of the two normal equations is smaller.
+
+    Args:
+        J: (m, n).
+        b: (m,).
+        damping: Above 0 where J may lose rank.
+
+    Source: Nakamura & Hanafusa, Inverse kinematic solutions with singularity robustness (1986), eq. 16.
+    """
+    m, n = J.shape[-2:]
+    if m <= n:
+        return J.T @ solve_spd(J @ J.T + damping * np.eye(m), b)
+    return solve_spd(J.T @ J + damping * np.eye(n), J.T @ b)
+
+
 def solve(a: Array, b: Array) -> Array:
     """Solves `a @ x = b` for any invertible `a` by elimination with row pivoting (GVL 3.4).
 

@@ -9,7 +9,7 @@ import pytest
 import sympy
 
 from ulna import linalg
-from ulna.trace import trace
+from ulna.trace import compile, trace
 
 
 def matrices(n: int) -> list[np.ndarray]:
@@ -116,3 +116,14 @@ def test_dependent_rows_are_left_out() -> None:
     assert reciprocals[1] == 0.0
     assert not lower[2, 1]
     np.testing.assert_allclose(lower @ rows, a, atol=1e-15)
+
+
+@pytest.mark.parametrize("shape", [(6, 7), (6, 6), (6, 4)])
+def test_damped_solutions_are_those_of_the_stacked_least_squares(shape: tuple[int, int]) -> None:
+    rng = np.random.default_rng(4)
+    J, b, damping = rng.standard_normal(shape), rng.standard_normal(shape[0]), 0.03
+    stacked = np.vstack([J, np.sqrt(damping) * np.eye(shape[1])])
+    expected = np.linalg.lstsq(stacked, np.concatenate([b, np.zeros(shape[1])]), rcond=None)[0]
+    np.testing.assert_allclose(linalg.solve_damped(J, b, damping), expected, rtol=1e-10)
+    kernel = compile(lambda J, b: linalg.solve_damped(J, b, damping), J=shape, b=(shape[0],))
+    np.testing.assert_allclose(kernel(J, b), expected, rtol=1e-10)

@@ -12,12 +12,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from ulna import algorithms
 from ulna.algorithms.references import Reference, check_reference
 from ulna.control.bounds import within_speed
-from ulna.linalg import solve_spd
+from ulna.linalg import solve_damped
 from ulna.recipes.base import frame_of
 from ulna.robot import Robot, compile
 from ulna.typing import Array
@@ -52,7 +50,7 @@ def resolved_rate(
         J = algorithms.frame_jacobian(model, q, one, reference)
         # The tiny part keeps an arm of fewer than six joints, and an exactly singular one, from dividing by zero.
         wanted = twist - J @ v_rest
-        v = v_rest + J.T @ solve_spd(J @ J.T + (damping * damping + 1e-14) * np.eye(6), wanted)
+        v = v_rest + solve_damped(J, wanted, damping * damping + 1e-14)
         return within_speed(model, v) if bounded else v
 
     return compile(law, robot, checked=True, twist=(6,), damping=(), v_rest=(robot.nv,))

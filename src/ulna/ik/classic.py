@@ -34,7 +34,7 @@ from ulna.ik.question import check_count, check_tolerances, matrix_of, problem_o
 from ulna.ik.result import IKSolution
 from ulna.ik.search import start
 from ulna.ik.verdict import are_rotations, unwound, verdict
-from ulna.linalg import solve_spd
+from ulna.linalg import solve_damped, solve_spd
 from ulna.model import Model
 from ulna.trace import Function, compile, trace
 from ulna.typing import Array
@@ -83,19 +83,16 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
             is_met = at.is_met & _is_within(problem, q)
             over = (at.is_met | (age >= most)) & ~is_met
             wish = None
-            if (
-                has_null_motion
-            ):  # fades near the goal, where what it does to e would keep the search from ending
+            if has_null_motion:
+                # It fades near the goal, where what it does to e would keep the search from ending.
                 wish = _wish(problem, q, *settings[5:8]) * (at.squared / (at.squared + _NEAR))
             if method == "qp":
                 dq = bounded_move(problem, q, at, damping, wish)
             else:
                 dq = move(at, method, damping)
                 if wish is not None:
-                    dq = dq + wish - _pseudoinverse_times(at.J, at.J @ wish)
-            v = dict(zip(problem.velocities, dq, strict=True))
-            whole = np.array([v.get(i, 0.0) for i in range(problem.model.nv)], dtype=object)
-            moved = algorithms.integrate(problem.model, q, whole)
+                    dq = dq + wish - solve_damped(at.J, at.J @ wish, _SINGULAR)
+            moved = problem.moved(q, dq)
             anew = start(problem, q0, shift, failed + 1.0, 1.0)
             following = numeric.where(is_met, q, numeric.where(over, anew, moved))
             return (
@@ -119,18 +116,11 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
 def move(at: Errors, method: Method, damping: Any) -> Array:
     """dq."""
     if method in ("newton_raphson", "gauss_newton"):
-        return _pseudoinverse_times(at.J, at.e)
+        return solve_damped(at.J, at.e, _SINGULAR)
     energy = 0.5 * at.squared
     weight = {"wampler": damping, "chan": damping * energy, "sugihara": energy + damping}[method]
     J = at.J
     return solve_spd(J.T @ J + (weight + _SINGULAR) * np.eye(J.shape[1]), J.T @ at.e)
-
-
-def _pseudoinverse_times(J: Array, b: Array) -> Array:
-    m, n = J.shape
-    if m <= n:
-        return J.T @ solve_spd(J @ J.T + _SINGULAR * np.eye(m), b)
-    return solve_spd(J.T @ J + _SINGULAR * np.eye(n), J.T @ b)
 
 
 def bounded_move(problem: Problem, q: Array, at: Errors, damping: Any, wish: Array | None) -> Array:

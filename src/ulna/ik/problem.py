@@ -22,7 +22,7 @@ import numpy as np
 
 from ulna import algorithms, numeric
 from ulna.ik.goal import Distance, Mask, distance
-from ulna.linalg import solve_spd
+from ulna.linalg import solve_damped
 from ulna.model import Frame, Model
 from ulna.typing import Array, Floats
 
@@ -156,6 +156,12 @@ class Problem:
                 out[i] = numeric.minimum(out[i], upper[i])
         return np.array(out, dtype=object)
 
+    def moved(self, q: Array, dq: Array) -> Array:
+        """`q` (nq,) after the step `dq` of the joints that may move."""
+        step = np.zeros(self.model.nv, dtype=object)
+        step[self.velocities] = dq
+        return algorithms.integrate(self.model, q, step)
+
     def replaced(self, q: Array, values: Any) -> Array:
         """`q` with other positions of the joints that may move."""
         out = np.array(q, dtype=object)
@@ -192,9 +198,7 @@ def are_met(each: Sequence[Distance], tolerances: Array) -> Any:
 
 def step(problem: Problem, q: Array, at: Errors, damping: Any) -> Array:
     """The configuration after one damped step within the limits."""
-    v = dict(zip(problem.velocities, _step(problem, q, at, damping), strict=True))
-    whole = np.array([v.get(i, 0.0) for i in range(problem.model.nv)], dtype=object)
-    moved = algorithms.integrate(problem.model, q, whole)
+    moved = problem.moved(q, _step(problem, q, at, damping))
     return problem.clip(problem.replaced(q, moved[problem.positions]))
 
 
@@ -215,8 +219,4 @@ def _step(problem: Problem, q: Array, at: Errors, damping: Any) -> Array:
             if np.isfinite(upper[i]):
                 blocked = ((q[i] >= upper[i]) & (slope[j] > 0.0)) | blocked
             free[j] = numeric.where(blocked, 0.0, 1.0)
-    J = at.J * free
-    m, n = J.shape
-    if m <= n:
-        return J.T @ solve_spd(J @ J.T + damping * np.eye(m), at.e)
-    return solve_spd(J.T @ J + damping * np.eye(n), free * slope)
+    return solve_damped(at.J * free, at.e, damping)

@@ -31,10 +31,8 @@ PATIENCE = 7  # steps before an attempt may be found to have stopped
 PROGRESS = 0.8  # the part of the squared error that may remain after a step for it to count as progress
 MARCH = 4  # steps between two looks at a batch
 CLOSE = 1.0  # rad or m: how near to q0 an answer must be to be taken before other lanes have answered
-_DAMPING, _LEAST_DAMPING = (
-    0.04,
-    1e-9,
-)  # tuned on Panda, UR5 and an arm of Talos for the fewest steps in the mean
+_DAMPING = 0.04  # tuned on Panda, UR5 and an arm of Talos for the fewest steps in the mean
+_LEAST_DAMPING = 1e-9
 _FAR = 1e300
 
 
