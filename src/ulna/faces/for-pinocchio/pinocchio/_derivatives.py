@@ -9,7 +9,7 @@ import numpy as np
 
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
-from pinocchio._dynamics import external, split_forces
+from pinocchio._dynamics import external, under_forces
 from pinocchio._enums import ReferenceFrame, reference_of
 from pinocchio._kinematics import at_frame, at_joint, forwardKinematics
 from pinocchio._model import Model
@@ -48,14 +48,7 @@ def computeRNEADerivatives(
         found = engine.kernel("inverse_dynamics_derivatives")(*state)
     else:
         F = external(fext, model.njoints)
-        found = engine.made(
-            "rnea derivatives",
-            lambda m: lambda q, v, a, F: algorithms.inverse_dynamics_derivatives(m, q, v, a, split_forces(F)),
-            q=(model.nq,),
-            v=(nv,),
-            a=(nv,),
-            F=F.shape,
-        )(*state, F)
+        found = under_forces(engine, algorithms.inverse_dynamics_derivatives, *state, F)
     for name, block in zip(("dtau_dq", "dtau_dv", "M"), found, strict=True):
         data._blocks[name][:] = block
     data._of_derivatives = tuple(x.copy() for x in state)
@@ -74,15 +67,8 @@ def computeABADerivatives(
         ddq = engine.kernel("forward_dynamics")(*state)
     else:
         F = external(fext, model.njoints)
-        shapes: dict[str, Any] = {"q": (model.nq,), "v": (nv,), "tau": (nv,), "F": F.shape}
-
-        def build(m: TowerModel) -> Any:
-            return lambda q, v, tau, F: (
-                *algorithms.forward_dynamics_derivatives(m, q, v, tau, split_forces(F)),
-                algorithms.forward_dynamics(m, q, v, tau, split_forces(F)),
-            )
-
-        *found, ddq = engine.made("aba derivatives", build, **shapes)(*state, F)
+        found = under_forces(engine, algorithms.forward_dynamics_derivatives, *state, F)
+        ddq = under_forces(engine, algorithms.forward_dynamics, *state, F)
     for name, block in zip(
         ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq"), (*found, found[2], ddq), strict=True
     ):

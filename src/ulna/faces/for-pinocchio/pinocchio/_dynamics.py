@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -55,6 +56,16 @@ def split_forces(F: Array) -> list[spatial.Force | None]:
     return [spatial.Force(F[k, :3], F[k, 3:]) for k in range(F.shape[0])]
 
 
+def under_forces(engine: Engine, algorithm: Callable[..., Any], *arrays: Floats) -> Any:
+    """An algorithm of the tower on a state and, the last of the arrays, forces on the joints; compiled once."""
+
+    def build(tower: TowerModel) -> Any:
+        return lambda *given: algorithm(tower, *given[:-1], split_forces(given[-1]))
+
+    shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(arrays)}
+    return engine.made((algorithm, "under forces"), build, **shapes)(*arrays)
+
+
 def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> Floats:
     """The joint torques of a motion, (nv,); kept in `data.tau`.
 
@@ -74,15 +85,7 @@ def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> 
         tau = engine.plain("inverse_dynamics")(q, v, a)
     else:
         F = external(fext, model.njoints)
-        kernel = engine.made(
-            "rnea under forces",
-            lambda m: lambda q, v, a, F: algorithms.inverse_dynamics(m, q, v, a, split_forces(F)),
-            q=(model.nq,),
-            v=(nv,),
-            a=(nv,),
-            F=F.shape,
-        )
-        tau = kernel(q, v, a, F)
+        tau = under_forces(engine, algorithms.inverse_dynamics, q, v, a, F)
     data._blocks["tau"][...] = tau
     data._motion = (engine, q.copy(), v.copy(), a.copy(), F)
     data._due.update(data._due_of_motion)
@@ -132,13 +135,8 @@ def computeGeneralizedGravity(model: Model, data: Data, q: Any) -> Floats:
 def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     """The torques that hold the robot against gravity and forces on its joints (nv,); kept in `data.tau`."""
     F = external(fext, model.njoints)
-    kernel = engine_for(model, data).made(
-        "static torque",
-        lambda m: lambda q, F: algorithms.static_torque(m, q, split_forces(F)),
-        q=(model.nq,),
-        F=F.shape,
-    )
-    data._blocks["tau"][:] = found = kernel(vector(q, model.nq, "q"), F)
+    q = vector(q, model.nq, "q")
+    data._blocks["tau"][:] = found = under_forces(engine_for(model, data), algorithms.static_torque, q, F)
     return found
 
 
@@ -163,15 +161,7 @@ def aba(
         found = engine.plain("forward_dynamics")(q, v, tau)
     else:
         F = external(fext, model.njoints)
-        kernel = engine.made(
-            "aba under forces",
-            lambda m: lambda q, v, tau, F: algorithms.forward_dynamics(m, q, v, tau, split_forces(F)),
-            q=(model.nq,),
-            v=(nv,),
-            tau=(nv,),
-            F=F.shape,
-        )
-        found = kernel(q, v, tau, F)
+        found = under_forces(engine, algorithms.forward_dynamics, q, v, tau, F)
     data._blocks["ddq"][:] = found
     return found
 
