@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, Literal, final
 
@@ -154,18 +155,20 @@ class Body:
             InputError: The motion grew beyond all bounds.
         """
         self._applied = None
+        if self._control == "position" and self._target is None:
+            self._qd = self._moving = np.zeros(self.robot.nv)
+            return
         with np.errstate(over="ignore", invalid="ignore"):
             _STEPS[self._control](self, t, dt, substep)
-        if not np.isfinite(self._q.sum() + self._qd.sum()):
+            size = self._q.dot(self._q) + self._qd.dot(self._qd)
+        if not math.isfinite(size):
             raise InputError(
                 f"The motion of {self.name!r} grew beyond all bounds at t = {t + dt:g} s. Take a smaller step, or "
                 "look at what it is told."
             )
 
     def _go(self, t: float, dt: float, _: float) -> None:
-        if self._target is None:
-            self._qd = self._moving = np.zeros(self.robot.nv)
-            return
+        assert self._target is not None
         way = np.asarray(self.robot.difference(self._q, self._target))
         longest = self.robot.limits.velocity * dt
         share = min(1.0, float(np.min(longest / np.maximum(np.abs(way), 1e-300), initial=np.inf)))
@@ -240,7 +243,7 @@ def _checked(name: str, value: ArrayLike, size: int) -> Floats:
     out = np.array(value, dtype=float)
     if out.shape != (size,):
         raise ShapeError(name, out.shape, f"({size},)")
-    if not np.isfinite(out.sum()) and not np.isfinite(out).all():
+    if not math.isfinite(out.sum()) and not np.isfinite(out).all():
         where = int(np.argwhere(~np.isfinite(out))[0][0])
         raise NonFiniteError(name, (where,), float(out[where]))
     return out

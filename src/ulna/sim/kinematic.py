@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from ulna import numeric
 from ulna.errors import InputError, NonFiniteError, ShapeError
-from ulna.typing import ArrayLike, Floats
+from ulna.model import Model
+from ulna.trace import compile
+from ulna.typing import Array, ArrayLike, Floats
+
+
+@lru_cache(maxsize=64)
+def held_step(n: int) -> Callable[..., tuple[Floats, float]]:
+    """A kernel that moves `n` coordinates for a time and holds them within limits.
+
+    It takes q (n,), v (n,), dt (), and the limits lower (n,), upper (n,), and gives the new q (n,) and a number that is
+    finite only if all of q and v are.
+    """
+    return compile(_held_step, q=(n,), v=(n,), dt=(), lower=(n,), upper=(n,))
+
+
+def _held_step(q: Array, v: Array, dt: Any, lower: Array, upper: Array) -> tuple[Array, Any]:
+    return numeric.clip(q + dt * v, lower, upper), (q + v).sum()
 
 
 def kinematic_step(robot: Any, q: ArrayLike, v: ArrayLike, dt: float) -> Floats:
@@ -25,20 +45,30 @@ def kinematic_step(robot: Any, q: ArrayLike, v: ArrayLike, dt: float) -> Floats:
         InputError: `dt` is not a finite number.
     """
     model = robot.model
-    start, velocity = _checked("q", q, model.nq), _checked("v", v, model.nv)
-    if not np.isfinite(dt):
+    start, velocity = _shaped("q", q, model.nq), _shaped("v", v, model.nv)
+    if not math.isfinite(dt):
         raise InputError(f"`dt` is {dt}; expected a finite time [s].")
-    # where every joint has one coordinate, moving is adding; rotations and bases move on their group
-    plain = model.nq == model.nv and all(j.kind.nq == 1 for j in model.joints)
-    moved = start + dt * velocity if plain else robot.integrate(start, dt * velocity)
-    return np.clip(moved, model.lower_position, model.upper_position)
+    lower, upper = model.lower_position, model.upper_position
+    if _adds(model):
+        moved, total = held_step(model.nq)(start, velocity, dt, lower, upper)
+    else:
+        moved = np.clip(robot.integrate(start, dt * velocity), lower, upper)
+        total = start.sum() + velocity.sum()
+    if not math.isfinite(total):
+        for name, value in (("q", start), ("v", velocity)):
+            for where in np.argwhere(~np.isfinite(value)):
+                raise NonFiniteError(name, (int(where[0]),), float(value[where[0]]))
+    return moved
 
 
-def _checked(name: str, value: ArrayLike, size: int) -> Floats:
+@lru_cache(maxsize=256)
+def _adds(model: Model) -> bool:
+    """Whether moving is adding: every joint has one coordinate. Rotations and bases move on their group."""
+    return 0 < model.nq == model.nv and all(j.kind.nq == 1 for j in model.joints)
+
+
+def _shaped(name: str, value: ArrayLike, size: int) -> Floats:
     out = np.asarray(value, dtype=float)
     if out.shape != (size,):
         raise ShapeError(name, out.shape, f"({size},)")
-    if not np.isfinite(out).all():
-        where = int(np.argwhere(~np.isfinite(out))[0][0])
-        raise NonFiniteError(name, (where,), float(out[where]))
     return out

@@ -18,7 +18,7 @@ class Recording:
     """
 
     def __init__(self) -> None:
-        self._count = 0
+        self._count = self._room = 0
         self._columns: dict[str, Floats] = {}
 
     def add(self, t: float, q: ArrayLike, **notes: Any) -> None:
@@ -27,24 +27,21 @@ class Recording:
         Raises:
             ShapeError: A number of entries differs from that of the rows before.
         """
-        row = {"t": t, "q": q, **notes}
-        values = {name: np.asarray(value, dtype=float) for name, value in row.items()}
-        for name, value in values.items():
-            column = self._columns.get(name)
-            if column is None:
-                self._columns[name] = np.full((max(self._room, 64), *value.shape), np.nan)
-            elif column.shape[1:] != value.shape:
-                raise ShapeError(name, value.shape, f"{column.shape[1:]}, as in the rows before")
         if self._count == self._room:
+            self._room = 2 * self._room or 64
             for name, column in self._columns.items():
                 self._columns[name] = np.concatenate([column, np.full_like(column, np.nan)])
-        for name, value in values.items():
-            self._columns[name][self._count] = value
+        cells = []
+        for name, value in {"t": t, "q": q, **notes}.items():
+            cell, column = np.asarray(value, dtype=float), self._columns.get(name)
+            if column is None:
+                column = self._columns[name] = np.full((self._room, *cell.shape), np.nan)
+            elif column.shape[1:] != cell.shape:
+                raise ShapeError(name, cell.shape, f"{column.shape[1:]}, as in the rows before")
+            cells.append((column, cell))
+        for column, cell in cells:
+            column[self._count] = cell
         self._count += 1
-
-    @property
-    def _room(self) -> int:
-        return len(next(iter(self._columns.values()))) if self._columns else 0
 
     @property
     def names(self) -> tuple[str, ...]:

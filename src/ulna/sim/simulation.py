@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any, Self, final
-
-import numpy as np
 
 from ulna.errors import InputError, UnknownName
 from ulna.robot import Robot
@@ -151,6 +150,6 @@ class Simulation:
 
 
 def _above(name: str, value: float) -> float:
-    if not (np.isfinite(value) and value > 0.0):
+    if not (math.isfinite(value) and value > 0.0):
         raise InputError(f"`{name}` is {value}; expected a number above zero.")
     return float(value)

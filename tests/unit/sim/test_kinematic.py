@@ -17,7 +17,7 @@ def panda() -> ulna.Robot:
 def test_a_free_step_is_the_velocity_times_the_time(panda: ulna.Robot) -> None:
     q = np.array(panda.configurations["qr"])
     v = np.linspace(-1, 1, 7)
-    np.testing.assert_array_equal(kinematic_step(panda, q, v, 0.01), q + 0.01 * v)
+    np.testing.assert_allclose(kinematic_step(panda, q, v, 0.01), q + 0.01 * v, rtol=0, atol=1e-15)
 
 
 def test_the_example_of_constant_velocities(panda: ulna.Robot) -> None:
@@ -51,6 +51,8 @@ def test_mistakes_are_named(panda: ulna.Robot) -> None:
         kinematic_step(panda, q, np.zeros(6), 0.1)
     with pytest.raises(NonFiniteError, match="`q"):
         kinematic_step(panda, np.full(7, np.nan), np.zeros(7), 0.1)
+    with pytest.raises(NonFiniteError, match=r"`v\[2\]"):
+        kinematic_step(panda, q, [0, 0, np.inf, 0, 0, 0, 0], 0.1)
     with pytest.raises(InputError, match="dt"):
         kinematic_step(panda, q, np.zeros(7), np.inf)
 
