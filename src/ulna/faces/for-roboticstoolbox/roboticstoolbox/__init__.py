@@ -10,7 +10,8 @@ _HOMES = {
     "roboticstoolbox._ets": ("ETS", "ETS2"),
     "roboticstoolbox._link": ("Link", "Link2", "ELink", "ELink2"),
     "roboticstoolbox._gripper": ("Gripper",),
-    "roboticstoolbox._robot": ("BaseRobot", "Robot", "Robot2", "ERobot", "ERobot2"),
+    "roboticstoolbox._robot": ("BaseRobot", "Robot", "ERobot"),
+    "roboticstoolbox._planar": ("Robot2", "ERobot2"),
     "roboticstoolbox._ik": ("IKSolution", "IKSolver", "IK_LM", "IK_NR", "IK_GN", "IK_QP"),
     "roboticstoolbox._dh": (
         "DHLink", "DHRobot", "SerialLink", "RevoluteDH", "PrismaticDH", "RevoluteMDH", "PrismaticMDH",

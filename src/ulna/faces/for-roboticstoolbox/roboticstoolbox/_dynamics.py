@@ -10,19 +10,17 @@ Source: Corke, Robotics, Vision and Control (2023), chapter 9.
 
 from __future__ import annotations
 
-from collections import namedtuple
 from functools import cache
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from roboticstoolbox._link import Link
 from roboticstoolbox._tree import model_of
-from ulna.errors import InputError, MissingExtra, ShapeError, UnknownName
+from ulna.errors import InputError, ShapeError
 from ulna.model import parameters
 from ulna.numeric import less, where
 from ulna.robot import Robot as Body
-from ulna.spatial import SE3, Inertia
 from ulna.trace import compile
 from ulna.typing import Array, Floats
 
@@ -33,8 +31,6 @@ _WITH = {
     "mass_matrix": ("inertia", "armature"),
     "coriolis_matrix": ("inertia",),
 }
-
-fdyn = namedtuple("fdyn", ["t", "q", "qd"])
 
 
 @cache
@@ -158,181 +154,6 @@ class Dynamics:
     def friction(self, qd: Any) -> Floats:
         """The torques of friction, against the motion, (n,) or (m, n)."""
         return -self._rubbing(np.asarray(qd, dtype=float))
-
-    def fdyn(
-        self,
-        T: float,
-        q0: Any,
-        Q: Any = None,
-        Q_args: dict[str, Any] | None = None,
-        qd0: Any = None,
-        solver: str = "RK45",
-        solver_args: dict[str, Any] | None = None,
-        dt: float | None = None,
-        progress: bool = False,
-    ) -> fdyn:
-        """The motion under torques `Q(robot, t, q, qd, **Q_args)` from `q0` for `T` seconds: t, q, qd by rows.
-
-        `solver` is one of scipy's; its steps are the rows, or every `dt`.
-        """
-        try:
-            from scipy import integrate, interpolate
-        except ImportError:
-            raise MissingExtra("scipy", "toolbox", "fdyn") from None
-        solvers = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
-        if solver not in solvers:
-            raise UnknownName("solver", solver, solvers)
-        start = np.asarray(q0, dtype=float)
-        if start.shape != (self.n,):
-            raise ShapeError("q0", start.shape, f"({self.n},)")
-        v0 = np.zeros(self.n) if qd0 is None else np.asarray(qd0, dtype=float)
-        still, arguments, n = np.zeros(self.n), Q_args or {}, self.n
-
-        def rate(t: float, x: Floats) -> Floats:
-            tau = still if Q is None else np.asarray(Q(self, t, x[:n], x[n:], **arguments), dtype=float)
-            return np.concatenate([x[n:], self.accel(x[:n], x[n:], tau)])
-
-        stepper = getattr(integrate, solver)(
-            rate, t0=0.0, y0=np.concatenate([start, v0]), t_bound=T, **(solver_args or {})
-        )
-        times, states = [0.0], [stepper.y]
-        while stepper.status == "running":
-            message = stepper.step()
-            if stepper.status == "failed":
-                raise RuntimeError(f"fdyn: {solver} failed at t = {stepper.t:.4g} s: {message}")
-            times.append(stepper.t)
-            states.append(stepper.y)
-        t, x = np.array(times), np.array(states)
-        if dt is not None:
-            even = np.arange(0.0, T, dt)
-            x, t = interpolate.interp1d(t, x, axis=0)(even), even
-        return fdyn(t, x[:, :n], x[:, n:])
-
-    def _weighed(self) -> tuple[Body, str]:
-        """The robot of Ulna with the weights of now, and the name of its end."""
-        self._told()
-        base = np.eye(4) if self._base is None else self._base
-        body = Body(model_of(self.name, self._links, self._grippers, self._gravity, base, moving=False))
-        end, tool = self._end()  # type: ignore[attr-defined]
-        if tool is None and self._tool is None:
-            return body, end.name
-        T = np.eye(4) if tool is None else tool
-        body = body.with_tool(end.name, SE3.from_matrix(T if self._tool is None else T @ self._tool))
-        return body, body.tool
-
-    def _felt(self, name: str, arrays: tuple[Any, ...], representation: str | None) -> Floats:
-        """What is felt at the end, by Ulna's operational space."""
-        body, end = self._weighed()
-        return getattr(body, name)(*arrays, frame=end, representation=representation)
-
-    def inertia_x(
-        self, q: Any = None, pinv: bool = False, representation: str = "rpy/xyz", Ji: Any = None
-    ) -> Floats:
-        """The inertia felt at the end, by position and angles, (6, 6)."""
-        return self._felt("operational_inertia", (self.q if q is None else q,), representation)
-
-    def coriolis_x(
-        self, q: Any, qd: Any, pinv: bool = False, representation: str = "rpy/xyz", **_: Any
-    ) -> Floats:
-        """Coriolis and centrifugal effects felt at the end, (6, 6)."""
-        return self._felt("operational_coriolis", (q, qd), representation)
-
-    def accel_x(
-        self,
-        q: Any,
-        xd: Any,
-        wrench: Any,
-        gravity: Any = None,
-        pinv: bool = False,
-        representation: str = "rpy/xyz",
-    ) -> Floats:
-        """The acceleration of position and angles of the end, moving at `xd`, under a force there, (6,)."""
-        J = self.jacob0_analytical(q, representation)  # type: ignore[attr-defined]
-        v = np.linalg.pinv(J) @ np.asarray(xd, dtype=float)
-        tau = J.T @ np.asarray(wrench, dtype=float) - self._rubbing(v)
-        kept = self._gravity
-        try:
-            self._gravity = kept if gravity is None else _three(gravity)
-            return self._felt("operational_acceleration", (q, v, tau), representation)
-        finally:
-            self._gravity = kept
-
-    def payload_capacity(self, q: Any, tau_m: Any, w: Any, frame: str = "base") -> Floats:
-        """How many times the wrench `w` (6,) at the end the joint torques `tau_m` (n,) can carry.
-
-        `frame` says in whose axes the wrench is written: "base" or "ee".
-        """
-        if frame not in ("base", "ee"):
-            raise InputError(f"`frame` is {frame!r}; expected 'base' or 'ee'.")
-        body, end = self._weighed()
-        where = "local_world_aligned" if frame == "base" else "local"
-        return np.atleast_2d(body.payload_capacity(q, end, w, tau_m, where))
-
-    def gravload_x(
-        self,
-        q: Any = None,
-        gravity: Any = None,
-        pinv: bool = False,
-        representation: str = "rpy/xyz",
-        Ji: Any = None,
-    ) -> Floats:
-        """The force at the end that gravity takes, (6,)."""
-        kept = self._gravity
-        try:
-            self._gravity = kept if gravity is None else _three(gravity)
-            return self._felt("operational_gravity", (self.q if q is None else q,), representation)
-        finally:
-            self._gravity = kept
-
-    def payload(self, m: float, p: Any = None) -> None:
-        """Adds a point mass `m` [kg] at `p` in the last link's frame [m]."""
-        last = self._links[-1]
-        body = last._inertia()
-        more = Inertia.from_point(float(m), np.zeros(3) if p is None else np.asarray(p, dtype=float))
-        whole = more if body is None else body + more
-        last.m, last.r, last.I = float(whole.mass), whole.com, whole.inertia
-
-    def nofriction(self, coulomb: bool = True, viscous: bool = False) -> Self:
-        """A copy without Coulomb friction, without viscous friction."""
-        out = self.copy()  # type: ignore[attr-defined]
-        for link in out._links:
-            if coulomb:
-                link.Tc = [0.0, 0.0]
-            if viscous:
-                link.B = 0.0
-        return out
-
-    def perturb(self, p: float = 0.1) -> Self:
-        """A copy with masses and inertias off at random by up to the fraction `p`."""
-        out = self.copy()  # type: ignore[attr-defined]
-        out.name = f"P/{self.name}"
-        draw = np.random.default_rng()
-        for link in out._links:
-            link.m = link.m * (1.0 + draw.uniform(-p, p))
-            link.I = link.I * (1.0 + draw.uniform(-p, p))
-        return out
-
-    def dynamics(self) -> None:
-        """Prints what the links weigh, as a table."""
-        from roboticstoolbox._table import grid
-
-        def listed(x: Any) -> str:
-            return ",  ".join(f"{v:.3g}" for v in x)
-
-        rows = []
-        for link in self._links:
-            if link.isjoint:
-                I = link.I
-                six = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[1, 2], I[0, 2])
-                numbers = [listed(link.r), listed(six), f"{link.Jm:.3g}", f"{link.B:.3g}", listed(link.Tc)]
-                rows.append([link.name, f"{link.m:.3g}", *numbers, f"{link.G:.3g}"])
-        print(grid(["j", "m", "r", "I", "Jm", "B", "Tc", "G"], rows, [False] * 8))
-
-    def dynamics_list(self) -> None:
-        """Prints what each link weighs."""
-        for i, link in enumerate(self._links):
-            print(f"\nLink {i}:: {link}")
-            print(link.dyn())
 
 
 def _three(gravity: Any) -> Floats:

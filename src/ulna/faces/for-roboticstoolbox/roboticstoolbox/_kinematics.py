@@ -8,10 +8,11 @@ import numpy as np
 
 from roboticstoolbox import _ik
 from roboticstoolbox._chain import _ANGLES, Chain
-from roboticstoolbox._ets import ETS, limits_of
+from roboticstoolbox._ets import ETS
 from roboticstoolbox._gripper import Gripper
 from roboticstoolbox._link import Link
 from roboticstoolbox._poses import matrix, pose
+from roboticstoolbox._sequence import limits_of
 from roboticstoolbox._tree import between, model_of
 from ulna.errors import InputError, UnknownName
 from ulna.robot import Robot as Body

@@ -7,7 +7,8 @@ from typing import Any
 from roboticstoolbox._et import ET2
 from roboticstoolbox._ets import ETS2
 from roboticstoolbox._link import Link2
-from roboticstoolbox._robot import Robot, Robot2
+from roboticstoolbox._planar import Robot2
+from roboticstoolbox._robot import Robot
 from roboticstoolbox.models._made import table, tree_class
 
 __all__ = list(dict.fromkeys(["Planar2", *table("ets")]))

@@ -1,0 +1,129 @@
+"""What a link weighs, and the motor that moves it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from ulna.errors import InputError, ShapeError
+from ulna.model import Drive
+from ulna.spatial import Inertia
+from ulna.typing import Floats
+
+
+def _matrix_of_inertia(I: Any) -> Floats:
+    """Inertia as a matrix, from (3, 3), or Ixx, Iyy, Izz, or those and Ixy, Iyz, Ixz."""
+    given = np.asarray(I, dtype=float)
+    if given.shape == (3, 3):
+        if np.abs(given - given.T).max() > 1e-8:
+            raise InputError("`I` of a link is not symmetric; expected (3, 3), 3 or 6 numbers.")
+        return given.copy()
+    if given.size == 3:
+        return np.diag(given.ravel())
+    if given.size == 6:
+        xx, yy, zz, xy, yz, xz = given.ravel()
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    raise ShapeError("I", given.shape, "(3, 3), (3,) or (6,): Ixx, Iyy, Izz, Ixy, Iyz, Ixz")
+
+
+class _Weight:
+    """An attribute of a link that its robot's dynamics depend on: setting it tells the robot."""
+
+    def __init__(self, convert: Callable[[Any], Any]) -> None:
+        self._convert = convert
+
+    def __set_name__(self, _: type, name: str) -> None:
+        self._name = f"_{name}"
+
+    def __get__(self, link: Any, _: type | None = None) -> Any:
+        return self if link is None else getattr(link, self._name)
+
+    def __set__(self, link: Any, value: Any) -> None:
+        setattr(link, self._name, self._convert(value))
+        if link.robot is not None:
+            link.robot.dynchanged()
+
+
+def _coulomb(Tc: Any) -> Floats:
+    """Coulomb friction in both directions: the second number is that of backward motion, not positive."""
+    given = np.ravel(np.asarray(Tc, dtype=float))
+    out = np.array([given[0], -given[0]]) if given.size == 1 else given
+    if out.shape != (2,) or out[0] < 0.0 or out[1] > 0.0:
+        raise InputError(f"`Tc` of a link is {Tc}; expected one number, or [Tc+, Tc-] with Tc+ >= 0 >= Tc-.")
+    return out
+
+
+def _vector3(r: Any) -> Floats:
+    out = np.array(r, dtype=float).ravel()
+    if out.shape != (3,):
+        raise ShapeError("r", np.shape(r), "(3,)")
+    return out
+
+
+class Heavy:
+    """Mass, inertia, motor and friction of a link."""
+
+    m = _Weight(float)
+    r = _Weight(_vector3)
+    I = _Weight(_matrix_of_inertia)
+    Jm = _Weight(float)
+    B = _Weight(float)
+    Tc = _Weight(_coulomb)
+    G = _Weight(float)
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    @property
+    def hasdynamics(self) -> bool:
+        """Whether it has mass, inertia, motor or friction."""
+        numbers = (self.m, self.Jm, self.B, *self.r, *self.I.ravel(), *self.Tc)
+        return any(bool(x) for x in numbers)
+
+    def friction(self, qd: float, coulomb: bool = True) -> float:
+        """The torque of friction at the joint's speed `qd`; against it."""
+        gear = abs(self.G)
+        tau = self.B * gear * gear * qd
+        if coulomb and qd:
+            tau += gear * (self.Tc[0] if qd > 0 else self.Tc[1])
+        return -tau
+
+    def nofriction(self, coulomb: bool = True, viscous: bool = False) -> Self:
+        """A copy without Coulomb friction, without viscous friction."""
+        out = self.copy()
+        if coulomb:
+            out.Tc = [0.0, 0.0]
+        if viscous:
+            out.B = 0.0
+        return out
+
+    def _inertia(self) -> Inertia | None:
+        """The body in Ulna's terms."""
+        if not self.m and not self.I.any():
+            return None
+        return Inertia.from_com(self.m, self.r, self.I)
+
+    def _drive(self) -> Drive:
+        gear = self.G if self.G else 1.0
+        return Drive(self.Jm, abs(self.B), self.Tc[0], -self.Tc[1], gear=gear)
+
+    def dyn(self, indent: int = 0) -> str:
+        """Prints what it weighs; gives the text, too."""
+        I, edge = self.I, " " * indent
+        rows = [f"{'':10}| " + "".join(f"{x:9.2g}" for x in row) + " |" for row in I]
+        rows[1] = "  I     = " + rows[1].lstrip()
+        lines = [
+            f"  m     = {self.m:9.2g}",
+            "  r     = " + "".join(f"{x:9.2g}" for x in self.r),
+            *rows,
+            f"  Jm    = {self.Jm:9.2g}",
+            f"  B     = {self.B:9.2g}",
+            f"  Tc    = {self.Tc[0]:9.2g}(+) {self.Tc[1]:9.2g}(-)",
+            f"  G     = {self.G:9.2g}",
+        ]
+        if self.qlim is not None:
+            lines.append(f"  qlim  = {self.qlim[0]:9.2g} to {self.qlim[1]:9.2g}")
+        return "\n".join(edge + line for line in lines)

@@ -1,0 +1,99 @@
+"""Robots in words: the toolbox's tables, and graphs of links for Graphviz and Mermaid."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._part import Part
+from roboticstoolbox._table import grid
+from ulna.errors import InputError
+
+
+class Words(Part):
+    """What is printed of a robot."""
+
+    def _kind_name(self) -> str:
+        own = type(self)
+        is_model = own.__module__.startswith("roboticstoolbox.models") and own.__name__ != "URDFRobot"
+        return f"{own.__mro__[1].__name__}.{own.__name__}" if is_model else own.__name__
+
+    def _headline(self) -> str:
+        maker = f" (by {self.manufacturer})" if self.manufacturer else ""
+        parts = [f"{self._kind_name()}: {self.name}{maker}", f"{self.n} joints ({self.structure})"]
+        if self._grippers:
+            count = len(self._grippers)
+            parts.append(f"{count} gripper{'s' if count > 1 else ''}")
+        if self.nbranches > 1:
+            parts.append(f"{self.nbranches} branches")
+        parts += [
+            word
+            for word, there in (
+                ("dynamics", self.hasdynamics),
+                ("geometry", self.hasgeometry),
+                ("collision", self.hascollision),
+            )
+            if there
+        ]
+        return ", ".join(parts)
+
+    def __str__(self) -> str:
+        ends = {id(link) for link in self.ee_links}
+        rows = []
+        for i, link in enumerate(self._links):
+            mark = "@" if id(link) in ends else ""
+            joint = "" if link.jindex is None else str(link.jindex)
+            rows.append([str(i), mark + link.name, joint, link.parent_name or "BASE", link.ets.words("q{0}")])
+        header = ["link", "link", "joint", "parent", "ETS: parent to link"]
+        right = [True, False, True, False, False]
+        return f"{self._headline()}\n{grid(header, rows, right)}{self.configurations_str()}"
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def configurations_str(self, border: str = "thin") -> str:
+        """The named configurations as a table."""
+        if not self._configs:
+            return ""
+        turns = self.revolutejoints
+        rows = [
+            [
+                name,
+                *(
+                    f"{np.degrees(x): .3g}°" if turn else f"{x: .3g}"
+                    for x, turn in zip(q, turns, strict=True)
+                ),
+            ]
+            for name, q in self._configs.items()
+        ]
+        header = ["name", *(f"q{j}" for j in range(self.n))]
+        columns = [True] + [False] * self.n
+        return "\n" + grid(header, rows, columns, ragged=True)
+
+    def hierarchy(self) -> None:
+        """Prints the tree of links."""
+
+        def show(link: Any, depth: int) -> None:
+            print("  " * depth + link.name)
+            for child in link.children:
+                show(child, depth + 1)
+
+        show(self.base_link, 0)
+
+    def graph(self, format: str = "dot") -> str:
+        """The tree of links as text for Graphviz ("dot") or Mermaid ("mermaid")."""
+        pairs = [(link.parent_name or "BASE", link.name) for link in self.link_dict.values()]
+        if format == "mermaid":
+            return "\n".join(["graph TD", *(f"    {a} --> {b}" for a, b in pairs)])
+        if format != "dot":
+            raise InputError(f"`format` is {format!r}; expected 'dot' or 'mermaid'.")
+        return "\n".join(["digraph G {", *(f'    "{a}" -> "{b}";' for a, b in pairs), "}"])
+
+    def dotfile(self, filename: Any, **_: Any) -> None:
+        """Writes the tree of links for Graphviz, to a path or a file."""
+        if hasattr(filename, "write"):
+            filename.write(self.graph() + "\n")
+        else:
+            Path(filename).write_text(self.graph() + "\n", encoding="utf-8")
