@@ -78,11 +78,14 @@ class RobotHandle(Handle):
 
     @q.setter
     def q(self, q: ArrayLike | str) -> None:
-        value = _named(self.robot, q) if isinstance(q, str) else checked_configuration(self.robot, q)
+        self.put(_named(self.robot, q) if isinstance(q, str) else checked_configuration(self.robot, q))
+
+    def put(self, q: Floats) -> None:
+        """As assigning to `q`, for an array that is known to be a configuration and that nobody will change."""
         with self._lock:
             if self._body is not None:
-                self._body.q = value
-            self._move(value)
+                self._body.q = q
+            self._move(q)
 
     @property
     def qd(self) -> Floats:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import Any, final
 
@@ -104,11 +104,9 @@ class Scene:
             self._levels = [(rows, self._above[rows]) for rows in chosen]
         return self._levels
 
-    @contextmanager
-    def together(self) -> Iterator[None]:
+    def together(self) -> AbstractContextManager[Any]:
         """What is changed within is seen at once or not at all. Keep it short: whoever draws waits meanwhile."""
-        with self._lock:
-            yield
+        return self._lock
 
     def later(self, key: object, function: Callable[[], None]) -> None:
         """Have `function` bring the scene up to date before it is next looked at; the newest counts for each key."""
