@@ -14,6 +14,7 @@ from ulna.model import (
     Circle,
     Composite,
     Continuous,
+    Ellipsoid,
     Fixed,
     FreeFlyer,
     Helical,
@@ -47,6 +48,7 @@ KINDS: dict[str, JointKind] = {
     "helical": Helical(SKEW, -0.7),
     "universal": Universal(),
     "universal askew": Universal(SKEW, (1, 0.2, 0)),
+    "ellipsoid": Ellipsoid((0.1, 0.25, 0.4)),
     "translation": Translation(),
     "planar z": Planar(),
     "planar x": Planar((1, 0, 0)),
@@ -95,6 +97,8 @@ def test_neutral_is_the_identity(name: str) -> None:
     if isinstance(kind, Composite):
         for place in kind.placements or ():
             expected = expected @ place.matrix()
+    if isinstance(kind, Ellipsoid):
+        expected[2, 3] = kind.radii[2]
     np.testing.assert_allclose(poses(kind, neutral), expected, atol=1e-15)
 
 
@@ -134,6 +138,14 @@ def test_the_bias_is_the_derivative_of_the_motion_subspace(name: str) -> None:
     for at, rate in zip(q, v, strict=True):
         ahead, behind = (twist(kind.integrate(at, rate * s), rate) for s in (h, -h))
         np.testing.assert_allclose(kind.bias(at, rate).vector(), (ahead - behind) / (2 * h), atol=1e-9)
+
+
+@moving
+def test_the_rates_of_coordinates_are_the_derivative_of_integrate(name: str) -> None:
+    kind, q, v = samples(name)
+    h = 1e-6
+    ahead, behind = (kind.integrate(q, s * v) for s in (h, -h))
+    np.testing.assert_allclose(kind.coordinate_rates(q, v), (ahead - behind) / (2 * h), atol=2e-9)
 
 
 @every

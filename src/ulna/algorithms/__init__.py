@@ -20,6 +20,7 @@ from ulna.algorithms.centroidal import centroidal_momentum as centroidal_momentu
 from ulna.algorithms.centroidal import centroidal_momentum_rate as centroidal_momentum_rate
 from ulna.algorithms.centroidal_derivatives import centroidal_derivatives as centroidal_derivatives
 from ulna.algorithms.centroidal_derivatives import com_velocity_derivatives as com_velocity_derivatives
+from ulna.algorithms.configuration import coordinate_rates as coordinate_rates
 from ulna.algorithms.configuration import difference as difference
 from ulna.algorithms.configuration import difference_derivatives as difference_derivatives
 from ulna.algorithms.configuration import distance as distance
@@ -69,6 +70,7 @@ from ulna.algorithms.jacobian import frame_jacobian as frame_jacobian
 from ulna.algorithms.jacobian import joint_jacobians as joint_jacobians
 from ulna.algorithms.jacobian_dot import frame_jacobian_dot as frame_jacobian_dot
 from ulna.algorithms.jacobian_dot import joint_jacobians_dot as joint_jacobians_dot
+from ulna.algorithms.jacobian_partials import jacobian_partials as jacobian_partials
 from ulna.algorithms.kinematics import frame_acceleration as frame_acceleration
 from ulna.algorithms.kinematics import frame_pose as frame_pose
 from ulna.algorithms.kinematics import frame_poses as frame_poses

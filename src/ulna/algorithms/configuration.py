@@ -6,6 +6,7 @@
 | v | tangent vector at q, in the moving frames | (..., nv) | [rad], [m] | |
 | integrate | q (+) v, the configuration reached | (..., nq) | | q exp(v), joint by joint |
 | difference | q1 (-) q0, the tangent vector that leads there | (..., nv) | | log(q0^-1 q1) |
+| dq/dt | d integrate(q, t v) / dt at t = 0 | (..., nq) | [q] per second | |
 | d integrate | its derivatives by q and by v | (..., nv, nv) | | Ad(exp(v))^-1 and J_r(v), in blocks |
 
 Source: Sola, Deray & Atchuthan, A micro Lie theory (2018), sections II and III. A mimic joint has no
@@ -28,6 +29,11 @@ from ulna.typing import Array, Floats
 def integrate(model: Model, q: Array, v: Array) -> Array:
     """The configuration reached from `q` by moving with the velocity `v` for one second, shape (..., nq)."""
     return _join(model, (q, v), lambda joint: joint.kind.integrate(_q(joint, q), _v(joint, v)))
+
+
+def coordinate_rates(model: Model, q: Array, v: Array) -> Array:
+    """dq/dt at velocity `v`, shape (..., nq): `v` itself for plain joints, quaternion rates for ball joints ..."""
+    return _join(model, (q, v), lambda joint: joint.kind.coordinate_rates(_q(joint, q), _v(joint, v)))
 
 
 def difference(model: Model, q0: Array, q1: Array) -> Array:

@@ -17,7 +17,7 @@ from ulna.model.joints.base import (
     random_quaternion,
     unit_quaternion,
 )
-from ulna.numeric import apply
+from ulna.numeric import apply, vector
 from ulna.spatial import (
     SE3,
     Motion,
@@ -69,6 +69,10 @@ class Spherical(JointKind):
     def difference(self, q0: Array, q1: Array) -> Array:
         """The rotation vector from `q0` to `q1`, no longer than pi; `q` and `-q` are the same place."""
         return quat_log(quat_multiply(quat_conjugate(q0), q1))
+
+    def coordinate_rates(self, q: Array, v: Array) -> Array:
+        """Half of `q` times the quaternion (v, 0)."""
+        return _quaternion_rates(q, v)
 
     def integrate_derivatives(self, q: Array, v: Array) -> tuple[Array, Array]:
         """exp(v) transposed, and the right Jacobian of SO(3) at v."""
@@ -138,6 +142,11 @@ class FreeFlyer(JointKind):
         step = apply(quat_xyzw_to_matrix(back), q1[..., :3] - q0[..., :3])
         return _join(apply(so3_left_jacobian_inverse(turn), step), turn)
 
+    def coordinate_rates(self, q: Array, v: Array) -> Array:
+        """The linear velocity in the fixed frame, and half of the quaternion times (w, 0)."""
+        turned = apply(quat_xyzw_to_matrix(q[..., 3:]), v[..., :3])
+        return _join(turned, _quaternion_rates(q[..., 3:], v[..., 3:]))
+
     def integrate_derivatives(self, q: Array, v: Array) -> tuple[Array, Array]:
         """The adjoint of exp(-v), and the right Jacobian of SE(3) at v."""
         return se3_exp(-v).adjoint(), se3_right_jacobian(v)
@@ -165,6 +174,12 @@ class FreeFlyer(JointKind):
         """Places within the limits of x, y, z ([-1, 1] m without), turned evenly over all rotations."""
         place = super().random(rng, lower, upper, size)[..., :3]
         return np.concatenate([place, random_quaternion(rng, size)], axis=-1)
+
+
+def _quaternion_rates(quat: Array, turn: Array) -> Array:
+    """d/dt of a quaternion xyzw whose frame turns with `turn`, told in that frame: quat (turn, 0) / 2."""
+    x, y, z = (0.5 * turn[..., i] for i in range(3))
+    return quat_multiply(quat, vector(x, y, z, 0.0))
 
 
 def _join(a: Array, b: Array) -> Array:

@@ -123,6 +123,10 @@ class JointKind(abc.ABC):
         """The velocity that leads from `q0` to `q1` in one second, the shortest way, shape (..., nv)."""
 
     @abc.abstractmethod
+    def coordinate_rates(self, q: Array, v: Array) -> Array:
+        """dq/dt at velocity `v`, shape (..., nq): the derivative of `integrate(q, t v)` by t at 0."""
+
+    @abc.abstractmethod
     def integrate_derivatives(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Derivatives of `integrate` by q and by v, on the tangent spaces, each (..., nv, nv)."""
 
@@ -191,6 +195,10 @@ class VectorKind(JointKind):
     def difference(self, q0: Array, q1: Array) -> Array:
         """`q1 - q0`."""
         return q1 - q0
+
+    def coordinate_rates(self, q: Array, v: Array) -> Array:
+        """`v`."""
+        return v
 
     def integrate_derivatives(self, q: Array, v: Array) -> tuple[Array, Array]:
         """The identity, twice."""

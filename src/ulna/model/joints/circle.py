@@ -66,6 +66,10 @@ class Circle(JointKind):
         """The shorter way round, in (-pi, pi]."""
         return vector(_angle_between(q0, q1))
 
+    def coordinate_rates(self, q: Array, v: Array) -> Array:
+        """(-sine, cosine) times `v`."""
+        return vector(-q[..., 1] * v[..., 0], q[..., 0] * v[..., 0])
+
     def integrate_derivatives(self, q: Array, v: Array) -> tuple[Array, Array]:
         """The identity, twice."""
         one = identity(1, q, v)
@@ -143,6 +147,11 @@ class PlanarCircle(JointKind):
     def difference(self, q0: Array, q1: Array) -> Array:
         """The logarithm of the motion from `q0` to `q1`; turns the shorter way."""
         return self._planar.difference(vector(0.0, 0.0, 0.0), self._seen_from(q0, q1))
+
+    def coordinate_rates(self, q: Array, v: Array) -> Array:
+        """The linear velocity in the plane's axes, and (-sine, cosine) times the angle's rate."""
+        c, s, x, y, w = q[..., 2], q[..., 3], v[..., 0], v[..., 1], v[..., 2]
+        return vector(c * x - s * y, s * x + c * y, -s * w, c * w)
 
     def integrate_derivatives(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Those of `Planar`: they depend on `v` alone."""

@@ -103,6 +103,10 @@ class Composite(JointKind):
         """Each kind's part by its own rule."""
         return _join([kind.difference(q0[..., i], q1[..., i]) for kind, i, _ in self._slices()])
 
+    def coordinate_rates(self, q: Array, v: Array) -> Array:
+        """Each kind's part by its own rule."""
+        return _join([kind.coordinate_rates(q[..., i], v[..., j]) for kind, i, j in self._slices()])
+
     def integrate_derivatives(self, q: Array, v: Array) -> tuple[Array, Array]:
         """The kinds' derivatives in blocks along the diagonal."""
         pairs = [kind.integrate_derivatives(q[..., i], v[..., j]) for kind, i, j in self._slices()]

@@ -83,6 +83,12 @@ class Planar(JointKind):
         x, y = _in_plane(so3_left_jacobian_inverse(_about_z(turn)), c * dx + s * dy, c * dy - s * dx)
         return vector(x, y, turn)
 
+    def coordinate_rates(self, q: Array, v: Array) -> Array:
+        """The linear velocity in the plane's axes, and the angle's rate."""
+        c, s = _cos_sin(q[..., 2])
+        x, y = v[..., 0], v[..., 1]
+        return vector(c * x - s * y, s * x + c * y, v[..., 2])
+
     def integrate_derivatives(self, q: Array, v: Array) -> tuple[Array, Array]:
         """The adjoint of exp(-v), and the right Jacobian of SE(2) at v."""
         by_v = se3_right_jacobian(_spatial(v))[..., _IN_SE3, :][..., :, _IN_SE3]
