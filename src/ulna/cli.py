@@ -79,7 +79,7 @@ def _parser() -> argparse.ArgumentParser:
         sub.set_defaults(run=run)
         return sub
 
-    robot = "a name that `ulna list` gives, or the path of a .urdf or .xacro file"
+    robot = "a name that `ulna list` gives, or the path of a .urdf, .xacro or MJCF (.xml) file"
     command("list", _list, "list the robots that can be loaded by name").add_argument(
         "words", nargs="*", metavar="WORD", help="only those whose name or description holds all of these"
     )

@@ -9,7 +9,7 @@ import dataclasses
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ulna.errors import InputError, UnknownName
 from ulna.model import JointKind, Model
@@ -35,8 +35,8 @@ def load(
     """The robot of that name or in that file, ready to compute with.
 
     Args:
-        name_or_path: "panda", "ur5", any name that `ulna list` gives, the path of a .urdf or .xacro file, or URDF
-            text (from "<").
+        name_or_path: "panda", "ur5", any name that `ulna list` gives, the path of a .urdf, .xacro or MJCF
+            (.xml) file, or URDF or MJCF text (from "<").
         root: how the base hangs in the world; see `load_model`, also for the others.
         visuals: "auto", "simple" or "cad".
         package_dirs: folders to look for packages in.
@@ -77,7 +77,8 @@ def load_model(
     """The model of that name or in that file, without compiling anything.
 
     Args:
-        name_or_path: a name of the catalogue, the path of a .urdf or .xacro file, or URDF text (from "<").
+        name_or_path: a name of the catalogue, the path of a .urdf, .xacro or MJCF (.xml) file, or URDF or MJCF
+            text (from "<").
         root: how the base hangs in the world: None fixed, "free_flyer", "planar", any joint kind, or "auto":
             a free flyer for the robots of the catalogue that move about.
         visuals: "auto", "simple" or "cad". For robots with shapes of their own (panda, ur5): the shapes, the
@@ -98,7 +99,7 @@ def load_model(
     if not isinstance(name_or_path, (str, os.PathLike)):
         raise InputError(
             f"`name_or_path` is {_described(name_or_path)}; expected a robot's name such as 'panda', the path of a "
-            ".urdf or .xacro file, or URDF text."
+            ".urdf, .xacro or MJCF (.xml) file, or URDF or MJCF text."
         )
     if isinstance(package_dirs, (str, os.PathLike)):
         package_dirs = (package_dirs,)
@@ -143,7 +144,7 @@ def _with_srdf(model: Model, given: PathLike) -> Model:
 
 
 def _from_file(given: PathLike, options: _Options) -> Model:
-    from ulna.formats.markup import read_file
+    from ulna.formats.markup import read_file, root_tag
     from ulna.formats.resolve import Resolver
     from ulna.formats.urdf import model_from_urdf
     from ulna.formats.urdf_parse import parse_urdf
@@ -156,6 +157,10 @@ def _from_file(given: PathLike, options: _Options) -> Model:
     else:
         file = os.path.expanduser(os.fspath(given))
         text = b""
+    if file is not None and file.lower().endswith((".xml", ".mjcf")):
+        text = read_file(file)
+    if root_tag(text) == "mujoco" or (file or "").lower().endswith(".mjcf"):
+        return _from_mjcf(given if file is None else file, options)
     # The data package names itself in its mesh paths; then it is found even for a copy of one of its files.
     share = example_robot_data.share_folder()
     resolver = Resolver(file, (*options.package_dirs, *((share.parent,) if share else ())))
@@ -164,11 +169,24 @@ def _from_file(given: PathLike, options: _Options) -> Model:
         text = expand_xacro(file, options.xacro_args, resolver) if is_xacro else read_file(file)
     document = parse_urdf(text, file)
     if options.visuals == "simple":
-        links = tuple(dataclasses.replace(x, visuals=x.collisions or x.visuals) for x in document.links)
-        document = dataclasses.replace(document, links=links)
+        document = _with_simple_visuals(document)
     root = None if options.root == "auto" else options.root
     model = model_from_urdf(document, root=root, mimic=options.mimic, resolver=resolver)
     return dataclasses.replace(model, source=str(Path(file).absolute()) if file else None)
+
+
+def _from_mjcf(given: PathLike, options: _Options) -> Model:
+    from ulna.formats.mjcf import model_from_mjcf
+
+    root = None if options.root == "auto" else options.root
+    model = model_from_mjcf(given, root=root, mimic=options.mimic)
+    return _with_simple_visuals(model) if options.visuals == "simple" else model
+
+
+def _with_simple_visuals(made: Any) -> Any:
+    """A document or model whose links look like what they collide with."""
+    links = tuple(dataclasses.replace(x, visuals=x.collisions or x.visuals) for x in made.links)
+    return dataclasses.replace(made, links=links)
 
 
 def _from_catalogue(name: str, options: _Options) -> Model:

@@ -1,1 +1,1 @@
-"""From model files and tables to models: URDF, xacro, SRDF, Denavit-Hartenberg, elementary transforms."""
+"""From model files and tables to models: URDF, xacro, MJCF, SRDF, Denavit-Hartenberg, elementary transforms."""

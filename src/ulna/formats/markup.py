@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,13 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
     if len(data) > MAX_BYTES:
         raise _too_large(str(where))
     return data
+
+
+def root_tag(data: bytes | str) -> str:
+    """The name of a document's root element, without parsing the rest; "" when there is none."""
+    text = data if isinstance(data, str) else data.decode("utf-8", errors="replace")
+    found = re.search(r"<([A-Za-z_][\w.:-]*)", re.sub(r"<!--.*?-->", "", text, flags=re.S))
+    return found[1] if found else ""
 
 
 def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) -> Node:
@@ -149,7 +157,7 @@ def _refuse_entities(root: Any, file: str | None) -> None:
 
 def _other_kind(tag: str, kind: str) -> str:
     known = {
-        "mujoco": "This is a MuJoCo model (MJCF), which Ulna does not read; convert it to URDF.",
+        "mujoco": "This is a MuJoCo model (MJCF): ulna.load reads it from a file, or as text.",
         "sdf": "This is an SDF model, which Ulna does not read; convert it to URDF.",
         "COLLADA": "This is a mesh, not a robot.",
         "html": "This is a web page; the download went wrong.",

@@ -21,7 +21,7 @@ class Checkout:
     """A robot description on disk.
 
     Attributes:
-        file: its URDF or xacro file.
+        file: its URDF, xacro or MJCF file.
         package_dirs: where its packages lie.
         xacro_args: values for the arguments of a xacro file.
     """
@@ -33,7 +33,7 @@ class Checkout:
 
 @cache
 def names() -> tuple[str, ...]:
-    """The names of the descriptions that may have a URDF; () where the package is not installed."""
+    """The names of the descriptions; () where the package is not installed."""
     try:
         spec = importlib.util.find_spec(_PACKAGE)
     except (ImportError, ValueError):
@@ -41,8 +41,7 @@ def names() -> tuple[str, ...]:
     if spec is None or not spec.submodule_search_locations:
         return ()
     modules = (m.name for m in pkgutil.iter_modules(spec.submodule_search_locations))
-    described = (m for m in modules if m.endswith(_ENDING) and not m.endswith("_mj" + _ENDING))
-    return tuple(sorted(m for m in described if not m.startswith("_")))
+    return tuple(sorted(m for m in modules if m.endswith(_ENDING) and not m.startswith("_")))
 
 
 def module_name(name: str) -> str | None:
@@ -58,7 +57,7 @@ def fetch(name: str) -> Checkout:
 
     Raises:
         UnknownName: there is no such description.
-        ModelError: the package is not installed, could not download it, or has neither URDF nor xacro for it.
+        ModelError: the package is not installed, could not download it, or has no file for it that can be read.
     """
     if not names():
         raise ModelError(
@@ -75,11 +74,10 @@ def fetch(name: str) -> Checkout:
             f"robot_descriptions could not provide {module!r}: {lines[-1].strip()} "
             "It downloads a robot on first use; look at the network, or load the robot from a file."
         ) from error
-    file = getattr(description, "URDF_PATH", None) or getattr(description, "XACRO_PATH", None)
+    files = (getattr(description, kind, None) for kind in ("URDF_PATH", "XACRO_PATH", "MJCF_PATH"))
+    file = next((file for file in files if file is not None), None)
     if file is None:
-        raise ModelError(
-            f"{module!r} of robot_descriptions has neither a URDF nor a xacro file (only MJCF?)."
-        )
+        raise ModelError(f"{module!r} of robot_descriptions has neither a URDF, a xacro nor an MJCF file.")
     folders = [
         Path(getattr(description, attribute))
         for attribute in ("PACKAGE_PATH", "REPOSITORY_PATH")

@@ -165,9 +165,10 @@ def descriptions(tmp_path, monkeypatch):
     (tmp_path / "tiny.urdf").write_text(URDF)
     paths = f"PACKAGE_PATH = REPOSITORY_PATH = {str(tmp_path)!r}\n"
     (package / "tiny_description.py").write_text(paths + f"URDF_PATH = {str(tmp_path / 'tiny.urdf')!r}\n")
-    (package / "odd_description.py").write_text(paths + "MJCF_PATH = 'x'\n")
+    (package / "odd_description.py").write_text(paths + "SDF_PATH = 'x'\n")
     (package / "far_description.py").write_text("raise OSError('a\\nno route to host')\n")
-    (package / "some_mj_description.py").write_text("")
+    (tmp_path / "some.xml").write_text("<mujoco model='some'/>")
+    (package / "some_mj_description.py").write_text(paths + f"MJCF_PATH = {str(tmp_path / 'some.xml')!r}\n")
     for module in [m for m in sys.modules if m.split(".")[0] == "robot_descriptions"]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -179,10 +180,17 @@ def descriptions(tmp_path, monkeypatch):
 
 
 def test_robot_descriptions(descriptions):
-    assert robot_descriptions.names() == ("far_description", "odd_description", "tiny_description")
+    ending = "_description"
+    assert [name.removesuffix(ending) for name in robot_descriptions.names()] == [
+        "far",
+        "odd",
+        "some_mj",
+        "tiny",
+    ]
     for name in ("tiny_description", "tiny", "robot_descriptions:tiny"):
         assert load_model(name).name == "tiny"
-    with pytest.raises(ModelError, match="neither a URDF nor a xacro file"):
+    assert load_model("some_mj").name == "some"
+    with pytest.raises(ModelError, match="neither a URDF, a xacro nor an MJCF file"):
         load_model("odd_description")
     with pytest.raises(ModelError, match="could not provide 'far_description': no route to host"):
         load_model("far")

@@ -1,0 +1,95 @@
+"""The geoms of a compiled MJCF file as geometries of links: which are drawn, which collide, where meshes lie."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+
+from ulna.geometry import Box, Capsule, Cylinder, Ellipsoid, Geometry, Material, Mesh, Plane, Shape, Sphere
+from ulna.spatial import SE3
+
+PLANE, FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)
+"""mjtGeom."""
+
+DRAWN_GROUPS = (0, 1, 2)
+"""The groups of geoms that MuJoCo's own viewers show when they start."""
+
+
+class Shapes:
+    """Geoms of one file; `left` counts those that have no shape here."""
+
+    def __init__(self, compiled: Any, spec: Any, file: str | None) -> None:
+        self._m = compiled
+        folder = os.path.dirname(os.path.abspath(file)) if file else os.getcwd()
+        self._folder = os.path.join(folder, spec.meshdir or "")
+        self.left: dict[str, int] = {}
+
+    def of_body(self, body: int) -> tuple[tuple[Geometry, ...], tuple[Geometry, ...]]:
+        """What a body looks like, and what it collides with."""
+        m = self._m
+        drawn: list[Geometry] = []
+        hard: list[Geometry] = []
+        for g in range(int(m.body_geomadr[body]), int(m.body_geomadr[body] + m.body_geomnum[body])):
+            found = self._geometry(g)
+            if found is None:
+                continue
+            if m.geom_group[g] in DRAWN_GROUPS:
+                drawn.append(found)
+            if m.geom_contype[g] or m.geom_conaffinity[g]:
+                hard.append(found)
+        return tuple(drawn), tuple(hard)
+
+    def _geometry(self, g: int) -> Geometry | None:
+        m = self._m
+        shape = self._shape(g)
+        if shape is None:
+            return None
+        place = SE3.from_quat_xyzw(np.roll(m.geom_quat[g], -1), m.geom_pos[g])
+        if isinstance(shape, Mesh):
+            # MuJoCo moves a mesh into its principal axes; the file's own frame is that much further back.
+            mesh = int(m.geom_dataid[g])
+            place = place @ SE3.from_quat_xyzw(np.roll(m.mesh_quat[mesh], -1), m.mesh_pos[mesh]).inverse()
+        return Geometry(
+            m.geom(g).name or f"{m.body(m.geom_bodyid[g]).name}_{g}", shape, place, self._material(g)
+        )
+
+    def _shape(self, g: int) -> Shape | None:
+        m = self._m
+        kind = int(m.geom_type[g])
+        x, y, z = (float(s) for s in m.geom_size[g])
+        if kind == PLANE:
+            return Plane((2.0 * x, 2.0 * y))  # 0 means without end, there and here
+        if kind == SPHERE:
+            return Sphere(x)
+        if kind == CAPSULE:
+            return Capsule(x, 2.0 * y)
+        if kind == ELLIPSOID:
+            return Ellipsoid((x, y, z))
+        if kind == CYLINDER:
+            return Cylinder(x, 2.0 * y)
+        if kind == BOX:
+            return Box((2.0 * x, 2.0 * y, 2.0 * z))
+        if kind == MESH:
+            return self._mesh(int(m.geom_dataid[g]))
+        return self._without("height fields" if kind == FIELD else "geoms of signed distance functions")
+
+    def _mesh(self, mesh: int) -> Mesh | None:
+        m = self._m
+        start = int(m.mesh_pathadr[mesh])
+        if start < 0:
+            return self._without("meshes without a file")
+        path = bytes(m.paths[start:]).split(b"\0")[0].decode()
+        found = os.path.join(self._folder, path)
+        sx, sy, sz = (float(s) for s in m.mesh_scale[mesh])
+        return Mesh(found, (sx, sy, sz), missing=not os.path.exists(found))
+
+    def _material(self, g: int) -> Material:
+        m = self._m
+        named = int(m.geom_matid[g])
+        r, gr, b, a = (float(c) for c in (m.geom_rgba[g] if named < 0 else m.mat_rgba[named]))
+        return Material("" if named < 0 else m.mat(named).name, (r, gr, b, a))
+
+    def _without(self, what: str) -> None:
+        self.left[what] = self.left.get(what, 0) + 1
