@@ -16,6 +16,7 @@ from ulna.numeric import is_symbolic
 from ulna.typing import Array
 
 _Rows = list[list[Any]]
+_DENORMAL = 1e-290  # smaller squares have lost digits
 
 
 def orthogonalise(a: Array, noise: float = 0.0) -> tuple[Array, Array, Array, Array]:
@@ -67,6 +68,39 @@ def volume_of(squares: Array) -> Any:
     for i in range(1, squares.shape[-1]):
         product = product * squares[..., i]
     return numeric.sqrt(product)
+
+
+def pseudoinverse(a: Array) -> tuple[Array, Any]:
+    """The pseudoinverse of a matrix of full rank, and how far the rank is from being lost (GVL 5.2.8, 5.5.2).
+
+    With `a = l @ q` of `orthogonalise` it is `q.T @ diag(1 / q^2) @ inverse(l)`; `a @ a.T`, whose condition is
+    that of `a` squared, is not formed.
+
+    Args:
+        a: (..., m, n).
+
+    Returns:
+        The pseudoinverse (..., n, m), and `norm(a) * norm(pseudoinverse)` by Frobenius (...), which lies between the
+        condition number and k times that, k the smaller of m and n. The relative error of the pseudoinverse is about
+        the rounding unit times that number, as by singular values; from 1e15 on the rank is not full and the
+        pseudoinverse means nothing. It is inf, too, where numbers are not finite or their squares not within range.
+    """
+    if a.shape[-2] > a.shape[-1]:
+        inverse, condition = pseudoinverse(np.swapaxes(a, -1, -2))
+        return np.swapaxes(inverse, -1, -2), condition
+    m = a.shape[-2]
+    lower, q, squares, reciprocals = orthogonalise(a)
+    rows = [q[..., i, :] * _column(reciprocals[..., i]) for i in range(m)]
+    for i in reversed(range(m)):
+        for j in range(i + 1, m):
+            rows[i] = rows[i] - _column(lower[..., j, i]) * rows[j]
+    size = sum((numeric.dot(a[..., i, :], a[..., i, :]) for i in range(m)), 0.0)
+    inverse_size = sum((numeric.dot(row, row) for row in rows), 0.0)
+    least = squares[..., 0]
+    for i in range(1, m):
+        least = numeric.minimum(least, squares[..., i])
+    condition = numeric.where(numeric.less(_DENORMAL, least), numeric.sqrt(size * inverse_size), np.inf)
+    return np.stack(rows, axis=-1), condition
 
 
 def ldl(a: Array) -> tuple[Array, Array]:

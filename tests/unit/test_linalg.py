@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import mpmath
 import numpy as np
 import pytest
 import sympy
@@ -100,6 +101,55 @@ def test_rows_are_made_orthogonal(shape: tuple[int, int]) -> None:
         if m <= shape[1]:
             np.testing.assert_allclose(gram, np.diag(squares), atol=1e-13)
             np.testing.assert_allclose(squares * reciprocals, np.ones(m), rtol=1e-14)
+
+
+def of_condition(condition: float, m: int, n: int, rng: np.random.Generator) -> np.ndarray:
+    """A random matrix with singular values from 1 to 1 / condition."""
+    u, v = np.linalg.qr(rng.standard_normal((m, m)))[0], np.linalg.qr(rng.standard_normal((n, n)))[0]
+    return (u * np.geomspace(1.0, 1.0 / condition, m)) @ v[:m]
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 3), (3, 3), (3, 7), (6, 7), (6, 4), (4, 1)])
+def test_pseudoinverse_of_floats_batches_and_traces(shape: tuple[int, int]) -> None:
+    a = np.random.default_rng(4).standard_normal((5, *shape))
+    kernel = compile(linalg.pseudoinverse, a=shape)
+    for inverse, condition in (linalg.pseudoinverse(a), kernel(a)):
+        np.testing.assert_allclose(inverse, np.linalg.pinv(a), rtol=0.0, atol=1e-12)
+        told = np.linalg.norm(a, axis=(-2, -1)) * np.linalg.norm(inverse, axis=(-2, -1))
+        np.testing.assert_allclose(condition, told, rtol=1e-12)
+        assert (condition >= np.linalg.cond(a) * (1.0 - 1e-12)).all()
+
+
+@pytest.mark.parametrize("condition", [1.0, 1e2, 1e4, 1e6, 1e8, 1e10])
+def test_pseudoinverse_is_as_good_as_by_singular_values(condition: float) -> None:
+    """Against 60 digits: the error is that of the numbers themselves, the condition times the rounding unit."""
+    rng, kernel = np.random.default_rng(7), compile(linalg.pseudoinverse, a=(6, 7))
+    for _ in range(4):
+        a = of_condition(condition, 6, 7, rng)
+        with mpmath.workdps(60):
+            wide = mpmath.matrix(a.tolist())
+            exact = wide.T * (wide * wide.T) ** -1
+            inverse, told = kernel(a)
+            error = mpmath.norm(mpmath.matrix(inverse.tolist()) - exact) / mpmath.norm(exact)
+        assert error < 4.0 * np.finfo(float).eps * condition
+        assert condition <= told <= 6.0 * condition * (1.0 + 1e-3)
+
+
+def test_pseudoinverse_tells_where_the_rank_is_lost() -> None:
+    rng, kernel = np.random.default_rng(8), compile(linalg.pseudoinverse, a=(6, 7))
+    whole = rng.standard_normal((6, 7))
+    poor = [
+        rng.standard_normal((6, r)) @ rng.standard_normal((r, 7)) for r in range(1, 6) for _ in range(200)
+    ]
+    for i, j in ((0, 1), (2, 5), (4, 3)):
+        a = whole.copy()
+        a[i] = -0.3 * a[j]
+        poor.append(a)
+    poor += [np.zeros((6, 7)), whole * (np.arange(7) > 1), whole * (np.arange(6) != 2)[:, None]]
+    assert (kernel(np.array(poor))[1] > 1e15).all()
+    for wrong in (whole * 1e-160, whole * 1e160, np.where(whole == whole[2, 3], np.nan, whole)):
+        assert kernel(wrong)[1] == np.inf
+    np.testing.assert_allclose(kernel(whole * 1e-140)[0] * 1e-140, np.linalg.pinv(whole), rtol=1e-12)
 
 
 def test_volume_keeps_its_digits_beside_a_singularity() -> None:
