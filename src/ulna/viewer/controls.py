@@ -1,4 +1,4 @@
-"""Controls of the page: values in the panel, and a pose in the scene that can be dragged."""
+"""A pose in the page that can be dragged, and poses as the page takes them."""
 
 from __future__ import annotations
 
@@ -8,55 +8,6 @@ import numpy as np
 
 from ulna.spatial import matrix_to_quat_xyzw, quat_xyzw_to_matrix
 from ulna.typing import Array, ArrayLike, Floats
-
-
-@final
-class Control:
-    """A control of the panel; `value` is read and written from any thread."""
-
-    def __init__(self, handle: Any, attribute: str) -> None:
-        self._handle, self._attribute = handle, attribute
-
-    @classmethod
-    def kept(cls, value: Any) -> Control:
-        """A value that nobody sees."""
-        return cls(_Kept(value), "value")
-
-    @classmethod
-    def of_choice(cls, boxes: dict[str, Any], value: str) -> Control:
-        """The one of several boxes that is ticked."""
-        return cls(_Choice(boxes, value), "value")
-
-    @property
-    def value(self) -> Any:
-        """What it shows."""
-        return getattr(self._handle, self._attribute)
-
-    @value.setter
-    def value(self, value: Any) -> None:
-        if isinstance(self._handle, _Choice) or value != self.value:
-            setattr(self._handle, self._attribute, value)
-
-
-class _Kept:
-    def __init__(self, value: Any) -> None:
-        self.value = value
-
-
-class _Choice:
-    def __init__(self, boxes: dict[str, Any], value: str) -> None:
-        self._boxes, self._value = boxes, value
-
-    @property
-    def value(self) -> str:
-        return self._value
-
-    @value.setter
-    def value(self, value: str) -> None:
-        self._value = value
-        for option, box in self._boxes.items():
-            if box.value != (option == value):
-                box.value = option == value
 
 
 @final
@@ -79,6 +30,10 @@ class Gizmo:
     def pose(self, pose: ArrayLike) -> None:
         position, wxyz = position_wxyz(np.asarray(pose, dtype=float))
         self._handle.position, self._handle.wxyz = position, wxyz
+
+    def remove(self) -> None:
+        """Take it out of the page."""
+        self._handle.remove()
 
     @property
     def visible(self) -> bool:

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import contextlib
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, final
+from typing import Any, TypeVar, final
 
 import numpy as np
 
-from ulna.errors import InputError, ShapeError, UnknownName
-from ulna.typing import ArrayLike, Floats
-from ulna.viewer.controls import Control, Gizmo, position_wxyz
+from ulna.errors import InputError
+from ulna.typing import Floats
+from ulna.viewer.choices import Boxes, Buttons, Choice, Menu, choices
+from ulna.viewer.controls import Gizmo, position_wxyz
 from ulna.viewer.page import Page
+from ulna.viewer.plot import INKS, Plot
+from ulna.viewer.sliders import Number, Slider, check_limits
+from ulna.viewer.widgets import Button, Checkbox, Control, Folder, Kept, Text, with_unit
 
 _MANY = 6  # choices from which on buttons become a menu
-_INKS = ("#2563eb", "#dc2626", "#16a34a", "#d97706", "#7c3aed", "#0891b2", "#db2777", "#65a30d")
+_C = TypeVar("_C", bound=Control)
 
 
 def nothing(_: Any) -> None:
@@ -28,7 +31,8 @@ class Panel:
     """Controls beside the scene.
 
     Functions that handle a change are called with the new value on one thread, one after the other, of each control
-    the newest only. Whatever the program sets itself calls no function.
+    the newest only. Whatever the program sets itself calls no function. What a method gives can be assigned to at
+    any time: its value, words, limits, choices, whether it is seen or out of use; and be removed.
 
     Args:
         page: The page they stand in, or None to keep values only.
@@ -37,15 +41,20 @@ class Panel:
     def __init__(self, page: Page | None) -> None:
         self._page = page
         self._gui: Any = None if page is None else page.server.gui
+        self._open = threading.local()  # folders that this thread is within
 
     @contextlib.contextmanager
-    def folder(self, label: str, open: bool = True) -> Iterator[None]:
+    def folder(self, label: str, open: bool = True) -> Iterator[Folder]:
         """Controls that are made within stand together under a heading."""
-        if self._gui is None:
-            yield
-            return
-        with self._gui.add_folder(label, expand_by_default=open):
-            yield
+        heading = self._made("folder", label, expand_by_default=open)
+        out = self._keep(Folder(heading, label))
+        around = getattr(self._open, "folder", None)
+        with heading:
+            self._open.folder = out
+            try:
+                yield out
+            finally:
+                self._open.folder = around
 
     def slider(
         self,
@@ -58,41 +67,32 @@ class Panel:
         step: float | None = None,
         unit: str = "",
         hint: str | None = None,
-    ) -> Control:
+    ) -> Slider:
         """A slider from `low` to `high`, beginning at `value`.
 
         Raises:
             InputError: `low` is not below `high`, or a number is not finite.
         """
-        start = low if value is None else value
-        if not (np.isfinite([low, high, start]).all() and low < high):
-            raise InputError(
-                f"The slider {label!r} runs from {low} to {high}, at {start}; expected low < high."
-            )
-        step = (high - low) / 1000 if step is None else min(step, high - low)
-        start = float(np.clip(start, low, high))
-        if self._gui is None:
-            return Control.kept(start)
-        handle = self._gui.add_slider(
-            _with(label, unit), min=low, max=high, step=step, initial_value=start, hint=hint
-        )
-        return self._wire(handle, on_change)
+        low, high = float(low), float(high)
+        start = low if value is None else float(value)
+        check_limits(label, low, high, start)
+        start = min(max(start, low), high)
+        each = (high - low) / 1000 if step is None else min(float(step), high - low)
+        handle = self._made("slider", with_unit(label, unit), start, min=low, max=high, step=each, hint=hint)
+        return self._heard(Slider(handle, label, unit, step is not None), on_change)
 
     def number(
         self, label: str, value: float = 0.0, on_change: Callable[[float], None] = nothing, *, unit: str = ""
-    ) -> Control:
+    ) -> Number:
         """A number to type."""
-        if self._gui is None:
-            return Control.kept(float(value))
-        return self._wire(self._gui.add_number(_with(label, unit), initial_value=float(value)), on_change)
+        handle = self._made("number", with_unit(label, unit), float(value))
+        return self._heard(Number(handle, label, unit), on_change)
 
     def checkbox(
         self, label: str, value: bool = False, on_change: Callable[[bool], None] = nothing
-    ) -> Control:
+    ) -> Checkbox:
         """A box to tick."""
-        if self._gui is None:
-            return Control.kept(bool(value))
-        return self._wire(self._gui.add_checkbox(label, initial_value=bool(value)), on_change)
+        return self._heard(Checkbox(self._made("checkbox", label, bool(value)), label), on_change)
 
     def select(
         self,
@@ -100,17 +100,15 @@ class Panel:
         options: Sequence[str],
         value: str | None = None,
         on_change: Callable[[str], None] = nothing,
-    ) -> Control:
+    ) -> Choice:
         """A menu of which one is chosen.
 
         Raises:
             InputError: There are no options, or one twice.
             UnknownName: `value` is none of them.
         """
-        options, value = _choices(label, options, value)
-        if self._gui is None:
-            return Control.kept(value)
-        return self._wire(self._gui.add_dropdown(label, options, initial_value=value), on_change)
+        names, chosen = choices(label, options, value)
+        return self._heard(Choice(self._made("dropdown", label, chosen, options=names), label), on_change)
 
     def radio(
         self,
@@ -118,60 +116,63 @@ class Panel:
         options: Sequence[str],
         value: str | None = None,
         on_change: Callable[[str], None] = nothing,
-    ) -> Control:
+    ) -> Choice:
         """Boxes of which exactly one is ticked.
 
         Raises:
             InputError: There are no options, or one twice.
             UnknownName: `value` is none of them.
         """
-        options, value = _choices(label, options, value)
-        if self._gui is None:
-            return Control.kept(value)
-        with self._gui.add_folder(label):
-            boxes = {o: self._gui.add_checkbox(o, initial_value=o == value) for o in options}
-        out = Control.of_choice(boxes, value)
-        for option, box in boxes.items():
+        names, chosen = choices(label, options, value)
 
-            def ticked(_: Any, option: str = option) -> None:
-                changed = out.value != option
-                out.value = option  # also when the ticked one was clicked: one of them always is
+        def make(option: str, ticked: bool) -> Any:
+            box = self._made("checkbox", option, ticked)
+
+            def clicked(_: Any) -> None:
+                changed = boxes.value != option
+                boxes.value = option  # also when the ticked one was clicked: one of them always is
                 if changed:
                     on_change(option)
 
-            self._listen(box.on_update, id(box), ticked, lambda: None)
+            self._listen(box, "on_update", clicked, lambda: None, lambda: out.removed)
+            return box
+
+        boxes = Boxes(self._made("folder", label), names, chosen, make)
+        out = self._keep(Choice(boxes, label))
         return out
 
-    def button(self, label: str, on_click: Callable[[], None], *, hint: str | None = None) -> Control:
+    def button(self, label: str, on_click: Callable[[], None], *, hint: str | None = None) -> Button:
         """A button; `value` counts how often it was clicked."""
-        out = Control.kept(0)
+        out = self._keep(Button(self._made("button", label, hint=hint), label))
 
         def clicked(_: Any) -> None:
-            out.value += 1
+            out.count()
             on_click()
 
-        if self._gui is not None:
-            handle = self._gui.add_button(label, hint=hint)
-            self._listen(handle.on_click, None, clicked, lambda: None)
+        self._listen(out._handle, "on_click", clicked, lambda: None, lambda: out.removed, each=True)
         return out
 
-    def buttons(self, label: str, options: Sequence[str], on_click: Callable[[str], None]) -> None:
+    def buttons(self, label: str, options: Sequence[str], on_click: Callable[[str], None]) -> Buttons:
         """A row of buttons, or a menu of many with one button to press; calls `on_click` with what was chosen."""
-        options, _ = _choices(label, options, None)
-        if self._gui is None:
-            return
-        if len(options) <= _MANY:
-            handle = self._gui.add_button_group(label, options)
-            self._listen(handle.on_click, None, on_click, lambda: handle.value)
-        else:  # a menu alone would seem to have chosen its first, and could not choose the same again
-            menu = self._gui.add_dropdown(label, options)
-            self._listen(self._gui.add_button("Go").on_click, None, on_click, lambda: menu.value)
+        names, _ = choices(label, options, None)
+        if len(names) <= _MANY:
+            handle = self._made("button_group", label, options=names, value=names[0])
+        else:
+            handle = Menu(self._made("dropdown", label, names[0], options=names), self._made("button", "Go"))
+        out = self._keep(Buttons(handle, label))
 
-    def text(self, content: str = "") -> Control:
+        def pressed(option: str) -> None:
+            out.press(option)
+            on_click(option)
+
+        self._listen(handle, "on_click", pressed, lambda: handle.value, lambda: out.removed, each=True)
+        return out
+
+    def text(self, content: str = "") -> Text:
         """Words in Markdown; setting `value` replaces them."""
         if self._gui is None:
-            return Control.kept(content)
-        return Control(self._gui.add_markdown(content), "content")
+            return self._keep(Text(Kept(content=content)))
+        return self._keep(Text(self._gui.add_markdown(content)))
 
     def plot(
         self, title: str, series: Sequence[str], *, seconds: float = 10.0, unit: str = "", height: int = 180
@@ -185,19 +186,22 @@ class Panel:
             unit: What the numbers are measured in.
             height: Height [pixels].
         """
-        names, _ = _choices(title, series, None)
-        out = Plot(names, seconds)
-        if self._gui is not None and self._page is not None:
-            lines = [{"label": n, "stroke": _INKS[k % len(_INKS)], "width": 2} for k, n in enumerate(names)]
-            handle = self._gui.add_uplot(
-                tuple(np.zeros(1) for _ in range(len(names) + 1)),
-                ({"label": "t"}, *lines),
-                title=_with(title, unit),
-                scales={"x": {"time": False}},
-                height=height,
-            )
-            self._page.each_tick(lambda: out._draw(handle))
-        return out
+        names, _ = choices(title, series, None)
+        words = with_unit(title, unit)
+        if self._gui is None or self._page is None:
+            return self._keep(Plot(Kept(title=words), title, unit, names, seconds, nothing))
+        lines = [{"label": n, "stroke": INKS[k % len(INKS)], "width": 2} for k, n in enumerate(names)]
+        handle = self._gui.add_uplot(
+            tuple(np.zeros(1) for _ in range(len(names) + 1)),
+            ({"label": "t"}, *lines),
+            title=words,
+            scales={"x": {"time": False}},
+            height=height,
+        )
+        page = self._page
+        out = Plot(handle, title, unit, names, seconds, lambda plot: page.never_again(plot.draw))
+        page.each_tick(out.draw)
+        return self._keep(out)
 
     def gizmo(
         self, name: str, pose: Floats, on_drag: Callable[[tuple[Floats, str]], None], size: float = 0.2
@@ -229,85 +233,45 @@ class Panel:
 
         return gizmo
 
-    def _wire(self, handle: Any, function: Callable[[Any], None]) -> Control:
-        self._listen(handle.on_update, id(handle), function, lambda: handle.value)
-        return Control(handle, "value")
+    def _made(self, kind: str, label: str, *value: Any, **more: Any) -> Any:
+        """A control of the page, or what stands in for one."""
+        if self._gui is None:
+            return Kept(label=label, **({"value": value[0]} if value else {}), **more)
+        more.pop("value", None)
+        add = getattr(self._gui, f"add_{kind}")
+        return add(label, **more, **({"initial_value": value[0]} if value else {}))
+
+    def _keep(self, control: _C) -> _C:
+        around = getattr(self._open, "folder", None)
+        if around is not None:
+            around.take(control)
+        return control
+
+    def _heard(self, control: Any, function: Callable[[Any], None]) -> Any:
+        handle = control._handle
+        self._listen(handle, "on_update", function, lambda: handle.value, lambda: control.removed)
+        return self._keep(control)
 
     def _listen(
-        self, register: Any, key: int | None, function: Callable[[Any], None], value: Callable[[], Any]
+        self,
+        handle: Any,
+        event: str,
+        function: Callable[[Any], None],
+        value: Callable[[], Any],
+        removed: Callable[[], bool],
+        each: bool = False,
     ) -> None:
+        """Have `function` called with what `value` gives when somebody changed it: the newest only, or `each`."""
         page = self._page
-        assert page is not None
+        if page is None:
+            return
+
+        def call(news: Any) -> None:
+            if not removed():
+                function(news)
 
         async def changed(event: Any) -> None:
             if event.client is not None:  # a value that the program set itself is no news
-                page.notice(key, function, value())
+                page.notice(None if each else id(handle), call, value())
 
-        register(changed)
-
-
-@final
-class Plot:
-    """Lines over time in the panel. Only as many rows are kept as `seconds` hold, at most some thousands."""
-
-    _MOST = 4000
-
-    def __init__(self, names: tuple[str, ...], seconds: float) -> None:
-        self.names, self.seconds = names, seconds
-        self._rows: list[tuple[float, Floats]] = []
-        self._lock = threading.Lock()
-        self._drawn_at, self._news = 0.0, False
-
-    def add(self, t: float, values: ArrayLike) -> None:
-        """Append a row: the time [s], and a number for each line.
-
-        Raises:
-            ShapeError: There are more or fewer numbers than lines.
-        """
-        row = np.atleast_1d(np.array(values, dtype=float))
-        if row.shape != (len(self.names),):
-            raise ShapeError(
-                "values", row.shape, f"({len(self.names)},), one for each of {', '.join(self.names)}"
-            )
-        with self._lock:
-            if self._rows and t < self._rows[-1][0]:  # time began anew
-                self._rows.clear()
-            self._rows.append((float(t), row))
-            if len(self._rows) > self._MOST or self._rows[0][0] < t - 2 * self.seconds:
-                first = next(k for k, (at, _) in enumerate(self._rows) if at >= t - self.seconds)
-                self._rows = self._rows[max(first, len(self._rows) - self._MOST // 2) :]
-            self._news = True
-
-    def clear(self) -> None:
-        """Forget everything."""
-        with self._lock:
-            self._rows.clear()
-            self._news = True
-
-    @property
-    def data(self) -> Floats:
-        """What it shows: rows of the time and the numbers, shape (n, 1 + lines)."""
-        with self._lock:
-            newest = self._rows[-1][0] if self._rows else 0.0
-            rows = [np.concatenate([[t], row]) for t, row in self._rows if t >= newest - self.seconds]
-        return np.array(rows).reshape(-1, 1 + len(self.names))
-
-    def _draw(self, handle: Any) -> None:
-        now = time.monotonic()
-        if self._news and now - self._drawn_at > 0.1:
-            self._news, self._drawn_at = False, now
-            data = self.data if self._rows else np.zeros((1, 1 + len(self.names)))
-            handle.data = tuple(np.ascontiguousarray(column) for column in data.T)
-
-
-def _with(label: str, unit: str) -> str:
-    return f"{label} [{unit}]" if unit else label
-
-
-def _choices(label: str, options: Sequence[str], value: str | None) -> tuple[tuple[str, ...], str]:
-    names = tuple(str(o) for o in options)
-    if not names or len(set(names)) != len(names):
-        raise InputError(f"{label!r} has the choices {names}; expected at least one, and each once.")
-    if value is not None and value not in names:
-        raise UnknownName(f"choice of {label!r}", value, names)
-    return names, names[0] if value is None else value
+        getattr(handle, event)(changed)

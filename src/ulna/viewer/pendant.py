@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Protocol, final
 
 import numpy as np
 
-from ulna.spatial import SE3, matrix_to_rpy, quat_xyzw_to_matrix
+from ulna.spatial import SE3, matrix_to_rpy
 from ulna.typing import ArrayLike, Floats
-from ulna.viewer.controls import Control, Gizmo
+from ulna.viewer.controls import Gizmo
+from ulna.viewer.dials import Dial, dials
 from ulna.viewer.follow import Follower
 from ulna.viewer.node import checked_pose
 from ulna.viewer.page import Page
 from ulna.viewer.panel import Panel
 from ulna.viewer.scene import Scene
+from ulna.viewer.sliders import Slider
 
 _GLIDE = 0.6  # how long a move to a named configuration takes [s]
 _CALM = 1 / 15  # s between two updates of sliders and words
@@ -29,6 +31,11 @@ class Moved(Protocol):
     @property
     def robot(self) -> Any:
         """The robot."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """The name of the group of its links in the scene."""
         ...
 
     @property
@@ -56,33 +63,19 @@ class Moved(Protocol):
 
 
 @final
-@dataclass(frozen=True)
-class Dial:
-    """One number of a configuration that a slider sets.
-
-    `read` gives it from a configuration; `write` gives the configuration with another value of it.
-    """
-
-    label: str
-    hint: str
-    low: float
-    high: float
-    step: float
-    read: Callable[[Floats], float]
-    write: Callable[[Floats, float], Floats]
-
-
-@final
 class Pendant:
-    """A robot's part of the panel.
+    """A robot's part of the panel; it goes when the robot leaves the scene, or by `remove`.
 
     Args:
         page: The page.
         target: What it moves.
         base: T_world_base of the robot, asked when it is needed.
+        heading: What stands over it, for a robot among others; nothing when not given.
     """
 
-    def __init__(self, page: Page, target: Moved, base: Callable[[], Floats] | None = None) -> None:
+    def __init__(
+        self, page: Page, target: Moved, base: Callable[[], Floats] | None = None, heading: str = ""
+    ) -> None:
         self._target, self.robot, self._panel = target, target.robot, Panel(page)
         self._base = base or (lambda: np.eye(4))
         self._last, self._moves = target.q, target.moves
@@ -93,9 +86,22 @@ class Pendant:
         self._told = np.full_like(self._last, np.nan)
         self._told_at = 0.0
         self.dials = dials(self.robot)
-        self.sliders: list[Control] = []
-        self._build(page)
+        self.sliders: list[Slider] = []
+        self._parts: list[Any] = []
+        with self._panel.folder(heading) if heading else contextlib.nullcontext() as folder:
+            self._build()
+        if folder is not None:
+            self._parts.append(folder)
+        self._page = page
         page.each_tick(self._tick)
+
+    def remove(self) -> None:
+        """Take it out of the panel, and the target out of the scene. May be called twice."""
+        with self._target.lock:
+            self._page.never_again(self._tick)
+            parts, self._parts = self._parts, []
+            for part in parts:
+                part.remove()
 
     def aim(self, T_goal: ArrayLike) -> None:
         """Move the target to T_world_goal, as dragging it does: the tool follows as far as the joints allow.
@@ -115,11 +121,11 @@ class Pendant:
             self._adopt()
             self.goal, self._glide = None, (time.monotonic(), self._last, np.array(q, dtype=float))
 
-    def _build(self, page: Page) -> None:
+    def _build(self) -> None:
         panel, q = self._panel, self._last
-        with panel.folder("Tool"):
+        with panel.folder("Tool") as tools:
             self.readout = panel.text("")
-        with panel.folder("Joints"):
+        with panel.folder("Joints") as joints:
             for dial in self.dials:
                 value = round(dial.read(q), 3)
                 self.sliders.append(
@@ -137,10 +143,12 @@ class Pendant:
                 panel.text("This robot has no joint to move.")
         named = tuple(self.robot.configurations)
         if named:
-            panel.buttons("Go to", named, lambda name: self.glide_to(self.robot.configurations[name]))
+            places = self.robot.configurations
+            self._parts.append(panel.buttons("Go to", named, lambda name: self.glide_to(places[name])))
         tool = self._base() @ np.asarray(self.robot.fk(q))
-        name = f"target of {getattr(self._target, 'name', self.robot.name)}"
+        name = f"target of {self._target.name}"
         self.gizmo: Gizmo = panel.gizmo(name, tool, self._dragged, size=self._gizmo_size())
+        self._parts += [tools, joints, self.gizmo]
 
     def _gizmo_size(self) -> float:
         points = self._target.scene.points(2000)
@@ -160,6 +168,8 @@ class Pendant:
     def _dragged(self, event: tuple[Floats, str]) -> None:
         pose, _ = event
         with self._target.lock:
+            if self._target.name not in self._target.scene:
+                return
             self._adopt()
             self._glide, self.goal = None, self._in_base(pose)
 
@@ -174,6 +184,10 @@ class Pendant:
 
     def _tick(self) -> None:
         with self._target.lock:
+            if self._target.name not in self._target.scene:
+                self.remove()
+            if not self._parts:
+                return
             self._adopt()
             if self.goal is not None:
                 self._follow(self.goal)
@@ -210,80 +224,6 @@ class Pendant:
         self.readout.value = _pose_text(self.robot.tool, T)
         if self.goal is None and not self.gizmo.held:
             self.gizmo.pose = T
-
-
-def dials(robot: Any) -> list[Dial]:
-    """The numbers of a robot's configuration that sliders can set: coordinates, and angles for rotations."""
-    out, model = [], robot.model
-    for joint in model.joints:
-        if joint.mimic is not None:
-            continue
-        short, entries = _short(joint.name, robot.joint_names), joint.kind.coordinates
-        k = 0
-        while k < len(entries):
-            i = joint.idx_q + k
-            if entries[k].unit == "":  # a quaternion, four entries
-                out += [_angle(short, joint, i, axis) for axis in range(3)]
-                k += 4
-            else:
-                label = short if len(entries) == 1 else f"{short} {entries[k].name}"
-                out.append(_coordinate(label, joint, i, entries[k].unit, model))
-                k += 1
-    return out
-
-
-def _coordinate(label: str, joint: Any, i: int, unit: str, model: Any) -> Dial:
-    turning = unit == "rad"
-    free = np.pi if turning else 1.0
-    lower, upper = float(model.lower_position[i]), float(model.upper_position[i])
-    bounded = np.isfinite(lower) and np.isfinite(upper)
-    low, high = (lower if np.isfinite(lower) else -free), (upper if np.isfinite(upper) else free)
-    if turning and bounded:
-        span = f"{np.rad2deg(low):.0f}° to {np.rad2deg(high):.0f}°"
-    else:
-        span = f"{low:.3g} to {high:.3g} {unit}" if bounded else "no limits"
-    step = 0.001 if high - low > 0.2 else max((high - low) / 500, 1e-6)
-    if high - low < 1e-9:
-        high = low + 1e-6
-
-    def write(q: Floats, value: float) -> Floats:
-        q = q.copy()
-        q[i] = np.clip(
-            value, lower, upper
-        )  # the slider's steps do not end on the limits; the robot's numbers do
-        return q
-
-    hint = f"{joint.name} ({joint.kind.describe()}), {span}"
-    return Dial(f"{label} [{unit}]", hint, low, high, step, lambda q: float(q[i]), write)
-
-
-def _angle(label: str, joint: Any, i: int, axis: int) -> Dial:
-    name = ("roll", "pitch", "yaw")[axis]
-    reach = np.pi / 2 if axis == 1 else np.pi
-
-    def rpy(q: Floats) -> Floats:
-        return np.asarray(matrix_to_rpy(quat_xyzw_to_matrix(q[i : i + 4])), dtype=float)
-
-    def write(q: Floats, value: float) -> Floats:
-        q, angles = q.copy(), rpy(q)
-        angles[axis] = value
-        q[i : i + 4] = SE3.from_rpy(angles).quat_xyzw()
-        return q
-
-    hint = f"{joint.name} ({joint.kind.describe()}), {name} of its rotation"
-    return Dial(f"{label} {name} [rad]", hint, -reach, reach, 0.001, lambda q: float(rpy(q)[axis]), write)
-
-
-def _short(name: str, names: tuple[str, ...]) -> str:
-    """A joint's name without what all joints' names begin with."""
-    if len(names) < 2:
-        return name
-    first, last = min(names), max(names)
-    common = 0
-    while common < min(len(first), len(last)) and first[common] == last[common]:
-        common += 1
-    cut = name.rfind("_", 0, common) + 1  # whole words only
-    return name[cut:] or name
 
 
 def _pose_text(frame: str, T: Floats) -> str:

@@ -165,7 +165,7 @@ class Viewer(Studio):
         """
         if self._page is None:
             raise InputError("There is no page to put sliders into.")
-        return Pendant(self._page, robot, lambda: self.scene.snapshot().poses[self.scene.row(robot.name)])
+        return Pendant(self._page, robot, lambda: robot.world_pose, heading=robot.name)
 
     # time -----------------------------------------------------------------------------------------------------
 

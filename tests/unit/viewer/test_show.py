@@ -12,7 +12,7 @@ import ulna
 from ulna.errors import InputError, MissingExtra, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Continuous, FreeFlyer, ModelBuilder, Prismatic, Revolute, Spherical
 from ulna.spatial import SE3
-from ulna.viewer.pendant import _short
+from ulna.viewer.dials import _short
 from ulna.viewer.scene import Scene
 from ulna.viewer.show import Show, configuration, show
 
