@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._et import BaseET
+from roboticstoolbox._jacobian import Jacobian
 from ulna.errors import ShapeError
 from ulna.formats.ets import ETS as Transforms
 from ulna.robot import Robot
@@ -95,11 +96,11 @@ class Chain:
 
     def jacob0(self, q: Any) -> Floats:
         """The Jacobian in the axes of the start, (..., 6, n)."""
-        return self._jacob0(self.q(q)) if self.n else np.zeros((6, 0))
+        return self._jacob0(self.q(q)).view(Jacobian) if self.n else np.zeros((6, 0))
 
     def jacobe(self, q: Any) -> Floats:
         """The Jacobian in the axes of the end, (..., 6, n)."""
-        return self._jacobe(self.q(q)) if self.n else np.zeros((6, 0))
+        return self._jacobe(self.q(q)).view(Jacobian) if self.n else np.zeros((6, 0))
 
     @cached_property
     def _jacob0(self) -> Any:
@@ -125,7 +126,7 @@ class Chain:
 
     def analytical(self, q: Any, representation: str) -> Floats:
         """The Jacobian of position and angles, (..., 6, n)."""
-        return self.arm.analytical_jacobian(self.q(q), representation)
+        return self.arm.analytical_jacobian(self.q(q), representation).view(Jacobian)
 
     def manipulability(self, q: Any, method: str, axes: Any) -> Any:
         """The measure of manipulability of that name, (...)."""
