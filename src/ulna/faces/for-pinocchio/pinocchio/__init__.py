@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+import sys
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +23,6 @@ from pinocchio._enums import KinematicLevel as KinematicLevel
 from pinocchio._enums import ReferenceFrame as ReferenceFrame
 from pinocchio._frame import Frame as Frame
 from pinocchio._inertia import Inertia as Inertia
-from pinocchio._inertia import Symmetric3 as Symmetric3
 from pinocchio._jacobians import *
 from pinocchio._joints import *
 from pinocchio._kinematics import *
@@ -37,6 +37,7 @@ from pinocchio._se3 import SE3 as SE3
 from pinocchio._se3 import SE3ToXYZQUAT as SE3ToXYZQUAT
 from pinocchio._se3 import SE3ToXYZQUATtuple as SE3ToXYZQUATtuple
 from pinocchio._se3 import XYZQUATToSE3 as XYZQUATToSE3
+from pinocchio._symmetric import Symmetric3 as Symmetric3
 from pinocchio._urdf import buildModelFromUrdf as buildModelFromUrdf
 from pinocchio._urdf import buildModelFromXML as buildModelFromXML
 from pinocchio._vectors import Force as Force
@@ -46,7 +47,7 @@ from pinocchio._vectors import seed as seed
 from pinocchio._vectors import skew as skew
 from pinocchio._vectors import skewSquare as skewSquare
 from pinocchio._vectors import unSkew as unSkew
-from pinocchio._words import refusal
+from pinocchio._words import refusal, stands_in_an_import
 from pinocchio.explog import *
 
 PINOCCHIO_MAJOR_VERSION, PINOCCHIO_MINOR_VERSION, PINOCCHIO_PATCH_VERSION = 4, 1, 0
@@ -60,13 +61,18 @@ for _kind in (ArgumentPosition, FrameType, GeometryType, KinematicLevel, Referen
     globals().update(_kind.__members__)
 
 
-def __getattr__(name: str) -> Any:
-    if name.startswith("StdVec_"):
-        return StdVec
-    if name in LATE or name in MODULES:
-        return late(name)
-    word = refusal(name)
-    raise AttributeError(f"module 'pinocchio' (Ulna's face) has no {name!r}. {word}", name=name, obj=None)
+if not TYPE_CHECKING:  # a checker shall see what is misspelt
+
+    def __getattr__(name: str) -> Any:
+        if name in LATE or name in MODULES:
+            return late(name)
+        text = f"module 'pinocchio' (Ulna's face) has no {name!r}. {refusal(name, __dir__())}"
+        if not name.startswith("_") and stands_in_an_import(sys._getframe(1)):
+            raise ImportError(text, name="pinocchio")
+        raise AttributeError(text, name=name, obj=None)
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *LATE, *MODULES})
 
 
 def checkVersionAtLeast(major: int, minor: int, patch: int) -> bool:

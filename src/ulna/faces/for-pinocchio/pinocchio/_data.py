@@ -62,7 +62,11 @@ _MATRICES = {
     "jointTorqueRegressor": "vp",
     "staticRegressor": "3s",
     "bodyRegressor": "6t",
-}
+    "dq_after": "v",
+    "osim": "00",
+} | dict.fromkeys(("lambda_c", "lambda_c_prox", "impulse_c"), "0")
+_MATRICES |= dict.fromkeys(("dlambda_dq", "dlambda_dv", "dlambda_dtau", "dvc_dq", "dac_dq", "dac_dv", "dac_da"), "00")
+"""Those of constraints are empty until an algorithm knows how many rows there are."""
 _POSES = ("oMi", "liMi")
 _MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
 _OF_MOTION = ("v", "a_gf", "f", "h")
@@ -78,7 +82,7 @@ class Data:
         self._layout = model._layout
         self.nframes = model.nframes
         nj, nv, np_ = model.njoints, model.nv, model.njoints - 1
-        sizes = {"6": 6, "3": 3, "v": nv, "p": 10 * np_, "s": 4 * np_, "t": 10}
+        sizes = {"6": 6, "3": 3, "v": nv, "p": 10 * np_, "s": 4 * np_, "t": 10, "0": 0}
         self._blocks: dict[str, Floats] = {k: np.zeros([sizes[c] for c in s]) for k, s in _MATRICES.items()}
         for name in (*_POSES, "oMf"):
             self._blocks[name] = np.tile(np.eye(4), (model.nframes if name == "oMf" else nj, 1, 1))
@@ -89,7 +93,6 @@ class Data:
         self._fill_views()
         self.hg, self.dhg, self.Ig = Force(), Force(), Inertia()
         self.kinetic_energy = self.potential_energy = self.mechanical_energy = 0.0
-        self.joints = StdVec(model.joints)
         self._engine: Engine | None = None
         self._due: dict[str, Callable[[], Any]] = {}
         self._due_of_places = self._fill_places
@@ -105,6 +108,7 @@ class Data:
         self._qv_of_jacobians: tuple[Floats, Floats] | None = None
         self._of_derivatives: tuple[Floats, ...] | None = None
         self._has_frames = False
+        self._bound: Any = None
 
     def _fill_views(self) -> None:
         blocks = self._blocks
@@ -117,6 +121,14 @@ class Data:
             self._lists[name] = _Masses(list(blocks[name]))
         self.mass: Any = _Masses([0.0] * len(blocks["com"]))
         self._tails = {n: blocks[n][1:] for n in (*_POSES, *_MOTIONS, *_FORCES)}
+
+    @property
+    def joints(self) -> StdVec[Any]:
+        """For each joint its placement, motion subspace, velocity and bias, at the state of the last algorithm."""
+        from pinocchio._joint_data import states
+
+        moves = self._qv is not None and self._q is not None and np.array_equal(self._qv[0], self._q)
+        return states(self._model, self._q, self._qv[1] if moves and self._qv else None)
 
     def copy(self) -> Data:
         """One of its own, with the same numbers."""
@@ -178,6 +190,15 @@ class Data:
         for name, found in zip(self._due_of_motion, bodies(*self._motion), strict=True):
             if self._due.pop(name, None) is not None:  # else a later algorithm has filled it
                 self._tails[name][...] = found
+
+    @property
+    def constraint_chol(self) -> Any:
+        """The decomposition of mass matrix and constraints of the last constraintDynamics or impulseDynamics."""
+        from pinocchio._constraint_cholesky import cholesky_of
+
+        return cholesky_of(self)
+
+    contact_chol = constraint_chol
 
     def require(self, what: Any, mend: str) -> Any:
         """`what`, a state that an earlier algorithm leaves.

@@ -1,4 +1,4 @@
-"""Joint models: Pinocchio's names for the tower's kinds of joints, with their places in q and v."""
+"""The kinds of joints by their names, made of the tower's kinds."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from typing import Any, Self
 import numpy as np
 
 from pinocchio._arrays import StdVec, vector
+from pinocchio._joint_model import NOWHERE, JointModel
 from pinocchio._se3 import SE3
-from ulna.errors import InputError
+from ulna.errors import InputError, UnknownName
 from ulna.model import (
     Circle,
     Composite,
+    Ellipsoid,
     FreeFlyer,
     Helical,
     JointKind,
@@ -28,6 +30,7 @@ from ulna.typing import Floats
 __all__ = [
     "JointModel",
     "JointModelComposite",
+    "JointModelEllipsoid",
     "JointModelFreeFlyer",
     "JointModelHX",
     "JointModelHY",
@@ -54,106 +57,26 @@ __all__ = [
 ]
 
 _AXES: dict[str, Axis] = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
-NOWHERE = 2**64 - 1
-"""The index of a joint that is in no model."""
 
 
-class JointModel:
-    """A kind of joint and, once in a model, its index and its places in q and v."""
-
-    def __init__(self, joint: JointModel | None = None) -> None:
-        self.id = NOWHERE
-        self.idx_q = self.idx_v = self.idx_vExtended = -1
-        self.kind: JointKind | None = None if joint is None else joint.kind
-        self.nq = 0 if self.kind is None else self.kind.nq
-        self.nv = 0 if self.kind is None else self.kind.nv
-        self._word = "JointModelRX" if joint is None else joint.shortname()
-        self.mimic: tuple[int, float, float] | None = None
-        """Of a mimic joint: the index of the joint it follows, the ratio, and the offset."""
-
-    def _be(self, word: str, kind: JointKind) -> None:
-        JointModel.__init__(self)
-        self._word, self.kind, self.nq, self.nv = word, kind, kind.nq, kind.nv
-
-    @property
-    def nvExtended(self) -> int:
-        """How many velocities it has of its own, also where it mimics."""
-        return 0 if self.kind is None else self.kind.nv
-
-    def shortname(self) -> str:
-        """The name of its kind."""
-        return self._word
-
-    def lieGroup(self) -> Any:
-        """The Lie group of its configurations."""
-        from pinocchio.liegroups import of_joint
-
-        return of_joint(self)
-
-    @classmethod
-    def classname(cls) -> str:
-        """The name of its class."""
-        return cls.__name__
-
-    def setIndexes(self, joint_id: int, idx_q: int, idx_v: int, idx_vExtended: int | None = None) -> None:
-        """Says where it stands in a model."""
-        self.id, self.idx_q, self.idx_v = joint_id, idx_q, idx_v
-        self.idx_vExtended = idx_v if idx_vExtended is None else idx_vExtended
-
-    def hasSameIndexes(self, other: JointModel) -> bool:
-        """Whether another joint stands at the same place."""
-        return (self.id, self.idx_q, self.idx_v) == (other.id, other.idx_q, other.idx_v)
-
-    def hasConfigurationLimit(self) -> list[bool]:
-        """For each entry of its q, whether a limit on it means something."""
-        kind = self.kind
-        return [] if kind is None else [c.unit in ("rad", "m") for c in kind.coordinates]
-
-    def hasConfigurationLimitInTangent(self) -> list[bool]:
-        """For each entry of its v, whether a limit on its position means something."""
-        if self.kind is None:
-            return []
-        plain = self.kind.nq == self.kind.nv
-        return [plain or c.unit == "m" for c in self.kind.rates]
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, JointModel):
-            return NotImplemented
-        return (self.kind, self.id, self.idx_q, self.idx_v, self.mimic) == (
-            other.kind,
-            other.id,
-            other.idx_q,
-            other.idx_v,
-            other.mimic,
-        )
-
-    __hash__ = object.__hash__
-
-    def __str__(self) -> str:
-        return (
-            f"{self.shortname()}\n  index: {self.id}\n  index q: {self.idx_q}\n  index v: {self.idx_v}\n"
-            f"  index vExtended: {self.idx_vExtended}\n  nq: {self.nq}\n  nv: {self.nv}\n"
-            f"  nvExtended: {self.nvExtended}\n"
-        )
-
-    __repr__ = __str__
-
-    def copy(self) -> JointModel:
-        """One of its own, at the same place."""
-        out = object.__new__(type(self))
-        out.__dict__.update(self.__dict__)
-        return out
-
-    __copy__ = copy
-
-
-def _fixed_kind(word: str, kind: JointKind, doc: str) -> type[JointModel]:
-    """A class of joints without parameters."""
+def _fixed_kind(word: str, kind: JointKind, doc: str, axis: Axis | None = None) -> type[JointModel]:
+    """A class of joints without parameters; those along a coordinate axis tell it."""
 
     def __init__(self: JointModel) -> None:
         self._be(word, kind)
 
-    return type(word, (JointModel,), {"__init__": __init__, "__doc__": doc, "__module__": __name__})
+    members: dict[str, Any] = {"__init__": __init__, "__doc__": doc, "__module__": __name__}
+    if axis is not None:
+        members["getMotionAxis"] = _told(axis)
+    return type(word, (JointModel,), members)
+
+
+def _told(axis: Axis) -> Any:
+    def getMotionAxis(self: JointModel) -> Floats:
+        return np.array(axis)
+
+    getMotionAxis.__doc__ = "Its unit axis (3,)."
+    return getMotionAxis
 
 
 class _Unaligned(JointModel):
@@ -191,12 +114,13 @@ class JointModelRevoluteUnboundedUnaligned(_Unaligned):
 
 
 class JointModelHelicalUnaligned(JointModel):
-    """A screw about an axis with a pitch [m/rad]."""
+    """A screw about an axis with a pitch [m/rad]: `(axis, pitch)`, `(x, y, z, pitch)`."""
 
     def __init__(self, *parts: Any) -> None:
-        *axis, pitch = parts
+        *axis, pitch = parts or (_AXES["X"], 0.0)
         self._axis: Axis = unit_axis(vector(axis[0] if len(axis) == 1 else axis, 3, "axis"))
         self.pitch = float(pitch)
+        """Advance per angle [m/rad]."""
         self._be("JointModelHelicalUnaligned", Helical(self._axis, self.pitch))
 
     @property
@@ -209,19 +133,42 @@ class JointModelUniversal(JointModel):
     """Turns about a first axis, then about a second one: six numbers, or two axes; nq = nv = 2."""
 
     def __init__(self, *parts: Any) -> None:
-        first, second = parts if len(parts) == 2 else (parts[:3], parts[3:])
-        one, two = (unit_axis(vector(a, 3, "axis")) for a in (first, second))
-        self._be("JointModelUniversal", Universal(one, two))
+        first, second = (
+            parts if len(parts) == 2 else (parts[:3], parts[3:]) if parts else (_AXES["X"], _AXES["Y"])
+        )
+        self._axes = tuple(unit_axis(vector(a, 3, "axis")) for a in (first, second))
+        self._be("JointModelUniversal", Universal(*self._axes))
+
+    @property
+    def axis1(self) -> Floats:
+        """The first unit axis (3,), in the fixed frame."""
+        return np.array(self._axes[0])
+
+    @property
+    def axis2(self) -> Floats:
+        """The second unit axis (3,), in the moving frame."""
+        return np.array(self._axes[1])
+
+
+class JointModelEllipsoid(JointModel):
+    """Slides on an ellipsoid with half axes along x, y, z [m], and turns about its outward direction; nq = nv = 3."""
+
+    def __init__(self, radius_x: float = 0.0, radius_y: float = 0.0, radius_z: float = 0.0) -> None:
+        self.radius_x, self.radius_y, self.radius_z = float(radius_x), float(radius_y), float(radius_z)
+        self._be("JointModelEllipsoid", Ellipsoid((self.radius_x, self.radius_y, self.radius_z)))
 
 
 class JointModelComposite(JointModel):
-    """Several joints in a row: `JointModelComposite()`, then `addJoint(joint, placement)`."""
+    """Several joints in a row: `()`, `(joint)`, `(joint, placement)` or with a name; then `addJoint(joint, placement)`."""
 
     def __init__(self, *parts: Any) -> None:
         JointModel.__init__(self)
         self._word = "JointModelComposite"
         self.joints: StdVec[JointModel] = StdVec()
+        """The joints it is made of."""
         self.jointPlacements: StdVec[SE3] = StdVec()
+        """Where each is in the moving frame of the one before."""
+        self._names: list[str] = []
         if parts and isinstance(parts[0], JointModel):
             self.addJoint(*parts)
 
@@ -230,18 +177,33 @@ class JointModelComposite(JointModel):
         """How many joints it is made of."""
         return len(self.joints)
 
-    def addJoint(self, joint: JointModel, placement: SE3 | None = None) -> Self:
+    def addJoint(self, joint: JointModel, placement: SE3 | None = None, name: str = "") -> Self:
         """Adds a joint, placed in the moving frame of the one before."""
         if joint.kind is None or isinstance(joint.kind, Composite):
             raise InputError(
                 f"JointModelComposite.addJoint was given {joint.shortname()}; expected a plain joint."
             )
-        self.joints.append(joint)
-        self.jointPlacements.append(SE3() if placement is None else placement.copy())
+        self.joints = StdVec([*self.joints, joint.copy()])
+        self.jointPlacements = StdVec(
+            [*self.jointPlacements, SE3() if placement is None else placement.copy()]
+        )
+        self._names = [*self._names, name]
         kinds = tuple(j.kind for j in self.joints if j.kind is not None)
         self.kind = Composite(kinds, tuple(M._pose() for M in self.jointPlacements))
         self.nq, self.nv = self.kind.nq, self.kind.nv
         return self
+
+    def getJointId(self, joint_name: str) -> int:
+        """The place of the joint that was added under a name. Raises UnknownName with the nearest one."""
+        if joint_name not in self._names:
+            raise UnknownName("part of this joint", joint_name, [n for n in self._names if n])
+        return self._names.index(joint_name)
+
+    def __str__(self) -> str:
+        parts = "".join(f"  {joint.shortname()}\n" for joint in self.joints)
+        return f"JointModelComposite containing following models:\n{parts}"
+
+    __repr__ = __str__
 
 
 JointModelFreeFlyer = _fixed_kind(
@@ -260,7 +222,8 @@ JointModelSphericalZYX = _fixed_kind(
 
 
 def _along(letter: str, make: Any, words: str, doc: str) -> type[JointModel]:
-    return _fixed_kind(f"JointModel{words}{letter}", make(_AXES[letter]), doc.format(letter.lower()))
+    axis = _AXES[letter]
+    return _fixed_kind(f"JointModel{words}{letter}", make(axis), doc.format(letter.lower()), axis)
 
 
 JointModelRX, JointModelRY, JointModelRZ = (_along(c, Revolute, "R", "Turns about {}.") for c in "XYZ")
@@ -278,7 +241,13 @@ def _screw(letter: str) -> type[JointModel]:
         self._be(word, Helical(_AXES[letter], self.pitch))
 
     doc = f"A screw about {letter.lower()} with a pitch [m/rad]."
-    return type(word, (JointModel,), {"__init__": __init__, "__doc__": doc, "__module__": __name__})
+    members = {
+        "__init__": __init__,
+        "__doc__": doc,
+        "__module__": __name__,
+        "getMotionAxis": _told(_AXES[letter]),
+    }
+    return type(word, (JointModel,), members)
 
 
 JointModelHX, JointModelHY, JointModelHZ = (_screw(c) for c in "XYZ")
@@ -309,27 +278,21 @@ def prismatic(axis: Any) -> JointModel:
 
 
 class JointModelMimic(JointModel):
-    """A joint that follows another one: `JointModelMimic(joint, joint followed, scaling, offset)`."""
+    """A joint that follows another one: q = scaling * q_followed + offset.
 
-    def __init__(self, joint: JointModel, followed: JointModel, scaling: float, offset: float = 0.0) -> None:
+    `JointModelMimic(followed, scaling, offset)` is of the kind of what it follows; `JointModelMimic(joint, followed,
+    scaling, offset)` of its own.
+    """
+
+    def __init__(self, joint: JointModel, *rest: Any) -> None:
+        followed, scaling, offset = rest if rest and isinstance(rest[0], JointModel) else (joint, *rest)
         if joint.kind is None or followed.id == NOWHERE or (followed.nq, followed.nv) != (1, 1):
             raise InputError(
                 "JointModelMimic needs a joint, and a joint with one coordinate that is in the model already, "
                 "such as model.joints[1]."
             )
         self._be("JointModelMimic", joint.kind)
+        self._kind_word = joint.shortname()
         self.nq = self.nv = 0
         self.mimic = (int(followed.id), float(scaling), float(offset))
         self.idx_q, self.idx_v = followed.idx_q, followed.idx_v
-
-    @property
-    def scaling(self) -> float:
-        """The ratio."""
-        assert self.mimic is not None
-        return self.mimic[1]
-
-    @property
-    def offset(self) -> float:
-        """The offset [rad, m]."""
-        assert self.mimic is not None
-        return self.mimic[2]

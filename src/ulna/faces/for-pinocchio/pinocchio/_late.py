@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-_OF = {
+_OF: dict[str, tuple[str, ...]] = {
     "_collisions": ("computeCollision", "computeCollisions", "computeDistance", "computeDistances"),
     "_geometry": (
         "CollisionPair",
@@ -24,18 +24,68 @@ _OF = {
     ),
     "_samples": ("buildSampleModelManipulator",),
     "_parallel": ("ModelPool", "abaInParallel", "rneaInParallel"),
+    "_pseudo": ("LogCholeskyParameters", "PseudoInertia"),
     "liegroups": ("LieGroup", "lieGroup"),
     "robot_wrapper": ("RobotWrapper",),
     "shortcuts": ("buildModelsFromUrdf", "createDatas"),
     "visualize": ("GepettoVisualizer", "MeshcatVisualizer", "ViserVisualizer", "Visualizer"),
 }
-LATE: dict[str, str] = {name: module for module, names in _OF.items() for name in names}
+_JOINT_DATA = (
+    *("RX", "RY", "RZ", "RUBX", "RUBY", "RUBZ", "PX", "PY", "PZ", "HX", "HY", "HZ", "RevoluteUnaligned"),
+    *(
+        "RevoluteUnboundedUnalignedTpl",
+        "PrismaticUnaligned",
+        "HelicalUnaligned",
+        "Universal",
+        "FreeFlyer",
+        "Planar",
+    ),
+    *("Spherical", "SphericalZYX", "Translation", "Ellipsoid", "Mimic", "Composite", ""),
+)
+_CONSTRAINTS = ("", "FrameAnchor", "JointFriction", "JointLimit", "PointAnchor", "PointContact", "Rigid")
+_VECTORS = (
+    *("Bool", "BooleanVector", "CollisionObject", "CollisionPair", "CollisionResult", "ComputeCollision"),
+    *(
+        "ComputeDistance",
+        "Contact",
+        "Data",
+        "DistanceResult",
+        "Double",
+        "EigenIndex",
+        "EigenIndexVector",
+        "Force",
+    ),
+    *("Frame", "GeometryData", "GeometryModel", "GeometryObject", "Index", "IndexVector", "Inertia"),
+    *(
+        "JointDataVector",
+        "JointModelVector",
+        "Matrix6",
+        "Matrix6x",
+        "MatrixXs",
+        "Model",
+        "Motion",
+        "SE3",
+        "Scalar",
+    ),
+    *("StdString", "StdVec_Int", "Symmetric3", "Vec3s", "Vector3", "coal_CollisionObjectPointer", "int"),
+    *(
+        "BroadPhaseManager_DynamicAABBTreeCollisionManager",
+        "TreeBroadPhaseManager_DynamicAABBTreeCollisionManager",
+    ),
+    *(f"{word}Constraint{what}" for word in _CONSTRAINTS for what in ("Data", "Model")),
+)
+LATE: dict[str, str] = {
+    **{name: module for module, names in _OF.items() for name in names},
+    **{f"JointData{word}": "_joint_data" for word in _JOINT_DATA},
+    **{f"StdVec_{word}": "_arrays" for word in _VECTORS},
+}
 """The module of each of these names."""
 MODULES = ("cholesky", "liegroups", "linalg", "robot_wrapper", "shortcuts", "visualize")
 
 
 def late(name: str) -> Any:
-    """What a name of `LATE`, or a module of `MODULES`, stands for."""
+    """What a name of `LATE`, or a module of `MODULES`, stands for; all containers are one class of lists."""
     if name in MODULES:
         return importlib.import_module(f"pinocchio.{name}")
-    return getattr(importlib.import_module(f"pinocchio.{LATE[name]}"), name)
+    module = importlib.import_module(f"pinocchio.{LATE[name]}")
+    return getattr(module, "StdVec" if name.startswith("StdVec_") else name)

@@ -328,11 +328,11 @@ class Model:
 
     def hasConfigurationLimit(self) -> StdVec[bool]:
         """For each entry of q, whether a limit on it means something."""
-        return StdVec(x for j in self.joints if not j.mimic for x in j.hasConfigurationLimit())
+        return StdVec(x for j in self.joints if not j.mimic for x in j.hasConfigurationLimit)
 
     def hasConfigurationLimitInTangent(self) -> StdVec[bool]:
         """For each entry of v, whether a limit on its position means something."""
-        return StdVec(x for j in self.joints if not j.mimic for x in j.hasConfigurationLimitInTangent())
+        return StdVec(x for j in self.joints if not j.mimic for x in j.hasConfigurationLimitInTangent)
 
     # what is compiled -----------------------------------------------------------------------------------
 

@@ -1,27 +1,42 @@
-"""What this face does not offer, and what to use instead."""
+"""What this face does not offer, what to use instead, and the nearest name of what was misspelt."""
 
 from __future__ import annotations
 
+import difflib
+import dis
 import re
+from collections.abc import Iterable
+from types import FrameType
 
 _WORDS = (
-    (r"casadi|cppad", "Ulna differentiates and compiles functions itself: ulna.compile(f, robot).jacobian()."),
-    (r".*Sdf|WITH_SDF.*", "SDF files are not read; convert them to URDF."),
+    (r"casadi|cppad|.*[Cc]asadi.*", "Ulna differentiates and compiles functions itself: ulna.compile(f, robot).jacobian()."),
+    (r".*Sdf.*|WITH_SDF.*", "SDF files are not read; convert them to URDF."),
     (r".*MJCF.*", "MJCF files are not read yet; convert them to URDF."),
-    (r".*(Broad|TreeBroad|GeometryPool).*", "Pairs are culled inside robot.collides of Ulna."),
-    (r".*InParallel|ModelPool|omp_.*", "Kernels take batches: ulna.Robot(model.ulna()).inverse_dynamics(Q, V, A)."),
-    (r".*Constraint.*|.*Delassus.*|.*Contact.*|lcaba|.*Cone|.*Prox.*|(PGS|ADMM).*|impulseDynamics|forwardDynamics|.*KKT.*",
+    (r".*Constraint.*|.*Delassus.*|.*Contact.*|lcaba|.*Cone|.*Prox.*|(PGS|ADMM).*|impulseDynamics|forwardDynamics|.*KKT.*"
+     r"|constraintDynamics|Baumgarte.*|BoxSet|FrictionCoeff.*|getFriction.*|computeJointMinimal.*|AUTOMATIC|MANUAL|CONSTANT"
+     r"|LINEAR|OSQP|SPECTRAL|computeImpulse.*",
      "Constraints are Ulna's: ulna.Robot(model.ulna()).constrained_dynamics(...), impulse_dynamics(...)."),
-    (r"serialization|loadFrom.*|saveTo.*", "Use pickle, or model.saveToText(file)."),
+    (r"Lanczos.*|Tridiagonal.*", "It is a part of solvers; scipy.linalg.eigh_tridiagonal and scipy.sparse.linalg.eigsh have such."),
+    (r"(Panda3d|RViz)Visualizer", "Use MeshcatVisualizer or GepettoVisualizer: both draw into Ulna's viewer."),
     (r"graph", "Models are put together with appendModel, buildReducedModel, and ulna.model.ModelBuilder."),
-    (r".*tangentMap.*|.*TangentMap.*", "Use dIntegrate, which works on tangent spaces."),
-    (r".*KinematicRegressor|.*Ellipsoid", "Ask for it: it has not been needed yet."),
+    (r"numpy|inspect|sys", "It is no part of Pinocchio; import it itself."),
+    (r".*KinematicRegressor", "Ask for it: it has not been needed yet."),
+    (r"pin|pinocchio_pywrap.*|module_info|submodules|.*type_index|map_indexing.*|Deprecated.*|deprecat.*",
+     "It belongs to the binding of Pinocchio to Python, which this face has none of."),
 )  # fmt: skip
 
 
-def refusal(name: str) -> str:
-    """A word on a name that is not offered."""
-    for pattern, word in _WORDS:
-        if re.fullmatch(pattern, name):
-            return word
-    return "Real Pinocchio is `pip install pin`; run the script with plain python to use it."
+def refusal(name: str, offered: Iterable[str]) -> str:
+    """A word on a name that is not offered: what to use, or the nearest of the offered ones."""
+    word = next((word for pattern, word in _WORDS if re.fullmatch(pattern, name)), "")
+    by_folded = {n.casefold(): n for n in offered}
+    near = difflib.get_close_matches(name.casefold(), by_folded, n=1, cutoff=0.9 if word else 0.7)
+    hint = f"Did you mean {by_folded[near[0]]!r}?" if near else ""
+    both = f"{word} {hint}".strip()
+    return both or "Real Pinocchio is `pip install pin`; run the script with plain python to use it."
+
+
+def stands_in_an_import(frame: FrameType) -> bool:
+    """Whether a frame is at the name of `from module import name`, which hides the words of an AttributeError."""
+    code = frame.f_code.co_code
+    return 0 <= frame.f_lasti < len(code) and dis.opname[code[frame.f_lasti]] == "IMPORT_FROM"
