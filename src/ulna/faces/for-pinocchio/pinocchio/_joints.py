@@ -159,7 +159,7 @@ class JointModelEllipsoid(JointModel):
 
 
 class JointModelComposite(JointModel):
-    """Several joints in a row: `()`, `(joint)`, `(joint, placement)` or with a name; then `addJoint(joint, placement)`."""
+    """Several joints in a row: `()`, `(joint)`, `(joint, placement, name)`; then `addJoint(joint, placement)`."""
 
     def __init__(self, *parts: Any) -> None:
         JointModel.__init__(self)

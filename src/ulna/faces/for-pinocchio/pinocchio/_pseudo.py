@@ -24,6 +24,9 @@ class _OfBody:
     __slots__ = ("_p",)
     _p: Floats
 
+    def __init__(self, *parts: Any) -> None:
+        raise NotImplementedError
+
     def toDynamicParameters(self) -> Floats:
         """m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
         raise NotImplementedError
@@ -52,7 +55,7 @@ class _OfBody:
 
 @final
 class PseudoInertia(_OfBody):
-    """`PseudoInertia(mass, h, sigma)`: kg, mass times centre of mass [kg m], second moments [kg m^2]; or a 4x4 matrix."""
+    """`PseudoInertia(mass, h, sigma)`: kg, mass times centre of mass [kg m], second moments [kg m^2]; or its matrix."""
 
     __slots__ = ()
 

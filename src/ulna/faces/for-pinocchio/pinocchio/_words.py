@@ -9,14 +9,15 @@ from collections.abc import Iterable
 from types import FrameType
 
 _WORDS = (
-    (r"casadi|cppad|.*[Cc]asadi.*", "Ulna differentiates and compiles functions itself: ulna.compile(f, robot).jacobian()."),
+    (r"casadi|cppad|.*[Cc]asadi.*",
+     "Ulna differentiates and compiles functions itself: ulna.compile(f, robot).jacobian()."),
     (r".*Sdf.*|WITH_SDF.*", "SDF files are not read; convert them to URDF."),
     (r".*MJCF.*", "MJCF files are not read yet; convert them to URDF."),
     (r".*Constraint.*|.*Delassus.*|.*Contact.*|lcaba|.*Cone|.*Prox.*|(PGS|ADMM).*|impulseDynamics|forwardDynamics|.*KKT.*"
      r"|constraintDynamics|Baumgarte.*|BoxSet|FrictionCoeff.*|getFriction.*|computeJointMinimal.*|AUTOMATIC|MANUAL|CONSTANT"
      r"|LINEAR|OSQP|SPECTRAL|computeImpulse.*",
      "Constraints are Ulna's: ulna.Robot(model.ulna()).constrained_dynamics(...), impulse_dynamics(...)."),
-    (r"Lanczos.*|Tridiagonal.*", "It is a part of solvers; scipy.linalg.eigh_tridiagonal and scipy.sparse.linalg.eigsh have such."),
+    (r"Lanczos.*|Tridiagonal.*", "It is a part of solvers; scipy.linalg.eigh_tridiagonal and scipy.sparse.linalg.eigsh do."),
     (r"(Panda3d|RViz)Visualizer", "Use MeshcatVisualizer or GepettoVisualizer: both draw into Ulna's viewer."),
     (r"graph", "Models are put together with appendModel, buildReducedModel, and ulna.model.ModelBuilder."),
     (r"numpy|inspect|sys", "It is no part of Pinocchio; import it itself."),
