@@ -229,17 +229,51 @@ def test_controls_keep_values_and_call_in_the_thread_of_the_script(env: Any, swi
     assert said == [4.0, 0, [True, True], 0, 0]
     assert env.values == {"s": 4.0, "m": 0, "c": [True, True], "r": [True, False], "b": None, "l": None}
     slider.value, label.label, radio.checked, boxes.checked, select.value = 7, "other", 1, [False, True], "b"
-    assert [c.value for e in (slider, label, radio, boxes, select) for c in e._controls] == [
-        7.0, "other", "b", False, True, "b",
-    ]  # fmt: skip
+    shown = [
+        c.value for e in (slider, label, radio, boxes, select) for c in e._controls if hasattr(c, "value")
+    ]
+    assert shown == [7.0, "other", "b", False, True, "b"]
     env.process_events({0: 5.0})
     assert said[-1] == 5.0 and len(said) == 6
     with pytest.raises(InputError, match="already"):
         env.add(slider)
-    with pytest.raises(NotImplementedError, match="max"):
-        slider.max = 20
-    with pytest.raises(NotImplementedError, match=r"env\.reset"):
+
+
+def test_controls_change_and_go_at_any_time(env: Any, swift: Any) -> None:
+    slider = env.add(swift.Slider(None, 0, 10, 1, 3, label="gain", unit="m"), name="gain")
+    select = env.add(swift.Select(None, "which", ["a", "b", "c"], 2), name="which")
+    boxes = env.add(swift.Checkbox(None, "flags", ["a", "b"], [False, True]))
+    slider.max, slider.min, slider.step, slider.label, slider.unit = 100, 20, 5, "stiffness", "N/m"
+    (dial,) = slider._controls
+    assert (dial.limits, dial.step, dial.label, dial.unit, dial.value) == (
+        (20, 100),
+        5,
+        "stiffness",
+        "N/m",
+        20,
+    )
+    with pytest.raises(InputError, match="set `max` first"):
+        slider.min = 200
+    with pytest.raises(InputError, match="finite"):
+        slider.value = np.nan
+    assert slider.min == 20.0 and slider.to_dict()["unit"] == "N/m"
+    select.options, select.label = ["d", "e"], "one of"
+    (menu,) = select._controls
+    assert (menu.options, menu.value, menu.label, select.value) == (("d", "e"), "e", "one of", 1)
+    with pytest.raises(InputError, match="each once"):
+        select.options = ["d", "d"]
+    assert select.options == ["d", "e"]
+    boxes.options, boxes.desc = ["x", "y", "z"], "more"
+    heading, *ticks = boxes._controls
+    assert heading.label == "more" and [t.value for t in ticks] == [False, True, False] == boxes.checked
+    env._controls._hear(slider, 50.0)  # the page was quicker than the script
+    env.remove(slider)
+    env.step(0.01)
+    assert slider.value == 3.0 and dial.removed and env.values == {"which": 1} and not slider.shown
+    with pytest.raises(UnknownName, match="Slider 'stiffness'"):
         env.remove(slider)
+    env.add(slider, name="gain")
+    assert env.values["gain"] == 3.0 and sorted(env.elements) == [1, 2, 3]
 
 
 def test_controls_are_told_as_swift_tells_them(swift: Any) -> None:

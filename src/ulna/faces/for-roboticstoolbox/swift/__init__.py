@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from swift._choices import Checkbox as Checkbox
+from swift._choices import Radio as Radio
+from swift._choices import Select as Select
+from swift._element import SwiftElement as SwiftElement
 from swift._elements import Button as Button
-from swift._elements import Checkbox as Checkbox
 from swift._elements import Label as Label
-from swift._elements import Radio as Radio
-from swift._elements import Select as Select
 from swift._elements import Slider as Slider
-from swift._elements import SwiftElement as SwiftElement
 from swift._handles import AssemblyHandle as AssemblyHandle
 from swift._swift import Swift as Swift
 

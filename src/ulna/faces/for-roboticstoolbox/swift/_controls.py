@@ -8,21 +8,26 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from swift._elements import SwiftElement
-from ulna.errors import InputError, UnknownName
+from swift._element import SwiftElement
+from ulna.errors import InputError, UnknownName, ViewerError
+
+
+def not_open() -> ViewerError:
+    """What to raise where an environment is used that was not launched, or was closed."""
+    return ViewerError("The environment is not open. Call env.launch() first.")
 
 
 class Controls:
     """Controls in the order in which they were added.
 
     Args:
-        panel: The panel of an `ulna.Viewer`.
+        panel: The panel of an `ulna.Viewer`; None where there is none yet.
     """
 
     def __init__(self, panel: Any) -> None:
         self.elements: dict[int, SwiftElement] = {}
         """The controls, by their number."""
-        self._panel = panel
+        self._panel, self._count = panel, 0
         self._named: dict[str, SwiftElement] = {}
         self._heard: deque[tuple[SwiftElement, Any]] = deque()
         self._at_once = threading.Event()
@@ -32,16 +37,32 @@ class Controls:
 
         Raises:
             InputError: It is there already, or one of its name.
+            ViewerError: There is no panel.
         """
+        if self._panel is None:
+            raise not_open()
         if element.shown:
             raise InputError(f"This {type(element).__name__} ({element.label!r}) is in the panel already.")
         if name in self._named:
             raise InputError(f"There is a control named {name!r} already.")
-        number = len(self.elements)
-        element.show(self._panel, number, self._hear)
-        self.elements[number] = element
+        element.show(self._panel, self._count, self._hear)
+        self.elements[self._count] = element
+        self._count += 1
         if name is not None:
             self._named[name] = element
+
+    def remove(self, element: SwiftElement) -> None:
+        """Take a control out of the panel; it can be added again.
+
+        Raises:
+            UnknownName: It is not there.
+        """
+        if element.id is None or self.elements.get(element.id) is not element:
+            told = (f"{number}: {type(e).__name__} {e.label!r}" for number, e in self.elements.items())
+            raise UnknownName("control in the panel", f"{type(element).__name__} {element.label!r}", told)
+        del self.elements[element.id]
+        self._named = {name: e for name, e in self._named.items() if e is not element}
+        element.remove()
 
     @property
     def values(self) -> dict[str, Any]:
@@ -60,7 +81,8 @@ class Controls:
             self.elements[int(number)].choose(value)
         while self._heard:
             element, value = self._heard.popleft()
-            element.choose(value)
+            if element.shown:
+                element.choose(value)
 
     @contextmanager
     def at_once(self) -> Iterator[None]:

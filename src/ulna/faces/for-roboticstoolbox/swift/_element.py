@@ -1,0 +1,124 @@
+"""What all controls of the panel share: a label, a function that is told, and settings that change at any time."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+Notice = Callable[["SwiftElement", Any], None]
+"""Told which element was changed in the page, and to what."""
+
+
+class Setting:
+    """Something of an element that can be set at any time; what does not fit is refused and changes nothing."""
+
+    def __init__(self, kind: Callable[[Any], Any] = str) -> None:
+        self._kind = kind
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, element: Any, owner: type | None = None) -> Any:
+        return self if element is None else element.__dict__[self._name]
+
+    def __set__(self, element: Any, value: Any) -> None:
+        before = dict(element.__dict__)
+        element.__dict__[self._name] = self._kind(value)
+        if self._name in before:  # not the first time, while the element is made
+            try:
+                element._check()
+            except Exception:
+                element.__dict__.clear()
+                element.__dict__.update(before)
+                raise
+            element._refresh()
+
+
+class SwiftElement(abc.ABC):
+    """A control of the panel.
+
+    Args:
+        cb: Called with what was chosen, in the thread of the script, by `env.step`, `env.run`, `env.hold` or
+            `env.process_events`.
+        label: The words beside it.
+        desc: An older name of `label`.
+    """
+
+    kind: ClassVar[str] = "element"
+
+    def __init__(
+        self, cb: Callable[[Any], Any] | None = None, label: str = "", desc: str | None = None
+    ) -> None:
+        self._controls: list[Any] = []
+        self._panel: Any = None
+        self.id: int | None = None
+        self.cb = cb
+        self.label = label if desc is None else desc
+
+    label = Setting()
+
+    @property
+    def desc(self) -> str:
+        """An older name of `label`."""
+        return self.label
+
+    @desc.setter
+    def desc(self, words: str) -> None:
+        self.label = words
+
+    @property
+    def shown(self) -> bool:
+        """Whether it is in a panel."""
+        return self.id is not None
+
+    @property
+    def state(self) -> Any:
+        """What it shows, for `env.values`."""
+        return None
+
+    def show(self, panel: Any, number: int, notice: Notice) -> None:
+        """Put it into a panel of `ulna.Viewer`."""
+        self._panel, self._notice = panel, notice
+        self._controls = self._build(panel)
+        self.id = number
+
+    def remove(self) -> None:
+        """Take it out of the panel; it can be put into one again."""
+        for control in self._controls:
+            control.remove()
+        self._controls, self._panel, self.id = [], None, None
+
+    def _changed(self, value: Any) -> None:
+        """Something was chosen in the page; that comes in on another thread."""
+        self._notice(self, value)
+
+    @abc.abstractmethod
+    def _build(self, panel: Any) -> list[Any]:
+        """Its controls in the panel."""
+
+    def _check(self) -> None:  # noqa: B027 - most elements have nothing to check
+        """Refuse settings that do not fit together."""
+
+    def _refresh(self) -> None:
+        """Have the panel show what it is by now; that calls nothing."""
+        if self.shown:
+            self._bring(*self._controls)
+
+    @abc.abstractmethod
+    def _bring(self, *controls: Any) -> None:
+        """Have its controls show what it is by now."""
+
+    @abc.abstractmethod
+    def update(self, e: Any) -> None:
+        """Take over a value; calls nothing."""
+
+    def choose(self, e: Any) -> None:
+        """Take over what was chosen in the page, and tell `cb`."""
+        self.update(e)
+        if self.cb is not None:
+            self.cb(e)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What it is, in plain values."""
+        return {"element": self.kind, "id": self.id, "builtin": False, "label": self.label}

@@ -1,0 +1,123 @@
+"""A robot of the toolbox in the environment: its own `q` and `qd`, moved by each step, held at its limits."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from swift._handles import AssemblyHandle
+from swift._items import pose_of
+from ulna.errors import InputError, ShapeError
+from ulna.sim.kinematic import held_step
+from ulna.typing import Floats
+
+
+class RobotHandle(AssemblyHandle):
+    """A robot in the environment. Its state is the robot's own `q` and `qd`, whichever of the two one assigns to.
+
+    Args:
+        viewer: The `ulna.Viewer`.
+        robot: A robot of the toolbox; whatever has `q`, `qd` and an `ulna.Robot` in `ulna` serves.
+        alphas: Opacity of what it looks like and of what it collides with.
+        readonly: Whether it is shown only, never moved.
+        own: Whether it has a state of its own, as a robot has that is there already.
+        more: As for `Item`.
+    """
+
+    def __init__(
+        self, viewer: Any, robot: Any, alphas: tuple[float, float], readonly: bool, own: bool, **more: Any
+    ) -> None:
+        state = SimpleNamespace(q=np.array(robot.q), qd=np.array(robot.qd)) if own else robot
+        super().__init__(state, readonly, **more)
+        self._viewer, self.robot, self._model = viewer, robot, robot.ulna
+        self._low, self._high = _limits_of(robot)
+        self._held_step = held_step(len(self._low))
+        stands = np.asarray(self._model.link_poses(self._model.neutral))[0]
+        self._base = self._placed()
+        # a model may have the base built in
+        self._within = np.linalg.inv(stands) if np.allclose(stands, self._base) else np.eye(4)
+        start, pose = self._configuration(), self._base @ self._within
+        self.figures = tuple(
+            viewer.add(self._model, start, pose=pose, opacity=alpha, show=what)
+            for alpha, what in zip(alphas, ("visual", "collision"), strict=True)
+            if alpha > 0.0
+        )
+
+    @property
+    def thing(self) -> Any:
+        """The robot."""
+        return self.robot
+
+    def _joints(self) -> Floats:
+        q = np.asarray(self._state.q, dtype=float)
+        if q.shape != self._low.shape:
+            raise ShapeError(
+                "q", q.shape, f"({len(self._low)},), a number for each joint of {self._model.name!r}"
+            )
+        return q
+
+    def _configuration(self) -> Floats:
+        """A new array of the configuration of the model: the joints, and those of grippers where it has them."""
+        whole = getattr(self.robot, "_configuration", np.copy)
+        return whole(self._joints())
+
+    def _placed(self) -> Floats:
+        return pose_of(getattr(self.robot, "base", np.eye(4)))
+
+    def tell(self, t: float, dt: float, values: dict[str, Any]) -> None:
+        """Move it on: joints turn and slide, so that moving is adding."""
+        if self._moves(t, values):
+            q, qd = self._joints(), np.asarray(self._state.qd, dtype=float)
+            if qd.shape == q.shape:
+                moved, sound = self._held_step(q, qd, dt, self._low, self._high)
+                if math.isfinite(sound) or np.isfinite([q, qd]).all():
+                    self._state.q = moved
+                    return
+            for name, value in (("q", q), ("qd", qd)):
+                if value.shape != q.shape or not np.isfinite(value).all():
+                    raise InputError(
+                        f"`{name}` of {self._model.name!r} is {value.tolist()}; expected {len(q)} finite numbers."
+                    )
+
+    def show(self) -> None:
+        """Show where it is."""
+        q = self._configuration()
+        sound = math.isfinite(sum(q.tolist()))
+        for figure in self.figures:
+            if sound:
+                figure.put(q)
+            else:
+                figure.q = q  # which tells what is wrong with it
+        self._viewer.scene.later(self, self._place)  # a base seldom moves, and asking for it takes time
+
+    def _place(self) -> None:
+        base = self._placed()
+        if not np.array_equal(base, self._base):
+            self._base = base
+            for figure in self.figures:
+                figure.pose = base @ self._within
+
+    def remove(self) -> None:
+        """Take it out of the scene."""
+        for figure in self.figures:
+            self._viewer.remove(figure)
+        self.figures = ()
+
+    def part_poses(self) -> list[Any]:
+        """Where its links are in the world, an SE3 each."""
+        from spatialmath import SE3  # pyright: ignore[reportMissingImports]
+
+        poses = self._placed() @ self._within @ self._model.link_poses(self._configuration())
+        return [SE3(T, check=False) for T in poses]
+
+
+def _limits_of(robot: Any) -> Floats:
+    """Least and greatest joint coordinates, (2, n); a joint without limits is not held, as in Swift."""
+    if not hasattr(robot, "links"):
+        return np.array([robot.ulna.limits.lower, robot.ulna.limits.upper])
+    joints = sorted((link for link in robot.links if link.isjoint), key=lambda link: link.jindex)
+    rows = [(-np.inf, np.inf) if link.qlim is None else link.qlim for link in joints]
+    return np.array(rows, dtype=float).reshape(-1, 2).T.copy()
