@@ -8,7 +8,7 @@
     hinge without a range                           | Revolute without limits: an angle that counts turns
     equality of two joints, linear                  | mimic joint
     keyframes, sites, excluded pairs                | configurations, frames, disabled pairs
-    where the file puts bodies that are free         | the configuration "qpos0"
+    rest position, where it is not neutral           | the configuration "qpos0"
     tendons, springs, closed loops, plugins ...     | not in a model; a warning names them
 
 Source: MuJoCo documentation, "XML reference" and "Computation", kinematics of joints.
@@ -84,10 +84,16 @@ class _Reading:
         self._m, self._file = compiled, file
         self._shapes = Shapes(compiled, spec, file)
         self._links = ["world"]
-        self._joints = [self._m.joint(j).name or f"joint_{j}" for j in range(compiled.njnt)]
         taken = {"world"}
         for body in range(1, compiled.nbody):
             self._links.append(_fresh(compiled.body(body).name or f"body_{body}", taken))
+        taken = {compiled.joint(j).name for j in range(compiled.njnt)}
+        self._joints = [compiled.joint(j).name or self._own_name(j, taken) for j in range(compiled.njnt)]
+
+    def _own_name(self, j: int, taken: set[str]) -> str:
+        """A name for a joint without one, after its body."""
+        ending = "free" if self._m.jnt_type[j] == FREE else "joint"
+        return _fresh(f"{self._links[self._m.jnt_bodyid[j]]}_{ending}", taken)
 
     def builder(self, root: JointKind | None, mimic: bool) -> ModelBuilder:
         m = self._m
@@ -220,7 +226,7 @@ class _Reading:
 
     def _add_configurations(self, builder: ModelBuilder) -> None:
         m = self._m
-        if FREE in m.jnt_type:
+        if FREE in m.jnt_type or np.any(m.qpos0[m.jnt_qposadr[np.isin(m.jnt_type, (SLIDE, HINGE))]]):
             builder.add_configuration("qpos0", self._positions(m.qpos0))
         for k in range(m.nkey):
             builder.add_configuration(m.key(k).name or f"key_{k}", self._positions(m.key_qpos[k]))

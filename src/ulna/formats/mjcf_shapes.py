@@ -17,6 +17,10 @@ DRAWN_GROUPS = (0, 1, 2)
 """The groups of geoms that MuJoCo's own viewers show when they start."""
 
 
+NO_COLOUR = (0.5, 0.5, 0.5, 1.0)
+"""What MuJoCo gives a geom whose colour is not said."""
+
+
 class Shapes:
     """Geoms of one file; `left` counts those that have no shape here."""
 
@@ -85,9 +89,11 @@ class Shapes:
         sx, sy, sz = (float(s) for s in m.mesh_scale[mesh])
         return Mesh(found, (sx, sy, sz), missing=not os.path.exists(found))
 
-    def _material(self, g: int) -> Material:
+    def _material(self, g: int) -> Material | None:
         m = self._m
         named = int(m.geom_matid[g])
+        if named < 0 and tuple(m.geom_rgba[g]) == NO_COLOUR:
+            return None
         r, gr, b, a = (float(c) for c in (m.geom_rgba[g] if named < 0 else m.mat_rgba[named]))
         return Material("" if named < 0 else m.mat(named).name, (r, gr, b, a))
 

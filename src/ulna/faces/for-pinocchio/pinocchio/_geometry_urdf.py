@@ -36,7 +36,9 @@ def geometry_model_of(
 ) -> GeometryModel:
     """The geometries of links, placed by the frames of bodies, in their order."""
     out = GeometryModel() if into is None else into
-    bodies = [(i, f) for i, f in enumerate(model.frames) if f.type == FrameType.BODY and f.name in links]
+    bodies = [
+        (i, f) for i, f in enumerate(model.frames) if (f.type == FrameType.BODY or i == 0) and f.name in links
+    ]
     if not bodies and links:
         raise FormatError("No body of the model has the name of a link of this file. Is it the same robot?")
     for i, frame in bodies:

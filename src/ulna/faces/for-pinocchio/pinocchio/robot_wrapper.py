@@ -10,6 +10,7 @@ import pinocchio as pin
 from pinocchio._arrays import index as checked_index
 from pinocchio._enums import ReferenceFrame
 from pinocchio._geometry import GeometryModel, GeometryObject, updateGeometryPlacements
+from pinocchio._mjcf import buildModelsFromMJCF
 from pinocchio._model import Model
 from pinocchio._se3 import SE3
 from pinocchio._vectors import Force, Motion
@@ -94,9 +95,15 @@ class RobotWrapper:
         raise InputError("SDF files are not read. Convert the file to URDF, and use BuildFromURDF.")
 
     @staticmethod
-    def BuildFromMJCF(filename: Any, *_: Any, **__: Any) -> NoReturn:
-        """Not offered."""
-        raise InputError(f"MJCF files are not read as a RobotWrapper ({filename}). Convert the file to URDF.")
+    def BuildFromMJCF(filename: Any, root_joint: Any = None, *more: Any, **named: Any) -> RobotWrapper:
+        """The robot of an MJCF file; see `pinocchio.buildModelFromMJCF`."""
+        robot = RobotWrapper.__new__(RobotWrapper)
+        robot.initFromMJCF(filename, root_joint, *more, **named)
+        return robot
+
+    def initFromMJCF(self, filename: Any, root_joint: Any = None, *more: Any, **named: Any) -> None:
+        """Makes this the robot of an MJCF file; see `BuildFromMJCF`."""
+        RobotWrapper.__init__(self, *buildModelsFromMJCF(filename, root_joint, *more, **named))
 
     # sizes and names ------------------------------------------------------------------------------------
 
