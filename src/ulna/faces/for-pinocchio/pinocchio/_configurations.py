@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import vector
+from pinocchio._arrays import StdVec, vector
 from pinocchio._enums import ArgumentPosition
 from pinocchio._model import FREE, Model
 from pinocchio._vectors import generator
@@ -15,11 +15,13 @@ from ulna.errors import InputError
 from ulna.typing import Floats
 
 __all__ = [
+    "compactTangentMap",
     "dDifference",
     "dIntegrate",
     "dIntegrateTransport",
     "difference",
     "distance",
+    "getTangentToConfigurationSparsitySegment",
     "integrate",
     "interpolate",
     "isNormalized",
@@ -28,6 +30,9 @@ __all__ = [
     "normalize",
     "randomConfiguration",
     "squaredDistance",
+    "tangentMap",
+    "tangentMapProduct",
+    "tangentMapTransposeProduct",
 ]
 
 
@@ -106,6 +111,43 @@ def dDifference(model: Model, q0: Any, q1: Any, argument_position: Any = None) -
 def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_position: Any) -> Floats:
     """A matrix (nv, n) at integrate(q, v), carried by the derivative of `integrate`."""
     return dIntegrate(model, q, v, argument_position) @ np.asarray(Jin, dtype=float)
+
+
+def tangentMap(model: Model, q: Any) -> Floats:
+    """The matrix (nq, nv) from velocities to the rates of the entries of q."""
+    kernel = model.shape().made("tangent map", _tangent_map, q=(model.nq,))
+    return kernel(vector(q, model.nq, "q"))
+
+
+def _tangent_map(model: Any) -> Any:
+    units = np.eye(model.nv)
+    return lambda q: np.stack([algorithms.coordinate_rates(model, q, unit) for unit in units], axis=-1)
+
+
+def tangentMapProduct(model: Model, q: Any, mat_in: Any) -> Floats:
+    """`tangentMap` times a vector (nv,) or a matrix (nv, n)."""
+    return tangentMap(model, q) @ np.asarray(mat_in, dtype=float)
+
+
+def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
+    """`tangentMap` transposed times a vector (nq,) or a matrix (nq, n)."""
+    return tangentMap(model, q).T @ np.asarray(mat_in, dtype=float)
+
+
+def compactTangentMap(model: Model, q: Any) -> Floats:
+    """`tangentMap` without its zeros (nq, widest joint): row i begins at the velocity that segment i names."""
+    whole = tangentMap(model, q)
+    out = np.zeros((model.nq, max((j.nv for j in model.joints), default=0)))
+    for i, (size, start) in enumerate(zip(*getTangentToConfigurationSparsitySegment(model), strict=True)):
+        out[i, :size] = whole[i, start : start + size]
+    return out
+
+
+def getTangentToConfigurationSparsitySegment(model: Model) -> tuple[StdVec[int], StdVec[int]]:
+    """For each entry of q, how many velocities its joint has, and where they begin."""
+    joints = sorted((j for j in model.joints[1:] if not j.mimic), key=lambda j: j.idx_q)
+    rows = [j for j in joints for _ in range(j.nq)]
+    return StdVec(j.nv for j in rows), StdVec(j.idx_v for j in rows)
 
 
 def _pair(model: Model, q0: Any, q1: Any) -> tuple[Floats, Floats]:

@@ -116,7 +116,7 @@ class Frame:
         """One of its own."""
         return Frame(self)
 
-    __copy__ = copy
+    __copy__ = cast = copy
 
     def __deepcopy__(self, memo: Any) -> Frame:
         return Frame(self)

@@ -229,7 +229,7 @@ class Inertia:
         """One of its own, with the same numbers."""
         return Inertia._of(self._p.copy())
 
-    __copy__ = copy
+    __copy__ = cast = copy
 
     def __deepcopy__(self, memo: Any) -> Inertia:
         return self.copy()

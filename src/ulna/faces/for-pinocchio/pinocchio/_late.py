@@ -24,6 +24,7 @@ _OF: dict[str, tuple[str, ...]] = {
     ),
     "_samples": ("buildSampleModelManipulator",),
     "_parallel": ("ModelPool", "abaInParallel", "rneaInParallel"),
+    "linalg": ("isOrthonormal", "orthogonalization", "orthonormalization"),
     "_pseudo": ("LogCholeskyParameters", "PseudoInertia"),
     "liegroups": ("LieGroup", "lieGroup"),
     "robot_wrapper": ("RobotWrapper",),

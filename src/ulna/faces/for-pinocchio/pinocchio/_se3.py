@@ -178,7 +178,7 @@ class SE3:
         """One of its own, with the same numbers."""
         return SE3._of(self._m.copy())
 
-    __copy__ = copy
+    __copy__ = cast = copy
 
     def __deepcopy__(self, memo: Any) -> SE3:
         return self.copy()

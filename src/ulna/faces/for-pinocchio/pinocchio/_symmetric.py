@@ -127,6 +127,8 @@ class Symmetric3:
         """One of its own, with the same numbers."""
         return Symmetric3(self)
 
+    __copy__ = cast = copy
+
     def __add__(self, other: Any) -> Symmetric3:
         return Symmetric3(self._d + Symmetric3(other)._d)
 
@@ -143,6 +145,9 @@ class Symmetric3:
         return bool((self._d == other._d).all()) if isinstance(other, Symmetric3) else NotImplemented
 
     __hash__ = object.__hash__
+
+    def __deepcopy__(self, memo: Any) -> Symmetric3:
+        return self.copy()
 
     def __reduce__(self) -> Any:
         return Symmetric3, (self._d.copy(),)

@@ -116,7 +116,7 @@ class _Six:
         """One of its own, with the same numbers."""
         return self._of(self._v.copy())
 
-    __copy__ = copy
+    __copy__ = cast = copy
 
     def __deepcopy__(self, memo: Any) -> Self:
         return self.copy()

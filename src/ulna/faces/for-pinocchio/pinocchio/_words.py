@@ -17,7 +17,8 @@ _WORDS = (
      r"|constraintDynamics|Baumgarte.*|BoxSet|FrictionCoeff.*|getFriction.*|computeJointMinimal.*|AUTOMATIC|MANUAL|CONSTANT"
      r"|LINEAR|OSQP|SPECTRAL|computeImpulse.*",
      "Constraints are Ulna's: ulna.Robot(model.ulna()).constrained_dynamics(...), impulse_dynamics(...)."),
-    (r"Lanczos.*|Tridiagonal.*", "It is a part of solvers; scipy.linalg.eigh_tridiagonal and scipy.sparse.linalg.eigsh do."),
+    (r"Lanczos.*|Tridiagonal.*",
+     "It is a part of solvers; scipy.linalg.eigh_tridiagonal and scipy.sparse.linalg.eigsh do."),
     (r"(Panda3d|RViz)Visualizer", "Use MeshcatVisualizer or GepettoVisualizer: both draw into Ulna's viewer."),
     (r"graph", "Models are put together with appendModel, buildReducedModel, and ulna.model.ModelBuilder."),
     (r"numpy|inspect|sys", "It is no part of Pinocchio; import it itself."),

@@ -13,9 +13,11 @@ from pinocchio._vectors import Motion
 from ulna import spatial
 from ulna.errors import ShapeError
 from ulna.trace import compile as compile_function
+from ulna.trace import trace
 from ulna.typing import Array, Floats
 
 __all__ = [
+    "Hlog3",
     "Jexp3",
     "Jexp6",
     "Jlog3",
@@ -108,6 +110,18 @@ def Jexp6(v: Any) -> Floats:
 def Jlog6(M: Any) -> Floats:
     """The right Jacobian (6, 6) of the logarithm of SE(3)."""
     return _compiled("Jlog6")(_placement(M)._m)
+
+
+def Hlog3(R: Any, v: Any) -> Floats:
+    """The derivative (3, 3) of Jlog3(R) as R turns on along v (3,)."""
+    rotation = matrix(R, (3, 3), "R")
+    return _bend()(log3(rotation)) @ (Jlog3(rotation) @ vector(v, 3, "v"))
+
+
+@cache
+def _bend() -> Any:
+    """The derivative (3, 3, 3) of the inverse right Jacobian at w by w."""
+    return compile_function(trace(spatial.so3_right_jacobian_inverse, w=(3,)).jacobian("w"))
 
 
 def exp(x: Any) -> Any:

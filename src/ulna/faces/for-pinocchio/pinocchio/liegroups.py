@@ -103,6 +103,19 @@ class LieGroup:
         both = self._own.difference_derivatives(vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1"))
         return np.array(both[_first_or_second(argument_position)])
 
+    def tangentMap(self, q: Any) -> Floats:
+        """The matrix (nq, nv) from tangent vectors at q to changes of its entries."""
+        at = vector(q, self.nq, "q")
+        return np.stack([self._own.coordinate_rates(at, unit) for unit in np.eye(self.nv)], axis=1)
+
+    def tangentMapProduct(self, q: Any, mat_in: Any) -> Floats:
+        """`tangentMap` times a matrix (nv, n)."""
+        return self.tangentMap(q) @ np.asarray(mat_in, dtype=float)
+
+    def tangentMapTransposeProduct(self, q: Any, mat_in: Any) -> Floats:
+        """`tangentMap` transposed times a matrix (nq, n)."""
+        return self.tangentMap(q).T @ np.asarray(mat_in, dtype=float)
+
     @property
     def _own(self) -> JointKind:
         if self._kind is None:

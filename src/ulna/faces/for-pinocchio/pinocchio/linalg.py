@@ -7,9 +7,17 @@ from typing import Any
 import numpy as np
 
 from pinocchio._arrays import numbers
+from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
-__all__ = ["computeLargestEigenvector", "inv"]
+__all__ = [
+    "computeLargestEigenvector",
+    "inv",
+    "isOrthonormal",
+    "orthogonalization",
+    "orthonormalization",
+    "retrieveLargestEigenvalue",
+]
 
 
 def inv(matrix: Any) -> Floats:
@@ -17,6 +25,55 @@ def inv(matrix: Any) -> Floats:
     return np.asarray(np.linalg.inv(numbers(matrix, "matrix")), dtype=float)
 
 
-def computeLargestEigenvector(matrix: Any) -> Floats:
-    """The eigenvector of the largest eigenvalue of a symmetric matrix."""
-    return np.asarray(np.linalg.eigh(numbers(matrix, "matrix")).eigenvectors[:, -1], dtype=float)
+def computeLargestEigenvector(mat: Any, max_it: int = 10, rel_tol: float = 1e-8) -> Floats:
+    """The eigenvector of the largest eigenvalue of a symmetric matrix, as long as that is large.
+
+    Args:
+        mat: The matrix (n, n).
+        max_it: Not needed; the answer is exact.
+        rel_tol: Not needed.
+    """
+    values, vectors = np.linalg.eigh(numbers(mat, "mat"))
+    along = vectors[:, -1]
+    return np.asarray(along * np.copysign(values[-1], along.sum() * values[-1]), dtype=float)
+
+
+def retrieveLargestEigenvalue(eigenvector: Any) -> float:
+    """The largest eigenvalue, out of the eigenvector that `computeLargestEigenvector` gives."""
+    return float(np.linalg.norm(numbers(eigenvector, "eigenvector")))
+
+
+def isOrthonormal(matrix: Any, prec: float = 1e-12) -> bool:
+    """Whether the columns of a matrix are of length 1 and orthogonal to each other, within `prec`."""
+    columns = numbers(matrix, "matrix")
+    return bool(np.abs(columns.T @ columns - np.eye(columns.shape[1])).max(initial=0.0) <= prec)
+
+
+def orthogonalization(basis: Any, vec: Floats, threshold: float = 0.0) -> None:
+    """Takes off a vector (n,), in place, what lies along the orthonormal columns (n, k) of a basis.
+
+    Args:
+        basis: Orthonormal columns.
+        vec: The array that is changed.
+        threshold: Parts not longer than that stay.
+    """
+    columns = numbers(basis, "basis")
+    if columns.ndim != 2 or _changed(vec).shape != columns.shape[:1]:
+        raise ShapeError("vec", np.shape(vec), f"({columns.shape[0]},)")
+    for column in columns.T:
+        part = float(column @ vec)
+        if abs(part) > threshold:
+            vec -= part * column
+
+
+def orthonormalization(matrix: Floats, threshold: float = 0.0) -> None:
+    """Makes the columns of a matrix orthonormal, in place, one after the other (Gram and Schmidt)."""
+    for k in range(_changed(matrix).shape[1]):
+        orthogonalization(matrix[:, :k], matrix[:, k], threshold)
+        matrix[:, k] /= np.linalg.norm(matrix[:, k])
+
+
+def _changed(array: Any) -> Floats:
+    if not isinstance(array, np.ndarray) or array.dtype != float:
+        raise InputError(f"{array!r} is to be changed in place; expected a NumPy array of floats.")
+    return array
