@@ -25,6 +25,7 @@ from ulna.model import (
     Universal,
 )
 from ulna.model.joints.axes import Axis, unit_axis
+from ulna.spatial import SE3 as Pose
 from ulna.typing import Floats
 
 __all__ = [
@@ -158,12 +159,21 @@ class JointModelEllipsoid(JointModel):
         self._be("JointModelEllipsoid", Ellipsoid((self.radius_x, self.radius_y, self.radius_z)))
 
 
+def _chain(kind: JointKind, place: Pose) -> tuple[tuple[JointKind, ...], tuple[Pose, ...]]:
+    """A kind as a chain of plain ones, with their placements."""
+    if not isinstance(kind, Composite):
+        return (kind,), (place,)
+    first, *others = kind.placements or ()
+    return kind.kinds, (place @ first, *others)
+
+
 class JointModelComposite(JointModel):
     """Several joints in a row: `()`, `(joint)`, `(joint, placement, name)`; then `addJoint(joint, placement)`."""
 
     def __init__(self, *parts: Any) -> None:
         JointModel.__init__(self)
         self._word = "JointModelComposite"
+        self.kind: Composite | None = None
         self.joints: StdVec[JointModel] = StdVec()
         """The joints it is made of."""
         self.jointPlacements: StdVec[SE3] = StdVec()
@@ -179,17 +189,17 @@ class JointModelComposite(JointModel):
 
     def addJoint(self, joint: JointModel, placement: SE3 | None = None, name: str = "") -> Self:
         """Adds a joint, placed in the moving frame of the one before."""
-        if joint.kind is None or isinstance(joint.kind, Composite):
+        if joint.kind is None or isinstance(joint, JointModelComposite):
             raise InputError(
                 f"JointModelComposite.addJoint was given {joint.shortname()}; expected a plain joint."
             )
+        place = SE3() if placement is None else placement.copy()
         self.joints = StdVec([*self.joints, joint.copy()])
-        self.jointPlacements = StdVec(
-            [*self.jointPlacements, SE3() if placement is None else placement.copy()]
-        )
+        self.jointPlacements = StdVec([*self.jointPlacements, place])
         self._names = [*self._names, name]
-        kinds = tuple(j.kind for j in self.joints if j.kind is not None)
-        self.kind = Composite(kinds, tuple(M._pose() for M in self.jointPlacements))
+        before = ((), ()) if self.kind is None else (self.kind.kinds, self.kind.placements or ())
+        kinds, places = _chain(joint.kind, place._pose())
+        self.kind = Composite((*before[0], *kinds), (*before[1], *places))
         self.nq, self.nv = self.kind.nq, self.kind.nv
         return self
 
