@@ -22,10 +22,15 @@ _HOMES = {
         "trapezoidal_func", "lspb", "xplot",
     ),
     "roboticstoolbox.tools.servo": ("p_servo", "angle_axis", "angle_axis_python"),
+    "roboticstoolbox.tools.chains": ("TrChainToken", "trchain", "trchain2"),
+    "roboticstoolbox.tools.data": (
+        "rtb_get_param", "rtb_load_data", "rtb_load_jsonfile", "rtb_load_matfile", "rtb_path_to_datafile",
+        "rtb_set_param",
+    ),
     "roboticstoolbox.tools.helpers": ("null", "jsingu", "jacobian_numerical", "hessian_numerical", "Ticker"),
 }  # fmt: skip
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
-_MODULES = ("models", "tools")
+_MODULES = ("backends", "models", "tools")
 _MOBILE = {
     "Bicycle", "BinaryOccupancyGrid", "Bug2", "CurvaturePolyPlanner", "DiffSteer", "DistanceTransformPlanner",
     "DstarPlanner", "DubinsPlanner", "EKF", "LandmarkMap", "LatticePlanner", "NoPathError", "OccupancyGrid",
@@ -34,18 +39,6 @@ _MOBILE = {
     "VehicleAnimationBase", "VehicleBase", "VehicleDriverBase", "VehicleIcon", "VehicleMarker", "VehiclePolygon",
     "mobile", "blocks",
 }  # fmt: skip
-_INSTEAD = {
-    "trchain": "ETS, whose text ulna.formats.ets.ETS.parse reads",
-    "trchain2": "ETS2",
-    "rtb_load_data": "numpy.load, or ulna.load for robots",
-    "rtb_load_matfile": "scipy.io.loadmat",
-    "rtb_load_jsonfile": "json.load",
-    "rtb_path_to_datafile": "a path of your own; the toolbox's data files are not part of Ulna",
-    "rtb_set_param": "arguments of the functions themselves",
-    "rtb_get_param": "arguments of the functions themselves",
-    "backends": "robot.plot, or swift",
-}
-
 __all__ = list(_HOME_OF)
 
 
@@ -61,8 +54,6 @@ def __getattr__(name: str) -> Any:
             f"roboticstoolbox.{name} is not offered: Ulna is for robot arms; for mobile robots, maps, filters and "
             "block diagrams use the toolbox itself, without `ulna run`."
         )
-    if name in _INSTEAD:
-        raise AttributeError(f"roboticstoolbox.{name} is not offered; use {_INSTEAD[name]}.")
     raise AttributeError(f"module 'roboticstoolbox' has no attribute {name!r}")
 
 

@@ -120,6 +120,12 @@ class Chain:
         turned = np.swapaxes(R, -1, -2)
         return np.concatenate([turned @ H[..., :3, :], turned @ H[..., 3:, :]], axis=-2)
 
+    def partial(self, q: Any, order: int) -> Floats:
+        """The derivatives of the pose of that order in the axes of the start, (n, ..., n, 6, n)."""
+        from ulna.algorithms import jacobian_partials
+
+        return jacobian_partials(self.jacob0(q), order)
+
     def jacob0_dot(self, q: Any, qd: Any) -> Floats:
         """The derivative of the Jacobian in the axes of the start by time, (..., 6, n)."""
         return self.arm.jacobian_dot(self.q(q), self.q(qd))

@@ -30,12 +30,12 @@ class Copies(Part):
             twin._parent = new.get(id(link._parent))
             twin.children = [new[id(child)] for child in link.children]
         for key, value in self.__dict__.items():
-            if key in shared or key in ("_links", "_grippers"):
+            if key in shared or key in ("_links", "_grippers", "_parent", "_children"):
                 continue
             out.__dict__[key] = copying.deepcopy(value, memo)
         out._kernels, out._chains, out._whole, out._weights = self._kernels, self._chains, self._whole, None
         out._links = [new[id(link)] for link in self._links]
-        out._grippers = []
+        out._grippers, out._parent, out._children = [], None, []
         for gripper in self._grippers:
             twin = Gripper([new[id(link)] for link in gripper.links], gripper.name, gripper._tool)
             twin.q = gripper.q.copy()
@@ -46,7 +46,7 @@ class Copies(Part):
         state = {
             k: v for k, v in self.__dict__.items() if k not in ("_kernels", "_chains", "_whole", "_weights")
         }
-        return _rebuilt, (type(self), state)
+        return _rebuilt, (type(self), state | {"_parent": None})
 
 
 def _rebuilt(kind: type, state: dict[str, Any]) -> Any:

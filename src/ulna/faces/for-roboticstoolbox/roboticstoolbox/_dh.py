@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._analytic import Analytic
 from roboticstoolbox._chain import Chain
+from roboticstoolbox._dh_words import DHWords
 from roboticstoolbox._et import ET
 from roboticstoolbox._ets import ETS
 from roboticstoolbox._link import Link
 from roboticstoolbox._poses import matrix, pose
 from roboticstoolbox._robot import BaseRobot, Robot
-from roboticstoolbox._table import grid
 from ulna.errors import InputError, ModelError
 from ulna.typing import Floats
 
@@ -104,7 +105,7 @@ class PrismaticMDH(DHLink):
         super().__init__(theta=theta, a=a, alpha=alpha, offset=offset, sigma=1, mdh=True, **more)
 
 
-class DHRobot(Robot):
+class DHRobot(DHWords, Analytic, Robot):
     """A serial arm of DH links; its base and its tool are part of its transforms."""
 
     def __init__(self, links: Any, meshdir: Any = None, **more: Any) -> None:
@@ -222,55 +223,9 @@ class DHRobot(Robot):
 
     rne_python = rne
 
-    def __str__(self) -> str:
-        kind = "modified" if self.mdh else "standard"
-        head = f"{self._headline()}, {kind} DH parameters"
-        return f"{head}\n{self._parameters()}{self._placed()}{self.configurations_str()}"
-
-    def _parameters(self) -> str:
-        limits = self.qlim
-        rows = []
-        for j, link in enumerate(self._links):
-            assert isinstance(link, DHLink)
-            sign = "-" if link.isflip else " "
-            if link.sigma:
-                theta, d = _angle(link.theta), f"{sign.strip()}q{j + 1}"
-                d += f" + {_number(link.offset)}" if link.offset else ""
-                low, high = (f"{x:.4g}" for x in limits[:, j])
-            else:
-                theta, d = f"{sign}q{j + 1}", _number(link.d)
-                theta += f" + {_angle(link.offset)}" if link.offset else ""
-                low, high = (f"{math.degrees(x):.1f}°" for x in limits[:, j])
-            beside = [_number(link.a), _angle(link.alpha)]
-            rows.append([*beside, theta, d, low, high] if self.mdh else [theta, d, *beside, low, high])
-        if self.mdh:
-            return grid(["aⱼ₋₁", "⍺ⱼ₋₁", "θⱼ", "dⱼ", "q⁻", "q⁺"], rows, [True, True, False, True, True, True])
-        return grid(["θⱼ", "dⱼ", "aⱼ", "⍺ⱼ", "q⁻", "q⁺"], rows, [False] + [True] * 5)
-
-    def _placed(self) -> str:
-        rows = []
-        for name, T in (("base", self._base), ("tool", self._tool)):
-            if T is not None:
-                from ulna.spatial import matrix_to_euler
-
-                xyz = ", ".join(f"{x:.2g}" for x in T[:3, 3])
-                angles = ", ".join(
-                    f"{math.degrees(x) + 0.0:.2g}°" for x in matrix_to_euler(T[:3, :3], "xyz")[::-1]
-                )
-                rows.append([name, f"t = {xyz}; rpy/xyz = {angles}"])
-        return "\n" + grid([], rows, [True, False]) if rows else ""
-
 
 class SerialLink(DHRobot):
     """The former name of `DHRobot`."""
-
-
-def _number(x: float) -> str:
-    return str(x) if isinstance(x, int) else str(float(f"{x:.4g}"))
-
-
-def _angle(x: float) -> str:
-    return f"{math.degrees(x)}°"
 
 
 __all__ = ["DHLink", "DHRobot", "PrismaticDH", "PrismaticMDH", "RevoluteDH", "RevoluteMDH", "SerialLink"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -111,6 +112,13 @@ class BaseET:
             return self._plain().transform().matrix()
         value = (0.0 if q is None else float(q)) + self.offset
         return self._plain().transform(value).matrix()
+
+    @property
+    def axis_func(self) -> Callable[[float], Floats] | None:
+        """The matrix as a function of the angle or the distance; None for a whole pose."""
+        if not self.iselementary:
+            return None
+        return lambda value: type(self)(self.axis, value).A()
 
     def inv(self) -> Self:
         """The inverse transform."""

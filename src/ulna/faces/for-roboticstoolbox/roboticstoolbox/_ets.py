@@ -42,6 +42,10 @@ class ETS(BaseETS):
         """The Hessian in the axes of the end, (n, 6, n); `Je` is not needed."""
         return self._at(tool).hessiane(q)
 
+    def partial_fkine0(self, q: Any, n: int) -> Floats:
+        """The derivatives of the pose of order `n`, (n, ..., n, 6, n): 1 the Jacobian, 2 the Hessian, and on."""
+        return self._at(None).partial(q, n)
+
     def jacob0_analytical(self, q: Any, representation: str = "rpy/xyz", tool: Any = None) -> Floats:
         """The Jacobian of position and angles, (6, n)."""
         return self._at(tool).analytical(q, representation)

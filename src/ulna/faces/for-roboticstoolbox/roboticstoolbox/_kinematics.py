@@ -12,6 +12,7 @@ from roboticstoolbox._ets import ETS
 from roboticstoolbox._gripper import Gripper
 from roboticstoolbox._link import Link
 from roboticstoolbox._poses import matrix, pose
+from roboticstoolbox._scene import lifted
 from roboticstoolbox._sequence import limits_of
 from roboticstoolbox._tree import between, model_of
 from ulna.errors import InputError, UnknownName
@@ -106,7 +107,7 @@ class Kinematics:
     def _everything(self) -> Body:
         """Arm and grippers as one robot of Ulna."""
         if self._whole is None:
-            base = np.eye(4) if self._base is None else self._base
+            base = np.eye(4) if self._base is None else lifted(self._base)
             pairs = self.__dict__.get("_disabled", ())
             fall = (0.0, 0.0, -9.81)
             model = model_of(self.name, self._links, self._grippers, fall, base, True, pairs)
@@ -153,6 +154,10 @@ class Kinematics:
     ) -> Floats:
         """The Hessian in the axes of the end, (n, 6, n); `Je` is not needed."""
         return self._chain(end, start, tool).hessiane(self.q if q is None else q)
+
+    def partial_fkine0(self, q: Any, n: int = 3, end: Any = None, start: Any = None) -> Floats:
+        """The derivatives of the pose of order `n` in the axes of the start, (n, ..., n, 6, n)."""
+        return self._chain(end, start).partial(q, n)
 
     def manipulability(
         self,

@@ -10,12 +10,13 @@ from roboticstoolbox._body import Heavy
 from roboticstoolbox._et import ET, ET2, BaseET
 from roboticstoolbox._ets import ETS, ETS2
 from roboticstoolbox._poses import pose
+from roboticstoolbox._scene import LinkNode
 from roboticstoolbox._sequence import BaseETS
 from ulna.errors import InputError
 from ulna.typing import Floats
 
 
-class Link(Heavy):
+class Link(LinkNode, Heavy):
     """A link: its transforms from the link before (the joint last), mass, motor, limits and shapes."""
 
     _ets_class: type[BaseETS] = ETS
@@ -69,6 +70,7 @@ class Link(Heavy):
         self._parent_name = parent.name if isinstance(parent, Link) else parent
         self._joint_name = joint_name
         self.children: list[Link] = []
+        self._children: list[Any] = []
         given = self._ets_class(ets)
         joints = [i for i, et in enumerate(given.data) if et.isjoint]
         if len(joints) > 1 or (joints and joints[0] != len(given.data) - 1 and type(self) in (Link, Link2)):
@@ -181,7 +183,7 @@ class Link(Heavy):
         """A copy, of no robot yet."""
         out = object.__new__(type(self))
         out.__dict__.update(self.__dict__)
-        out.robot, out.children, out._parent = None, [], parent
+        out.robot, out.children, out._children, out._parent = None, [], [], parent
         if parent is None:
             out._parent_name = self.parent_name
         out._ets = type(self._ets)._of(self._ets.data)

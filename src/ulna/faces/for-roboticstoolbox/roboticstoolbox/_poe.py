@@ -12,7 +12,7 @@ import numpy as np
 from roboticstoolbox._et import ET
 from roboticstoolbox._ets import ETS
 from roboticstoolbox._link import Link
-from roboticstoolbox._poses import matrix
+from roboticstoolbox._poses import along, matrix
 from roboticstoolbox._robot import Robot
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -26,15 +26,6 @@ def _unit(name: str, vector: Any) -> Floats:
     return v / length
 
 
-def _along(z: Floats, point: Any) -> Floats:
-    """A frame at `point` whose z axis is `z`, (4, 4)."""
-    x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
-    x /= np.linalg.norm(x)
-    T = np.eye(4)
-    T[:3, 0], T[:3, 1], T[:3, 2], T[:3, 3] = x, np.cross(z, x), z, np.asarray(point, dtype=float).ravel()
-    return T
-
-
 class PoELink(Link):
     """A joint about or along a line of the base, as it lies with all joints at zero."""
 
@@ -45,7 +36,7 @@ class PoELink(Link):
             np.asarray(point, dtype=float).ravel(),
             slides,
         )
-        self.frame = _along(self.axis, self.point)
+        self.frame = along(self.axis, self.point)
         super().__init__(ETS(ET.tz() if slides else ET.Rz()), **more)
 
     @property

@@ -75,3 +75,12 @@ def describe(T: Floats) -> str:
     if np.abs(rpy).max() > 0.0:
         parts.append(", ".join(f"{x:.4g}°" for x in rpy))
     return f"SE3({'; '.join(parts)})"
+
+
+def along(z: Floats, point: Any) -> Floats:
+    """A frame at `point` whose z axis is `z`, (4, 4)."""
+    x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
+    x /= np.linalg.norm(x)
+    T = np.eye(4)
+    T[:3, 0], T[:3, 1], T[:3, 2], T[:3, 3] = x, np.cross(z, x), z, np.asarray(point, dtype=float).ravel()
+    return T

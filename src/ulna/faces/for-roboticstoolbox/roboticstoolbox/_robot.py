@@ -11,12 +11,14 @@ from roboticstoolbox._copies import Copies
 from roboticstoolbox._dynamics import Dynamics, _three
 from roboticstoolbox._family import Family
 from roboticstoolbox._felt import Felt
+from roboticstoolbox._graph import Graph
 from roboticstoolbox._gripper import Gripper
 from roboticstoolbox._kinematics import Kinematics
 from roboticstoolbox._link import Link
 from roboticstoolbox._motion import Motion
 from roboticstoolbox._plot import Plotting
 from roboticstoolbox._poses import matrix, pose
+from roboticstoolbox._scene import RobotNode
 from roboticstoolbox._sequence import BaseETS
 from roboticstoolbox._state import State
 from roboticstoolbox._tree import connect, number
@@ -49,7 +51,19 @@ _ELSEWHERE = {
 
 
 class BaseRobot(
-    Family, State, Kinematics, Dynamics, Felt, Motion, Weights, Collision, Plotting, Words, Copies
+    Family,
+    State,
+    Kinematics,
+    Dynamics,
+    Felt,
+    Motion,
+    Weights,
+    Collision,
+    RobotNode,
+    Plotting,
+    Words,
+    Graph,
+    Copies,
 ):
     """What all robots share."""
 
@@ -102,6 +116,7 @@ class BaseRobot(
         self.name, self.manufacturer, self.comment = name, manufacturer, comment
         self.keywords, self.symbolic = list(keywords), False
         self.urdf_string, self.urdf_filepath = urdf_string, urdf_filepath
+        self._parent, self._children = None, []
         self._setup(links, gripper_links)
         self._base = self._unless_identity(base)
         self._tool = self._unless_identity(tool)

@@ -1,15 +1,11 @@
-"""Robots in words: the toolbox's tables, and graphs of links for Graphviz and Mermaid."""
+"""Robots in words: the tables that the toolbox prints."""
 
 from __future__ import annotations
-
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from roboticstoolbox._part import Part
 from roboticstoolbox._table import grid
-from ulna.errors import InputError
 
 
 class Words(Part):
@@ -71,29 +67,3 @@ class Words(Part):
         header = ["name", *(f"q{j}" for j in range(self.n))]
         columns = [True] + [False] * self.n
         return "\n" + grid(header, rows, columns, ragged=True)
-
-    def hierarchy(self) -> None:
-        """Prints the tree of links."""
-
-        def show(link: Any, depth: int) -> None:
-            print("  " * depth + link.name)
-            for child in link.children:
-                show(child, depth + 1)
-
-        show(self.base_link, 0)
-
-    def graph(self, format: str = "dot") -> str:
-        """The tree of links as text for Graphviz ("dot") or Mermaid ("mermaid")."""
-        pairs = [(link.parent_name or "BASE", link.name) for link in self.link_dict.values()]
-        if format == "mermaid":
-            return "\n".join(["graph TD", *(f"    {a} --> {b}" for a, b in pairs)])
-        if format != "dot":
-            raise InputError(f"`format` is {format!r}; expected 'dot' or 'mermaid'.")
-        return "\n".join(["digraph G {", *(f'    "{a}" -> "{b}";' for a, b in pairs), "}"])
-
-    def dotfile(self, filename: Any, **_: Any) -> None:
-        """Writes the tree of links for Graphviz, to a path or a file."""
-        if hasattr(filename, "write"):
-            filename.write(self.graph() + "\n")
-        else:
-            Path(filename).write_text(self.graph() + "\n", encoding="utf-8")

@@ -126,15 +126,17 @@ class SceneNode:
         above = object
         while above is not None:
             if above is self:
-                raise InputError(f"{object!r} hangs on {self!r} already; a tree has no circles.")
+                raise InputError(
+                    f"{_called(object)} hangs on {_called(self)} already; a tree has no circles."
+                )
             above = getattr(above, "scene_parent", None)
         self._detach()
         self._parent = object
-        if isinstance(object, SceneNode):
+        if hasattr(object, "_children"):
             object._children.append(self)
 
     def _detach(self) -> None:
-        if isinstance(self._parent, SceneNode):
+        if hasattr(self._parent, "_children"):
             self._parent._children = [c for c in self._parent._children if c is not self]
         self._parent = None
 
@@ -155,8 +157,12 @@ class SceneNode:
         return "\n".join(_lines(self, 0, self))
 
 
+def _called(node: Any) -> str:
+    return str(node).splitlines()[0]
+
+
 def _lines(node: Any, depth: int, marked: Any) -> list[str]:
-    line = "    " * depth + repr(node) + ("  <==" if node is marked else "")
+    line = "    " * depth + _called(node) + ("  <==" if node is marked else "")
     return [line, *(text for child in node.scene_children for text in _lines(child, depth + 1, marked))]
 
 

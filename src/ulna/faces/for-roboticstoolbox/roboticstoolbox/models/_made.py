@@ -88,8 +88,8 @@ def _name(robot: BaseRobot, entry: dict[str, Any]) -> None:
         robot.addconfiguration_attr(key, q)
 
 
-def dh_class(name: str, module: str) -> type:
-    """The class of an entry of "dh"."""
+def dh_class(name: str, module: str, *more: type) -> type:
+    """The class of an entry of "dh", with the methods of `more`."""
     entry = table("dh")[name]
 
     def init(self: Any, N: int | None = None, a: float | None = None, **options: Any) -> None:
@@ -107,7 +107,7 @@ def dh_class(name: str, module: str) -> type:
         _name(self, chosen)
 
     about = f"{entry['name']}, {len(entry['links'])} joints, by Denavit and Hartenberg's parameters."
-    return type(name, (DHRobot,), {"__init__": init, "__doc__": about, "__module__": module})
+    return type(name, (DHRobot, *more), {"__init__": init, "__doc__": about, "__module__": module})
 
 
 def tree_class(source: str, name: str, base: type, module: str) -> type:

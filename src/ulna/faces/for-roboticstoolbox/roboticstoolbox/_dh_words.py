@@ -1,0 +1,85 @@
+"""DH robots in words and as screws: the toolbox's tables of parameters, and the axes of the joints."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._part import Part
+from roboticstoolbox._poses import _spatialmath, pose
+from roboticstoolbox._table import grid
+
+
+class DHWords(Part):
+    """What is printed of a DH robot."""
+
+    def __str__(self) -> str:
+        kind = "modified" if self.mdh else "standard"
+        head = f"{self._headline()}, {kind} DH parameters"
+        return f"{head}\n{self._parameters()}{self._placed()}{self.configurations_str()}"
+
+    def dhunique(self) -> None:
+        """Prints the parameters that are not zero, as a table."""
+        rows = []
+        for j, link in enumerate(self._links):
+            given: Any = link
+            length = ("θ", given.theta) if link.isprismatic else ("d", given.d)
+            for letter, value in (length, ("a", given.a), ("⍺", given.alpha)):
+                if value:
+                    rows.append([f"{letter}{j}", f"{value:.4g}"])
+        print(grid(["param", "value"], rows, [True, False]))
+
+    def twists(self, q: Any = None) -> tuple[Any, Any]:
+        """The axes of the joints in the world as twists (spatialmath's Twist3), and the pose of the end."""
+        sm = _spatialmath()
+        poses = self.fkine_all(np.zeros(self.n) if q is None else q).A
+        base = np.eye(4) if self._base is None else self._base
+        axes = poses[1:] if self.mdh else [base, *poses[1:-1]]
+        out = sm.Twist3.Empty()
+        for T, turns in zip(axes, self.revolutejoints, strict=True):
+            z = T[:3, 2]
+            out.append(sm.Twist3.UnitRevolute(z, T[:3, 3]) if turns else sm.Twist3.UnitPrismatic(z))
+        return out, pose(poses[-1])
+
+    def _parameters(self) -> str:
+        limits = self.qlim
+        rows = []
+        for j, link in enumerate(self._links):
+            given: Any = link
+            sign = "-" if given.isflip else " "
+            if given.sigma:
+                theta, d = _angle(given.theta), f"{sign.strip()}q{j + 1}"
+                d += f" + {_number(given.offset)}" if given.offset else ""
+                low, high = (f"{x:.4g}" for x in limits[:, j])
+            else:
+                theta, d = f"{sign}q{j + 1}", _number(given.d)
+                theta += f" + {_angle(given.offset)}" if given.offset else ""
+                low, high = (f"{math.degrees(x):.1f}°" for x in limits[:, j])
+            beside = [_number(given.a), _angle(given.alpha)]
+            rows.append([*beside, theta, d, low, high] if self.mdh else [theta, d, *beside, low, high])
+        if self.mdh:
+            return grid(["aⱼ₋₁", "⍺ⱼ₋₁", "θⱼ", "dⱼ", "q⁻", "q⁺"], rows, [True, True, False, True, True, True])
+        return grid(["θⱼ", "dⱼ", "aⱼ", "⍺ⱼ", "q⁻", "q⁺"], rows, [False] + [True] * 5)
+
+    def _placed(self) -> str:
+        rows = []
+        for name, T in (("base", self._base), ("tool", self._tool)):
+            if T is not None:
+                from ulna.spatial import matrix_to_euler
+
+                xyz = ", ".join(f"{x:.2g}" for x in T[:3, 3])
+                angles = ", ".join(
+                    f"{math.degrees(x) + 0.0:.2g}°" for x in matrix_to_euler(T[:3, :3], "xyz")[::-1]
+                )
+                rows.append([name, f"t = {xyz}; rpy/xyz = {angles}"])
+        return "\n" + grid([], rows, [True, False]) if rows else ""
+
+
+def _number(x: float) -> str:
+    return str(x) if isinstance(x, int) else str(float(f"{x:.4g}"))
+
+
+def _angle(x: float) -> str:
+    return f"{math.degrees(x)}°"

@@ -1,0 +1,154 @@
+"""Poses from text: chains of elementary transforms such as "Rx(q1) Tz(2 * a)", evaluated at numbers."""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import re
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from roboticstoolbox._et import flat
+from ulna.errors import FormatError, InputError, UnknownName
+from ulna.formats.ets import ET
+from ulna.typing import Floats
+
+_OPERATORS: dict[type, Callable[..., Any]] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow,
+    ast.UAdd: operator.pos, ast.USub: operator.neg,
+}  # fmt: skip
+_KNOWN = {"pi": math.pi, "sin": np.sin, "cos": np.cos, "tan": np.tan, "sqrt": np.sqrt}
+_TURNS_AND_SHIFTS = {"Rx": ET.rx, "Ry": ET.ry, "Rz": ET.rz, "Tx": ET.tx, "Ty": ET.ty, "Tz": ET.tz}
+_IN_THE_PLANE = {"R": ET.rz, "Rz": ET.rz, "Tx": ET.tx, "Ty": ET.ty}
+
+
+class TrChainToken(NamedTuple):
+    """One transform of a chain.
+
+    Attributes:
+        op: Which: "Rx" to "Tz", or "R" in the plane.
+        arg: The text between its brackets.
+        index: Number of the joint in it, from 1; 0 where there is none.
+    """
+
+    op: str
+    arg: str
+    index: int  # type: ignore[assignment]
+
+
+def trchain(
+    chain: str | Sequence[TrChainToken],
+    q: Any = None,
+    unit: str = "rad",
+    *,
+    qvar: str = "q",
+    variables: Mapping[str, Any] | None = None,
+    return_tokens: bool = False,
+) -> Any:
+    """The pose at the end of a chain of Rx, Ry, Rz, Tx, Ty, Tz, (4, 4).
+
+    Args:
+        chain: Text, or tokens that an earlier call returned.
+        q: Joint coordinates, which the text calls q1, q2 and so on.
+        unit: Of angles, "rad" or "deg".
+        qvar: What the text calls them instead of "q".
+        variables: Further names in the text: numbers, or functions to call.
+        return_tokens: Whether to return the tokens, too, to save parsing the text again.
+
+    Raises:
+        FormatError: The text is no chain, or an expression in it is none.
+        UnknownName: It names what is not known.
+        InputError: An argument is not what it should be.
+    """
+    T, tokens = _evaluated(chain, q, unit, qvar, variables or {}, _TURNS_AND_SHIFTS)
+    return (T, tokens) if return_tokens else T
+
+
+def trchain2(
+    chain: str | Sequence[TrChainToken],
+    q: Any = None,
+    unit: str = "rad",
+    *,
+    qvar: str = "q",
+    variables: Mapping[str, Any] | None = None,
+    return_tokens: bool = False,
+) -> Any:
+    """The pose in the plane at the end of a chain of R, Tx, Ty, (3, 3); see `trchain`."""
+    T, tokens = _evaluated(chain, q, unit, qvar, variables or {}, _IN_THE_PLANE)
+    return (flat(T), tokens) if return_tokens else flat(T)
+
+
+def _evaluated(
+    chain: Any, q: Any, unit: str, qvar: str, variables: Mapping[str, Any], makers: Mapping[str, Any]
+) -> tuple[Floats, tuple[TrChainToken, ...]]:
+    if unit not in ("rad", "deg"):
+        raise InputError(f"`unit` is {unit!r}; expected 'rad' or 'deg'.")
+    if not qvar.isidentifier():
+        raise InputError(f"`qvar` is {qvar!r}; expected a name such as 'q'.")
+    tokens = _parsed(chain, qvar) if isinstance(chain, str) else tuple(chain)
+    if not all(isinstance(token, TrChainToken) for token in tokens):
+        raise InputError("`chain` is neither text nor a sequence of TrChainToken.")
+    joints = np.ravel([] if q is None else np.asarray(q, dtype=float))
+    T = np.eye(4)
+    for token in tokens:
+        if token.op not in makers:
+            raise UnknownName("transform", token.op, makers)
+        if token.index > len(joints):
+            raise InputError(f"`q` has {len(joints)} numbers; the chain speaks of {qvar}{token.index}.")
+        names = {**_KNOWN, **variables}
+        if token.index:
+            names[f"{qvar}{token.index}"] = joints[token.index - 1]
+        value = float(_value(token.arg, names))
+        if unit == "deg" and token.op[0] == "R":
+            value = math.radians(value)
+        T = T @ makers[token.op](value).transform().matrix()
+    return T, tokens
+
+
+def _parsed(text: str, qvar: str) -> tuple[TrChainToken, ...]:
+    joint = re.compile(rf"\b{re.escape(qvar)}([1-9][0-9]*)\b")
+    out, at = [], 0
+    while found := re.compile(r"(R.?|T.)\(").search(text, at):
+        depth, at = 1, found.end()
+        while depth and at < len(text):
+            depth += {"(": 1, ")": -1}.get(text[at], 0)
+            at += 1
+        if depth:
+            raise FormatError(f"the bracket of {found[1]!r} is not closed in {text!r}")
+        arg = text[found.end() : at - 1]
+        numbers = joint.findall(arg)
+        if len(numbers) > 1:
+            raise FormatError(f"{found[1]}({arg}) speaks of {len(numbers)} joints; expected one at most")
+        out.append(TrChainToken(found[1], arg, int(numbers[0]) if numbers else 0))
+    return tuple(out)
+
+
+def _value(text: str, names: Mapping[str, Any]) -> Any:
+    """The value of an arithmetic expression; nothing else is evaluated."""
+    try:
+        return _of(ast.parse(text.strip(), mode="eval").body, names, text)
+    except SyntaxError:
+        raise FormatError(f"{text!r} is no arithmetic expression") from None
+
+
+def _of(node: ast.AST, names: Mapping[str, Any], text: str) -> Any:
+    inner = partial(_of, names=names, text=text)
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return number
+        case ast.Name(id=name):
+            if name not in names:
+                raise UnknownName("name in a chain", name, names)
+            return names[name]
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
+            return _OPERATORS[type(op)](inner(left), inner(right))
+        case ast.UnaryOp(op=op, operand=operand) if type(op) in _OPERATORS:
+            return _OPERATORS[type(op)](inner(operand))
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if callable(names.get(name)):
+            return names[name](*map(inner, arguments))
+    raise FormatError(f"{text!r} is no arithmetic expression of numbers, names and functions")

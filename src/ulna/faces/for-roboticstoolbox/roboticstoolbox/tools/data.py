@@ -1,0 +1,74 @@
+"""Files with data, of one's own or of the toolbox's package `rtb-data`, and the toolbox's settings."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ulna.errors import FormatError, MissingExtra, UnknownName
+
+_PARAMETERS: dict[str, Any] = {"unicode": True}
+
+
+def rtb_set_param(param: str, value: Any) -> None:
+    """Keeps a setting; nothing depends on it here."""
+    _PARAMETERS[param] = value
+
+
+def rtb_get_param(param: str) -> Any:
+    """The value of a setting.
+
+    Raises:
+        UnknownName: It was not set.
+    """
+    if param not in _PARAMETERS:
+        raise UnknownName("setting", param, _PARAMETERS)
+    return _PARAMETERS[param]
+
+
+def rtb_path_to_datafile(*filename: Any, local: bool = True) -> Path:
+    """The absolute path of a file: as it stands if `local` and it exists, else in the package `rtb-data`.
+
+    Raises:
+        FormatError: It is in neither place.
+    """
+    name = Path(*filename)
+    if local and name.expanduser().exists():
+        return name.expanduser().resolve()
+    found = importlib.util.find_spec("rtbdata")
+    folders = [] if found is None else list(found.submodule_search_locations or ())
+    for folder in folders:
+        if (Path(folder) / name).exists():
+            return (Path(folder) / name).resolve()
+    mend = (
+        ""
+        if folders
+        else " The toolbox's own files come with the package `rtb-data`, which is not installed."
+    )
+    raise FormatError(f"There is no data file {str(name)!r}.{mend}", file=str(name))
+
+
+def rtb_load_data(filename: Any, handler: Callable[..., Any], **options: Any) -> Any:
+    """What `handler(path, **options)` makes of a data file of the package `rtb-data`."""
+    return handler(rtb_path_to_datafile(filename, local=False), **options)
+
+
+def rtb_load_jsonfile(filename: Any) -> Any:
+    """The contents of a JSON file of the package `rtb-data`."""
+    return rtb_load_data(filename, lambda path: json.loads(Path(path).read_text(encoding="utf-8")))
+
+
+def rtb_load_matfile(filename: Any) -> dict[str, Any]:
+    """The variables in a MATLAB file of the package `rtb-data`; structures are dicts.
+
+    Raises:
+        MissingExtra: scipy is not installed.
+    """
+    try:
+        from scipy.io import loadmat
+    except ImportError:
+        raise MissingExtra("scipy", "toolbox", "Reading .mat files") from None
+    return rtb_load_data(filename, loadmat, simplify_cells=True)
