@@ -98,7 +98,11 @@ class Body:
 
     @q.setter
     def q(self, q: ArrayLike) -> None:
-        self._q = _checked("q", q, self.robot.nq)
+        self.put(_checked("q", q, self.robot.nq))
+
+    def put(self, q: Floats) -> None:
+        """As assigning to `q`, for an array that is known to be a configuration and that nobody will change."""
+        self._q = q
 
     @property
     def qd(self) -> Floats:

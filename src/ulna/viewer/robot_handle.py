@@ -84,7 +84,7 @@ class RobotHandle(Handle):
         """As assigning to `q`, for an array that is known to be a configuration and that nobody will change."""
         with self._lock:
             if self._body is not None:
-                self._body.q = q
+                self._body.put(q)
             self._move(q)
 
     @property

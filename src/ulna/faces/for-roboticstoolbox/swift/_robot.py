@@ -36,7 +36,7 @@ class RobotHandle(AssemblyHandle):
         self._low, self._high = _limits_of(robot)
         self._held_step = held_step(len(self._low))
         stands = np.asarray(self._model.link_poses(self._model.neutral))[0]
-        self._base = self._placed()
+        self._base, self._to_place = self._placed(), False
         # a model may have the base built in
         self._within = np.linalg.inv(stands) if np.allclose(stands, self._base) else np.eye(4)
         start, pose = self._configuration(), self._base @ self._within
@@ -91,10 +91,12 @@ class RobotHandle(AssemblyHandle):
                 figure.put(q)
             else:
                 figure.q = q  # which tells what is wrong with it
-        self._viewer.scene.later(self, self._place)  # a base seldom moves, and asking for it takes time
+        if not self._to_place:  # a base seldom moves, and asking for it takes time: it is done when somebody looks
+            self._to_place = True
+            self._viewer.scene.later(self, self._place)
 
     def _place(self) -> None:
-        base = self._placed()
+        self._to_place, base = False, self._placed()
         if not np.array_equal(base, self._base):
             self._base = base
             for figure in self.figures:
