@@ -12,7 +12,8 @@ _HOMES = {
     "roboticstoolbox._gripper": ("Gripper",),
     "roboticstoolbox._robot": ("BaseRobot", "Robot", "ERobot"),
     "roboticstoolbox._planar": ("Robot2", "ERobot2"),
-    "roboticstoolbox._ik": ("IKSolution", "IKSolver", "IK_LM", "IK_NR", "IK_GN", "IK_QP"),
+    "roboticstoolbox._ik": ("IKSolution",),
+    "roboticstoolbox._solvers": ("IKSolver", "IK_LM", "IK_NR", "IK_GN", "IK_QP"),
     "roboticstoolbox._dh": (
         "DHLink", "DHRobot", "SerialLink", "RevoluteDH", "PrismaticDH", "RevoluteMDH", "PrismaticMDH",
     ),

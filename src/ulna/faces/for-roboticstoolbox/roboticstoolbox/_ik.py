@@ -146,67 +146,6 @@ def solve(
     return IKSolution(found.q, bool(met.all()), *counts, float(residuals.max()), reason)
 
 
-class IKSolver:
-    """A solver with its settings; `solve(ets, Tep, q0)` asks it."""
-
-    kind: Literal["LM", "NR", "GN", "QP"] = "LM"
-
-    def __init__(
-        self,
-        name: str = "",
-        ilimit: int = 30,
-        slimit: int = 100,
-        tol: float = 1e-6,
-        mask: Any = None,
-        joint_limits: bool = True,
-        seed: int | None = None,
-        **rest: Any,
-    ) -> None:
-        """`rest` are k, method, kq, km, pi; what only tells how the toolbox computes (pinv, ps, kj, ks) is let pass."""
-        self.name = name or type(self).__name__
-        self.ilimit, self.slimit, self.tol, self.seed = ilimit, slimit, tol, seed
-        self.mask, self.joint_limits = mask, joint_limits
-        self._rest = settings(rest)
-
-    def solve(self, ets: Any, Tep: Any, q0: Any = None) -> IKSolution:
-        """The answer for a chain of transforms and a pose of its end."""
-        return solve(
-            ets._at(None),
-            Tep,
-            self.kind,
-            q0,
-            ilimit=self.ilimit,
-            slimit=self.slimit,
-            tol=self.tol,
-            mask=self.mask,
-            joint_limits=self.joint_limits,
-            seed=self.seed,
-            **self._rest,
-        )
-
-
-class IK_LM(IKSolver):
-    """Levenberg and Marquardt's method."""
-
-
-class IK_NR(IKSolver):
-    """Newton and Raphson's method."""
-
-    kind = "NR"
-
-
-class IK_GN(IKSolver):
-    """Gauss and Newton's method."""
-
-    kind = "GN"
-
-
-class IK_QP(IKSolver):
-    """Steps by quadratic programs."""
-
-    kind = "QP"
-
-
 _KNOWN = {"k", "method", "kq", "km", "pi", "seed"}
 _IGNORED = {"pinv", "pinv_damping", "ps", "kj", "ks", "verbose", "progress"}
 

@@ -1,0 +1,127 @@
+"""The solvers of inverse kinematics as objects: their settings, a whole search, and a single step.
+
+| symbol | meaning | shape, unit |
+|---|---|---|
+| e | error from one pose to another: positions, and the rotation vector | (6,) [m, rad] |
+| W | the mask | (6,) |
+| E | e^T W e / 2 | |
+
+Source: Haviland & Corke, Manipulator Differential Kinematics part 2 (2023), section V.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+
+from roboticstoolbox._ik import IKSolution, settings, solve
+from roboticstoolbox.tools.servo import angle_axis
+from ulna.errors import InputError
+from ulna.ik.classic import Method, move
+from ulna.ik.problem import Errors
+from ulna.typing import Floats
+
+
+class IKSolver:
+    """A solver with its settings; `solve(ets, Tep, q0)` asks it."""
+
+    kind: Literal["LM", "NR", "GN", "QP"] = "LM"
+
+    def __init__(
+        self,
+        name: str = "",
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        seed: int | None = None,
+        **rest: Any,
+    ) -> None:
+        """`rest` are k, method, kq, km, pi, kj, ks; what only tells how the toolbox computes (pinv, ps) is let pass."""
+        self.name = name or type(self).__name__
+        self.ilimit, self.slimit, self.tol, self.seed = ilimit, slimit, tol, seed
+        self.mask, self.joint_limits = mask, joint_limits
+        self._rest = settings(rest)
+        self._slack = float(rest.get("kj", 1.0)) / float(rest.get("ks", 1.0))
+
+    def solve(self, ets: Any, Tep: Any, q0: Any = None) -> IKSolution:
+        """The answer for a chain of transforms and a pose of its end."""
+        return solve(
+            ets._at(None),
+            Tep,
+            self.kind,
+            q0,
+            ilimit=self.ilimit,
+            slimit=self.slimit,
+            tol=self.tol,
+            mask=self.mask,
+            joint_limits=self.joint_limits,
+            seed=self.seed,
+            **self._rest,
+        )
+
+    def error(self, Te: Any, Tep: Any) -> tuple[Floats, float]:
+        """The error e from the pose `Te` to `Tep`, (6,), and E."""
+        e = angle_axis(Te, Tep)
+        return e, float(0.5 * (self._weights * e) @ e)
+
+    @property
+    def _weights(self) -> Floats:
+        return np.ones(6) if self.mask is None else np.asarray(self.mask, dtype=float).ravel()
+
+    def step(self, ets: Any, Tep: Any, q: Any) -> tuple[float, Floats]:
+        """One step from the joint coordinates `q` towards a pose of the chain's end: E there, and where that is.
+
+        Raises:
+            InputError: The solver moves joints in the null space, too, which only `solve` does.
+        """
+        if self._rest.get("kq") or self._rest.get("km"):
+            raise InputError("A step with `kq` or `km` is not offered; `solve` counts them.")
+        chain = ets._at(None)
+        at = chain.q(q)
+        e, _ = self.error(chain.fk(at), Tep)
+        method, damping = self._method(e)
+        scale = np.sqrt(self._weights) if self.kind == "LM" else np.ones(6)
+        e, J = scale * e, scale[:, None] * chain.jacob0(at)
+        moved = at + move(Errors(e @ e, False, e, J), method, damping)
+        return self.error(chain.fk(moved), Tep)[1], moved
+
+    def _method(self, e: Floats) -> tuple[Method, float]:
+        """The method in Ulna's words, and its damping."""
+        return "newton_raphson", 0.0
+
+
+class IK_LM(IKSolver):
+    """Levenberg and Marquardt's method, damped as Chan, Sugihara or Wampler did."""
+
+    def _method(self, e: Floats) -> tuple[Method, float]:
+        wanted = str(self._rest.get("method", "chan")).lower()
+        known: tuple[Method, ...] = ("sugihara", "wampler")
+        method: Method = next((name for name in known if wanted.startswith(name[:4])), "chan")
+        return method, float(self._rest.get("k", 1.0))
+
+
+class IK_NR(IKSolver):
+    """Newton and Raphson's method."""
+
+    kind = "NR"
+
+
+class IK_GN(IKSolver):
+    """Gauss and Newton's method."""
+
+    kind = "GN"
+
+
+class IK_QP(IKSolver):
+    """Steps by quadratic programs: the least kj |dq|^2 + ks |slack|^2 / sum |e|, slack = e - J dq."""
+
+    kind = "QP"
+
+    def _method(self, e: Floats) -> tuple[Method, float]:
+        return "wampler", self._slack * float(np.abs(e).sum())
+
+
+__all__ = ["IK_GN", "IK_LM", "IK_NR", "IK_QP", "IKSolution", "IKSolver"]
