@@ -1,5 +1,5 @@
 
-define internal void @one(ptr %i0, ptr noalias %o0) alwaysinline nounwind {
+define internal void @one(ptr %i0, ptr %o0) noinline nounwind {
 entry:
   %p1 = getelementptr double, ptr %i0, i64 0
   %w2 = load double, ptr %p1, align 8
@@ -29,11 +29,11 @@ entry:
   %count.ok = icmp eq i64 %count, 1
   %plain = icmp eq ptr %keywords, null
   %begin = and i1 %count.ok, %plain
-  %array_type.p = getelementptr i8, ptr %self, i64 48
+  %array_type.p = getelementptr i8, ptr %self, i64 64
   %array_type = load ptr, ptr %array_type.p
-  %descriptor.p = getelementptr i8, ptr %self, i64 56
+  %descriptor.p = getelementptr i8, ptr %self, i64 72
   %descriptor = load ptr, ptr %descriptor.p
-  %array_new.p = getelementptr i8, ptr %self, i64 64
+  %array_new.p = getelementptr i8, ptr %self, i64 80
   %array_new = load ptr, ptr %array_new.p
   br i1 %begin, label %type0, label %general
 type0:
@@ -68,6 +68,43 @@ shape0:
   %all0.0 = and i1 true, %n0.0.ok
   br i1 %all0.0, label %work, label %general
 work:
+  %invalid = call i1 @invalid(ptr %data0)
+  br i1 %invalid, label %general, label %valid
+valid:
+  %out0 = call ptr %array_new(ptr %array_type, i32 1, ptr @lengths0, i32 12, ptr null, ptr null, i32 0, i32 0, ptr null)
+  %bad0 = icmp eq ptr %out0, null
+  br i1 %bad0, label %failed, label %made0
+made0:
+  %res0.p = getelementptr i8, ptr %out0, i64 16
+  %res0 = load ptr, ptr %res0.p
+  call void @one(ptr %data0, ptr %res0)
+  ret ptr %out0
+failed:
+  ret ptr null
+general:
+  %other.p = getelementptr i8, ptr %self, i64 56
+  %other = load ptr, ptr %other.p
+  %slow = call ptr %other(ptr %self, ptr %args, i64 %flagged, ptr %keywords)
+  ret ptr %slow
+}
+
+define i32 @work(ptr %pointers) nounwind {
+entry:
+  %data0.p = getelementptr ptr, ptr %pointers, i64 0
+  %data0 = load ptr, ptr %data0.p
+  %res0.p = getelementptr ptr, ptr %pointers, i64 1
+  %res0 = load ptr, ptr %res0.p
+  %invalid = call i1 @invalid(ptr %data0)
+  br i1 %invalid, label %refused, label %valid
+refused:
+  ret i32 1
+valid:
+  call void @one(ptr %data0, ptr %res0)
+  ret i32 0
+}
+
+define internal i1 @invalid(ptr %data0) noinline nounwind {
+entry:
   %f0.0.p = getelementptr double, ptr %data0, i64 0
   %f0.0 = load double, ptr %f0.0.p, align 8
   %f0.0.z = fmul double %f0.0, 0.0
@@ -83,21 +120,7 @@ work:
   %infinite = fcmp uno double %f0.2.s, 0.0
   br i1 %infinite, label %general, label %finite
 finite:
-  %out0 = call ptr %array_new(ptr %array_type, i32 1, ptr @lengths0, i32 12, ptr null, ptr null, i32 0, i32 0, ptr null)
-  %bad0 = icmp eq ptr %out0, null
-  br i1 %bad0, label %failed, label %made0
-made0:
-  %res0.p = getelementptr i8, ptr %out0, i64 16
-  %res0 = load ptr, ptr %res0.p
-  call void @one(ptr %data0, ptr %res0)
-  ret ptr %out0
-failed:
-  ret ptr null
+  ret i1 false
 general:
-  %call.p = getelementptr i8, ptr %self, i64 72
-  %call = load ptr, ptr %call.p
-  %gen.p = getelementptr i8, ptr %self, i64 40
-  %gen = load ptr, ptr %gen.p
-  %slow = call ptr %call(ptr %gen, ptr %args, i64 %flagged, ptr %keywords)
-  ret ptr %slow
+  ret i1 true
 }

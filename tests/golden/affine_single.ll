@@ -1,5 +1,5 @@
 
-define internal void @one(ptr %i0, ptr noalias %o0) alwaysinline nounwind {
+define internal void @one(ptr %i0, ptr %o0) noinline nounwind {
 entry:
   %p1 = getelementptr double, ptr %i0, i64 0
   %w2 = load double, ptr %p1, align 8

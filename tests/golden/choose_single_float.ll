@@ -2,7 +2,7 @@ declare float @llvm.sqrt.f32(float)
 declare float @llvm.fabs.f32(float)
 declare float @llvm.minimum.f32(float, float)
 
-define internal void @one(ptr %i0, ptr %i1, ptr noalias %o0, ptr noalias %o1) alwaysinline nounwind {
+define internal void @one(ptr %i0, ptr %i1, ptr %o0, ptr %o1) noinline nounwind {
 entry:
   %p1 = getelementptr float, ptr %i0, i64 0
   %w2 = load float, ptr %p1, align 4

@@ -8,7 +8,7 @@ import pytest
 from ulna import numeric as nm
 from ulna.trace import Function, trace
 from ulna.trace.emit import emit_batch, emit_single
-from ulna.trace.native import entry_ir
+from ulna.trace.entry import entry_ir
 
 
 def _affine(q):

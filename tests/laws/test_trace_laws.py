@@ -112,11 +112,11 @@ def inputs(f: Function, rows: int, special: bool = False, dtype: type = np.float
 
 def without_contraction(monkeypatch, f: Function):
     """A kernel without fused multiplication and addition, whose every step rounds as NumPy's does."""
-    general_module, native_module = import_module("ulna.trace.general"), import_module("ulna.trace.native")
+    general_module, entry_module = import_module("ulna.trace.general"), import_module("ulna.trace.entry")
     emit = import_module("ulna.trace.emit")
     with monkeypatch.context() as patch:
         patch.setattr(general_module, "emit_batch", functools.partial(emit.emit_batch, contract=False))
-        patch.setattr(native_module, "emit_single", lambda f, e, p: emit.emit_single(f, e, p, contract=False))
+        patch.setattr(entry_module, "emit_single", lambda f, e, p: emit.emit_single(f, e, p, contract=False))
         kernel = compile(f)
         kernel.gufunc
     return kernel

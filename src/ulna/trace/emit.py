@@ -28,12 +28,9 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
     if f.lanes > 1:
         layout, pack = Lanes(f.lanes, layout.dtype), 1
     names = [f"i{k}" for k in range(len(f.inputs))] + [f"o{k}" for k in range(len(f.outputs))]
-    if strided:  # the outputs of a batch may be its inputs: sound, because all loads come before all stores
-        arguments = [text for port in names for text in (f"ptr %{port}", f"i64 %{port}s")]
-    else:  # a single call writes to new arrays
-        arguments = [f"ptr noalias %{port}" if port[0] == "o" else f"ptr %{port}" for port in names]
-    wide = "nounwind #0" if strided or f.lanes > 1 else "nounwind"
-    outer = f"noinline {wide}" if strided or f.lanes > 1 else f"alwaysinline {wide}"
+    # Outputs may be inputs: sound, because all loads come before all stores.
+    arguments = [f"ptr %{port}, i64 %{port}s" if strided else f"ptr %{port}" for port in names]
+    attributes = "noinline nounwind #0" if strided or f.lanes > 1 else "noinline nounwind"
     pieces = parts(f, layout.lanes, pack)
     spreads = layout.lanes > 1 and len(pieces) > 1  # then the last part has the stores and nothing else
     slots = _slots(f.graph, pieces, f.results if spreads else ())
@@ -48,14 +45,14 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
             _write_steps(body, steps, slots)
         bodies.append(body.lines)
     if len(pieces) == 1:
-        _define(module, name, arguments, outer, bodies[0])
+        _define(module, name, arguments, attributes, bodies[0])
         return
     arguments.append("ptr noalias %scratch")
     calls = [f"  %scratch = alloca {layout.real}, i64 {max(slots.values(), default=0) + 1}"]
     for number, lines in enumerate(bodies):
-        _define(module, f"{name}.{number}", arguments, f"noinline {wide}", lines)
+        _define(module, f"{name}.{number}", arguments, attributes, lines)
         calls.append(f"  call void @{name}.{number}({', '.join(arguments).replace('noalias ', '')})")
-    _define(module, name, arguments[:-1], outer, calls)
+    _define(module, name, arguments[:-1], attributes, calls)
 
 
 def _define(

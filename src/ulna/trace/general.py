@@ -9,7 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
-from ulna.trace import jit, native
+from ulna.trace import entry, jit, native
 from ulna.trace.emit import emit_batch
 from ulna.trace.function import Function, Port
 from ulna.trace.irtext import DType
@@ -19,7 +19,7 @@ Unit = tuple[tuple[int, tuple[int, ...]], ...]
 """Which entries of which inputs must form unit vectors, quaternions say: (number of the input, entries), ..."""
 
 # A tenth below the fast door's own, so that what that door sends here is refused and never sent back.
-_UNIT_TOLERANCE = 0.9 * native.UNIT_TOLERANCE
+_UNIT_TOLERANCE = 0.9 * entry.UNIT_TOLERANCE
 ELEMENT: dict[str, DType] = {"float64": "double", "float32": "float"}
 _ROWS_PER_THREAD = 1024  # below this, starting a thread costs more than the work
 
@@ -94,10 +94,10 @@ class General:
                 _check_finite(port.name, a)
             for number, entries in self.unit:
                 _check_unit(f.inputs[number].name, arrays[number], entries)
-        if batch == () and out is None:
-            door = self.single()
-            if door is not None:
-                return door(*(self._exact(a) for a in arrays))
+        door = self.single() if batch == () and (out is None or self._is_exact(out)) else None
+        if door is not None:
+            exact = [self._exact(a) for a in arrays]
+            return door(*exact) if out is None else door(*exact, out=out)
         if self.interpreted:
             return self._interpret(arrays, out)
         rows = int(np.prod(batch, dtype=np.int64))
@@ -129,6 +129,14 @@ class General:
         exact = np.empty(array.shape, self.dtype)
         exact[...] = array
         return exact
+
+    def _is_exact(self, out: Any) -> bool:
+        """Whether the fast door writes into `out` for sure."""
+        given = out if type(out) is tuple else (out,)
+        return len(given) == len(self.function.outputs) and all(
+            is_exact(target, port.shape, self.dtype)
+            for target, port in zip(given, self.function.outputs, strict=True)
+        )
 
     def _interpret(self, arrays: Sequence[Any], out: Any) -> Any:
         """Evaluates a function that no generalised ufunc can be, such as one with an axis of length 0."""
@@ -249,6 +257,13 @@ class General:
         with ThreadPoolExecutor(len(cuts) - 1) as pool:
             list(pool.map(part, range(len(cuts) - 1)))
         return given[0] if f.single else tuple(given)
+
+
+def is_exact(target: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:
+    """Whether compiled code may write an output of this shape and type into `target`."""
+    return (
+        type(target) is np.ndarray and target.dtype is dtype and target.shape == shape and target.flags.carray
+    )
 
 
 def _fits(batch: tuple[int, ...], target: tuple[int, ...]) -> bool:

@@ -7,6 +7,7 @@ import os
 import sys
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -88,6 +89,15 @@ _machine = cache(_new_machine)
 
 def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     """Machine code of `ir`, which evaluates `f`, from the cache or from LLVM, with the addresses of `names`."""
+    return _load(ir, names, f.has_loops, lambda: _announce(f, len(ir) / _SPEED[names[0]]))
+
+
+def load_text(ir: str, names: tuple[str, ...]) -> Code:
+    """Machine code of `ir`, which belongs to no function."""
+    return _load(ir, names, has_loops=True, announce=lambda: None)
+
+
+def _load(ir: str, names: tuple[str, ...], has_loops: bool, announce: Callable[[], None]) -> Code:
     t, llvm = target(), _llvm()
     key = disk.key(ir, t.triple, t.cpu, t.features, t.version, _RECIPE)
     with _lock:
@@ -95,8 +105,8 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
         content = disk.read(key)
         fresh = content is None
         if content is None:
-            _announce(f, len(ir) / _SPEED[names[0]])
-            content = _machine().emit_object(_optimised(ir, f.has_loops))
+            announce()
+            content = _machine().emit_object(_optimised(ir, has_loops))
             disk.write(key, content)
         seconds = time.perf_counter() - start if fresh else 0.0
         own = _new_machine()  # the engine takes it over

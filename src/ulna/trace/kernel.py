@@ -5,16 +5,17 @@ from __future__ import annotations
 import os
 import threading
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from ulna.errors import DtypeError, MissingExtra
-from ulna.trace import jit, native
+from ulna.trace import bound, entry, jit, native
 from ulna.trace.function import Function, trace
 from ulna.trace.general import ELEMENT, General, Unit
 from ulna.trace.graph import Graph
+from ulna.typing import Array
 
 
 class KernelBase:
@@ -23,6 +24,7 @@ class KernelBase:
     __slots__ = ()
 
     _general: General
+    _work: int | None
 
     @property
     def function(self) -> Function:
@@ -76,6 +78,37 @@ class KernelBase:
         """The kernel of the derivative of the outputs by input `wrt`, shape output + input."""
         return compile(self.function.jacobian(wrt), dtype=self.dtype, checked=self._general.checked)
 
+    def into(
+        self,
+        *targets: Array,
+        returns: Sequence[int] = (),
+        watch: Sequence[tuple[Array, Array]] = (),
+        otherwise: Callable[..., Any] | None = None,
+    ) -> Any:
+        """A callable of the inputs that writes the outputs into arrays chosen once: where nanoseconds count.
+
+        Args:
+            *targets: An array for each output, of its shape and of the kernel's type, C-contiguous and writeable. They
+                are kept alive, and may be inputs of the calls.
+            returns: Numbers of the outputs of which every call returns a copy: one as it is, several in a tuple, in
+                this order. Without any, calls return None.
+            watch: Pairs of arrays of whole 8-byte words. A call works while both of each pair hold the same bits.
+            otherwise: Called with the arguments, and its result returned, where these are not exactly arrays of the
+                right type and shape, or what is watched differs. Without it, arguments are converted as the kernel
+                does, and one sample is computed. It must not hold the bound kernel: such a ring is never freed.
+
+        Returns:
+            A `Bound` kernel. It is called with positional arguments, holds the GIL while it works, and cannot be
+            pickled: what it is bound to would be other arrays elsewhere.
+
+        Raises:
+            InputError: If there are not as many arrays as outputs, or they share memory, cannot be written to or
+                compared, or `watch` is given without `otherwise`.
+            ShapeError: If an array has another shape than its output.
+            DtypeError: If an array has another type than the kernel.
+        """
+        return bound.bind(self, self._general, self._work, targets, returns, watch, otherwise)
+
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture; written to `path` when one is given."""
         return self.function.draw(path)
@@ -120,7 +153,7 @@ class SlowKernel(KernelBase):
 
     def __init__(self, general: General) -> None:
         self._general = general
-        self.__dict__["__doc__"] = _doc(general.function)
+        self.__dict__.update(__doc__=_doc(general.function), _work=None)
 
     def __call__(self, *args: Any, **options: Any) -> Any:
         """Evaluates the kernel; see `Kernel`."""
@@ -132,10 +165,6 @@ def _doc(f: Function) -> str:
     return f"{f.name}({', '.join(p.name for p in f.inputs)}): {f.signature}\n\n{f.doc}".rstrip()
 
 
-def _let_go(*_: Any) -> None:
-    """Nothing is left to do: the references go with the call."""
-
-
 _NATIVE: Any = None
 _native_made = False
 _native_lock = threading.Lock()
@@ -145,12 +174,12 @@ def _native_type() -> Any:
     global _NATIVE, _native_made
     with _native_lock:
         if not _native_made:
-            _NATIVE, _native_made = native.make_type(KernelBase), True
+            _NATIVE, _native_made = native.make_type(KernelBase, "Kernel"), True
     return _NATIVE
 
 
 def _entry_ir(general: General) -> str:
-    return native.entry_ir(general.function, general.element, general.checked, unit_entries=general.unit)
+    return entry.entry_ir(general.function, general.element, general.checked, unit_entries=general.unit)
 
 
 def element_of(dtype: Any) -> np.dtype[Any]:
@@ -207,12 +236,11 @@ def compile(
     ir = _entry_ir(general)
     if "ir" in os.environ.get("ULNA_DEBUG", "").split(","):
         print(ir)
-    code = jit.load(f, ir, ("entry",))
-    instance = native.make_instance(door, code.address("entry"), general, general.element)
-    instance.__dict__["__doc__"] = _doc(f)
-    # Machine code reads `general` through a bare pointer: both stay until the instance goes, whatever happens to its
-    # attributes.
-    weakref.finalize(instance, _let_go, general, code).atexit = False
+    code = jit.load(f, ir, ("entry", "work"))
+    plan = native.Plan(f, general.element, code.address("work"))
+    instance = native.make_kernel(door, code.address("entry"), plan, general, general.element)
+    instance.__dict__.update(__doc__=_doc(f), _general=general, _work=code.address("work"))
+    native.keep(instance, general, plan, code)
     if "asm" in os.environ.get("ULNA_DEBUG", ""):
         print(jit.assembly(f, ir))
     general.single = weakref.ref(instance)

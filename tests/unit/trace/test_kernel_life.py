@@ -20,8 +20,7 @@ import numpy as np
 import pytest
 
 from ulna import numeric as nm
-from ulna.trace import compile, trace
-from ulna.trace import native as native_module
+from ulna.trace import compile, layout, trace
 from ulna.trace.kernel import KernelBase
 
 
@@ -322,7 +321,7 @@ def test_the_fast_door_works_on_this_interpreter():
     free_threaded = not getattr(sys, "_is_gil_enabled", lambda: True)()
     if not standard or free_threaded or os.environ.get("ULNA_FAST") == "0":
         pytest.skip("another interpreter")
-    assert native_module.fast_door_works()
+    assert layout.fast_door_works()
     assert compile(lambda x: x, x=()).is_fast
 
 

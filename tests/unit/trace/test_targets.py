@@ -12,8 +12,8 @@ import pytest
 from ulna import numeric as nm
 from ulna.trace import compile, trace
 from ulna.trace.emit import emit_batch
+from ulna.trace.entry import entry_ir
 from ulna.trace.general import General
-from ulna.trace.native import entry_ir
 
 
 def _everything(q, x):

@@ -1,0 +1,85 @@
+"""Where CPython and NumPy keep the fields that compiled code reads, proven by reading, and the functions it calls."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import platform
+import sys
+import sysconfig
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+WORD = 8
+TYPE = 8  # of any object
+# PyArrayObject: data, number of axes, lengths, descriptor, flags.
+DATA, NDIM, LENGTHS, ARRAY_DESCRIPTOR, FLAGS = 16, 24, 32, 56, 64
+READABLE = 0x0101  # C-contiguous, aligned
+WRITEABLE = READABLE | 0x0400
+VALUE = 16  # of a Python float and of a NumPy float64
+TUPLE_SIZE, TUPLE_ITEMS = 16, 24
+TYPE_NUMBER = {"double": 12, "float": 11}
+NUMPY_TYPE = {"double": np.dtype(np.float64), "float": np.dtype(np.float32)}
+
+
+@cache
+def fast_door_works() -> bool:
+    """Whether objects lie in memory as compiled code expects; reads only, through known addresses."""
+    if os.environ.get("ULNA_FAST", "") == "0" or platform.python_implementation() != "CPython":
+        return False
+    if sysconfig.get_config_var("Py_GIL_DISABLED") or ctypes.sizeof(ctypes.c_void_p) != WORD:
+        return False
+    if sys.byteorder != "little" or hasattr(sys, "gettotalrefcount"):  # debug builds may have longer heads
+        return False
+    for dtype in NUMPY_TYPE.values():
+        probe = np.zeros((2, 3, 5), dtype)[:1]
+        at = id(probe)
+        expected = (
+            (TYPE, ctypes.c_void_p, id(np.ndarray)),
+            (DATA, ctypes.c_void_p, probe.ctypes.data),
+            (NDIM, ctypes.c_int, 3),
+            (ARRAY_DESCRIPTOR, ctypes.c_void_p, id(np.dtype(dtype.type))),
+            (FLAGS, ctypes.c_int, int(probe.flags.num)),
+        )
+        if any(kind.from_address(at + offset).value != value for offset, kind, value in expected):
+            return False
+        lengths = ctypes.c_void_p.from_address(at + LENGTHS).value
+        if not lengths or tuple((ctypes.c_int64 * 3).from_address(lengths)) != probe.shape:
+            return False
+    for number in (1.5, np.float64(2.5)):
+        if ctypes.c_double.from_address(id(number) + VALUE).value != number:
+            return False
+    pair = (probe, None)
+    if ctypes.c_ssize_t.from_address(id(pair) + TUPLE_SIZE).value != 2:
+        return False
+    items = (ctypes.c_void_p * 2).from_address(id(pair) + TUPLE_ITEMS)
+    return tuple(items) == (id(probe), id(None))
+
+
+def c_function(name: str) -> int:
+    """The address of a function of CPython."""
+    return ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0
+
+
+@cache
+def _capsule(name: str) -> Any:
+    get = ctypes.pythonapi.PyCapsule_GetPointer
+    get.restype, get.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    module: Any = np._core._multiarray_umath  # type: ignore[attr-defined]
+    return ctypes.cast(get(getattr(module, name), None), ctypes.POINTER(ctypes.c_void_p))
+
+
+def array_function(number: int) -> int:
+    """The address of a function of NumPy's array interface."""
+    return _capsule("_ARRAY_API")[number]
+
+
+def ufunc_function(number: int) -> int:
+    """The address of a function of NumPy's ufunc interface."""
+    return _capsule("_UFUNC_API")[number]
+
+
+ARRAY_NEW, ARRAY_RETURN, UFUNC_FROM_SIGNATURE = 93, 76, 31
+"""Numbers of PyArray_New, PyArray_Return and PyUFunc_FromFuncAndDataAndSignature."""
