@@ -80,7 +80,7 @@ def make_type(base: type, name: str) -> type | None:
         _Slot(73, ctypes.addressof(properties)),  # Py_tp_getset
         _Slot(0, None),
     )
-    flags = (1 << 18) | (1 << 11) | (1 << 7)  # DEFAULT, HAVEentry.VECTORCALL, DISALLOW_INSTANTIATION
+    flags = (1 << 18) | (1 << 11) | (1 << 7)  # DEFAULT, HAVE_VECTORCALL, DISALLOW_INSTANTIATION
     called = f"{base.__module__}.{name}".encode()
     spec = _Spec(called, entry.END, 0, flags, slots)
     _KEEP.extend((members, properties, slots, called, spec))
