@@ -187,14 +187,3 @@ def test_mimic_joints_work_everywhere(pin: Any) -> None:
     ahead, behind = (pin.rnea(tied, t, q + h, v, v) for h in (1e-6, -1e-6))
     dtau_dq, _, _ = pin.computeRNEADerivatives(tied, t, q, v, v)
     np.testing.assert_allclose(dtau_dq[:, 0], (ahead - behind) / 2e-6, rtol=1e-6)
-
-
-def test_everything_public_is_said_in_words(pin: Any) -> None:
-    for name in dir(pin):
-        thing = getattr(pin, name)
-        if not name.startswith("_") and callable(thing) and not isinstance(thing, type(Any)):
-            assert thing.__doc__, name
-    for cls in (pin.SE3, pin.Motion, pin.Force, pin.Inertia, pin.Model, pin.Data, pin.Frame):
-        for name, member in vars(cls).items():
-            if not name.startswith("_") and (callable(member) or isinstance(member, property)):
-                assert member.__doc__, f"{cls.__name__}.{name}"

@@ -10,6 +10,7 @@ import numpy as np
 
 from pinocchio._arrays import StdVec, views
 from pinocchio._inertia import Inertia
+from pinocchio._saved import Saved
 from pinocchio._se3 import SE3
 from pinocchio._vectors import Force, Motion
 from ulna.errors import InputError
@@ -64,8 +65,13 @@ _MATRICES = {
     "bodyRegressor": "6t",
     "dq_after": "v",
     "osim": "00",
-} | dict.fromkeys(("lambda_c", "lambda_c_prox", "impulse_c"), "0")
-_MATRICES |= dict.fromkeys(("dlambda_dq", "dlambda_dv", "dlambda_dtau", "dvc_dq", "dac_dq", "dac_dv", "dac_da"), "00")
+    "lambda_c": "0",
+    "impulse_c": "0",
+    "dlambda_dq": "00",
+    "dlambda_dv": "00",
+    "dlambda_dtau": "00",
+    "dac_da": "00",
+}
 """Those of constraints are empty until an algorithm knows how many rows there are."""
 _POSES = ("oMi", "liMi")
 _MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
@@ -73,8 +79,11 @@ _OF_MOTION = ("v", "a_gf", "f", "h")
 _FORCES = ("f", "h", "of", "oh")
 
 
+_KEPT = ("hg", "dhg", "Ig", "kinetic_energy", "potential_energy", "mechanical_energy")
+
+
 @final
-class Data:
+class Data(Saved):
     """Working memory of algorithms for one model: `model.createData()`."""
 
     def __init__(self, model: Model) -> None:
@@ -109,6 +118,7 @@ class Data:
         self._of_derivatives: tuple[Floats, ...] | None = None
         self._has_frames = False
         self._bound: Any = None
+        self._damped: Any = None
 
     def _fill_views(self) -> None:
         blocks = self._blocks
@@ -151,8 +161,29 @@ class Data:
 
     __copy__ = copy
 
-    def __reduce__(self) -> Any:
-        return Data, (self._model,)
+    def __getstate__(self) -> dict[str, Any]:
+        for due in list(self._due):
+            self.pull(due)
+        told = {name: getattr(self, name) for name in _KEPT}
+        return {"model": self._model, "blocks": self._blocks, "mass": list(self.mass), **told}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        told = dict(state)
+        self.__init__(told.pop("model"))
+        self._blocks = told.pop("blocks")
+        self._fill_views()
+        self.mass = _Masses(told.pop("mass"))
+        for name, value in told.items():
+            setattr(self, name, value)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Data):
+            return NotImplemented
+        mine, theirs = self.__getstate__()["blocks"], other.__getstate__()["blocks"]
+        same = mine.keys() == theirs.keys() and all(np.array_equal(b, theirs[n]) for n, b in mine.items())
+        return same and all(getattr(self, name) == getattr(other, name) for name in _KEPT)
+
+    __hash__ = object.__hash__
 
     def keep(self, engine: Engine, q: Floats) -> Floats:
         """Remembers what the placements are of; returns a copy of q."""

@@ -5,8 +5,32 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
+_SEARCHES = ("DynamicAABBTree", "DynamicAABBTreeArray", "IntervalTree", "Naive", "SSaP", "SaP")
 _OF: dict[str, tuple[str, ...]] = {
-    "_collisions": ("computeCollision", "computeCollisions", "computeDistance", "computeDistances"),
+    "_broadphase": (
+        "CollisionCallBackBase",
+        "CollisionCallBackCollect",
+        "CollisionCallBackDefault",
+        "CollisionObject",
+        *(
+            f"{tree}BroadPhaseManager_{search}CollisionManager"
+            for tree in ("", "Tree")
+            for search in _SEARCHES
+        ),
+        *(f"{tree}BroadPhaseManagerPool_DynamicAABBTreeCollisionManager" for tree in ("", "Tree")),
+    ),
+    "_collisions": (
+        "ComputeCollision",
+        "ComputeDistance",
+        "computeBodyRadius",
+        "computeCollision",
+        "computeCollisions",
+        "computeCollisionsInParallel",
+        "computeContactPatch",
+        "computeContactPatches",
+        "computeDistance",
+        "computeDistances",
+    ),
     "_geometry": (
         "CollisionPair",
         "GeometryData",
@@ -24,7 +48,8 @@ _OF: dict[str, tuple[str, ...]] = {
     ),
     "_samples": ("buildSampleModelHumanoid", "buildSampleModelHumanoidRandom", "buildSampleModelManipulator"),
     "_sample_geometry": ("buildSampleGeometryModelHumanoid", "buildSampleGeometryModelManipulator"),
-    "_parallel": ("ModelPool", "abaInParallel", "rneaInParallel"),
+    "_materials": ("GeometryNoMaterial", "GeometryPhongMaterial", "PhysicsMaterial", "PhysicsMaterialType"),
+    "_parallel": ("GeometryPool", "ModelPool", "abaInParallel", "rneaInParallel"),
     "linalg": ("isOrthonormal", "orthogonalization", "orthonormalization"),
     "_pseudo": ("LogCholeskyParameters", "PseudoInertia"),
     "liegroups": ("LieGroup", "lieGroup"),
@@ -76,17 +101,29 @@ _VECTORS = (
     ),
     *(f"{word}Constraint{what}" for word in _CONSTRAINTS for what in ("Data", "Model")),
 )
+OF_COAL = (
+    *("CachedMeshLoader", "CollisionGeometry", "CollisionResult", "Contact", "DistanceResult", "MeshLoader"),
+)
+"""The names that are those of coal."""
 LATE: dict[str, str] = {
     **{name: module for module, names in _OF.items() for name in names},
+    **dict.fromkeys(("CONCRETE", "ICE", "METAL", "PLASTIC", "WOOD"), "_materials"),
+    **dict.fromkeys(OF_COAL, "coal"),
     **{f"JointData{word}": "_joint_data" for word in _JOINT_DATA},
     **{f"StdVec_{word}": "_arrays" for word in _VECTORS},
 }
 """The module of each of these names."""
-MODULES = ("cholesky", "liegroups", "linalg", "robot_wrapper", "shortcuts", "visualize")
+MODULES = (
+    *("cholesky", "coal", "hppfcl", "liegroups", "linalg", "robot_wrapper", "serialization", "shortcuts", "visualize"),
+)
 
 
 def late(name: str) -> Any:
     """What a name of `LATE`, or a module of `MODULES`, stands for; all containers are one class of lists."""
+    if name in ("coal", "hppfcl") or name in OF_COAL:
+        from ulna.collision.narrow import coal
+
+        return getattr(coal(), name, coal())
     if name in MODULES:
         return importlib.import_module(f"pinocchio.{name}")
     module = importlib.import_module(f"pinocchio.{LATE[name]}")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
@@ -15,7 +13,9 @@ from pinocchio._enums import FrameType
 from pinocchio._frame import Frame
 from pinocchio._inertia import Inertia
 from pinocchio._joints import JointModel
+from pinocchio._saved import Saved
 from pinocchio._se3 import SE3
+from pinocchio._supports import Supports
 from pinocchio._vectors import Motion
 from ulna.errors import InputError, ModelError, UnknownName
 from ulna.typing import Floats
@@ -42,7 +42,7 @@ _KEPT = 8  # how many states of a model keep their kernels
 
 
 @final
-class Model:
+class Model(Saved, Supports):
     """A kinematic tree. Joint 0 is the universe; every other joint follows its parent."""
 
     gravity981: ClassVar[Floats] = np.array([0.0, 0.0, -9.81])
@@ -419,7 +419,7 @@ class Model:
         """One of its own."""
         return Model(self)
 
-    __copy__ = copy
+    __copy__ = cast = copy
 
     def __deepcopy__(self, memo: Any) -> Model:
         return self.copy()
@@ -443,14 +443,6 @@ class Model:
     def ulna(self) -> Any:
         """The tower's model of the present numbers: `ulna.Robot(model.ulna())` has all that Ulna has."""
         return self.engine().model
-
-    def saveToText(self, filename: str) -> None:
-        """Writes the named configurations, limits and numbers as JSON; for people and for comparisons."""
-        told = {key: a.tolist() for key, a in self._arrays.items()}
-        told |= {"name": self.name, "names": list(self.names), "parents": list(self.parents)}
-        told |= {"jointPlacements": [M._m.tolist() for M in self._placements]}
-        told |= {"inertias": [i._p.tolist() for i in self._inertias]}
-        Path(filename).write_text(json.dumps(told, indent=1), encoding="utf-8")
 
 
 def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:

@@ -1,0 +1,198 @@
+"""GeometryObject: one shape on a joint, with how it looks."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._arrays import vector
+from pinocchio._materials import GeometryNoMaterial, PhysicsMaterial
+from pinocchio._saved import Saved
+from pinocchio._se3 import SE3
+from ulna.errors import InputError
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
+from ulna.spatial import SE3 as Pose
+from ulna.typing import Floats
+
+__all__ = ["GeometryObject"]
+
+_GREY = (0.9, 0.9, 0.9, 1.0)
+_WORDS = ("BOX", "SPHERE", "CYLINDER", "CAPSULE")
+_NAMES = ("mesh_path", "mesh_scale", "override_material", "mesh_color", "mesh_texture_path", "mesh_material")
+
+
+@final
+class GeometryObject(Saved):
+    """One geometry on a joint.
+
+    `GeometryObject(name, parent_joint, [parent_frame,] placement, geometry, mesh_path, mesh_scale,
+    override_material, mesh_color, mesh_texture_path)`. Placement and geometry may change places, as they did.
+    """
+
+    def __init__(self, *parts: Any, **named: Any) -> None:
+        if len(parts) == 1 and isinstance(parts[0], GeometryObject):
+            self.__dict__.update(parts[0].copy().__dict__)
+            return
+        told = dict(named)
+        rest = list(parts)
+        self.name = str(told.pop("name") if "name" in told else rest.pop(0) if rest else "")
+        ints = [told.pop(key) for key in ("parent_joint", "parent_frame") if key in told]
+        while rest and hasattr(rest[0], "__index__"):
+            ints.append(rest.pop(0))
+        pair = [rest.pop(0) for _ in range(min(2, len(rest)))]
+        placement = told.pop("placement", next((x for x in pair if isinstance(x, SE3)), None))
+        geometry = told.pop("collision_geometry", next((x for x in pair if not isinstance(x, SE3)), None))
+        told |= dict(zip(_NAMES, rest, strict=False))
+        if not 1 <= len(ints) <= 2 or placement is None or geometry is None or set(told) - set(_NAMES):
+            raise InputError(
+                f"GeometryObject was given {parts}, {named}; expected a name, the index of a joint, that of a frame "
+                "(or none), a placement SE3, a geometry, and " + ", ".join(_NAMES) + "."
+            )
+        self.parentJoint = int(ints[0])
+        """The index of the joint it moves with."""
+        self.parentFrame = int(ints[1]) if len(ints) == 2 else -1
+        """The index of the frame it belongs to; -1 for none."""
+        self._placement = SE3(placement)
+        self._geometry = geometry
+        self.meshPath = str(told.get("mesh_path", ""))
+        """The file of the mesh; "BOX", "SPHERE", ... for other shapes of a URDF file; else empty."""
+        self._scale = np.array(vector(told.get("mesh_scale", np.ones(3)), 3, "meshScale"))
+        self.overrideMaterial = bool(told.get("override_material", False))
+        """Whether `meshColor` hides the mesh's own colours."""
+        self._color = np.array(vector(told.get("mesh_color", _GREY), 4, "meshColor"))
+        self.meshTexturePath = str(told.get("mesh_texture_path", ""))
+        """The file of a texture; empty for none."""
+        self.meshMaterial = told.get("mesh_material", GeometryNoMaterial())
+        """How its surface shines."""
+        self.physicsMaterial = PhysicsMaterial()
+        """What it is made of."""
+        self.disableCollision = False
+        """Whether pairs of it are left out when collisions are computed."""
+
+    @property
+    def placement(self) -> SE3:
+        """Where it is in the frame of its joint, a live reference."""
+        return self._placement
+
+    @placement.setter
+    def placement(self, M: SE3) -> None:
+        self._placement._assign(M)
+
+    @property
+    def meshScale(self) -> Floats:
+        """Factors of the mesh along x, y, z, live."""
+        return self._scale
+
+    @meshScale.setter
+    def meshScale(self, value: Any) -> None:
+        self._scale[:] = vector(value, 3, "meshScale")
+
+    @property
+    def meshColor(self) -> Floats:
+        """Red, green, blue, opacity from 0 to 1, live."""
+        return self._color
+
+    @meshColor.setter
+    def meshColor(self, value: Any) -> None:
+        self._color[:] = vector(value, 4, "meshColor")
+
+    @property
+    def geometry(self) -> Any:
+        """Its shape, as an object of coal, made when it is asked for; where coal is missing, a shape of Ulna."""
+        if isinstance(self._geometry, Shape):
+            from ulna.collision import Obstacle, World
+            from ulna.collision.narrow import geometry_of
+            from ulna.collision.solids import obstacle_solids
+            from ulna.errors import MissingExtra
+
+            world = World((Obstacle(self.name, self._geometry, Pose.identity()),))
+            try:
+                self._geometry = geometry_of(obstacle_solids(world)[0], False)
+            except MissingExtra:
+                return self._geometry
+        return self._geometry
+
+    @geometry.setter
+    def geometry(self, geometry: Any) -> None:
+        self._geometry = geometry
+        self.meshPath = ""
+
+    @property
+    def shape(self) -> Shape | None:
+        """Its shape as Ulna says it; None for a mesh that was made in memory."""
+        if self.meshPath and self.meshPath not in _WORDS:
+            return Mesh(self.meshPath, tuple(self._scale.tolist()), missing=not os.path.isfile(self.meshPath))
+        return self._geometry if isinstance(self._geometry, Shape) else _shape_of(self._geometry)
+
+    def copy(self) -> GeometryObject:
+        """One of its own; the geometry itself is shared."""
+        out = object.__new__(GeometryObject)
+        out.__dict__.update(self.__dict__)
+        out._placement, out._scale, out._color = (
+            self._placement.copy(),
+            self._scale.copy(),
+            self._color.copy(),
+        )
+        out.physicsMaterial = PhysicsMaterial(self.physicsMaterial)
+        return out
+
+    __copy__ = clone = copy
+
+    def __deepcopy__(self, memo: Any) -> GeometryObject:
+        return self.copy()
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = dict(self.__dict__)
+        if not isinstance(state["_geometry"], Shape):
+            state["_geometry"] = self.shape or _no_shape(self.name, self._geometry)
+        return state
+
+    @staticmethod
+    def CreateCapsule(radius: float, length: float) -> GeometryObject:
+        """A capsule about z at the universe; `length` without its ends."""
+        return GeometryObject("", 0, SE3(), Capsule(radius, length))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, GeometryObject):
+            return NotImplemented
+        keys = ("name", "parentJoint", "parentFrame", "_placement", "meshPath", "shape", "overrideMaterial")
+        return all(getattr(self, k) == getattr(other, k) for k in keys) and bool(
+            (self._color == other._color).all()
+        )
+
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        what = self.shape
+        words = type(self._geometry).__name__ if what is None else what.describe()
+        return f"<{words} {self.name!r} on joint {self.parentJoint}>"
+
+
+def _shape_of(geometry: Any) -> Shape | None:
+    """A primitive of coal as a shape of Ulna; None for others."""
+    match type(geometry).__name__:
+        case "Box":
+            x, y, z = (2.0 * float(half) for half in geometry.halfSide)
+            return Box((x, y, z))
+        case "Sphere":
+            return Sphere(geometry.radius)
+        case "Capsule":
+            return Capsule(geometry.radius, 2.0 * geometry.halfLength)
+        case "Cylinder":
+            return Cylinder(geometry.radius, 2.0 * geometry.halfLength)
+        case "Cone":
+            return Cone(geometry.radius, 2.0 * geometry.halfLength)
+        case "Ellipsoid":
+            a, b, c = (float(r) for r in geometry.radii)
+            return Ellipsoid((a, b, c))
+    return None
+
+
+def _no_shape(name: str, geometry: Any) -> Any:
+    what = type(geometry).__name__
+    raise InputError(
+        f"Geometry {name!r} is a {what} that was made in memory; only files of meshes, boxes, spheres, cylinders, "
+        "capsules, cones and ellipsoids are saved. Write the mesh to a file, and name it as meshPath."
+    )
