@@ -13,18 +13,25 @@ from ulna.spatial import Inertia
 from ulna.typing import Floats
 
 
+def _kept(numbers: Any) -> Floats:
+    """A copy that cannot be written to: entries set one by one would not reach the robot's dynamics."""
+    out = np.array(numbers, dtype=float)
+    out.setflags(write=False)
+    return out
+
+
 def _matrix_of_inertia(I: Any) -> Floats:
     """Inertia as a matrix, from (3, 3), or Ixx, Iyy, Izz, or those and Ixy, Iyz, Ixz."""
     given = np.asarray(I, dtype=float)
     if given.shape == (3, 3):
         if np.abs(given - given.T).max() > 1e-8:
             raise InputError("`I` of a link is not symmetric; expected (3, 3), 3 or 6 numbers.")
-        return given.copy()
+        return _kept(given)
     if given.size == 3:
-        return np.diag(given.ravel())
+        return _kept(np.diag(given.ravel()))
     if given.size == 6:
         xx, yy, zz, xy, yz, xz = given.ravel()
-        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return _kept([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     raise ShapeError("I", given.shape, "(3, 3), (3,) or (6,): Ixx, Iyy, Izz, Ixy, Iyz, Ixz")
 
 
@@ -52,14 +59,14 @@ def _coulomb(Tc: Any) -> Floats:
     out = np.array([given[0], -given[0]]) if given.size == 1 else given
     if out.shape != (2,) or out[0] < 0.0 or out[1] > 0.0:
         raise InputError(f"`Tc` of a link is {Tc}; expected one number, or [Tc+, Tc-] with Tc+ >= 0 >= Tc-.")
-    return out
+    return _kept(out)
 
 
 def _vector3(r: Any) -> Floats:
     out = np.array(r, dtype=float).ravel()
     if out.shape != (3,):
         raise ShapeError("r", np.shape(r), "(3,)")
-    return out
+    return _kept(out)
 
 
 class Heavy:
@@ -111,19 +118,30 @@ class Heavy:
         return Drive(self.Jm, abs(self.B), self.Tc[0], -self.Tc[1], gear=gear)
 
     def dyn(self, indent: int = 0) -> str:
-        """Prints what it weighs; gives the text, too."""
-        I, edge = self.I, " " * indent
-        rows = [f"{'':10}| " + "".join(f"{x:9.2g}" for x in row) + " |" for row in I]
-        rows[1] = "  I     = " + rows[1].lstrip()
+        """What it weighs, in words, a line for each number; lines begin with `indent` blanks."""
+        low, high = (0.0, 0.0) if self.qlim is None else self.qlim
+
+        def listed(numbers: Any) -> str:
+            return " ".join(f"{x:8.2g}" for x in numbers)
+
+        rows = [f"{listed(row)} | " for row in self.I]
         lines = [
-            f"  m     = {self.m:9.2g}",
-            "  r     = " + "".join(f"{x:9.2g}" for x in self.r),
-            *rows,
-            f"  Jm    = {self.Jm:9.2g}",
-            f"  B     = {self.B:9.2g}",
-            f"  Tc    = {self.Tc[0]:9.2g}(+) {self.Tc[1]:9.2g}(-)",
-            f"  G     = {self.G:9.2g}",
+            f"m     =  {self.m:8.2g} ",
+            f"r     =  {listed(self.r)} ",
+            f"        | {rows[0]}",
+            f"I     = | {rows[1]}",
+            f"        | {rows[2]}",
+            f"Jm    =  {self.Jm:8.2g} ",
+            f"B     =  {self.B:8.2g} ",
+            f"Tc    =  {self.Tc[0]:8.2g}(+) {self.Tc[1]:8.2g}(-) ",
+            f"G     =  {self.G:8.2g} ",
+            f"qlim  =  {low:8.2g} to {high:8.2g}",
         ]
-        if self.qlim is not None:
-            lines.append(f"  qlim  = {self.qlim[0]:9.2g} to {self.qlim[1]:9.2g}")
-        return "\n".join(edge + line for line in lines)
+        return "\n".join(" " * indent + line for line in lines)
+
+    def _numbers(self) -> list[str]:
+        """What it weighs, as cells of a table: m, r, I, Jm, B, Tc, G."""
+        I = self.I
+        six = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[1, 2], I[0, 2])
+        cells = ([self.m], self.r, six, [self.Jm], [self.B], self.Tc, [self.G])
+        return [", ".join(f"{x: .3g}" for x in cell) for cell in cells]

@@ -66,7 +66,10 @@ class Kinematics:
 
     @property
     def ee_links(self) -> list[Link]:
-        """The links that end a branch of the arm."""
+        """The links that bear a gripper; of an arm without any, those that end a branch."""
+        bearers = [gripper.links[0].parent for gripper in self._grippers]
+        if bearers:
+            return [link for link in bearers if link is not None]
         own = {id(link) for link in self._links}
         return [link for link in self._links if not any(id(child) in own for child in link.children)]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,7 @@ def from_model(
     gripper_link: str | None = None,
     tool: Any = None,
     leave_out: tuple[str, ...] = (),
-    masses: bool = True,
+    carriers: Mapping[str, str] | None = None,
     **more: Any,
 ) -> Any:
     """A robot of the class `kind` with the links of a model.
@@ -39,7 +40,7 @@ def from_model(
         gripper_link: First link of the gripper.
         tool: The gripper's tool, (4, 4).
         leave_out: Links not to take.
-        masses: Whether to take masses.
+        carriers: Links to put between a link and all that comes after it, as firsts of grippers: by name, the link.
         **more: Arguments of the robot.
     """
     links: list[Link] = []
@@ -56,8 +57,9 @@ def from_model(
             if np.isfinite([*limits.lower, *limits.upper]).all():
                 items[-1].qlim = [limits.lower[0], limits.upper[0]]
             extra["qdlim"] = limits.velocity[0] if np.isfinite(limits.velocity[0]) else None
+            extra |= {"B": joint.damping[0], "Tc": joint.friction[0]}
             extra["tlim"] = limits.effort[0] if np.isfinite(limits.effort[0]) else None
-        if masses and part.inertia.mass:
+        if part.inertia.mass:
             extra |= {"m": part.inertia.mass, "r": part.inertia.com, "I": part.inertia.inertia}
         link = Link(
             ETS(items) if items else None,
@@ -69,8 +71,15 @@ def from_model(
         )
         by_name[part.name] = link
         links.append(link)
-    first = by_name[gripper_link] if gripper_link else None
-    robot = kind._from_links(links, first, name=model.name, gravity=model.gravity, **more)
+    firsts = [by_name[gripper_link]] if gripper_link else []
+    for name, before in (carriers or {}).items():
+        carrier = Link(name=name, parent=by_name[before])
+        for link in links:
+            if link.parent is by_name[before]:
+                link._parent = carrier
+        links.append(carrier)
+        firsts.append(carrier)
+    robot = kind._from_links(links, firsts or None, name=model.name, gravity=model.gravity, **more)
     robot._disabled = [pair for pair in model.disabled_pairs if all(name in by_name for name in pair)]
     if tool is not None and robot.grippers:
         robot.grippers[0].tool = tool

@@ -130,7 +130,7 @@ class BaseRobot(
     _size = 4
 
     @classmethod
-    def _from_links(cls, links: list[Link], gripper: Link | None, **more: Any) -> Self:
+    def _from_links(cls, links: list[Link], gripper: list[Link] | None, **more: Any) -> Self:
         return cls(links, gripper_links=gripper, **more)
 
     @classmethod

@@ -97,9 +97,8 @@ class IK_LM(IKSolver):
     """Levenberg and Marquardt's method, damped as Chan, Sugihara or Wampler did."""
 
     def _method(self, e: Floats) -> tuple[Method, float]:
-        wanted = str(self._rest.get("method", "chan")).lower()
-        known: tuple[Method, ...] = ("sugihara", "wampler")
-        method: Method = next((name for name in known if wanted.startswith(name[:4])), "chan")
+        wanted = str(self._rest.get("method", "chan")).lower()[:4]
+        method: Method = "sugihara" if wanted == "sugi" else "wampler" if wanted == "wamp" else "chan"
         return method, float(self._rest.get("k", 1.0))
 
 

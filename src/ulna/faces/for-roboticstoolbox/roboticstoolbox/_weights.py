@@ -44,26 +44,25 @@ class Weights(Part):
 
     def dynamics(self) -> None:
         """Prints what the links weigh, as a table."""
-
-        def listed(x: Any) -> str:
-            return ",  ".join(f"{v:.3g}" for v in x)
-
-        rows = []
-        for link in self._links:
-            if link.isjoint:
-                I = link.I
-                six = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[1, 2], I[0, 2])
-                numbers = [listed(link.r), listed(six), f"{link.Jm:.3g}", f"{link.B:.3g}", listed(link.Tc)]
-                rows.append([link.name, f"{link.m:.3g}", *numbers, f"{link.G:.3g}"])
-        print(grid(["j", "m", "r", "I", "Jm", "B", "Tc", "G"], rows, [False] * 8))
+        rows = [[link.name, *link._numbers()] for link in self._links]
+        print(grid(["j", "m", "r", "I", "Jm", "B", "Tc", "G"], rows, [True] + [False] * 7))
 
     def dynamics_list(self) -> None:
         """Prints what each link weighs."""
         for i, link in enumerate(self._links):
             print(f"\nLink {i}:: {link}")
-            print(link.dyn())
+            print(link.dyn(indent=2))
 
     def jointdynamics(self, q: Any, qd: Any = None) -> list[tuple[tuple[float], tuple[float, float]]]:
-        """The transfer function of each motor, 1 / (J s + B): numerator and denominator, as seen by the motor."""
-        M = np.diagonal(self.inertia(q))
-        return [((1,), (float(m / link.G**2), link.B)) for m, link in zip(M, self._joints(), strict=True)]
+        """The transfer function of each motor, 1 / (J s + B): numerator and denominator, as seen by the motor.
+
+        Args:
+            q: Configuration, (n,) [rad or m].
+            qd: Velocity at which Coulomb friction counts, as Tc / qd of B, (n,); without it does not.
+        """
+        rates = np.zeros(self.n) if qd is None else np.asarray(qd, dtype=float)
+        out = []
+        for m, rate, link in zip(np.diagonal(self.inertia(q)), rates, self._joints(), strict=True):
+            dry = link.Tc[0] / rate if rate > 0.0 else link.Tc[1] / rate if rate < 0.0 else 0.0
+            out.append(((1,), (float(m / link.G**2), float(link.B + dry))))
+        return out

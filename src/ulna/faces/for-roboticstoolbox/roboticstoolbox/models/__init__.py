@@ -17,7 +17,7 @@ def catalog(
     rows = []
     for room in _ROOMS if mtype is None else (mtype,):
         module = importlib.import_module(f"roboticstoolbox.models.{room}")
-        for name in sorted(n for n in module.__all__ if n != "URDFRobot"):
+        for name in sorted(n for n in module.__all__ if n != "URDFRobot" and _is_here(room, n)):
             robot = getattr(module, name)()
             words = " ".join([name, robot.name, robot.manufacturer, *robot.keywords]).lower()
             if dof not in (None, robot.n) or (keywords and str(keywords).lower() not in words):
@@ -29,6 +29,13 @@ def catalog(
 
 
 list = catalog
+
+
+def _is_here(room: str, name: str) -> bool:
+    """Whether a robot can be made without fetching its description."""
+    from roboticstoolbox.models.URDF import _described
+
+    return room != "URDF" or name not in _described.ROBOTS or _described.is_here(name)
 
 
 def __getattr__(name: str) -> Any:

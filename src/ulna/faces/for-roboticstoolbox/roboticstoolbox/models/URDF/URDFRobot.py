@@ -1,0 +1,61 @@
+"""Robots read from URDF and xacro files, and those that are known by a name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from roboticstoolbox._load import from_model, read
+from roboticstoolbox._robot import Robot
+from ulna.errors import InputError, UnknownName
+
+
+class URDFRobot(Robot):
+    """A robot read from a URDF or xacro file, or by a name that Ulna knows."""
+
+    URDFRobot: Any
+
+    def __init__(
+        self,
+        urdf_path: Any,
+        manufacturer: str = "",
+        gripper_link_index: int | None = None,
+        gripper_link_name: str | Sequence[str] | None = None,
+        patch: Any = None,
+        extra_packages: dict[str, str] | None = None,
+        **more: Any,
+    ) -> None:
+        """A robot from a file, or from the catalogue.
+
+        Args:
+            urdf_path: A path, or a name such as "ur5".
+            manufacturer: Who makes it.
+            gripper_link_index: Number of the first link of its gripper, as they stand in the file.
+            gripper_link_name: Its name, or names of which the first that there is counts.
+            patch: Refused.
+            extra_packages: Folders of packages, by name.
+            **more: Let pass.
+
+        Raises:
+            InputError: `patch` is given.
+            UnknownName: There is no such link.
+        """
+        if patch is not None:
+            raise InputError("`patch` is not offered; mend the file itself, or pass its mended text.")
+        model, path = read(urdf_path, package_dirs=tuple((extra_packages or {}).values()))
+        names = [link.name for link in model.links]
+        gripper = None if gripper_link_index is None else names[gripper_link_index]
+        if gripper_link_name is not None:
+            wanted = [gripper_link_name] if isinstance(gripper_link_name, str) else list(gripper_link_name)
+            gripper = next((name for name in wanted if name in names), None)
+            if gripper is None:
+                raise UnknownName("link of a gripper", wanted[0], names)
+        self._filled(from_model(Robot, model, gripper, manufacturer=manufacturer, urdf_filepath=path))
+
+    def _filled(self, like: Robot) -> None:
+        self.__dict__.update(like.__dict__)
+        for link in self.link_dict.values():
+            link.robot = self
+
+
+URDFRobot.URDFRobot = URDFRobot  # the toolbox's module of that name is asked for it
