@@ -12,26 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
-
 pytest.importorskip("spatialmath")
 SCRIPTS = Path(__file__).parents[3] / "examples" / "seed-0"
-
-
-@pytest.fixture(scope="module")
-def robots() -> Any:
-    """The class of the face's robots."""
-    with worn("roboticstoolbox"):
-        robot = pytest.importorskip("roboticstoolbox").Robot
-        if not (hasattr(robot, "ulna") or hasattr(robot, "_everything")):
-            pytest.skip("robots of the face cannot be shown yet")
-        return robot
-
-
-@pytest.fixture
-def plotting(robots: Any) -> None:
-    if not hasattr(robots, "plot"):
-        pytest.skip("robots of the face cannot be plotted yet")
 
 
 DRIVER = """
@@ -66,12 +48,12 @@ def end_of(script: Path, tmp_path: Path) -> tuple[dict[str, Any], str]:
     return json.loads(done.stdout.rpartition("\n@")[2]), done.stdout
 
 
-def test_the_first_prints_a_table(plotting: None, tmp_path: Path) -> None:
+def test_the_first_prints_a_table(tmp_path: Path) -> None:
     _, said = end_of(SCRIPTS / "rtb_example1.py", tmp_path)
     assert "panda_link7" in said and "qr" in said
 
 
-def test_the_second_moves(robots: Any, tmp_path: Path) -> None:
+def test_the_second_moves(tmp_path: Path) -> None:
     told, _ = end_of(SCRIPTS / "rtb_example2.py", tmp_path)
     assert np.abs(np.array(told["q"]) - [0.5, -0.3, 0, -2.2, 0, 2.0, np.pi / 4 + 0.5]).max() < 1e-12
 
@@ -100,7 +82,7 @@ ENDS = {
 
 
 @pytest.mark.parametrize("name", ENDS)
-def test_servo_loops_end_where_the_toolbox_ends(robots: Any, name: str, tmp_path: Path) -> None:
+def test_servo_loops_end_where_the_toolbox_ends(name: str, tmp_path: Path) -> None:
     steps, dt, q = ENDS[name]
     told, _ = end_of(SCRIPTS / f"{name}.py", tmp_path)
     assert round(told["time"] / dt) == steps
@@ -110,7 +92,7 @@ def test_servo_loops_end_where_the_toolbox_ends(robots: Any, name: str, tmp_path
     )
 
 
-def test_holding_within_the_loop_as_the_document_has_it(robots: Any, tmp_path: Path) -> None:
+def test_holding_within_the_loop_as_the_document_has_it(tmp_path: Path) -> None:
     text = (SCRIPTS / "rtb_example3.py").read_text()
     script = tmp_path / "printed.py"
     script.write_text(text.replace("\nenv.hold()", "\n    env.hold()"))
@@ -118,12 +100,12 @@ def test_holding_within_the_loop_as_the_document_has_it(robots: Any, tmp_path: P
     assert round(told["time"] / 0.01) == 431 and said.count("Nobody can look") == 1
 
 
-def test_the_sixth_plans_and_plays(plotting: None, tmp_path: Path) -> None:
+def test_the_sixth_plans_and_plays(tmp_path: Path) -> None:
     told, _ = end_of(SCRIPTS / "rtb_example6.py", tmp_path)
     assert np.abs(np.array(told["at"]) - told["goal"]).max() < 1e-3
 
 
-def test_the_sixth_writes_a_film_of_the_right_speed(plotting: None, tmp_path: Path) -> None:
+def test_the_sixth_writes_a_film_of_the_right_speed(tmp_path: Path) -> None:
     image = pytest.importorskip("PIL.Image")
     text = (SCRIPTS / "rtb_example6.py").read_text()
     assert text.count("#robot.plot") == 1

@@ -91,7 +91,7 @@ class RobotHandle(AssemblyHandle):
                 figure.put(q)
             else:
                 figure.q = q  # which tells what is wrong with it
-        if not self._to_place:  # a base seldom moves, and asking for it takes time: it is done when somebody looks
+        if not self._to_place:  # a base seldom moves, and asking for it takes time: not before somebody looks
             self._to_place = True
             self._viewer.scene.later(self, self._place)
 
