@@ -11,17 +11,19 @@ import numpy as np
 from ulna.trace import cache
 from ulna.viewer.surface import Surface, Texture
 
-_FORMAT = "ulna mesh 1"
+_FORMAT = "ulna mesh 2"
 # other files that a mesh file names: materials, textures, buffers
 _ENDING = re.compile(rb"\.(?:png|jpe?g|tga|bmp|tiff?|gif|mtl|bin)\b", re.IGNORECASE)
 _BOUND = re.compile(rb"[\"'<>\r\n\t]")
 
 
-def entry(path: str) -> str:
-    """The name under which what a mesh file holds is kept: it changes with the content of all files that it names."""
+def entry(path: str, bound: float = 0.0) -> str:
+    """The name under which what a mesh file holds is kept: it changes with the content of all files that it names, and
+    with how far surfaces may be from it, in its own units.
+    """
     with open(path, "rb") as file:
         content = file.read()
-    parts: list[str | bytes] = [_FORMAT, os.path.splitext(path)[1].lower(), content]
+    parts: list[str | bytes] = [_FORMAT, f"{bound:.6g}", os.path.splitext(path)[1].lower(), content]
     _add_others(os.path.dirname(path), content, parts)
     return cache.key(*parts)
 

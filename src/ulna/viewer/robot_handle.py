@@ -14,8 +14,9 @@ from ulna.sim import Body
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer import ellipsoids
 from ulna.viewer.colours import Colour
-from ulna.viewer.figure import Figure, Ghosts, Showing, checked_configuration
+from ulna.viewer.figure import Figure, Ghosts, checked_configuration
 from ulna.viewer.handles import Arrow, Handle, Path, numbers
+from ulna.viewer.links import Showing
 from ulna.viewer.scene import Scene
 from ulna.viewer.surface import RGBA, colour
 from ulna.viewer.tessellate import arrow, axes, ball

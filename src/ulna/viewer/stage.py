@@ -1,4 +1,4 @@
-"""Putting things into a scene: robots, shapes, meshes, lines, points, words, each under a name of its own."""
+"""Putting things into a scene: robots, shapes, meshes, and copies of them, each under a name of its own."""
 
 from __future__ import annotations
 
@@ -10,23 +10,22 @@ import numpy as np
 
 from ulna.errors import InputError
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
-from ulna.typing import ArrayLike, Floats
+from ulna.typing import ArrayLike
 from ulna.viewer.colours import Colour
-from ulna.viewer.content import Copies, Lines, Points, Text, transforms
-from ulna.viewer.figure import Figure, Ghosts, Showing
-from ulna.viewer.handles import Arrow, Cloud, Crowd, Handle, Path, Words
-from ulna.viewer.places import Places
+from ulna.viewer.content import Copies, transforms
+from ulna.viewer.drawing import PLAIN, Drawing
+from ulna.viewer.figure import Figure, Ghosts
+from ulna.viewer.handles import Crowd, Handle
+from ulna.viewer.links import Showing
+from ulna.viewer.meshes import Detail, load_mesh
 from ulna.viewer.progress import progress
-from ulna.viewer.robot_handle import GhostsHandle, RobotHandle, add_arrow
+from ulna.viewer.robot_handle import GhostsHandle, RobotHandle
 from ulna.viewer.show import checked_robot, configuration
-from ulna.viewer.surface import RGBA, Surface, colour
-from ulna.viewer.tessellate import axes, tessellate
-
-_PLAIN: RGBA = (0.35, 0.52, 0.78, 1.0)
-_INK: RGBA = (0.16, 0.22, 0.32, 1.0)
+from ulna.viewer.surface import Surface, colour
+from ulna.viewer.tessellate import tessellate
 
 
-class Stage(Places):
+class Stage(Drawing):
     """A scene to put things into.
 
     Every method that adds takes `name` (`table/leg` puts it into the group `table`; a new name when not given, and one
@@ -44,6 +43,7 @@ class Stage(Places):
         color: Colour | None = None,
         opacity: float = 1.0,
         show: Showing = "visual",
+        detail: Detail = "seen",
     ) -> Any:
         """Add a robot, a shape of `ulna.geometry`, a surface, or the path of a mesh file (dae, stl, obj, glb ...).
 
@@ -55,6 +55,7 @@ class Stage(Places):
             color: One colour for all of it; its own when not given.
             opacity: From 0 to 1.
             show: What of a robot: "visual", "collision", "both" or "skeleton".
+            detail: "full" for all triangles of mesh files, "seen" without those that nobody would miss.
 
         Returns:
             A `RobotHandle` for a robot, a `Handle` for all else.
@@ -63,24 +64,23 @@ class Stage(Places):
             InputError: It is nothing that can be shown, or a mesh file cannot be read.
             ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
         """
+        common = {"name": name, "pose": pose, "color": color, "opacity": opacity}
         if isinstance(thing, Shape):
             if isinstance(thing, Mesh):
-                return self.mesh(
-                    thing.path or "", thing.scale, name=name, pose=pose, color=color, opacity=opacity
-                )
+                return self.mesh(thing.path or "", thing.scale, detail=detail, **common)
             kind = type(thing).__name__.lower()
-            surface = tessellate(thing, _PLAIN if color is None else colour(color))
+            surface = tessellate(thing, PLAIN if color is None else colour(color))
             return self._put(name, kind, (surface,), pose=pose, opacity=opacity)
         if isinstance(thing, Surface):
             surface = thing if color is None else thing.coloured(colour(color))
             return self._put(name, "surface", (surface,), pose=pose, opacity=opacity)
         if isinstance(thing, str | os.PathLike):
-            return self.mesh(thing, name=name, pose=pose, color=color, opacity=opacity)
+            return self.mesh(thing, detail=detail, **common)
         if not hasattr(thing, "link_poses"):
             raise InputError(
                 f"Cannot show {thing!r}; expected a Robot, a shape, a Surface, or the path of a mesh file."
             )
-        return self._robot(checked_robot(thing), q, name, pose, color, opacity, show)
+        return self._robot(checked_robot(thing), q, show=show, detail=detail, **common)
 
     def _robot(
         self,
@@ -91,20 +91,17 @@ class Stage(Places):
         color: Colour | None,
         opacity: float,
         show: Showing,
+        detail: Detail,
     ) -> RobotHandle:
         start, group = configuration(robot, q), name or self._free(robot.name)
         old = self._handles.get(group)
         with progress(f"Loading {robot.name}") as report:
-            figure = Figure(self.scene, robot, start, group, color, show, pose, report)
+            figure = Figure(self.scene, robot, start, group, color, show, pose, report, detail)
         if old is not None:
             self._handles.pop(group)
         out = RobotHandle(figure)
         self._keep(out, opacity)
         return out
-
-    def group(self, name: str, *, pose: Any = None) -> Handle:
-        """A group of its own, to move, tint, fade, scale and hide what is added under its name."""
-        return self._put(name, "group", pose=pose)
 
     def box(self, size: Sequence[float], **more: Any) -> Handle:
         """A box, centred; `size` is its edges along x, y, z [m]."""
@@ -139,6 +136,7 @@ class Stage(Places):
         pose: Any = None,
         color: Colour | None = None,
         opacity: float = 1.0,
+        detail: Detail = "seen",
     ) -> Handle:
         """A mesh file: dae (with textures), stl, obj, glb ...
 
@@ -149,118 +147,22 @@ class Stage(Places):
             pose: Where it stands.
             color: One colour for all of it; its own when not given.
             opacity: From 0 to 1.
+            detail: "full" for all triangles, "seen" without those that nobody would miss: see
+                `ulna.viewer.meshes.load_mesh`.
 
         Raises:
             InputError: The file cannot be read as a mesh.
             MissingExtra: trimesh is not installed.
         """
-        from ulna.viewer.meshes import load_mesh
-
         file = os.fspath(path)
         factors = np.broadcast_to(np.asarray(scale, dtype=float), 3)
         with progress(f"Loading {os.path.basename(file)}") as report:
             report(0, 1)
-            surfaces = [s.moved(np.eye(4), tuple(factors.tolist())) for s in load_mesh(file)]
+            surfaces: Sequence[Surface] = load_mesh(file, factors.tolist(), detail)
         if color is not None:
             surfaces = [s.coloured(colour(color)) for s in surfaces]
         kind = os.path.splitext(os.path.basename(file))[0].replace("/", ".") or "mesh"
         return self._put(name, kind, surfaces, pose=pose, opacity=opacity)
-
-    def axes(
-        self, length: float = 0.1, *, name: str | None = None, pose: Any = None, opacity: float = 1.0
-    ) -> Handle:
-        """A frame: arrows in red, green, blue along x, y, z."""
-        return self._put(name, "axes", axes(length), pose=pose, opacity=opacity, shadow=False, through=True)
-
-    def arrow(
-        self,
-        vector: ArrayLike,
-        start: ArrayLike = (0.0, 0.0, 0.0),
-        *,
-        name: str | None = None,
-        color: Colour | None = None,
-        opacity: float = 1.0,
-        radius: float = 0.008,
-    ) -> Arrow:
-        """An arrow along `vector` (3,) from `start` (3,) [m], as of a force or a velocity."""
-        place = transforms(np.reshape(start, (1, -1)))[0]
-        node = name or self._free("arrow")
-        out = add_arrow(self.scene, node, vector, _PLAIN if color is None else color, radius)
-        turn = out.pose
-        turn[:3, 3] = place[:3, 3]
-        out.pose = turn
-        self._keep(out, opacity)
-        return out
-
-    def line(
-        self,
-        points: ArrayLike,
-        *,
-        name: str | None = None,
-        pose: Any = None,
-        color: Colour | None = None,
-        opacity: float = 1.0,
-        thickness: float = 0.004,
-    ) -> Path:
-        """A line from point to point, (n, 3) [m]."""
-        content = Lines.through(points, _INK if color is None else color, thickness)
-        return self._put(
-            name, "line", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Path
-        )
-
-    def curve(self, points: ArrayLike, *, steps: int = 12, **more: Any) -> Path:
-        """A smooth curve through points (n, 3) [m]: a Catmull-Rom spline with `steps` pieces between two of them."""
-        return self.line(_catmull_rom(np.asarray(points, dtype=float), steps), **more)
-
-    def points(
-        self,
-        positions: ArrayLike,
-        colors: ArrayLike = (0.2, 0.4, 0.75),
-        size: float = 0.01,
-        *,
-        name: str | None = None,
-        pose: Any = None,
-        opacity: float = 1.0,
-    ) -> Cloud:
-        """A cloud of points (n, 3) [m], of one colour (3,) or one for each (n, 3); `size` is their diameter [m]."""
-        content = Points(np.asarray(positions, dtype=float), np.asarray(colors, dtype=float), size)
-        return self._put(
-            name, "points", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Cloud
-        )
-
-    def text(
-        self,
-        words: str,
-        position: ArrayLike = (0.0, 0.0, 0.0),
-        *,
-        height: float = 0.05,
-        name: str | None = None,
-    ) -> Words:
-        """Words that face whoever looks; `height` of the letters in metres."""
-        place = transforms(np.reshape(position, (1, -1)))[0]
-        return self._put(name, "text", content=Text(words, height), pose=place, kind_of=Words)
-
-    def grid(
-        self,
-        size: float = 2.0,
-        cell: float = 0.1,
-        *,
-        name: str | None = None,
-        pose: Any = None,
-        color: Colour | None = None,
-        opacity: float = 1.0,
-    ) -> Handle:
-        """A grid of lines in the plane z = 0, `size` [m] wide with cells of `cell` [m]."""
-        if not 0.0 < cell <= size < np.inf:
-            raise InputError(f"A grid of {size} m with cells of {cell} m; expected 0 < cell <= size.")
-        count = int(size / cell + 1e-9)
-        ticks = (np.arange(count + 1) - count / 2) * cell
-        end = np.full_like(ticks, count / 2 * cell)
-        flat = np.zeros_like(ticks)
-        along = np.stack([np.stack([ticks, -end, flat], 1), np.stack([ticks, end, flat], 1)], 1)
-        segments = np.concatenate([along, along[:, :, [1, 0, 2]]])
-        content = Lines(np.asarray(segments, dtype=float), _INK if color is None else colour(color), 0.002)
-        return self._put(name, "grid", content=content, pose=pose, opacity=opacity, shadow=False)
 
     def copies(
         self,
@@ -339,18 +241,5 @@ def _surfaces(thing: Any) -> tuple[Surface, ...]:
     if isinstance(thing, Mesh):
         thing = thing.path or ""
     if isinstance(thing, Shape):
-        return (tessellate(thing, _PLAIN),)
-    from ulna.viewer.meshes import load_mesh
-
+        return (tessellate(thing, PLAIN),)
     return load_mesh(os.fspath(thing))
-
-
-def _catmull_rom(points: Floats, steps: int) -> Floats:
-    """Points on the uniform Catmull-Rom spline through points (n, 3)."""
-    if points.ndim != 2 or len(points) < 3 or steps < 1:
-        return points
-    padded = np.concatenate([2 * points[:1] - points[1:2], points, 2 * points[-1:] - points[-2:-1]])
-    t = (np.arange(steps) / steps)[:, None]
-    a, b, c, d = (padded[k : len(padded) - 3 + k, None] for k in range(4))
-    curve = 0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - a - 3 * c + d) * t**3)
-    return np.concatenate([curve.reshape(-1, 3), points[-1:]])

@@ -9,7 +9,7 @@ import pytest
 from ulna.errors import InputError, ModelWarning, NonFiniteError, ShapeError, UnknownName
 from ulna.geometry import Box, Geometry, Material, Mesh, Sphere
 from ulna.spatial import SE3
-from ulna.viewer.figure import link_surfaces
+from ulna.viewer.links import link_surfaces
 from ulna.viewer.scene import Scene
 from ulna.viewer.tessellate import tessellate
 

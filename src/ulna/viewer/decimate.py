@@ -1,0 +1,127 @@
+"""Fewer triangles where nobody can see it: edges collapse while the surface stays within a distance of what it was.
+
+Edges collapse in the order of Garland & Heckbert, "Surface simplification using quadric error metrics" (1997). How far
+the surface moved is then measured, and edges are given back until it is within the bound.
+
+| symbol | meaning | shape, unit |
+|---|---|---|
+| vertices, triangles | the surface | (n, 3) [m]; (m, 3) |
+| bound | how far any vertex may be from the new surface | [m] |
+| moved | where each vertex went: a vertex of the new surface | (n,) |
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import threading
+from typing import Any
+
+import numpy as np
+
+from ulna.typing import Array, Floats
+
+_FEW = 200  # triangles that are not worth the trouble
+_QUADRIC = 1e-9  # the library's limit of a quadric error, which the surface is scaled to
+_START = 2.0  # a quadric adds distances from many planes, and so is twice what the surface moves, or more
+_TRIES = 6
+_lock = threading.Lock()  # the library keeps the surface in one place
+
+
+def can_decimate() -> bool:
+    """Whether the package fast-simplification is installed."""
+    return importlib.util.find_spec("fast_simplification") is not None
+
+
+def decimated(vertices: Floats, triangles: Array, bound: float) -> tuple[Floats, Array]:
+    """A surface with fewer triangles, from which no vertex of the old one is farther than `bound`.
+
+    Open edges, where surfaces of other colours begin, stay as they are. Without the package fast-simplification, and
+    for small surfaces, it is the surface itself.
+
+    Args:
+        vertices: Positions, shape (n, 3); each once, so that triangles share them.
+        triangles: Indices of vertices, shape (m, 3), none of them without area.
+        bound: The distance, in units of `vertices`.
+    """
+    if len(triangles) < _FEW or not can_decimate():
+        return vertices, triangles
+    import fast_simplification as library
+
+    kept = np.zeros(len(triangles), dtype=bool)  # as they are, because edges around them went too far
+    for _ in range(_TRIES):
+        some, inside = np.unique(triangles[~kept], return_inverse=True)
+        if not len(some):
+            break
+        old = vertices[some]
+        points, faces, moved = _collapsed(library, old, inside.reshape(-1, 3), bound)
+        far = distances(old, points, faces, moved, bound) > bound
+        if not far.any():
+            rest = triangles[kept]
+            return np.concatenate([points, vertices]), np.concatenate([faces, rest + len(points)])
+        lost = np.zeros(len(vertices), dtype=bool)
+        lost[some[far]] = True
+        lost[triangles[lost[triangles].any(axis=1)]] = True
+        kept |= lost[triangles].any(axis=1)
+    return vertices, triangles
+
+
+def _collapsed(library: Any, vertices: Floats, triangles: Array, bound: float) -> tuple[Floats, Array, Array]:
+    """Vertices and triangles after edges collapsed, and where each vertex went."""
+    scale, middle = np.sqrt(_QUADRIC) / (_START * bound), vertices.mean(axis=0)
+    surface = (vertices - middle) * scale, triangles.astype(np.int32)
+    with _lock:
+        # a constant limit: the exponent by which it would grow is 0, and so few triangles are never reached
+        points, faces, collapses = library.simplify(
+            *surface, target_count=4, agg=0.0, return_collapses=True, preserve_border=True
+        )
+        *_, moved = library.replay_simplification(*surface, collapses)  # its points are less precise
+    return (
+        np.asarray(points, dtype=float) / scale + middle,
+        np.asarray(faces, dtype=np.int64),
+        np.asarray(moved),
+    )
+
+
+def distances(points: Floats, vertices: Floats, triangles: Array, near: Array, enough: float = 0.0) -> Floats:
+    """At most how far points (k, 3) are from a surface: a walk over it, downhill from the vertices `near` (k,).
+
+    Points that are found to be within `enough` walk no further.
+    """
+    corners = triangles.reshape(-1)
+    ring = np.argsort(corners, kind="stable") // 3  # triangles in the order of their vertices
+    count = np.bincount(corners, minlength=len(vertices))
+    first = np.cumsum(count) - count
+    best = np.full(len(points), np.inf)
+    who, at = np.arange(len(points)), near
+    while len(who):
+        each = count[at]
+        row = np.repeat(np.arange(len(at)), each)
+        face = ring[first[at][row] + np.arange(len(row)) - np.repeat(np.cumsum(each) - each, each)]
+        apart = _point_triangle(points[who[row]], vertices[triangles[face]])
+        order = np.lexsort((apart, who[row]))
+        found, place = np.unique(who[row][order], return_index=True)
+        nearest = order[place]
+        better = apart[nearest] < best[found] * (1 - 1e-9)
+        best[found[better]] = apart[nearest[better]]
+        better &= best[found] > enough
+        who = np.repeat(found[better], 3)  # go on from the corners of the nearest triangle
+        at = triangles[face[nearest[better]]].reshape(-1)
+    return best
+
+
+def _point_triangle(points: Floats, corners: Floats) -> Floats:
+    """Distances of points (k, 3) from triangles (k, 3, 3): from the plane where above it, else from edges."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    normal = np.cross(b - a, c - a)
+    area = np.einsum("ij,ij->i", normal, normal)
+    inside = area > 0.0
+    squared = np.full(len(points), np.inf)
+    for start, end in ((a, b), (b, c), (c, a)):
+        edge, away = end - start, points - start
+        length = np.einsum("ij,ij->i", edge, edge)
+        share = np.clip(np.einsum("ij,ij->i", away, edge) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
+        rest = away - share[:, None] * edge
+        squared = np.minimum(squared, np.einsum("ij,ij->i", rest, rest))
+        inside &= np.einsum("ij,ij->i", np.cross(edge, away), normal) >= 0.0
+    height = np.einsum("ij,ij->i", points - a, normal) ** 2 / np.where(area > 0.0, area, 1.0)
+    return np.sqrt(np.where(inside, np.minimum(height, squared), squared))

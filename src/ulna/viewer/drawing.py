@@ -1,0 +1,137 @@
+"""Putting frames, arrows, lines, points, words and grids into a scene, each under a name of its own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.typing import ArrayLike, Floats
+from ulna.viewer.colours import Colour
+from ulna.viewer.content import Lines, Points, Text, transforms
+from ulna.viewer.handles import Arrow, Cloud, Handle, Path, Words
+from ulna.viewer.places import Places
+from ulna.viewer.robot_handle import add_arrow
+from ulna.viewer.surface import RGBA, colour
+from ulna.viewer.tessellate import axes
+
+PLAIN: RGBA = (0.35, 0.52, 0.78, 1.0)
+"""The colour of shapes and arrows that are given none."""
+
+_INK: RGBA = (0.16, 0.22, 0.32, 1.0)
+
+
+class Drawing(Places):
+    """A scene to draw into."""
+
+    def group(self, name: str, *, pose: Any = None) -> Handle:
+        """A group of its own, to move, tint, fade, scale and hide what is added under its name."""
+        return self._put(name, "group", pose=pose)
+
+    def axes(
+        self, length: float = 0.1, *, name: str | None = None, pose: Any = None, opacity: float = 1.0
+    ) -> Handle:
+        """A frame: arrows in red, green, blue along x, y, z."""
+        return self._put(name, "axes", axes(length), pose=pose, opacity=opacity, shadow=False, through=True)
+
+    def arrow(
+        self,
+        vector: ArrayLike,
+        start: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        name: str | None = None,
+        color: Colour | None = None,
+        opacity: float = 1.0,
+        radius: float = 0.008,
+    ) -> Arrow:
+        """An arrow along `vector` (3,) from `start` (3,) [m], as of a force or a velocity."""
+        place = transforms(np.reshape(start, (1, -1)))[0]
+        node = name or self._free("arrow")
+        out = add_arrow(self.scene, node, vector, PLAIN if color is None else color, radius)
+        turn = out.pose
+        turn[:3, 3] = place[:3, 3]
+        out.pose = turn
+        self._keep(out, opacity)
+        return out
+
+    def line(
+        self,
+        points: ArrayLike,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        color: Colour | None = None,
+        opacity: float = 1.0,
+        thickness: float = 0.004,
+    ) -> Path:
+        """A line from point to point, (n, 3) [m]."""
+        content = Lines.through(points, _INK if color is None else color, thickness)
+        return self._put(
+            name, "line", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Path
+        )
+
+    def curve(self, points: ArrayLike, *, steps: int = 12, **more: Any) -> Path:
+        """A smooth curve through points (n, 3) [m]: a Catmull-Rom spline with `steps` pieces between two of them."""
+        return self.line(_catmull_rom(np.asarray(points, dtype=float), steps), **more)
+
+    def points(
+        self,
+        positions: ArrayLike,
+        colors: ArrayLike = (0.2, 0.4, 0.75),
+        size: float = 0.01,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        opacity: float = 1.0,
+    ) -> Cloud:
+        """A cloud of points (n, 3) [m], of one colour (3,) or one for each (n, 3); `size` is their diameter [m]."""
+        content = Points(np.asarray(positions, dtype=float), np.asarray(colors, dtype=float), size)
+        return self._put(
+            name, "points", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Cloud
+        )
+
+    def text(
+        self,
+        words: str,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        height: float = 0.05,
+        name: str | None = None,
+    ) -> Words:
+        """Words that face whoever looks; `height` of the letters in metres."""
+        place = transforms(np.reshape(position, (1, -1)))[0]
+        return self._put(name, "text", content=Text(words, height), pose=place, kind_of=Words)
+
+    def grid(
+        self,
+        size: float = 2.0,
+        cell: float = 0.1,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        color: Colour | None = None,
+        opacity: float = 1.0,
+    ) -> Handle:
+        """A grid of lines in the plane z = 0, `size` [m] wide with cells of `cell` [m]."""
+        if not 0.0 < cell <= size < np.inf:
+            raise InputError(f"A grid of {size} m with cells of {cell} m; expected 0 < cell <= size.")
+        count = int(size / cell + 1e-9)
+        ticks = (np.arange(count + 1) - count / 2) * cell
+        end = np.full_like(ticks, count / 2 * cell)
+        flat = np.zeros_like(ticks)
+        along = np.stack([np.stack([ticks, -end, flat], 1), np.stack([ticks, end, flat], 1)], 1)
+        segments = np.concatenate([along, along[:, :, [1, 0, 2]]])
+        content = Lines(np.asarray(segments, dtype=float), _INK if color is None else colour(color), 0.002)
+        return self._put(name, "grid", content=content, pose=pose, opacity=opacity, shadow=False)
+
+
+def _catmull_rom(points: Floats, steps: int) -> Floats:
+    """Points on the uniform Catmull-Rom spline through points (n, 3)."""
+    if points.ndim != 2 or len(points) < 3 or steps < 1:
+        return points
+    padded = np.concatenate([2 * points[:1] - points[1:2], points, 2 * points[-1:] - points[-2:-1]])
+    t = (np.arange(steps) / steps)[:, None]
+    a, b, c, d = (padded[k : len(padded) - 3 + k, None] for k in range(4))
+    curve = 0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - a - 3 * c + d) * t**3)
+    return np.concatenate([curve.reshape(-1, 3), points[-1:]])
