@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
@@ -12,9 +12,9 @@ import numpy as np
 from ulna.typing import Floats
 from ulna.viewer.content import Copies, Lines, Points, Text
 from ulna.viewer.controls import pose_rows, position_wxyz
-from ulna.viewer.glb import INSET, glb
+from ulna.viewer.glb import INSET, glb, words_glb
 from ulna.viewer.node import Node, Snapshot
-from ulna.viewer.surface import paint
+from ulna.viewer.surface import linear_from_srgb, paint
 
 
 @final
@@ -53,7 +53,8 @@ class Paths:
 class Shown:
     """A node as the page has it: the viser handles that stand for it, all under one path.
 
-    `solid` nodes are surfaces whose colours, opacity and scale the page changes by itself; the others are made anew.
+    `solid` nodes are surfaces and words whose colours, opacity and scale the page changes by itself; the others are
+    made anew.
     """
 
     node: Node
@@ -67,17 +68,19 @@ class Shown:
         node, old = seen.nodes[i], self.node.content
         if type(node.content) is not type(old) or old is None or look_of(seen, i) != self.look:
             return False
+        clear = is_clear(seen, i)
         match node.content:
-            case Points(positions) if _alike(node.content, old):
+            case Points(positions) if _alike(node.content, old) and not clear:
                 self.handles[0].points = positions.astype(np.float32)
-            case Lines(segments) if _alike(node.content, old):
+            case Lines(segments) if _alike(node.content, old) and not clear:
                 self.handles[0].points = segments.astype(np.float32)
             case Copies(_, poses) if _alike(node.content, old):
                 rows = pose_rows(poses)
                 for handle in self.handles:
                     handle.batched_positions, handle.batched_wxyzs = rows[:, :3], rows[:, 3:]
             case Text(words, height) if height == getattr(old, "height", None):
-                self.handles[0].text = words
+                if not self.solid:
+                    self.handles[0].text = words
             case _:
                 return False
         self.node = node
@@ -129,15 +132,24 @@ def look_of(seen: Snapshot, i: int) -> tuple[Any, ...]:
     return (*seen.tint[i].tolist(), float(seen.opacity[i]), *seen.scales[i].tolist())
 
 
-def dress_rows(looks: list[tuple[Any, ...]]) -> Any:
-    """Looks as the page takes them: linear red, green, blue or -1, opacity, three scales; float32 (n, 7)."""
+def is_clear(seen: Snapshot, i: int) -> bool:
+    """Whether what node `i` holds lets light through."""
+    return float(seen.opacity[i]) * getattr(seen.nodes[i].content, "rgba", (1.0,))[-1] < 0.999
+
+
+def dress_rows(looks: list[tuple[Any, ...]], flat: list[bool]) -> Any:
+    """Looks as the page takes them: linear red, green, blue or -1, opacity, three scales; float32 (n, 7).
+
+    What is `flat` shows its colour as it is, whatever light falls on it.
+    """
     out = np.array(looks, dtype=np.float32).reshape(-1, 7)
-    own = out[:, 0] >= 0
-    out[own, :3] = paint(out[own, :3])
+    own, plain = out[:, 0] >= 0, np.array(flat, dtype=bool)
+    out[own & ~plain, :3] = paint(out[own & ~plain, :3])
+    out[own & plain, :3] = linear_from_srgb(out[own & plain, :3])
     return out
 
 
-def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool) -> Shown:
+def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: bool = False) -> Shown:
     """Add node `i` to the page.
 
     Args:
@@ -146,6 +158,7 @@ def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool) -> Shown:
         seen: The scene.
         i: The node's row.
         baked: Whether colours, opacity and scale are made part of it, for a page that cannot change them later.
+        writes: Whether the page writes words by itself, in any colour.
     """
     node, pose = seen.nodes[i], seen.poses[i]
     position, wxyz = position_wxyz(pose)
@@ -159,21 +172,23 @@ def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool) -> Shown:
         if baked:
             opacity, tint = seen.opacity[i], seen.tint[i]
             surfaces = [
-                s.coloured((*(s.rgba[:3] if tint[0] < 0 else tint), s.rgba[3] * opacity))
-                if look[:4] != _PLAIN
-                else s
+                replace(
+                    s,
+                    rgba=(*(s.rgba[:3] if tint[0] < 0 else tint), s.rgba[3] * opacity),
+                    texture=s.texture if tint[0] < 0 else None,
+                )
                 for s in surfaces
             ]
             place["scale"] = scale
         shadow = node.shadow and not node.translucent
         handles.append(server.scene.add_glb(path, glb(surfaces), cast_shadow=shadow, **place))
         place.pop("scale", None)
-    elif content is not None:
+    written = writes and isinstance(content, Text)
+    if isinstance(content, Text) and written:
+        handles.append(server.scene.add_glb(path, words_glb(content.height), cast_shadow=False, **place))
+    elif content is not None and not node.surfaces:
         handles += _MAKERS[type(content)](server, path, content, seen, i, place | {"scale": scale})
-    return Shown(node, path, handles, not baked and content is None, look)
-
-
-_PLAIN = (-1.0, -1.0, -1.0, 1.0)
+    return Shown(node, path, handles, written or (not baked and content is None), look)
 
 
 def _tinted(seen: Snapshot, i: int, colours: Any) -> Floats:
@@ -188,6 +203,8 @@ def _bytes(colours: Floats) -> Any:
 def _points(
     server: Any, path: str, content: Points, seen: Snapshot, i: int, place: dict[str, Any]
 ) -> list[Any]:
+    if is_clear(seen, i):  # points of the page let no light through
+        return _copies(server, path, content.balls, seen, i, place)
     colours = _bytes(_tinted(seen, i, content.colours))
     return [
         server.scene.add_point_cloud(
@@ -206,6 +223,12 @@ def _lines(
     server: Any, path: str, content: Lines, seen: Snapshot, i: int, place: dict[str, Any]
 ) -> list[Any]:
     colours = _bytes(_tinted(seen, i, np.array(content.rgba[:3])))
+    if is_clear(seen, i):  # neither do lines
+        (tubes,) = content.surfaces
+        opacity = float(seen.opacity[i] * content.rgba[3])
+        shape = tubes.vertices.astype(np.float32), tubes.triangles.astype(np.uint32)
+        look = {"color": tuple(colours.tolist()), "opacity": opacity, "side": "front", "cast_shadow": False}
+        return [server.scene.add_mesh_simple(path, *shape, **look, **place)]
     return [
         server.scene.add_line_segments(path, content.segments, colours, thickness=content.thickness, **place)
     ]

@@ -21,12 +21,14 @@ from ulna.viewer import guard
 KNOWN = ("1.1.",)
 """Versions of viser whose page has the queue that the hook relies on."""
 
-POSES, LOOKS = "/(page)/poses", "/(page)/looks"
-"""The names under which all poses, and all looks that are not plain, are sent; no node has them."""
+POSES, LOOKS, FLOOR = "/(page)/poses", "/(page)/looks", "/(page)/floor"
+"""The names under which all poses, and all looks that are not plain, are sent, which no node has; and the floor's."""
 
 # The page puts messages into a queue and empties it before each frame. The hook takes messages with poses out
 # and writes them where the page keeps the newest pose of each node, so that they never pile up. Looks are put on the
 # materials of meshes, ten times a second on those that were loaded since; what has lost its look becomes plain.
+# The floor is drawn before whatever lets light through: farther away than its middle, that would be painted over.
+# Words are drawn by the browser, in the fonts that it has, on a square that is turned to whoever looks.
 _HOOK = """(() => {
   const page = window.__viserMutable;
   if (!page || page.messageQueue.ulna) return;
@@ -41,7 +43,40 @@ _HOOK = """(() => {
   });
   let wanted = new Map();
   const worn = new Set(), plain = [-1, -1, -1, 1, 1, 1, 1];
-  const dress = (name, look) => {
+  const write = (mesh, words) => {
+    if (mesh.userData.said === words) return false;
+    const m = mesh.material, lines = words.split("\\n"), font = "96px system-ui, sans-serif";
+    const canvas = document.createElement("canvas"), pen = canvas.getContext("2d");
+    const fresh = mesh.userData.said === undefined, height = mesh.userData.words;
+    pen.font = font;
+    canvas.width = Math.max(1, ...lines.map(line => Math.ceil(pen.measureText(line).width)));
+    canvas.height = 120 * lines.length;
+    pen.fillRect(0, 0, canvas.width, canvas.height);
+    pen.font = font;  // a canvas that gets a size forgets
+    pen.fillStyle = "white";
+    lines.forEach((line, k) => pen.fillText(line, 0, 120 * k + 96));
+    const Texture = (m.map ?? m.alphaMap).constructor;
+    if (!fresh) m.alphaMap.dispose();
+    m.alphaMap = new Texture(canvas);
+    m.alphaMap.flipY = false;
+    m.alphaMap.needsUpdate = m.needsUpdate = true;
+    m.map = null;
+    m.toneMapped = m.depthWrite = false;
+    mesh.userData.said = words;
+    mesh.frustumCulled = false;
+    mesh.onBeforeRender = (renderer, scene, camera) => {
+      const p = mesh.parent.matrixWorld.elements, c = camera.matrixWorld.elements, e = mesh.matrixWorld.elements;
+      const size = height * Math.hypot(p[8], p[9], p[10]), wide = size * canvas.width / 96;
+      for (let i = 0; i < 3; i++) {
+        e[i] = wide * c[i];
+        e[4 + i] = 1.25 * size * lines.length * c[4 + i];
+        e[8 + i] = c[8 + i];
+        e[12 + i] = p[12 + i] - 0.25 * size * c[4 + i];
+      }
+    };
+    return true;
+  };
+  const dress = (name, look, words) => {
     const node = page.nodeRefFromName[name];
     if (!node) return false;
     let news = false;
@@ -53,6 +88,7 @@ _HOOK = """(() => {
     node.traverse(mesh => {
       const m = mesh.material;
       if (!m || !m.color || m.isShaderMaterial) return;
+      if (words !== undefined && mesh.userData.words) news = write(mesh, words) || news;
       const own = m.userData.ulna ??= {color: m.color.clone(), map: m.map, opacity: m.opacity,
         transparent: m.transparent, depthWrite: m.depthWrite, side: m.side, cast: mesh.castShadow};
       const tinted = look[0] >= 0, opacity = own.opacity * look[3], clear = opacity < 0.999;
@@ -70,11 +106,12 @@ _HOOK = """(() => {
     return true;
   };
   const wear = () => {
-    wanted.forEach((look, name) => dress(name, look) && worn.add(name));
+    page.nodeRefFromName[FLOOR]?.traverse(part => { part.renderOrder = -1; });
+    wanted.forEach(([look, words], name) => dress(name, look, words) && worn.add(name));
     worn.forEach(name => wanted.has(name) || (dress(name, plain), worn.delete(name)));
   };
-  const looks = ({names, v}) => {
-    wanted = new Map(names.map((name, i) => [name, Array.from(v.slice(7 * i, 7 * i + 7))]));
+  const looks = ({names, v, words}) => {
+    wanted = new Map(names.map((name, i) => [name, [Array.from(v.slice(7 * i, 7 * i + 7)), words[name]]]));
     wear();
   };
   setInterval(wear, 100);
@@ -175,17 +212,30 @@ class PoseChannel:
             from viser import _messages
 
             self._message = _messages.SceneNodeUpdateMessage
-            hook = _HOOK.replace("POSES", json.dumps(POSES)).replace("LOOKS", json.dumps(LOOKS))
-            hook = hook.replace("TITLE", json.dumps(title))
-            server._websock_server.queue_message(_messages.RunJavascriptMessage(source=hook))
+            self._script, hook = _messages.RunJavascriptMessage, _HOOK
+            for word, text in (("POSES", POSES), ("LOOKS", LOOKS), ("FLOOR", FLOOR), ("TITLE", title)):
+                hook = hook.replace(word, json.dumps(text))
+            self._run(hook)
 
     def send(self, paths: Sequence[str], rows: Array) -> None:
         """Send poses as rows x y z, w x y z, float32, one for each path; they replace those not sent yet."""
         self._queue(POSES, {"names": list(paths), "p": rows})
 
-    def dress(self, paths: Sequence[str], rows: Array) -> None:
-        """Send looks as rows: linear red, green, blue or -1, opacity, three scales; float32. All others are plain."""
-        self._queue(LOOKS, {"names": list(paths), "v": rows.reshape(-1)})
+    def dress(self, paths: Sequence[str], rows: Array, words: dict[str, str]) -> None:
+        """Send looks as rows: linear red, green, blue or -1, opacity, three scales; float32. All others are plain.
+
+        What those with words say stands in `words`.
+        """
+        self._queue(LOOKS, {"names": list(paths), "v": rows.reshape(-1), "words": words})
+
+    def dress_file(self, paths: Sequence[str], rows: Array, words: dict[str, str]) -> None:
+        """Send the same to a file, which hands its first messages over all at once, before any is heeded."""
+        looks = {"names": list(paths), "v": rows.reshape(-1).tolist(), "words": words}
+        message = {"type": "SceneNodeUpdateMessage", "name": LOOKS, "updates": looks}
+        self._run(f"window.__viserMutable.messageQueue.push({json.dumps(message)})")
+
+    def _run(self, script: str) -> None:
+        self._server._websock_server.queue_message(self._script(source=script))
 
     def _queue(self, name: str, updates: dict[str, Any]) -> None:
         self._server._websock_server.queue_message(self._message(name, updates))

@@ -66,6 +66,12 @@ class Points(Content):
             _BALL.moved(np.eye(4), (self.size / 2,) * 3), self.positions[::step], self.colours[::step]
         )
 
+    @property
+    def balls(self) -> Copies:
+        """A small ball for each point, drawn at once."""
+        ball = _BALL.moved(np.eye(4), (self.size / 2,) * 3)
+        return Copies((ball,), transforms(self.positions), self.colours)
+
 
 @final
 @dataclass(frozen=True, eq=False)

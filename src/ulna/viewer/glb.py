@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ulna.typing import Array
-from ulna.viewer.surface import Surface, paint
+from ulna.viewer.png import png
+from ulna.viewer.surface import Surface, Texture, paint
 
 _FLOAT, _UINT32 = 5126, 5125
 _VERTICES, _INDICES = 34962, 34963
@@ -18,8 +19,16 @@ INSET = 0.0007
 """How far within itself a translucent thing is drawn [m]: it does not flicker on a solid one where it coincides."""
 
 
-def glb(surfaces: Iterable[Surface]) -> bytes:
-    """A binary glTF 2.0 file with one mesh, one primitive for each surface."""
+def words_glb(height: float) -> bytes:
+    """A square for words that the page draws in letters of `height` [m]; it lights itself."""
+    corners = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)])
+    up, image = np.tile((0.0, 0.0, 1.0), (4, 1)), png(np.full((1, 1, 3), 255, dtype=np.uint8))
+    square = Surface(corners, np.array([(0, 1, 2), (0, 2, 3)]), up, texture=Texture(corners[:, :2], image))
+    return glb([square], {"words": height})
+
+
+def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None) -> bytes:
+    """A binary glTF 2.0 file with one mesh, one primitive for each surface; of words where that is told."""
     views: list[dict[str, Any]] = []
     accessors: list[dict[str, Any]] = []
     primitives: list[dict[str, Any]] = []
@@ -69,12 +78,15 @@ def glb(surfaces: Iterable[Surface]) -> bytes:
         document |= {
             "scenes": [{"nodes": [0]}],
             "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": primitives}],
+            "meshes": [{"primitives": primitives, "extras": told or {}}],
             "materials": materials,
             "accessors": accessors,
             "bufferViews": views,
             "buffers": [{"byteLength": len(data)}],
         }
+    if told:
+        document["extensionsUsed"] = ["KHR_materials_unlit"]
+        materials[0] |= {"extensions": {"KHR_materials_unlit": {}}, "alphaMode": "BLEND"}
     if images:
         document |= {
             "images": images,

@@ -25,6 +25,7 @@ from ulna.viewer import guard
 from ulna.viewer.build import Paths, Shown, build, dress_rows, is_drawn, look_of
 from ulna.viewer.camera import Camera, frame
 from ulna.viewer.channel import PoseChannel, serve, stop
+from ulna.viewer.content import Text
 from ulna.viewer.controls import pose_rows
 from ulna.viewer.look import decorate, lay_floor, look_from
 from ulna.viewer.node import Node, Snapshot
@@ -88,6 +89,7 @@ class Page:
         self._paths = Paths()
         self._route: tuple[list[str], list[int]] | None = None
         self._revised: dict[str, float] = {}  # when contents were last sent
+        self._words: dict[str, str] = {}  # what those of a file say
         self._stale = False  # whether some are not, because they change too often
         self._sent = (-1, -1, -1)
         self._settled = True
@@ -172,7 +174,9 @@ class Page:
 
     def dress(self, theme: Theme, floor: float | None, grid: bool = True) -> None:
         """Change the colours around, the height of the floor [m], and whether there is one."""
-        self._theme, self._floor, self._grid = theme, floor, grid
+        with self._tick_lock:
+            self._theme, self._floor, self._grid = theme, floor, grid
+            self._sent = (*self._sent[:2], -1)  # words without a colour of their own have the theme's
         decorate(self.server, theme)
         lay_floor(self.server, theme, self.scene.floor() if floor is None else floor, grid)
 
@@ -226,8 +230,11 @@ class Page:
             self._stop.wait(due - time.monotonic())
 
     async def _greet(self, client: Any) -> None:
-        # a newcomer replays the scene, and its hook may come after the poses; those are sent again for a while
         self.visited = True
+        self.again()
+
+    def again(self) -> None:
+        """Send poses and looks again for a while: a newcomer replays the scene, and its hook may come after them."""
         self._again = time.monotonic() + 3.0
 
     def _publish(self) -> None:
@@ -272,8 +279,11 @@ class Page:
         for name, (i, _) in present.items():
             if name not in self._shown:
                 path = self._paths.take(name)
-                self._shown[name] = build(self.server, path, seen, i, self._baked)
+                self._shown[name] = self._make(path, seen, i)
         self._again = max(self._again, now + 1.0)
+
+    def _make(self, path: str, seen: Snapshot, i: int) -> Shown:
+        return build(self.server, path, seen, i, self._baked, self._channel.open)
 
     def _drop(self, name: str) -> None:
         shown = self._shown.pop(name)
@@ -283,7 +293,8 @@ class Page:
 
     def _style(self, seen: Snapshot) -> None:
         """Colours, opacity, scale and visibility as the scene has them."""
-        paths, looks = [], []
+        paths, looks, words = [], [], {}
+        ink = tuple(c / 255 for c in self._theme.ink)
         for i, node in enumerate(seen.nodes):
             shown = self._shown.get(node.name)
             if shown is None:
@@ -291,15 +302,22 @@ class Page:
             look = look_of(seen, i)
             if look != shown.look and not shown.solid and shown.node is node and not shown.rescale(look):
                 shown.remove()
-                shown = self._shown[node.name] = build(self.server, shown.path, seen, i, self._baked)
+                shown = self._shown[node.name] = self._make(shown.path, seen, i)
                 self._route = None
             shown.look = look
             shown.see(bool(seen.visible[i]))
+            if shown.solid and isinstance(node.content, Text):
+                words[shown.path] = node.content.words
+                look = (*ink, *look[3:]) if look[0] < 0 else look
             if shown.solid and look != _PLAIN:
                 paths.append(shown.path)
                 looks.append(look)
+        rows = dress_rows(looks, [p in words for p in paths])
         if not self._baked:
-            self._channel.dress(paths, dress_rows(looks))
+            self._channel.dress(paths, rows, words)
+        elif words and words != self._words:
+            self._words = words
+            self._channel.dress_file(paths, rows, words)
 
     def _send(self, seen: Snapshot) -> None:
         if self._route is None:

@@ -25,6 +25,21 @@ def write_png(path: str | os.PathLike[str], image: Array) -> Path:
     Raises:
         InputError: The image is not one, or the file cannot be written.
     """
+    content, target = png(image), Path(path)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(content)
+    except OSError as error:
+        raise InputError(f"Cannot write the picture {str(target)!r}: {error.strerror or error}.") from error
+    return target
+
+
+def png(image: Array) -> bytes:
+    """The content of a PNG file with an image of shape (h, w, 3) or (h, w, 4), uint8.
+
+    Raises:
+        InputError: The image is not one.
+    """
     pixels = np.ascontiguousarray(image)
     if pixels.ndim != 3 or pixels.shape[2] not in (3, 4) or 0 in pixels.shape:
         raise ShapeError("image", pixels.shape, "(height, width, 3) or (height, width, 4)")
@@ -42,13 +57,7 @@ def write_png(path: str | os.PathLike[str], image: Array) -> Path:
     data = np.concatenate([best[:, None].astype(np.uint8), filtered], axis=1).tobytes()
     header = struct.pack(">IIBBBBB", width, height, 8, 2 if channels == 3 else 6, 0, 0, 0)
     content = _chunk(b"IHDR", header) + _chunk(b"sRGB", b"\0") + _chunk(b"IDAT", zlib.compress(data, 6))
-    target = Path(path)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(_SIGNATURE + content + _chunk(b"IEND", b""))
-    except OSError as error:
-        raise InputError(f"Cannot write the picture {str(target)!r}: {error.strerror or error}.") from error
-    return target
+    return _SIGNATURE + content + _chunk(b"IEND", b"")
 
 
 def _chunk(kind: bytes, data: bytes) -> bytes:

@@ -41,5 +41,8 @@ def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> A
             ink = theme.ink if seen.tint[i, 0] < 0 else tuple(int(255 * c) for c in seen.tint[i])
             place = (width / 2 - focus * x / z, height / 2 + focus * y / z)
             font = ImageFont.load_default(size)
-            draw.text(place, text.words, fill=(*ink, int(255 * seen.opacity[i])), font=font, anchor="ls")
+            lines = text.words.split("\n")
+            for k, line in enumerate(lines):  # the last one stands on the place, as in the page
+                at = (place[0], place[1] - 1.25 * size * (len(lines) - 1 - k))
+                draw.text(at, line, fill=(*ink, int(255 * seen.opacity[i])), font=font, anchor="ls")
     return np.asarray(canvas)
