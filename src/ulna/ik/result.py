@@ -32,7 +32,8 @@ class IKSolution:
     @property
     def q(self) -> Floats:
         """The configuration, (..., nq): the solution, or, where there is none, the nearest that was found."""
-        return self._raw[..., : self._problem.model.nq]
+        nq = self._problem.model.nq
+        return self._raw[:nq] if self._raw.ndim == 1 else self._raw[..., :nq]
 
     @property
     def success(self) -> Any:
@@ -96,8 +97,18 @@ class IKSolution:
         with np.printoptions(precision=_SHOWN, suppress=True):
             return f"<IK {found}, q={self.q}, {self.iterations} iterations>"
 
+    def figures(self) -> tuple[Any, ...]:
+        """(q, success, iterations, restarts, position_error, rotation_error) at once, where a microsecond counts."""
+        if self._raw.ndim > 1 or len(self._problem.frames) > 1:
+            errors = self.position_error, self.rotation_error
+            return (self.q, self.success, self.iterations, self.restarts, *errors)
+        nq = self._problem.model.nq
+        status, steps, start, position, rotation = self._raw[nq:].tolist()
+        return self._raw[:nq], status > 0.5, int(steps), int(start), position, rotation
+
     def _part(self, number: int) -> Any:
-        return self._raw[..., self._problem.model.nq + number]
+        at = self._problem.model.nq + number
+        return self._raw[at] if self._raw.ndim == 1 else self._raw[..., at]
 
     def _whole(self, number: int) -> Any:
         part = self._part(number)

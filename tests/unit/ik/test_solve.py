@@ -57,6 +57,16 @@ def test_a_batch_is_reached_like_its_goals_and_keeps_its_shape(panda, goals):
     np.testing.assert_array_equal(one.q, few.q[1, 0])
 
 
+def test_figures_are_what_is_told_one_by_one(panda, goals):
+    T = goals[1][0]
+    several = {"panda_hand": panda.fk(goals[0][0], frame="panda_hand"), "panda_link4": T}
+    for solution in (panda.ik(T), panda.ik(goals[1][:3]), panda.ik(several, attempts=8)):
+        names = ("q", "success", "iterations", "restarts", "position_error", "rotation_error")
+        for figure, name in zip(solution.figures(), names, strict=True):
+            told = getattr(solution, name)
+            assert type(figure) is type(told) and np.array_equal(figure, told)
+
+
 def test_the_same_seed_gives_the_same_answer_and_another_seed_another(panda, goals):
     T = goals[1][:80]
     np.testing.assert_array_equal(panda.ik(T).q, panda.ik(T).q)

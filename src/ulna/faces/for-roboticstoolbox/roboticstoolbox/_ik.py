@@ -101,13 +101,15 @@ def solve(
     """The answer for poses `Tep`, (4, 4) or (m, 4, 4), of the chain's end in its start."""
     T = matrices(Tep)
     chain = chain if joint_limits else chain.unlimited
-    start = None if q0 is None else chain.q(np.atleast_2d(q0)[0] if np.ndim(q0) == 2 else q0)
+    start = None if q0 is None else chain.q(q0)
+    if start is not None and start.ndim == 2:
+        start = start[0]
     weights = None if mask is None else tuple(float(w) for w in mask)
     if weights is None and chain.n < 6:
         weights = (1.0,) * 6
     first = 0 if seed is None else seed
     if kind == "LM" and method == "chan" and k == 1.0 and not kq and not km:
-        fine = min(_FINE, math.sqrt(tol))
+        fine = _FINE if tol >= _FINE * _FINE else math.sqrt(tol)
         found = chain.arm.ik(
             T,
             start,
@@ -133,17 +135,17 @@ def solve(
             rotation_tolerance=math.sqrt(tol),
             seed=first,
         )
-    e = found.position_error, found.rotation_error
+    q, success, iterations, restarts, position, rotation = found.figures()
     if T.ndim == 2:
-        residual = 0.5 * (e[0] * e[0] + e[1] * e[1])
-        is_met = found.success or residual < tol
+        residual = 0.5 * (position * position + rotation * rotation)
+        is_met = success or residual < tol
         reason = "" if is_met else found.reason
-        return IKSolution(found.q, is_met, found.iterations, found.restarts + 1, residual, reason)
-    residuals = 0.5 * (np.square(e[0]) + np.square(e[1]))
-    met = found.success | (residuals < tol)
+        return IKSolution(q, is_met, iterations, restarts + 1, residual, reason)
+    residuals = 0.5 * (np.square(position) + np.square(rotation))
+    met = success | (residuals < tol)
     reason = "" if met.all() else f"no solution for the poses {np.flatnonzero(~met).tolist()}"
-    counts = int(found.iterations.sum()), int((found.restarts + 1).sum())
-    return IKSolution(found.q, bool(met.all()), *counts, float(residuals.max()), reason)
+    counts = int(iterations.sum()), int((restarts + 1).sum())
+    return IKSolution(q, bool(met.all()), *counts, float(residuals.max()), reason)
 
 
 _KNOWN = {"k", "method", "kq", "km", "pi", "seed"}
@@ -156,6 +158,8 @@ def settings(given: dict[str, Any]) -> dict[str, Any]:
     Raises:
         TypeError: The toolbox has no such setting.
     """
+    if not given:
+        return given
     unknown = set(given) - _KNOWN - _IGNORED
     if unknown:
         known = ", ".join(sorted(_KNOWN | _IGNORED))

@@ -58,7 +58,7 @@ def matrix(T: Any, size: int = 4) -> Floats:
 def matrices(T: Any) -> Floats:
     """The matrices of poses, (4, 4) or (m, 4, 4)."""
     M = array(T)
-    if M.shape[-2:] != (4, 4) or M.ndim > 3:
+    if M.shape != (4, 4) and (M.shape[-2:] != (4, 4) or M.ndim > 3):
         raise ShapeError("pose", M.shape, "(4, 4) or (m, 4, 4), or an SE3")
     return M
 
