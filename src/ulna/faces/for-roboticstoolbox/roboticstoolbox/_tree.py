@@ -96,6 +96,9 @@ def model_of(
         base: Where it stands in the world, (4, 4).
         moving: Whether joints of grippers move, after those of the arm; else they stand at the grippers' `q`.
         disabled: Pairs of links whose shapes may touch.
+
+    Raises:
+        ModelError: The joints of one branch are not numbered one after the other.
     """
     builder = ModelBuilder(name or "robot")
     builder.gravity = gravity
@@ -113,7 +116,7 @@ def model_of(
                 joints[link] = first + int(link.jindex or 0)
             elif link.isjoint:
                 stay[link] = float(gripper.q[link.jindex])
-    order = sorted(range(len(whole)), key=lambda i: joints.get(whole[i], -1))
+    order = sorted(range(len(whole)), key=lambda i: _first(whole[i], joints))
     for link in whole:
         drawn = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link.geometry)]
         checked = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link.collision)]
@@ -131,7 +134,21 @@ def model_of(
         builder.add_joint(f"joint of {link.name}", kind, parent, link.name, before, offset=after, **extra)
     for pair in disabled:
         builder.disable_pair(*pair)
-    return builder.build()
+    model = builder.build()
+    wanted = [f"joint of {link.name}" for link in sorted(joints, key=lambda link: joints[link])]
+    given = [joint.name for joint in model.joints if joint.nq]
+    if wanted != given:
+        raise ModelError(
+            f"The joints of {name!r} are numbered across its branches: {wanted}; expected branch by branch: {given}. "
+            "Give its links `jindex` in that order."
+        )
+    return model
+
+
+def _first(link: Link, places: dict[Link, int]) -> float:
+    """The least of the places in q of a link and those beyond it: branches come in the order of their joints."""
+    own = places.get(link, np.inf)
+    return min([own, *(_first(child, places) for child in link.children)])
 
 
 def _split(link: Link, held: float | None) -> tuple[SE3, SE3, JointKind]:
