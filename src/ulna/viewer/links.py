@@ -123,7 +123,7 @@ def joined(pieces: Iterable[Surface]) -> tuple[Surface, ...]:
 
 
 def _skeleton(robot: Any, rgba: RGBA | None) -> list[tuple[Surface, ...]]:
-    """A ball at each link's origin and a rod to each link after it, as thick as suits the robot."""
+    """A ball at each link's origin, and rods from there to the joints on either side, as thick as suits the robot."""
     links, model = robot.model.links, robot.model
     poses = robot.link_poses(model.neutral)
     reach = float(np.ptp(poses[:, :3, 3], axis=0).max()) or 1.0
@@ -131,8 +131,9 @@ def _skeleton(robot: Any, rgba: RGBA | None) -> list[tuple[Surface, ...]]:
     pieces: list[list[Surface]] = [[ball(0.02 * reach, rgba or _KNUCKLE)] for _ in links]
     for link in links:
         if link.parent is not None:
-            end = link.origin.matrix()[:3, 3]
-            if np.linalg.norm(end) > 1e-9:
-                rod = tube(np.linspace((0.0, 0.0, 0.0), end, 2), 0.010 * reach, rgba or _BONE, 12)
-                pieces[number[link.parent]].append(rod)
+            for bearer, joint in ((link.parent, link.origin), (link.name, link.offset.inverse())):
+                end = joint.matrix()[:3, 3]
+                if np.linalg.norm(end) > 1e-9:
+                    rod = tube(np.linspace((0.0, 0.0, 0.0), end, 2), 0.010 * reach, rgba or _BONE, 12)
+                    pieces[number[bearer]].append(rod)
     return [joined(p) for p in pieces]

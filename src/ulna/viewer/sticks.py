@@ -106,6 +106,8 @@ def _segments(robot: Any, q: Floats, ends: list[tuple[int, int]]) -> Floats:
 
 def _joints(robot: Any, q: Floats) -> Floats:
     """Where the movable joints are in the world [m], shape (n, 3)."""
-    places = np.asarray(robot.link_poses(q))[:, :3, 3]
+    poses = np.asarray(robot.link_poses(q))
     number = {link.name: k for k, link in enumerate(robot.model.links)}
-    return np.array([places[number[j.child_link]] for j in robot.model.joints]).reshape(-1, 3)
+    moved = [number[joint.child_link] for joint in robot.model.joints]
+    back = [robot.model.links[k].offset.inverse().matrix() for k in moved]
+    return np.array([(poses[k] @ T)[:3, 3] for k, T in zip(moved, back, strict=True)]).reshape(-1, 3)

@@ -33,6 +33,7 @@ class RobotHandle(AssemblyHandle):
         state = SimpleNamespace(q=np.array(robot.q), qd=np.array(robot.qd)) if own else robot
         super().__init__(state, readonly, **more)
         self._viewer, self.robot, self._model = viewer, robot, robot.ulna
+        self._whole = getattr(robot, "_configuration", np.copy)
         self._low, self._high = _limits_of(robot)
         self._held_step = held_step(len(self._low))
         stands = np.asarray(self._model.link_poses(self._model.neutral))[0]
@@ -40,9 +41,10 @@ class RobotHandle(AssemblyHandle):
         # a model may have the base built in
         self._within = np.linalg.inv(stands) if np.allclose(stands, self._base) else np.eye(4)
         start, pose = self._configuration(), self._base @ self._within
+        drawn = any(link.visuals for link in self._model.model.links)
         self.figures = tuple(
             viewer.add(self._model, start, pose=pose, opacity=alpha, show=what)
-            for alpha, what in zip(alphas, ("visual", "collision"), strict=True)
+            for alpha, what in zip(alphas, ("visual" if drawn else "skeleton", "collision"), strict=True)
             if alpha > 0.0
         )
 
@@ -61,10 +63,11 @@ class RobotHandle(AssemblyHandle):
 
     def _configuration(self) -> Floats:
         """A new array of the configuration of the model: the joints, and those of grippers where it has them."""
-        whole = getattr(self.robot, "_configuration", np.copy)
-        return whole(self._joints())
+        return self._whole(self._joints())
 
     def _placed(self) -> Floats:
+        if hasattr(self.robot, "_wT"):  # it may hang on another robot's link
+            return self.robot._wT
         return pose_of(getattr(self.robot, "base", np.eye(4)))
 
     def tell(self, t: float, dt: float, values: dict[str, Any]) -> None:
