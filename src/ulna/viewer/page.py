@@ -141,11 +141,14 @@ class Page:
         """Stop serving; tabs go grey. May be called twice."""
         if self._stop.is_set():
             return
-        self._stop.set()
-        if self._thread.is_alive() and threading.current_thread() is not self._thread:
-            self._thread.join(timeout=2.0)
-        stop(self.server)
-        atexit.unregister(self.close)
+        try:
+            self.flush()  # tabs keep what they had last: the newest, not that of a sixtieth of a second ago
+        finally:
+            self._stop.set()
+            if self._thread.is_alive() and threading.current_thread() is not self._thread:
+                self._thread.join(timeout=2.0)
+            stop(self.server)
+            atexit.unregister(self.close)
 
     def __enter__(self) -> Page:
         return self
