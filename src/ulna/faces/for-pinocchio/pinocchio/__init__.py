@@ -15,12 +15,7 @@ from pinocchio._configurations import *
 from pinocchio._data import Data as Data
 from pinocchio._derivatives import *
 from pinocchio._dynamics import *
-from pinocchio._enums import ArgumentPosition as ArgumentPosition
-from pinocchio._enums import Convention as Convention
-from pinocchio._enums import FrameType as FrameType
-from pinocchio._enums import GeometryType as GeometryType
-from pinocchio._enums import KinematicLevel as KinematicLevel
-from pinocchio._enums import ReferenceFrame as ReferenceFrame
+from pinocchio._enums import *
 from pinocchio._frame import Frame as Frame
 from pinocchio._inertia import Inertia as Inertia
 from pinocchio._jacobians import *
@@ -57,11 +52,9 @@ XAxis, YAxis, ZAxis = np.eye(3)
 __version__ = "4.1.0"
 """The version of Pinocchio whose names and behaviour this face follows."""
 
-for _kind in (ArgumentPosition, FrameType, GeometryType, KinematicLevel, ReferenceFrame):
-    globals().update(_kind.__members__)
-
-
-if not TYPE_CHECKING:  # a checker shall see what is misspelt
+if TYPE_CHECKING:  # a checker shall see what is misspelt
+    from pinocchio._typed import *
+else:
 
     def __getattr__(name: str) -> Any:
         if name in LATE or name in MODULES:

@@ -76,7 +76,7 @@ def text(array: Floats) -> str:
     return "\n".join(" ".join(word.rjust(width) for word in row) for row in words)
 
 
-class StdVec(list, Generic[Item]):
+class StdVec(list[Item], Generic[Item]):
     """A list; what is assigned to an entry is copied into it, so that references to the entry see it."""
 
     def __setitem__(self, key: Any, value: Any) -> None:
@@ -89,6 +89,13 @@ class StdVec(list, Generic[Item]):
             super().__setitem__(key, value)
         else:
             assign(value)
+
+    def reserve(self, new_cap: int) -> None:
+        """Nothing: lists grow by themselves."""
+
+    def id(self) -> int:
+        """A number of its own."""
+        return id(self)
 
     def tolist(self) -> list[Item]:
         """A plain list of the entries."""

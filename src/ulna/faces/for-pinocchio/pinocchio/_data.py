@@ -86,6 +86,48 @@ _KEPT = ("hg", "dhg", "Ig", "kinetic_energy", "potential_energy", "mechanical_en
 class Data(Saved):
     """Working memory of algorithms for one model: `model.createData()`."""
 
+    if TYPE_CHECKING:  # made below, by their names
+        M: Floats
+        Minv: Floats
+        C: Floats
+        J: Floats
+        dJ: Floats
+        Ag: Floats
+        dAg: Floats
+        Jcom: Floats
+        tau: Floats
+        nle: Floats
+        g: Floats
+        ddq: Floats
+        dtau_dq: Floats
+        dtau_dv: Floats
+        ddq_dq: Floats
+        ddq_dv: Floats
+        ddq_dtau: Floats
+        dHdq: Floats
+        dFdq: Floats
+        dFdv: Floats
+        dFda: Floats
+        kineticEnergyRegressor: Floats
+        potentialEnergyRegressor: Floats
+        jointTorqueRegressor: Floats
+        staticRegressor: Floats
+        bodyRegressor: Floats
+        liMi: StdVec[SE3]
+        v: StdVec[Motion]
+        a: StdVec[Motion]
+        a_gf: StdVec[Motion]
+        ov: StdVec[Motion]
+        oa: StdVec[Motion]
+        oa_gf: StdVec[Motion]
+        f: StdVec[Force]
+        h: StdVec[Force]
+        of: StdVec[Force]
+        oh: StdVec[Force]
+        com: StdVec[Floats]
+        vcom: StdVec[Floats]
+        acom: StdVec[Floats]
+
     def __init__(self, model: Model) -> None:
         self._model = model
         self._layout = model._layout

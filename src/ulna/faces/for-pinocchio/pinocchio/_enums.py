@@ -8,6 +8,33 @@ from typing import Any
 from ulna.algorithms.references import Reference
 from ulna.errors import InputError
 
+__all__ = [
+    "ACCELERATION",
+    "ARG0",
+    "ARG1",
+    "ARG2",
+    "ARG3",
+    "ARG4",
+    "BODY",
+    "COLLISION",
+    "FIXED_JOINT",
+    "JOINT",
+    "LOCAL",
+    "LOCAL_WORLD_ALIGNED",
+    "OP_FRAME",
+    "POSITION",
+    "SENSOR",
+    "VELOCITY",
+    "VISUAL",
+    "WORLD",
+    "ArgumentPosition",
+    "Convention",
+    "FrameType",
+    "GeometryType",
+    "KinematicLevel",
+    "ReferenceFrame",
+]
+
 
 class _Named(enum.IntEnum):
     """Numbers with names; printed by their name."""
@@ -70,6 +97,12 @@ class KinematicLevel(_Named):
     VELOCITY = 1
     ACCELERATION = 2
 
+
+OP_FRAME, JOINT, FIXED_JOINT, BODY, SENSOR = FrameType
+WORLD, LOCAL, LOCAL_WORLD_ALIGNED = ReferenceFrame
+VISUAL, COLLISION = GeometryType
+ARG0, ARG1, ARG2, ARG3, ARG4 = ArgumentPosition
+POSITION, VELOCITY, ACCELERATION = KinematicLevel
 
 _REFERENCES: dict[int, Reference] = {0: "world", 1: "local", 2: "local_world_aligned"}
 

@@ -18,17 +18,19 @@ if TYPE_CHECKING:
     from pinocchio._model import Model
 
 
-def geometries_of_links(filename: Any, package_dirs: Any) -> Mapping[str, Any]:
-    """The links of a URDF file by name, with their visuals and collisions; meshes resolved."""
+def geometries_of_links(filename: Any, package_dirs: Any, text: str | None = None) -> Mapping[str, Any]:
+    """The links of a URDF file, or text, by name, with their visuals and collisions; meshes resolved."""
     from ulna.formats.resolve import Resolver
     from ulna.formats.urdf import read_urdf, urdf_builder
+    from ulna.formats.urdf_parse import parse_urdf
     from ulna.robots import example_robot_data
 
-    file = os.fspath(filename)
+    file = None if text is not None else os.fspath(filename)
     folders = [package_dirs] if isinstance(package_dirs, (str, os.PathLike)) else list(package_dirs or ())
     share = example_robot_data.share_folder()
     resolver = Resolver(file, [*(f for f in folders if os.fspath(f)), *((share.parent,) if share else ())])
-    return {link.name: link for link in urdf_builder(read_urdf(file), resolver=resolver).build().links}
+    document = read_urdf(file) if file is not None else parse_urdf(text or "")
+    return {link.name: link for link in urdf_builder(document, resolver=resolver).build().links}
 
 
 def geometry_model_of(
@@ -87,3 +89,18 @@ def buildGeomFromUrdf(
     return geometry_model_of(
         model, geometries_of_links(urdf_filename, package_dirs), geom_type, geometry_model
     )
+
+
+def buildGeomFromUrdfString(
+    model: Model,
+    urdf_string: str,
+    geom_type: GeometryType,
+    geometry_model: Any = None,
+    package_dirs: Any = None,
+    mesh_loader: Any = None,
+) -> GeometryModel:
+    """The geometries that a URDF text gives the bodies of a model; see `buildGeomFromUrdf`."""
+    if geometry_model is not None and not isinstance(geometry_model, GeometryModel):
+        geometry_model, package_dirs = None, geometry_model
+    links = geometries_of_links(None, package_dirs, urdf_string)
+    return geometry_model_of(model, links, geom_type, geometry_model)

@@ -163,7 +163,8 @@ def _chain(kind: JointKind, place: Pose) -> tuple[tuple[JointKind, ...], tuple[P
     """A kind as a chain of plain ones, with their placements."""
     if not isinstance(kind, Composite):
         return (kind,), (place,)
-    first, *others = kind.placements or ()
+    assert kind.placements is not None  # a Composite fills them in
+    first, *others = kind.placements
     return kind.kinds, (place @ first, *others)
 
 

@@ -38,7 +38,19 @@ _OF: dict[str, tuple[str, ...]] = {
         "GeometryObject",
         "updateGeometryPlacements",
     ),
-    "_geometry_urdf": ("buildGeomFromUrdf",),
+    "_geometry_urdf": ("buildGeomFromUrdf", "buildGeomFromUrdfString"),
+    "_package": (
+        *(
+            "Exception",
+            "LogLevel",
+            "ScalarType",
+            "StdMap_String_VectorXd",
+            "omp_get_max_threads",
+            "sharedMemory",
+        ),
+    ),
+    "_calibration": ("computeFrameKinematicRegressor", "computeJointKinematicRegressor"),
+    "_supported": ("computeSupportedForceByFrame", "computeSupportedInertiaByFrame"),
     "_srdf": (
         "loadReferenceConfigurations",
         "loadReferenceConfigurationsFromXML",
@@ -114,7 +126,17 @@ LATE: dict[str, str] = {
 }
 """The module of each of these names."""
 MODULES = (
-    *("cholesky", "coal", "hppfcl", "liegroups", "linalg", "robot_wrapper", "serialization", "shortcuts", "visualize"),
+    *(
+        "cholesky",
+        "coal",
+        "hppfcl",
+        "liegroups",
+        "linalg",
+        "robot_wrapper",
+        "serialization",
+        "shortcuts",
+        "visualize",
+    ),
 )
 
 

@@ -45,6 +45,24 @@ _KEPT = 8  # how many states of a model keep their kernels
 class Model(Saved, Supports):
     """A kinematic tree. Joint 0 is the universe; every other joint follows its parent."""
 
+    if TYPE_CHECKING:  # made below, by their names
+        lowerPositionLimit: Floats
+        upperPositionLimit: Floats
+        positionLimitMargin: Floats
+        armature: Floats
+        lowerVelocityLimit: Floats
+        upperVelocityLimit: Floats
+        lowerEffortLimit: Floats
+        upperEffortLimit: Floats
+        lowerDryFrictionLimit: Floats
+        upperDryFrictionLimit: Floats
+        damping: Floats
+        rotorInertia: Floats
+        rotorGearRatio: Floats
+        velocityLimit: Floats
+        effortLimit: Floats
+        friction: Floats
+
     gravity981: ClassVar[Floats] = np.array([0.0, 0.0, -9.81])
 
     def __init__(self, other: Model | None = None) -> None:

@@ -22,7 +22,6 @@ _WORDS = (
     (r"(Panda3d|RViz)Visualizer", "Use MeshcatVisualizer or GepettoVisualizer: both draw into Ulna's viewer."),
     (r"graph", "Models are put together with appendModel, buildReducedModel, and ulna.model.ModelBuilder."),
     (r"numpy|inspect|sys", "It is no part of Pinocchio; import it itself."),
-    (r".*KinematicRegressor", "Ask for it: it has not been needed yet."),
     (r"pin|pinocchio_pywrap.*|module_info|submodules|.*type_index|map_indexing.*|Deprecated.*|deprecat.*",
      "It belongs to the binding of Pinocchio to Python, which this face has none of."),
 )  # fmt: skip
