@@ -184,17 +184,17 @@ def delassus_matrix(model: Model, q: Array, bonds: Sequence[Bond]) -> Array:
         bonds: The constraints.
     """
     factors = Factors(mass_matrix(model, q))
-    return _delassus(factors, _seen_inside(factors, constraint_jacobian(model, q, bonds)))
+    return delassus_of(factors, seen_inside(factors, constraint_jacobian(model, q, bonds)))
 
 
 def _response(
     factors: Factors, J: Array, drive: Array, g: Array, compliance: Any, settings: Proximal
 ) -> tuple[Array, Array, Any]:
     """a, f and the rounds, for M a = drive + J^T f and J a + g + R f = 0."""
-    Y = _seen_inside(factors, J)
+    Y = seen_inside(factors, J)
     y = factors.inward([drive[..., k][()] for k in range(len(factors.lower))])
     z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
-    G = _delassus(factors, Y)
+    G = delassus_of(factors, Y)
     if not is_zero(compliance):
         R = compliance[..., None, None] if isinstance(compliance, np.ndarray) else compliance
         G = G + R * np.eye(len(Y))
@@ -207,7 +207,7 @@ def _response(
     return vector(*a), vector(*forces), iterations
 
 
-def _seen_inside(factors: Factors, J: Array) -> list[dict[int, Any]]:
+def seen_inside(factors: Factors, J: Array) -> list[dict[int, Any]]:
     """Y, column by column; entries that are zero by the tree are missing."""
     found = []
     for i in range(J.shape[-2]):
@@ -216,7 +216,8 @@ def _seen_inside(factors: Factors, J: Array) -> list[dict[int, Any]]:
     return found
 
 
-def _delassus(factors: Factors, Y: Sequence[dict[int, Any]]) -> Array:
+def delassus_of(factors: Factors, Y: Sequence[dict[int, Any]]) -> Array:
+    """G = Y^T D^-1 Y, of the columns that `seen_inside` gives."""
     m = len(Y)
     G: list[list[Any]] = [[0.0] * m for _ in range(m)]
     for i, row in enumerate(Y):

@@ -12,18 +12,27 @@ from pinocchio import rpy as rpy
 from pinocchio import utils as utils
 from pinocchio._arrays import StdVec as StdVec
 from pinocchio._configurations import *
+from pinocchio._constraint_cholesky import *
+from pinocchio._constraint_derivatives import *
+from pinocchio._constraint_dynamics import *
+from pinocchio._constraint_kernels import *
+from pinocchio._constraint_pair import *
+from pinocchio._constraints import *
 from pinocchio._data import Data as Data
+from pinocchio._delassus import *
 from pinocchio._derivatives import *
 from pinocchio._dynamics import *
 from pinocchio._enums import *
 from pinocchio._frame import Frame as Frame
 from pinocchio._inertia import Inertia as Inertia
+from pinocchio._jacobian_dynamics import *
 from pinocchio._jacobians import *
 from pinocchio._joints import *
 from pinocchio._kinematics import *
 from pinocchio._late import LATE, MODULES, late
 from pinocchio._masses import *
 from pinocchio._model import Model as Model
+from pinocchio._proximal import *
 from pinocchio._reduce import *
 from pinocchio._regressors import *
 from pinocchio._rotations import AngleAxis as AngleAxis

@@ -1,0 +1,227 @@
+"""Accelerations and forces of a robot that constraints bind."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pinocchio._arrays import vector
+from pinocchio._constraint_kernels import bonds_of, paired, shapes_of
+from pinocchio._constraint_state import Bound, bound, leave
+from pinocchio._constraints import RigidConstraintData, RigidConstraintModel
+from pinocchio._data import Data, engine_for
+from pinocchio._dynamics import aba
+from pinocchio._jacobian_dynamics import impact_with_jacobian
+from pinocchio._kinematics import stacked
+from pinocchio._model import Model
+from pinocchio._proximal import ProximalSettings, settings_of
+from ulna import algorithms
+from ulna.algorithms.constrained_dynamics_damped import Damped, damped_dynamics, damped_impact
+from ulna.algorithms.constraint_twists import constraint_twists
+from ulna.errors import InputError
+from ulna.model import Model as TowerModel
+from ulna.typing import Array, Floats
+
+__all__ = ["constraintDynamics", "impulseDynamics", "initConstraintDynamics"]
+
+
+class Solved(NamedTuple):
+    """What the last algorithm under constraints found."""
+
+    state: Bound
+    a: Floats
+    forces: Floats
+    wanted: Floats
+    settings: ProximalSettings
+    impact: bool
+
+
+def initConstraintDynamics(model: Model, data: Data, contact_models: Any, contact_datas: Any) -> None:
+    """Makes room in `data` for the forces of constraints, all zero; checks constraints and their data."""
+    models = paired(model, contact_models, contact_datas)
+    engine_for(model, data)
+    m, nv = sum(one.residualSize() for one in models), model.nv
+    blocks = data._blocks
+    for name in ("lambda_c", "impulse_c"):
+        blocks[name] = np.zeros(m)
+    for name in ("dlambda_dq", "dlambda_dv", "dlambda_dtau", "dac_da"):
+        blocks[name] = np.zeros((m, nv))
+    blocks["osim"] = np.zeros((m, m))
+
+
+def desired(datas: Sequence[RigidConstraintData]) -> Floats:
+    """The accelerations that are asked of the constraints, (m,)."""
+    return np.concatenate([d.contact_acceleration_desired._v[: d._size] for d in datas])
+
+
+def share(forces: Floats, datas: Sequence[RigidConstraintData]) -> None:
+    """Writes the forces (m,) into the data of their constraints."""
+    start = 0
+    for known in datas:
+        known.contact_force._v[: known._size] = forces[start : start + known._size]
+        start += known._size
+
+
+def constraintDynamics(
+    model: Model,
+    data: Data,
+    q: Any,
+    v: Any,
+    tau: Any,
+    contact_models: Any,
+    contact_datas: Any,
+    prox_settings: Any = None,
+) -> Floats:
+    """The accelerations that torques give under constraints (nv,); kept in `data.ddq`, the forces in `data.lambda_c`.
+
+    Each force is also in `contact_force` of the data of its constraint. Fills `data.M`, `data.nle`, `data.J` and
+    `data.oMi`, too.
+
+    Args:
+        model: The model.
+        data: Its data.
+        q: Configuration (nq,).
+        v: Velocity (nv,).
+        tau: Torques (nv,).
+        contact_models: Constraints.
+        contact_datas: Their data.
+        prox_settings: How the forces are found; it is told how that went. None for one round without damping.
+    """
+    state = bound(model, contact_models, contact_datas, q, v)
+    settings = settings_of(prox_settings)
+    if not state.models:
+        return aba(model, data, q, v, tau)
+    engine = engine_for(model, data)
+    tau = vector(tau, model.nv, "tau")
+    shapes = shapes_of(state.models)
+    wanted = desired(state.datas)
+    numbers = np.array([settings.mu, settings.relative_accuracy, settings.absolute_accuracy])
+    given = (state.q, state.v, tau, state.places, state.gains, wanted, numbers)
+    key = ("constraint dynamics", shapes, settings.max_iter)
+    kernel = engine.kernels.get(key)
+    if kernel is None:
+        names = ("q", "v", "tau", "places", "gains", "wanted", "numbers")
+        sizes: dict[str, Any] = {name: x.shape for name, x in zip(names, given, strict=True)}
+        kernel = engine.made(key, _motion(shapes, settings.max_iter), **sizes)
+    a, forces, rounds, change, residual, M, nle, J, oMi = kernel(*given)
+    if prox_settings is not None:
+        settings._report(rounds, change, residual)
+    blocks = data._blocks
+    for name, found in (("ddq", a), ("M", M), ("nle", nle), ("J", J)):
+        blocks[name][...] = found
+    blocks["lambda_c"] = forces
+    data._tails["oMi"][...] = oMi
+    q = data.keep(engine, state.q)
+    data._q_of_jacobians = q
+    share(forces, state.datas)
+    leave(engine, state)
+    data._bound = Solved(state._replace(q=q, v=state.v.copy()), a, forces, wanted, settings, False)
+    return a
+
+
+def _motion(shapes: Any, limit: int) -> Any:
+    owner = [i for i, shape in enumerate(shapes) for _ in range(shape[0])]
+
+    def build(tower: TowerModel) -> Any:
+        def run(
+            q: Array, v: Array, tau: Array, places: Array, gains: Array, wanted: Array, numbers: Array
+        ) -> tuple[Any, ...]:
+            twists = constraint_twists(tower, q, v, bonds_of(shapes, places))
+            pull = gains[owner, 1] * twists.velocity + gains[owner, 0] * twists.error
+            damped = Damped(numbers[0], numbers[1], numbers[2], limit)
+            found = damped_dynamics(tower, q, v, tau, twists.J, twists.bias + pull - wanted, damped)
+            return (
+                *found,
+                algorithms.mass_matrix(tower, q),
+                algorithms.bias_forces(tower, q, v),
+                algorithms.joint_jacobians(tower, q),
+                stacked(algorithms.joint_poses(tower, q)),
+            )
+
+        return run
+
+    return build
+
+
+def impulseDynamics(model: Model, data: Data, *state: Any, **named: Any) -> Floats:
+    """The velocity after an impact (nv,); kept in `data.dq_after`, the impulses in `data.impulse_c`.
+
+    `impulseDynamics(model, data, q, v, constraints, datas[, r_coeff[, settings]])`, or with a Jacobian,
+    `impulseDynamics(model, data, [q,] v, J[, restitution_coefficient[, damping]])`; without q after crba.
+    Each impulse is also in `contact_force` of the data of its constraint; both ends of a constraint count.
+    """
+    told = list(state)
+    for name in ("q", "v_before", "v", "constraint_jacobian", "contact_models", "contact_datas"):
+        if name in named:
+            told.append(named.pop(name))
+    if len(told) < 4 or not _are_constraints(told[2]):
+        return impact_with_jacobian(model, data, *told, **named)
+    return _impact(model, data, *told, **named)
+
+
+def _are_constraints(value: Any) -> bool:
+    return isinstance(value, (list, tuple)) and all(isinstance(x, RigidConstraintModel) for x in value)
+
+
+def _impact(
+    model: Model,
+    data: Data,
+    q: Any,
+    v: Any,
+    contact_models: Any,
+    contact_datas: Any,
+    r_coeff: float = 0.0,
+    prox_settings: Any = None,
+) -> Floats:
+    state = bound(model, contact_models, contact_datas, q, v)
+    settings = settings_of(prox_settings)
+    engine = engine_for(model, data)
+    blocks = data._blocks
+    if not state.models:
+        blocks["dq_after"][:] = state.v
+        return state.v.copy()
+    shapes = shapes_of(state.models)
+    numbers = np.array([settings.mu, restitution(r_coeff)])
+    given = (state.q, state.v, state.places, numbers)
+    sizes: dict[str, Any] = dict(zip(("q", "v", "places", "numbers"), (x.shape for x in given), strict=True))
+    found = engine.made(("impact", shapes), _impact_of(shapes), **sizes)(*given)
+    blocks["ddq"][:], impulses, blocks["M"][:], blocks["J"][:], data._tails["oMi"][...] = found
+    blocks["dq_after"][:] = after = state.v + found[0]
+    blocks["impulse_c"] = impulses
+    q = data.keep(engine, state.q)
+    data._q_of_jacobians = q
+    share(impulses, state.datas)
+    leave(engine, state)
+    data._bound = Solved(
+        state._replace(q=q, v=state.v.copy()), found[0], impulses, 0.0 * impulses, settings, True
+    )
+    return after
+
+
+def restitution(value: Any) -> float:
+    part = float(value)
+    if not 0.0 <= part <= 1.0:
+        raise InputError(f"The coefficient of restitution is {value!r}; expected a number from 0 to 1.")
+    return part
+
+
+def _impact_of(shapes: Any) -> Any:
+    def build(tower: TowerModel) -> Any:
+        def run(q: Array, v: Array, places: Array, numbers: Array) -> tuple[Any, ...]:
+            bonds = bonds_of(shapes, places)
+            J = algorithms.constraint_jacobian(tower, q, bonds)
+            jump = (1.0 + numbers[1]) * algorithms.constraint_velocity(tower, q, v, bonds)
+            found = damped_impact(tower, q, J, jump, Damped(numbers[0], 0.0, 0.0, 1))
+            return (
+                found.a,
+                found.forces,
+                algorithms.mass_matrix(tower, q),
+                algorithms.joint_jacobians(tower, q),
+                stacked(algorithms.joint_poses(tower, q)),
+            )
+
+        return run
+
+    return build

@@ -1,0 +1,106 @@
+"""Constraints as kernels take them: checked, their kinds as a key, their placements as an array."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pinocchio._constraints import RigidConstraintData, RigidConstraintModel
+from pinocchio._data import Data, engine_for
+from pinocchio._model import Model
+from ulna import algorithms, spatial
+from ulna.errors import InputError
+from ulna.model import Model as TowerModel
+from ulna.model.constraint import Bond, End
+from ulna.typing import Array, Floats
+
+if TYPE_CHECKING:
+    from pinocchio._engine import Engine
+
+__all__ = ["getConstraintJacobian", "getConstraintsJacobian"]
+
+
+def paired(model: Model, models: Any, datas: Any) -> list[RigidConstraintModel]:
+    """The constraints, checked against their data and the model.
+
+    Raises:
+        InputError: something is no constraint, or no data of it; a joint is not one of the model.
+    """
+    if len(models) != len(datas):
+        raise InputError(
+            f"There are {len(models)} constraints and {len(datas)} data of constraints; expected as many."
+        )
+    for one, data in zip(models, datas, strict=True):
+        if not isinstance(one, RigidConstraintModel) or not isinstance(data, RigidConstraintData):
+            raise InputError(
+                f"The constraint is {one!r} and its data {data!r}; expected a RigidConstraintModel and what its "
+                "createData() gives."
+            )
+        if data._size != one.residualSize():
+            raise InputError(
+                f"The data of a constraint has {data._size} rows, the constraint {one.residualSize()}; make it anew: "
+                "constraint.createData()."
+            )
+        if not 0 <= min(one.joint1_id, one.joint2_id) < max(one.joint1_id, one.joint2_id) < model.njoints:
+            raise InputError(
+                f"A constraint is between the joints {one.joint1_id} and {one.joint2_id}; the model has "
+                f"{model.njoints}. It was made for another model."
+            )
+    return list(models)
+
+
+def shapes_of(models: Sequence[RigidConstraintModel]) -> tuple[tuple[int, bool, int, int], ...]:
+    """What kernels depend on, for each: rows, whether they are written in local axes, the joints."""
+    return tuple(one._shape() for one in models)
+
+
+def places_of(models: Sequence[RigidConstraintModel]) -> Floats:
+    """Their placements, (constraints, 2, 4, 4), an argument of kernels."""
+    return np.stack([one._places for one in models])
+
+
+def bonds_of(shapes: Sequence[tuple[int, bool, int, int]], places: Array) -> list[Bond]:
+    """The constraints for the tower; a frame of the world stands at its joint -1."""
+    found = []
+    for k, (size, local, *joints) in enumerate(shapes):
+        first, second = (
+            End(joint - 1, spatial.SE3(places[k, end, :3, :3], places[k, end, :3, 3]))
+            for end, joint in enumerate(joints)
+        )
+        found.append(Bond(first, second, size, local))  # type: ignore[arg-type]
+    return found
+
+
+def jacobian_of(engine: Engine, shapes: Any, places: Floats, q: Floats) -> Floats:
+    """The Jacobian (m, nv) of constraints."""
+
+    def build(tower: TowerModel) -> Any:
+        return lambda q, places: algorithms.constraint_jacobian(tower, q, bonds_of(shapes, places))
+
+    return engine.made(("constraint jacobian", shapes), build, q=q.shape, places=places.shape)(q, places)
+
+
+def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> Floats:
+    """The Jacobian (m, nv) of all constraints, at the configuration of the last kinematics or dynamics."""
+    q = data.require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
+    engine = engine_for(model, data)
+    if not all(isinstance(one, RigidConstraintModel) for one in constraint_models):
+        return np.vstack(
+            [
+                one.jacobian(model, data, known)
+                for one, known in zip(constraint_models, constraint_datas, strict=True)
+            ]
+        )
+    models = paired(model, constraint_models, constraint_datas)
+    if not models:
+        return np.zeros((0, model.nv))
+    for one, known in zip(models, constraint_datas, strict=True):
+        known._place(one, data)
+    return jacobian_of(engine, shapes_of(models), places_of(models), q)
+
+
+def getConstraintJacobian(model: Model, data: Data, constraint_model: Any, constraint_data: Any) -> Floats:
+    """The Jacobian (residualSize, nv) of one constraint; see `getConstraintsJacobian`."""
+    return getConstraintsJacobian(model, data, [constraint_model], [constraint_data])

@@ -1,0 +1,96 @@
+"""What is known of constraints at a state: computed when it is read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pinocchio._arrays import vector
+from pinocchio._constraint_kernels import bonds_of, paired, places_of, shapes_of
+from pinocchio._constraints import RigidConstraintData, RigidConstraintModel
+from pinocchio._kinematics import stacked
+from pinocchio._model import Model
+from ulna import algorithms
+from ulna.algorithms.constraint_twists import constraint_twists, frame_of
+from ulna.model import Model as TowerModel
+from ulna.typing import Array, Floats
+
+
+class Bound(NamedTuple):
+    """A state under constraints, as kernels take it."""
+
+    models: Sequence[RigidConstraintModel]
+    datas: Sequence[RigidConstraintData]
+    q: Floats
+    v: Floats
+    places: Floats
+    gains: Floats
+
+
+def bound(model: Model, models: Any, datas: Any, q: Any, v: Any) -> Bound:
+    """The same, checked."""
+    checked = paired(model, models, datas)
+    q, v = vector(q, model.nq, "q"), vector(v, model.nv, "v")
+    gains = np.array([(one._gains.Kp, one._gains.Kd) for one in checked]).reshape(-1, 2)
+    places = places_of(checked) if checked else np.zeros((0, 2, 4, 4))
+    return Bound(checked, list(datas), q, v, places, gains)
+
+
+def leave(engine: Any, state: Bound) -> None:
+    """Leaves placements, velocities and errors to be computed when they are read from the data of a constraint."""
+
+    def fill() -> None:
+        shapes = shapes_of(state.models)
+        given = (q, v, places, gains)
+        sizes: dict[str, Any] = dict(
+            zip(("q", "v", "places", "gains"), (x.shape for x in given), strict=True)
+        )
+        found = engine.made(("constraint state", shapes), _state(shapes), **sizes)(*given)
+        for k, known in enumerate(state.datas):
+            if known._due is fill:
+                known._due = None
+                for block, rows in zip(known._blocks.values(), found, strict=True):
+                    block[...] = rows[k]
+
+    q, v, places, gains = (x.copy() for x in (state.q, state.v, state.places, state.gains))
+    for known in state.datas:
+        known._due = fill
+
+
+def _state(shapes: Any) -> Any:
+    def build(tower: TowerModel) -> Any:
+        def run(q: Array, v: Array, places: Array, gains: Array) -> tuple[Array, ...]:
+            bonds = bonds_of(shapes, places)
+            twists = constraint_twists(tower, q, v, [bond._replace(local=True) for bond in bonds])
+            poses, speeds, errors = [], [], []
+            start = 0
+            for k, bond in enumerate(bonds):
+                assert bond.second is not None
+                first, second = frame_of(bond.first), frame_of(bond.second)
+                T1, T2 = (algorithms.frame_pose(tower, q, frame) for frame in (first, second))
+                poses.append((T1, T2, T1.inverse() @ T2))
+                speeds.append(
+                    [
+                        algorithms.frame_velocity(tower, q, v, frame, "local").vector()
+                        for frame in (first, second)
+                    ]
+                )
+                rows = slice(start, start + bond.size)
+                rest = np.zeros(6 - bond.size)
+                e, c = (np.concatenate([x[rows], rest]) for x in (twists.error, twists.velocity))
+                pull = -(gains[k, 0] * e + gains[k, 1] * c)
+                if not bond.local:
+                    pull = np.concatenate([T1.rotation @ pull[:3], T1.rotation @ pull[3:]])
+                errors.append((e, c, pull))
+                start += bond.size
+            return (
+                *(stacked([p[i] for p in poses]) for i in range(3)),
+                *(np.stack([s[i] for s in speeds]) for i in range(2)),
+                *(np.stack([e[i] for e in errors]) for i in range(3)),
+            )
+
+        return run
+
+    return build

@@ -1,0 +1,167 @@
+"""Dynamics under constraints that are given by their Jacobian, and the Delassus matrix."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio._arrays import numbers, vector
+from pinocchio._constraint_kernels import jacobian_of, paired, places_of, shapes_of
+from pinocchio._data import Data, engine_for
+from pinocchio._dynamics import computeAllTerms, crba
+from pinocchio._model import Model
+from ulna import linalg
+from ulna.errors import InputError, ShapeError
+from ulna.typing import Floats
+
+__all__ = [
+    "computeDampedDelassusMatrixInverse",
+    "computeDelassusMatrix",
+    "computeKKTContactDynamicMatrixInverse",
+    "forwardDynamics",
+    "getKKTContactDynamicMatrixInverse",
+]
+
+
+def _jacobian(model: Model, J: Any) -> Floats:
+    J = numbers(J, "constraint_jacobian")
+    if J.ndim != 2 or J.shape[1] != model.nv:
+        raise ShapeError("constraint_jacobian", J.shape, f"(m, {model.nv})")
+    return J
+
+
+def _damping(value: Any) -> float:
+    damping = float(value)
+    if not (np.isfinite(damping) and damping >= 0.0):
+        raise InputError(f"The damping is {value!r}; expected a number that is not below zero.")
+    return damping
+
+
+def _factored(model: Model, data: Data, J: Floats, damping: float) -> tuple[Floats, Floats]:
+    """M^-1 J^T, and the damped Delassus matrix; kept for getKKTContactDynamicMatrixInverse.
+
+    Raises:
+        InputError: rows of the Jacobian depend on each other.
+    """
+    M = data._blocks["M"]
+    if not M.any():
+        raise InputError("`data.M` holds no mass matrix yet. Give q, or call crba(model, data, q) first.")
+    MJ = np.asarray(np.linalg.solve(M, J.T), dtype=float)
+    G = J @ MJ + damping * np.eye(len(J))
+    if len(J) and not np.linalg.eigvalsh(G)[0] > 1e-14 * np.trace(G) / len(J):
+        raise InputError(
+            f"Rows of the constraint Jacobian, of {len(J)} rows and rank {np.linalg.matrix_rank(J)}, depend on each "
+            "other, so that their forces are not unique. Leave some out, or give a damping such as 1e-8."
+        )
+    data._damped = (J.shape, damping)
+    return MJ, G
+
+
+def forwardDynamics(
+    model: Model, data: Data, *state: Any, damping: float | None = None, **named: Any
+) -> Floats:
+    """The accelerations under J a + drift = 0 (nv,); kept in `data.ddq`, the forces in `data.lambda_c`.
+
+    `forwardDynamics(model, data, q, v, tau, J, drift[, damping])`; without q and v after computeAllTerms.
+    """
+    told = list(state)
+    for name in ("q", "v", "tau", "constraint_jacobian", "constraint_drift"):
+        if name in named:
+            told.append(named.pop(name))
+    if named or not 3 <= len(told) <= 6:
+        raise InputError("forwardDynamics takes (model, data, [q, v,] tau, J, drift[, damping]).")
+    if len(told) >= 5:
+        q, v, *told = told
+        computeAllTerms(model, data, q, v)
+    else:
+        engine_for(model, data)
+    tau, J, drift = vector(told[0], model.nv, "tau"), _jacobian(model, told[1]), told[2]
+    drift = vector(drift, len(J), "constraint_drift")
+    given = told[3] if len(told) > 3 else damping
+    MJ, G = _factored(model, data, J, _damping(0.0 if given is None else given))
+    free = np.linalg.solve(data._blocks["M"], tau - data._blocks["nle"])
+    forces = linalg.solve_spd(G, -(J @ free + drift)) if len(J) else np.zeros(0)
+    data._blocks["lambda_c"] = forces
+    data._blocks["ddq"][:] = found = free + MJ @ forces
+    return found
+
+
+def impact_with_jacobian(
+    model: Model, data: Data, *state: Any, restitution_coefficient: float = 0.0, damping: float = 0.0
+) -> Floats:
+    """The velocity after an impact on what a Jacobian describes; see `impulseDynamics`."""
+    told = list(state)
+    at = next((i for i, x in enumerate(told) if np.ndim(x) == 2 and np.shape(x)[1] == model.nv and i), None)
+    if at not in (1, 2):
+        raise InputError(
+            "impulseDynamics takes (model, data, q, v, constraints, datas), or (model, data, [q,] v, J) with a "
+            f"Jacobian of {model.nv} columns."
+        )
+    if at == 2:
+        crba(model, data, told.pop(0))
+    else:
+        engine_for(model, data)
+    v, J = vector(told[0], model.nv, "v_before"), _jacobian(model, told[1])
+    rest = dict(zip(("restitution_coefficient", "damping"), told[2:], strict=False))
+    back = float(rest.get("restitution_coefficient", restitution_coefficient))
+    MJ, G = _factored(model, data, J, _damping(rest.get("damping", damping)))
+    impulses = linalg.solve_spd(G, -(1.0 + back) * (J @ v)) if len(J) else np.zeros(0)
+    data._blocks["impulse_c"] = impulses
+    data._blocks["dq_after"][:] = found = v + MJ @ impulses
+    return found
+
+
+def computeKKTContactDynamicMatrixInverse(
+    model: Model, data: Data, q: Any, constraint_jacobian: Any, damping: float = 0.0
+) -> Floats:
+    """The inverse of [[M, J^T], [J, -damping 1]], (nv + m, nv + m)."""
+    crba(model, data, q)
+    J = _jacobian(model, constraint_jacobian)
+    return _kkt(data, J, *_factored(model, data, J, _damping(damping)))
+
+
+def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacobian: Any) -> Floats:
+    """The same with the mass matrix and the damping of the last forwardDynamics or impulseDynamics with a Jacobian."""
+    engine_for(model, data)
+    J = _jacobian(model, constraint_jacobian)
+    shape, damping = data.require(data._damped, "forwardDynamics or impulseDynamics with a Jacobian")
+    if shape != J.shape:
+        raise InputError(
+            f"The Jacobian has {len(J)} rows; that of forwardDynamics or impulseDynamics had {shape[0]}."
+        )
+    return _kkt(data, J, *_factored(model, data, J, damping))
+
+
+def _kkt(data: Data, J: Floats, MJ: Floats, G: Floats) -> Floats:
+    S = linalg.inverse(G)
+    corner = MJ @ S
+    return np.block([[linalg.inverse(data._blocks["M"]) - corner @ MJ.T, corner], [corner.T, -S]])
+
+
+def computeDelassusMatrix(
+    model: Model, data: Data, q: Any, contact_models: Any, contact_datas: Any, mu: float = 0.0
+) -> Floats:
+    """G = J M^-1 J^T of constraints, (m, m), along the axes of each; with an inertia mu at each, (1 + mu G)^-1 G."""
+    models = paired(model, contact_models, contact_datas)
+    q = vector(q, model.nq, "q")
+    M = crba(model, data, q)
+    J = jacobian_of(engine_for(model, data), shapes_of(models), places_of(models), q)
+    G = J @ np.linalg.solve(M, J.T)
+    return np.asarray(np.linalg.solve(np.eye(len(G)) + _damping(mu) * G, G), dtype=float)
+
+
+def computeDampedDelassusMatrixInverse(
+    model: Model,
+    data: Data,
+    q: Any,
+    contact_models: Any,
+    contact_datas: Any,
+    mu: float = 0.0,
+    scaled: bool = False,
+) -> Floats:
+    """The inverse of J M^-1 J^T + mu 1, (m, m); scaled, it is multiplied by mu."""
+    damping = _damping(mu)
+    G = computeDelassusMatrix(model, data, q, contact_models, contact_datas)
+    S = linalg.inverse(G + damping * np.eye(len(G)))
+    return damping * S if scaled else S

@@ -1,0 +1,113 @@
+"""What the face and Pinocchio are both asked about constraints; see asked.py.
+
+`python asked_constraints.py out.json robot file root joints`: the joints, separated by commas, are held one by one, and
+the first two to each other.
+"""
+
+import json
+import sys
+
+import numpy as np
+import pinocchio as pin
+from asked import answers
+
+SOLVED = """
+! pin.initConstraintDynamics(m, d, cs, ds)
+d.lambda_c; d.osim.shape; pin.constraintDynamics(m, d, q, v, tau, cs, ds, s); d.ddq; d.lambda_c; [x.contact_force for x in ds]
+np.triu(d.M); d.nle; d.J; list(d.oMi); [x.oMc1 for x in ds]; [x.oMc2 for x in ds]; [x.c1Mc2 for x in ds]
+[x.contact1_velocity for x in ds]; [x.contact2_velocity for x in ds]; [x.contact_placement_error for x in ds]
+[x.contact_velocity_error for x in ds]; [x.contact_acceleration_error for x in ds]; [c.residualSize() for c in cs]
+pin.getConstraintsJacobian(m, d, cs, ds); pin.getConstraintJacobian(m, d, cs[0], ds[0]); cs[0].jacobian(m, d, ds[0])
+d.constraint_chol.matrix(); d.constraint_chol.U; d.constraint_chol.D; d.constraint_chol.Dinv; d.constraint_chol.size()
+d.constraint_chol.constraintDim(); d.constraint_chol.inverse(); d.constraint_chol.solve(np.arange(m.nv + len(d.lambda_c)) * 1.0)
+d.constraint_chol.getInverseMassMatrix(); d.constraint_chol.getOperationalSpaceInertiaMatrix()
+d.constraint_chol.getInverseOperationalSpaceInertiaMatrix(); d.constraint_chol.getDamping()
+d.constraint_chol.getDelassusOperatorCholeskyExpression().matrix(); d.constraint_chol.getMassMatrixChoeslkyDecomposition(m, d).matrix()
+"""
+
+ONE_ROUND = """
+pin.constraintDynamics(m, d, q, v, tau, cs, ds)
+"""
+
+DERIVATIVES = """
+! pin.constraintDynamics(m, d, q, v, tau, cs, ds, s); found = pin.computeConstraintDynamicsDerivatives(m, d, cs, ds, s)
+found; d.ddq_dq; d.ddq_dv; d.ddq_dtau; d.dlambda_dq; d.dlambda_dv; d.dlambda_dtau; d.osim; d.dac_da
+"""
+
+IMPACT = """
+pin.impulseDynamics(m, d, q, v, cs, ds, 0.3, s); d.dq_after; d.impulse_c; [x.contact_force for x in ds]
+"""
+
+IMPACT_DERIVATIVES = """
+! pin.computeImpulseDynamicsDerivatives(m, d, cs, ds, 0.3, s)
+d.ddq_dq; d.ddq_dv; d.dlambda_dq; d.dlambda_dv
+"""
+
+DELASSUS = """
+pin.computeDelassusMatrix(m, d, q, cs, ds); pin.computeDelassusMatrix(m, d, q, cs, ds, 1e-3)
+"""
+
+JACOBIAN = """
+! J, k = rng.normal(size=(3, m.nv)), rng.normal(size=3)
+pin.forwardDynamics(m, d, q, v, tau, J, k); d.lambda_c; d.ddq; pin.getKKTContactDynamicMatrixInverse(m, d, J)
+pin.forwardDynamics(m, d, q, v, tau, J, k, 1e-3); d.lambda_c; pin.forwardDynamics(m, d, tau, J, k, 1e-2)
+pin.impulseDynamics(m, d, q, v, J, 0.3, 1e-3); d.impulse_c; d.dq_after; pin.impulseDynamics(m, d, v, J)
+pin.computeKKTContactDynamicMatrixInverse(m, d, q, J, 1e-3); pin.computeKKTContactDynamicMatrixInverse(m, d, q, J)
+"""
+
+POINT, FRAME = pin.ContactType.CONTACT_3D, pin.ContactType.CONTACT_6D
+
+
+def cases(m, joints, M, N):
+    """Constraints, damping and rounds; and whether Pinocchio's derivatives are those of what it computes.
+
+    Those of two bodies of one chain are not, nor those of frames with gains along the world's axes.
+    """
+    here, aligned = pin.LOCAL, pin.LOCAL_WORLD_ALIGNED
+    yield "points", [pin.RigidConstraintModel(POINT, m, j, M, 0, N, here) for j in joints], (1e-3, 5), True
+    yield (
+        "points aligned",
+        [pin.RigidConstraintModel(POINT, m, j, M, aligned) for j in joints],
+        (0.0, 1),
+        True,
+    )
+    yield "frame", [pin.RigidConstraintModel(FRAME, m, joints[0], M, 0, N)], (1e-6, 20), True
+    yield "frame aligned", [pin.RigidConstraintModel(FRAME, m, joints[0], aligned)], (0.0, 1), False
+    ends = (joints[0], M, joints[1], N)
+    yield "points joined", [pin.RigidConstraintModel(POINT, m, *ends, here)], (0.0, 1), False
+    if m.nv > 12:  # legs
+        yield "frames joined", [pin.RigidConstraintModel(FRAME, m, *ends, here)], (1e-5, 10), True
+
+
+if __name__ == "__main__":
+    target, file, root, held = sys.argv[1:]
+    m = pin.buildModelFromUrdf(file, *([getattr(pin, f"JointModel{root}")()] if root else []))
+    rng = np.random.default_rng(5)
+    q = pin.integrate(m, pin.neutral(m), rng.uniform(-1, 1, m.nv))
+    v, tau = rng.normal(size=(2, m.nv))
+    M = pin.XYZQUATToSE3(np.array([0.1, 0.2, 0.3, 0.0, 0.0, np.sin(0.3), np.cos(0.3)]))
+    N = pin.XYZQUATToSE3(np.array([0.3, -0.2, 0.1, 0.0, np.sin(0.2), 0.0, np.cos(0.2)]))
+    joints = [m.getJointId(name) for name in held.split(",")]
+    names = {"m": m, "q": q, "v": v, "tau": tau, "rng": rng}
+    result = {}
+    for name, cs, (mu, rounds), exact in cases(m, joints, M, N):
+        for c in cs:
+            c.m_baumgarte_parameters.Kp, c.m_baumgarte_parameters.Kd = 10.0, 3.0
+        ds = [c.createData() for c in cs]
+        for x in ds:
+            x.contact_acceleration_desired = pin.Motion(np.arange(6.0))
+        settings = pin.ProximalSettings(1e-12, mu, rounds)
+        contact = all(c.joint2_id == 0 for c in cs)
+        text = (
+            SOLVED
+            + DERIVATIVES * exact
+            + IMPACT * contact
+            + (IMPACT_DERIVATIVES + ONE_ROUND) * (contact and mu == 0)
+        )
+        if contact and cs[0].reference_frame == pin.LOCAL:
+            text += DELASSUS
+        found = answers(text, names | {"d": m.createData(), "cs": cs, "ds": ds, "s": settings})
+        result |= {f"{name}: {line}": value for line, value in found.items()}
+    result |= answers(JACOBIAN, names | {"d": m.createData()})
+    with open(target, "w", encoding="utf-8") as out:
+        json.dump({"file": pin.__file__, "answers": result}, out)

@@ -1,0 +1,202 @@
+"""Constraints of the face: what Pinocchio answers, derivatives where it errs, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+from support.two_pythons import both
+from ulna.errors import InputError, ShapeError
+from ulna.robots.example_robot_data import share_folder
+
+ROBOTS = {
+    "ur5": ("ur_description/urdf/ur5_robot.urdf", "", "wrist_3_joint,elbow_joint"),
+    "panda": ("panda_description/urdf/panda.urdf", "", "panda_joint7,panda_joint4"),
+    "solo12": ("solo_description/robots/solo12.urdf", "FreeFlyer", "FL_KFE,FR_KFE,HL_KFE,HR_KFE"),
+    "talos": ("talos_data/robots/talos_reduced.urdf", "FreeFlyer", "leg_left_6_joint,leg_right_6_joint"),
+}
+SLOW = ("panda", "solo12", "talos")
+
+
+@pytest.mark.parametrize("robot", [pytest.param(r, marks=[pytest.mark.slow] * (r in SLOW)) for r in ROBOTS])
+def test_equals_pinocchio(robot: str, tmp_path: Path) -> None:
+    share = share_folder()
+    if share is None:
+        pytest.skip("example-robot-data is not installed")
+    file, *words = ROBOTS[robot]
+    own, wanted = both(
+        Path(__file__).parent / "asked_constraints.py", tmp_path, str(share / "robots" / file), *words
+    )
+    assert list(own) == list(wanted)
+    assert [line for line in wanted if not _close(own[line], wanted[line])] == []
+
+
+def _close(own: Any, wanted: Any) -> bool:
+    """Whether arrays, or lists of them, are equal to 1e-9 of the largest entry, or of one."""
+    try:
+        a, b = np.asarray(own, dtype=float), np.asarray(wanted, dtype=float)
+    except ValueError:  # of several shapes
+        return len(own) == len(wanted) and all(_close(a, b) for a, b in zip(own, wanted, strict=True))
+    error, size = np.abs(a - b).max(initial=0.0), np.abs(b).max(initial=1.0)
+    return a.shape == b.shape and bool(error <= 1e-9 * size)
+
+
+# refusals, and what works here though not there ------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def pin() -> Iterator[Any]:
+    with worn("pinocchio"):
+        import pinocchio
+
+        yield pinocchio
+
+
+def _arm(pin: Any) -> tuple[Any, Any, Any, Any, Any]:
+    """A model, its data, a state, and a constraint."""
+    model = pin.buildSampleModelManipulator()
+    q, v = np.linspace(-1.0, 1.0, 6), np.linspace(0.5, -0.5, 6)
+    held = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 6, pin.LOCAL_WORLD_ALIGNED)
+    return model, model.createData(), q, v, held
+
+
+def test_constraints_are_checked_when_they_are_made(pin: Any) -> None:
+    model, _, _, _, _ = _arm(pin)
+    point = pin.ContactType.CONTACT_3D
+    for wrong, word in (
+        ((point, model, 60), "expected 0 to 6"),
+        ((point, model, 3, 3), "binds nothing"),
+        ((point, model, 3, pin.WORLD), "LOCAL or LOCAL_WORLD_ALIGNED"),
+        ((3, model, 3), "CONTACT_6D"),
+        ((pin.ContactType.CONTACT_UNDEFINED, model, 3), "CONTACT_6D"),
+        ((point, "arm", 3), "pinocchio.Model"),
+        ((point, model), "getJointId"),
+        ((point, model, 3, "here"), "an SE3"),
+    ):
+        with pytest.raises(InputError, match=word):
+            pin.RigidConstraintModel(*wrong)
+    with pytest.raises(InputError, match="no joint3_id"):
+        pin.RigidConstraintModel(point, model, 3, joint3_id=2)
+    with pytest.raises(AttributeError):
+        pin.RigidConstraintModel(point, model, 3).corrector = 1.0
+
+
+def test_data_of_other_constraints_are_refused(pin: Any) -> None:
+    model, data, q, v, held = _arm(pin)
+    frame = pin.RigidConstraintModel(pin.ContactType.CONTACT_6D, model, 6)
+    with pytest.raises(InputError, match="createData"):
+        pin.constraintDynamics(model, data, q, v, v, [held], [frame.createData()])
+    with pytest.raises(InputError, match="expected as many"):
+        pin.initConstraintDynamics(model, data, [held], [])
+    with pytest.raises(InputError, match="RigidConstraintModel"):
+        pin.constraintDynamics(model, data, q, v, v, ["held"], [held.createData()])
+    with pytest.raises(InputError, match="ProximalSettings"):
+        pin.constraintDynamics(model, data, q, v, v, [held], [held.createData()], 1e-6)
+    with pytest.raises(ShapeError):
+        pin.constraintDynamics(model, data, q, v, v[:5], [held], [held.createData()])
+    other = pin.Model()
+    small = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 6)
+    joint = other.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "only")
+    other.appendBodyToJoint(joint, pin.Inertia.Random(), pin.SE3.Identity())
+    with pytest.raises(InputError, match="another model"):
+        pin.constraintDynamics(other, other.createData(), [0.1], [0.0], [0.0], [small], [small.createData()])
+
+
+def test_derivatives_want_the_dynamics_first(pin: Any) -> None:
+    model, data, q, v, held = _arm(pin)
+    known = held.createData()
+    with pytest.raises(InputError, match="Call constraintDynamics"):
+        pin.computeConstraintDynamicsDerivatives(model, data, [held], [known])
+    pin.constraintDynamics(model, data, q, v, v, [held], [known])
+    with pytest.raises(InputError, match="Call impulseDynamics"):
+        pin.computeImpulseDynamicsDerivatives(model, data, [held], [known])
+    with pytest.raises(InputError, match="Call forwardKinematics"):
+        pin.getConstraintJacobian(model, model.createData(), held, known)
+    with pytest.raises(InputError, match="crba"):
+        pin.forwardDynamics(model, model.createData(), v, np.eye(3, 6), np.zeros(3))
+    with pytest.raises(InputError, match="compute"):
+        pin.ContactCholeskyDecomposition(model, data, [held], [known]).inverse()
+
+
+def test_settings_are_checked(pin: Any) -> None:
+    for wrong in ((1e-12, -1.0, 3), (1e-12, np.inf, 3), (1e-12, 1e-6, 0), (-1.0, 1e-6, 3), (1e-12, 1e-6)):
+        with pytest.raises(InputError):
+            pin.ProximalSettings(*wrong)
+    assert repr(pin.ProximalSettings(1e-12, 0.25, 12)) == "ProximalSettings(1e-12, 1e-12, 0.25, 12)"
+    assert pin.ProximalSettings(accuracy=1e-9, mu=0.5, max_iter=2).relative_accuracy == 1e-9
+
+
+def test_constraints_that_depend_on_each_other(pin: Any) -> None:
+    """Without damping nothing is nan, and where answers are not unique, it is said."""
+    model, data, q, v, held = _arm(pin)
+    twice, known = [held, held], [held.createData(), held.createData()]
+    once = pin.constraintDynamics(model, data, q, v, v, [held], [known[0]])
+    np.testing.assert_allclose(pin.constraintDynamics(model, data, q, v, v, twice, known), once, atol=1e-6)
+    with pytest.raises(InputError, match="depend on each other"):
+        pin.computeConstraintDynamicsDerivatives(model, data, twice, known)
+    with pytest.raises(InputError, match="depend on each other"):
+        data.constraint_chol.inverse()
+    with pytest.raises(InputError, match="rank 1"):
+        pin.forwardDynamics(model, data, q, v, v, np.ones((2, 6)), np.zeros(2))
+    settings = pin.ProximalSettings(1e-10, 1e-6, 50)
+    again = pin.constraintDynamics(model, data, q, v, v, twice, known, settings)
+    np.testing.assert_allclose(again, once, atol=1e-6)
+    assert 1 < settings.iter < 50 and settings.absolute_residual <= 1e-10
+    np.testing.assert_allclose(known[0].contact_force.vector, known[1].contact_force.vector, atol=1e-6)
+
+
+def test_a_place_in_the_world_can_be_moved_without_compiling_anew(pin: Any) -> None:
+    model, data, q, v, held = _arm(pin)
+    known = held.createData()
+    held.m_baumgarte_parameters.Kp = 100.0
+    pin.constraintDynamics(model, data, q, v, v, [held], [known])
+    before, kernels = data.ddq.copy(), len(model.engine().kernels)
+    held.joint2_placement.translation[0] = 0.3
+    assert known.oMc2.translation[0] == 0.0  # as it was then
+    pin.constraintDynamics(model, data, q, v, v, [held], [known])
+    assert known.oMc2.translation[0] == 0.3
+    assert np.abs(data.ddq - before).max() > 1e-3 and len(model.engine().kernels) == kernels + 1
+
+
+def test_no_constraints_leave_the_robot_free(pin: Any) -> None:
+    model, data, q, v, _ = _arm(pin)
+    free = pin.aba(model, data, q, v, v)
+    np.testing.assert_array_equal(pin.constraintDynamics(model, data, q, v, v, [], []), free)
+    np.testing.assert_array_equal(pin.impulseDynamics(model, data, q, v, [], []), v)
+
+
+def test_an_impact_of_two_bodies_stops_what_lies_between_them(pin: Any) -> None:
+    """There the velocity of the second body is not counted."""
+    model, data, q, v, _ = _arm(pin)
+    joined = pin.RigidConstraintModel(
+        pin.ContactType.CONTACT_3D, model, 6, pin.SE3.Identity(), 2, pin.SE3.Identity()
+    )
+    after = pin.impulseDynamics(model, data, q, v, [joined], [joined.createData()])
+    J = pin.getConstraintJacobian(model, data, joined, joined.createData())
+    assert np.abs(J @ v).max() > 1e-2 and np.abs(J @ after).max() < 1e-9
+    with pytest.raises(InputError, match="from 0 to 1"):
+        pin.impulseDynamics(model, data, q, v, [joined], [joined.createData()], 1.5)
+
+
+def test_operators_take_numbers_that_make_sense(pin: Any) -> None:
+    G = pin.DelassusOperatorDense(np.diag([2.0, 3.0]))
+    G.updateDamping(0.5)
+    G.updateCompliance([0.5, 1.0])
+    np.testing.assert_allclose(G.matrix(), np.diag([3.0, 4.5]))
+    np.testing.assert_allclose(G.matrix(False, False), np.diag([2.5, 4.0]))
+    np.testing.assert_allclose(G * [1.0, 1.0], [3.0, 4.5])
+    np.testing.assert_allclose(G.solve([3.0, 9.0]), [1.0, 2.0])
+    np.testing.assert_allclose(G.inverse() @ G.matrix(), np.eye(2))
+    with pytest.raises(InputError, match="not below zero"):
+        G.updateDamping(-1.0)
+    with pytest.raises(ShapeError):
+        G.solve(np.ones(3))
+    with pytest.raises(ShapeError):
+        pin.DelassusOperatorDense(np.ones((2, 3)))
+    with pytest.raises(InputError, match="sparse matrix"):
+        pin.DelassusOperatorSparse(np.eye(2))
