@@ -398,9 +398,8 @@ class Model(Saved, Supports):
 
     def _seal(self) -> Floats:
         """Lays the numbers that kernels depend on into one array; the references become views of its parts."""
-        parts: list[tuple[Any, str, Any]] = [(M, "_m", M._m) for M in self._placements] + [
-            (i, "_p", i._p) for i in self._inertias
-        ]
+        parts: list[tuple[Any, str, Any]] = [(M, "_m", M._m) for M in self._placements]
+        parts += [(inertia, "_p", inertia._p) for inertia in self._inertias]
         parts.append((self._gravity, "_v", self._gravity._v))
         flat = np.concatenate([*(p[2].ravel() for p in parts), self._arrays["armature"]])
         at = 0
