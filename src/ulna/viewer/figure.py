@@ -52,13 +52,14 @@ class Figure:
         detail: Detail = "seen",
     ) -> None:
         self.scene, self.robot, self.name = scene, robot, name or robot.name
-        self._q = checked_configuration(robot, q)
+        start = checked_configuration(robot, q)
+        self._q: Floats | Callable[[], Floats] = start
         self.moves = 0
         """How often it was moved."""
         self._followers: list[Callable[[Floats], None]] = []
         tint = None if rgba is None else colour(rgba)
         # adding robots must not half-happen: everything that can fail comes first
-        poses = robot.link_poses(self._q)
+        poses = robot.link_poses(start)
         looks = link_looks(robot, show, tint, report, detail)
         self.names = tuple(f"{self.name}/{n}" for n in link_names(robot))
         with scene.together():
@@ -75,7 +76,7 @@ class Figure:
     @property
     def q(self) -> Floats:
         """The configuration it shows, shape (nq,)."""
-        return self._q.copy()
+        return self._now().copy()
 
     @property
     def show(self) -> Showing:
@@ -94,8 +95,11 @@ class Figure:
         """Hand over configuration `q` (nq,). Where the links are is computed when somebody looks."""
         self.put(checked_configuration(self.robot, q))
 
-    def put(self, q: Floats) -> None:
-        """As `move`, for an array that is known to be a configuration and that nobody will change."""
+    def put(self, q: Floats | Callable[[], Floats]) -> None:
+        """As `move`, for an array that is known to be a configuration and that nobody will change.
+
+        A function that gives such an array serves, too: it is called when somebody looks, on any thread.
+        """
         self._q = q
         self.moves += 1
         self.scene.later(self, self._bring)
@@ -105,13 +109,17 @@ class Figure:
         self._followers.append(function)
         self.scene.later(self, self._bring)
 
+    def _now(self) -> Floats:
+        q = self._q
+        return q() if callable(q) else q
+
     def _bring(self) -> None:
         if self.name not in self.scene:
             return
         structure = self.scene.version[0]
         if structure != self._structure:
             self._structure, self._rows = structure, self.scene.rows(self.names)
-        q = self._q
+        q = self._now()
         self.scene.set_poses(self.robot.link_poses(q), self._rows)
         for function in self._followers:
             function(q)

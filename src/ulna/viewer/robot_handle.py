@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -81,12 +81,19 @@ class RobotHandle(Handle):
     def q(self, q: ArrayLike | str) -> None:
         self.put(_named(self.robot, q) if isinstance(q, str) else checked_configuration(self.robot, q))
 
-    def put(self, q: Floats) -> None:
-        """As assigning to `q`, for an array that is known to be a configuration and that nobody will change."""
+    def put(self, q: Floats | Callable[[], Floats]) -> None:
+        """As assigning to `q`, for an array that is known to be a configuration and that nobody will change.
+
+        A function that gives such an array serves, too: it is called when somebody looks, on any thread.
+        """
         with self._lock:
+            if self._body is None and not self._traces:
+                self._figure.put(q)
+                return
+            now = q() if callable(q) else q
             if self._body is not None:
-                self._body.put(q)
-            self._move(q)
+                self._body.put(now)
+            self._move(now)
 
     @property
     def qd(self) -> Floats:

@@ -44,9 +44,11 @@ class State(Part):
         self._qdd = self._state("qdd", qdd)
 
     def _state(self, name: str, value: Any) -> Floats:
-        out = np.array(value, dtype=float).ravel()
+        out = np.array(value, dtype=float)
         if out.shape != (self.n,):
-            raise ShapeError(name, np.shape(value), f"({self.n},)")
+            out = out.ravel()
+            if out.shape != (self.n,):
+                raise ShapeError(name, np.shape(value), f"({self.n},)")
         return out
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -62,7 +63,7 @@ class RobotHandle(AssemblyHandle):
         return q
 
     def _configuration(self) -> Floats:
-        """A new array of the configuration of the model: the joints, and those of grippers where it has them."""
+        """The configuration of the model: the joints, and those of grippers where it has them."""
         return self._whole(self._joints())
 
     def _placed(self) -> Floats:
@@ -87,13 +88,14 @@ class RobotHandle(AssemblyHandle):
 
     def show(self) -> None:
         """Show where it is."""
-        q = self._configuration()
-        sound = math.isfinite(sum(q.tolist()))
-        for figure in self.figures:
-            if sound:
-                figure.put(q)
-            else:
-                figure.q = q  # which tells what is wrong with it
+        q = self._joints().copy()
+        if math.isfinite(sum(q.tolist())):
+            whole = partial(self._whole, q)  # the rest is done when somebody looks
+            for figure in self.figures:
+                figure.put(whole)
+        else:
+            for figure in self.figures:
+                figure.q = self._whole(q)  # which tells what is wrong with it
         if not self._to_place:  # a base seldom moves, and asking for it takes time: not before somebody looks
             self._to_place = True
             self._viewer.scene.later(self, self._place)
