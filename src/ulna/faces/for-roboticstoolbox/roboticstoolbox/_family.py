@@ -11,6 +11,7 @@ from roboticstoolbox._link import Link
 from roboticstoolbox._part import Part
 from roboticstoolbox._poses import pose
 from roboticstoolbox._tree import between
+from ulna.typing import Floats
 
 
 class Family(Part):
@@ -100,6 +101,12 @@ class Family(Part):
     def hascollision(self) -> bool:
         """Whether any link has shapes to check."""
         return any(link.collision for link in self._links)
+
+    @property
+    def _held(self) -> Floats:
+        """Joint limits, (2, n); a joint without any is not held."""
+        limits = [(-np.inf, np.inf) if link.qlim is None else link.qlim for link in self._joints()]
+        return np.array(limits, dtype=float).reshape(-1, 2).T
 
     def dfs_links(self, start: Link, func: Any = None) -> list[Link]:
         """The links from `start` on, children before siblings; `func` is called with each."""

@@ -9,6 +9,7 @@ import numpy as np
 from roboticstoolbox._collision import Collision
 from roboticstoolbox._copies import Copies
 from roboticstoolbox._dynamics import Dynamics, _three
+from roboticstoolbox._ellipses import Ellipses
 from roboticstoolbox._family import Family
 from roboticstoolbox._felt import Felt
 from roboticstoolbox._graph import Graph
@@ -21,6 +22,7 @@ from roboticstoolbox._poses import matrix, pose
 from roboticstoolbox._scene import RobotNode
 from roboticstoolbox._sequence import BaseETS
 from roboticstoolbox._state import State
+from roboticstoolbox._teach import Teaching
 from roboticstoolbox._tree import connect, number
 from roboticstoolbox._weights import Weights
 from roboticstoolbox._words import Words
@@ -61,6 +63,8 @@ class BaseRobot(
     Collision,
     RobotNode,
     Plotting,
+    Teaching,
+    Ellipses,
     Words,
     Graph,
     Copies,

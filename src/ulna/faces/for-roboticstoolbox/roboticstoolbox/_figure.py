@@ -1,0 +1,192 @@
+"""Figures of matplotlib with robots in them: the toolbox's backend "pyplot"."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError, MissingExtra, UnknownName
+from ulna.typing import Array, Floats
+
+_VIEWS = {"xy": (90, -90), "xz": (0, -90), "yz": (0, 0)}
+
+
+def pyplot() -> Any:
+    """matplotlib.pyplot.
+
+    Raises:
+        MissingExtra: matplotlib is not installed.
+    """
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError:
+        raise MissingExtra("matplotlib", "toolbox", "plot") from None
+    return plt
+
+
+def has_window() -> bool:
+    """Whether figures have windows that somebody could close."""
+    import matplotlib
+
+    backend = str(matplotlib.get_backend()).lower()
+    return backend not in ("agg", "pdf", "svg", "ps", "cairo", "template") and "inline" not in backend
+
+
+class PyPlot:
+    """A figure of matplotlib with robots in it.
+
+    Robots that were added are moved by `step`, at their `qd` in control mode "v", held at their limits.
+    """
+
+    supports_teach = supports_ellipse = True
+
+    def __init__(self, ax: Any = None, limits: Any = None, name: str = "") -> None:
+        """A figure, opened by `launch`.
+
+        Args:
+            ax: Axes of matplotlib in three dimensions to draw into.
+            limits: Of the picture, x, y, z from and to [m].
+            name: The window's name.
+        """
+        self._ax, self.limits, self._name = ax, None, name
+        self._told(limits)
+        self._things: dict[int, Any] = {}
+        self._readonly: set[int] = set()
+        self.sim_time = 0.0
+
+    def _told(self, limits: Any) -> None:
+        if limits is not None:
+            given = np.asarray(limits, dtype=float).ravel()
+            self.limits = np.tile(given, 3) if given.size == 2 else given
+
+    def launch(self, name: str | None = None, limits: Any = None, view: str | None = None, **_: Any) -> None:
+        """Opens the figure.
+
+        Args:
+            name: The window's name.
+            limits: Of the picture, x, y, z from and to [m].
+            view: "xy", "xz" or "yz" to look at that plane; None for a corner.
+        """
+        self._name = name or self._name
+        self._told(limits)
+        if view is not None:
+            if view not in _VIEWS:
+                raise UnknownName("view", view, _VIEWS)
+            self.ax.view_init(*_VIEWS[view])
+
+    @property
+    def ax(self) -> Any:
+        """The axes."""
+        if self._ax is None:
+            self._ax = pyplot().figure(self._name or None, figsize=(6.4, 4.8)).add_subplot(projection="3d")
+        return self._ax
+
+    @property
+    def fig(self) -> Any:
+        """The figure."""
+        return self.ax.figure
+
+    def add(self, ob: Any, readonly: bool = False, **_: Any) -> int:
+        """Adds a robot, or an ellipsoid; gives its number.
+
+        Raises:
+            InputError: It is neither.
+        """
+        if not (hasattr(ob, "_everything") or hasattr(ob, "points")):
+            raise InputError(
+                f"{ob!r} cannot be drawn here; robots and ellipsoids can, shapes by swift.Swift()."
+            )
+        number = max(self._things, default=-1) + 1
+        self._things[number] = ob
+        if readonly:
+            self._readonly.add(number)
+        self._draw()
+        return number
+
+    def remove(self, id: int) -> None:
+        """Takes out what has that number."""
+        if id not in self._things:
+            raise UnknownName("number of a thing in the figure", id, map(str, self._things))
+        del self._things[id]
+        self._draw()
+
+    def reset(self) -> None:
+        """Takes everything out."""
+        self._things, self.sim_time = {}, 0.0
+        self.ax.clear()
+
+    restart = reset
+
+    def _draw(self) -> None:
+        robots = [(ob, ob.q) for ob in self._things.values() if hasattr(ob, "_everything")]
+        title = f"t = {self.sim_time:.2f} s" if self.sim_time else ""
+        self._show(robots, title, [ob.points for ob in self._things.values() if hasattr(ob, "points")])
+
+    def show(self, robot: Any, q: Floats, title: str = "", ellipses: Any = ()) -> None:
+        """Draws one robot anew."""
+        self._show([(robot, q)], title, ellipses)
+
+    def _show(self, robots: Any, title: str, ellipses: Any) -> None:
+        from ulna.viewer.sticks import stick_figure
+
+        limits = None if not self.ax.lines else [self.ax.get_xlim(), self.ax.get_ylim(), self.ax.get_zlim()]
+        self.ax.clear()
+        for robot, q in robots:
+            stick_figure(robot._everything(), robot._configuration(q), self.ax)
+        for points in ellipses:
+            self.ax.plot_wireframe(*points, color="#e08a1e", lw=0.4)
+        if self.limits is not None:
+            limits = [self.limits[0:2], self.limits[2:4], self.limits[4:6]]
+        if limits is not None:
+            self.ax.set(xlim=limits[0], ylim=limits[1], zlim=limits[2])
+        self.ax.set_title(title, fontsize=9)
+
+    def picture(self) -> Array:
+        """What the figure shows, (h, w, 3) uint8."""
+        canvas = self.fig.canvas
+        if not hasattr(canvas, "buffer_rgba"):
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+            canvas = FigureCanvasAgg(self.fig)
+        canvas.draw()
+        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+    getframe = picture
+
+    def step(self, dt: float = 0.05) -> None:
+        """Moves what was added, and lets the window draw for `dt` seconds; at once where there is none."""
+        for number, robot in self._things.items():
+            if hasattr(robot, "_everything") and number not in self._readonly and robot.control_mode == "v":
+                low, high = robot._held
+                robot.q = np.clip(robot.q + dt * robot.qd, low, high)
+        self.sim_time += dt
+        if self._things:
+            self._draw()
+        if has_window():
+            pyplot().pause(dt)
+
+    def hold(self) -> None:
+        """Waits until the window is closed; returns at once where there is none."""
+        if has_window():
+            pyplot().show(block=True)
+
+    def close(self) -> None:
+        """Closes the figure."""
+        pyplot().close(self.fig)
+
+    def __repr__(self) -> str:
+        return f"PyPlot(t = {self.sim_time:g}, {len(self._things)} things)"
+
+
+class PyPlot2(PyPlot):
+    """The same for robots in the plane, looked at from above."""
+
+    def launch(self, name: str | None = None, limits: Any = None, view: str | None = None, **_: Any) -> None:
+        """Opens the figure; see `PyPlot.launch`. Four limits are x and y from and to."""
+        if limits is not None and np.size(limits) == 4:
+            limits = [*np.ravel(limits), -1.0, 1.0]
+        super().launch(name, limits, view or "xy")
+
+
+__all__ = ["PyPlot", "PyPlot2"]

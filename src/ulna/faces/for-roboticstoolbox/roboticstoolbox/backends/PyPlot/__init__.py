@@ -1,0 +1,8 @@
+"""matplotlib by the toolbox's name."""
+
+from __future__ import annotations
+
+from roboticstoolbox._figure import PyPlot as PyPlot
+from roboticstoolbox._figure import PyPlot2 as PyPlot2
+
+__all__ = ["PyPlot", "PyPlot2"]

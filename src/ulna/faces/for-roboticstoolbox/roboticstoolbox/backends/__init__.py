@@ -1,0 +1,39 @@
+"""What robots are drawn with: "swift" is Ulna's viewer, "pyplot" and "pyplot2" are matplotlib."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ulna.errors import UnknownName
+
+_NAMES = ("swift", "pyplot", "pyplot2")
+
+
+def load_backend(name: str) -> Any:
+    """A backend by its name, ready to be launched.
+
+    Raises:
+        UnknownName: There is none of that name.
+    """
+    if name not in _NAMES:
+        raise UnknownName("backend", name, _NAMES)
+    if name == "swift":
+        from swift import Swift
+
+        return Swift()
+    from roboticstoolbox._figure import PyPlot, PyPlot2
+
+    return PyPlot() if name == "pyplot" else PyPlot2()
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("ROS", "Dynamixel", "VPython"):
+        raise AttributeError(
+            f"The backend {name} is not offered; env.step of swift.Swift() drives the viewer, and robot.q is there to "
+            "be sent to a real arm."
+        )
+    if name in ("swift", "PyPlot"):
+        import importlib
+
+        return importlib.import_module(f"roboticstoolbox.backends.{name}")
+    raise AttributeError(f"module 'roboticstoolbox.backends' has no attribute {name!r}")
