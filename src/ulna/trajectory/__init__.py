@@ -6,6 +6,7 @@ from ulna.trajectory.base import concatenate as concatenate
 from ulna.trajectory.blends import blended as blended
 from ulna.trajectory.boundary import cubic as cubic
 from ulna.trajectory.boundary import quintic as quintic
+from ulna.trajectory.boundary import quintic_states as quintic_states
 from ulna.trajectory.check import Breach as Breach
 from ulna.trajectory.check import Report as Report
 from ulna.trajectory.check import check as check

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from typing import Any
+
 import numpy as np
 
+from ulna import numeric
+from ulna.trace import compile
+from ulna.trajectory.base import END_TOLERANCE
 from ulna.trajectory.inputs import filled, seconds, vector
-from ulna.trajectory.polynomial import Polynomial, hermite
-from ulna.typing import ArrayLike, Floats
+from ulna.trajectory.polynomial import Polynomial, hermite, hermite_coefficients, horner
+from ulna.typing import Array, ArrayLike, Floats
 
 
 def cubic(
@@ -65,6 +71,57 @@ def quintic(
     a = _both(("a0", a0), ("a1", a1), n)
     times = np.array([0.0, seconds("duration", duration)])
     return hermite(times, np.array([start, end]), v, a, kind="quintic")
+
+
+def quintic_states(
+    q0: ArrayLike,
+    q1: ArrayLike,
+    duration: float,
+    t: ArrayLike,
+    v0: ArrayLike | None = None,
+    v1: ArrayLike | None = None,
+) -> tuple[Floats, Floats, Floats]:
+    """What `quintic(q0, q1, duration, v0, v1).state(t)` is, in one compiled evaluation: for rows, and no trajectory.
+
+    Args:
+        q0: Start, (n,) [rad or m].
+        q1: End, (n,).
+        duration: Time it takes [s].
+        t: Times, (m,) [s].
+        v0: Velocity at the start, (n,) [rad/s or m/s]; None for rest.
+        v1: Velocity at the end.
+
+    Returns:
+        Points, velocities and accelerations, (m, n) each.
+
+    Raises:
+        InputError: As `quintic`.
+    """
+    start, end, at = np.asarray(q0), np.asarray(q1), np.asarray(t)
+    first, last = (np.zeros(start.shape) if v is None else np.asarray(v) for v in (v0, v1))
+    ends = (start, end, first, last)
+    if (
+        all(x.ndim == 1 and x.size == start.size and x.dtype == np.float64 for x in ends)
+        and at.ndim == 1
+        and at.size
+    ):
+        q, v, a = _states(start.size)(*ends, seconds("duration", duration), at)
+        if np.isfinite(q).all():
+            return q, v, a
+    return quintic(q0, q1, duration, v0, v1).state(t)  # which converts, or says what is wrong
+
+
+@lru_cache(maxsize=64)
+def _states(n: int) -> Any:
+    def states(q0: Array, q1: Array, v0: Array, v1: Array, h: Any, t: Any) -> tuple[Array, ...]:
+        tau = numeric.clip(t, 0.0, h)
+        rest = 0.0 * q0
+        q, v, a = horner(hermite_coefficients(h, q0, q1, v0, v1, rest, rest), tau, 2)
+        is_still = numeric.less(END_TOLERANCE * h, abs(t - tau))
+        return q, numeric.where(is_still, rest, v), numeric.where(is_still, rest, a)
+
+    shapes: dict[str, Any] = dict.fromkeys(("q0", "q1", "v0", "v1"), (n,))
+    return compile(states, **shapes, h=(), t=()).gufunc
 
 
 def _both(start: tuple[str, ArrayLike | None], end: tuple[str, ArrayLike | None], n: int) -> Floats:

@@ -139,24 +139,37 @@ def shifted(c: Floats, h: Floats) -> Floats:
     return out
 
 
+def hermite_coefficients(h: Any, q0: Array, q1: Array, v0: Array, v1: Array, *a: Array) -> Array:
+    """Coefficients of one piece of length `h` from the states at its ends, (4, n), or with accelerations (6, n)."""
+    way, b0, b1 = q1 - q0, v0 * h, v1 * h
+    if not a:
+        return np.stack([q0, v0, (3.0 * way - 2.0 * b0 - b1) / h**2, (b0 + b1 - 2.0 * way) / h**3])
+    half = 0.5 * a[0]
+    c0, c1 = half * h**2, 0.5 * a[1] * h**2
+    cubic = 10.0 * way - 6.0 * b0 - 4.0 * b1 - 3.0 * c0 + c1
+    quartic = -15.0 * way + 8.0 * b0 + 7.0 * b1 + 3.0 * c0 - 2.0 * c1
+    last = 6.0 * way - 3.0 * (b0 + b1) - c0 + c1
+    return np.stack([q0, v0, half, cubic / h**3, quartic / h**4, last / h**5])
+
+
+def horner(c: Array, tau: Any, order: int) -> tuple[Array, ...]:
+    """The polynomial with coefficients `c` (d + 1, n) at `tau`, and its derivatives up to `order`, (n,) each."""
+
+    def derivative(k: int) -> Array:
+        value = 0.0 * c[0]
+        for i in reversed(range(k, len(c))):
+            value = value * tau + c[i] * float(perm(i, k))
+        return value
+
+    return tuple(derivative(k) for k in range(order + 1))
+
+
 @lru_cache(maxsize=64)
 def _hermite_kernel(n: int, quintic: bool) -> Any:
     """The kernel from a piece's length and the states at its ends to its coefficients, (4, n) or (6, n)."""
-
-    def coefficients(h: Any, q0: Array, q1: Array, v0: Array, v1: Array, *a: Array) -> Array:
-        way, b0, b1 = q1 - q0, v0 * h, v1 * h
-        if not quintic:
-            return np.stack([q0, v0, (3.0 * way - 2.0 * b0 - b1) / h**2, (b0 + b1 - 2.0 * way) / h**3])
-        half = 0.5 * a[0]
-        c0, c1 = half * h**2, 0.5 * a[1] * h**2
-        cubic = 10.0 * way - 6.0 * b0 - 4.0 * b1 - 3.0 * c0 + c1
-        quartic = -15.0 * way + 8.0 * b0 + 7.0 * b1 + 3.0 * c0 - 2.0 * c1
-        last = 6.0 * way - 3.0 * (b0 + b1) - c0 + c1
-        return np.stack([q0, v0, half, cubic / h**3, quartic / h**4, last / h**5])
-
     names = ("q0", "q1", "v0", "v1", *(("a0", "a1") if quintic else ()))
     shapes: dict[str, Any] = {"h": ()} | dict.fromkeys(names, (n,))
-    return compile(coefficients, **shapes).gufunc
+    return compile(hermite_coefficients, **shapes).gufunc
 
 
 @lru_cache(maxsize=64)
@@ -164,13 +177,7 @@ def _horner(rows: int, n: int, order: int) -> Any:
     """The kernel (rows, n), () -> (n,) ...: a polynomial and its derivatives up to `order`."""
 
     def evaluate(c: Array, tau: Any) -> Any:
-        def derivative(k: int) -> Array:
-            value = 0.0 * c[0]
-            for i in reversed(range(k, rows)):
-                value = value * tau + c[i] * float(perm(i, k))
-            return value
-
-        found = tuple(derivative(k) for k in range(order + 1))
+        found = horner(c, tau, order)
         return found if order else found[0]
 
     return compile(evaluate, c=(rows, n), tau=()).gufunc

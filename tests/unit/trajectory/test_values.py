@@ -23,6 +23,30 @@ def test_a_quintic_is_where_it_should_be() -> None:
     np.testing.assert_allclose(t.jerk(0.0), 60.0 * (B - A) / 2.0**3)
 
 
+def test_states_of_a_quintic_are_those_of_the_trajectory() -> None:
+    """Before and after it, in any order, from lists; it says what is wrong as that does."""
+    t = np.array([-1.0, 0.0, 2.0 + 1e-12, 0.3, 1.7, 2.0, 2.1])
+    for ends in ((None, None), (C, None), (C, 0.3 * A)):
+        expected = trajectory.quintic(A, B, 2.0, *ends).state(t)
+        for got in (
+            trajectory.quintic_states(A, B, 2.0, t, *ends),
+            trajectory.quintic_states([0, 1, -2], B, 2, t, *ends),
+        ):
+            for rows, wanted in zip(got, expected, strict=True):
+                np.testing.assert_allclose(rows, wanted, rtol=1e-13, atol=1e-13)
+    assert trajectory.quintic_states(A, B, 2.0, 0.5)[0].shape == (3,)
+    for wrong in ((A, B[:2], 2.0, t), (A, B, 0.0, t), (A + 1j, B, 1.0, t)):
+        with pytest.raises(InputError):
+            trajectory.quintic_states(*wrong)
+    for wrong in (
+        (A * np.nan, B, 2.0, t),
+        (A, B, 2.0, t * np.nan),
+        (A, np.array([1.0, 0.0, np.inf]), 2.0, t),
+    ):
+        with pytest.raises(NonFiniteError):
+            trajectory.quintic_states(*wrong)
+
+
 def test_times_may_have_any_shape() -> None:
     t = trajectory.quintic(A, B, 2.0)
     times = np.linspace(0, 2, 6).reshape(2, 3)

@@ -133,11 +133,9 @@ def jtraj(q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None) -> Traject
     """
     rows, is_time = _times(t)
     lasts = float(rows.max()) if is_time else 1.0
-    at = rows if is_time else np.linspace(0.0, 1.0, len(rows))
-    law = trajectory.quintic(q0, qf, lasts, qd0, qd1)
-    q, v, a = law.state(at)
-    clock = rows if is_time else np.linspace(0.0, float(t), len(rows))
-    return Trajectory("jtraj", clock, q, v, a, istime=True)
+    at = rows if is_time else rows / (len(rows) - 1)
+    q, v, a = trajectory.quintic_states(q0, qf, lasts, at, qd0, qd1)
+    return Trajectory("jtraj", rows if is_time else at * float(t), q, v, a, istime=True)
 
 
 def quintic_func(q0: float, qf: float, T: float, qd0: float = 0, qdf: float = 0) -> Callable[[Any], Any]:
