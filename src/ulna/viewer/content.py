@@ -107,6 +107,10 @@ class Lines(Content):
     @cached_property
     def surfaces(self) -> tuple[Surface, ...]:
         """A prism with six sides for each line."""
+        return self.prisms(np.full((len(self.segments), 2), self.thickness / 2))
+
+    def prisms(self, radii: Floats) -> tuple[Surface, ...]:
+        """The lines as prisms with six sides that have a radius at each end, shape (n, 2) [m]."""
         start, end = self.segments[:, 0], self.segments[:, 1]
         along = unit(end - start)
         helper = np.where(np.abs(along[:, 2:]) < 0.9, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
@@ -116,9 +120,7 @@ class Lines(Content):
         ring = (
             np.cos(angle)[:, None] * side[:, None, :] + np.sin(angle)[:, None] * other[:, None, :]
         )  # (n, 6, 3)
-        vertices = np.stack(
-            [start[:, None] + self.thickness / 2 * ring, end[:, None] + self.thickness / 2 * ring], 1
-        )
+        vertices = self.segments[:, :, None] + radii[:, :, None, None] * ring[:, None]
         j, k = np.arange(6), (np.arange(6) + 1) % 6
         prism = np.concatenate([np.stack([j, k, 6 + k], 1), np.stack([j, 6 + k, 6 + j], 1)])
         triangles = 12 * np.arange(len(start))[:, None, None] + prism

@@ -39,7 +39,7 @@ class ShadowMap:
         nearness: 1 plus the distance [m] towards the light above the plane through the lowest point, 0 for
             nothing.
         base: The height of that plane along the light [m].
-        soft: Blurred share of the light that is held back, for the floor.
+        soft: Blurred share of the light that is held back, for the floor, on a coarser grid.
     """
 
     rotation: Floats
@@ -51,19 +51,20 @@ class ShadowMap:
 
     def place(self, points: Array) -> tuple[Array, Array, Array]:
         """Map coordinates in samples (x, y) and nearness of world points (n, 3)."""
-        local = (points - self.centre) @ self.rotation.T
-        scale = len(self.nearness) / (2 * self.half)
-        return (
-            (local[:, 0] + self.half) * scale,
-            (self.half - local[:, 1]) * scale,
-            local[:, 2] - self.base + 1.0,
-        )
+        scale, kind = len(self.nearness) / (2 * self.half), points.dtype.type
+
+        def along(axis: Floats) -> Array:  # column by column: matrices this thin are slow to multiply
+            a, b, c = (kind(number) for number in axis)
+            return a * points[:, 0] + b * points[:, 1] + c * points[:, 2] - kind(self.centre @ axis)
+
+        x, y, z = (along(axis) for axis in self.rotation)
+        return (x + self.half) * scale, (self.half - y) * scale, z - self.base + 1.0
 
     def lit(self, points: Array, normals: Array) -> Array:
         """The share of the key light that reaches points (n, 3) of surfaces, from 0 to 1."""
         size = len(self.nearness)
         sample = 2 * self.half / size
-        facing = np.clip(normals @ self.rotation[2], 0.0, 1.0)
+        facing = np.clip(normals @ self.rotation[2].astype(normals.dtype), 0.0, 1.0)
         # lift the point off its own surface, more where the light grazes it
         lifted = points + normals * (sample * (1.5 + 2.5 * np.sqrt(1 - facing**2)))[:, None]
         x, y, near = self.place(lifted)
@@ -78,7 +79,8 @@ class ShadowMap:
     def floor_shadow(self, points: Array) -> Array:
         """The share of the key light that is held back at points (n, 3) of the floor, from 0 to 1."""
         x, y, _ = self.place(points)
-        return bilinear(self.soft, x - 0.5, y - 0.5)
+        finer = len(self.nearness) / len(self.soft)
+        return bilinear(self.soft, x / finer - 0.5, y / finer - 0.5)
 
 
 # sixteen samples spread evenly over a disc of 2.6 samples, by the golden angle
@@ -106,20 +108,21 @@ def shadow_map(corners: Floats, floor: float, size: int = 1536, blur: float = 0.
         nothing = np.zeros((8, 8), dtype=np.float32)
         return ShadowMap(rotation, np.zeros(3), 1.0, nothing, 0.0, nothing)
     # along the light everything falls where its shadow falls, so a map of the things holds their shadows
-    local = points @ rotation.T
-    low, high = local.min(axis=0), local.max(axis=0)
-    centre = ((low + high) / 2) @ rotation
-    half = float((high - low)[:2].max()) / 2 * 1.02 + 3 * blur + 1e-6
-    flat = (corners - centre) @ rotation.T
-    base = float(flat[:, :, 2].min())
-    scale = size / (2 * half)
-    screen = np.stack([(flat[:, :, 0] + half) * scale, (half - flat[:, :, 1]) * scale], axis=-1)
-    above = points[:, 2].reshape(-1, 3).max(axis=1) > floor - 1e-6
-    nearness, _ = rasterise(
-        screen[above], flat[above][:, :, 2] - base + 1.0, np.zeros(int(above.sum()), np.int64), size, size
-    )
-    soft = gaussian((nearness > 0).astype(np.float32), max(blur * scale, 1.0))
-    return ShadowMap(rotation, centre, half, nearness, base, soft)
+    x, y, z = (points @ axis for axis in rotation)
+    spans = [(float(v.min()), float(v.max())) for v in (x, y, z)]
+    middle = np.array([(low + high) / 2 for low, high in spans])
+    half = max(high - low for low, high in spans[:2]) / 2 * 1.02 + 3 * blur + 1e-6
+    base, scale = spans[2][0] - middle[2], size / (2 * half)
+    across, down = (x - middle[0] + half) * scale, (half - y + middle[1]) * scale
+    near = (z - middle[2] - base + 1.0).reshape(-1, 3)
+    screen = np.stack([across, down], axis=-1).reshape(-1, 3, 2)
+    above = (points[:, 2] > floor - 1e-6).reshape(-1, 3).any(axis=1)
+    count = int(above.sum())
+    nearness, _ = rasterise(screen[above], near[above], np.zeros(count, np.int64), size, size)
+    coarse = next(k for k in (4, 2, 1) if k == 1 or blur * scale > 2.0 * k)
+    shadowed = (nearness > 0).astype(np.float32).reshape(size // coarse, coarse, size // coarse, coarse)
+    soft = gaussian(shadowed.mean(axis=(1, 3)), max(blur * scale / coarse, 1.0))
+    return ShadowMap(rotation, middle @ rotation, half, nearness, base, soft)
 
 
 def shade(albedo: Array, normals: Array, towards_eye: Array, lit: Array) -> Array:

@@ -33,7 +33,6 @@ def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> A
     height, width = image.shape[:2]
     focus = height / (2 * np.tan(camera.fov / 2))
     canvas = Image.fromarray(image)
-    draw: Any = ImageDraw.Draw(canvas, "RGBA")
     for i, text in said:
         x, y, z = (seen.poses[i, :3, 3] - camera.position) @ camera.axes()
         size = text.height * float(seen.scales[i, 2]) * focus / max(-z, 1e-9)
@@ -41,8 +40,11 @@ def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> A
             ink = theme.ink if seen.tint[i, 0] < 0 else tuple(int(255 * c) for c in seen.tint[i])
             place = (width / 2 - focus * x / z, height / 2 + focus * y / z)
             font = ImageFont.load_default(size)
+            mask = Image.new("L", canvas.size)  # text that is drawn right onto a picture is never translucent
+            draw: Any = ImageDraw.Draw(mask)
             lines = text.words.split("\n")
             for k, line in enumerate(lines):  # the last one stands on the place, as in the page
                 at = (place[0], place[1] - 1.25 * size * (len(lines) - 1 - k))
-                draw.text(at, line, fill=(*ink, int(255 * seen.opacity[i])), font=font, anchor="ls")
+                draw.text(at, line, fill=round(255 * seen.opacity[i]), font=font, anchor="ls")
+            canvas.paste(ink, mask=mask)
     return np.asarray(canvas)
