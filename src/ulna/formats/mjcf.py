@@ -25,14 +25,21 @@ from typing import Any
 import numpy as np
 
 from ulna.errors import FormatError, InputError, ModelError, ModelWarning, UnknownName
-from ulna.formats.mjcf_parse import read_mjcf, text_or_file
+from ulna.formats.mjcf_parse import (
+    BALL,
+    FREE,
+    HINGE,
+    SLIDE,
+    fresh,
+    names_of,
+    pose_of,
+    read_mjcf,
+    text_or_file,
+)
 from ulna.formats.mjcf_shapes import Shapes
 from ulna.formats.root import root_kind
 from ulna.model import Fixed, FreeFlyer, JointKind, Model, ModelBuilder, Prismatic, Revolute, Spherical
 from ulna.spatial import SE3, Inertia
-
-FREE, BALL, SLIDE, HINGE = range(4)
-"""mjtJoint."""
 
 SAME_JOINTS = 2
 """mjEQ_JOINT of mjtEq."""
@@ -83,17 +90,7 @@ class _Reading:
     def __init__(self, compiled: Any, spec: Any, file: str | None) -> None:
         self._m, self._file = compiled, file
         self._shapes = Shapes(compiled, spec, file)
-        self._links = ["world"]
-        taken = {"world"}
-        for body in range(1, compiled.nbody):
-            self._links.append(_fresh(compiled.body(body).name or f"body_{body}", taken))
-        taken = {compiled.joint(j).name for j in range(compiled.njnt)}
-        self._joints = [compiled.joint(j).name or self._own_name(j, taken) for j in range(compiled.njnt)]
-
-    def _own_name(self, j: int, taken: set[str]) -> str:
-        """A name for a joint without one, after its body."""
-        ending = "free" if self._m.jnt_type[j] == FREE else "joint"
-        return _fresh(f"{self._links[self._m.jnt_bodyid[j]]}_{ending}", taken)
+        self._links, self._joints = names_of(compiled)
 
     def builder(self, root: JointKind | None, mimic: bool) -> ModelBuilder:
         m = self._m
@@ -221,8 +218,8 @@ class _Reading:
             name = m.site(s).name
             if name:
                 place = pose_of(m.site_pos[s], m.site_quat[s])
-                fresh = _fresh(name if name not in taken else f"{name}_site", taken)
-                builder.add_frame(fresh, self._links[m.site_bodyid[s]], place)
+                called = fresh(name if name not in taken else f"{name}_site", taken)
+                builder.add_frame(called, self._links[m.site_bodyid[s]], place)
 
     def _add_configurations(self, builder: ModelBuilder) -> None:
         m = self._m
@@ -255,9 +252,7 @@ class _Reading:
         left = {
             "springs of joints": int(np.count_nonzero(m.jnt_stiffness)),
             "tendons": int(m.ntendon),
-            "equalities (closed loops are told to the dynamics: ulna.model.PointLoop, FrameLoop)": int(
-                others
-            ),
+            "equalities (closed loops: ulna.formats.mjcf_loops.loops_from_mjcf)": int(others),
             "bodies with compensated gravity": int(np.count_nonzero(m.body_gravcomp)),
             "plugins": int(m.nplugin),
             **self._shapes.left,
@@ -266,17 +261,3 @@ class _Reading:
         if words:
             text = f"{self._file or '<string>'}: left out, because a model has no place for them: "
             warnings.warn(text + ", ".join(words) + ".", ModelWarning, stacklevel=2)
-
-
-def pose_of(position: Any, wxyz: Any) -> SE3:
-    """A pose of MuJoCo's position [m] and quaternion (w, x, y, z)."""
-    return SE3.from_quat_xyzw(np.roll(np.asarray(wxyz), -1), np.asarray(position))
-
-
-def _fresh(name: str, taken: set[str]) -> str:
-    """The name, numbered if it is taken; and taken from now on."""
-    found, number = name, 2
-    while found in taken:
-        found, number = f"{name}_{number}", number + 1
-    taken.add(found)
-    return found

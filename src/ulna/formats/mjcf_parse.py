@@ -6,8 +6,14 @@ import os
 import re
 from typing import Any
 
+import numpy as np
+
 from ulna.errors import FormatError, MissingExtra
 from ulna.formats.markup import read_file
+from ulna.spatial import SE3
+
+FREE, BALL, SLIDE, HINGE = range(4)
+"""mjtJoint."""
 
 
 def read_mjcf(source: str | os.PathLike[str]) -> Any:
@@ -52,3 +58,31 @@ def _refusal(error: Exception, file: str | None) -> FormatError:
         mend = "Meshes are looked for in the compiler's `meshdir`, seen from the file."
     number = int(line[1]) if line and int(line[1]) > 0 else None
     return FormatError(f"MuJoCo refuses it: {words}.", file=file, line=number, mend=mend)
+
+
+def names_of(compiled: Any) -> tuple[list[str], list[str]]:
+    """The names of links, of which the world is the first, and of joints; those without get one after their body."""
+    taken = {"world"}
+    bodies = (compiled.body(b).name or f"body_{b}" for b in range(1, compiled.nbody))
+    links = ["world", *(fresh(name, taken) for name in bodies)]
+    joints = [compiled.joint(j).name for j in range(compiled.njnt)]
+    taken = set(joints)
+    for j, name in enumerate(joints):
+        if not name:
+            ending = "free" if compiled.jnt_type[j] == FREE else "joint"
+            joints[j] = fresh(f"{links[compiled.jnt_bodyid[j]]}_{ending}", taken)
+    return links, joints
+
+
+def pose_of(position: Any, wxyz: Any) -> SE3:
+    """A pose of MuJoCo's position [m] and quaternion (w, x, y, z)."""
+    return SE3.from_quat_xyzw(np.roll(np.asarray(wxyz), -1), np.asarray(position))
+
+
+def fresh(name: str, taken: set[str]) -> str:
+    """The name, numbered if it is taken; and taken from now on."""
+    found, number = name, 2
+    while found in taken:
+        found, number = f"{name}_{number}", number + 1
+    taken.add(found)
+    return found

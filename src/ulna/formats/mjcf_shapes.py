@@ -5,10 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any
 
-import numpy as np
-
+from ulna.formats.mjcf_parse import pose_of
 from ulna.geometry import Box, Capsule, Cylinder, Ellipsoid, Geometry, Material, Mesh, Plane, Shape, Sphere
-from ulna.spatial import SE3
 
 PLANE, FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)
 """mjtGeom."""
@@ -50,11 +48,11 @@ class Shapes:
         shape = self._shape(g)
         if shape is None:
             return None
-        place = SE3.from_quat_xyzw(np.roll(m.geom_quat[g], -1), m.geom_pos[g])
+        place = pose_of(m.geom_pos[g], m.geom_quat[g])
         if isinstance(shape, Mesh):
             # MuJoCo moves a mesh into its principal axes; the file's own frame is that much further back.
             mesh = int(m.geom_dataid[g])
-            place = place @ SE3.from_quat_xyzw(np.roll(m.mesh_quat[mesh], -1), m.mesh_pos[mesh]).inverse()
+            place = place @ pose_of(m.mesh_pos[mesh], m.mesh_quat[mesh]).inverse()
         return Geometry(
             m.geom(g).name or f"{m.body(m.geom_bodyid[g]).name}_{g}", shape, place, self._material(g)
         )

@@ -5,6 +5,7 @@
 
 import json
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,7 @@ def answers(file: str) -> dict[str, object]:
         "losses": [m.damping.tolist(), m.armature.tolist(), m.upperDryFrictionLimit.tolist()],
         "gravity": m.gravity.linear.tolist(),
         "configurations": sorted(_configurations(m)),
+        "loops": _loops(file) if "connect" in Path(file).read_text() else [],
         "geometries": [[o.parentJoint, o.parentFrame] for o in objects],
         "geometry places": [o.placement.homogeneous.tolist() for o in objects],
         "kinds": [o.meshPath for o in objects],
@@ -47,6 +49,23 @@ def answers(file: str) -> dict[str, object]:
             o.meshColor.tolist() for o in geometries[0].geometryObjects if 0.0 in o.meshColor
         ],
     }
+
+
+def _loops(file: str) -> list[list[float]]:
+    """Joints, points and the first frame's axes of each constraint, on a floating base."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        _, constraints = pin.buildModelFromMJCF(file, pin.JointModelFreeFlyer(), "root")
+    return [
+        [
+            c.type == pin.ContactType.CONTACT_6D,
+            c.joint1_id,
+            c.joint2_id,
+            *c.joint1_placement.homogeneous.ravel(),
+        ]
+        + c.joint2_placement.translation.tolist()
+        for c in constraints
+    ]
 
 
 def _configurations(m: pin.Model) -> list[list[object]]:

@@ -32,6 +32,13 @@ BODIES = """
   {keys}
 </mujoco>"""
 ARM = BODIES.format(free="", keys='<keyframe><key name="home" qpos="0.1 0.2 1 0 0 0 0.3"/></keyframe>')
+CLOSED = """
+<mujoco><compiler angle="radian"/><worldbody><body name="base"><geom size="0.1"/>
+  <body name="c" pos="0.1 0.2 0.3" euler="0.1 0.2 0.3"><joint name="j1" axis="1 0 0"/><geom size="0.1"/></body>
+  <body name="d" pos="0.4 0.2 0.3" euler="0.1 0.4 0.3"><joint name="j2" axis="1 0 0"/><geom size="0.1"/>
+    <body name="e" pos="0 0 1"><geom size="0.1"/></body></body></body></worldbody>
+  <equality><connect body1="c" body2="e" anchor="0.1 0.2 0.3"/><weld body1="c" body2="d"/>
+  <weld body1="d" relpose="0.1 0.2 0.3 1 0 0 0"/></equality></mujoco>"""
 FLOATING = BODIES.format(free="<freejoint/>", keys="")
 
 
@@ -41,6 +48,7 @@ def test_models_of_mjcf_files(tmp_path: Path) -> None:
     folder.mkdir()
     (folder / "arm.xml").write_text(ARM)
     (folder / "floating.xml").write_text(FLOATING)
+    (folder / "closed.xml").write_text(CLOSED)
     own, wanted = both(Path(__file__).parent / "mjcf_asked.py", tmp_path, str(folder))
     for file, questions in wanted.items():
         for question, value in questions.items():

@@ -12,8 +12,9 @@ import pytest
 
 import ulna
 from ulna.errors import FormatError, MissingExtra, ModelWarning
+from ulna.formats.mjcf_loops import loops_from_mjcf
 from ulna.geometry import Box, Capsule, Mesh, Plane, Sphere
-from ulna.model import FreeFlyer, Revolute
+from ulna.model import FrameLoop, FreeFlyer, PointLoop, Revolute
 
 mj: Any = mujoco
 
@@ -171,8 +172,35 @@ def test_what_is_left_out_is_said() -> None:
     with pytest.warns(ModelWarning) as caught:
         ulna.load(text)
     words = str(caught[0].message)
-    for part in ("1 springs", "1 tendons", "1 equalities", "PointLoop", "1 bodies with compensated gravity"):
+    for part in ("1 springs", "1 tendons", "1 equalities", "loops_from_mjcf", "1 bodies with compensated gravity"):
         assert part in words
+
+
+def test_closed_loops_are_constraints_for_the_dynamics() -> None:
+    """At the rest position every loop is closed, and what holds them leaves no acceleration that opens one."""
+    text = """
+    <mujoco><compiler angle="radian"/><worldbody>
+    <body name="a" pos="0.1 0.2 0.3" euler="0.1 0.2 0.3"><joint name="ja" axis="1 0 0" pos="0.1 0 0"/><geom size="0.1"/>
+      <site name="sa" pos="0.3 0 0" euler="0 0.5 0"/>
+      <body name="c" pos="0.3 0 0"><joint name="jc" axis="0 1 0"/><geom size="0.1"/></body></body>
+    <body name="b" pos="0.4 0.2 0.3" euler="0.1 0.4 0.3"><joint name="jb" axis="1 1 0"/><geom size="0.1"/>
+      <body name="d" pos="0 0 1"><joint name="jd" type="ball"/><geom size="0.1"/></body></body>
+    </worldbody><equality>
+    <connect body1="c" body2="d" anchor="0.1 0.2 0.3"/><weld body1="a" body2="d" anchor="0.1 0 0.2"/>
+    <connect body1="c" anchor="0 0 0.1"/><weld active="false" body1="c" body2="d"/></equality></mujoco>"""
+    loops = loops_from_mjcf(text)
+    assert [type(loop) for loop in loops] == [PointLoop, FrameLoop, PointLoop]
+    assert loops[2].frame_b == "world"
+    with pytest.warns(ModelWarning, match="loops_from_mjcf"):
+        robot = ulna.load(text)
+    for loop in loops:
+        (a, at), (b, to) = ((robot.fk(robot.neutral, name), pose.matrix()) for name, pose in loop.ends())
+        same = slice(0, 4) if isinstance(loop, FrameLoop) else slice(3, 4)
+        np.testing.assert_allclose((a @ at)[:3, same], (b @ to)[:3, same], atol=1e-9)
+    v = np.zeros(robot.nv)
+    acceleration = robot.constrained_dynamics(robot.neutral, v, v, loops[0])[0]
+    J = robot.constraint_jacobian(robot.neutral, loops[0])
+    np.testing.assert_allclose(J @ acceleration, np.zeros(3), atol=1e-9)
 
 
 @pytest.mark.parametrize(

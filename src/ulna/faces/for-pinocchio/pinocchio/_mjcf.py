@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,7 +11,8 @@ import numpy as np
 
 from pinocchio import _joints
 from pinocchio._arrays import StdVec
-from pinocchio._enums import FrameType, GeometryType
+from pinocchio._constraints import ContactType, RigidConstraintModel
+from pinocchio._enums import FrameType, GeometryType, ReferenceFrame
 from pinocchio._frame import Frame
 from pinocchio._geometry import GeometryModel
 from pinocchio._geometry_urdf import geometry_model_of
@@ -18,8 +20,9 @@ from pinocchio._inertia import Inertia
 from pinocchio._joints import JointModel, JointModelComposite
 from pinocchio._model import Model
 from pinocchio._se3 import SE3
-from ulna.errors import InputError
+from ulna.errors import InputError, ModelWarning
 from ulna.formats.mjcf import model_from_mjcf
+from ulna.formats.mjcf_loops import loops_from_mjcf
 from ulna.model import FreeFlyer, JointKind, Prismatic, Revolute, Spherical
 from ulna.model import Joint as TowerJoint
 from ulna.model import Link as TowerLink
@@ -33,8 +36,7 @@ def buildModelFromMJCF(
 ) -> Any:
     """The model of an MJCF file; MuJoCo's own compiler reads it (extra `mjcf`).
 
-    Equalities of joints are not followed, closed loops are left out with a warning; keyframes are in
-    `model.referenceConfigurations`, sites are frames.
+    Equalities of joints are not followed; keyframes are in `model.referenceConfigurations`, sites are frames.
 
     Args:
         mjcf_filename: The file.
@@ -42,7 +44,7 @@ def buildModelFromMJCF(
         root_joint_name: The name of that joint.
 
     Returns:
-        The model; with `root_joint_name` the model and its constraints, of which there are none here.
+        The model; with `root_joint_name` the model and the constraints that close its loops.
 
     Raises:
         FormatError: the file is missing or broken; says where and what mends it.
@@ -52,9 +54,28 @@ def buildModelFromMJCF(
         raise InputError(
             f"`root_joint` is {root_joint!r}; expected a joint model, such as JointModelFreeFlyer()."
         )
-    source = model_from_mjcf(os.fspath(mjcf_filename), mimic=False)
-    model = model_of(source, root_joint, root_joint_name or "root_joint")
-    return model if root_joint_name is None else (model, StdVec())
+    file = os.fspath(mjcf_filename)
+    model = model_of(_read(file), root_joint, root_joint_name or "root_joint")
+    return model if root_joint_name is None else (model, _constraints(model, file))
+
+
+def _read(file: str) -> TowerModel:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ModelWarning)  # what is left out here, Pinocchio leaves out, too
+        return model_from_mjcf(file, mimic=False)
+
+
+def _constraints(model: Model, file: str) -> StdVec[RigidConstraintModel]:
+    """The closed loops of a file, on the model of that file."""
+    found: StdVec[RigidConstraintModel] = StdVec()
+    for loop in loops_from_mjcf(file):
+        kind = ContactType.CONTACT_3D if loop.size == 3 else ContactType.CONTACT_6D
+        places: list[Any] = []
+        for name, pose in loop.ends():
+            frame = model.frames[model.getFrameId(name) if name != "world" else 0]
+            places += [frame.parentJoint, frame.placement * _pose(pose)]
+        found.append(RigidConstraintModel(kind, model, *places, ReferenceFrame.LOCAL))
+    return found
 
 
 def buildGeomFromMJCF(
@@ -64,7 +85,7 @@ def buildGeomFromMJCF(
 
     VISUAL are the geoms of the groups 0 to 2, COLLISION those that may touch others.
     """
-    source = model_from_mjcf(os.fspath(mjcf_filename), mimic=False)
+    source = _read(os.fspath(mjcf_filename))
     links = {("universe" if link is source.links[0] else link.name): link for link in source.links}
     return geometry_model_of(model, links, geom_type)
 

@@ -1,0 +1,53 @@
+"""The closed loops of an MJCF file, as constraints for the dynamics: its equalities `connect` and `weld`."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from ulna.formats.mjcf_parse import names_of, pose_of, read_mjcf
+from ulna.model import FrameLoop, PointLoop
+from ulna.spatial import SE3
+from ulna.typing import Floats
+
+CONNECT, WELD = 0, 1
+"""mjtEq."""
+SITE = 6
+"""mjOBJ_SITE."""
+
+
+def loops_from_mjcf(source: str | os.PathLike[str]) -> tuple[PointLoop | FrameLoop, ...]:
+    """The constraints that close the loops of an MJCF file or text, those that are active when it starts.
+
+        robot = ulna.load("four_bar.xml")
+        a = robot.constrained_dynamics(q, v, tau, loops_from_mjcf("four_bar.xml"))
+
+    MuJoCo's are soft; these hold exactly.
+
+    Raises:
+        MissingExtra: the package mujoco is not installed.
+        FormatError: the file is missing or broken; says where and what mends it.
+    """
+    m, _ = read_mjcf(source)
+    links, _ = names_of(m)
+    kinds = (CONNECT, WELD)
+    return tuple(_loop(m, links, e) for e in range(m.neq) if m.eq_type[e] in kinds and m.eq_active0[e])
+
+
+def _loop(m: Any, links: list[str], e: int) -> PointLoop | FrameLoop:
+    one, two, data = int(m.eq_obj1id[e]), int(m.eq_obj2id[e]), m.eq_data[e]
+    if m.eq_objtype[e] == SITE:
+        a, b = (pose_of(m.site_pos[s], m.site_quat[s]) for s in (one, two))
+        one, two = (int(m.site_bodyid[s]) for s in (one, two))
+    elif m.eq_type[e] == CONNECT:
+        a, b = SE3.trans(*data[:3]), SE3.trans(*data[3:6])
+    else:  # a point of the second body; the same point and the second body's axes, seen from the first
+        a, b = pose_of(data[3:6], data[6:10]), SE3.trans(*data[:3])
+    if m.eq_type[e] == CONNECT:
+        return PointLoop(links[one], links[two], _point(a.translation), _point(b.translation))
+    return FrameLoop(links[one], links[two], a, b)
+
+
+def _point(p: Floats) -> tuple[float, float, float]:
+    x, y, z = (float(c) for c in p)
+    return x, y, z
