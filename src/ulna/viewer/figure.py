@@ -54,6 +54,7 @@ class Figure:
         self.scene, self.robot, self.name = scene, robot, name or robot.name
         start = checked_configuration(robot, q)
         self._q: Floats | Callable[[], Floats] = start
+        self._late = False  # whether the scene will ask for what is newest anyway
         self.moves = 0
         """How often it was moved."""
         self._followers: list[Callable[[Floats], None]] = []
@@ -102,7 +103,9 @@ class Figure:
         """
         self._q = q
         self.moves += 1
-        self.scene.later(self, self._bring)
+        if not self._late:
+            self._late = True
+            self.scene.later(self, self._bring)
 
     def follow(self, function: Callable[[Floats], None]) -> None:
         """Call `function` with the configuration when the links are moved."""
@@ -114,6 +117,7 @@ class Figure:
         return q() if callable(q) else q
 
     def _bring(self) -> None:
+        self._late = False  # before the newest is read, so that nothing that comes meanwhile is missed
         if self.name not in self.scene:
             return
         structure = self.scene.version[0]

@@ -75,10 +75,11 @@ class Controls:
         Raises:
             UnknownName: There is no control of that number.
         """
-        for number, value in (events or {}).items():
-            if int(number) not in self.elements:
-                raise UnknownName("control", number, map(str, self.elements))
-            self.elements[int(number)].choose(value)
+        if events:
+            for number, value in events.items():
+                if int(number) not in self.elements:
+                    raise UnknownName("control", number, map(str, self.elements))
+                self.elements[int(number)].choose(value)
         while self._heard:
             element, value = self._heard.popleft()
             if element.shown:

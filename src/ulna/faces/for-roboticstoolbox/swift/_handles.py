@@ -66,7 +66,7 @@ class AssemblyHandle(Item):
         if self.callback is not None:
             self.q = self.callback(t, values)
             return False
-        mode = self.control_mode
+        mode = getattr(self._state, "control_mode", "v")
         if mode == "a":
             raise NotImplementedError(
                 "control_mode 'a' does nothing in Swift. Set `qd` in mode 'v', or see ulna.sim for accelerations "

@@ -39,6 +39,7 @@ class RobotHandle(AssemblyHandle):
         self._held_step = held_step(len(self._low))
         stands = np.asarray(self._model.link_poses(self._model.neutral))[0]
         self._base, self._to_place = self._placed(), False
+        self._moved: Floats | None = None
         # a model may have the base built in
         self._within = np.linalg.inv(stands) if np.allclose(stands, self._base) else np.eye(4)
         start, pose = self._configuration(), self._base @ self._within
@@ -77,25 +78,25 @@ class RobotHandle(AssemblyHandle):
             q, qd = self._joints(), np.asarray(self._state.qd, dtype=float)
             if qd.shape == q.shape:
                 moved, sound = self._held_step(q, qd, dt, self._low, self._high)
-                if math.isfinite(sound) or np.isfinite([q, qd]).all():
+                if math.isfinite(sound):
                     self._state.q = moved
+                    self._moved = (
+                        moved.copy() if self._state.q is moved else moved
+                    )  # a script may write to its own
                     return
-            for name, value in (("q", q), ("qd", qd)):
-                if value.shape != q.shape or not np.isfinite(value).all():
-                    raise InputError(
-                        f"`{name}` of {self._model.name!r} is {value.tolist()}; expected {len(q)} finite numbers."
-                    )
+            raise InputError(
+                f"{self._model.name!r} is at q = {q.tolist()} and told qd = {qd.tolist()}; expected {len(q)} finite "
+                "numbers for each."
+            )
 
     def show(self) -> None:
         """Show where it is."""
-        q = self._joints().copy()
-        if math.isfinite(sum(q.tolist())):
-            whole = partial(self._whole, q)  # the rest is done when somebody looks
-            for figure in self.figures:
-                figure.put(whole)
-        else:
-            for figure in self.figures:
-                figure.q = self._whole(q)  # which tells what is wrong with it
+        q, self._moved = self._moved, None
+        for figure in self.figures:
+            if q is None:  # a script may have told it where to be
+                figure.q = self._configuration()
+            else:
+                figure.put(partial(self._whole, q))  # which is asked for when somebody looks
         if not self._to_place:  # a base seldom moves, and asking for it takes time: not before somebody looks
             self._to_place = True
             self._viewer.scene.later(self, self._place)
