@@ -11,7 +11,6 @@ import pytest
 from ulna.model import (
     Composite,
     Continuous,
-    Ellipsoid,
     FreeFlyer,
     Helical,
     JointKind,
@@ -66,11 +65,6 @@ CASES: dict[str, tuple[JointKind, Callable[[], Any], Callable[[np.ndarray], np.n
         same,
     ),
     "Universal askew": (Universal(AXIS, OTHER), lambda: pin.JointModelUniversal(AXIS, OTHER), same),
-    "Ellipsoid": (
-        Ellipsoid((0.1, 0.25, 0.4)),
-        lambda: pin.JointModelEllipsoid(0.1, 0.25, 0.4),
-        same,
-    ),
     "Translation": (Translation(), pin.JointModelTranslation, same),
     "Planar": (Planar(), pin.JointModelPlanar, cos_sin),
     "Spherical": (Spherical(), pin.JointModelSpherical, same),

@@ -22,8 +22,8 @@ SLOW = ("panda", "ur5 in the plane")
 SECOND = "double_pendulum_description/urdf/double_pendulum.urdf"
 
 
-def _compare(tmp_path: Path, *words: str) -> None:
-    own, wanted = both(Path(__file__).parent / "asked.py", tmp_path, *words)
+def _compare(tmp_path: Path, *words: str, script: str = "asked.py") -> None:
+    own, wanted = both(Path(__file__).parent / script, tmp_path, *words)
     assert list(own) == list(wanted)
     wrong = [line for line in wanted if not _same(own[line], wanted[line])]
     assert not wrong
@@ -52,3 +52,12 @@ def test_models_and_algorithms(robot: str, tmp_path: Path) -> None:
     if share is None:
         pytest.skip("example-robot-data is not installed")
     _compare(tmp_path, "robot", *(str(share / "robots" / file), root, mimic, str(share / "robots" / SECOND)))
+
+
+def test_rarer_names_and_members(tmp_path: Path) -> None:
+    share = share_folder()
+    if share is None:
+        pytest.skip("example-robot-data is not installed")
+    robot = share / "robots" / "ur_description"
+    words = (robot / "urdf" / "ur5_robot.urdf", robot / "srdf" / "ur5.srdf", share.parent)
+    _compare(tmp_path, *(str(word) for word in words), script="asked_names.py")

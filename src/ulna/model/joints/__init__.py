@@ -4,7 +4,6 @@ from ulna.model.joints.ball import FreeFlyer, Spherical
 from ulna.model.joints.base import Coordinate, JointKind, VectorKind
 from ulna.model.joints.circle import Circle, PlanarCircle
 from ulna.model.joints.composite import Composite
-from ulna.model.joints.ellipsoid import Ellipsoid
 from ulna.model.joints.fixed import Fixed
 from ulna.model.joints.planar import Planar
 from ulna.model.joints.sliding import Prismatic, Translation
@@ -15,7 +14,6 @@ __all__ = [
     "Composite",
     "Continuous",
     "Coordinate",
-    "Ellipsoid",
     "Fixed",
     "FreeFlyer",
     "Helical",

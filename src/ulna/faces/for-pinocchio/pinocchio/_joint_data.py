@@ -25,7 +25,7 @@ _WORDS = (
         "HelicalUnaligned",
         "Universal",
     ),
-    *("FreeFlyer", "Planar", "Spherical", "SphericalZYX", "Translation", "Ellipsoid", "Mimic", "Composite"),
+    *("FreeFlyer", "Planar", "Spherical", "SphericalZYX", "Translation", "Mimic", "Composite"),
 )
 
 

@@ -13,7 +13,6 @@ from ulna.errors import InputError, UnknownName
 from ulna.model import (
     Circle,
     Composite,
-    Ellipsoid,
     FreeFlyer,
     Helical,
     JointKind,
@@ -31,7 +30,6 @@ from ulna.typing import Floats
 __all__ = [
     "JointModel",
     "JointModelComposite",
-    "JointModelEllipsoid",
     "JointModelFreeFlyer",
     "JointModelHX",
     "JointModelHY",
@@ -149,14 +147,6 @@ class JointModelUniversal(JointModel):
     def axis2(self) -> Floats:
         """The second unit axis (3,), in the moving frame."""
         return np.array(self._axes[1])
-
-
-class JointModelEllipsoid(JointModel):
-    """Slides on an ellipsoid with half axes along x, y, z [m], and turns about its outward direction; nq = nv = 3."""
-
-    def __init__(self, radius_x: float = 0.0, radius_y: float = 0.0, radius_z: float = 0.0) -> None:
-        self.radius_x, self.radius_y, self.radius_z = float(radius_x), float(radius_y), float(radius_z)
-        self._be("JointModelEllipsoid", Ellipsoid((self.radius_x, self.radius_y, self.radius_z)))
 
 
 def _chain(kind: JointKind, place: Pose) -> tuple[tuple[JointKind, ...], tuple[Pose, ...]]:

@@ -79,7 +79,7 @@ _JOINT_DATA = (
         "FreeFlyer",
         "Planar",
     ),
-    *("Spherical", "SphericalZYX", "Translation", "Ellipsoid", "Mimic", "Composite", ""),
+    *("Spherical", "SphericalZYX", "Translation", "Mimic", "Composite", ""),
 )
 _CONSTRAINTS = ("", "FrameAnchor", "JointFriction", "JointLimit", "PointAnchor", "PointContact", "Rigid")
 _VECTORS = (

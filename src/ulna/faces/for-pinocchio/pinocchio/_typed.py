@@ -101,7 +101,6 @@ Contact: Any
 DistanceResult: Any
 MeshLoader: Any
 JointDataComposite = JointData
-JointDataEllipsoid = JointData
 JointDataFreeFlyer = JointData
 JointDataHX = JointData
 JointDataHY = JointData

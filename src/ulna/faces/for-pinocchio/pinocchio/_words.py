@@ -20,6 +20,9 @@ _WORDS = (
     (r"Lanczos.*|Tridiagonal.*",
      "It is a part of solvers; scipy.linalg.eigh_tridiagonal and scipy.sparse.linalg.eigsh do."),
     (r"(Panda3d|RViz)Visualizer", "Use MeshcatVisualizer or GepettoVisualizer: both draw into Ulna's viewer."),
+    (r"Joint(Model|Data)Ellipsoid",
+     "Ulna's algorithms take joints whose axes stand still in the moving frame, and chains of them, which an ellipsoid's do "
+     "not. JointModelSphericalZYX turns alike about its centre."),
     (r"graph", "Models are put together with appendModel, buildReducedModel, and ulna.model.ModelBuilder."),
     (r"numpy|inspect|sys", "It is no part of Pinocchio; import it itself."),
     (r"pin|pinocchio_pywrap.*|module_info|submodules|.*type_index|map_indexing.*|Deprecated.*|deprecat.*",
