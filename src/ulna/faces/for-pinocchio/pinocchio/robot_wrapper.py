@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NoReturn
 
 import numpy as np
@@ -9,11 +10,12 @@ import numpy as np
 import pinocchio as pin
 from pinocchio._arrays import index as checked_index
 from pinocchio._enums import ReferenceFrame
-from pinocchio._geometry import GeometryModel, GeometryObject, updateGeometryPlacements
+from pinocchio._geometry import GeometryModel
 from pinocchio._mjcf import buildModelsFromMJCF
 from pinocchio._model import Model
 from pinocchio._se3 import SE3
 from pinocchio._vectors import Force, Motion
+from pinocchio._wrapped_viewer import Viewed
 from pinocchio.shortcuts import buildModelsFromUrdf, createDatas
 from ulna.errors import InputError, UnknownName
 from ulna.typing import Floats
@@ -23,7 +25,48 @@ _JOINT = "robot.index(name) gives one."
 _FRAME = "robot.model.getFrameId(name) gives one."
 
 
-class RobotWrapper:
+def _of_velocity(ask: Callable[..., Motion], of: str, doc: str) -> Callable[..., Motion]:
+    """A method that asks for a motion of a joint or a frame at q and v."""
+
+    def method(
+        self: RobotWrapper,
+        q: Any,
+        v: Any,
+        index: int,
+        update_kinematics: bool = True,
+        reference_frame: Any = _LOCAL,
+    ) -> Motion:
+        place = getattr(self, of)(index)
+        if update_kinematics:
+            self.forwardKinematics(q, v)
+        return ask(self.model, self.data, place, reference_frame)
+
+    method.__doc__ = doc
+    return method
+
+
+def _of_acceleration(ask: Callable[..., Motion], of: str, doc: str) -> Callable[..., Motion]:
+    """A method that asks for a motion of a joint or a frame at q, v and a."""
+
+    def method(
+        self: RobotWrapper,
+        q: Any,
+        v: Any,
+        a: Any,
+        index: int,
+        update_kinematics: bool = True,
+        reference_frame: Any = _LOCAL,
+    ) -> Motion:
+        place = getattr(self, of)(index)
+        if update_kinematics:
+            self.forwardKinematics(q, v, a)
+        return ask(self.model, self.data, place, reference_frame)
+
+    method.__doc__ = doc
+    return method
+
+
+class RobotWrapper(Viewed):
     """A robot as tutorials use it.
 
     Args:
@@ -93,6 +136,10 @@ class RobotWrapper:
     def BuildFromSDF(*_: Any, **__: Any) -> NoReturn:
         """Not offered."""
         raise InputError("SDF files are not read. Convert the file to URDF, and use BuildFromURDF.")
+
+    def initFromSDF(self, *_: Any, **__: Any) -> NoReturn:
+        """Not offered; see `BuildFromSDF`."""
+        RobotWrapper.BuildFromSDF()
 
     @staticmethod
     def BuildFromMJCF(filename: Any, root_joint: Any = None, *more: Any, **named: Any) -> RobotWrapper:
@@ -215,47 +262,6 @@ class RobotWrapper:
     position = placement
     """The historic name of `placement`."""
 
-    def velocity(
-        self, q: Any, v: Any, index: int, update_kinematics: bool = True, reference_frame: Any = _LOCAL
-    ) -> Motion:
-        """The velocity of a joint."""
-        joint = self._joint(index)
-        if update_kinematics:
-            self.forwardKinematics(q, v)
-        return pin.getVelocity(self.model, self.data, joint, reference_frame)
-
-    def acceleration(
-        self,
-        q: Any,
-        v: Any,
-        a: Any,
-        index: int,
-        update_kinematics: bool = True,
-        reference_frame: Any = _LOCAL,
-    ) -> Motion:
-        """The spatial acceleration of a joint."""
-        joint = self._joint(index)
-        if update_kinematics:
-            self.forwardKinematics(q, v, a)
-        return pin.getAcceleration(self.model, self.data, joint, reference_frame)
-
-    def classicalAcceleration(
-        self,
-        q: Any,
-        v: Any,
-        a: Any,
-        index: int,
-        update_kinematics: bool = True,
-        reference_frame: Any = _LOCAL,
-    ) -> Motion:
-        """The acceleration of the point at a joint's origin."""
-        joint = self._joint(index)
-        if update_kinematics:
-            self.forwardKinematics(q, v, a)
-        return pin.getClassicalAcceleration(self.model, self.data, joint, reference_frame)
-
-    classicAcceleration = classicalAcceleration
-
     def framePlacement(self, q: Any, index: int, update_kinematics: bool = True) -> SE3:
         """Where a frame is in the world; `data.oMf` has it, too."""
         frame = self._frame(index)
@@ -266,46 +272,18 @@ class RobotWrapper:
     framePosition = framePlacement
     """The historic name of `framePlacement`."""
 
-    def frameVelocity(
-        self, q: Any, v: Any, index: int, update_kinematics: bool = True, reference_frame: Any = _LOCAL
-    ) -> Motion:
-        """The velocity of a frame."""
-        frame = self._frame(index)
-        if update_kinematics:
-            self.forwardKinematics(q, v)
-        return pin.getFrameVelocity(self.model, self.data, frame, reference_frame)
-
-    def frameAcceleration(
-        self,
-        q: Any,
-        v: Any,
-        a: Any,
-        index: int,
-        update_kinematics: bool = True,
-        reference_frame: Any = _LOCAL,
-    ) -> Motion:
-        """The spatial acceleration of a frame."""
-        frame = self._frame(index)
-        if update_kinematics:
-            self.forwardKinematics(q, v, a)
-        return pin.getFrameAcceleration(self.model, self.data, frame, reference_frame)
-
-    def frameClassicalAcceleration(
-        self,
-        q: Any,
-        v: Any,
-        a: Any,
-        index: int,
-        update_kinematics: bool = True,
-        reference_frame: Any = _LOCAL,
-    ) -> Motion:
-        """The acceleration of the point at a frame's origin."""
-        frame = self._frame(index)
-        if update_kinematics:
-            self.forwardKinematics(q, v, a)
-        return pin.getFrameClassicalAcceleration(self.model, self.data, frame, reference_frame)
-
-    frameClassicAcceleration = frameClassicalAcceleration
+    velocity = _of_velocity(pin.getVelocity, "_joint", "The velocity of a joint.")
+    acceleration = _of_acceleration(pin.getAcceleration, "_joint", "The spatial acceleration of a joint.")
+    classicalAcceleration = classicAcceleration = _of_acceleration(
+        pin.getClassicalAcceleration, "_joint", "The acceleration of the point at a joint's origin."
+    )
+    frameVelocity = _of_velocity(pin.getFrameVelocity, "_frame", "The velocity of a frame.")
+    frameAcceleration = _of_acceleration(
+        pin.getFrameAcceleration, "_frame", "The spatial acceleration of a frame."
+    )
+    frameClassicalAcceleration = frameClassicAcceleration = _of_acceleration(
+        pin.getFrameClassicalAcceleration, "_frame", "The acceleration of the point at a frame's origin."
+    )
 
     def computeJointJacobians(self, q: Any) -> Floats:
         """Fills `data.J` (6, nv), all columns in WORLD, and `data.oMi`."""
@@ -345,85 +323,6 @@ class RobotWrapper:
         visual = None if self.visual_model is None else next(left)
         collision = None if self.collision_model is None else next(left)
         return RobotWrapper(model, collision, visual)
-
-    # the viewer -----------------------------------------------------------------------------------------
-
-    def updateGeometryPlacements(self, q: Any = None, visual: bool = False) -> None:
-        """Fills `visual_data.oMg` or `collision_data.oMg`."""
-        model, data = (
-            (self.visual_model, self.visual_data) if visual else (self.collision_model, self.collision_data)
-        )
-        if model is None or data is None:
-            raise InputError(f"This robot has no {'visual' if visual else 'collision'} model.")
-        updateGeometryPlacements(self.model, self.data, model, data, q)
-
-    def setVisualizer(self, visualizer: Any, init: bool = True, copy_models: bool = False) -> None:
-        """Has a visualizer show this robot."""
-        if init:
-            visualizer.__init__(self.model, self.collision_model, self.visual_model, copy_models)
-        self.viz = visualizer
-
-    def initViewer(self, share_data: Any = True, *parts: Any, **named: Any) -> None:
-        """Opens the viewer: `initViewer(loadModel=True)`. It returns at once, and never waits for a browser.
-
-        Args:
-            share_data: Whether the visualizer works in this robot's data.
-            parts: See `GepettoVisualizer.initViewer`.
-            named: `windowName`, `sceneName`, `loadModel`.
-        """
-        if not isinstance(share_data, bool):
-            share_data, parts = True, (share_data, *parts)
-        if self.viz is None:
-            from pinocchio.visualize import Visualizer
-
-            data = (self.data, self.collision_data, self.visual_data) if share_data else (None, None, None)
-            models = (self.model, self.collision_model, self.visual_model)
-            self.viz = Visualizer.default()(*models, False, *data)
-        self.viz.initViewer(*parts, **named)
-
-    def _visualizer(self) -> Any:
-        if self.viz is None:
-            raise InputError("There is no viewer yet. Call robot.initViewer(loadModel=True) first.")
-        return self.viz
-
-    @property
-    def viewer(self) -> Any:
-        """The viewer: `robot.viewer.gui.addSphere(...)`."""
-        return self._visualizer().viewer
-
-    def loadViewerModel(self, *parts: Any, **named: Any) -> None:
-        """Loads the geometries into the viewer."""
-        self._visualizer().loadViewerModel(*parts, **named)
-
-    def initDisplay(self, *parts: Any, **named: Any) -> None:
-        """The historic name of `initViewer`: (windowName, sceneName, loadModel)."""
-        self.initViewer(True, None, *parts, **named)
-
-    loadDisplayModel = loadViewerModel
-    """The historic name of `loadViewerModel`."""
-
-    def getViewerNodeName(self, geometry_object: GeometryObject, geometry_type: Any) -> str:
-        """The name of a geometry's node in the viewer."""
-        return self._visualizer().getViewerNodeName(geometry_object, geometry_type)
-
-    viewerNodeNames = getViewerNodeName
-    """The historic name of `getViewerNodeName`."""
-
-    def display(self, q: Any) -> None:
-        """Shows a configuration."""
-        self._visualizer().display(q)
-
-    def displayCollisions(self, visibility: bool) -> None:
-        """Shows or hides what it collides with."""
-        self._visualizer().displayCollisions(visibility)
-
-    def displayVisuals(self, visibility: bool) -> None:
-        """Shows or hides what it looks like."""
-        self._visualizer().displayVisuals(visibility)
-
-    def play(self, q_trajectory: Any, dt: float) -> None:
-        """Shows configurations one after the other, `dt` seconds each; where nobody can look, without waiting."""
-        self._visualizer().play(q_trajectory, dt)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name in ("viz", "model"):
