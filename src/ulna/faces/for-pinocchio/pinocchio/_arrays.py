@@ -28,6 +28,11 @@ def vector(value: Any, size: int, name: str) -> Floats:
     return np.asarray(array).reshape(size)
 
 
+def exact(value: Any, size: int, name: str) -> Floats:
+    """The same as an array that compiled code reads: contiguous and aligned."""
+    return np.require(vector(value, size, name), float, ["C", "A"])
+
+
 def matrix(value: Any, shape: tuple[int, ...], name: str) -> Floats:
     """`value` as an array of that shape.
 

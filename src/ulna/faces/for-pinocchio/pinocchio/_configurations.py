@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import StdVec, vector
+from pinocchio._arrays import StdVec, exact, vector
 from pinocchio._enums import ArgumentPosition
 from pinocchio._model import FREE, Model
+from pinocchio._runs import Scratch
 from pinocchio._vectors import generator
 from ulna import algorithms
 from ulna.errors import InputError
@@ -55,12 +56,20 @@ def randomConfiguration(model: Model, lower: Any = None, upper: Any = None) -> F
 
 def integrate(model: Model, q: Any, v: Any) -> Floats:
     """The configuration (nq,) reached from q in one second with v."""
-    return model.shape().plain("integrate")(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    found = model._integrate(q, v)
+    if found is NotImplemented:
+        model._integrate = Scratch(model.shape().plain("integrate")).call
+        found = model._integrate(exact(q, model.nq, "q"), exact(v, model.nv, "v"))
+    return found
 
 
 def difference(model: Model, q0: Any, q1: Any) -> Floats:
     """The velocity (nv,) that leads from q0 to q1 in one second."""
-    return model.shape().plain("difference")(*_pair(model, q0, q1))
+    found = model._difference(q0, q1)
+    if found is NotImplemented:
+        model._difference = Scratch(model.shape().plain("difference")).call
+        found = model._difference(exact(q0, model.nq, "q0"), exact(q1, model.nq, "q1"))
+    return found
 
 
 def interpolate(model: Model, q0: Any, q1: Any, alpha: float) -> Floats:

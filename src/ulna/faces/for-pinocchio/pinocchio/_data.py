@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from pinocchio._arrays import StdVec, views
 from pinocchio._inertia import Inertia
+from pinocchio._runs import Runs
 from pinocchio._saved import Saved
 from pinocchio._se3 import SE3
+from pinocchio._states import ACOM, COM, FROZEN, MASS, STATES, VCOM, States, engine_for, frames_fit
 from pinocchio._vectors import Force, Motion
-from ulna.errors import InputError
 from ulna.typing import Floats
 
 if TYPE_CHECKING:
@@ -21,15 +21,21 @@ if TYPE_CHECKING:
     from pinocchio._model import Model
 
 
+__all__ = ["Data", "engine_for", "frames_fit"]
+
+
 class _Masses(StdVec[Any]):
     """Per-joint values of which the first is there, and the others are computed when they are asked for."""
 
-    pull: Callable[[], None] | None = None
+    def __init__(self, data: Data, bit: int, entries: Any) -> None:
+        super().__init__(entries)
+        self._data, self._bit = data, bit
 
     def __getitem__(self, key: Any) -> Any:
-        if self.pull is not None and key != 0:
-            pull, self.pull = self.pull, None
-            pull()
+        if (key != 0 or self._bit == MASS) and self._data._due & (self._bit | self._bit << FROZEN):
+            from pinocchio._masses import fill_subtrees
+
+            fill_subtrees(self._data, self._bit)
         return super().__getitem__(key)
 
     def __iter__(self) -> Any:
@@ -74,16 +80,14 @@ _MATRICES = {
 }
 """Those of constraints are empty until an algorithm knows how many rows there are."""
 _POSES = ("oMi", "liMi")
-_MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
-_OF_MOTION = ("v", "a_gf", "f", "h")
 _FORCES = ("f", "h", "of", "oh")
-
-
-_KEPT = ("hg", "dhg", "Ig", "kinetic_energy", "potential_energy", "mechanical_energy")
+_MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
+_CENTRES = ("com", "vcom", "acom")
+_KEPT = ("dhg", "kinetic_energy", "potential_energy", "mechanical_energy")
 
 
 @final
-class Data(Saved):
+class Data(Saved, States):
     """Working memory of algorithms for one model: `model.createData()`."""
 
     if TYPE_CHECKING:  # made below, by their names
@@ -133,32 +137,41 @@ class Data(Saved):
         self._layout = model._layout
         self.nframes = model.nframes
         nj, nv, np_ = model.njoints, model.nv, model.njoints - 1
-        sizes = {"6": 6, "3": 3, "v": nv, "p": 10 * np_, "s": 4 * np_, "t": 10, "0": 0}
+        sizes = {
+            "6": 6,
+            "3": 3,
+            "v": nv,
+            "p": 10 * np_,
+            "s": 4 * np_,
+            "t": 10,
+            "0": 0,
+            "q": model.nq,
+            "a": nv,
+        }
         self._blocks: dict[str, Floats] = {k: np.zeros([sizes[c] for c in s]) for k, s in _MATRICES.items()}
         for name in (*_POSES, "oMf"):
             self._blocks[name] = np.tile(np.eye(4), (model.nframes if name == "oMf" else nj, 1, 1))
         for name in (*_MOTIONS, *_FORCES):
             self._blocks[name] = np.zeros((nj, 6))
-        for name in ("com", "vcom", "acom"):
+        for name in _CENTRES:
             self._blocks[name] = np.zeros((nj, 3))
+        for name, inputs in STATES.items():
+            self._blocks |= {f"{name} {x}": np.zeros(sizes[x]) for x in inputs}
+        self._blocks |= {
+            "hg": np.zeros(6),
+            "Ig": np.zeros(13),
+            "energy K": np.zeros(()),
+            "energy P": np.zeros(()),
+        }
         self._fill_views()
-        self.hg, self.dhg, self.Ig = Force(), Force(), Inertia()
+        self.dhg = Force()
         self.kinetic_energy = self.potential_energy = self.mechanical_energy = 0.0
         self._engine: Engine | None = None
-        self._due: dict[str, Callable[[], Any]] = {}
-        self._due_of_places = self._fill_places
-        self._due_of_motion: dict[str, Callable[[], Any]] = dict.fromkeys(_OF_MOTION, self._fill_bodies)
-        self._motion: Any = None
-        self._mass_of: Engine | None = None
-        self._moments: tuple[Floats, ...] = ()
-        self._subtrees = {n: self._filler(n) for n in ("com", "vcom", "acom", "mass")}
-        self._q: Floats | None = None
-        self._qv: tuple[Floats, Floats] | None = None
-        self._qva: tuple[Floats, Floats, Floats] | None = None
-        self._q_of_jacobians: Floats | None = None
-        self._qv_of_jacobians: tuple[Floats, Floats] | None = None
-        self._of_derivatives: tuple[Floats, ...] | None = None
-        self._has_frames = False
+        self._run = Runs()
+        self._run_at: dict[Any, Any] = {}  # Jacobians of frames, by index and reference
+        self._due = 0
+        self._frozen: dict[int, Any] = {}
+        self._known: set[str] = set()
         self._bound: Any = None
         self._damped: Any = None
 
@@ -166,13 +179,16 @@ class Data(Saved):
         blocks = self._blocks
         self.oMi: StdVec[SE3] = views(SE3, blocks["oMi"])
         self.oMf: StdVec[SE3] = views(SE3, blocks["oMf"])
+        self.hg, self.Ig = Force._of(blocks["hg"]), Inertia._of(blocks["Ig"])
         self._lists: dict[str, Any] = {"liMi": views(SE3, blocks["liMi"])}
         self._lists |= {n: views(Motion, blocks[n]) for n in _MOTIONS}
         self._lists |= {n: views(Force, blocks[n]) for n in _FORCES}
-        for name in ("com", "vcom", "acom"):
-            self._lists[name] = _Masses(list(blocks[name]))
-        self.mass: Any = _Masses([0.0] * len(blocks["com"]))
+        for name, bit in zip(_CENTRES, (COM, VCOM, ACOM), strict=True):
+            self._lists[name] = _Masses(self, bit, blocks[name])
+        self.mass: Any = _Masses(self, MASS, [0.0] * len(blocks["com"]))
         self._tails = {n: blocks[n][1:] for n in (*_POSES, *_MOTIONS, *_FORCES)}
+        self._heads = {f"{n}[0]": blocks[n][0] for n in _CENTRES}
+        self._of_jacobians = blocks["jacobians q"]
 
     @property
     def joints(self) -> StdVec[Any]:
@@ -187,25 +203,21 @@ class Data(Saved):
         return copy.deepcopy(self)
 
     def __deepcopy__(self, memo: Any) -> Data:
-        for due in list(self._due):
-            self.pull(due)
+        self.settle()
         out = object.__new__(Data)
-        kept = {k: v for k, v in self.__dict__.items() if k not in ("_lists", "_tails", "oMi", "oMf", "mass")}
-        out.__dict__.update(kept)
+        out.__dict__.update(self.__dict__)
         out._blocks = {k: b.copy() for k, b in self._blocks.items()}
-        out.hg, out.dhg, out.Ig = self.hg.copy(), self.dhg.copy(), self.Ig.copy()
-        out._due = {}
-        out._due_of_places = out._fill_places
-        out._due_of_motion = dict.fromkeys(self._due_of_motion, out._fill_bodies)
-        out._subtrees = {n: out._filler(n) for n in self._subtrees}
+        out.dhg = self.dhg.copy()
+        out._run, out._run_at = Runs(), {}
+        out._frozen, out._known = dict(self._frozen), set(self._known)
         out._fill_views()
+        list.__setitem__(out.mass, slice(None), list(list.__iter__(self.mass)))
         return out
 
     __copy__ = copy
 
     def __getstate__(self) -> dict[str, Any]:
-        for due in list(self._due):
-            self.pull(due)
+        self.settle()
         told = {name: getattr(self, name) for name in _KEPT}
         return {"model": self._model, "blocks": self._blocks, "mass": list(self.mass), **told}
 
@@ -214,7 +226,7 @@ class Data(Saved):
         self.__init__(told.pop("model"))
         self._blocks = told.pop("blocks")
         self._fill_views()
-        self.mass = _Masses(told.pop("mass"))
+        list.__setitem__(self.mass, slice(None), told.pop("mass"))
         for name, value in told.items():
             setattr(self, name, value)
 
@@ -227,43 +239,6 @@ class Data(Saved):
 
     __hash__ = object.__hash__
 
-    def keep(self, engine: Engine, q: Floats) -> Floats:
-        """Remembers what the placements are of; returns a copy of q."""
-        self._engine = engine
-        self._q = q = q.copy()
-        self._due["liMi"] = self._due_of_places
-        return q
-
-    def pull(self, name: str) -> None:
-        """Computes what was left to be computed until it is asked for."""
-        due = self._due.get(name)
-        if due is not None:
-            due()
-
-    def _filler(self, field: str) -> Callable[[], None]:
-        def fill() -> None:
-            from pinocchio._masses import fill_subtrees
-
-            fill_subtrees(self._model, self, field)
-
-        return fill
-
-    def _fill_places(self) -> None:
-        from pinocchio._kinematics import own_poses
-
-        engine, q = self._engine, self._q
-        assert engine is not None and q is not None  # `keep` left this to do
-        kernel = engine.made("liMi", lambda m: lambda q: own_poses(m, q), q=q.shape)
-        self._tails["liMi"][...] = kernel(q)
-        del self._due["liMi"]
-
-    def _fill_bodies(self) -> None:
-        from pinocchio._dynamics import bodies
-
-        for name, found in zip(self._due_of_motion, bodies(*self._motion), strict=True):
-            if self._due.pop(name, None) is not None:  # else a later algorithm has filled it
-                self._tails[name][...] = found
-
     @property
     def constraint_chol(self) -> Any:
         """The decomposition of mass matrix and constraints of the last constraintDynamics or impulseDynamics."""
@@ -273,24 +248,12 @@ class Data(Saved):
 
     contact_chol = constraint_chol
 
-    def require(self, what: Any, mend: str) -> Any:
-        """`what`, a state that an earlier algorithm leaves.
-
-        Raises:
-            InputError: it has not been left yet.
-        """
-        if what is None:
-            raise InputError(f"This Data holds nothing to answer from yet. Call {mend} first.")
-        return what
-
     def __repr__(self) -> str:
         return f"<Data of {self._model.name!r}: nv={self._model.nv}, {len(self.oMi)} joints, {self.nframes} frames>"
 
 
 def _block(name: str) -> property:
     def get(self: Data) -> Floats:
-        if self._due:
-            self.pull(name)
         return self._blocks[name]
 
     def put(self: Data, value: Any) -> None:
@@ -310,28 +273,5 @@ def _list(name: str) -> property:
 
 for _name in _MATRICES:
     setattr(Data, _name, _block(_name))
-for _name in ("liMi", *_MOTIONS, *_FORCES, "com", "vcom", "acom"):
+for _name in ("liMi", *_MOTIONS, *_FORCES, *_CENTRES):
     setattr(Data, _name, _list(_name))
-
-
-def engine_for(model: Model, data: Data) -> Engine:
-    """The kernels of the model's present numbers, when the Data fits the model.
-
-    Raises:
-        InputError: joints were added since the Data was made, or it was made for another robot.
-    """
-    if data._layout is not model._layout and data._layout != model._layout:
-        raise InputError(
-            f"This Data was made for a model of {len(data._layout)} joints that are not those of the model, which "
-            f"now has {model.njoints}. Make a new one: data = model.createData()."
-        )
-    return model.engine()
-
-
-def frames_fit(model: Model, data: Data) -> None:
-    """Raises InputError when frames were added since the Data was made."""
-    if data.nframes != len(model.frames):
-        raise InputError(
-            f"This Data was made when the model had {data.nframes} frames; now it has {model.nframes}. "
-            "Make a new one: data = model.createData() (robot.rebuildData() for a RobotWrapper)."
-        )

@@ -11,12 +11,16 @@ from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
 from pinocchio._dynamics import external, under_forces
 from pinocchio._enums import ReferenceFrame, reference_of
+from pinocchio._jacobians import COLUMNS, columns, computeJointJacobians
 from pinocchio._kinematics import at_frame, at_joint, forwardKinematics
 from pinocchio._model import Model
+from pinocchio._runs import Algorithm, run
+from pinocchio._states import OWN
 from pinocchio._vectors import skew
 from ulna import algorithms
 from ulna.model import Frame
 from ulna.model import Model as TowerModel
+from ulna.recipes.base import with_mass
 from ulna.typing import Array, Floats
 
 __all__ = [
@@ -37,21 +41,53 @@ __all__ = [
 ]
 
 
+def _inverse(model: TowerModel) -> Any:
+    def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
+        found = algorithms.inverse_dynamics_derivatives(model, q, v, a)
+        return (*found, algorithms.inverse_dynamics(model, q, v, a), q, v, a, *columns(model)(q))
+
+    return run
+
+
+def _forward(model: TowerModel) -> Any:
+    def run(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
+        by_q, by_v, by_tau = algorithms.forward_dynamics_derivatives(model, q, v, tau)
+        ddq = algorithms.forward_dynamics(model, q, v, tau)
+        return by_q, by_v, by_tau, by_tau, ddq, *columns(model)(q)
+
+    return run
+
+
+_STATE = ("derivatives q", "derivatives v", "derivatives a")
+_RNEA = Algorithm(
+    "rnea_derivatives", "qva", ("dtau_dq", "dtau_dv", "M", "tau", *_STATE, *COLUMNS), _inverse, (0, 1, 2)
+)
+_ABA = Algorithm(
+    "aba_derivatives",
+    "qvt",
+    ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq", *COLUMNS),
+    with_mass(_forward),
+    (0, 1, 2),
+)
+
+
 def computeRNEADerivatives(
     model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None
 ) -> tuple[Floats, Floats, Floats]:
     """Derivatives of the torques by q, v and a (the mass matrix), (nv, nv) each; kept in `data`."""
-    engine = engine_for(model, data)
-    nv = model.nv
-    state = vector(q, model.nq, "q"), vector(v, nv, "v"), vector(a, nv, "a")
     if fext is None:
-        found = engine.kernel("inverse_dynamics_derivatives")(*state)
-    else:
-        F = external(fext, model.njoints)
-        found = under_forces(engine, algorithms.inverse_dynamics_derivatives, *state, F)
+        step = data._run.rnea_derivatives
+        found = step(q, v, a) if data._model is model else NotImplemented
+        if found is NotImplemented:
+            found = run(model, data, _RNEA, q, v, a)
+        data._due |= OWN
+        return found
+    F, engine = external(fext, model.njoints), data.attach(model)
+    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
+    found = under_forces(engine, algorithms.inverse_dynamics_derivatives, *state, F)
     for name, block in zip(("dtau_dq", "dtau_dv", "M"), found, strict=True):
         data._blocks[name][:] = block
-    data._of_derivatives = tuple(x.copy() for x in state)
+    data._of_derivatives = state
     return found
 
 
@@ -59,16 +95,17 @@ def computeABADerivatives(
     model: Model, data: Data, q: Any, v: Any, tau: Any, fext: Any = None
 ) -> tuple[Floats, Floats, Floats]:
     """Derivatives of the accelerations by q, v and tau (the inverse mass matrix), (nv, nv) each; kept in `data`."""
-    engine = engine_for(model, data)
-    nv = model.nv
-    state = vector(q, model.nq, "q"), vector(v, nv, "v"), vector(tau, nv, "tau")
     if fext is None:
-        found = engine.kernel("forward_dynamics_derivatives")(*state)
-        ddq = engine.kernel("forward_dynamics")(*state)
-    else:
-        F = external(fext, model.njoints)
-        found = under_forces(engine, algorithms.forward_dynamics_derivatives, *state, F)
-        ddq = under_forces(engine, algorithms.forward_dynamics, *state, F)
+        step = data._run.aba_derivatives
+        found = step(q, v, tau) if data._model is model else NotImplemented
+        if found is NotImplemented:
+            found = run(model, data, _ABA, q, v, tau)
+        data._due |= OWN
+        return found
+    F, engine = external(fext, model.njoints), data.attach(model)
+    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(tau, model.nv, "tau")
+    found = under_forces(engine, algorithms.forward_dynamics_derivatives, *state, F)
+    ddq = under_forces(engine, algorithms.forward_dynamics, *state, F)
     for name, block in zip(
         ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq"), (*found, found[2], ddq), strict=True
     ):
@@ -94,8 +131,6 @@ def computeForwardKinematicsDerivatives(model: Model, data: Data, q: Any, v: Any
     """Prepares the derivatives of velocities and accelerations of joints and frames."""
     a = np.zeros(model.nv) if a is None else a
     forwardKinematics(model, data, q, v, a)
-    from pinocchio._jacobians import computeJointJacobians
-
     computeJointJacobians(model, data, q)
 
 

@@ -10,13 +10,16 @@ import numpy as np
 from pinocchio._arrays import vector
 from pinocchio._data import Data, engine_for
 from pinocchio._enums import Convention
-from pinocchio._kinematics import rows, stacked
-from pinocchio._masses import fill_masses
+from pinocchio._jacobians import COLUMNS, columns
+from pinocchio._kinematics import NOT_SPEED, rows
 from pinocchio._model import Model
+from pinocchio._runs import Algorithm, run
+from pinocchio._states import BODIES, COM, MASS, OWN, SPEED, VCOM
 from pinocchio._vectors import Force
 from ulna import algorithms, spatial
 from ulna.errors import InputError
 from ulna.model import Model as TowerModel
+from ulna.recipes.base import with_mass
 from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:
@@ -66,6 +69,51 @@ def under_forces(engine: Engine, algorithm: Callable[..., Any], *arrays: Floats)
     return engine.made((algorithm, "under forces"), build, **shapes)(*arrays)
 
 
+def _inverse(model: TowerModel) -> Any:
+    return lambda q, v, a: (algorithms.inverse_dynamics(model, q, v, a), q, q, v, a)
+
+
+def _bias(model: TowerModel) -> Any:
+    return lambda q, v: (algorithms.bias_forces(model, q, v), q, q, v, np.zeros(model.nv))
+
+
+def _gravity(model: TowerModel) -> Any:
+    return lambda q: (algorithms.gravity_forces(model, q), q, q, np.zeros(model.nv), np.zeros(model.nv))
+
+
+def _forward(model: TowerModel) -> Any:
+    def run(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
+        ddq = algorithms.forward_dynamics(model, q, v, tau)
+        return ddq, q, q, v, ddq
+
+    return run
+
+
+def _mass(model: TowerModel) -> Any:
+    return lambda q: (algorithms.mass_matrix(model, q), q)
+
+
+def _inverse_mass(model: TowerModel) -> Any:
+    def run(q: Array) -> tuple[Array, ...]:
+        return (algorithms.inverse_mass_matrix(model, q), *columns(model)(q))
+
+    return run
+
+
+def _coriolis(model: TowerModel) -> Any:
+    return lambda q, v: (algorithms.coriolis_matrix(model, q, v), *columns(model)(q))
+
+
+_OF_BODIES = ("own q", "bodies q", "bodies v", "bodies a")
+_RNEA = Algorithm("rnea", "qva", ("tau", *_OF_BODIES), _inverse, (0,))
+_NLE = Algorithm("nle", "qv", ("nle", *_OF_BODIES), _bias, (0,))
+_GRAVITY = Algorithm("gravity", "q", ("g", *_OF_BODIES), _gravity, (0,))
+_ABA = Algorithm("aba", "qvt", ("ddq", *_OF_BODIES), with_mass(_forward), (0,))
+_CRBA = Algorithm("crba", "q", ("M", "own q"), _mass, (0,))
+_MINV = Algorithm("minverse", "q", ("Minv", *COLUMNS), with_mass(_inverse_mass), (0,))
+_CORIOLIS = Algorithm("coriolis", "qv", ("C", *COLUMNS), _coriolis, (0,))
+
+
 def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> Floats:
     """The joint torques of a motion, (nv,); kept in `data.tau`.
 
@@ -77,22 +125,24 @@ def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> 
         a: Acceleration (nv,).
         fext: For every joint, the force on its body in its frame.
     """
-    engine = engine_for(model, data)
-    nv = model.nv
-    q, v, a = vector(q, model.nq, "q"), vector(v, nv, "v"), vector(a, nv, "a")
-    F = None
     if fext is None:
-        tau = engine.plain("inverse_dynamics")(q, v, a)
-    else:
-        F = external(fext, model.njoints)
-        tau = under_forces(engine, algorithms.inverse_dynamics, q, v, a, F)
-    data._blocks["tau"][...] = tau
-    data._motion = (engine, q.copy(), v.copy(), a.copy(), F)
-    data._due.update(data._due_of_motion)
+        step = data._run.rnea
+        tau = step(q, v, a) if data._model is model else NotImplemented
+        if tau is NotImplemented:
+            tau = run(model, data, _RNEA, q, v, a)
+        data._due |= OWN | SPEED | BODIES
+        return tau
+    F, engine = external(fext, model.njoints), data.attach(model)
+    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
+    data._blocks["tau"][...] = tau = under_forces(engine, algorithms.inverse_dynamics, *state, F)
+    data._blocks["own q"][...] = state[0]
+    data._due |= OWN
+    for bit in (SPEED, BODIES):
+        data.leave(bit, (engine, *(x.copy() for x in state), F))
     return tau
 
 
-def bodies(engine: Engine, q: Floats, v: Floats, a: Floats, F: Floats | None) -> tuple[Floats, ...]:
+def bodies(engine: Engine, q: Floats, v: Floats, a: Floats, F: Floats | None = None) -> tuple[Floats, ...]:
     """What a motion makes of every body: its velocity, its acceleration less gravity, the force on it, its momentum."""
     under = F is not None
 
@@ -118,8 +168,11 @@ def bodies(engine: Engine, q: Floats, v: Floats, a: Floats, F: Floats | None) ->
 
 def nonLinearEffects(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """Coriolis, centrifugal and gravity torques (nv,); kept in `data.nle`."""
-    kernel = engine_for(model, data).kernel("bias_forces")
-    data._blocks["nle"][:] = found = kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    step = data._run.nle
+    found = step(q, v) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _NLE, q, v)
+    data._due |= OWN | SPEED | BODIES
     return found
 
 
@@ -128,7 +181,11 @@ nle = nonLinearEffects
 
 def computeGeneralizedGravity(model: Model, data: Data, q: Any) -> Floats:
     """The torques that hold the robot against gravity (nv,); kept in `data.g`."""
-    data._blocks["g"][:] = found = engine_for(model, data).kernel("gravity_forces")(vector(q, model.nq, "q"))
+    step = data._run.gravity
+    found = step(q) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _GRAVITY, q)
+    data._due |= OWN | SPEED | BODIES
     return found
 
 
@@ -154,36 +211,56 @@ def aba(
         fext: For every joint, the force on its body in its frame.
         convention: LOCAL or WORLD; the result is the same.
     """
-    engine = engine_for(model, data)
-    nv = model.nv
-    q, v, tau = vector(q, model.nq, "q"), vector(v, nv, "v"), vector(tau, nv, "tau")
     if fext is None or isinstance(fext, Convention):
-        found = engine.plain("forward_dynamics")(q, v, tau)
-    else:
-        F = external(fext, model.njoints)
-        found = under_forces(engine, algorithms.forward_dynamics, q, v, tau, F)
-    data._blocks["ddq"][:] = found
+        step = data._run.aba
+        found = step(q, v, tau) if data._model is model else NotImplemented
+        if found is NotImplemented:
+            found = run(model, data, _ABA, q, v, tau)
+        data._due |= OWN | SPEED | BODIES
+        return found
+    F, engine = external(fext, model.njoints), data.attach(model)
+    q, v, tau = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(tau, model.nv, "tau")
+    data._blocks["ddq"][:] = found = under_forces(engine, algorithms.forward_dynamics, q, v, tau, F)
+    data._blocks["own q"][...] = q
+    data._due |= OWN
+    for bit in (SPEED, BODIES):
+        data.leave(bit, (engine, q.copy(), v.copy(), found.copy(), F))
     return found
 
 
 def crba(model: Model, data: Data, q: Any, convention: Any = None) -> Floats:
     """The mass matrix (nv, nv), both triangles; kept in `data.M`."""
-    found = engine_for(model, data).plain("mass_matrix")(vector(q, model.nq, "q"))
-    data._blocks["M"][...] = found
+    step = data._run.crba
+    found = step(q) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _CRBA, q)
+    data._due |= OWN
     return found
 
 
 def computeMinverse(model: Model, data: Data, q: Any = None) -> Floats:
     """The inverse of the mass matrix (nv, nv); kept in `data.Minv`."""
-    q = data.require(data._q, "aba(model, data, q, v, tau)") if q is None else vector(q, model.nq, "q")
-    data._blocks["Minv"][:] = found = engine_for(model, data).kernel("inverse_mass_matrix")(q)
+    if q is None:
+        q = (
+            data._blocks["own q"]
+            if data._engine is not None
+            else data.require(None, "aba(model, data, q, v, tau)")
+        )
+    step = data._run.minverse
+    found = step(q) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _MINV, q)
+    data._due |= OWN
     return found
 
 
 def computeCoriolisMatrix(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The Coriolis matrix (nv, nv) of the Christoffel symbols; kept in `data.C`."""
-    kernel = engine_for(model, data).kernel("coriolis_matrix")
-    data._blocks["C"][:] = found = kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    step = data._run.coriolis
+    found = step(q, v) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _CORIOLIS, q, v)
+    data._due |= OWN
     return found
 
 
@@ -195,36 +272,46 @@ def getCoriolisMatrix(model: Model, data: Data) -> Floats:
 
 def _everything(model: TowerModel) -> Any:
     def run(q: Array, v: Array) -> tuple[Any, ...]:
+        Ag = algorithms.centroidal_matrix(model, q)
         return (
             algorithms.mass_matrix(model, q),
             algorithms.bias_forces(model, q, v),
             algorithms.gravity_forces(model, q),
-            algorithms.joint_jacobians(model, q),
             algorithms.joint_jacobians_dot(model, q, v),
             algorithms.center_of_mass_jacobian(model, q),
-            algorithms.centroidal_matrix(model, q),
-            stacked(algorithms.joint_poses(model, q)),
+            Ag,
+            Ag @ v,
+            algorithms.center_of_mass(model, q),
+            algorithms.center_of_mass_velocity(model, q, v),
             rows(algorithms.joint_velocities(model, q, v)),
+            algorithms.kinetic_energy(model, q, v),
+            algorithms.potential_energy(model, q),
+            *(x for name in ("speeds", "rates", "moments", "bodies") for x in (q, v)),
+            np.zeros(model.nv),
+            *columns(model)(q),
         )
 
     return run
 
 
+_ALL = Algorithm(
+    "everything",
+    "qv",
+    (
+        *("M", "nle", "g", "dJ", "Jcom", "Ag", "hg", "com[0]", "vcom[0]", "v", "energy K", "energy P"),
+        *(f"{name} {x}" for name in ("speeds", "rates", "moments", "bodies") for x in "qv"),
+        *("bodies a", *COLUMNS),
+    ),
+    _everything,
+)
+
+
 def computeAllTerms(model: Model, data: Data, q: Any, v: Any) -> None:
     """Fills M, nle, g, J, dJ, Jcom, Ag, hg, com, vcom, energies and placements; not C, not oMf."""
-    engine = engine_for(model, data)
-    q, v = vector(q, model.nq, "q"), vector(v, model.nv, "v")
-    blocks, tails = data._blocks, data._tails
-    found = engine.made("everything", _everything, q=(model.nq,), v=(model.nv,))(q, v)
-    for name, block in zip(("M", "nle", "g", "J", "dJ", "Jcom", "Ag"), found[:7], strict=True):
-        blocks[name][...] = block
-    tails["oMi"][...], tails["v"][...] = found[7:]
-    q, v = data.keep(engine, q), v.copy()
-    data._qv = data._qv_of_jacobians = (q, v)
-    data._q_of_jacobians = q
-    data._due.pop("v", None)
-    data.hg._v[:] = blocks["Ag"] @ v
-    fill_masses(model, data, q, v)
-    data.kinetic_energy = float(0.5 * v @ blocks["M"] @ v)
-    data.potential_energy = float(engine.kernel("potential_energy")(q))
+    step = data._run.everything
+    if data._model is not model or step(q, v) is NotImplemented:
+        run(model, data, _ALL, q, v)
+    data._due = data._due & NOT_SPEED | OWN | BODIES | COM | VCOM | MASS
+    data.kinetic_energy = float(data._blocks["energy K"])
+    data.potential_energy = float(data._blocks["energy P"])
     data.mechanical_energy = data.kinetic_energy + data.potential_energy

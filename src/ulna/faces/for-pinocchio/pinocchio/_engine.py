@@ -28,7 +28,6 @@ class Engine:
         self.model = tower_model(source)
         self.kernels: dict[Any, Any] = {}
         self.of_frames: dict[Any, Any] = {}
-        self.hot: dict[Any, Any] = {}
         self._frame_state: Any = None
         self._frames: tuple[Frame, ...] = ()
 
@@ -61,7 +60,7 @@ class Engine:
         state = self.source.frame_state()
         if state != self._frame_state:
             self._frame_state = state
-            self.of_frames, self.hot = {}, {}
+            self.of_frames = {}
             self._frames = tuple(
                 Frame(
                     f"{i}:{f.name}",

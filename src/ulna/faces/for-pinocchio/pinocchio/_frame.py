@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Any, final
 
+import numpy as np
+
 from pinocchio._enums import FrameType
 from pinocchio._inertia import Inertia
 from pinocchio._se3 import SE3
 from ulna.errors import InputError
 
-changes = [0]
+changes = np.zeros(1, np.int64)
 """How often a name or a parent of any frame was changed; placements are compared by their numbers."""
 
 

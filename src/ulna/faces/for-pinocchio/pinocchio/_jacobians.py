@@ -7,17 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio import _frame
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
 from pinocchio._enums import reference_of
-from pinocchio._kinematics import LOCAL, at_frame, at_joint, split, stacked
+from pinocchio._kinematics import LOCAL, NOT_SPEED, at_frame, at_joint, rows, split, stacked
 from pinocchio._model import Model
+from pinocchio._runs import Algorithm, Scratch, run
+from pinocchio._states import OWN
 from ulna import algorithms
 from ulna.algorithms.references import Reference
 from ulna.model import Frame
 from ulna.model import Model as TowerModel
-from ulna.typing import Floats
+from ulna.typing import Array, Floats
 
 __all__ = [
     "computeFrameJacobian",
@@ -35,18 +36,47 @@ __all__ = [
 ]
 
 
-def _all_columns(model: TowerModel) -> Any:
-    return lambda q: (algorithms.joint_jacobians(model, q), stacked(algorithms.joint_poses(model, q)))
+def columns(model: TowerModel) -> Any:
+    return lambda q: (
+        algorithms.joint_jacobians(model, q),
+        stacked(algorithms.joint_poses(model, q)),
+        q,
+        q,
+        q,
+    )
+
+
+def _rates(model: TowerModel) -> Any:
+    first = columns(model)
+
+    def run(q: Array, v: Array) -> tuple[Array, ...]:
+        speeds = rows(algorithms.joint_velocities(model, q, v))
+        return algorithms.joint_jacobians_dot(model, q, v), *first(q), q, v, speeds, q, v
+
+    return run
+
+
+COLUMNS = ("J", "oMi", "places q", "own q", "jacobians q")
+_J = Algorithm("columns", "q", COLUMNS, columns, (0,), on="places")
+_DJ = Algorithm(
+    "rates",
+    "qv",
+    ("dJ", *COLUMNS, "rates q", "rates v", "v", "speeds q", "speeds v"),
+    _rates,
+    (0,),
+    on="places",
+)
 
 
 def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
     """Fills `data.J` (columns in WORLD), `data.oMi` and `data.liMi`; returns J (6, nv)."""
-    engine = engine_for(model, data)
-    q = data.require(data._q, "forwardKinematics(model, data, q)") if q is None else vector(q, model.nq, "q")
-    kernel = engine.kernels.get("J") or engine.made("J", _all_columns, q=(model.nq,))
-    J, data._tails["oMi"][...] = kernel(q)
-    data._blocks["J"][...] = J
-    data._q_of_jacobians = data.keep(engine, q)
+    if q is None:
+        q = data.require(data._q, "forwardKinematics(model, data, q)")
+    step = data._run.columns
+    J = step(q) if data._model is model else NotImplemented
+    if J is NotImplemented:
+        J = run(model, data, _J, q)
+    data._due |= OWN
     return J
 
 
@@ -73,18 +103,18 @@ def getFrameJacobian(model: Model, data: Data, *place: Any, reference_frame: Any
         place: Index of the frame; or index of a joint, and a placement in its frame; then the reference.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED, where it is not the last of `place`.
     """
-    engine, q = data._engine, data._q_of_jacobians
-    if engine is not None and q is not None and len(place) == 2 and reference_frame is None:
-        hot = engine.hot.get(place) if type(place[0]) is int else None
-        if hot is not None and hot[1] == _frame.changes[0] and hot[2].tobytes() == hot[3]:
-            return hot[0](q)
+    bound = data._run_at.get(place) if reference_frame is None and data._model is model else None
+    if bound is not None:
+        J = bound(data._of_jacobians)
+        if J is not NotImplemented:
+            return J
     where, reference = split(place, reference_frame)
     key, given = at_frame(model, where)
-    q = data.require(q, "computeJointJacobians(model, data, q)")
+    q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
+    data.attach(model)
     kernel = _jacobian(model, data, reference, key, given)
-    if engine is not None and given is None and len(place) == 2 and reference_frame is None:
-        M = model.frames[key].placement._m
-        engine.hot[place] = (kernel, _frame.changes[0], M, M.tobytes())
+    if given is None and len(place) == 2 and reference_frame is None:
+        data._run_at[place] = Scratch(kernel, model.watched("frames", key)).call
     return kernel(q)
 
 
@@ -111,16 +141,11 @@ def _jacobian(model: Model, data: Data, reference: Reference, key: Any, given: F
 
 def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """Fills `data.dJ` (columns in WORLD) and `data.J`; returns dJ (6, nv)."""
-    engine = engine_for(model, data)
-    q, v = vector(q, model.nq, "q"), vector(v, model.nv, "v")
-    computeJointJacobians(model, data, q)
-
-    def build(tower: TowerModel) -> Any:
-        return lambda q, v: algorithms.joint_jacobians_dot(tower, q, v)
-
-    dJ = engine.made("dJ", build, q=(model.nq,), v=(model.nv,))(q, v)
-    data._blocks["dJ"][...] = dJ
-    data._qv_of_jacobians = (q.copy(), v.copy())
+    step = data._run.rates
+    dJ = step(q, v) if data._model is model else NotImplemented
+    if dJ is NotImplemented:
+        dJ = run(model, data, _DJ, q, v)
+    data._due = data._due & NOT_SPEED | OWN
     return dJ
 
 

@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import index, vector
+from pinocchio._arrays import index
 from pinocchio._data import Data, engine_for, frames_fit
 from pinocchio._enums import ReferenceFrame, reference_of
 from pinocchio._model import Model
+from pinocchio._runs import Algorithm, run
 from pinocchio._se3 import SE3
+from pinocchio._states import FROZEN, OWN, SPEED
 from pinocchio._vectors import Motion
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
@@ -51,56 +53,63 @@ def own_poses(model: TowerModel, q: Array) -> Array:
     return stacked([j.placement @ j.kind.transform(j.q_of(q)) for j in model.joints])
 
 
-def _places(model: TowerModel) -> Any:
-    return lambda q: stacked(algorithms.joint_poses(model, q))
+def _run0(model: TowerModel) -> Any:
+    return lambda q: (stacked(algorithms.joint_poses(model, q)), q, q)
 
 
-def _moving(model: TowerModel) -> Any:
-    places = _places(model)
-    return lambda q, v: (places(q), rows(algorithms.joint_velocities(model, q, v)))
+def _run1(model: TowerModel) -> Any:
+    def run(q: Array, v: Array) -> tuple[Array, ...]:
+        places = stacked(algorithms.joint_poses(model, q))
+        return places, q, q, rows(algorithms.joint_velocities(model, q, v)), q, v
+
+    return run
 
 
-def _speeding(model: TowerModel) -> Any:
-    moving = _moving(model)
-    return lambda q, v, a: (*moving(q, v), rows(algorithms.joint_accelerations(model, q, v, a)))
+def _run2(model: TowerModel) -> Any:
+    first = _run1(model)
+    return lambda q, v, a: (*first(q, v), rows(algorithms.joint_accelerations(model, q, v, a)), q, v, a)
+
+
+def _run_frames(model: TowerModel, frames: Sequence[Frame]) -> Any:
+    first = _run0(model)
+    return lambda q: (*first(q), stacked(algorithms.frame_poses(model, q, frames)))
+
+
+_PLACED = ("oMi", "places q", "own q")
+_MOVED = (*_PLACED, "v", "speeds q", "speeds v")
+_FK = Algorithm("fk", "q", _PLACED, _run0, on="places")
+_FK1 = Algorithm("fk1", "qv", _MOVED, _run1, on="places")
+_FK2 = Algorithm("fk2", "qva", (*_MOVED, "a", "gains q", "gains v", "gains a"), _run2, on="places")
+_FRAMES = Algorithm("frames", "q", (*_PLACED, "oMf"), _run_frames, on="frames")
+NOT_SPEED = ~(SPEED | SPEED << FROZEN)
 
 
 def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = None) -> None:
     """Fills `data.oMi` and `data.liMi`; with v and a also `data.v` and `data.a`."""
-    engine = engine_for(model, data)
-    q = vector(q, model.nq, "q")
-    tails = data._tails
     if v is None:
-        kernel = engine.kernels.get("oMi") or engine.made("oMi", _places, q=(model.nq,))
-        tails["oMi"][...] = kernel(q)
-        data.keep(engine, q)
+        step = data._run.fk
+        if data._model is not model or step(q) is NotImplemented:
+            run(model, data, _FK, q)
+        data._due |= OWN
         return
-    v = vector(v, model.nv, "v")
     if a is None:
-        kernel = engine.made("fk1", _moving, q=(model.nq,), v=(model.nv,))
-        tails["oMi"][...], tails["v"][...] = kernel(q, v)
+        step = data._run.fk1
+        if data._model is not model or step(q, v) is NotImplemented:
+            run(model, data, _FK1, q, v)
     else:
-        a = vector(a, model.nv, "a")
-        kernel = engine.made("fk2", _speeding, q=(model.nq,), v=(model.nv,), a=(model.nv,))
-        tails["oMi"][...], tails["v"][...], tails["a"][...] = kernel(q, v, a)
-        data._qva = (q.copy(), v.copy(), a.copy())
-    data._due.pop("v", None)
-    data._qv = (data.keep(engine, q), v.copy())
-
-
-def _frame_places(model: TowerModel, frames: Sequence[Frame]) -> Any:
-    places = _places(model)
-    return lambda q: (places(q), stacked(algorithms.frame_poses(model, q, frames)))
+        step = data._run.fk2
+        if data._model is not model or step(q, v, a) is NotImplemented:
+            run(model, data, _FK2, q, v, a)
+    data._due = data._due & NOT_SPEED | OWN
 
 
 def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
     """Fills `data.oMi`, `data.liMi` and `data.oMf`."""
-    frames_fit(model, data)
-    engine = engine_for(model, data)
-    q = vector(q, model.nq, "q")
-    kernel = engine.of_frame("fk", _frame_places, q=(model.nq,))
-    data._tails["oMi"][...], data._blocks["oMf"][...] = kernel(q)
-    data.keep(engine, q)
+    step = data._run.frames
+    if data._model is not model or step(q) is NotImplemented:
+        frames_fit(model, data)
+        run(model, data, _FRAMES, q)
+    data._due |= OWN
 
 
 def _carried(model: TowerModel, frames: Sequence[Frame]) -> Any:
@@ -117,19 +126,19 @@ def _carried(model: TowerModel, frames: Sequence[Frame]) -> Any:
 def updateFramePlacements(model: Model, data: Data) -> None:
     """Fills `data.oMf` from `data.oMi`."""
     frames_fit(model, data)
-    engine = data.require(data._engine, "forwardKinematics(model, data, q)")
-    kernel = engine.of_frame("carried", _carried, oMi=(model.njoints, 4, 4))
+    data.require(data._q, "forwardKinematics(model, data, q)")
+    kernel = engine_for(model, data).of_frame("carried", _carried, oMi=(model.njoints, 4, 4))
     data._blocks["oMf"][...] = kernel(data._blocks["oMi"])
 
 
 def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
-    """Fills `data.oMf[frame_id]` from `data.oMi`, and returns it."""
+    """Fills `data.oMf[frame_id]` from `data.oMi`, and returns a copy."""
     frames_fit(model, data)
     place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")
-    data.require(data._engine, "forwardKinematics(model, data, q)")
+    data.require(data._q, "forwardKinematics(model, data, q)")
     frame = model.frames[place]
     np.matmul(data._blocks["oMi"][frame.parentJoint], frame.placement._m, out=data._blocks["oMf"][place])
-    return data.oMf[place]
+    return data.oMf[place].copy()
 
 
 def updateGlobalPlacements(model: Model, data: Data) -> None:

@@ -8,8 +8,11 @@ import numpy as np
 
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
-from pinocchio._kinematics import stacked
+from pinocchio._jacobians import COLUMNS, columns
+from pinocchio._kinematics import NOT_SPEED, rows, stacked
 from pinocchio._model import Model
+from pinocchio._runs import Algorithm, run
+from pinocchio._states import ACOM, COM, MASS, OWN, VCOM
 from pinocchio._vectors import Force
 from ulna import algorithms
 from ulna.model import Model as TowerModel
@@ -34,13 +37,51 @@ __all__ = [
 ]
 
 _WORDS = ("center_of_mass", "center_of_mass_velocity", "center_of_mass_acceleration")
-_FIELDS = ("com", "vcom", "acom")
-_KEYS = ("com", "com 1", "com 2")
-_CENTRES: tuple[Any, ...] = (
-    algorithms.center_of_mass,
-    algorithms.center_of_mass_velocity,
-    algorithms.center_of_mass_acceleration,
-)
+_FIELDS = {COM: "com", VCOM: "vcom", ACOM: "acom"}
+
+
+def _centre(model: TowerModel) -> Any:
+    def run(q: Array) -> tuple[Array, ...]:
+        return algorithms.center_of_mass(model, q), stacked(algorithms.joint_poses(model, q)), q, q, q
+
+    return run
+
+
+def _centre1(model: TowerModel) -> Any:
+    first = _centre(model)
+
+    def run(q: Array, v: Array) -> tuple[Array, ...]:
+        speeds = rows(algorithms.joint_velocities(model, q, v))
+        return *first(q), algorithms.center_of_mass_velocity(model, q, v), v, speeds, q, v
+
+    return run
+
+
+def _centre2(model: TowerModel) -> Any:
+    first = _centre1(model)
+
+    def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
+        gains = rows(algorithms.joint_accelerations(model, q, v, a))
+        return *first(q, v), algorithms.center_of_mass_acceleration(model, q, v, a), a, gains, q, v, a
+
+    return run
+
+
+def _slope(model: TowerModel) -> Any:
+    def run(q: Array) -> tuple[Array, ...]:
+        com = algorithms.center_of_mass(model, q)
+        return algorithms.center_of_mass_jacobian(model, q), com, q, *columns(model)(q)
+
+    return run
+
+
+_AT = ("com[0]", "oMi", "places q", "own q", "moments q")
+_AT1 = (*_AT, "vcom[0]", "moments v", "v", "speeds q", "speeds v")
+_AT2 = (*_AT1, "acom[0]", "moments a", "a", "gains q", "gains v", "gains a")
+_COM = Algorithm("centre", "q", _AT, _centre, (0,))
+_COM1 = Algorithm("centre1", "qv", _AT1, _centre1, (0,))
+_COM2 = Algorithm("centre2", "qva", _AT2, _centre2, (0,))
+_JCOM = Algorithm("slope", "q", ("Jcom", "com[0]", "moments q", *COLUMNS), _slope, (0,))
 
 
 def centerOfMass(
@@ -53,73 +94,61 @@ def centerOfMass(
     if v is None or isinstance(v, bool):  # compute_subtree_coms may stand in its place
         if q is None or isinstance(q, (int, np.integer)):
             q = data.require(data._q, "forwardKinematics(model, data, q)")
-        fill_masses(model, data, vector(q, model.nq, "q"))
+        step = data._run.centre
+        found = step(q) if data._model is model else NotImplemented
+        if found is NotImplemented:
+            found = run(model, data, _COM, q)
+        data._due |= OWN | COM | MASS
     elif a is None or isinstance(a, bool):
-        fill_masses(model, data, vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+        step = data._run.centre1
+        found = step(q, v) if data._model is model else NotImplemented
+        if found is NotImplemented:
+            found = run(model, data, _COM1, q, v)
+        data._due = data._due & NOT_SPEED | OWN | COM | VCOM | MASS
     else:
-        fill_masses(model, data, vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a"))
-    return data._blocks["com"][0].copy()
+        step = data._run.centre2
+        found = step(q, v, a) if data._model is model else NotImplemented
+        if found is NotImplemented:
+            found = run(model, data, _COM2, q, v, a)
+        data._due = data._due & NOT_SPEED | OWN | COM | VCOM | ACOM | MASS
+    return found
 
 
-def _moments(order: int) -> Any:
-    """The centre of mass and its rates up to an order, and the placements of the joints."""
-
-    def build(tower: TowerModel) -> Any:
-        def run(*state: Array) -> tuple[Array, ...]:
-            found = [f(tower, *state[: k + 1]) for k, f in enumerate(_CENTRES[: order + 1])]
-            return (*found, stacked(algorithms.joint_poses(tower, state[0])))
-
-        return run
-
-    return build
-
-
-def fill_masses(model: Model, data: Data, *state: Floats) -> None:
-    """Fills com, vcom and acom of the whole robot; those of subtrees are left until they are asked for."""
-    engine = engine_for(model, data)
-    order = len(state) - 1
-    key = _KEYS[order]
-    kernel = engine.kernels.get(key)
-    if kernel is None:
-        shapes: dict[str, Any] = dict(zip("qva", (x.shape for x in state), strict=False))
-        kernel = engine.made(key, _moments(order), **shapes)
-    found = kernel(*state)
-    data._tails["oMi"][...] = found[-1]
-    for k in range(order + 1):
-        field = _FIELDS[k]
-        data._blocks[field][0] = found[k]
-        data._lists[field].pull = data._subtrees[field]
-    q = data.keep(engine, state[0])
-    data._moments = (q, *(x.copy() for x in state[1:])) if order else (q,)
-    if data._mass_of is not engine:
-        data._mass_of = engine
-        list.__setitem__(data.mass, 0, float(algorithms.total_mass(engine.model)))
-        data.mass.pull = data._subtrees["mass"]
-
-
-def fill_subtrees(model: Model, data: Data, field: str) -> None:
-    """The same of what each joint moves, in the joint's frame; or the masses."""
-    if field == "mass":
-        computeSubtreeMasses(model, data)
+def fill_subtrees(data: Data, bit: int) -> None:
+    """What was left of subtrees: the centre of what each joint moves, or a rate of it, in its frame; or the masses."""
+    due = data.claim(bit)
+    if due is None:
         return
-    order = _FIELDS.index(field)
-    engine = engine_for(model, data)
-    heavy = [j.name for j in engine.model.joints if algorithms.total_mass(engine.model, j.name) > 0.0]
-    state = data._moments[: order + 1]
-    found = {name: engine.kernel(_WORDS[order], subtree=name)(*state) for name in heavy}
-    for i, name in enumerate(model.names):
-        if name in found:
-            M = data.oMi[i]
-            data._blocks[field][i] = M.actInv(found[name]) if order == 0 else M.rotation.T @ found[name]
+    engine, *state = due
+    tower = engine.model
+    if bit == MASS:
+        _fill_masses(data, tower)
+        return
+    order = list(_FIELDS).index(bit)
+    poses = algorithms.joint_poses(tower, state[0])
+    for i, (joint, pose) in enumerate(zip(tower.joints, poses, strict=True), start=1):
+        if algorithms.total_mass(tower, joint.name) > 0.0:
+            found = engine.kernel(_WORDS[order], subtree=joint.name)(*state[: order + 1])
+            own = pose.rotation.T @ (found - pose.translation if order == 0 else found)
+            data._blocks[_FIELDS[bit]][i] = own
+
+
+def _fill_masses(data: Data, tower: TowerModel) -> None:
+    for i, name in enumerate((None, *tower.joint_names)):
+        list.__setitem__(data.mass, i, float(algorithms.total_mass(tower, name)))
 
 
 def jacobianCenterOfMass(
     model: Model, data: Data, q: Any = None, compute_subtree_coms: bool = True
 ) -> Floats:
     """The Jacobian (3, nv) of the centre of mass; kept in `data.Jcom`."""
-    q = data.require(data._q, "forwardKinematics(model, data, q)") if q is None else vector(q, model.nq, "q")
-    fill_masses(model, data, q)
-    data._blocks["Jcom"][...] = found = engine_for(model, data).plain("center_of_mass_jacobian")(q)
+    if q is None:
+        q = data.require(data._q, "forwardKinematics(model, data, q)")
+    step = data._run.slope
+    found = step(q) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _JCOM, q)
+    data._due |= OWN | COM | MASS
     return found
 
 
@@ -148,14 +177,43 @@ def computeTotalMass(model: Model, data: Data | None = None) -> float:
 
 def computeSubtreeMasses(model: Model, data: Data) -> None:
     """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves."""
-    tower = engine_for(model, data).model
-    found = [float(algorithms.total_mass(tower, n)) for n in (None, *tower.joint_names)]
-    data.mass.pull = None
-    for i, mass in enumerate(found):
-        list.__setitem__(data.mass, i, mass)
+    data.claim(MASS)
+    _fill_masses(data, data.attach(model).model)
 
 
 # momentum -----------------------------------------------------------------------------------------------
+
+
+def _map(model: TowerModel) -> Any:
+    return lambda q: (algorithms.centroidal_matrix(model, q), *_slope(model)(q)[1:])
+
+
+def _map_rate(model: TowerModel) -> Any:
+    def run(q: Array, v: Array) -> tuple[Array, ...]:
+        Ag, J = algorithms.centroidal_matrix(model, q), algorithms.joint_jacobians(model, q)
+        rate, J_rate = (
+            algorithms.centroidal_matrix_dot(model, q, v),
+            algorithms.joint_jacobians_dot(model, q, v),
+        )
+        return rate, Ag, J_rate, q, v, *_centre1(model)(q, v), J, q
+
+    return run
+
+
+def _momentum(model: TowerModel) -> Any:
+    def run(q: Array, v: Array) -> tuple[Array, ...]:
+        inertia = algorithms.centroidal_inertia(model, q).reshape(9)
+        whole = np.concatenate([[algorithms.total_mass(model), 0.0, 0.0, 0.0], inertia])
+        return algorithms.centroidal_momentum(model, q, v), whole, *_centre1(model)(q, v)
+
+    return run
+
+
+_MAP = Algorithm("map", "q", ("Ag", "com[0]", "moments q", *COLUMNS), _map, (0,))
+_MAP_RATE = Algorithm(
+    "map_rate", "qv", ("dAg", "Ag", "dJ", "rates q", "rates v", *_AT1, "J", "jacobians q"), _map_rate, (0,)
+)
+_MOMENTUM = Algorithm("momentum", "qv", ("hg", "Ig", *_AT1), _momentum)
 
 
 def ccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
@@ -172,17 +230,21 @@ def dccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
 
 def computeCentroidalMap(model: Model, data: Data, q: Any) -> Floats:
     """The centroidal matrix (6, nv); kept in `data.Ag`."""
-    data._blocks["Ag"][:] = found = engine_for(model, data).kernel("centroidal_matrix")(
-        vector(q, model.nq, "q")
-    )
+    step = data._run.map
+    found = step(q) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _MAP, q)
+    data._due |= OWN | COM | MASS
     return found
 
 
 def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """Its time derivative (6, nv); kept in `data.dAg`."""
-    kernel = engine_for(model, data).kernel("centroidal_matrix_dot")
-    data._blocks["dAg"][:] = found = kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
-    computeCentroidalMap(model, data, q)
+    step = data._run.map_rate
+    found = step(q, v) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _MAP_RATE, q, v)
+    data._due = data._due & NOT_SPEED | OWN | COM | VCOM | MASS
     return found
 
 
@@ -190,12 +252,10 @@ def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = 
     """The momentum about the centre of mass; kept in `data.hg`, the inertia in `data.Ig`."""
     if q is None:
         q, v = data.require(data._qv, "forwardKinematics(model, data, q, v)")
-    engine = engine_for(model, data)
-    q, v = vector(q, model.nq, "q"), vector(v, model.nv, "v")
-    data.hg._v[:] = engine.kernel("centroidal_momentum")(q, v)
-    data.Ig.mass = float(algorithms.total_mass(engine.model))
-    data.Ig.inertia = engine.kernel("centroidal_inertia")(q)
-    fill_masses(model, data, q, v)
+    step = data._run.momentum
+    if data._model is not model or step(q, v) is NotImplemented:
+        run(model, data, _MOMENTUM, q, v)
+    data._due = data._due & NOT_SPEED | OWN | COM | VCOM | MASS
     return data.hg
 
 
@@ -205,29 +265,58 @@ def computeCentroidalMomentumTimeVariation(
     """Its time derivative; kept in `data.dhg`, the momentum in `data.hg`."""
     if q is None:
         q, v, a = data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
+    computeCentroidalMomentum(model, data, q, v)
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
-    computeCentroidalMomentum(model, data, *state[:2])
-    data.dhg._v[:] = engine_for(model, data).kernel("centroidal_momentum_rate")(*state)
+    data.dhg._v[:] = data.attach(model).kernel("centroidal_momentum_rate")(*state)
     return data.dhg
 
 
 # energies -----------------------------------------------------------------------------------------------
 
 
+def _kinetic(model: TowerModel) -> Any:
+    def run(q: Array, v: Array) -> tuple[Array, ...]:
+        speeds = rows(algorithms.joint_velocities(model, q, v))
+        places = stacked(algorithms.joint_poses(model, q))
+        return algorithms.kinetic_energy(model, q, v), places, q, q, speeds, q, v
+
+    return run
+
+
+def _potential(model: TowerModel) -> Any:
+    return lambda q: (algorithms.potential_energy(model, q), stacked(algorithms.joint_poses(model, q)), q, q)
+
+
+_KINETIC = Algorithm(
+    "kinetic", "qv", ("energy K", "oMi", "places q", "own q", "v", "speeds q", "speeds v"), _kinetic, (0,)
+)
+_POTENTIAL = Algorithm("potential", "q", ("energy P", "oMi", "places q", "own q"), _potential, (0,))
+
+
 def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
     """The kinetic energy [J]; kept in `data.kinetic_energy`."""
     if q is None:
         q, v = data.require(data._qv, "forwardKinematics(model, data, q, v)")
-    kernel = engine_for(model, data).kernel("kinetic_energy")
-    data.kinetic_energy = float(kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v")))
-    return data.kinetic_energy
+    step = data._run.kinetic
+    found = step(q, v) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _KINETIC, q, v)
+    data._due = data._due & NOT_SPEED | OWN
+    data.kinetic_energy = energy = float(found)
+    return energy
 
 
 def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
     """The potential energy [J]; kept in `data.potential_energy`."""
-    q = data.require(data._q, "forwardKinematics(model, data, q)") if q is None else vector(q, model.nq, "q")
-    data.potential_energy = float(engine_for(model, data).kernel("potential_energy")(q))
-    return data.potential_energy
+    if q is None:
+        q = data.require(data._q, "forwardKinematics(model, data, q)")
+    step = data._run.potential
+    found = step(q) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _POTENTIAL, q)
+    data._due |= OWN
+    data.potential_energy = energy = float(found)
+    return energy
 
 
 def computeMechanicalEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
-from pinocchio import _frame
 from pinocchio._arrays import StdVec, index, vector
-from pinocchio._engine import Engine
+from pinocchio._engine import tower_model
 from pinocchio._enums import FrameType
 from pinocchio._frame import Frame
 from pinocchio._inertia import Inertia
 from pinocchio._joints import JointModel
+from pinocchio._numbers import Numbers
 from pinocchio._saved import Saved
 from pinocchio._se3 import SE3
 from pinocchio._supports import Supports
@@ -38,11 +38,10 @@ _PER_V = {
     "rotorInertia": 0.0,
     "rotorGearRatio": 1.0,
 }
-_KEPT = 8  # how many states of a model keep their kernels
 
 
 @final
-class Model(Saved, Supports):
+class Model(Saved, Supports, Numbers):
     """A kinematic tree. Joint 0 is the universe; every other joint follows its parent."""
 
     if TYPE_CHECKING:  # made below, by their names
@@ -66,6 +65,7 @@ class Model(Saved, Supports):
     gravity981: ClassVar[Floats] = np.array([0.0, 0.0, -9.81])
 
     def __init__(self, other: Model | None = None) -> None:
+        self._begin()
         self.name = ""
         """The name of the model."""
         self.names: StdVec[str] = StdVec(["universe"])
@@ -76,16 +76,13 @@ class Model(Saved, Supports):
         """The joints."""
         self._placements: StdVec[SE3] = StdVec([SE3()])
         self._inertias: StdVec[Inertia] = StdVec([Inertia()])
-        self.frames: StdVec[Frame] = StdVec([Frame("universe", 0, 0, SE3(), FrameType.FIXED_JOINT)])
-        """The frames, live references."""
+        self.frames = [Frame("universe", 0, 0, SE3(), FrameType.FIXED_JOINT)]
         self.referenceConfigurations: dict[str, Floats] = {}
         """Named configurations."""
         self._gravity = Motion(self.gravity981, np.zeros(3))
         self._arrays = {key: np.zeros(0) for key in (*_PER_Q, *_PER_V)}
         self.nq = self.nv = self.nvExtended = 0
         self.nbodies = 1
-        self._engines: dict[bytes, Engine] = {}
-        self._newest: Engine | None = None
         self._changed()
         if other is not None:
             self.__setstate__(other.__getstate__())
@@ -352,64 +349,6 @@ class Model(Saved, Supports):
         """For each entry of v, whether a limit on its position means something."""
         return StdVec(x for j in self.joints if not j.mimic for x in j.hasConfigurationLimitInTangent)
 
-    # what is compiled -----------------------------------------------------------------------------------
-
-    def _changed(self) -> None:
-        """Joints were added: what was compiled serves no more, and Data made before do not fit."""
-        self._layout = tuple((j.shortname(), j.idx_q, j.idx_v) for j in self.joints)
-        self._flat: Floats | None = None
-        self._engines = {}
-        self._bits, self._newest = b"", None
-        self._frames_changed()
-
-    def _frames_changed(self) -> None:
-        self._frame_flat: Floats | None = None
-        self._frame_state: Any = None
-
-    def engine(self) -> Engine:
-        """The tower's model of the present numbers, and its kernels; made anew when a number has changed."""
-        flat = self._flat
-        if flat is None:
-            flat = self._seal()
-        bits = flat.tobytes()
-        if bits == self._bits and self._newest is not None:
-            return self._newest
-        found = self._engines.get(bits)
-        if found is None:
-            found = Engine(self)
-            if len(self._engines) >= _KEPT:
-                del self._engines[next(iter(self._engines))]
-            self._engines[bits] = found
-        self._bits, self._newest = bits, found
-        return found
-
-    def shape(self) -> Engine:
-        """Kernels that depend on the kinds of joints alone, not on any number."""
-        return self._newest or self.engine()
-
-    def frame_state(self) -> tuple[int, bytes]:
-        """What changes when a frame does."""
-        flat = self._frame_flat
-        if flat is None or len(flat) != len(self.frames):
-            flat = self._frame_flat = np.stack([f._placement._m for f in self.frames])
-            for frame, row in zip(self.frames, flat, strict=True):
-                frame._placement._m = row
-        return _frame.changes[0], flat.tobytes()
-
-    def _seal(self) -> Floats:
-        """Lays the numbers that kernels depend on into one array; the references become views of its parts."""
-        parts: list[tuple[Any, str, Any]] = [(M, "_m", M._m) for M in self._placements]
-        parts += [(inertia, "_p", inertia._p) for inertia in self._inertias]
-        parts.append((self._gravity, "_v", self._gravity._v))
-        flat = np.concatenate([*(p[2].ravel() for p in parts), self._arrays["armature"]])
-        at = 0
-        for owner, slot, values in parts:
-            setattr(owner, slot, flat[at : at + values.size].reshape(values.shape))
-            at += values.size
-        self._arrays["armature"] = flat[at:]
-        self._flat = flat
-        return flat
-
     # copies and files -----------------------------------------------------------------------------------
 
     def __getstate__(self) -> dict[str, Any]:
@@ -429,6 +368,8 @@ class Model(Saved, Supports):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         told = dict(state)
+        if "_version" not in self.__dict__:
+            self._begin()
         self.nq, self.nv, self.nvExtended, self.nbodies = told.pop("sizes")
         for key, value in told.items():
             setattr(self, key, StdVec(value) if isinstance(value, list) else value)
@@ -461,7 +402,7 @@ class Model(Saved, Supports):
 
     def ulna(self) -> Any:
         """The tower's model of the present numbers: `ulna.Robot(model.ulna())` has all that Ulna has."""
-        return self.engine().model
+        return tower_model(self)
 
 
 def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:

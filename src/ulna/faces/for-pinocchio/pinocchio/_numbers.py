@@ -1,0 +1,166 @@
+"""The numbers of a model that kernels depend on: where they lie, and what is compiled for them.
+
+Placements and inertias of joints, and placements of frames, lie in rows that never move from the moment a joint or
+frame is added, so that references to them stay live, and a change of any is seen by comparing a few blocks of memory.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, final
+
+import numpy as np
+
+from pinocchio._arrays import StdVec
+from pinocchio._engine import Engine
+from pinocchio._frame import Frame, changes
+from pinocchio._runs import refuse
+from ulna.typing import Array, Floats
+
+if TYPE_CHECKING:
+    from pinocchio._inertia import Inertia
+    from pinocchio._joints import JointModel
+    from pinocchio._se3 import SE3
+    from pinocchio._vectors import Motion
+
+_ROWS = 64  # in a block
+_KEPT = 8  # how many states of a model keep their kernels
+
+
+@final
+class Rows:
+    """Storage of objects, each in a row of a block; `slot` is the attribute in which an object holds its array."""
+
+    def __init__(self, slot: str) -> None:
+        self._slot = slot
+        self._owners: list[Any] = []
+        self._blocks: list[Floats] = []
+
+    def adopt(self, owners: list[Any]) -> bool:
+        """Moves into rows what does not lie in its row yet; whether anything did not."""
+        known = len(self._owners)
+        same = len(owners) >= known and all(a is b for a, b in zip(owners, self._owners, strict=False))
+        if same and len(owners) == known:
+            return False
+        if not same:
+            self._owners, self._blocks = [], []
+        for owner in owners[len(self._owners) :]:
+            values = getattr(owner, self._slot)
+            at = len(self._owners) % _ROWS
+            if at == 0:
+                self._blocks.append(np.zeros((_ROWS, *values.shape)))
+            row = self._blocks[-1][at]
+            row[...] = values
+            setattr(owner, self._slot, row)
+            self._owners.append(owner)
+        return True
+
+    def parts(self) -> list[Floats]:
+        """The rows in use."""
+        count = len(self._owners)
+        return [block[: count - k * _ROWS] for k, block in enumerate(self._blocks)]
+
+
+class Frames(StdVec[Frame]):
+    """The frames of a model; kernels see when one is added or taken away."""
+
+
+def _noticed(name: str) -> Any:
+    change = getattr(list, name)
+
+    def method(self: Frames, *args: Any, **options: Any) -> Any:
+        changes[0] += 1
+        return change(self, *args, **options)
+
+    method.__name__, method.__doc__ = name, change.__doc__
+    return method
+
+
+for _name in ("append", "extend", "insert", "pop", "remove", "clear", "reverse", "sort", "__delitem__"):
+    setattr(Frames, _name, _noticed(_name))
+
+
+class Numbers:
+    """What of a Model is about its numbers."""
+
+    joints: StdVec[JointModel]
+    _placements: StdVec[SE3]
+    _inertias: StdVec[Inertia]
+    _gravity: Motion
+    _arrays: dict[str, Floats]
+
+    _engines: dict[bytes, Engine]
+
+    def _begin(self) -> None:
+        self._frames = Frames()
+        self._version = np.zeros(1, np.int64)
+        self._rows = Rows("_m"), Rows("_p"), Rows("_m")
+
+    @property
+    def frames(self) -> StdVec[Frame]:
+        """The frames, live references."""
+        return self._frames
+
+    @frames.setter
+    def frames(self, values: Any) -> None:
+        self._frames = Frames(values)
+        changes[0] += 1
+
+    def _changed(self) -> None:
+        """Joints were added: what was compiled serves no more, and Data made before do not fit."""
+        self._layout = tuple((j.shortname(), j.idx_q, j.idx_v) for j in self.joints)
+        self._version[0] += 1
+        for rows, owners in zip(self._rows, (self._placements, self._inertias), strict=False):
+            rows.adopt(owners)
+        self._engines = {}
+        self._bits, self._newest = b"", None
+        self._integrate = self._difference = refuse
+        self._frames_changed()
+
+    def _frames_changed(self) -> None:
+        changes[0] += 1
+        self._rows[2].adopt([frame._placement for frame in self._frames])
+
+    def _live(self, on: Literal["places", "numbers"]) -> list[Array]:
+        """The blocks that all kernels depend on, or those of placements alone."""
+        places = [self._version, *self._rows[0].parts()]
+        if on == "places":
+            return places
+        return [*places, *self._rows[1].parts(), self._gravity._v, self._arrays["armature"]]
+
+    def engine(self) -> Engine:
+        """The tower's model of the present numbers, and its kernels; made anew when a number has changed."""
+        bits = b"".join(block.tobytes() for block in self._live("numbers"))
+        if bits == self._bits and self._newest is not None:
+            return self._newest
+        found = self._engines.get(bits)
+        if found is None:
+            found = Engine(self)  # type: ignore[arg-type]
+            if len(self._engines) >= _KEPT:
+                del self._engines[next(iter(self._engines))]
+            self._engines[bits] = found
+        self._bits, self._newest = bits, found
+        return found
+
+    def shape(self) -> Engine:
+        """Kernels that depend on the kinds of joints alone, not on any number."""
+        return self._newest or self.engine()
+
+    def watched(self, on: Literal["places", "numbers", "frames", "shape"], frame: int | None = None) -> Any:
+        """Pairs of what kernels for the present numbers depend on, live and as it is now; of one frame, or of all."""
+        if on == "shape":
+            live: list[Array] = [self._version]
+        else:
+            live = self._live("numbers" if on == "numbers" else "places")
+        if on == "frames":
+            self.frame_state()
+            live += (
+                [changes, *self._rows[2].parts()]
+                if frame is None
+                else [changes, self.frames[frame].placement._m]
+            )
+        return [(block, block.copy()) for block in live]
+
+    def frame_state(self) -> tuple[int, bytes]:
+        """What changes when a frame does."""
+        self._rows[2].adopt([frame._placement for frame in self._frames])
+        return int(changes[0]), b"".join(part.tobytes() for part in self._rows[2].parts())
