@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import abc
 import copy
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,12 +16,12 @@ from pinocchio._geometry import GeometryData, GeometryModel, GeometryObject, upd
 from pinocchio._kinematics import forwardKinematics
 from pinocchio._model import Model
 from pinocchio.visualize.figures import surfaces_of
+from pinocchio.visualize.motion_pictures import MotionPictures
 from ulna.errors import InputError, UnknownName
-from ulna.viewer.screen import somebody_can_look
 from ulna.viewer.viewer import Viewer
 
 
-class BaseVisualizer(abc.ABC):  # noqa: B024 (what differs is how the viewer is opened)
+class BaseVisualizer(MotionPictures, abc.ABC):
     """Shows a robot's geometries: `initViewer(loadModel=True)`, then `display(q)`.
 
     Args:
@@ -185,8 +183,19 @@ class BaseVisualizer(abc.ABC):  # noqa: B024 (what differs is how the viewer is 
             self.visual_model = GeometryModel()
         self.visual_model.addGeometryObject(obj)
         self.visual_data = self.visual_model.createData()
-        self._scene.add(self.getViewerNodeName(obj, GeometryType.VISUAL), surfaces_of(obj, color))
+        self.loadViewerGeometryObject(obj, GeometryType.VISUAL, color)
         self.display()
+
+    def loadViewerGeometryObject(
+        self,
+        geometry_object: GeometryObject,
+        geometry_type: GeometryType,
+        color: Sequence[float] | None = None,
+    ) -> None:
+        """Draws a geometry of the model anew, in its own colour or in that one."""
+        surfaces = surfaces_of(geometry_object, color)
+        self._scene.add(self.getViewerNodeName(geometry_object, geometry_type), surfaces)
+        self._rows = ()
 
     # showing --------------------------------------------------------------------------------------------
 
@@ -200,14 +209,19 @@ class BaseVisualizer(abc.ABC):  # noqa: B024 (what differs is how the viewer is 
         scene, gui = self._scene, self.viewer.gui
         with scene.together():
             gui.settle()
-            for kind, rows in zip(self._shown, self._current_rows(), strict=True):
-                if self._shown[kind] and rows is not None:
-                    model, data = self._pair(kind)
-                    updateGeometryPlacements(self.model, self.data, model, data)
-                    scene.set_poses(data._block, rows)
-            for frame in self._frames:
-                scene.set_pose(self._frame_node(frame), self._frame_pose(frame))
+            for kind, shown in self._shown.items():
+                if shown:
+                    self.updatePlacements(kind)
+            self.updateFrames()
         gui.refreshed()
+
+    def updatePlacements(self, geometry_type: GeometryType) -> None:
+        """Moves the geometries of a kind to where the data has them."""
+        rows = self._current_rows()[list(self._shown).index(geometry_type)]
+        if rows is not None:
+            model, data = self._pair(geometry_type)
+            updateGeometryPlacements(self.model, self.data, model, data)
+            self._scene.set_poses(data._block, rows)
 
     def _pair(self, kind: GeometryType) -> tuple[Any, Any]:
         if kind == GeometryType.VISUAL:
@@ -239,89 +253,6 @@ class BaseVisualizer(abc.ABC):  # noqa: B024 (what differs is how the viewer is 
         if visibility and self._q is not None:
             self.display(self._q)
 
-    def displayFrames(
-        self,
-        visibility: bool,
-        frame_ids: Sequence[int] | None = None,
-        axis_length: float = 0.2,
-        axis_width: float = 2,
-    ) -> None:
-        """Shows or hides the axes of frames: of all, or of some."""
-        viewer = self.viewer.viewer
-        for frame in self._frames:
-            viewer.remove(self._frame_node(frame))
-        chosen = range(self.model.nframes) if frame_ids is None else frame_ids
-        self._frames = [int(i) for i in chosen] if visibility else []
-        for frame in self._frames:
-            viewer.axes(axis_length, name=self._frame_node(frame), pose=self._frame_pose(frame))
-
-    def _frame_node(self, frame: int) -> str:
-        return f"{self._root}/frames/{frame} {self.model.frames[frame].name}".rstrip("/")
-
-    def _frame_pose(self, frame: int) -> Any:
-        told = self.model.frames[frame]
-        return (self.data.oMi[told.parentJoint] * told.placement).homogeneous
-
-    def drawFrameVelocities(
-        self, frame_id: int, v_scale: float = 0.2, color: Sequence[float] | None = None
-    ) -> None:
-        """Draws an arrow along the velocity of a frame's origin, after forwardKinematics with v."""
-        from pinocchio import LOCAL_WORLD_ALIGNED, getFrameVelocity
-
-        v = getFrameVelocity(self.model, self.data, frame_id, LOCAL_WORLD_ALIGNED).linear
-        start = self._frame_pose(frame_id)[:3, 3]
-        name = f"{self._root}/velocities/{frame_id}"
-        self.viewer.viewer.arrow(v_scale * v, start, name=name, color=color)
-
-    def play(
-        self,
-        q_trajectory: Any,
-        dt: float | None = None,
-        callback: Callable[..., None] | None = None,
-        capture: bool = False,
-        **named: Any,
-    ) -> list[Any] | None:
-        """Shows configurations one after the other, `dt` seconds each; where nobody can look, without waiting.
-
-        Args:
-            q_trajectory: Configurations, (N, nq) or a list; an array (nq, N) as of older scripts, too.
-            dt: How long each stays [s].
-            callback: Called as `callback(i, **named)` after each.
-            capture: Whether to return pictures of all of them.
-            named: What the callback is given besides.
-        """
-        images: list[Any] = []
-        wait = dt is not None and somebody_can_look() and not self.viewer.viewer.closed
-        for i, q in enumerate(_configurations(q_trajectory, self.model.nq)):
-            start = time.perf_counter()
-            self.display(q)
-            if callback is not None:
-                callback(i, **named)
-            if capture or self._film is not None:
-                images.append(self.captureImage())
-            if wait and dt is not None:
-                time.sleep(max(0.0, dt - (time.perf_counter() - start)))
-        if self._film is not None:
-            self._film += images
-        return images if capture else None
-
-    def captureImage(self, w: int | None = None, h: int | None = None) -> Any:
-        """A picture (h, w, 3), uint8, drawn without a browser."""
-        return self.viewer.viewer.picture(None, w or 960, h or 600)
-
-    @contextmanager
-    def create_video_ctx(self, filename: str, fps: float = 25.0, **_: Any) -> Iterator[None]:
-        """Writes what is played within to a film: .mp4 or .gif."""
-        from ulna.viewer.film import check_film, write_film
-
-        check_film(filename)
-        self._film = []
-        try:
-            yield
-            write_film(filename, iter(self._film), fps)
-        finally:
-            self._film = None
-
     def clean(self) -> None:
         """Takes the robot out of the viewer."""
         self.viewer.gui.deleteNode(self._root, True)
@@ -349,9 +280,3 @@ class BaseVisualizer(abc.ABC):  # noqa: B024 (what differs is how the viewer is 
 
 def _options(more: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in more.items() if key in ("host", "port") and value is not None}
-
-
-def _configurations(given: Any, nq: int) -> Any:
-    if isinstance(given, np.ndarray) and given.ndim == 2 and given.shape[1] != nq and given.shape[0] == nq:
-        return given.T
-    return given

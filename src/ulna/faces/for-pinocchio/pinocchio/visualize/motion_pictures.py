@@ -1,0 +1,138 @@
+"""What a visualizer plays and films, and the axes and arrows it draws at frames."""
+
+from __future__ import annotations
+
+import abc
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from pinocchio._model import Model
+from ulna.viewer.screen import somebody_can_look
+
+
+class MotionPictures(abc.ABC):
+    """The part of a visualizer that is about time and frames."""
+
+    model: Model
+    data: Any
+    viewer: Any
+    _scene: Any
+    _root: str
+    _frames: list[int]
+    _film: list[Any] | None
+
+    @abc.abstractmethod
+    def display(self, q: Any = None) -> None:
+        """Shows configuration q, or the data's present placements without one."""
+
+    def displayFrames(
+        self,
+        visibility: bool,
+        frame_ids: Sequence[int] | None = None,
+        axis_length: float = 0.2,
+        axis_width: float = 2,
+    ) -> None:
+        """Shows or hides the axes of frames: of all, or of some."""
+        viewer = self.viewer.viewer
+        for frame in self._frames:
+            viewer.remove(self._frame_node(frame))
+        chosen = range(self.model.nframes) if frame_ids is None else frame_ids
+        self._frames = [int(i) for i in chosen] if visibility else []
+        for frame in self._frames:
+            viewer.axes(axis_length, name=self._frame_node(frame), pose=self._frame_pose(frame))
+
+    def initializeFrames(
+        self, frame_ids: Sequence[int] | None = None, axis_length: float = 0.2, axis_width: float = 2
+    ) -> None:
+        """Shows the axes of frames: of all, or of some."""
+        self.displayFrames(True, frame_ids, axis_length, axis_width)
+
+    def updateFrames(self) -> None:
+        """Moves the axes to where the frames are in the data."""
+        for frame in self._frames:
+            self._scene.set_pose(self._frame_node(frame), self._frame_pose(frame))
+
+    def _frame_node(self, frame: int) -> str:
+        return f"{self._root}/frames/{frame} {self.model.frames[frame].name}".rstrip("/")
+
+    def _frame_pose(self, frame: int) -> Any:
+        told = self.model.frames[frame]
+        return (self.data.oMi[told.parentJoint] * told.placement).homogeneous
+
+    def drawFrameVelocities(
+        self, frame_id: int, v_scale: float = 0.2, color: Sequence[float] | None = None
+    ) -> None:
+        """Draws an arrow along the velocity of a frame's origin, after forwardKinematics with v."""
+        from pinocchio import LOCAL_WORLD_ALIGNED, getFrameVelocity
+
+        v = getFrameVelocity(self.model, self.data, frame_id, LOCAL_WORLD_ALIGNED).linear
+        start = self._frame_pose(frame_id)[:3, 3]
+        name = f"{self._root}/velocities/{frame_id}"
+        self.viewer.viewer.arrow(v_scale * v, start, name=name, color=color)
+
+    def play(
+        self,
+        q_trajectory: Any,
+        dt: float | None = None,
+        callback: Callable[..., None] | None = None,
+        capture: bool = False,
+        **named: Any,
+    ) -> list[Any] | None:
+        """Shows configurations one after the other, `dt` seconds each; where nobody can look, without waiting.
+
+        Args:
+            q_trajectory: Configurations, (N, nq) or a list; an array (nq, N) as of older scripts, too.
+            dt: How long each stays [s].
+            callback: Called as `callback(i, **named)` after each.
+            capture: Whether to return pictures of all of them.
+            named: What the callback is given besides.
+        """
+        images: list[Any] = []
+        wait = dt is not None and somebody_can_look() and not self.viewer.viewer.closed
+        for i, q in enumerate(_configurations(q_trajectory, self.model.nq)):
+            start = time.perf_counter()
+            self.display(q)
+            if callback is not None:
+                callback(i, **named)
+            if capture or self._film is not None:
+                images.append(self.captureImage())
+            if wait and dt is not None:
+                time.sleep(max(0.0, dt - (time.perf_counter() - start)))
+        if self._film is not None:
+            self._film += images
+        return images if capture else None
+
+    def sleep(self, dt: float) -> None:
+        """Waits [s]."""
+        time.sleep(dt)
+
+    def has_video_writer(self) -> bool:
+        """Whether what is played is being filmed."""
+        return self._film is not None
+
+    def captureImage(self, w: int | None = None, h: int | None = None) -> Any:
+        """A picture (h, w, 3), uint8, drawn without a browser."""
+        return self.viewer.viewer.picture(None, w or 960, h or 600)
+
+    @contextmanager
+    def create_video_ctx(self, filename: str, fps: float = 25.0, **_: Any) -> Iterator[None]:
+        """Writes what is played within to a film: .mp4 or .gif."""
+        from ulna.viewer.film import check_film, write_film
+
+        check_film(filename)
+        self._film = []
+        try:
+            yield
+            write_film(filename, iter(self._film), fps)
+        finally:
+            self._film = None
+
+
+def _configurations(given: Any, nq: int) -> Any:
+    if isinstance(given, np.ndarray) and given.ndim == 2 and given.shape[1] != nq and given.shape[0] == nq:
+        return given.T
+    return given
