@@ -53,6 +53,9 @@ class Later(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+        below = sys.modules.get(f"{self.__name__}.{name}")
+        if type(below) is Later:
+            return below
         if name in self._names and sys.modules.get(self.__name__) in (None, self):
             return Name(self.__name__, name)
         return getattr(self._itself(), name)

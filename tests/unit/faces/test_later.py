@@ -53,6 +53,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     (tmp_path / "heavy_one" / "below.py").write_text("from heavy_one import Thing\nX = Thing(1)\n")
     (tmp_path / "heavy_two").mkdir()
     (tmp_path / "heavy_two" / "__init__.py").write_text("")
+    (tmp_path / "heavy_two" / "other.py").write_text("")
     (tmp_path / "heavy_two" / "part.py").write_text("VALUES = (7,)\ndef f():\n    return 8\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     before = set(sys.modules)
@@ -61,7 +62,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
         del sys.modules[name]
 
 
-HEAVY = {"heavy_one": ("Thing", "make"), "heavy_two.part": ("f",), "not_installed": ("x",)}
+HEAVY = {"heavy_one": ("Thing", "make"), "heavy_two": (), "heavy_two.part": ("f",), "not_installed": ("x",)}
 
 
 def imported() -> Any:
@@ -107,6 +108,11 @@ def test_a_part_of_a_package_brings_the_whole(folder: Path) -> None:
     assert imported().x == 1
     real = importlib.import_module("heavy_one")
     assert isinstance(real.Thing, type) and real.below.X.number == 1
+
+    (folder / "library.py").write_text("import heavy_two.part as part\nimport heavy_two.other\n")
+    del sys.modules["library"]
+    assert imported().part.f() == 8
+    assert importlib.import_module("heavy_two").part.VALUES == (7,)
 
 
 def test_stand_ins_leave_with_an_error(folder: Path) -> None:

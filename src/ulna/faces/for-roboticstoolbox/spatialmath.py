@@ -13,6 +13,7 @@ from ulna.faces.later import later
 
 _HEAVY = {
     "sympy": ("Expr", "Symbol", "Matrix"),
+    "scipy": (),
     "scipy.interpolate": ("BSpline", "CubicSpline", "interp1d"),
     "scipy.spatial.transform": ("Rotation", "RotationSpline"),
     "matplotlib.path": ("Path",),
