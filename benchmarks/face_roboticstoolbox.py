@@ -1,6 +1,8 @@
 """The Robotics Toolbox's calls through the face against the toolbox itself: two processes that take turns.
 
 Run: python benchmarks/face_roboticstoolbox.py
+
+Each has its own Swift, without a page; where swift-sim is not installed, the loops that step it have no ratio.
 """
 
 from __future__ import annotations
@@ -18,13 +20,23 @@ from _timing import medians, shown, table
 from ulna.faces.shelves import environment
 
 ROUNDS = 7
-IMPORTS = 5
+STARTS = 7
+IMPORT = "import roboticstoolbox"
+FIRST = """
+import roboticstoolbox as rtb
+from spatialmath import SE3
+panda = rtb.models.Panda()
+T = panda.fkine(panda.qr)
+J = panda.jacob0(panda.qr)
+panda.ik_LM(T * SE3.Tx(0.01), q0=panda.qr)
+"""
 
 
 def worker() -> None:
     """Measures each call once for every line that comes in; answers with medians by name."""
     import numpy as np
     import roboticstoolbox as rtb
+    from spatialmath import SE3
 
     panda, puma, arm = rtb.models.Panda(), rtb.models.DH.Puma560(), rtb.models.DH.Panda()
     frames = rtb.models.URDF.px100() if hasattr(rtb.models.URDF, "px100") else None
@@ -70,6 +82,26 @@ def worker() -> None:
         w = 0.1 * np.ones(frames.n)
         calls["URDF.px100.rne"] = lambda: frames.rne(w, w, w)
         calls["URDF.px100.inertia"] = lambda: frames.inertia(w)
+    try:
+        import swift
+    except ImportError:
+        print("Without swift-sim.", file=sys.stderr)
+    else:
+        env = swift.Swift()
+        env.launch(headless=True, realtime=False)
+        shown_robot = rtb.models.Panda()
+        shown_robot.q = shown_robot.qr
+        env.add(shown_robot)
+        far = shown_robot.fkine(shown_robot.q) * SE3.Tx(0.2) * SE3.Ty(0.2) * SE3.Tz(0.35)
+
+        def example() -> None:
+            v, _ = rtb.p_servo(shown_robot.fkine(shown_robot.q), far, gain=1, threshold=0.01)
+            J = shown_robot.jacobe(shown_robot.q)
+            shown_robot.qd = np.linalg.pinv(J) @ v
+            env.step(0.01)
+
+        calls["example 3: the whole loop, with env.step"] = example
+        calls["env.step, one Panda"] = lambda: env.step(0.01)
     for f in calls.values():
         f()
     print("ready", flush=True)
@@ -78,14 +110,23 @@ def worker() -> None:
         print(json.dumps(dict(zip(calls, found, strict=True))), flush=True)
 
 
-def seconds_to_import(env: dict[str, str]) -> float:
-    """How long `import roboticstoolbox` takes in a new Python [s], less what Python itself takes."""
+def seconds_to_run(code: str, env: dict[str, str]) -> float:
+    """How long a script takes in a new Python [s], less what Python itself takes."""
     took = []
-    for code in ("pass", "import roboticstoolbox"):
+    for words in ("pass", code):
         start = time.perf_counter()
-        subprocess.run([sys.executable, "-c", code], env=env, check=True)
+        subprocess.run([sys.executable, "-c", words], env=env, check=True)
         took.append(time.perf_counter() - start)
     return took[1] - took[0]
+
+
+def row(name: str, ours: list[float], theirs: list[float]) -> list[str]:
+    """A line of the table: medians and their ratio."""
+    face = statistics.median(ours)
+    if not theirs:
+        return [f"`{name}`", shown(face), "not installed", ""]
+    toolbox = statistics.median(theirs)
+    return [f"`{name}`", shown(face), shown(toolbox), f"{toolbox / face:.1f}"]
 
 
 def main() -> None:
@@ -110,15 +151,15 @@ def main() -> None:
         process.stdin.close()  # type: ignore[union-attr]
         process.wait()
     rows = []
-    for name in samples["toolbox"][0]:
-        ours, theirs = (statistics.median(s[name] for s in samples[who]) for who in ("face", "toolbox"))
-        rows.append([f"`{name}`", shown(ours), shown(theirs), f"{theirs / ours:.1f}"])
-    imports: dict[str, list[float]] = {who: [] for who in variables}
-    for _ in range(IMPORTS):
-        for who, env in variables.items():
-            imports[who].append(seconds_to_import(env))
-    ours, theirs = (statistics.median(imports[who]) for who in ("face", "toolbox"))
-    rows.append(["`import roboticstoolbox`", shown(ours), shown(theirs), f"{theirs / ours:.1f}"])
+    for name in samples["face"][0]:
+        ours, theirs = ([s[name] for s in samples[who] if name in s] for who in ("face", "toolbox"))
+        rows.append(row(name, ours, theirs))
+    for name, code in ((IMPORT, IMPORT), ("script: import, Panda, fkine, jacob0, ik_LM once", FIRST)):
+        took: dict[str, list[float]] = {who: [] for who in variables}
+        for _ in range(STARTS):
+            for who, env in variables.items():
+                took[who].append(seconds_to_run(code, env))
+        rows.append(row(name, took["face"], took["toolbox"]))
     print(table("The toolbox's calls", ["call", "face", "toolbox", "ratio"], rows))
 
 
