@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from ulna.viewer.progress import progress
 from ulna.viewer.viewer import Viewer
 
 pytestmark = pytest.mark.browser
@@ -118,3 +119,11 @@ def test_a_folder_goes_with_all_within(viewer: Viewer, tab: Any) -> None:
     assert wait(lambda: tab.get_by_text("words within").is_visible())
     folder.remove()
     assert wait(lambda: tab.get_by_text("words within").count() == 0)
+
+
+def test_long_work_is_shown_and_gone_when_it_is_done(viewer: Viewer, tab: Any) -> None:
+    with progress("Loading something") as report:
+        assert wait(lambda: tab.get_by_text("Loading something").count() == 1)
+        report(3, 7)
+        assert wait(lambda: tab.get_by_text("3 of 7").count() == 1)
+    assert wait(lambda: tab.get_by_text("Loading something").count() == 0)

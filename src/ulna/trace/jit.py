@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -22,6 +23,8 @@ _RECIPE = "inlining or level 1, codegen 2"
 _SPEED = {"entry": 4e6, "batch": 2e6}
 # Compilations that will take longer are announced; tracing took about as long already [s].
 _PATIENCE = 0.5
+watchers: list[Callable[[str, str], None]] = []
+"""Told what is compiled and how long that takes, where it is long, and nothing for how long once it is done."""
 _lock = threading.RLock()  # LLVM's contexts are not safe to share
 
 
@@ -89,15 +92,15 @@ _machine = cache(_new_machine)
 
 def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     """Machine code of `ir`, which evaluates `f`, from the cache or from LLVM, with the addresses of `names`."""
-    return _load(ir, names, f.has_loops, lambda: _announce(f, len(ir) / _SPEED[names[0]]))
+    return _load(ir, names, f.has_loops, lambda: _announced(f, len(ir) / _SPEED[names[0]]))
 
 
 def load_text(ir: str, names: tuple[str, ...]) -> Code:
     """Machine code of `ir`, which belongs to no function."""
-    return _load(ir, names, has_loops=True, announce=lambda: None)
+    return _load(ir, names, has_loops=True, announced=contextlib.nullcontext)
 
 
-def _load(ir: str, names: tuple[str, ...], has_loops: bool, announce: Callable[[], None]) -> Code:
+def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[[], Any]) -> Code:
     t, llvm = target(), _llvm()
     key = disk.key(ir, t.triple, t.cpu, t.features, t.version, _RECIPE)
     with _lock:
@@ -105,8 +108,8 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announce: Callable[[
         content = disk.read(key)
         fresh = content is None
         if content is None:
-            announce()
-            content = _machine().emit_object(_optimised(ir, has_loops))
+            with announced():
+                content = _machine().emit_object(_optimised(ir, has_loops))
             disk.write(key, content)
         seconds = time.perf_counter() - start if fresh else 0.0
         own = _new_machine()  # the engine takes it over
@@ -123,16 +126,27 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announce: Callable[[
     return code
 
 
-def _announce(f: Function, seconds: float) -> None:
-    """Says on the error stream what will take longer than a moment, unless ULNA_QUIET is set."""
-    if seconds < _PATIENCE or os.environ.get("ULNA_QUIET", "0") not in ("", "0") or sys.stderr is None:
+@contextlib.contextmanager
+def _announced(f: Function, seconds: float) -> Iterator[None]:
+    """Says on the error stream, unless ULNA_QUIET is set, and to watchers what will take longer than a moment."""
+    if seconds < _PATIENCE:
+        yield
         return
-    kept = "it is kept for next time" if disk.folder() is not None else "the disk cache is off"
-    print(
-        f"ulna: compiling {f.name} ({f.operations:,} operations), about {math.ceil(seconds)} s; {kept}",
-        file=sys.stderr,
-        flush=True,
-    )
+    if os.environ.get("ULNA_QUIET", "0") in ("", "0") and sys.stderr is not None:
+        kept = "it is kept for next time" if disk.folder() is not None else "the disk cache is off"
+        print(
+            f"ulna: compiling {f.name} ({f.operations:,} operations), about {math.ceil(seconds)} s; {kept}",
+            file=sys.stderr,
+            flush=True,
+        )
+    what, told = f"Compiling {f.name}", tuple(watchers)
+    for watcher in told:
+        watcher(what, f"about {math.ceil(seconds)} s")
+    try:
+        yield
+    finally:
+        for watcher in told:
+            watcher(what, "")
 
 
 def _optimised(ir: str, has_loops: bool) -> Any:

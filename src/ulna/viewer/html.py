@@ -10,6 +10,7 @@ from ulna.errors import InputError
 from ulna.viewer.camera import Camera
 from ulna.viewer.channel import start_recording
 from ulna.viewer.page import Page
+from ulna.viewer.progress import progress
 from ulna.viewer.scene import Scene
 from ulna.viewer.theme import LIGHT, Theme
 
@@ -48,13 +49,15 @@ def write_html(
     with Page(scene, title, port=0, camera=camera, theme=theme, floor=floor, live=False) as page:
         recording = start_recording(page.server)
         before = moments[0] if moments else 0.0
-        for t in moments[1:] if move is not None else []:
-            recording.insert_sleep(t - before)
-            before = t
-            assert move is not None
-            move(t)
-            page.flush()
-        content = recording.as_html(dark_mode=theme.dark)
+        with progress(f"Writing {target.name}") as report:
+            for k, t in enumerate(moments[1:] if move is not None else []):
+                report(k, len(moments))
+                recording.insert_sleep(t - before)
+                before = t
+                assert move is not None
+                move(t)
+                page.flush()
+            content = recording.as_html(dark_mode=theme.dark)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(content, encoding="utf-8")

@@ -29,8 +29,10 @@ from ulna.viewer.content import Text
 from ulna.viewer.controls import pose_rows
 from ulna.viewer.look import decorate, lay_floor, look_from
 from ulna.viewer.node import Node, Snapshot
+from ulna.viewer.progress import unwatch, watch
 from ulna.viewer.scene import Scene
 from ulna.viewer.theme import LIGHT, Theme
+from ulna.viewer.waiting import Waiting
 
 RATE = 60.0
 """How often the page looks for something new [1/s]."""
@@ -114,8 +116,10 @@ class Page:
         with self._tick_lock:
             self._publish()
         self._thread = threading.Thread(target=self._run, name="ulna-page", daemon=True)
+        self._waiting = Waiting(self.server)
         if live:
             self._thread.start()
+            watch(self._waiting)
 
     @property
     def port(self) -> int:
@@ -145,6 +149,7 @@ class Page:
             self.flush()  # tabs keep what they had last: the newest, not that of a sixtieth of a second ago
         finally:
             self._stop.set()
+            unwatch(self._waiting)
             if self._thread.is_alive() and threading.current_thread() is not self._thread:
                 self._thread.join(timeout=2.0)
             stop(self.server)

@@ -1,16 +1,39 @@
-"""Long work says how far it is: a line in the terminal after a moment, and whoever else wants to know."""
+"""Long work says how far it is once it takes a while: in the terminal, where there is one, and in open pages."""
 
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import final
+
+from ulna.trace import jit
 
 Report = Callable[[int, int], None]
 """Told how much of how much is done."""
 
+Watcher = Callable[[str, str], None]
+"""Told what is being done and how far it is; nothing for how far once it is done."""
+
 _PATIENCE = 0.7  # s
+_CALM = 0.1  # s between two words about one work
+
+_watchers: list[Watcher] = []
+
+
+def watch(watcher: Watcher) -> None:
+    """Have a watcher told of long work of this process from now on, compilations included."""
+    _watchers.append(watcher)
+    jit.watchers.append(watcher)
+
+
+def unwatch(watcher: Watcher) -> None:
+    """Tell a watcher no more."""
+    for watchers in (_watchers, jit.watchers):
+        if watcher in watchers:
+            watchers.remove(watcher)
 
 
 def silent(done: int, of: int) -> None:
@@ -18,26 +41,57 @@ def silent(done: int, of: int) -> None:
 
 
 @contextmanager
-def progress(what: str, *others: Report) -> Iterator[Report]:
-    """A report that shows `what` and a count in the terminal, where there is one, once the work takes a while.
+def progress(what: str) -> Iterator[Report]:
+    """A report that tells of `what` and a count once the work takes a while, and nothing any more when it is over.
 
     Args:
         what: What is being done: "Loading meshes".
-        others: Told as well.
     """
-    began, shown = time.monotonic(), False
-    terminal = sys.stderr is not None and sys.stderr.isatty()
-
-    def report(done: int, of: int) -> None:
-        nonlocal shown
-        for other in others:
-            other(done, of)
-        if terminal and (shown or time.monotonic() - began > _PATIENCE):
-            shown = True
-            print(f"\r{what}: {done} of {of} ", end="", file=sys.stderr, flush=True)
-
+    work = _Work(what)
+    timer = threading.Timer(_PATIENCE, work.show)
+    timer.daemon = True
+    timer.start()
     try:
-        yield report
+        yield work.report
     finally:
-        if shown:
-            print(f"\r{' ' * (len(what) + 24)}\r", end="", file=sys.stderr, flush=True)
+        timer.cancel()
+        timer.join()
+        work.finish()
+
+
+@final
+class _Work:
+    def __init__(self, what: str) -> None:
+        self._what, self._count = what, ""
+        self._shown, self._told_at = False, 0.0
+        self._lock = threading.Lock()
+
+    def report(self, done: int, of: int) -> None:
+        with self._lock:
+            self._count = f"{done} of {of}" if of > 1 else ""
+            if self._shown and time.monotonic() - self._told_at > _CALM:
+                self._tell()
+
+    def show(self) -> None:
+        with self._lock:
+            self._shown = True
+            self._tell()
+
+    def finish(self) -> None:
+        if not self._shown:
+            return
+        if _terminal():
+            print(f"\r{' ' * (len(self._what) + 24)}\r", end="", file=sys.stderr, flush=True)
+        for watcher in tuple(_watchers):
+            watcher(self._what, "")
+
+    def _tell(self) -> None:
+        self._told_at = time.monotonic()
+        if _terminal():
+            print(f"\r{self._what}: {self._count or '...'} ", end="", file=sys.stderr, flush=True)
+        for watcher in tuple(_watchers):
+            watcher(self._what, self._count or "...")
+
+
+def _terminal() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty()
