@@ -1,0 +1,148 @@
+"""Scripts of Swift through the face against Swift itself: two processes that take turns; with `--page`, watched in Chromium.
+
+Run: python benchmarks/face_swift.py [--page]
+
+It needs swift-sim and roboticstoolbox-python, and for `--page` playwright and a Chromium.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+import webbrowser
+from collections.abc import Callable
+from typing import Any
+
+from _timing import shown, table
+
+from ulna.faces.shelves import environment
+
+ROUNDS = 7
+SERVO = "servo loop of example 3: `fkine`, `p_servo`, `jacobe`, `numpy.linalg.pinv`, `step`"
+REALTIME = "example 3 in real time, 4.31 s"
+
+
+class Chromium(webbrowser.BaseBrowser):
+    """Opens pages in a Chromium without a window, in a process of its own."""
+
+    def open(self, url: str, new: int = 0, autoraise: bool = True) -> bool:
+        """Open a page."""
+        plain = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        self.process = subprocess.Popen([sys.executable, __file__, "--browse", url], env=plain)
+        return True
+
+
+def browse(url: str) -> None:
+    """Looks at a page for ever."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(
+            executable_path=shutil.which("chromium"),
+            args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+        )
+        browser.new_page(viewport={"width": 640, "height": 400}).goto(url)
+        while True:
+            time.sleep(1.0)
+
+
+def opened(realtime: bool, browser: Chromium | None) -> Any:
+    """An environment, with a page if there is a browser."""
+    import swift
+
+    env = swift.Swift()
+    if browser is None:
+        env.launch(realtime=realtime, headless=True)
+    elif hasattr(type(env), "viewer"):
+        env.launch(realtime=realtime, headless=False)
+        browser.open(env.viewer.url)
+        while not env.viewer.clients:
+            time.sleep(0.1)
+    else:
+        webbrowser.register("here", None, browser)
+        env.launch(realtime=realtime, headless=False, browser="here")
+    return env
+
+
+def worker(page: bool) -> None:
+    """Measures once for every line that comes in; answers with wall seconds by name."""
+    import numpy as np
+    import roboticstoolbox as rtb
+    import spatialmath as sm
+
+    browser = Chromium() if page else None
+    env, panda = opened(page, browser), rtb.models.Panda()
+    panda.q = panda.qr
+    env.add(panda)
+    goal = panda.fkine(panda.q) * sm.SE3.Tx(0.2) * sm.SE3.Ty(0.2) * sm.SE3.Tz(0.35)
+
+    def servo() -> None:
+        twist, _ = rtb.p_servo(panda.fkine(panda.q), goal, gain=1, threshold=0.01)
+        panda.qd = np.linalg.pinv(panda.jacobe(panda.q)) @ twist
+        env.step(0.01)
+
+    def taken(f: Callable[[], None], count: int) -> float:
+        panda.q, panda.qd = panda.qr, np.full(7, 1e-3)
+        start = time.perf_counter()
+        for _ in range(count):
+            f()
+        return time.perf_counter() - start
+
+    if page:
+        time.sleep(5.0)  # until the meshes are there
+    else:
+        taken(servo, 300)
+    print("ready", flush=True)
+    for _ in sys.stdin:
+        if page:
+            found = {REALTIME: taken(servo, 431)}
+        else:
+            found = {
+                "`env.step`, one Panda": taken(lambda: env.step(1e-3), 1000) / 1000,
+                SERVO: taken(servo, 300) / 300,
+            }
+        print(json.dumps(found), flush=True)
+    if browser is not None:
+        browser.process.kill()
+    os._exit(0)  # Swift would wait for its page
+
+
+def main() -> None:
+    """Prints the table."""
+    page = "--page" in sys.argv
+    command = [sys.executable, "-W", "ignore", __file__, "--worker", *(["--page"] if page else [])]
+    variables = {"face": environment(["roboticstoolbox"]), "swift": dict(os.environ)}
+    pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    samples: dict[str, list[dict[str, float]]] = {who: [] for who in variables}
+    # pages draw even when nothing moves, so that they are open one after the other
+    for group in [["face"], ["swift"]] if page else [["face", "swift"]]:
+        running = {who: subprocess.Popen(command, env=variables[who], **pipes) for who in group}
+        for process in running.values():
+            while (line := process.stdout.readline()) != "ready\n":  # type: ignore[union-attr]
+                assert line, "the worker ended"
+        for _ in range(3 if page else ROUNDS):
+            for who, process in running.items():
+                process.stdin.write("go\n")  # type: ignore[union-attr]
+                process.stdin.flush()  # type: ignore[union-attr]
+                samples[who].append(json.loads(process.stdout.readline()))  # type: ignore[union-attr]
+        for process in running.values():
+            process.communicate()
+    rows = []
+    for name in samples["face"][0]:
+        ours, theirs = (statistics.median(s[name] for s in samples[who]) for who in ("face", "swift"))
+        rows.append([name, shown(ours), shown(theirs), f"{theirs / ours:.1f}"])
+    print(table("Scripts of Swift", ["", "face", "swift", "ratio"], rows))
+
+
+if __name__ == "__main__":
+    if "--browse" in sys.argv:
+        browse(sys.argv[-1])
+    elif "--worker" in sys.argv:
+        worker("--page" in sys.argv)
+    else:
+        main()
