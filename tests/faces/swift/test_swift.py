@@ -375,6 +375,8 @@ def test_what_is_not_offered_says_so(env: Any, swift: Any, arm: Any) -> None:
         swift.PointLight
     with pytest.raises(NotImplementedError, match="theme"):
         env.set_lights([])
+    with pytest.raises(AttributeError, match=r"env\.show"):
+        env.swift_objects
     with pytest.warns(UlnaWarning, match="floor"):
         env.launch(headless=True, ground_opacity=0.5)
     with pytest.raises(TypeError, match="nonsense"):
@@ -391,6 +393,25 @@ def test_what_is_not_offered_says_so(env: Any, swift: Any, arm: Any) -> None:
     assert "Swift of 0 things" in repr(env)
     env.close()
     assert "not launched" in repr(env)
+
+
+def test_joints_without_limits_are_not_held(swift: Any, env: Any) -> None:
+    import roboticstoolbox as rtb
+
+    robot = rtb.Robot(rtb.ETS([rtb.ET.Rz(), rtb.ET.tx(1), rtb.ET.tz(), rtb.ET.Ry(qlim=[-1, 1])]), name="free")
+    env.add(robot)
+    robot.qd = [10, 10, 10]
+    env.step(1.0)
+    assert np.array_equal(robot.q, [10, 10, 1])  # as in Swift, though qlim tells -pi and pi of the first
+
+
+def test_rooms_have_the_names_that_swift_has(swift: Any) -> None:
+    from swift.Elements import Slider
+    from swift.Handle import AssemblyHandle
+    from swift.Swift import Swift
+
+    assert (Slider, AssemblyHandle, Swift) == (swift.Slider, swift.AssemblyHandle, swift.Swift)
+    assert isinstance(swift.Swift, type)
 
 
 def test_a_robot_of_another_size_is_refused_by_name(env: Any, arm: Any) -> None:

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+from spatialgeometry import geom as geom
 from spatialgeometry import tools as tools
+from spatialgeometry._collision import CollisionShape as CollisionShape
+from spatialgeometry._collision import CollisionShapeGroup as CollisionShapeGroup
 from spatialgeometry._lines import Arrow as Arrow
 from spatialgeometry._lines import Axes as Axes
 from spatialgeometry._lines import Path as Path
 from spatialgeometry._lines import Polyline as Polyline
+from spatialgeometry._mesh import Mesh as Mesh
 from spatialgeometry._node import SceneGroup as SceneGroup
 from spatialgeometry._node import SceneNode as SceneNode
 from spatialgeometry._shape import Shape as Shape
 from spatialgeometry._solids import Box as Box
 from spatialgeometry._solids import Capsule as Capsule
-from spatialgeometry._solids import CollisionShape as CollisionShape
-from spatialgeometry._solids import CollisionShapeGroup as CollisionShapeGroup
 from spatialgeometry._solids import Cone as Cone
 from spatialgeometry._solids import Cuboid as Cuboid
 from spatialgeometry._solids import Cylinder as Cylinder
 from spatialgeometry._solids import Ellipsoid as Ellipsoid
-from spatialgeometry._solids import Mesh as Mesh
 from spatialgeometry._solids import Sphere as Sphere
 
 __version__ = "1.4"
@@ -42,6 +43,7 @@ __all__ = [
     "SceneNode",
     "Shape",
     "Sphere",
+    "geom",
     "tools",
 ]
 

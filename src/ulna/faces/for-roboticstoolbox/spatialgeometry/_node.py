@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, MutableSequence
+from collections.abc import Callable, Iterable, MutableSequence
 from typing import Any
 
 import numpy as np
@@ -203,6 +203,10 @@ class Members(MutableSequence):
         """Put a frame in before the member of that index."""
         self.attach(self._fit(value))
         self._children.insert(index, self._children.pop())
+
+    def sort(self, *, key: Callable[[Any], Any], reverse: bool = False) -> None:
+        """Put the members in order by a function of each."""
+        self._children.sort(key=key, reverse=reverse)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self._children!r})"

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from swift._choices import Checkbox as Checkbox
-from swift._choices import Radio as Radio
-from swift._choices import Select as Select
-from swift._element import SwiftElement as SwiftElement
-from swift._elements import Button as Button
-from swift._elements import Label as Label
-from swift._elements import Slider as Slider
-from swift._handles import AssemblyHandle as AssemblyHandle
-from swift._swift import Swift as Swift
+from swift.Elements import Button as Button
+from swift.Elements import Checkbox as Checkbox
+from swift.Elements import Label as Label
+from swift.Elements import Radio as Radio
+from swift.Elements import Select as Select
+from swift.Elements import Slider as Slider
+from swift.Elements import SwiftElement as SwiftElement
+from swift.Handle import AssemblyHandle as AssemblyHandle
+from swift.Swift import Swift as Swift
 
 __version__ = "2.1"
 """The version of Swift whose names these are."""

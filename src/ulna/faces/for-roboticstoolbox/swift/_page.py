@@ -18,6 +18,21 @@ from ulna.viewer.viewer import Viewer
 
 _PATIENCE = 10.0  # s that `launch` waits for a browser that it opened
 _OLDER = ("comms",)  # arguments of Swift 1 that mean nothing here
+_LOOK = "See `env.viewer.theme` and `env.viewer.floor`."
+_INSTEAD = {
+    "realtime_speed": "It is told by `env.launch(realtime=2.0)`, and in the page's panel.",
+    "swift_objects": "Take `env[number]` or `env[name]`; `env.show()` lists what there is.",
+    "swift_names": "Take `env[name]`; `env.show()` lists what there is.",
+    "elementid": "`env.elements` has the controls by their number.",
+    "rendering": "Steps never wait for the page.",
+    "recording": "A film begins with `env.start_recording` and ends with `env.stop_recording`.",
+    "lights": _LOOK,
+    "ground_opacity": _LOOK,
+    "ground_pattern": _LOOK,
+    "ground_pattern_width": _LOOK,
+    "inq": "The page is served by `env.viewer`.",
+    "outq": "The page is served by `env.viewer`.",
+}
 
 
 class Opened:
@@ -29,6 +44,11 @@ class Opened:
         self._controls = Controls(None)
         self._recorder: Recorder | None = None
         self._said = False
+        self.headless, self.rate = True, 60.0
+
+    def __getattr__(self, name: str) -> Any:
+        word = _INSTEAD.get(name, "")
+        raise AttributeError(f"Swift on Ulna has no {name!r}. {word}".strip())
 
     def launch(
         self,
