@@ -94,10 +94,21 @@ def _parser() -> argparse.ArgumentParser:
     )
     show.add_argument("name", metavar="NAME", help=robot)
     show.add_argument(
+        "-q",
         "--q",
         nargs="+",
         metavar="VALUE",
         help="configuration: one of the robot's own by name (qr), or a number for each joint [rad or m]",
+    )
+    show.add_argument(
+        "--show", metavar="WHAT", default="visual", help="visual (default), collision, both or skeleton"
+    )
+    show.add_argument("--theme", metavar="THEME", default="light", help="light (default) or dark")
+    show.add_argument(
+        "--film", metavar="FILE", help="write a film of its joints, .mp4 or .gif, and no picture"
+    )
+    show.add_argument(
+        "--html", metavar="FILE", help="write a page of the same that plays offline, and no picture"
     )
     _picture_options(show, "ulna-NAME.png")
     demo = command(
@@ -156,23 +167,42 @@ def _info(chosen: argparse.Namespace) -> None:
 
 def _show(chosen: argparse.Namespace) -> None:
     from ulna.loading import load
+    from ulna.viewer.film import check_film
+    from ulna.viewer.links import checked_showing
     from ulna.viewer.screen import somebody_can_look
     from ulna.viewer.show import configuration, show
+    from ulna.viewer.theme import theme_of
 
+    what, theme = checked_showing(chosen.show), theme_of(chosen.theme)
+    if chosen.film:
+        check_film(chosen.film)
     robot = load(chosen.name)
     q = configuration(robot, _values(chosen.q))
-    if chosen.headless or chosen.output:
-        from ulna.viewer.raster import render, write_png
-        from ulna.viewer.scene import Scene
-
-        scene = Scene()
-        scene.add_robot(robot, q)
-        print(write_png(chosen.output or _picture_of(chosen.name), render(scene)))
+    written = chosen.output or chosen.film or chosen.html
+    if written or chosen.headless:
+        _write(robot, q, chosen)
     if not chosen.headless:
-        with show(robot, q, port=chosen.port) as page:
+        with show(robot, q, port=chosen.port, theme=theme, show=what) as page:
             page.hold()
-        if not (chosen.output or somebody_can_look()):
+        if not (written or somebody_can_look()):
             print("`ulna show NAME --headless` writes a picture instead.")
+
+
+def _write(robot: Any, q: Any, chosen: argparse.Namespace) -> None:
+    """Write what was asked for of a robot without a page: a picture, a film, a page for later."""
+    from ulna.viewer.raster import render, write_png
+    from ulna.viewer.tour import tour
+    from ulna.viewer.viewer import Viewer
+
+    viewer = Viewer(page=False, title=robot.name, theme=chosen.theme)
+    viewer.add(robot, q, show=chosen.show)
+    if chosen.output or not (chosen.film or chosen.html):
+        picture = render(viewer.scene, theme=chosen.theme)
+        print(write_png(chosen.output or _picture_of(chosen.name), picture))
+    if chosen.film:
+        print(viewer.film(chosen.film, tour(robot, q)))
+    if chosen.html:
+        print(viewer.html(chosen.html, tour(robot, q)))
 
 
 def _picture_of(name: str) -> str:

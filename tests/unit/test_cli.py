@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import ulna
 from ulna import cli
 from ulna.cli import main
 from ulna.errors import InputError
+from ulna.viewer.tour import tour
 
 
 @pytest.fixture
@@ -25,7 +27,7 @@ def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     from ulna.viewer import raster
 
     render = raster.render
-    monkeypatch.setattr(raster, "render", lambda scene, *_, **__: render(scene, 64, 40))
+    monkeypatch.setattr(raster, "render", lambda scene, *_, theme="light": render(scene, 64, 40, theme=theme))
 
 
 def test_help_of_every_command(capsys: pytest.CaptureFixture[str]) -> None:
@@ -69,6 +71,44 @@ def test_show_writes_a_picture(
     assert str(Path("ulna-ur5.png")) in capsys.readouterr().out
 
 
+def test_show_takes_a_theme_and_what_to_show(headless: Path, small_pictures: None) -> None:
+    pictures = []
+    for k, words in enumerate(([], ["--theme", "dark"], ["--show", "skeleton"], ["-q", "qz"])):
+        assert main(["show", "panda", "--headless", "--output", f"{k}.png", *words]) == 0
+        pictures.append((headless / f"{k}.png").read_bytes())
+    assert len(set(pictures)) == 4
+
+
+def test_show_writes_a_film_and_a_page(
+    headless: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("PIL")
+    pytest.importorskip("viser")
+    from ulna.viewer import studio
+
+    monkeypatch.setattr(studio, "render", lambda *_: np.zeros((8, 8, 3), dtype=np.uint8))
+    words = ["show", "ur5", "--headless", "--film", "a.gif", "--html", "a.html", "--theme", "dark"]
+    assert main([*words, "--show", "skeleton"]) == 0
+    assert (headless / "a.gif").read_bytes().startswith(b"GIF")
+    assert "<html" in (headless / "a.html").read_text(encoding="utf-8")[:2000]
+    assert capsys.readouterr().out.split() == ["a.gif", "a.html"]
+    assert list(headless.glob("*.png")) == []
+
+
+def test_a_tour_goes_through_the_range_of_every_joint_and_back() -> None:
+    robot = ulna.load("panda", visuals="simple")
+    start = robot.configurations["qr"]
+    rows = tour(robot, start)
+    np.testing.assert_array_equal(rows.q[0], start)
+    np.testing.assert_array_equal(rows.q[-1], start)
+    low, high = robot.model.lower_position, robot.model.upper_position
+    assert (rows.q >= low).all() and (rows.q <= high).all()
+    assert (np.ptp(rows.q, axis=0) > 0.5).all()
+    moving = np.abs(np.diff(rows.q, axis=0)) > 1e-9
+    assert moving.sum(axis=1).max() == 1
+    assert 5.0 < rows.t[-1] < 15.0
+
+
 def test_show_does_not_wait_where_nobody_can_look(headless: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("viser")
     assert main(["show", "ur5", "--port", "0"]) == 0
@@ -101,6 +141,10 @@ def test_the_cache_is_told_about_and_cleared(
         (["show", "panda", "--headless", "--q", "1", "x", "2"], "'x'"),
         (["show", "panda", "--headless", "--q", "nan", *"000000"], "nan"),
         (["show", "panda", "--port", "99999"], "99999"),
+        (["show", "panda", "--theme", "drak"], "'dark'"),
+        (["show", "panda", "--show", "visuals"], "'visual'"),
+        (["show", "panda", "--film", "a.avi"], ".gif"),
+        (["show", "panda", "--headless", "--output", "/dev/null/a.png"], "a.png"),
     ],
 )
 def test_errors_are_one_line_that_mends(

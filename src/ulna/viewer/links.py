@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import warnings
 from collections.abc import Iterable
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -34,6 +34,17 @@ def link_names(robot: Any) -> tuple[str, ...]:
     return tuple(out)
 
 
+def checked_showing(show: str) -> Showing:
+    """A way to show a robot.
+
+    Raises:
+        UnknownName: There is no such way.
+    """
+    if show not in SHOWINGS:
+        raise UnknownName("way to show a robot", show, SHOWINGS)
+    return cast(Showing, show)
+
+
 def link_looks(
     robot: Any, show: Showing, rgba: RGBA | None = None, report: Report = silent, detail: Detail = "seen"
 ) -> list[tuple[Surface, ...]]:
@@ -42,8 +53,7 @@ def link_looks(
     Raises:
         UnknownName: There is no such way to show it.
     """
-    if show not in SHOWINGS:
-        raise UnknownName("way to show a robot", show, SHOWINGS)
+    checked_showing(show)
     links = robot.model.links
     if show == "skeleton":
         return _skeleton(robot, rgba)

@@ -12,6 +12,7 @@ from ulna.typing import ArrayLike, Floats
 from ulna.viewer.camera import Camera
 from ulna.viewer.figure import Figure, checked_configuration
 from ulna.viewer.hold import hold
+from ulna.viewer.links import Showing, checked_showing
 from ulna.viewer.page import Page
 from ulna.viewer.pendant import Pendant
 from ulna.viewer.progress import progress
@@ -30,6 +31,7 @@ def show(
     scene: Scene | None = None,
     camera: Camera | None = None,
     theme: Theme | str = LIGHT,
+    show: Showing = "visual",
 ) -> Show:
     """Open a page that shows a robot, with sliders and a target to drag, and return at once.
 
@@ -43,13 +45,16 @@ def show(
         scene: A scene to show the robot in, with other things; an empty one when not given.
         camera: Where it is looked at from at first; from the front right when not given.
         theme: "light" or "dark".
+        show: What of it: "visual", "collision", "both" or "skeleton".
 
     Raises:
         MissingExtra: The package viser is not installed.
-        ShapeError, NonFiniteError, UnknownName: `q` is not a configuration of the robot.
+        ShapeError, NonFiniteError: `q` is not a configuration of the robot.
+        UnknownName: There is no configuration, theme or way to show it of that name.
     """
     start = configuration(checked_robot(robot), q)
-    out = Show(robot, start, scene if scene is not None else Scene(), port, host, camera, theme_of(theme))
+    place = scene if scene is not None else Scene()
+    out = Show(robot, start, place, port, host, camera, theme_of(theme), checked_showing(show))
     if browser:
         open_browser(out.url)
     return out
@@ -89,12 +94,20 @@ class Show:
     """A robot in a page. `q` is where it stands; setting it moves the robot, the sliders and the target."""
 
     def __init__(
-        self, robot: Any, q: Floats, scene: Scene, port: int, host: str, camera: Camera | None, theme: Theme
+        self,
+        robot: Any,
+        q: Floats,
+        scene: Scene,
+        port: int,
+        host: str,
+        camera: Camera | None,
+        theme: Theme,
+        showing: Showing = "visual",
     ) -> None:
         self.robot, self.scene, self.name = robot, scene, robot.name
         self.lock = threading.RLock()
         with progress("Loading meshes") as report:
-            self._figure = Figure(scene, robot, q, report=report)
+            self._figure = Figure(scene, robot, q, show=showing, report=report)
         try:
             self.page = Page(scene, title=robot.name, port=port, host=host, camera=camera, theme=theme)
         except BaseException:
