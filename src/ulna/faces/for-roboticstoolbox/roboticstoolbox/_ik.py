@@ -85,7 +85,6 @@ def solve(
     Tep: Any,
     kind: Literal["LM", "NR", "GN", "QP"] = "LM",
     q0: Any = None,
-    *,
     ilimit: int = 30,
     slimit: int = 100,
     tol: float = 1e-6,
@@ -117,7 +116,7 @@ def solve(
             position_tolerance=fine,
             rotation_tolerance=fine,
             seed=first,
-            attempts=max(int(slimit), 1),
+            attempts=int(slimit) if slimit >= 1 else 1,
         )
     else:
         found = chain.arm.ik_classic(

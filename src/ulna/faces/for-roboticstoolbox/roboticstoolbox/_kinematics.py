@@ -219,21 +219,8 @@ class Kinematics:
         **rest: Any,
     ) -> _ik.IKSolution:
         """The configuration for a pose of `end` as seen from the base (not the world); see `roboticstoolbox._ik`."""
-        chain = self._chain(end, start, tool)
-        return _ik.solve(
-            chain,
-            Tep,
-            "LM",
-            q0,
-            ilimit=ilimit,
-            slimit=slimit,
-            tol=tol,
-            mask=mask,
-            joint_limits=joint_limits,
-            k=k,
-            method=method,
-            **_ik.settings(rest),
-        )
+        chain, common = self._chain(end, start, tool), (ilimit, slimit, tol, mask, joint_limits, k, method)
+        return _ik.solve(chain, Tep, "LM", q0, *common, **_ik.settings(rest))
 
     def ik_NR(
         self, Tep: Any, end: Any = None, start: Any = None, q0: Any = None, tool: Any = None, **rest: Any
