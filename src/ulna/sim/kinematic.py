@@ -12,6 +12,7 @@ import numpy as np
 from ulna import numeric
 from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.model import Model
+from ulna.spatial import so3_exp
 from ulna.trace import compile
 from ulna.typing import Array, ArrayLike, Floats
 
@@ -28,6 +29,22 @@ def held_step(n: int) -> Callable[..., tuple[Floats, float]]:
 
 def _held_step(q: Array, v: Array, dt: Any, lower: Array, upper: Array) -> tuple[Array, Any]:
     return numeric.clip(q + dt * v, lower, upper), (q + v).sum()
+
+
+@lru_cache(maxsize=1)
+def drift() -> Callable[..., tuple[Floats, float]]:
+    """A kernel that moves a pose at a constant velocity for a time.
+
+    It takes T_world_body (4, 4), its velocity v (6,) in the world, linear [m/s] then angular [rad/s], and dt (), and
+    gives the new pose (4, 4) and a number that is finite only if all of v is.
+    """
+    return compile(_drift, T=(4, 4), v=(6,), dt=())
+
+
+def _drift(T: Array, v: Array, dt: Any) -> tuple[Array, Any]:
+    R, p = so3_exp(dt * v[3:]) @ T[:3, :3], T[:3, 3] + dt * v[:3]
+    rows = [[*R[k], p[k]] for k in range(3)]
+    return numeric.matrix([*rows, [0.0, 0.0, 0.0, 1.0]]), v.sum()
 
 
 def kinematic_step(robot: Any, q: ArrayLike, v: ArrayLike, dt: float) -> Floats:

@@ -73,6 +73,11 @@ class SceneNode:
     def T(self, pose: Any) -> None:
         self._pose = matrix_of(pose, "T")
 
+    def put(self, pose: Floats) -> None:
+        """As assigning to `T`, for an array that is known to be a pose and that nobody will change."""
+        pose.setflags(write=False)
+        self._pose = pose
+
     @property
     def _wT(self) -> Floats:
         """T_world_node, shape (4, 4)."""

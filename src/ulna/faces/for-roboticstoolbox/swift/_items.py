@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import abc
+import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ulna.spatial import so3_exp
+from ulna.sim.kinematic import drift
 from ulna.typing import Floats
 
 Callback = Callable[[float, dict[str, Any]], Any]
@@ -76,10 +77,10 @@ class ShapeHandle(Item):
         if self.callback is not None:
             shape.T = self.callback(t, values)
         elif np.count_nonzero(shape.v):
-            pose, v = shape.T, dt * shape.v
-            pose[:3, 3] += v[:3]
-            pose[:3, :3] = so3_exp(v[3:]) @ pose[:3, :3]  # v is of the world
-            shape.T = pose
+            pose, sound = drift()(shape.T, shape.v, dt)
+            if not math.isfinite(sound):
+                shape.v = shape.v  # which tells what is wrong with it
+            shape.put(pose)
 
     def show(self) -> None:
         """Show where it is, and how it looks by now."""
@@ -119,7 +120,8 @@ class Drawn:
         pose = shape._wT
         if pose is not self._pose:
             self._pose = pose
-            self._viewer.scene.set_pose(self.name, pose)
+            scene = self._viewer.scene
+            scene.set_poses(pose, scene.row(self.name))
 
     def remove(self) -> None:
         """Take it out of the scene."""
