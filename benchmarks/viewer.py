@@ -1,7 +1,7 @@
 """What the viewer costs: a user's step, the page's thread, and how soon things are seen in a real browser.
 
     python benchmarks/viewer.py              # needs viser; without a browser the first table only
-    python benchmarks/viewer.py --soak 1e6   # steps, and the memory they take
+    python benchmarks/viewer.py --soak 1e6   # steps, and the memory they take: of this process, and of a tab
 
 Peer: viser itself, a frame for each link whose position and rotation are set, in the same run. The browser is a headless
 Chromium that draws by the processor, if playwright and a Chromium are there; frames a second are far below a graphics
@@ -16,7 +16,8 @@ import resource
 import shutil
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -118,41 +119,47 @@ def publisher(robot: ulna.Robot, count: int = 20, seconds: float = 5.0) -> None:
     print(f"{count} robots of {len(robot.link_names)} links moved 60 times a second: {share:.1%} of a core")
 
 
-def browser() -> None:
-    """How soon things are seen, and how many of the frames sent are drawn."""
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """A headless Chromium that draws by the processor; None where there is none."""
+    program = next((p for n in BROWSERS if (p := shutil.which(n))), None)
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
-        print("\nno playwright: nothing is measured in a browser")
-        return
-    program = next((p for n in BROWSERS if (p := shutil.which(n))), None)
+        program = None
     if program is None:
-        print("\nno Chromium: nothing is measured in a browser")
+        print("\nno playwright or no Chromium: nothing is measured in a browser")
+        yield None
         return
     with sync_playwright() as driver:
         flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-        chromium = driver.chromium.launch(executable_path=program, args=flags)
-        rng = np.random.default_rng(0)
-        million = grid_surface(708)
-        cases: dict[str, Callable[[Viewer], Any]] = {
-            "Panda, meshes of the catalogue": lambda v: v.add(ulna.load("panda"), "qr", name="thing"),
-            "10,000 boxes in one": lambda v: v.copies(
-                Box((0.02, 0.02, 0.02)), positions=rng.uniform(-1, 1, (10_000, 3)), name="thing"
-            ),
-            f"a mesh of {len(million.triangles):,} triangles": lambda v: v.add(million, name="thing"),
-        }
-        print(f"\n{'from the call of Viewer to the first frame with it':<52} {'s':>6}")
-        for what, put in cases.items():
-            began = time.perf_counter()
-            with Viewer(port=0, browser=False) as viewer:
-                put(viewer)
-                page = chromium.new_context(viewport={"width": 640, "height": 400}).new_page()
-                page.goto(f"{viewer.url}/?fixedDpr=1")
-                page.wait_for_function(SEEN, arg=viewer.scene.names[-1], timeout=120_000)
-                print(f"{what:<52} {time.perf_counter() - began:>6.2f}")
-                page.context.close()
-        applied(chromium)
-        chromium.close()
+        driven = driver.chromium.launch(executable_path=program, args=flags)
+        yield driven
+        driven.close()
+
+
+def browser(driven: Any) -> None:
+    """How soon things are seen, and how many of the frames sent are drawn."""
+    rng = np.random.default_rng(0)
+    million = grid_surface(708)
+    cases: dict[str, Callable[[Viewer], Any]] = {
+        "Panda, meshes of the catalogue": lambda v: v.add(ulna.load("panda"), "qr", name="thing"),
+        "10,000 boxes in one": lambda v: v.copies(
+            Box((0.02, 0.02, 0.02)), positions=rng.uniform(-1, 1, (10_000, 3)), name="thing"
+        ),
+        f"a mesh of {len(million.triangles):,} triangles": lambda v: v.add(million, name="thing"),
+    }
+    print(f"\n{'from the call of Viewer to the first frame with it':<52} {'s':>6}")
+    for what, put in cases.items():
+        began = time.perf_counter()
+        with Viewer(port=0, browser=False) as viewer:
+            put(viewer)
+            page = driven.new_context(viewport={"width": 640, "height": 400}).new_page()
+            page.goto(f"{viewer.url}/?fixedDpr=1")
+            page.wait_for_function(SEEN, arg=viewer.scene.names[-1], timeout=120_000)
+            print(f"{what:<52} {time.perf_counter() - began:>6.2f}")
+            page.context.close()
+    applied(driven)
 
 
 SEEN = """name => { const nodes = window.__viserMutable?.nodeRefFromName ?? {};
@@ -167,7 +174,7 @@ COUNT = """seconds => new Promise(done => {
     look(); })"""
 
 
-def applied(chromium: Any, count: int = 220) -> None:
+def applied(driven: Any, count: int = 220) -> None:
     """Distinct poses that frames of the browser show, while plain boxes without lights or shadows move at 60 Hz."""
     with Viewer(port=0, browser=False) as viewer:
         boxes = [viewer.box((0.05, 0.05, 0.05), name=f"boxes/{k}") for k in range(count)]
@@ -187,7 +194,7 @@ def applied(chromium: Any, count: int = 220) -> None:
             page.server.scene.remove_by_name(f"/(page)/{name}")
         page.server.scene.configure_environment_map(None)
         page.each_tick(tick)
-        tab = chromium.new_context(viewport={"width": 480, "height": 360}).new_page()
+        tab = driven.new_context(viewport={"width": 480, "height": 360}).new_page()
         tab.goto(f"{viewer.url}/?fixedDpr=1")
         tab.wait_for_function("() => !!window.__viserMutable?.nodeRefFromName['/box']", timeout=120_000)
         tab.wait_for_timeout(4000)
@@ -207,25 +214,45 @@ def grid_surface(size: int) -> Surface:
 
 
 def soak(robot: ulna.Robot, count: int) -> None:
-    """Steps with a page open, and the memory of this process before and after."""
-    with Viewer(port=0, browser=False) as viewer:
+    """Steps with a page open and a tab that looks at it, a trace and a plot; the memory of both, tenth by tenth."""
+    with chromium() as driven, Viewer(port=0, browser=False) as viewer:
         arm = viewer.add(robot, "qr")
         arm.trace()
+        plot = viewer.panel.plot("speed", ("v",))
         sim = viewer.simulate(realtime=False, record=False)
         arm.qd = 0.1 * np.ones(robot.nv)
+        heap = tab_heap(driven, viewer) if driven is not None else lambda: float("nan")
         for part in range(10):
             began = time.perf_counter()
             for k in range(count // 10):
                 if k % 1000 == 0:
                     arm.qd = -arm.qd
                 sim.step(1e-3)
+                if k % 100 == 0:
+                    plot.add(sim.t, float(arm.qd[0]))
+            rate = count // 10 / (time.perf_counter() - began)
             gc.collect()
             peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-            rate = count // 10 / (time.perf_counter() - began)
             print(
-                f"{(part + 1) * count // 10:>9} steps  peak memory {peak:7.1f} MiB  {rate:9.0f} steps/s",
+                f"{(part + 1) * count // 10:>9} steps  Python: peak {peak:7.1f} MiB  the tab: {heap():6.1f} MiB of objects"
+                f"  {rate:9.0f} steps/s",
                 flush=True,
             )
+
+
+def tab_heap(driven: Any, viewer: Viewer) -> Callable[[], float]:
+    """Open a tab; gives what its JavaScript holds after a collection [MiB]."""
+    page = driven.new_context(viewport={"width": 480, "height": 360}).new_page()
+    page.set_default_timeout(120_000)
+    page.goto(f"{viewer.url}/?fixedDpr=1")
+    page.wait_for_function(SEEN, arg="panda/panda_hand", timeout=120_000)
+    devtools = page.context.new_cdp_session(page)
+
+    def used() -> float:
+        devtools.send("HeapProfiler.collectGarbage")
+        return devtools.send("Runtime.getHeapUsage")["usedSize"] / 2**20
+
+    return used
 
 
 def main() -> None:
@@ -240,7 +267,9 @@ def main() -> None:
         return
     steps(robot)
     publisher(robot)
-    browser()
+    with chromium() as driven:
+        if driven is not None:
+            browser(driven)
 
 
 if __name__ == "__main__":
