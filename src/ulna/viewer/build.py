@@ -10,6 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.typing import Floats
+from ulna.viewer.channel import known
 from ulna.viewer.content import Copies, Lines, Points, Text
 from ulna.viewer.controls import pose_rows, position_wxyz
 from ulna.viewer.glb import INSET, glb, words_glb
@@ -181,7 +182,9 @@ def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: b
             ]
             place["scale"] = scale
         shadow = node.shadow and not node.translucent
-        handles.append(server.scene.add_glb(path, glb(surfaces), cast_shadow=shadow, **place))
+        handles.append(
+            server.scene.add_glb(path, glb(surfaces, normals=not known()), cast_shadow=shadow, **place)
+        )
         place.pop("scale", None)
     written = writes and isinstance(content, Text)
     if isinstance(content, Text) and written:

@@ -13,7 +13,7 @@ from ulna.typing import Array
 from ulna.viewer.png import png
 from ulna.viewer.surface import Surface, Texture, paint
 
-_FLOAT, _UINT32 = 5126, 5125
+_FLOAT, _UINT16, _UINT32 = 5126, 5123, 5125
 _VERTICES, _INDICES = 34962, 34963
 INSET = 0.0007
 """How far within itself a translucent thing is drawn [m]: it does not flicker on a solid one where it coincides."""
@@ -27,8 +27,11 @@ def words_glb(height: float) -> bytes:
     return glb([square], {"words": height})
 
 
-def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None) -> bytes:
-    """A binary glTF 2.0 file with one mesh, one primitive for each surface; of words where that is told."""
+def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, normals: bool = True) -> bytes:
+    """A binary glTF 2.0 file with one mesh, one primitive for each surface; of words where that is told.
+
+    Without normals the file says that there are some, and whoever reads it computes them from what triangles share.
+    """
     views: list[dict[str, Any]] = []
     accessors: list[dict[str, Any]] = []
     primitives: list[dict[str, Any]] = []
@@ -39,10 +42,14 @@ def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None) -> byte
     def accessor(values: Array, component: int, target: int, **more: Any) -> int:
         content = np.ascontiguousarray(values).tobytes()
         views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(content), "target": target})
-        data.extend(content)  # every type here is four bytes wide, so that all views are aligned
+        data.extend(content + b"\0" * (-len(content) % 4))  # so that all views are aligned
         kind = "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}"
         accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": len(values)})
         accessors[-1].update(type=kind, **more)
+        return len(accessors) - 1
+
+    def nothing(count: int) -> int:
+        accessors.append({"componentType": _FLOAT, "count": count, "type": "VEC3"})
         return len(accessors) - 1
 
     for surface in surfaces:
@@ -54,13 +61,17 @@ def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None) -> byte
         bounds = {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
         attributes = {
             "POSITION": accessor(vertices, _FLOAT, _VERTICES, **bounds),
-            "NORMAL": accessor(surface.normals.astype("<f4"), _FLOAT, _VERTICES),
+            "NORMAL": accessor(surface.normals.astype("<f4"), _FLOAT, _VERTICES)
+            if normals
+            else nothing(len(vertices)),
         }
         if surface.texture is not None:
             # glTF counts from the upper left
             uv = surface.texture.uv * (1.0, -1.0) + (0.0, 1.0)
             attributes["TEXCOORD_0"] = accessor(uv.astype("<f4"), _FLOAT, _VERTICES)
-        indices = accessor(surface.triangles.astype("<u4").reshape(-1), _UINT32, _INDICES)
+        short = len(vertices) < 2**16
+        corners = surface.triangles.astype("<u2" if short else "<u4").reshape(-1)
+        indices = accessor(corners, _UINT16 if short else _UINT32, _INDICES)
         primitives.append({"attributes": attributes, "indices": indices, "material": len(materials)})
         materials.append(_material(surface, len(images)))
         if surface.texture is not None:

@@ -10,8 +10,8 @@ from ulna.viewer.camera import Camera
 from ulna.viewer.theme import Theme
 
 
-def decorate(server: Any, theme: Theme) -> None:
-    """Give a viser server its panel, lights and background."""
+def decorate(server: Any, theme: Theme, shadows: bool = True) -> None:
+    """Give a viser server its panel, lights and background; `shadows` for viser's own, where the page throws none."""
     scene, gui = server.scene, server.gui
     gui.configure_theme(
         show_logo=False,
@@ -31,7 +31,7 @@ def decorate(server: Any, theme: Theme) -> None:
             f"/(page)/{name}",
             color=tint,
             intensity=strength * theme.lamps,
-            cast_shadow=name == "key",
+            cast_shadow=shadows and name == "key",
             position=place,
         )
     top, horizon = np.array(theme.top), np.array(theme.horizon)

@@ -109,7 +109,7 @@ class Page:
         self.visited = False
         """Whether any tab has looked at it so far."""
         atexit.register(self.close)
-        decorate(self.server, theme)
+        decorate(self.server, theme, not self._channel.open)
         lay_floor(self.server, theme, scene.floor() if floor is None else floor)
         look_from(self.server, camera or self._view())
         self.server.on_client_connect(self._greet)
@@ -185,7 +185,7 @@ class Page:
         with self._tick_lock:
             self._theme, self._floor, self._grid = theme, floor, grid
             self._sent = (*self._sent[:2], -1)  # words without a colour of their own have the theme's
-        decorate(self.server, theme)
+        decorate(self.server, theme, not self._channel.open)
         lay_floor(self.server, theme, self.scene.floor() if floor is None else floor, grid)
 
     def flush(self) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from ulna.geometry import Box, Sphere
 from ulna.viewer.glb import glb
+from ulna.viewer.surface import Surface
 from ulna.viewer.tessellate import tessellate
 
 BOX = tessellate(Box((0.1, 0.2, 0.3)), (1.0, 0.0, 0.0, 1.0))
@@ -34,9 +35,30 @@ def test_numbers_survive() -> None:
             np.testing.assert_allclose(found, values, atol=1e-7 if surface is BOX else 1e-3)
         accessor = document["accessors"][primitive["indices"]]
         view = document["bufferViews"][accessor["bufferView"]]
-        found = np.frombuffer(data, "<u4", accessor["count"], view["byteOffset"])
+        assert accessor["componentType"] == 5123  # two bytes do for so few
+        found = np.frombuffer(data, "<u2", accessor["count"], view["byteOffset"])
         np.testing.assert_array_equal(found, surface.triangles.reshape(-1))
     assert document["buffers"][0]["byteLength"] == len(data)
+
+
+def test_normals_that_the_reader_computes_take_no_room() -> None:
+    (whole, long), (bare, short) = parts(glb([BOX])), parts(glb([BOX], normals=False))
+    assert len(long) - len(short) == BOX.normals.size * 4
+    primitive = bare["meshes"][0]["primitives"][0]
+    normal = bare["accessors"][primitive["attributes"]["NORMAL"]]
+    assert (normal["count"], normal["type"], "bufferView" in normal) == (len(BOX.vertices), "VEC3", False)
+    assert len(whole["bufferViews"]) == len(bare["bufferViews"]) + 1
+
+
+def test_many_vertices_are_counted_in_four_bytes() -> None:
+    corners = np.zeros((70_000, 3))
+    corners[:, 0] = np.arange(len(corners))
+    many = Surface(corners, np.array([(0, 1, 69_999)]), np.tile((0.0, 0.0, 1.0), (len(corners), 1)))
+    document, data = parts(glb([many]))
+    accessor = document["accessors"][document["meshes"][0]["primitives"][0]["indices"]]
+    assert accessor["componentType"] == 5125
+    view = document["bufferViews"][accessor["bufferView"]]
+    np.testing.assert_array_equal(np.frombuffer(data, "<u4", 3, view["byteOffset"]), (0, 1, 69_999))
 
 
 def test_translucent_surfaces_say_so() -> None:

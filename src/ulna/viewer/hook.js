@@ -1,0 +1,106 @@
+// How messages with poses and looks reach viser's page, written for viser 1.1. Names in capitals are filled in.
+//
+// The page puts messages into a queue and empties it before each frame. The hook takes messages with poses out
+// and writes them where the page keeps the newest pose of each node, so that they never pile up. Looks are put on the
+// materials of meshes, ten times a second on those that were loaded since; what has lost its look becomes plain.
+// The floor is drawn before whatever lets light through: farther away than its middle, that would be painted over.
+// Words are drawn by the browser, in the fonts that it has, on a square that is turned to whoever looks.
+(() => {
+  document.title = TITLE;
+  const page = window.__viserMutable;
+  if (!page || page.messageQueue.ulna) return;
+  const queue = page.messageQueue, push = Array.prototype.push;
+  const apply = ({names, p}) => names.forEach((name, i) => {
+    const pose = page.nodePoseData[name];
+    if (!pose) return;
+    const k = 7 * i;
+    pose.position = [p[k], p[k + 1], p[k + 2]];
+    pose.wxyz = [p[k + 3], p[k + 4], p[k + 5], p[k + 6]];
+    if (pose.poseUpdateState !== "waitForMakeObject") pose.poseUpdateState = "needsUpdate";
+  });
+  let wanted = new Map();
+  const worn = new Set(), plain = [-1, -1, -1, 1, 1, 1, 1];
+  const write = (mesh, words) => {
+    if (mesh.userData.said === words) return false;
+    const m = mesh.material, lines = words.split("\n"), font = "96px system-ui, sans-serif";
+    const canvas = document.createElement("canvas"), pen = canvas.getContext("2d");
+    const fresh = mesh.userData.said === undefined, height = mesh.userData.words;
+    pen.font = font;
+    canvas.width = Math.max(1, ...lines.map(line => Math.ceil(pen.measureText(line).width)));
+    canvas.height = 120 * lines.length;
+    pen.fillRect(0, 0, canvas.width, canvas.height);
+    pen.font = font;  // a canvas that gets a size forgets
+    pen.fillStyle = "white";
+    lines.forEach((line, k) => pen.fillText(line, 0, 120 * k + 96));
+    const Texture = (m.map ?? m.alphaMap).constructor;
+    if (!fresh) m.alphaMap.dispose();
+    m.alphaMap = new Texture(canvas);
+    m.alphaMap.flipY = false;
+    m.alphaMap.needsUpdate = m.needsUpdate = true;
+    m.map = null;
+    m.toneMapped = m.depthWrite = false;
+    mesh.userData.said = words;
+    mesh.frustumCulled = false;
+    mesh.onBeforeRender = (renderer, scene, camera) => {
+      const p = mesh.parent.matrixWorld.elements, c = camera.matrixWorld.elements, e = mesh.matrixWorld.elements;
+      const size = height * Math.hypot(p[8], p[9], p[10]), wide = size * canvas.width / 96;
+      for (let i = 0; i < 3; i++) {
+        e[i] = wide * c[i];
+        e[4 + i] = 1.25 * size * lines.length * c[4 + i];
+        e[8 + i] = c[8 + i];
+        e[12 + i] = p[12 + i] - 0.25 * size * c[4 + i];
+      }
+    };
+    return true;
+  };
+  const dress = (name, look, words) => {
+    const node = page.nodeRefFromName[name];
+    if (!node) return false;
+    let news = false;
+    const set = (thing, key, value) => { if (thing[key] !== value) { thing[key] = value; news = true; } };
+    if (node.scale.x !== look[4] || node.scale.y !== look[5] || node.scale.z !== look[6]) {
+      node.scale.set(look[4], look[5], look[6]);
+      news = true;
+    }
+    node.traverse(mesh => {
+      const m = mesh.material;
+      if (!m || !m.color || m.isShaderMaterial) return;
+      if (words !== undefined && mesh.userData.words) news = write(mesh, words) || news;
+      const own = m.userData.ulna ??= {color: m.color.clone(), map: m.map, opacity: m.opacity,
+        transparent: m.transparent, depthWrite: m.depthWrite, side: m.side, cast: mesh.castShadow};
+      const tinted = look[0] >= 0, opacity = own.opacity * look[3], clear = opacity < 0.999;
+      const color = tinted ? m.color.clone().setRGB(look[0], look[1], look[2]) : own.color;
+      if (!m.color.equals(color)) { m.color.copy(color); news = true; }
+      set(m, "map", tinted ? null : own.map);
+      set(m, "opacity", opacity);
+      set(m, "depthWrite", own.depthWrite && !clear);
+      set(m, "side", clear ? 0 : own.side);
+      set(m, "transparent", own.transparent || clear);
+      set(mesh, "castShadow", own.cast && !clear);
+      if (news) m.needsUpdate = true;
+    });
+    if (news) page.requestRender();
+    return true;
+  };
+  const wear = () => {
+    page.nodeRefFromName[FLOOR]?.traverse(part => { part.renderOrder = -1; });
+    wanted.forEach(([look, words], name) => dress(name, look, words) && worn.add(name));
+    worn.forEach(name => wanted.has(name) || (dress(name, plain), worn.delete(name)));
+  };
+  const looks = ({names, v, words}) => {
+    wanted = new Map(names.map((name, i) => [name, [Array.from(v.slice(7 * i, 7 * i + 7)), words[name]]]));
+    wear();
+  };
+  setInterval(wear, 100);
+  Object.defineProperty(queue, "ulna", {value: true});
+  Object.defineProperty(queue, "push", {value: (...messages) => {
+    for (const m of messages) {
+      if (m.type === "SceneNodeUpdateMessage" && m.name === POSES) apply(m.updates);
+      else if (m.type === "SceneNodeUpdateMessage" && m.name === LOOKS) looks(m.updates);
+      else if (m.type === "EnvironmentMapMessage" && page.ulnaSoftware) push.call(queue, {...m, hdri_data: null});
+      else push.call(queue, m);
+    }
+    return queue.length;
+  }});
+  queue.push(...queue.splice(0));  // what came before the hook
+})();
