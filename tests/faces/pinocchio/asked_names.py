@@ -49,6 +49,14 @@ pin.tangentMapProduct(m, q, np.ones((m.nv, 2))); pin.tangentMapTransposeProduct(
 [list(s) for s in m.span_indexes_vector]; list(m.sparsity_pattern_vector); [list(s) for s in m.mimic_joint_supports]
 c.njoints; c.getJointId("second"); [j.shortname() for j in c.joints]; list(c.jointPlacements); str(c); c.nq
 [pin.JointModelRY().getMotionAxis(), pin.JointModelPZ().getMotionAxis(), pin.JointModelHX(0.2).getMotionAxis(), pin.JointModelRUBZ().getMotionAxis()]
+[x.shortname() for x in (pin.JointDataRX(), pin.JointDataRY(), pin.JointDataRZ(), pin.JointDataPX(), pin.JointDataPY())]
+[x.shortname() for x in (pin.JointDataPZ(), pin.JointDataHX(), pin.JointDataHY(), pin.JointDataHZ(), pin.JointDataRUBX())]
+[x.shortname() for x in (pin.JointDataRUBY(), pin.JointDataRUBZ(), pin.JointDataPlanar(), pin.JointDataSpherical())]
+[x.shortname() for x in (pin.JointDataSphericalZYX(), pin.JointDataTranslation(), pin.JointDataFreeFlyer())]
+[pin.JointDataUniversal.__name__, pin.JointDataRevoluteUnaligned.__name__, pin.JointDataPrismaticUnaligned.__name__]
+[pin.JointDataRevoluteUnboundedUnalignedTpl.__name__, pin.JointDataHelicalUnaligned.__name__, pin.JointDataComposite.__name__]
+[pin.JointDataMimic.__name__, pin.JointData.__name__, pin.JointModelMimic.__name__, pin.JointModelComposite.__name__]
+pin.JointModelRevoluteUnboundedUnaligned().nq; [len(pin.StdVec_JointModelVector()), len(pin.StdVec_JointDataVector())]
 pin.JointModelUniversal(1, 0, 0, 0, 1, 0).axis2; pin.JointModelHelicalUnaligned(0, 0, 1, 0.4).pitch
 pin.JointModelRevoluteUnaligned(1, 0, 0).axis; pin.JointModelPrismaticUnaligned(np.array([0.6, 0.8, 0])).axis; pin.JointModelHZ(0.5).pitch
 ! j = pin.JointModelRX(); j.setIndexes(1, 0, 0); x = j.createData(); j.calc(x, np.array([0.3])); k = pin.JointModel(j)
@@ -131,6 +139,17 @@ len(k.collisionPairs); k.ngeoms; s == g; g.copy() == g; s.ngeoms; str(pin.Collis
 [o.name for o in w.geometryObjects]; len(w.collisionPairs); (pin.removeCollisionPairs(v, w, srdf, False), len(w.collisionPairs))[1]
 ! y = pin.buildGeomFromUrdf(v, urdf, pin.GeometryType.COLLISION, share); y.addAllCollisionPairs(); pin.removeCollisionPairsFromXML(v, y, open(srdf).read(), False)
 len(y.collisionPairs); [o.placement for o in y.geometryObjects]; [o.meshScale for o in y.geometryObjects]
+! R = pin.RobotWrapper(v, y); made = pin.buildModelsFromUrdf(urdf, share); D = pin.createDatas(*made)
+[R.nq, R.nv, len(made), len(D)]; made[1].ngeoms; pin.robot_wrapper.RobotWrapper.__name__; pin.shortcuts.createDatas.__name__
+[len(x()) for x in (pin.StdVec_CollisionPair, pin.StdVec_GeometryObject, pin.StdVec_GeometryModel, pin.StdVec_GeometryData)]
+[len(x()) for x in (pin.StdVec_Frame, pin.StdVec_Model, pin.StdVec_Data, pin.StdVec_Symmetric3, pin.StdVec_Vec3s, pin.StdVec_MatrixXs)]
+[len(x()) for x in (pin.StdVec_Matrix6, pin.StdVec_Matrix6x, pin.StdVec_IndexVector, pin.StdVec_EigenIndex, pin.StdVec_Scalar)]
+[pin.GeometryModel().ngeoms, len(pin.GeometryData(g).oMg), type(m.createData()).__name__, pin.Data(m).M.shape[0], pin.hppfcl.__name__[:4]]
+[pin.CachedMeshLoader.__name__, pin.MeshLoader.__name__, pin.CollisionObject.__name__, pin.CollisionCallBackBase.__name__]
+[isinstance(pin.omp_get_max_threads(), int), pin.explog.exp.__name__, pin.serialization.StreamBuffer().size(), pin.seed(1) is None]
+! buffer = pin.serialization.StreamBuffer(); n = pin.Model(); v.saveToBinary(buffer); n.loadFromBinary(buffer); w = pin.Model()
+! w.loadFromString(v.saveToString())
+n == v; w == v; pin.PhysicsMaterialType.METAL.name
 ! z = pin.ModelPool(m, 2)
 z.size(); z.getModel(1).nq; len(z.getDatas()); (z.resize(3), z.size())[1]; z.copy().size(); pin.CollisionGeometry.__name__; pin.Contact.__name__
 """
@@ -152,22 +171,26 @@ def hits(data):
 def joints():
     """One of every kind of joint."""
     skew = np.array([0.6, 0.8, 0.0])
-    plain = [
-        "RX",
-        "RY",
-        "RZ",
-        "RUBX",
-        "RUBY",
-        "RUBZ",
-        "PX",
-        "PY",
-        "PZ",
-        "FreeFlyer",
-        "Planar",
-        "Spherical",
-        "SphericalZYX",
+    found = [
+        pin.JointModelRX(),
+        pin.JointModelRY(),
+        pin.JointModelRZ(),
+        pin.JointModelRUBX(),
+        pin.JointModelRUBY(),
     ]
-    found = [getattr(pin, f"JointModel{word}")() for word in [*plain, "Translation"]]
+    found += [
+        pin.JointModelRUBZ(),
+        pin.JointModelPX(),
+        pin.JointModelPY(),
+        pin.JointModelPZ(),
+        pin.JointModelFreeFlyer(),
+    ]
+    found += [
+        pin.JointModelPlanar(),
+        pin.JointModelSpherical(),
+        pin.JointModelSphericalZYX(),
+        pin.JointModelTranslation(),
+    ]
     found += [
         pin.JointModelHX(0.1),
         pin.JointModelHY(0.2),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,7 +68,7 @@ else:
         if name in LATE or name in MODULES:
             return late(name)
         text = f"module 'pinocchio' (Ulna's face) has no {name!r}. {refusal(name, __dir__())}"
-        if not name.startswith("_") and stands_in_an_import(sys._getframe(1)):
+        if not name.startswith("_") and stands_in_an_import():
             raise ImportError(text, name="pinocchio")
         raise AttributeError(text, name=name, obj=None)
 

@@ -66,7 +66,9 @@ _OF: dict[str, tuple[str, ...]] = {
     "_pseudo": ("LogCholeskyParameters", "PseudoInertia"),
     "liegroups": ("LieGroup", "lieGroup"),
     "robot_wrapper": ("RobotWrapper",),
-    "shortcuts": ("buildModelsFromUrdf", "createDatas"),
+    "shortcuts": (
+        *("buildModelFromMJCFAndRootJoint", "buildModelsFromMJCF", "buildModelsFromUrdf", "createDatas"),
+    ),
     "visualize": ("GepettoVisualizer", "MeshcatVisualizer", "ViserVisualizer", "Visualizer"),
 }
 _JOINT_DATA = (

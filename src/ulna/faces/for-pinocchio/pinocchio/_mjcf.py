@@ -11,7 +11,8 @@ import numpy as np
 
 from pinocchio import _joints
 from pinocchio._arrays import StdVec
-from pinocchio._constraints import ContactType, RigidConstraintModel
+from pinocchio._constraint_pair import ContactType
+from pinocchio._constraints import RigidConstraintModel
 from pinocchio._enums import FrameType, GeometryType, ReferenceFrame
 from pinocchio._frame import Frame
 from pinocchio._geometry import GeometryModel

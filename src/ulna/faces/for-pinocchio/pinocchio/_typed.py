@@ -81,6 +81,8 @@ from pinocchio.linalg import isOrthonormal as isOrthonormal
 from pinocchio.linalg import orthogonalization as orthogonalization
 from pinocchio.linalg import orthonormalization as orthonormalization
 from pinocchio.robot_wrapper import RobotWrapper as RobotWrapper
+from pinocchio.shortcuts import buildModelFromMJCFAndRootJoint as buildModelFromMJCFAndRootJoint
+from pinocchio.shortcuts import buildModelsFromMJCF as buildModelsFromMJCF
 from pinocchio.shortcuts import buildModelsFromUrdf as buildModelsFromUrdf
 from pinocchio.shortcuts import createDatas as createDatas
 from pinocchio.visualize import GepettoVisualizer as GepettoVisualizer

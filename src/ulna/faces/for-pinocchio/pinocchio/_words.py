@@ -5,14 +5,14 @@ from __future__ import annotations
 import difflib
 import dis
 import re
+import sys
 from collections.abc import Iterable
-from types import FrameType
 
 _WORDS = (
     (r"casadi|cppad|.*[Cc]asadi.*",
      "Ulna differentiates and compiles functions itself: ulna.compile(f, robot).jacobian()."),
     (r".*Sdf.*|WITH_SDF.*", "SDF files are not read; convert them to URDF."),
-    (r".*MJCF.*", "MJCF files are not read yet; convert them to URDF."),
+    (r".*MJCF.*", "buildModelFromMJCF(file, root_joint, name) gives the model and the closed loops that the file has."),
     (r".*Constraint.*|.*Delassus.*|.*Contact.*|lcaba|.*Cone|.*Prox.*|(PGS|ADMM).*|impulseDynamics|forwardDynamics|.*KKT.*"
      r"|constraintDynamics|Baumgarte.*|BoxSet|FrictionCoeff.*|getFriction.*|computeJointMinimal.*|AUTOMATIC|MANUAL|CONSTANT"
      r"|LINEAR|OSQP|SPECTRAL|computeImpulse.*",
@@ -21,7 +21,7 @@ _WORDS = (
      "It is a part of solvers; scipy.linalg.eigh_tridiagonal and scipy.sparse.linalg.eigsh do."),
     (r"(Panda3d|RViz)Visualizer", "Use MeshcatVisualizer or GepettoVisualizer: both draw into Ulna's viewer."),
     (r"Joint(Model|Data)Ellipsoid",
-     "Ulna's algorithms take joints whose axes stand still in the moving frame, and chains of them, which an ellipsoid's do "
+     "Ulna's algorithms take joints whose axes stand still in the moving frame, and chains of them; an ellipsoid's do "
      "not. JointModelSphericalZYX turns alike about its centre."),
     (r"graph", "Models are put together with appendModel, buildReducedModel, and ulna.model.ModelBuilder."),
     (r"numpy|inspect|sys", "It is no part of Pinocchio; import it itself."),
@@ -40,7 +40,8 @@ def refusal(name: str, offered: Iterable[str]) -> str:
     return both or "Real Pinocchio is `pip install pin`; run the script with plain python to use it."
 
 
-def stands_in_an_import(frame: FrameType) -> bool:
-    """Whether a frame is at the name of `from module import name`, which hides the words of an AttributeError."""
+def stands_in_an_import() -> bool:
+    """Whether a module is asked by `from module import name`, which hides the words of an AttributeError."""
+    frame = sys._getframe(2)
     code = frame.f_code.co_code
     return 0 <= frame.f_lasti < len(code) and dis.opname[code[frame.f_lasti]] == "IMPORT_FROM"

@@ -6,6 +6,9 @@ from typing import Any
 
 from pinocchio._enums import GeometryType
 from pinocchio._geometry_urdf import geometries_of_links, geometry_model_of
+from pinocchio._mjcf import buildModelFromMJCF, buildModelsFromMJCF
+
+__all__ = ["buildModelFromMJCFAndRootJoint", "buildModelsFromMJCF", "buildModelsFromUrdf", "createDatas"]
 
 
 def buildModelsFromUrdf(
@@ -48,3 +51,11 @@ def buildModelsFromUrdf(
 def createDatas(*models: Any) -> tuple[Any, ...]:
     """Data of a model and of each of its geometry models."""
     return tuple([None if model is None else model.createData() for model in models])
+
+
+def buildModelFromMJCFAndRootJoint(
+    mjcf_filename: Any, root_joint: Any, root_joint_name: str = "root_joint"
+) -> Any:
+    """The model of an MJCF file on a joint of its own, without the closed loops; see `buildModelFromMJCF`."""
+    made = buildModelFromMJCF(mjcf_filename, root_joint, root_joint_name)
+    return made[0] if isinstance(made, tuple) else made
