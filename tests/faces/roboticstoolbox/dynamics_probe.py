@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -158,14 +157,3 @@ def models(rtb: Any, sm: Any) -> dict[str, Any]:
 
 
 PARTS: dict[str, Callable[[Any, Any], dict[str, Any]]] = {"puma": puma, "own": own, "models": models}
-
-
-if __name__ == "__main__":
-    import pickle
-
-    import roboticstoolbox
-    import spatialmath
-
-    with open(sys.argv[1], "wb") as file:
-        answers = {name: part(roboticstoolbox, spatialmath) for name, part in PARTS.items()}
-        pickle.dump((roboticstoolbox.__file__, answers), file)

@@ -1,8 +1,7 @@
-"""Questions to ask of the toolbox and of its face alike: run as a script, it writes the answers to a file."""
+"""Questions to ask of the toolbox and of its face alike."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -155,14 +154,3 @@ PARTS: dict[str, Callable[[Any, Any], dict[str, Any]]] = {
     "chains": chains,
     "trajectories": trajectories,
 }
-
-
-if __name__ == "__main__":
-    import pickle
-
-    import roboticstoolbox
-    import spatialmath
-
-    with open(sys.argv[1], "wb") as file:
-        answers = {name: part(roboticstoolbox, spatialmath) for name, part in PARTS.items()}
-        pickle.dump((roboticstoolbox.__file__, answers), file)

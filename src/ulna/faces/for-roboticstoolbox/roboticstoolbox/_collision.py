@@ -43,7 +43,9 @@ class Collision(Part):
         checker = body.collision_checker(collision.World().add(_SHAPE, solid, moving=True), pairs=())
         carried = T if self._parent is None else np.linalg.solve(self._parent._wT, T)
         near = checker.nearest(self._configuration(q), {_SHAPE: carried}, within=within)
-        return [found for found in near if links is None or found.names[0] in links]
+        order = list(self.link_dict)
+        counted = [found for found in near if links is None or found.names[0] in links]
+        return sorted(counted, key=lambda found: order.index(found.names[0]))
 
     def _require_shapes(self) -> None:
         if not any(link.collision for link in self.link_dict.values()):
@@ -113,7 +115,7 @@ class Collision(Part):
         """A and b of A qd <= b that keep links from a shape, a row for each link that is near; None without any.
 
         Args:
-            shape: The shape.
+            shape: The shape; where it has a velocity `v`, that counts.
             q: Configuration, (n,).
             di: Distance at which damping begins [m].
             ds: Distance that is kept [m].
@@ -131,7 +133,7 @@ class Collision(Part):
         if not found:
             return None, None
         A = -np.array([item.gradient for item in found])[:, : self.n]
-        b = np.array([xi * (item.distance - ds) / (di - ds) for item in found])
+        b = np.array([xi * (item.distance - ds) / (di - ds) + _gives_way(shape, item) for item in found])
         return A, b
 
     def vision_collision_damper(
@@ -189,3 +191,13 @@ class Collision(Part):
             moved = np.linalg.norm(p - c) / length * (towards @ shape.v[:3])
             bounds.append(xi * (found.distance - ds) / (di - ds) + moved)
         return (np.array(rows), np.array(bounds)) if rows else (None, None)
+
+
+def _gives_way(shape: Any, found: Any) -> float:
+    """How fast a moving shape moves its nearest point away from the link [m/s]."""
+    v = np.asarray(getattr(shape, "v", np.zeros(6)), dtype=float)
+    if not v.any():
+        return 0.0
+    link, p = found.points
+    centre = np.asarray(shape._wT, dtype=float)[:3, 3]
+    return float((p - link) @ (v[:3] + np.cross(v[3:], p - centre))) / found.distance

@@ -46,7 +46,7 @@ class DHLink(Link):
         lifted = [ET.tz(d)] if not sigma and d else [ET.tz(offset)] if sigma and offset else []
         beside = ([ET.tx(a)] if a else []) + ([ET.Rx(alpha)] if alpha else [])
         if mdh:
-            steps = [*beside, *(turned + lifted if sigma else lifted + turned), joint]
+            steps = [*beside, *turned, *lifted, joint]
         else:
             steps = [*turned, *([*lifted, joint] if sigma else [joint, *lifted]), *beside]
         super().__init__(ETS(steps), **more)
@@ -222,6 +222,10 @@ class DHRobot(DHWords, Analytic, Robot):
         return tau + np.swapaxes(J, -1, -2) @ np.asarray(fext, dtype=float)
 
     rne_python = rne
+
+    def delete_rne(self) -> None:
+        """Forgets masses and motors, which the next question takes from the links again."""
+        self.dynchanged()
 
 
 class SerialLink(DHRobot):

@@ -44,24 +44,25 @@ class DHWords(Part):
         return out, pose(poses[-1])
 
     def _parameters(self) -> str:
-        limits = self.qlim
+        limited = any(link.qlim is not None for link in self._links)
+        limits = self.qlim if limited else None
         rows = []
         for j, link in enumerate(self._links):
             given: Any = link
-            sign = "-" if given.isflip else " "
-            if given.sigma:
-                theta, d = _angle(given.theta), f"{sign.strip()}q{j + 1}"
-                d += f" + {_number(given.offset)}" if given.offset else ""
-                low, high = (f"{x:.4g}" for x in limits[:, j])
-            else:
-                theta, d = f"{sign}q{j + 1}", _number(given.d)
-                theta += f" + {_angle(given.offset)}" if given.offset else ""
-                low, high = (f"{math.degrees(x):.1f}°" for x in limits[:, j])
-            beside = [_number(given.a), _angle(given.alpha)]
-            rows.append([*beside, theta, d, low, high] if self.mdh else [theta, d, *beside, low, high])
-        if self.mdh:
-            return grid(["aⱼ₋₁", "⍺ⱼ₋₁", "θⱼ", "dⱼ", "q⁻", "q⁺"], rows, [True, True, False, True, True, True])
-        return grid(["θⱼ", "dⱼ", "aⱼ", "⍺ⱼ", "q⁻", "q⁺"], rows, [False] + [True] * 5)
+            number = str if self.mdh else _short
+            q, slides = f"{'-' if given.isflip else ' '}q{j + 1}", given.sigma
+            if given.offset:
+                shift = abs(given.offset)
+                q += f" {'-' if given.offset < 0 else '+'} {shift if slides else f'{math.degrees(shift):.3g}°'}"
+            moving = [_angle(given.theta), q] if slides else [q, number(given.d)]
+            beside = [number(given.a), _angle(given.alpha)]
+            row = [*beside, *moving] if self.mdh else [*moving, *beside]
+            if limits is not None:
+                row += [_short(float(x)) if slides else f"{math.degrees(x):.1f}°" for x in limits[:, j]]
+            rows.append(row)
+        header = ["aⱼ₋₁", "⍺ⱼ₋₁", "θⱼ", "dⱼ"] if self.mdh else ["θⱼ", "dⱼ", "aⱼ", "⍺ⱼ"]
+        header += ["q⁻", "q⁺"] if limited else []
+        return grid(header, rows, [bool(self.mdh)] + [True] * (len(header) - 1))
 
     def _placed(self) -> str:
         rows = []
@@ -77,9 +78,9 @@ class DHWords(Part):
         return "\n" + grid([], rows, [True, False]) if rows else ""
 
 
-def _number(x: float) -> str:
-    return str(x) if isinstance(x, int) else str(float(f"{x:.4g}"))
+def _short(x: float) -> str:
+    return f"{x:.4g}" if isinstance(x, float) else str(x)
 
 
 def _angle(x: float) -> str:
-    return f"{math.degrees(x)}°"
+    return f"{x * (180.0 / math.pi)}°"

@@ -131,6 +131,13 @@ class BaseET:
             out.isflip = not self.isflip
         return out
 
+    def __getattr__(self, name: str) -> Any:
+        if name == "fknm":
+            raise AttributeError(
+                "`fknm` of a transform is the toolbox's compiled part; use A(q), or ETS.eval(q)."
+            )
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
     def _like(self) -> Self:
         out = object.__new__(type(self))
         out.__dict__.update(self.__dict__)

@@ -5,6 +5,7 @@ Source: Khatib 1987, A unified approach for motion and force control of robot ma
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,13 @@ class Felt(Part):
     def _felt(self, name: str, arrays: tuple[Any, ...], representation: str | None) -> Floats:
         """What is felt at the end, by Ulna's operational space."""
         body, end = self._weighed()
-        return getattr(body, name)(*arrays, frame=end, representation=representation)
+        try:
+            return getattr(body, name)(*arrays, frame=end, representation=representation)
+        except ZeroDivisionError:
+            raise InputError(
+                f"The inertia matrix of {self.name!r} is singular: one of its joints moves no mass; give the links "
+                "after it m, or I, or their motors Jm."
+            ) from None
 
     def inertia_x(
         self, q: Any = None, pinv: bool = False, representation: str = "rpy/xyz", Ji: Any = None
@@ -96,3 +103,8 @@ class Felt(Part):
             return self._felt("operational_gravity", (self.q if q is None else q,), representation)
         finally:
             self._gravity = kept
+
+    def cinertia(self, q: Any) -> Floats:
+        """A former name of `inertia_x`."""
+        warnings.warn("cinertia is the former name of inertia_x", DeprecationWarning, stacklevel=2)
+        return self.inertia_x(q)

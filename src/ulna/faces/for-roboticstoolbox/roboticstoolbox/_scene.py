@@ -71,6 +71,13 @@ class LinkNode(Node):
 
     _T = T
 
+    def __getattr__(self, name: str) -> Any:
+        if name == "attach_to":
+            raise AttributeError(
+                f"Link {self.name!r} hangs on the link before it; attach its robot: robot.attach_to(frame)."
+            )
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
     @property
     def scene_parent(self) -> Any:
         """The link before it; the robot for the first one."""
