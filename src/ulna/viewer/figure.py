@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, final
 
@@ -215,8 +216,7 @@ def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
     if out.shape != (robot.model.nq,):
         names = ", ".join(robot.joint_names[:8])
         raise ShapeError("q", out.shape, f"({robot.model.nq},)", f"One number for each of: {names}.")
-    square = out.dot(out)
-    if square - square != 0.0 and not np.isfinite(out).all():  # a quick look first
+    if not math.isfinite(out.dot(out)) and not np.isfinite(out).all():  # a quick look first
         where = int(np.argwhere(~np.isfinite(out))[0][0])
         raise NonFiniteError("q", (where,), float(out[where]))
     return out

@@ -79,7 +79,8 @@ class RobotHandle(Handle):
 
     @q.setter
     def q(self, q: ArrayLike | str) -> None:
-        self.put(_named(self.robot, q) if isinstance(q, str) else checked_configuration(self.robot, q))
+        robot = self._figure.robot
+        self.put(_named(robot, q) if isinstance(q, str) else checked_configuration(robot, q))
 
     def put(self, q: Floats | Callable[[], Floats]) -> None:
         """As assigning to `q`, for an array that is known to be a configuration and that nobody will change.
