@@ -1,0 +1,93 @@
+"""Names: all are said in words, the page of names is up to date, and what is not offered says what to use."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from support.shelf import worn
+
+ROOT = Path(__file__).parents[3]
+MODULES = (
+    "cholesky",
+    "explog",
+    "liegroups",
+    "linalg",
+    "rpy",
+    "serialization",
+    "shortcuts",
+    "utils",
+    "visualize",
+)
+
+
+@pytest.fixture(scope="module")
+def pin() -> Iterator[Any]:
+    with worn("pinocchio"):
+        import pinocchio
+
+        yield pinocchio
+
+
+def _own(thing: Any) -> bool:
+    return str(getattr(thing, "__module__", "")).startswith("pinocchio")
+
+
+def test_everything_public_is_said_in_words(pin: Any) -> None:
+    silent = []
+    for module in (pin, *(importlib.import_module(f"pinocchio.{name}") for name in MODULES)):
+        assert module.__doc__
+        for name in dir(module):
+            thing = getattr(module, name)
+            if name.startswith("_") or isinstance(thing, ModuleType) or not _own(thing):
+                continue
+            if not inspect.getdoc(thing):
+                silent.append(f"{module.__name__}.{name}")
+            if inspect.isclass(thing):
+                members = {n: m for cls in thing.__mro__ if _own(cls) for n, m in vars(cls).items()}
+                silent += [
+                    f"{name}.{n}"
+                    for n, member in members.items()
+                    if not n.startswith("_")
+                    and (inspect.isroutine(member) or isinstance(member, (property, staticmethod)))
+                    and not inspect.getdoc(getattr(thing, n) if isinstance(member, staticmethod) else member)
+                ]
+    assert not silent
+
+
+def test_names_of_late_modules_are_there(pin: Any) -> None:
+    from pinocchio._late import LATE  # pyright: ignore
+
+    assert set(LATE) <= set(dir(pin))
+    for name in LATE:
+        assert getattr(pin, name) is not None
+
+
+def test_what_is_misspelt_offers_the_nearest_name(pin: Any) -> None:
+    with pytest.raises(AttributeError, match="Did you mean 'forwardKinematics'"):
+        _ = pin.forwardKinematic
+    with pytest.raises(ImportError, match="Did you mean 'forwardKinematics'"):
+        from pinocchio import forwardKinematic  # noqa: F401  # pyright: ignore
+    with pytest.raises(ImportError, match="convert them to URDF"):
+        from pinocchio import buildModelsFromSdf  # noqa: F401  # pyright: ignore
+    with pytest.raises(AttributeError, match="compile"):
+        _ = pin.casadi
+    assert not hasattr(pin, "no such name")
+
+
+@pytest.mark.slow
+def test_the_page_of_names_is_up_to_date() -> None:
+    pytest.importorskip("pinocchio")
+    script = ROOT / "benchmarks" / "face_pinocchio_names.py"
+    done = subprocess.run(
+        [sys.executable, str(script), "--check"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
