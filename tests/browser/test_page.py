@@ -203,6 +203,19 @@ def test_a_lost_connection_is_taken_up_again(visit: Visit) -> None:
     assert wait(visit.agrees)
 
 
+def test_a_tab_that_slept_has_the_newest_when_it_wakes(visit: Visit) -> None:
+    devtools = visit.context.new_cdp_session(visit.tab)
+    devtools.send("Page.setWebLifecycleState", {"state": "frozen"})  # as behind a closed lid
+    q = visit.show.q
+    for angle in np.linspace(0.0, 1.1, 120):
+        q[0] = angle
+        visit.show.q = q
+        time.sleep(1 / 60)
+    devtools.send("Page.setWebLifecycleState", {"state": "active"})
+    assert wait(visit.agrees)
+    assert visit.errors == []
+
+
 class Evil(BaseHTTPRequestHandler):
     """A page of another origin that tries to talk to the robot's page."""
 
