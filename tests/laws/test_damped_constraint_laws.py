@@ -12,7 +12,7 @@ from support.random_models import random_model, random_pose
 from ulna import algorithms as alg
 from ulna.algorithms.constrained_dynamics_damped import Damped, DampedMotion, damped_dynamics, damped_impact
 from ulna.algorithms.constrained_dynamics_derivatives import bound_derivatives, bound_terms
-from ulna.algorithms.constraint_twists import constraint_twists, frame_of
+from ulna.algorithms.constraint_twists import Seen, constraint_seen, constraint_twists, frame_of
 from ulna.model import Model
 from ulna.model.constraint import Bond, End
 from ulna.typing import Floats
@@ -103,6 +103,29 @@ def test_the_error_of_a_frame_is_its_logarithm(seed: int) -> None:
             close(np.concatenate([axes @ e[:3], axes @ e[3:]]), between.log().vector(), 1e-12)
         else:
             close(axes @ e, between.rotation.T @ between.translation, 1e-12)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_is_seen_from_the_first_frame(seed: int) -> None:
+    """The place of a point, its velocity and acceleration are rates of each other; so are twist and its rate."""
+    model = tree(seed)
+    q, v, a, _ = state(model, seed)
+    rest = np.zeros(model.nv)
+    for bond in bonds(model, seed):
+        seen = constraint_seen(model, q, v, a, bond)
+        close(seen.velocity, seen.J @ v, 1e-12)
+        if bond.size == 3:
+            close(
+                seen.velocity, along(model, q, v, lambda x, b=bond: _each(model, x, v, rest, b).place), 1e-8
+            )
+        rate = along(model, q, v, lambda x, b=bond: _each(model, x, v, rest, b).velocity) + seen.J @ a
+        close(seen.acceleration, rate, 1e-8)
+
+
+def _each(model: Model, q: Floats, v: Floats, a: Floats, bond: Bond) -> Seen:
+    """The same for each of a stack of configurations."""
+    many = [constraint_seen(model, one, v, a, bond) for one in q]
+    return Seen(*(np.stack(parts) for parts in zip(*many, strict=True)))
 
 
 @pytest.mark.parametrize("rounds", [1, 3])

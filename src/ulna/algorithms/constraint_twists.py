@@ -10,10 +10,14 @@
 | k' | bias of a frame in "local" axes, which turn with it | (6) | [m/s^2], ... | k + (l x w, d x w) |
 | k'' | bias of a frame in the world's axes: of the difference of spatial accelerations | (6) | | k - (d x u, 0) |
 
-A point moves as in constraints.py. With J a + k' = 0 the components of c in the axes of a stay what they are; with
-J a + k'' = 0 both bodies have one spatial acceleration. Both say the same as k where c = 0. The error of a frame is
-driven by its own axes: de/dt = J_r(e)^-1 c. Source: Featherstone 2008, sections 2.10 and 8.1; Lynch & Park, section
-8.6.
+| y | place of b seen from a; of a frame its logarithm | (3); (6) | [m], [rad] | T_a^-1 p_b; -e |
+| S | its Jacobian, of a frame that of its twist | (3, nv); (6, nv) | | -(J + e x W); -J |
+| z | rate of S v | (3); (6) | [m/s^2], ... | -(J a + k) - 2 w x S v - alpha x y - w x (w x y); -(J a + k') |
+
+W is how a turns, (3, nv), alpha its angular acceleration, both in its axes. A point moves as in constraints.py. With
+J a + k' = 0 the components of c in the axes of a stay what they are; with J a + k'' = 0 both bodies have one spatial
+acceleration. Both say the same as k where c = 0. The error of a frame is driven by its own axes: de/dt = J_r(e)^-1 c.
+Source: Featherstone 2008, sections 2.10 and 8.1; Lynch & Park, section 8.6.
 """
 
 from __future__ import annotations
@@ -30,10 +34,11 @@ from ulna.algorithms.constraints import (
     constraint_jacobian,
     constraint_velocity,
 )
-from ulna.algorithms.kinematics import frame_pose
+from ulna.algorithms.jacobian import frame_jacobian
+from ulna.algorithms.kinematics import frame_acceleration, frame_pose
 from ulna.model import Frame, Model
 from ulna.model.constraint import Bond, End
-from ulna.numeric import apply, cross
+from ulna.numeric import apply, cross, skew
 from ulna.spatial import SE3
 from ulna.spatial.exponential import log_parts
 from ulna.typing import Array
@@ -80,6 +85,43 @@ def constraint_twists(model: Model, q: Array, v: Array, bonds: Sequence[Bond]) -
     columns = np.stack(parts, axis=-1)
     turned = along_axes(model, q, columns, bonds)
     return Twists(along_axes(model, q, J, bonds), turned[..., 0], turned[..., 1], turned[..., 2])
+
+
+class Seen(NamedTuple):
+    """How the second frame moves, seen from the first one."""
+
+    place: Array
+    """y, (..., m) [m, rad]."""
+    J: Array
+    """S, (..., m, nv)."""
+    velocity: Array
+    """S v, (..., m) [m/s, rad/s]."""
+    acceleration: Array
+    """z, (..., m) [m/s^2, rad/s^2]."""
+
+
+def constraint_seen(model: Model, q: Array, v: Array, a: Array, bond: Bond) -> Seen:
+    """How the second frame of a constraint moves, seen from the first one.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (nq,).
+        v: Velocity, shape (nv,).
+        a: Acceleration, shape (nv,).
+        bond: The constraint, with a second frame.
+    """
+    twists = constraint_twists(model, q, v, [bond._replace(local=True)])
+    y = -twists.error
+    left = -(apply(twists.J, a) + twists.bias)
+    if bond.size == 6:
+        return Seen(y, -twists.J, -twists.velocity, left)
+    first = frame_of(bond.first)
+    turns = frame_jacobian(model, q, first, "local")[..., 3:, :]
+    w = apply(turns, v)
+    S = -(twists.J - skew(y) @ turns)
+    velocity = apply(S, v)
+    alpha = frame_acceleration(model, q, v, a, first, "local").angular
+    return Seen(y, S, velocity, left - 2.0 * cross(w, velocity) - cross(alpha, y) - cross(w, cross(w, y)))
 
 
 def frame_of(end: End) -> Frame:

@@ -17,7 +17,7 @@ d.lambda_c; d.osim.shape; pin.constraintDynamics(m, d, q, v, tau, cs, ds, s); d.
 np.triu(d.M); d.nle; d.J; list(d.oMi); [x.oMc1 for x in ds]; [x.oMc2 for x in ds]; [x.c1Mc2 for x in ds]
 [x.contact1_velocity for x in ds]; [x.contact2_velocity for x in ds]; [x.contact_placement_error for x in ds]
 [x.contact_velocity_error for x in ds]; [x.contact_acceleration_error for x in ds]; [c.residualSize() for c in cs]
-pin.getConstraintsJacobian(m, d, cs, ds); pin.getConstraintJacobian(m, d, cs[0], ds[0]); cs[0].jacobian(m, d, ds[0])
+pin.getConstraintsJacobian(m, d, cs, ds); pin.getConstraintJacobian(m, d, cs[0], ds[0])
 d.constraint_chol.matrix(); d.constraint_chol.U; d.constraint_chol.D; d.constraint_chol.Dinv; d.constraint_chol.size()
 d.constraint_chol.constraintDim(); d.constraint_chol.inverse(); d.constraint_chol.solve(np.arange(m.nv + len(d.lambda_c)) * 1.0)
 d.constraint_chol.getInverseMassMatrix(); d.constraint_chol.getOperationalSpaceInertiaMatrix()
@@ -55,6 +55,61 @@ pin.impulseDynamics(m, d, q, v, J, 0.3, 1e-3); d.impulse_c; d.dq_after; pin.impu
 pin.computeKKTContactDynamicMatrixInverse(m, d, q, J, 1e-3); pin.computeKKTContactDynamicMatrixInverse(m, d, q, J)
 """
 
+SEEN = """
+! pin.forwardKinematics(m, d, q, v, a); pin.computeJointJacobians(m, d, q); pin.forwardKinematics(m, d, q, v, a); pin.crba(m, d, q)
+! ds = listed([c.createData() for c in cs], "Data"); [c.calc(m, d, x) for c, x in zip(cs, ds)]
+[c.residualSize() for c in cs]; [c.shortname() for c in cs]; [x.oMc1 for x in ds]; [x.oMc2 for x in ds]; [x.c1Mc2 for x in ds]
+[x.constraint_position_error for x in ds]; [x.constraint_velocity_error for x in ds]
+[x.constraint_acceleration_error for x in ds]; [c.jacobian(m, d, x) for c, x in zip(cs, ds)]
+[c.jacobianMatrixProduct(m, d, x, np.eye(m.nv)) for c, x in zip(cs, ds)]; [c.retrieveCompliance() for c in cs]
+[c.jacobianTransposeMatrixProduct(m, d, x, np.eye(c.residualSize())) for c, x in zip(cs, ds)]
+"""
+
+CONTACTS = (
+    SEEN
+    + """
+! settings = pin.ProximalSettings(1e-12, 1e-12, 1e-2, 300); zero = np.zeros(3 * len(cs))
+pin.contactInverseDynamics(m, d, q, v, a, 1e-2, cs, ds, zero - 0.1, settings); d.tau
+! settings = pin.ProximalSettings(1e-6, 1e-6, 1e-2, 5)
+pin.contactInverseDynamics(m, d, q, v, a, 1e-2, cs, ds, zero - 0.1, settings, zero + 1.0, False)
+"""
+)
+
+CONVERTED = """
+[pin.convertToRigidConstraintModel(m, c).residualSize() for c in cs]
+[pin.convertToRigidConstraintModel(m, c, pin.LOCAL_WORLD_ALIGNED).joint1_placement for c in cs]
+"""
+
+OF_JOINTS = """
+! some = [1, m.njoints - 1]; f = pin.JointFrictionConstraintModel(m, some); x = f.createData()
+! lower, upper = np.full(m.nq, -1.0), np.full(m.nq, 1.0); near = np.full(m.nq, 0.3); last = [m.njoints - 2, m.njoints - 1]
+! l = pin.JointLimitConstraintModel(m, last, lower, upper, near); f.calc(m, d, x)
+f.residualSize(); list(f.getActiveDofs()); list(f.getActiveJoints()); f.getTimeStep(); f.jacobian(m, d, x); f.shortname()
+l.residualSize(); list(l.getSelectedJoints()); l.getActivablePositionLimit(); list(l.active_idx_in_activable())
+! z = pin.neutral(m); z[m.joints[last[0]].idx_q], z[m.joints[last[1]].idx_q] = 0.8, -1.2; l.makeSelectionFilteredByLimitProximity(z)
+! pin.forwardKinematics(m, d, z); y = l.createData(); l.calc(m, d, y)
+l.residualSize(); l.residualSize(pin.ConstraintSelectionType.MAXIMAL); list(l.active_idx_in_activable()); l.lowerResidualSize()
+l.upperResidualSize(); l.jacobian(m, d, y); l.set(y).project(np.array([-1.0, 2.0])); l.shortname(); l.retrieveCompliance()
+! f.setFrictionLowerLimit(-np.ones(f.residualSize())); f.setFrictionUpperLimit(np.ones(f.residualSize())); f.setTimeStep(0.1)
+f.getFrictionLowerLimit(); f.getFrictionUpperLimit(); f.getTimeStep()
+"""
+
+PUSHED = """
+! pin.forwardKinematics(m, d, q, v, a); pin.computeJointJacobians(m, d, q); pin.crba(m, d, q)
+! f = pin.JointFrictionConstraintModel(m, [m.njoints - 1], -np.full(m.nv, 0.002), np.full(m.nv, 0.002))
+! ms = pin.StdVec_ConstraintModel(); ms.extend([cs[0], f])
+! ds = pin.StdVec_ConstraintData(); ds.extend([c.createData() for c in ms])
+! [c.calc(m, d, x) for c, x in zip(ms, ds)]
+! J = pin.getConstraintsJacobian(m, d, ms, ds); G = J @ np.linalg.solve(pin.crba(m, d, q), J.T)
+! g = J @ (v + 1e-2 * pin.aba(m, d, q, v, tau)); settings, result = pin.PGSSolverSettings(), pin.PGSSolverResult()
+! settings.max_iterations = 100000; g[2] -= 1.0
+! settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = 1e-13
+! settings.relative_feasibility_tol = settings.relative_complementarity_tol = 1e-13
+! solver = pin.PGSConstraintSolver(len(g)); solver.solve(pin.DelassusOperatorDense(G), g, ms, ds, settings, result)
+J; result.converged; result.problem_size; result.constraintSize(); result.isValid(); solver.isValid()
+result.retrieveConstraintImpulses()
+"""
+
 POINT, FRAME = pin.ContactType.CONTACT_3D, pin.ContactType.CONTACT_6D
 
 
@@ -79,16 +134,42 @@ def cases(m, joints, M, N):
         yield "frames joined", [pin.RigidConstraintModel(FRAME, m, *ends, here)], (1e-5, 10), True
 
 
+def listed(things, what=""):
+    """The same as the vector that Pinocchio wants; for the face a list."""
+    kind = type(things[0]).__name__.replace("Data", "").replace("Model", "")
+    out = getattr(pin, f"StdVec_{kind}{what or 'Model'}")()
+    out.extend(things)
+    return out
+
+
+def seen(m, joints, M, N):
+    """Constraints that tell where their second frame is, and the text that is asked of them."""
+    ends = [(joints[0], M, 0, N), (joints[0], M, joints[1], N), (0, N, joints[1], M)]
+    points = listed([pin.PointAnchorConstraintModel(m, *one) for one in ends])
+    frames = listed([pin.FrameAnchorConstraintModel(m, *one) for one in ends])
+    for cs, text in ((points, SEEN), (frames, SEEN + CONVERTED)):
+        for k, c in enumerate(cs):
+            c.desired_constraint_velocity = 0.2 * k * np.arange(c.residualSize())
+            c.desired_constraint_acceleration = 0.3 * k * np.arange(c.residualSize())
+        yield type(cs[0]).__name__, cs, text
+    contacts = listed([pin.PointContactConstraintModel(m, 0, pin.SE3.Identity(), j, M) for j in joints[:2]])
+    for k, c in enumerate(contacts):
+        c.setFriction(0.3 + 0.4 * k)
+    yield "contacts", contacts, CONTACTS
+    if m.nv > 6:  # Pinocchio's solver does not converge on the UR5
+        yield "pushed", contacts, PUSHED
+
+
 if __name__ == "__main__":
     target, file, root, held = sys.argv[1:]
     m = pin.buildModelFromUrdf(file, *([getattr(pin, f"JointModel{root}")()] if root else []))
     rng = np.random.default_rng(5)
     q = pin.integrate(m, pin.neutral(m), rng.uniform(-1, 1, m.nv))
-    v, tau = rng.normal(size=(2, m.nv))
+    v, tau, a = rng.normal(size=(3, m.nv))
     M = pin.XYZQUATToSE3(np.array([0.1, 0.2, 0.3, 0.0, 0.0, np.sin(0.3), np.cos(0.3)]))
     N = pin.XYZQUATToSE3(np.array([0.3, -0.2, 0.1, 0.0, np.sin(0.2), 0.0, np.cos(0.2)]))
     joints = [m.getJointId(name) for name in held.split(",")]
-    names = {"m": m, "q": q, "v": v, "tau": tau, "rng": rng}
+    names = {"m": m, "q": q, "v": v, "tau": tau, "a": a, "rng": rng, "listed": listed}
     result = {}
     for name, cs, (mu, rounds), exact in cases(m, joints, M, N):
         for c in cs:
@@ -108,6 +189,10 @@ if __name__ == "__main__":
             text += DELASSUS
         found = answers(text, names | {"d": m.createData(), "cs": cs, "ds": ds, "s": settings})
         result |= {f"{name}: {line}": value for line, value in found.items()}
+    for name, cs, text in seen(m, joints, M, N):
+        found = answers(text, names | {"d": m.createData(), "cs": cs})
+        result |= {f"{name}: {line}": value for line, value in found.items()}
+    result |= answers(OF_JOINTS, names | {"d": m.createData()})
     result |= answers(JACOBIAN, names | {"d": m.createData()})
     with open(target, "w", encoding="utf-8") as out:
         json.dump({"file": pin.__file__, "answers": result}, out)

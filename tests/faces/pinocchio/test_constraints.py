@@ -37,7 +37,9 @@ def test_equals_pinocchio(robot: str, tmp_path: Path) -> None:
 
 
 def _close(own: Any, wanted: Any) -> bool:
-    """Whether arrays, or lists of them, are equal to 1e-9 of the largest entry, or of one."""
+    """Whether arrays, or lists of them, are equal to 1e-9 of the largest entry, or of one; texts to the letter."""
+    if isinstance(wanted, str):
+        return own == wanted
     try:
         a, b = np.asarray(own, dtype=float), np.asarray(wanted, dtype=float)
     except ValueError:  # of several shapes
@@ -200,3 +202,120 @@ def test_operators_take_numbers_that_make_sense(pin: Any) -> None:
         pin.DelassusOperatorDense(np.ones((2, 3)))
     with pytest.raises(InputError, match="sparse matrix"):
         pin.DelassusOperatorSparse(np.eye(2))
+
+
+def test_contacts_that_push_and_rub(pin: Any) -> None:
+    """The impulses are within friction, what touches does not sink, and the convex problem is another one."""
+    model, data, q, v, _ = _arm(pin)
+    ground = pin.PointContactConstraintModel(model, 0, pin.SE3.Identity(), 6, pin.SE3.Identity())
+    limit = pin.JointLimitConstraintModel(model, [2], np.full(6, -9.0), np.full(6, 9.0), np.ones(6))
+    held = pin.PointAnchorConstraintModel(model, 4)
+    models = [ground, limit, held]
+    datas = [one.createData() for one in models]
+    pin.forwardKinematics(model, data, q, v)
+    pin.crba(model, data, q)
+    for one, known in zip(models, datas, strict=True):
+        one.calc(model, data, known)
+    decomposition = pin.ConstraintCholeskyDecomposition(model, data, models, datas)
+    decomposition.compute(model, data, models, datas, 1e-3)
+    G = decomposition.getDelassusOperatorCholeskyExpression()
+    g = pin.getConstraintsJacobian(model, data, models, datas) @ v - np.array(
+        [0.3, 0.2, 1.0, 1.0, 0.0, 0, 0, 0]
+    )
+    settings, result, solver = pin.PGSSolverSettings(), pin.PGSSolverResult(), pin.PGSConstraintSolver()
+    settings.max_iterations = 20_000
+    settings.relative_feasibility_tol = settings.relative_complementarity_tol = 1e-10
+    settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = 1e-10
+    with pytest.raises(InputError, match="solve"):
+        result.retrieveConstraintImpulses()
+    assert solver.solve(G, g, models, datas, settings, result)
+    x, y = result.retrieveConstraintImpulses(), result.retrieveConstraintVelocities()
+    np.testing.assert_allclose(G.matrix() @ x + g, y, atol=1e-12)
+    assert ground.set(datas[0]).isInside(x[:3], 1e-9) and x[2] > 0.0 and y[2] > -1e-9
+    assert min(x[3], x[4]) >= 0.0 and y[3] > -1e-9 and np.abs(y[5:]).max() < 1e-9
+    again = pin.PGSSolverResult()
+    again.setConstraintImpulseGuess(x)
+    assert solver.solve(G, g, models, datas, settings, again) and again.iterations <= 1
+    settings.solve_ncp = False
+    assert solver.solve(G, g, models, datas, settings, again)
+    settings.over_relaxation = 2.5
+    with pytest.raises(InputError, match="below 2"):
+        solver.solve(G, g, models, datas, settings, result)
+    settings.over_relaxation = 1.0
+    with pytest.raises(ShapeError, match="as many rows"):
+        solver.solve(np.eye(3), g[:3], models, datas, settings, result)
+
+
+def test_forces_of_contacts_whose_motion_is_given(pin: Any) -> None:
+    model, data, q, v, _ = _arm(pin)
+    ground = pin.PointContactConstraintModel(model, 0, pin.SE3.Identity(), 6, pin.SE3.Identity())
+    known = ground.createData()
+    with pytest.raises(InputError, match="not unique"):
+        pin.contactInverseDynamics(
+            model, data, q, v, v, 1e-2, [ground], [known], np.zeros(3), pin.ProximalSettings()
+        )
+    with pytest.raises(InputError, match="time step"):
+        pin.contactInverseDynamics(
+            model, data, q, v, v, 0.0, [ground], [known], np.zeros(3), pin.ProximalSettings()
+        )
+    with pytest.raises(InputError, match="PointContactConstraintModel"):
+        pin.computeInverseDynamicsConstraintForces(np.zeros(3), ["ground"], [known])
+    ground.setCompliance(np.full(3, 0.1))
+    settings = pin.ProximalSettings(1e-12, 1e-9, 200)
+    done, forces = pin.computeInverseDynamicsConstraintForces(
+        [0.01, 0.0, -1.0], [ground], [known], None, settings
+    )
+    assert done
+    np.testing.assert_allclose(forces, [-0.1, 0.0, 10.0], atol=1e-9)  # sticks: c + R f = 0
+    done, forces = pin.computeInverseDynamicsConstraintForces(
+        [3.0, 0.0, -1.0], [ground], [known], None, settings
+    )
+    assert done and np.hypot(*forces[:2]) == pytest.approx(0.5 * forces[2])  # slides
+
+
+def test_data_and_places_of_the_newer_constraints(pin: Any) -> None:
+    model, data, q, v, _ = _arm(pin)
+    anchor = pin.PointAnchorConstraintModel(model, 6, pin.SE3.Random(), 2)
+    known = anchor.createData()
+    with pytest.raises(InputError, match="forwardKinematics"):
+        anchor.calc(model, data, known)
+    pin.forwardKinematics(model, data, q, v)
+    with pytest.raises(InputError, match="calc"):
+        anchor.jacobian(model, data, known)
+    with pytest.raises(InputError, match="createData"):
+        anchor.calc(model, data, pin.FrameAnchorConstraintModel(model, 6).createData())
+    anchor.calc(model, data, known)
+    other = anchor.copy()
+    other.joint1_placement = pin.SE3.Identity()
+    assert not np.allclose(other.joint1_placement.homogeneous, anchor.joint1_placement.homogeneous)
+    with pytest.raises(InputError, match="each once"):
+        pin.JointFrictionConstraintModel(model, [1, 1])
+    with pytest.raises(InputError, match="not below zero"):
+        pin.CoulombFrictionCone(-0.1)
+    with pytest.raises(InputError, match="are above"):
+        pin.BoxSet([1.0], [0.0])
+    flying = pin.Model()
+    flying.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")
+    with pytest.raises(InputError, match="leave it out"):
+        pin.JointLimitConstraintModel(flying)
+
+
+def test_sets_of_forces(pin: Any) -> None:
+    """There cones read freed memory when they are made from Python; here they are what they say."""
+    cone = pin.CoulombFrictionCone(0.5)
+    np.testing.assert_allclose(cone.project([2.0, 0.0, 1.0]), [0.8, 0.0, 1.6])
+    np.testing.assert_allclose(cone.computeRadialProjection([3.0, 4.0, 2.0]), [0.6, 0.8, 2.0])
+    np.testing.assert_allclose(cone.computeNormalCorrection([3.0, 4.0, 9.0]), [0.0, 0.0, 2.5])
+    np.testing.assert_allclose(cone.weightedProject([2.0, 0.0, 1.0], [1.0, 1.0, 1.0]), [0.8, 0.0, 1.6])
+    np.testing.assert_allclose(cone.dual().project([0.0, 0.0, -1.0]), 0.0)
+    assert cone.isInside([0.4, 0.0, 1.0]) and not cone.isInside([0.6, 0.0, 1.0])
+    assert cone == pin.CoulombFrictionCone(cone) and cone.dual().dual() == cone != pin.CoulombFrictionCone(
+        0.6
+    )
+    box = pin.BoxSet([-1.0, 0.0], [1.0, 2.0])
+    np.testing.assert_array_equal(box.project([3.0, -3.0]), [1.0, 0.0])
+    assert box.isInside([0.0, 1.0]) and box.copy() == box
+    np.testing.assert_array_equal(pin.NonNegativeOrthantCone().project([-1.0, 2.0]), [0.0, 2.0])
+    np.testing.assert_array_equal(pin.FullSpaceCone().dual().project([-1.0, 2.0]), [0.0, 0.0])
+    with pytest.raises(InputError, match="first two equal"):
+        cone.weightedProject([2.0, 0.0, 1.0], [1.0, 2.0, 1.0])

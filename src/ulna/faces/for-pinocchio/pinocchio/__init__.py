@@ -9,7 +9,9 @@ import numpy as np
 from pinocchio import explog as explog
 from pinocchio import rpy as rpy
 from pinocchio import utils as utils
+from pinocchio._anchors import *
 from pinocchio._arrays import StdVec as StdVec
+from pinocchio._cones import *
 from pinocchio._configurations import *
 from pinocchio._constraint_cholesky import *
 from pinocchio._constraint_derivatives import *
@@ -17,6 +19,7 @@ from pinocchio._constraint_dynamics import *
 from pinocchio._constraint_kernels import *
 from pinocchio._constraint_pair import *
 from pinocchio._constraints import *
+from pinocchio._contact_inverse import *
 from pinocchio._data import Data as Data
 from pinocchio._delassus import *
 from pinocchio._derivatives import *
@@ -26,6 +29,7 @@ from pinocchio._frame import Frame as Frame
 from pinocchio._inertia import Inertia as Inertia
 from pinocchio._jacobian_dynamics import *
 from pinocchio._jacobians import *
+from pinocchio._joint_constraints import *
 from pinocchio._joints import *
 from pinocchio._kinematics import *
 from pinocchio._late import LATE, MODULES, late
@@ -40,6 +44,7 @@ from pinocchio._se3 import SE3 as SE3
 from pinocchio._se3 import SE3ToXYZQUAT as SE3ToXYZQUAT
 from pinocchio._se3 import SE3ToXYZQUATtuple as SE3ToXYZQUATtuple
 from pinocchio._se3 import XYZQUATToSE3 as XYZQUATToSE3
+from pinocchio._solvers import *
 from pinocchio._symmetric import Symmetric3 as Symmetric3
 from pinocchio._urdf import buildModelFromUrdf as buildModelFromUrdf
 from pinocchio._urdf import buildModelFromXML as buildModelFromXML

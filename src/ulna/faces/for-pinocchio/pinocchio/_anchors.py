@@ -152,9 +152,16 @@ class _Anchor(Pair):
         sizes: dict[str, Any] = dict(zip(("q", "v", "a", "places"), (x.shape for x in given), strict=True))
         found = engine_for(model, data).made(("constraint seen", shapes), build, **sizes)(*given)
         place, constraint_data._J, velocity, acceleration = found
-        constraint_data.constraint_position_error[:] = place - self.desired_constraint_offset
-        constraint_data.constraint_velocity_error[:] = velocity - self.desired_constraint_velocity
-        constraint_data.constraint_acceleration_error[:] = acceleration - self.desired_constraint_acceleration
+        wanted = (
+            self.desired_constraint_offset,
+            self.desired_constraint_velocity,
+            self.desired_constraint_acceleration,
+        )
+        if self._rows == 6:  # as there, frames are told without what is desired of them
+            wanted = (0.0, 0.0, 0.0)
+        constraint_data.constraint_position_error[:] = place - wanted[0]
+        constraint_data.constraint_velocity_error[:] = velocity - wanted[1]
+        constraint_data.constraint_acceleration_error[:] = acceleration - wanted[2]
         oMi = data._blocks["oMi"]
         np.matmul(oMi[self.joint1_id], self._places[0], out=constraint_data.oMc1._m)
         np.matmul(oMi[self.joint2_id], self._places[1], out=constraint_data.oMc2._m)
@@ -290,11 +297,10 @@ def _state(model: Model, data: Data) -> tuple[Floats, Floats, Floats]:
     """The state of the last kinematics; what was not given is zero."""
     q = data.require(data._q, "forwardKinematics(model, data, q)")
     v = a = np.zeros(model.nv)
-    if data._qv is not None and data._qv[0] is q:
+    if data._qv is not None and np.array_equal(data._qv[0], q):
         v = data._qv[1]
-        last = data._qva
-        if last is not None and np.array_equal(last[0], q) and np.array_equal(last[1], v):
-            a = last[2]
+        if data._qva is not None and all(map(np.array_equal, data._qva, (q, v))):
+            a = data._qva[2]
     return q, v, a
 
 

@@ -24,7 +24,13 @@ from ulna.errors import InputError
 from ulna.model import Model as TowerModel
 from ulna.typing import Array, Floats
 
-__all__ = ["constraintDynamics", "impulseDynamics", "initConstraintDynamics"]
+__all__ = [
+    "computeJointMinimalOrdering",
+    "constraintDynamics",
+    "impulseDynamics",
+    "initConstraintDynamics",
+    "lcaba",
+]
 
 
 class Solved(NamedTuple):
@@ -143,6 +149,28 @@ def _motion(shapes: Any, limit: int) -> Any:
         return run
 
     return build
+
+
+def computeJointMinimalOrdering(model: Model, data: Data, constraint_models: Any) -> None:
+    """Checks the constraints; `lcaba` needs no ordering here."""
+    engine_for(model, data)
+    paired(model, constraint_models, [one.createData() for one in constraint_models])
+
+
+def lcaba(
+    model: Model,
+    data: Data,
+    q: Any,
+    v: Any,
+    tau: Any,
+    constraint_models: Any,
+    constraint_datas: Any,
+    prox_settings: Any,
+) -> Floats:
+    """The same as constraintDynamics; how closed loops are eliminated is decided inside."""
+    return constraintDynamics(
+        model, data, q, v, tau, constraint_models, constraint_datas, settings_of(prox_settings)
+    )
 
 
 def impulseDynamics(model: Model, data: Data, *state: Any, **named: Any) -> Floats:

@@ -1,0 +1,87 @@
+"""The cone of Coulomb's friction, and what is nearest in it.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| mu | coefficient of friction | () | | |
+| f = (t, n) | contact force: two tangential entries, then the normal one | (3) | [N] | |
+| l | length of t | () | [N] | |
+| K | the forces that friction allows | | | l <= mu n |
+| K* | its dual: what has no negative product with them | | | mu l <= n |
+| P f | the nearest of K | (3) | [N] | 0 where mu l <= -n; f in K; else (x.f) x, x = (mu t / l, 1) / sqrt(1 + mu^2) |
+| P* f | the nearest of K* | (3) | [N] | f + P(-f) |
+| P_R f | nearest in the metric of a diagonal R = (r, r, s) | (3) | [N] | R^-1/2 P' R^1/2 f, mu' = mu sqrt(r / s) |
+| radial | the same normal force, t no longer than mu n | (3) | [N] | |
+| shift | what makes the velocity of a sliding contact one of K* | (3) | [m/s] | (0, 0, mu l), l that of the velocity |
+
+Source: Moreau's decomposition, f = P f - P*(-f); Parikh & Boyd, Proximal algorithms (2014), section 6.3.2; de Saxce &
+Feng, The bipotential method (1998), for the shift. The coefficient is a number or a batch of numbers.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna import numeric
+from ulna.numeric import vector
+from ulna.typing import Array
+
+
+def project(f: Array, mu: Any) -> Array:
+    """P f, shape (..., 3).
+
+    Args:
+        f: Force, shape (..., 3) [N], the normal entry last.
+        mu: Coefficient of friction, not below zero.
+    """
+    x, y, n = (f[..., i][()] for i in range(3))
+    length = numeric.sqrt(x * x + y * y)
+    sure = numeric.where(numeric.less(0.0, length), length, 1.0)
+    normal = (mu * length + n) / (1.0 + mu * mu)
+    outside = (mu * normal * x / sure, mu * normal * y / sure, normal)
+    leaves, pushes = numeric.less(mu * n, length), numeric.less(-n, mu * length)
+    return vector(
+        *(
+            numeric.where(leaves, numeric.where(pushes, found, 0.0), given)
+            for given, found in zip((x, y, n), outside, strict=True)
+        )
+    )
+
+
+def project_dual(f: Array, mu: Any) -> Array:
+    """P* f, shape (..., 3); see `project`."""
+    return f + project(-f, mu)
+
+
+def project_weighted(f: Array, mu: Any, weights: Array) -> Array:
+    """P_R f, shape (..., 3).
+
+    Args:
+        f: Force, shape (..., 3) [N], the normal entry last.
+        mu: Coefficient of friction, not below zero.
+        weights: The diagonal of R, shape (..., 3), above zero; the first two are equal.
+    """
+    roots = vector(*(numeric.sqrt(weights[..., i][()]) for i in range(3)))
+    return project(roots * f, mu * roots[..., 0][()] / roots[..., 2][()]) / roots
+
+
+def project_radially(f: Array, mu: Any) -> Array:
+    """The force with the same normal entry, or none below zero, and no more friction than that allows, (..., 3)."""
+    x, y, n = (f[..., i][()] for i in range(3))
+    length, normal = numeric.sqrt(x * x + y * y), numeric.maximum(n, 0.0)
+    slides = numeric.less(mu * normal, length)
+    scale = numeric.where(slides, mu * normal / numeric.where(slides, length, 1.0), 1.0)
+    return vector(scale * x, scale * y, normal)
+
+
+def sliding_shift(v: Array, mu: Any) -> Array:
+    """What makes the velocity (..., 3) [m/s] of a contact that slides one of K*, (..., 3)."""
+    x, y = v[..., 0][()], v[..., 1][()]
+    rest = 0.0 * x
+    return vector(rest, rest, mu * numeric.sqrt(x * x + y * y))
+
+
+def excess(f: Array, mu: Any) -> Any:
+    """How far a force is outside K, (...): |t| - mu n [N]; not above zero inside."""
+    return np.asarray(numeric.sqrt(f[..., 0] ** 2 + f[..., 1] ** 2) - mu * f[..., 2])[()]
