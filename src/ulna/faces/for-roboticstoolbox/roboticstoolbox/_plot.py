@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import sys
 from collections.abc import Iterator
 from typing import Any, ClassVar
 
@@ -119,12 +118,11 @@ class Plotting(Part):
 
     def _is_for_the_viewer(self) -> bool:
         """Whether there are shapes to see and a screen to see them on."""
+        from ulna.viewer.screen import has_screen
+
         if not self.hasgeometry or os.environ.get("SWIFT_HEADLESS"):
             return False
-        has_screen = sys.platform in ("darwin", "win32") or any(
-            map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY"))
-        )
-        return has_screen and importlib.util.find_spec("viser") is not None
+        return has_screen() and importlib.util.find_spec("viser") is not None
 
     def _play(self, rows: Floats, block: bool, dt: float, movie: str | None, env: Any = None) -> Any:
         if movie is not None:
@@ -147,7 +145,7 @@ class Plotting(Part):
         import swift
 
         env = swift.Swift()
-        env.launch(realtime=realtime, headless=True if os.environ.get("SWIFT_HEADLESS") else None)
+        env.launch(realtime=realtime)
         return env
 
 
