@@ -12,19 +12,23 @@ from __future__ import annotations
 
 import argparse
 import gc
+import os
 import resource
 import shutil
+import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+from _first_sight import first_sight
 from _timing import medians, shown, table
 
 import ulna
-from ulna.geometry import Box
+from ulna.viewer.follow import Follower
 from ulna.viewer.surface import Surface
 from ulna.viewer.viewer import Viewer
 
@@ -77,6 +81,44 @@ def steps(robot: ulna.Robot) -> None:
         "viser / ours",
     ]
     print(table("A user's step", head, rows))
+
+
+def meshes() -> None:
+    """A Panda's CAD meshes: read by parsing its files, read again, and how much of them is shown."""
+    with tempfile.TemporaryDirectory() as folder:
+        for what in ("the first time", "later"):
+            program = (
+                "import time, ulna; from ulna.viewer.links import link_looks; robot = ulna.load('panda')\n"
+                "for detail in ('seen', 'full'):\n"
+                "    began = time.perf_counter(); looks = link_looks(robot, 'visual', detail=detail)\n"
+                "    spent = time.perf_counter() - began\n"
+                "    print(detail, sum(len(s.triangles) for look in looks for s in look), f'{spent:.2f} s')"
+            )
+            told = subprocess.run(
+                [sys.executable, "-c", program],
+                env=os.environ | {"ULNA_CACHE": folder},
+                capture_output=True,
+                text=True,
+                check=True,
+            ).stdout
+            print(f"a Panda's CAD meshes, {what}: " + "; ".join(told.splitlines()))
+
+
+def dragging(robot: ulna.Robot, count: int = 500) -> None:
+    """One step after a dragged target, within reach and at the edge of it."""
+    for what, reach in (("within reach", 0.15), ("at its edge", 0.9)):
+        q, follower, spent = np.array(robot.configurations["qr"]), Follower(robot), []
+        middle = robot.fk(q)
+        for t in np.linspace(0.0, 4 * np.pi, count):
+            goal = middle.copy()
+            goal[:3, 3] += reach * np.array([np.sin(t), 1 - np.cos(t), 0.5 * np.sin(2 * t)])
+            began = time.perf_counter()
+            q = follower.step(q, goal).q
+            spent.append(time.perf_counter() - began)
+        print(
+            f"a step after a dragged target {what}: {shown(float(np.median(spent)))}, "
+            f"95 of 100 within {shown(float(np.quantile(spent, 0.95)))}"
+        )
 
 
 def plain_viser(robot: ulna.Robot, q: np.ndarray, count: int) -> float:
@@ -140,32 +182,32 @@ def chromium() -> Iterator[Any]:
 
 def browser(driven: Any) -> None:
     """How soon things are seen, and how many of the frames sent are drawn."""
-    rng = np.random.default_rng(0)
-    million = grid_surface(708)
-    cases: dict[str, Callable[[Viewer], Any]] = {
-        "Panda, meshes of the catalogue": lambda v: v.add(ulna.load("panda"), "qr", name="thing"),
-        "10,000 boxes in one": lambda v: v.copies(
-            Box((0.02, 0.02, 0.02)), positions=rng.uniform(-1, 1, (10_000, 3)), name="thing"
+    cases = {
+        "Panda, CAD meshes read before": (
+            'viewer.add(ulna.load("panda"), "qr", name="{name}")',
+            sum(bool(link.visuals) for link in ulna.load("panda").model.links),
         ),
-        f"a mesh of {len(million.triangles):,} triangles": lambda v: v.add(million, name="thing"),
+        "10,000 boxes in one": (
+            "viewer.copies(ulna.geometry.Box((0.02, 0.02, 0.02)), name='{name}', "
+            "positions=np.random.default_rng(0).uniform(-1, 1, (10_000, 3)))",
+            1,
+        ),
+        "a mesh of a million triangles": (
+            f"import sys; sys.path.insert(0, {os.path.dirname(__file__)!r})\n"
+            "from viewer import grid_surface; viewer.add(grid_surface(708), name='{name}')",
+            1,
+        ),
     }
-    print(f"\n{'from the call of Viewer to the first frame with it':<52} {'s':>6}")
-    for what, put in cases.items():
-        began = time.perf_counter()
-        with Viewer(port=0, browser=False) as viewer:
-            put(viewer)
-            page = driven.new_context(viewport={"width": 640, "height": 400}).new_page()
-            page.goto(f"{viewer.url}/?fixedDpr=1")
-            page.wait_for_function(SEEN, arg=viewer.scene.names[-1], timeout=120_000)
-            print(f"{what:<52} {time.perf_counter() - began:>6.2f}")
-            page.context.close()
+    rows = []
+    for what, (body, count) in cases.items():
+        new, back = (first_sight(driven, body, count, stay) for stay in (False, True))
+        rows.append([what, shown(new), shown(back)])
+    load = f"{os.getloadavg()[0]:.1f} programs ran on {os.cpu_count()} cores"
+    print(
+        table("From the start of a script to its first frame", [load, "a new tab", "a tab comes back"], rows)
+    )
     applied(driven)
 
-
-SEEN = """name => { const nodes = window.__viserMutable?.nodeRefFromName ?? {};
-    const node = nodes["/" + name] ?? nodes["/thing/panda_hand"];
-    if (!node) return false;
-    return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true)))); }"""
 
 COUNT = """seconds => new Promise(done => {
     const node = window.__viserMutable.nodeRefFromName["/box"], seen = new Set(), end = performance.now() + 1e3 * seconds;
@@ -245,7 +287,7 @@ def tab_heap(driven: Any, viewer: Viewer) -> Callable[[], float]:
     page = driven.new_context(viewport={"width": 480, "height": 360}).new_page()
     page.set_default_timeout(120_000)
     page.goto(f"{viewer.url}/?fixedDpr=1")
-    page.wait_for_function(SEEN, arg="panda/panda_hand", timeout=120_000)
+    page.wait_for_function("() => !!window.__viserMutable?.nodeRefFromName['/panda/panda_hand']")
     devtools = page.context.new_cdp_session(page)
 
     def used() -> float:
@@ -266,6 +308,8 @@ def main() -> None:
         soak(robot, int(chosen.soak))
         return
     steps(robot)
+    dragging(robot)
+    meshes()
     publisher(robot)
     with chromium() as driven:
         if driven is not None:

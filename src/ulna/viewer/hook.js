@@ -18,6 +18,9 @@
     pose.wxyz = [p[k + 3], p[k + 4], p[k + 5], p[k + 6]];
     if (pose.poseUpdateState !== "waitForMakeObject") pose.poseUpdateState = "needsUpdate";
   });
+  // a tab that can be seen beside the program comes back when that runs again, without a click
+  document.hasFocus = () => document.visibilityState === "visible";
+  document.addEventListener("visibilitychange", () => window.dispatchEvent(new Event("focus")));
   let wanted = new Map();
   const worn = new Set(), plain = [-1, -1, -1, 1, 1, 1, 1];
   const write = (mesh, words) => {

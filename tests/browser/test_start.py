@@ -1,0 +1,128 @@
+"""How the page starts and is lit: a browser keeps its program, one lamp throws shadows, a tab comes back by itself."""
+
+from __future__ import annotations
+
+import io
+import socket
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.viewer.camera import Camera
+from ulna.viewer.light import KEY
+from ulna.viewer.viewer import Viewer
+
+pytestmark = pytest.mark.browser
+SIZE = {"width": 640, "height": 400}  # drawn by the processor here, so small
+EYE = Camera((0.0, -3.0, 2.5), (0.0, 0.0, 0.2), 0.6)
+LAMPS = """() => { const out = []; window.__viserMutable.scene.traverse(
+    o => { if (o.isDirectionalLight && o.castShadow) out.push(o); }); return out.length; }"""
+COUNT = """() => { window.drawn = 0; window.__viserMutable.scene.traverse(o => { if (o.isDirectionalLight && o.castShadow) {
+    const before = o.shadow.updateMatrices; o.shadow.updateMatrices = function (...x) { window.drawn++; return before.apply(this, x); };
+    } }); }"""
+
+
+def wait(condition: Callable[[], Any], patience: float = 90.0) -> bool:
+    due = time.monotonic() + patience
+    while time.monotonic() < due:
+        if condition():
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def has(tab: Any, path: str) -> bool:
+    return bool(tab.evaluate("n => !!window.__viserMutable?.nodeRefFromName[n]", path))
+
+
+@pytest.fixture(scope="module")
+def viewer() -> Iterator[Viewer]:
+    with Viewer(port=0, browser=False, camera=EYE) as viewer:
+        viewer.box((0.5, 0.5, 0.1), name="box", pose=ulna.SE3.trans(0.0, 0.0, 0.6))
+        yield viewer
+
+
+@pytest.fixture(scope="module")
+def context(chromium: Any) -> Iterator[Any]:
+    context = chromium.new_context(viewport=SIZE)
+    yield context
+    context.close()
+
+
+@pytest.fixture(scope="module")
+def tab(viewer: Viewer, context: Any) -> Any:
+    tab = context.new_page()
+    tab.goto(f"{viewer.url}/?fixedDpr=1")
+    assert wait(lambda: has(tab, "/box"))
+    return tab
+
+
+def test_the_program_of_the_page_is_fetched_once(viewer: Viewer, context: Any, tab: Any) -> None:
+    fetched = """() => performance.getEntriesByType("resource").filter(e => e.name.includes("/ulna-"))
+        .map(e => [e.name.split(".").pop(), e.transferSize])"""
+    first = dict(tab.evaluate(fetched))
+    assert first.keys() == {"js", "css", "wasm"}
+    assert first["js"] > 100_000
+    again = context.new_page()
+    again.goto(f"{viewer.url}/?fixedDpr=1")
+    assert wait(lambda: has(again, "/box"))
+    assert dict(again.evaluate(fetched)) == {"js": 0, "css": 0, "wasm": 0}
+    again.close()
+
+
+def test_one_lamp_throws_shadows_and_they_are_drawn_when_something_moved(viewer: Viewer, tab: Any) -> None:
+    assert wait(lambda: tab.evaluate(LAMPS) == 1)
+    tab.evaluate(COUNT)
+    tab.wait_for_timeout(1500)
+    tab.evaluate("window.drawn = 0")
+    for _ in range(5):
+        tab.evaluate("window.__viserMutable.requestRender()")
+        tab.wait_for_timeout(200)
+    assert tab.evaluate("window.drawn") == 0
+    viewer["box"].position = (0.0, 0.0, 0.7)
+    assert wait(lambda: tab.evaluate("window.drawn") > 0)
+    viewer["box"].position = (0.0, 0.0, 0.6)
+
+
+def test_the_shadow_falls_where_the_lamp_throws_it(viewer: Viewer, tab: Any) -> None:
+    Image = pytest.importorskip("PIL.Image")
+    away = np.array(KEY) / KEY[2] * 0.6
+
+    def brightness(point: np.ndarray) -> float:
+        """Of the floor around a point, free of the lines of the grid."""
+        x, y, z = (point - np.array(EYE.position)) @ EYE.axes()
+        focus = SIZE["height"] / (2 * np.tan(EYE.fov / 2))
+        column, row = int(SIZE["width"] / 2 - focus * x / z), int(SIZE["height"] / 2 + focus * y / z)
+        image = np.asarray(Image.open(io.BytesIO(tab.screenshot())).convert("L"), dtype=float)
+        return float(np.median(image[row - 3 : row + 4, column - 3 : column + 4]))
+
+    shaded, lit = -away * [1, 1, 0], np.array([-1.0, 0.2, 0.0])
+    assert wait(lambda: brightness(shaded) < 0.88 * brightness(lit), 30.0)
+
+
+def test_a_processor_draws_no_mirrored_room_and_hides_nothing_meanwhile(tab: Any) -> None:
+    assert tab.evaluate("window.__viserMutable.ulnaSoftware") is True
+    assert tab.evaluate("window.__viserMutable.scene.environment === null")
+    assert tab.evaluate('+(document.querySelector("canvas[data-engine]").style.opacity || 1)') == 1
+
+
+def test_a_tab_comes_back_to_the_next_program(chromium: Any) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    context = chromium.new_context(viewport=SIZE)
+    tab = context.new_page()
+    with Viewer(port=port, browser=False, title="one") as first:
+        first.sphere(0.1, name="first")
+        tab.goto(f"{first.url}/?fixedDpr=1")
+        assert wait(lambda: has(tab, "/first"))
+    with Viewer(port=port, browser=False, title="two") as second:
+        second.sphere(0.1, name="second")
+        assert second.url == first.url
+        assert wait(lambda: has(tab, "/second") and not has(tab, "/first"))
+        assert wait(lambda: tab.title() == "two · Ulna")
+    context.close()
