@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pinocchio._arrays import StdVec
-from pinocchio._collisions import box_corners, computeCollision
-from pinocchio._geometry import CollisionPair, GeometryData, GeometryModel, updateGeometryPlacements
+from pinocchio._callbacks import CollisionCallBackBase, CollisionCallBackDefault
+from pinocchio._collisions import box_corners
+from pinocchio._geometry import GeometryData, GeometryModel, updateGeometryPlacements
 from pinocchio._parallel import GeometryPool
 from ulna.collision.narrow import coal
 from ulna.errors import InputError
@@ -27,107 +28,6 @@ class CollisionObject(coal().CollisionObject):
     """coal's object of a geometry: `CollisionObject(geometry, Transform3s)`; `geometryObjectIndex` says which it is."""
 
     geometryObjectIndex = 2**64 - 1
-
-
-class CollisionCallBackBase:
-    """What is done with two geometries whose boxes overlap: `collide(first, second)` of a class made from this one."""
-
-    def __init__(self, geometry_model: GeometryModel, geometry_data: GeometryData) -> None:
-        self._model, self._data = geometry_model, geometry_data
-        self.collision = False
-        """Whether two geometries touch."""
-        self.accumulate = False
-        """Whether findings of several calls are kept together."""
-
-    def getGeometryModel(self) -> GeometryModel:
-        """The geometries."""
-        return self._model
-
-    def getGeometryData(self) -> GeometryData:
-        """Where they are."""
-        return self._data
-
-    def init(self) -> None:
-        """Called before a search: forgets what was found, unless it is to accumulate."""
-        if not self.accumulate:
-            self.collision = False
-
-    def collide(self, first: Any, second: Any) -> bool:
-        """Called for two CollisionObjects whose boxes overlap; whether to stop."""
-        raise NotImplementedError
-
-    def done(self) -> None:
-        """Called after a search."""
-
-    def stop(self) -> bool:
-        """Whether there is nothing more to find."""
-        return False
-
-    def _pair(self, first: Any, second: Any) -> int | None:
-        """The index of the pair of two objects, if it is to be checked."""
-        i, j = first.geometryObjectIndex, second.geometryObjectIndex
-        k = self._model.findCollisionPair(CollisionPair(i, j))
-        if k == len(self._model.collisionPairs) or not self._data.activeCollisionPairs[k]:
-            return None
-        objects = self._model.geometryObjects
-        return None if objects[i].disableCollision or objects[j].disableCollision else k
-
-
-class CollisionCallBackDefault(CollisionCallBackBase):
-    """Asks coal about every pair whose boxes overlap; may stop at the first that touches."""
-
-    def __init__(
-        self, geometry_model: GeometryModel, geometry_data: GeometryData, stopAtFirstCollision: bool = False
-    ) -> None:
-        super().__init__(geometry_model, geometry_data)
-        self.stopAtFirstCollision = stopAtFirstCollision
-        """Whether to stop there."""
-        self.collisionPairIndex = 2**64 - 1
-        """The last pair that was found to touch."""
-        self.count = 0
-        """How many pairs were looked at."""
-
-    def init(self) -> None:
-        """Called before a search: forgets what was found, unless it is to accumulate."""
-        super().init()
-        if not self.accumulate:
-            self.count, self.collisionPairIndex = 0, 2**64 - 1
-
-    def collide(self, first: Any, second: Any) -> bool:
-        """Asks coal about two CollisionObjects; whether to stop."""
-        k = self._pair(first, second)
-        if k is None:
-            return False
-        self.count += 1
-        if computeCollision(self._model, self._data, k):
-            self.collision, self.collisionPairIndex = True, k
-        return self.stop()
-
-    def stop(self) -> bool:
-        """Whether a pair touches and that is enough."""
-        return self.stopAtFirstCollision and self.collision
-
-
-class CollisionCallBackCollect(CollisionCallBackBase):
-    """Collects the pairs whose boxes overlap."""
-
-    def __init__(self, geometry_model: GeometryModel, geometry_data: GeometryData) -> None:
-        super().__init__(geometry_model, geometry_data)
-        self.pair_indexes: StdVec[int] = StdVec()
-        """The pairs whose boxes overlap."""
-
-    def init(self) -> None:
-        """Called before a search: forgets what was found, unless it is to accumulate."""
-        super().init()
-        if not self.accumulate:
-            self.pair_indexes = StdVec()
-
-    def collide(self, first: Any, second: Any) -> bool:
-        """Notes the pair; never stops."""
-        k = self._pair(first, second)
-        if k is not None:
-            self.pair_indexes.append(k)
-        return False
 
 
 class BroadPhaseManager:

@@ -172,7 +172,7 @@ class GeometryData(Saved):
         if not isinstance(other, GeometryData):
             return NotImplemented
         return (
-            bool((self._block == other._block).all())
+            np.array_equal(self._block, other._block)
             and self.activeCollisionPairs == other.activeCollisionPairs
         )
 

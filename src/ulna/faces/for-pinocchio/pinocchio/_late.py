@@ -8,9 +8,6 @@ from typing import Any
 _SEARCHES = ("DynamicAABBTree", "DynamicAABBTreeArray", "IntervalTree", "Naive", "SSaP", "SaP")
 _OF: dict[str, tuple[str, ...]] = {
     "_broadphase": (
-        "CollisionCallBackBase",
-        "CollisionCallBackCollect",
-        "CollisionCallBackDefault",
         "CollisionObject",
         *(
             f"{tree}BroadPhaseManager_{search}CollisionManager"
@@ -49,6 +46,7 @@ _OF: dict[str, tuple[str, ...]] = {
             "sharedMemory",
         ),
     ),
+    "_callbacks": ("CollisionCallBackBase", "CollisionCallBackCollect", "CollisionCallBackDefault"),
     "_calibration": ("computeFrameKinematicRegressor", "computeJointKinematicRegressor"),
     "_supported": ("computeSupportedForceByFrame", "computeSupportedInertiaByFrame"),
     "_srdf": (

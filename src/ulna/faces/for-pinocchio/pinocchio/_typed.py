@@ -14,12 +14,12 @@ from pinocchio import shortcuts as shortcuts
 from pinocchio import visualize as visualize
 from pinocchio._arrays import StdVec
 from pinocchio._broadphase import BroadPhaseManager, BroadPhaseManagerPool
-from pinocchio._broadphase import CollisionCallBackBase as CollisionCallBackBase
-from pinocchio._broadphase import CollisionCallBackCollect as CollisionCallBackCollect
-from pinocchio._broadphase import CollisionCallBackDefault as CollisionCallBackDefault
 from pinocchio._broadphase import CollisionObject as CollisionObject
 from pinocchio._calibration import computeFrameKinematicRegressor as computeFrameKinematicRegressor
 from pinocchio._calibration import computeJointKinematicRegressor as computeJointKinematicRegressor
+from pinocchio._callbacks import CollisionCallBackBase as CollisionCallBackBase
+from pinocchio._callbacks import CollisionCallBackCollect as CollisionCallBackCollect
+from pinocchio._callbacks import CollisionCallBackDefault as CollisionCallBackDefault
 from pinocchio._collisions import ComputeCollision as ComputeCollision
 from pinocchio._collisions import ComputeDistance as ComputeDistance
 from pinocchio._collisions import computeBodyRadius as computeBodyRadius
