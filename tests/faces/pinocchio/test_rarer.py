@@ -1,0 +1,161 @@
+"""What Pinocchio cannot be asked, for it crashes or refuses: broad phases, margins, callbacks, Gram and Schmidt, joints."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+from ulna.errors import InputError, UnknownName
+
+
+@pytest.fixture(scope="module")
+def pin() -> Iterator[Any]:
+    with worn("pinocchio"):
+        import pinocchio
+
+        yield pinocchio
+
+
+@pytest.fixture
+def arm(pin: Any) -> tuple[Any, Any, Any, Any]:
+    """The sample manipulator, stretched out, with all pairs of its geometries."""
+    pytest.importorskip("coal")
+    model = pin.buildSampleModelManipulator()
+    geometries = pin.buildSampleGeometryModelManipulator(model)
+    geometries.addAllCollisionPairs()
+    data, places = model.createData(), geometries.createData()
+    pin.updateGeometryPlacements(model, data, geometries, places, np.zeros(6))
+    return model, data, geometries, places
+
+
+def test_every_broad_phase_finds_what_the_pairs_do(pin: Any, arm: Any) -> None:
+    model, data, geometries, places = arm
+    names = [n for n in dir(pin) if "BroadPhaseManager_" in n and not n.startswith("StdVec")]
+    assert len(names) == 12
+    for k, q in enumerate(np.random.default_rng(2).uniform(-2, 2, (6, 6))):
+        pin.updateGeometryPlacements(model, data, geometries, places, q)
+        places.setSecurityMargins(geometries, np.full((6, 6), 0.1 * (k % 2)))
+        wanted = pin.computeCollisions(geometries, places)
+        hits = {i for i, r in enumerate(places.collisionResults) if r.isCollision()}
+        for name in names:
+            manager = getattr(pin, name)(model, geometries, places)
+            manager.update()
+            assert pin.computeCollisions(manager) == wanted
+            near = pin.CollisionCallBackCollect(geometries, places)
+            manager.collide(near)
+            assert hits <= set(near.pair_indexes)
+            assert manager.getManager().size() == 6
+
+
+def test_callbacks_of_ones_own(pin: Any, arm: Any) -> None:
+    model, data, geometries, places = arm
+
+    class First(pin.CollisionCallBackBase):
+        def collide(self, first: Any, second: Any) -> bool:
+            self.seen = (first.geometryObjectIndex, second.geometryObjectIndex)
+            self.collision = True
+            return True
+
+    manager = pin.BroadPhaseManager_SaPCollisionManager(model, geometries, places)
+    own = First(geometries, places)
+    assert pin.computeCollisions(manager, own)
+    assert own.seen[0] < own.seen[1]
+    stops = pin.CollisionCallBackDefault(geometries, places, True)
+    assert pin.computeCollisions(model, data, manager, stops, np.zeros(6))
+    assert 1 <= stops.count < len(geometries.collisionPairs)
+    other = pin.BroadPhaseManager_SaPCollisionManager(manager)
+    assert other.collide(manager, pin.CollisionCallBackDefault(geometries, places))
+    assert manager.collide(other.getCollisionObjects()[0], First(geometries, places))
+
+
+def test_pools_and_their_data(pin: Any, arm: Any) -> None:
+    model, _, geometries, places = arm
+    pool = pin.GeometryPool(model, geometries, 2)
+    moved = geometries.copy()
+    moved.geometryObjects[0].placement = pin.SE3(np.eye(3), [0.0, 0.0, 9.0])
+    pool.sync(moved, [0])
+    assert pool.getGeometryModel(1).geometryObjects[0].placement.translation[2] == 9.0
+    pool.update(places)
+    assert pool.getGeometryData(1) == places
+    pool.resize(3)
+    assert (pool.size(), len(pool.getGeometryDatas()), pool.copy().size()) == (3, 3, 3)
+    with pytest.raises(InputError, match="resize"):
+        pool.getData(3)
+    with pytest.raises(InputError, match=r"expected \(6, n\)"):
+        pin.computeCollisionsInParallel(2, pool, np.zeros((5, 2)))
+    paths = pin.computeCollisionsInParallel(2, pool, [np.zeros((6, 2)), np.zeros((6, 3))])
+    assert [len(path) for path in paths] == [2, 3]
+
+
+def test_data_of_geometries_are_copied_whole(pin: Any, arm: Any) -> None:
+    _, _, geometries, places = arm
+    places.deactivateCollisionPair(2)
+    for twin in (places.copy(), copy.copy(places), copy.deepcopy(places)):
+        assert twin == places
+        twin.oMg[0].translation[:] = 1.0
+        assert twin != places
+    with pytest.raises(InputError, match=r"expected \(6, 6\)"):
+        places.setActiveCollisionPairs(geometries, np.eye(5))
+
+
+def test_gram_and_schmidt(pin: Any) -> None:
+    matrix = np.random.default_rng(1).normal(size=(5, 3))
+    spanned = matrix.copy()
+    pin.orthonormalization(matrix)
+    assert pin.isOrthonormal(matrix)
+    assert not pin.isOrthonormal(spanned)
+    np.testing.assert_allclose(matrix @ (matrix.T @ spanned), spanned, atol=1e-12)
+    vector = np.ones(5)
+    pin.orthogonalization(matrix, vector)
+    np.testing.assert_allclose(matrix.T @ vector, 0.0, atol=1e-12)
+    with pytest.raises(InputError, match="in place"):
+        pin.orthonormalization([[1, 2], [3, 4]])
+
+
+def test_kinds_of_joints_that_are_refused(pin: Any) -> None:
+    with pytest.raises(AttributeError, match="JointModelSphericalZYX"):
+        _ = pin.JointModelEllipsoid
+    with pytest.raises(InputError, match="expected a plain joint"):
+        pin.JointModelComposite().addJoint(pin.JointModelComposite(pin.JointModelRX()))
+    with pytest.raises(UnknownName, match="'first'"):
+        pin.JointModelComposite(pin.JointModelRX(), pin.SE3(), "first").getJointId("frist")
+    with pytest.raises(InputError, match="in the model already"):
+        pin.JointModelMimic(pin.JointModelRX(), 1.0, 0.0)
+    with pytest.raises(AttributeError, match="follows no joint"):
+        _ = pin.JointModelRX().scaling
+
+
+def test_joints_data_do_not_share_numbers(pin: Any) -> None:
+    joint = pin.JointModelComposite(pin.JointModelRX()).addJoint(pin.JointModelSpherical())
+    joint.setIndexes(1, 0, 0)
+    data = joint.createData()
+    twin = data.copy()
+    joint.calc(data, np.array([0.3, 0.5, 0.5, 0.5, 0.5]), np.ones(4))
+    assert twin != data
+    assert twin.M.isIdentity()
+    assert not data.joints[0].M.isIdentity()
+    np.testing.assert_allclose(data.S @ np.ones(4), data.v.vector, atol=1e-12)
+
+
+def test_what_the_world_carries_counts_the_first_joint(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data = model.createData()
+    pin.forwardKinematics(model, data, np.zeros(6))
+    whole = pin.computeSupportedInertiaByFrame(model, data, 0, True)
+    assert whole.mass == pytest.approx(pin.computeTotalMass(model))
+
+
+def test_settings_that_cannot_be(pin: Any) -> None:
+    assert pin.sharedMemory()
+    with pytest.raises(InputError, match="live references"):
+        pin.sharedMemory(False)
+    with pytest.raises(InputError, match="URDF"):
+        pin.RobotWrapper().initFromSDF("robot.sdf")
+    with pytest.raises(InputError, match="LOCAL, WORLD"):
+        model = pin.buildSampleModelManipulator()
+        pin.computeJointKinematicRegressor(model, model.createData(), 1, 0)
