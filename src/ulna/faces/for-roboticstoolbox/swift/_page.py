@@ -30,8 +30,12 @@ _INSTEAD = {
     "ground_opacity": _LOOK,
     "ground_pattern": _LOOK,
     "ground_pattern_width": _LOOK,
-    "inq": "The page is served by `env.viewer`.",
-    "outq": "The page is served by `env.viewer`.",
+    **dict.fromkeys(
+        ("inq", "outq", "server", "server_thread", "socket", "socket_thread"), "`env.viewer` serves the page."
+    ),
+    **dict.fromkeys(("axes", "browser", "notebook"), "It is told by `env.launch`."),
+    "last_time": "`env.sim_time` is the time.",
+    "shape_callbacks": "`env.add_shape(shape, callback)` takes one.",
 }
 
 

@@ -74,15 +74,15 @@ class RobotHandle(AssemblyHandle):
 
     def tell(self, t: float, dt: float, values: dict[str, Any]) -> None:
         """Move it on: joints turn and slide, so that moving is adding."""
+        self._moved = None
         if self._moves(t, values):
             q, qd = self._joints(), np.asarray(self._state.qd, dtype=float)
             if qd.shape == q.shape:
                 moved, sound = self._held_step(q, qd, dt, self._low, self._high)
                 if math.isfinite(sound):
                     self._state.q = moved
-                    self._moved = (
-                        moved.copy() if self._state.q is moved else moved
-                    )  # a script may write to its own
+                    kept = self._state.q is moved  # then a script may write to it
+                    self._moved = moved.copy() if kept else moved
                     return
             raise InputError(
                 f"{self._model.name!r} is at q = {q.tolist()} and told qd = {qd.tolist()}; expected {len(q)} finite "
