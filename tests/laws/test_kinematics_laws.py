@@ -166,6 +166,17 @@ def test_joint_jacobians_hold_every_frames_columns(case: Case) -> None:
             close(own[:, columns], J[:, columns] if index in support else np.zeros((6, joint.nv)), 1e-13)
 
 
+@pytest.mark.parametrize("reference", ["world", "local", "local_world_aligned"])
+def test_jacobians_of_frames_follow_from_the_columns_of_joints(case: Case, reference: str) -> None:
+    if any(joint.mimic is not None for joint in case.model.joints):
+        return  # their columns are not told apart
+    J, poses = alg.joint_jacobians(case.model, case.q), alg.joint_poses(case.model, case.q)
+    for frame in case.frames:
+        T = poses[frame.joint] if frame.joint >= 0 else SE3.identity()
+        found = alg.frame_jacobian_of(case.model, J, T, frame, reference)  # type: ignore[arg-type]
+        close(found, alg.frame_jacobian(case.model, case.q, frame, reference), 1e-12)  # type: ignore[arg-type]
+
+
 def test_poses_and_velocities_of_all_joints_and_frames(case: Case) -> None:
     model, q, v = case.model, case.q, case.v
     poses, twists = alg.joint_poses(model, q), alg.joint_velocities(model, q, v)

@@ -67,6 +67,7 @@ from ulna.algorithms.inverse_dynamics_derivatives import (
 )
 from ulna.algorithms.inverse_mass_matrix import inverse_mass_matrix as inverse_mass_matrix
 from ulna.algorithms.jacobian import frame_jacobian as frame_jacobian
+from ulna.algorithms.jacobian import frame_jacobian_of as frame_jacobian_of
 from ulna.algorithms.jacobian import joint_jacobians as joint_jacobians
 from ulna.algorithms.jacobian_dot import frame_jacobian_dot as frame_jacobian_dot
 from ulna.algorithms.jacobian_dot import joint_jacobians_dot as joint_jacobians_dot

@@ -19,10 +19,12 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import NamedTuple
 
+import numpy as np
+
 from ulna.algorithms.references import Reference, check_reference
 from ulna.algorithms.tree import Step, blank, chain, poses, steps
 from ulna.model import Frame, Model
-from ulna.numeric import apply, cross
+from ulna.numeric import apply, cross, skew
 from ulna.spatial import SE3, Motion
 from ulna.typing import Array
 
@@ -70,6 +72,32 @@ def joint_jacobians(model: Model, q: Array) -> Array:
         J[..., :3, column.index] += column.motion.linear
         J[..., 3:, column.index] += column.motion.angular
     return J
+
+
+def frame_jacobian_of(
+    model: Model, J: Array, T_world_body: SE3, frame: Frame, reference: Reference = "local_world_aligned"
+) -> Array:
+    """The Jacobian of a frame out of the columns of all joints, shape (..., 6, nv): no pose is computed anew.
+
+    Args:
+        model: The robot, without mimic joints: their columns are not told apart from their source's.
+        J: What `joint_jacobians` returns.
+        T_world_body: Pose of the moving frame of the frame's joint, at the same configuration.
+        frame: A frame of the model.
+        reference: "world", "local" or "local_world_aligned".
+    """
+    check_reference(reference)
+    carried = np.zeros(model.nv)
+    for step in chain(model, frame):
+        carried[list(step.indices)] = 1.0
+    linear, angular = J[..., :3, :] * carried, J[..., 3:, :] * carried
+    if reference != "world":
+        pose = T_world_body @ frame.placement
+        linear = linear - skew(pose.translation) @ angular
+        if reference == "local":
+            back = np.swapaxes(pose.rotation, -1, -2)
+            linear, angular = back @ linear, back @ angular
+    return np.concatenate([linear, angular], axis=-2)
 
 
 def frame_columns(tree: Sequence[Step], q: Array, placement: SE3, reference: Reference) -> list[Column]:

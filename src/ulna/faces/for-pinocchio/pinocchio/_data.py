@@ -168,7 +168,7 @@ class Data(Saved, States):
         self.kinetic_energy = self.potential_energy = self.mechanical_energy = 0.0
         self._engine: Engine | None = None
         self._run = Runs()
-        self._run_at: dict[Any, Any] = {}  # Jacobians of frames, by index and reference
+        self._run_at: dict[Any, Any] = {}  # what makes Jacobians of frames, by index and reference
         self._due = 0
         self._frozen: dict[int, Any] = {}
         self._known: set[str] = set()
@@ -188,7 +188,6 @@ class Data(Saved, States):
         self.mass: Any = _Masses(self, MASS, [0.0] * len(blocks["com"]))
         self._tails = {n: blocks[n][1:] for n in (*_POSES, *_MOTIONS, *_FORCES)}
         self._heads = {f"{n}[0]": blocks[n][0] for n in _CENTRES}
-        self._of_jacobians = blocks["jacobians q"]
 
     @property
     def joints(self) -> StdVec[Any]:

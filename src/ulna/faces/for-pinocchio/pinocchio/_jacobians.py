@@ -9,12 +9,12 @@ import numpy as np
 
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
-from pinocchio._enums import reference_of
+from pinocchio._enums import ReferenceFrame, reference_of
 from pinocchio._kinematics import LOCAL, NOT_SPEED, at_frame, at_joint, rows, split, stacked
 from pinocchio._model import Model
-from pinocchio._runs import Algorithm, Scratch, run
+from pinocchio._runs import Algorithm, Scratch, refuse, run
 from pinocchio._states import OWN
-from ulna import algorithms
+from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
 from ulna.model import Frame
 from ulna.model import Model as TowerModel
@@ -82,9 +82,17 @@ def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
 
 def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
     """The Jacobian (6, nv) of a joint, after computeJointJacobians."""
+    place = (joint_id, reference_frame, "joint")
+    try:
+        step, J, T, told = data._run_at[place]
+    except (KeyError, TypeError):
+        step = J = T = told = refuse
+    if told is reference_frame and data._model is model:  # 0 equals WORLD, and is refused
+        found = step(J, T)
+        if found is not NotImplemented:
+            return found
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-    q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
-    return _jacobian(model, data, reference_of(reference_frame), ("joint", joint), at_joint(joint))(q)
+    return _bind_at(model, data, place, ("joint", joint), at_joint(joint))
 
 
 def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Floats:
@@ -94,28 +102,57 @@ def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Flo
     return _jacobian(model, data, "local", ("joint", joint), at_joint(joint))(q)
 
 
-def getFrameJacobian(model: Model, data: Data, *place: Any, reference_frame: Any = None) -> Floats:
+def getFrameJacobian(
+    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+) -> Floats:
     """The Jacobian (6, nv) of a frame, after computeJointJacobians.
 
     Args:
         model: The model.
         data: Its data.
-        place: Index of the frame; or index of a joint, and a placement in its frame; then the reference.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED, where it is not the last of `place`.
+        frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
+        placement: That placement, or nothing.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED; it stands third where there is no placement.
     """
-    bound = data._run_at.get(place) if reference_frame is None and data._model is model else None
-    if bound is not None:
-        J = bound(data._of_jacobians)
-        if J is not NotImplemented:
-            return J
-    where, reference = split(place, reference_frame)
-    key, given = at_frame(model, where)
+    if placement is None:
+        placement, reference_frame = reference_frame, None
+    if reference_frame is None:
+        try:
+            step, J, T, told = data._run_at[frame_id, placement]
+        except (KeyError, TypeError):
+            step = J = T = told = refuse
+        if told is placement and data._model is model:  # 0 equals WORLD, and is refused
+            found = step(J, T)
+            if found is not NotImplemented:
+                return found
+        if isinstance(placement, ReferenceFrame):
+            return _bind_at(model, data, (frame_id, placement), at_frame(model, (frame_id,))[0], None)
+    where, reference = split(tuple(x for x in (frame_id, placement) if x is not None), reference_frame)
+    key, frame = at_frame(model, where)
     q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
-    data.attach(model)
-    kernel = _jacobian(model, data, reference, key, given)
-    if given is None and len(place) == 2 and reference_frame is None:
-        data._run_at[place] = Scratch(kernel, model.watched("frames", key)).call
-    return kernel(q)
+    return _jacobian(model, data, reference, key, frame)(q)
+
+
+def _bind_at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: Frame | None) -> Floats:
+    """The Jacobian of a frame in a reference, the second of `place`, computed and bound for the next time."""
+    reference = reference_of(place[1])
+    q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
+    engine = data.attach(model)
+    if model.nvExtended != model.nv:  # columns of mimic joints are not told apart in `data.J`
+        return _jacobian(model, data, reference, key, given)(q)
+
+    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+        frame = frames[key] if given is None else given
+        return lambda J, T: algorithms.frame_jacobian_of(
+            tower, J, spatial.SE3(T[:3, :3], T[:3, 3]), frame, reference
+        )
+
+    kernel = engine.of_frame(("J of", key, reference), build, J=(6, model.nv), T=(4, 4))
+    joint = model.frames[key].parentJoint if given is None else given.joint + 1
+    step = Scratch(kernel, model.watched("shape" if given is not None else "frame", key)).call
+    J, T = data._blocks["J"], data._blocks["oMi"][joint]
+    data._run_at[place] = (step, J, T, place[1])
+    return step(J, T)
 
 
 def computeFrameJacobian(

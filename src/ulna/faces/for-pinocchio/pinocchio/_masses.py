@@ -92,11 +92,11 @@ def centerOfMass(
     What belongs to subtrees is computed when it is read, whatever `compute_subtree_coms` says.
     """
     if v is None or isinstance(v, bool):  # compute_subtree_coms may stand in its place
-        if q is None or isinstance(q, (int, np.integer)):
-            q = data.require(data._q, "forwardKinematics(model, data, q)")
         step = data._run.centre
         found = step(q) if data._model is model else NotImplemented
         if found is NotImplemented:
+            if q is None or isinstance(q, (int, np.integer)):
+                q = data.require(data._q, "forwardKinematics(model, data, q)")
             found = run(model, data, _COM, q)
         data._due |= OWN | COM | MASS
     elif a is None or isinstance(a, bool):

@@ -145,19 +145,21 @@ class Numbers:
         """Kernels that depend on the kinds of joints alone, not on any number."""
         return self._newest or self.engine()
 
-    def watched(self, on: Literal["places", "numbers", "frames", "shape"], frame: int | None = None) -> Any:
-        """Pairs of what kernels for the present numbers depend on, live and as it is now; of one frame, or of all."""
+    def watched(self, on: Literal["shape", "places", "numbers", "frame", "frames"], frame: Any = None) -> Any:
+        """Pairs of what kernels depend on, live and as it is now: kinds of joints, with placements, with all numbers.
+
+        Or the kinds and one frame; or placements and all frames.
+        """
+        if on in ("frame", "frames"):
+            self.frame_state()
         if on == "shape":
             live: list[Array] = [self._version]
+        elif on == "frame":
+            live = [self._version, changes, self.frames[frame].placement._m]
         else:
             live = self._live("numbers" if on == "numbers" else "places")
         if on == "frames":
-            self.frame_state()
-            live += (
-                [changes, *self._rows[2].parts()]
-                if frame is None
-                else [changes, self.frames[frame].placement._m]
-            )
+            live += [changes, *self._rows[2].parts()]
         return [(block, block.copy()) for block in live]
 
     def frame_state(self) -> tuple[int, bytes]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, final
 
 import numpy as np
@@ -11,7 +12,26 @@ from pinocchio._rotations import coefficients_of
 from pinocchio._vectors import generator
 from ulna import spatial
 from ulna.errors import InputError, ShapeError
-from ulna.typing import Floats
+from ulna.trace import compile as compile_function
+from ulna.typing import Array, Floats
+
+
+def _pose(m: Array) -> spatial.SE3:
+    return spatial.SE3(m[:3, :3], m[:3, 3])
+
+
+_FUNCTIONS: dict[str, Any] = {
+    "product": lambda a, b: (_pose(a) @ _pose(b)).matrix(),
+    "quotient": lambda a, b: (_pose(a).inverse() @ _pose(b)).matrix(),
+    "inverse": lambda a: _pose(a).inverse().matrix(),
+}
+
+
+@cache
+def _compiled(name: str) -> Any:
+    function = _FUNCTIONS[name]
+    shapes: dict[str, Any] = {"a": (4, 4)} if name == "inverse" else {"a": (4, 4), "b": (4, 4)}
+    return compile_function(function, **shapes)
 
 
 @final
@@ -45,7 +65,7 @@ class SE3:
         self._m[:] = other._m if isinstance(other, SE3) else SE3(other)._m
 
     def _pose(self) -> spatial.SE3:
-        return spatial.SE3(self._m[:3, :3], self._m[:3, 3])
+        return _pose(self._m)
 
     @staticmethod
     def Identity() -> SE3:
@@ -119,17 +139,14 @@ class SE3:
 
     def inverse(self) -> SE3:
         """The displacement back."""
-        out = np.eye(4)
-        out[:3, :3] = back = self._m[:3, :3].T
-        out[:3, 3] = -(back @ self._m[:3, 3])
-        return SE3._of(out)
+        return SE3._of(_compiled("inverse")(self._m))
 
     __invert__ = inverse
 
     def act(self, item: Any) -> Any:
         """What `item` is after the displacement: SE3, Motion, Force, Inertia, or a point (3,), or points (3, N)."""
         if isinstance(item, SE3):
-            return SE3._of(self._m @ item._m)
+            return SE3._of(_compiled("product")(self._m, item._m))
         if hasattr(item, "se3Action"):
             return item.se3Action(self)
         return self._point(item, self._m[:3, :3], self._m[:3, 3])
@@ -137,7 +154,7 @@ class SE3:
     def actInv(self, item: Any) -> Any:
         """What `item` was before the displacement; see `act`."""
         if isinstance(item, SE3):
-            return SE3._of(self.inverse()._m @ item._m)
+            return SE3._of(_compiled("quotient")(self._m, item._m))
         if hasattr(item, "se3ActionInverse"):
             return item.se3ActionInverse(self)
         back = self.inverse()

@@ -56,6 +56,9 @@ def _compiled(name: str) -> Any:
     return compile_function(function, x=shape)
 
 
+_new_motion = Motion.__new__
+
+
 def exp3(w: Any) -> Floats:
     """The rotation matrix (3, 3) of a rotation vector (3,) [rad]."""
     return _compiled("exp3")(vector(w, 3, "w"))
@@ -83,7 +86,9 @@ def exp6_quat(v: Any) -> Floats:
 
 def log6(M: Any) -> Motion:
     """The Motion that leads to a placement (SE3 or 4x4) in one second."""
-    return Motion._of(_compiled("log6")(_placement(M)._m))
+    out = _new_motion(Motion)
+    out._v = _compiled("log6")(M._m if type(M) is SE3 else _placement(M)._m)
+    return out
 
 
 def log6_quat(xyzquat: Any) -> Motion:
