@@ -49,7 +49,7 @@ class Solver:
         self._settings: dict[Any, Floats] = {}
         self._shifts: dict[Any, Floats] = {}
         self._rest = rest(self.problem)
-        self._status = model.nq
+        self._status, self._core = model.nq, len(self.problem.shapes["T"])
 
     def __call__(
         self,
@@ -70,15 +70,15 @@ class Solver:
             shift = _remember(self._shifts, seed, shift_of(seed, self.problem))
         if type(T) is not np.ndarray:
             T = matrix_of(T)
-        single = len(self.problem.frames) == 1
-        rows = T.ndim - (2 if single else 3)
-        if q0 is None and rows > 0 and T.size >= _BATCH * 16 * len(self.problem.frames):
+        if q0 is None and T.ndim > self._core and T.size >= _BATCH * 16 * len(self.problem.frames):
             raw = self._march(T, shift, settings, threads)
         else:
             start = self._rest if q0 is None else q0
-            options = {} if threads is None else {"threads": threads}
             try:
-                raw = self._race(T, start, shift, settings, **options)
+                if threads is None:
+                    raw = self._race(T, start, shift, settings)
+                else:
+                    raw = self._race(T, start, shift, settings, threads=threads)
             except ShapeError:
                 refuse_batch(T, q0, self.problem)
                 raise
