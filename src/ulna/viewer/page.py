@@ -22,14 +22,11 @@ from typing import Any
 
 from ulna.errors import UlnaWarning
 from ulna.viewer import guard
-from ulna.viewer.build import Paths, Shown, build, dress_rows, is_drawn, look_of
 from ulna.viewer.camera import Camera, frame
 from ulna.viewer.channel import PoseChannel, serve, stop
-from ulna.viewer.content import Text
-from ulna.viewer.controls import pose_rows
 from ulna.viewer.look import decorate, lay_floor, look_from
-from ulna.viewer.node import Node, Snapshot
 from ulna.viewer.progress import unwatch, watch
+from ulna.viewer.publisher import Publisher
 from ulna.viewer.scene import Scene
 from ulna.viewer.theme import LIGHT, Theme
 from ulna.viewer.waiting import Waiting
@@ -37,9 +34,7 @@ from ulna.viewer.waiting import Waiting
 RATE = 60.0
 """How often the page looks for something new [1/s]."""
 
-_PLAIN = (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
 _SETTLING = 0.2  # s between two looks for a camera that has everything in view
-_CALM = 1 / 15  # s between two new contents of one node
 
 
 class Page:
@@ -85,17 +80,9 @@ class Page:
                 UlnaWarning,
                 stacklevel=2,
             )
-        self._channel = PoseChannel(self.server, f"{title} · Ulna" if title != "Ulna" else title)
-        self._baked = not (live and self._channel.open)
-        self._shown: dict[str, Shown] = {}
-        self._paths = Paths()
-        self._route: tuple[list[str], list[int]] | None = None
-        self._revised: dict[str, float] = {}  # when contents were last sent
-        self._words: dict[str, str] = {}  # what those of a file say
-        self._stale = False  # whether some are not, because they change too often
-        self._sent = (-1, -1, -1)
-        self._settled = True
-        self._again = self._moved_at = 0.0
+        channel = PoseChannel(self.server, f"{title} · Ulna" if title != "Ulna" else title)
+        self._publisher = Publisher(scene, self.server, channel, live, theme)
+        self._plain = not channel.open
         self._events: dict[int, tuple[Callable[[Any], None], Any]] = {}
         self._events_lock = threading.Lock()
         self._count = itertools.count(1)
@@ -109,7 +96,7 @@ class Page:
         self.visited = False
         """Whether any tab has looked at it so far."""
         atexit.register(self.close)
-        decorate(self.server, theme, not self._channel.open)
+        decorate(self.server, theme, self._plain)
         lay_floor(self.server, theme, scene.floor() if floor is None else floor)
         look_from(self.server, camera or self._view())
         self.server.on_client_connect(self._greet)
@@ -175,7 +162,7 @@ class Page:
 
     def _frame(self, now: float) -> None:
         self._unframed, self._framed_at = False, now
-        if not self._framed and (not self.visited or now < self._again):
+        if not self._framed and (not self.visited or now < self._publisher.until):
             look_from(self.server, self._view())
         if self._floor is None:
             lay_floor(self.server, self._theme, self.scene.floor(), self._grid)
@@ -184,14 +171,14 @@ class Page:
         """Change the colours around, the height of the floor [m], and whether there is one."""
         with self._tick_lock:
             self._theme, self._floor, self._grid = theme, floor, grid
-            self._sent = (*self._sent[:2], -1)  # words without a colour of their own have the theme's
-        decorate(self.server, theme, not self._channel.open)
+            self._publisher.dress(theme)
+        decorate(self.server, theme, self._plain)
         lay_floor(self.server, theme, self.scene.floor() if floor is None else floor, grid)
 
     def flush(self) -> None:
         """Send what the scene holds now, without waiting for the thread of the page."""
         with self._tick_lock:
-            self._revised.clear()
+            self._publisher.hurry()
             self._framed_at = 0.0
             self._publish()
         self.server.flush()
@@ -243,106 +230,10 @@ class Page:
 
     def again(self) -> None:
         """Send poses and looks again for a while: a newcomer replays the scene, and its hook may come after them."""
-        self._again = time.monotonic() + 3.0
+        self._publisher.again()
 
     def _publish(self) -> None:
         now = time.monotonic()
         if self._unframed and now - self._framed_at > _SETTLING:
             self._frame(now)
-        if self._settled and self.scene.version == self._sent and now >= self._again and not self._stale:
-            return
-        seen = self.scene.snapshot()
-        structure, _, looks = self._sent
-        if seen.structure != structure or self._stale:
-            self._build(seen, now)
-        if seen.looks != looks or seen.structure != structure or now < self._again:
-            self._style(seen)
-        if seen[:3] != self._sent:
-            self._sent, self._settled, self._moved_at = seen[:3], False, now
-        elif not self._settled and now - self._moved_at > 0.3:
-            # at rest: leave the poses in viser's own state, too, which newcomers and recordings start from
-            self._settled = True
-            self._set_each(seen)
-        elif now >= self._again:
-            return
-        if self._channel.open:
-            self._send(seen)
-        else:
-            self._set_each(seen)
-
-    def _build(self, seen: Snapshot, now: float) -> None:
-        """Make the nodes of the page those of the scene."""
-        present = {node.name: (i, node) for i, node in enumerate(seen.nodes) if is_drawn(node)}
-        self._stale, self._route = False, None
-        for name, shown in list(self._shown.items()):
-            i, node = present.get(name, (0, None))
-            if node is shown.node:
-                continue
-            if node is not None and node.content is not None and now - self._revised.get(name, 0.0) < _CALM:
-                self._stale = True
-                continue
-            self._revised[name] = now
-            if node is None or not shown.revise(seen, i):
-                self._drop(name)
-        for name, (i, _) in present.items():
-            if name not in self._shown:
-                path = self._paths.take(name)
-                self._shown[name] = self._make(path, seen, i)
-        self._again = max(self._again, now + 1.0)
-
-    def _make(self, path: str, seen: Snapshot, i: int) -> Shown:
-        return build(self.server, path, seen, i, self._baked, self._channel.open)
-
-    def _drop(self, name: str) -> None:
-        shown = self._shown.pop(name)
-        shown.remove()
-        self._paths.free(shown.path)
-        self._revised.pop(name, None)
-
-    def _style(self, seen: Snapshot) -> None:
-        """Colours, opacity, scale and visibility as the scene has them."""
-        paths, looks, words = [], [], {}
-        ink = tuple(c / 255 for c in self._theme.ink)
-        for i, node in enumerate(seen.nodes):
-            shown = self._shown.get(node.name)
-            if shown is None:
-                continue
-            look = look_of(seen, i)
-            if look != shown.look and not shown.solid and shown.node is node and not shown.rescale(look):
-                shown.remove()
-                shown = self._shown[node.name] = self._make(shown.path, seen, i)
-                self._route = None
-            shown.look = look
-            shown.see(bool(seen.visible[i]))
-            if shown.solid and isinstance(node.content, Text):
-                words[shown.path] = node.content.words
-                look = (*ink, *look[3:]) if look[0] < 0 else look
-            if shown.solid and look != _PLAIN:
-                paths.append(shown.path)
-                looks.append(look)
-        rows = dress_rows(looks, [p in words for p in paths])
-        if not self._baked:
-            self._channel.dress(paths, rows, words)
-        elif words and words != self._words:
-            self._words = words
-            self._channel.dress_file(paths, rows, words)
-
-    def _send(self, seen: Snapshot) -> None:
-        if self._route is None:
-            pairs = [
-                (h.name, i)
-                for i, n in enumerate(seen.nodes)
-                if n.name in self._shown
-                for h in self._handles(n)
-            ]
-            self._route = [path for path, _ in pairs], [i for _, i in pairs]
-        paths, rows = self._route
-        self._channel.send(paths, pose_rows(seen.poses[rows]))
-
-    def _handles(self, node: Node) -> list[Any]:
-        return self._shown[node.name].handles
-
-    def _set_each(self, seen: Snapshot) -> None:
-        for node, row in zip(seen.nodes, pose_rows(seen.poses), strict=True):
-            if node.name in self._shown:
-                self._shown[node.name].place(row)
+        self._publisher.publish(now)

@@ -167,7 +167,7 @@ def test_small_moves_are_sent_too(page: Page) -> None:
 
 def test_at_rest_newcomers_find_the_poses_in_the_public_state(page: Page) -> None:
     page.scene.set_pose("robot/box", at(3.0))
-    assert wait(lambda: page._shown["robot/box"].handles[0].position[0] == 3.0)
+    assert wait(lambda: page._publisher.shown["robot/box"].handles[0].position[0] == 3.0)
 
 
 def test_another_version_of_viser_is_driven_through_its_public_interface(
@@ -176,17 +176,17 @@ def test_another_version_of_viser_is_driven_through_its_public_interface(
     monkeypatch.setattr(channel, "KNOWN", ("0.0.",))
     with Page(box_scene(), port=0) as page:
         page.scene.set_pose("robot/box", at(4.0))
-        assert wait(lambda: page._shown["robot/box"].handles[0].position[0] == 4.0)
+        assert wait(lambda: page._publisher.shown["robot/box"].handles[0].position[0] == 4.0)
         assert not buffered(page, "RunJavascriptMessage")
 
 
 def test_nodes_come_and_go_with_the_scene(page: Page) -> None:
     page.scene.add("mark", [tessellate(Box((1, 1, 1)))])
     page.flush()
-    assert set(page._shown) == {"robot/box", "mark"}
+    assert set(page._publisher.shown) == {"robot/box", "mark"}
     page.scene.remove("robot/box")
     page.flush()
-    assert set(page._shown) == {"mark"}
+    assert set(page._publisher.shown) == {"mark"}
 
 
 @pytest.mark.parametrize(
@@ -196,7 +196,7 @@ def test_no_node_carries_another_along(page: Page, names: tuple[str, ...]) -> No
     for name in names:
         page.scene.add(name, [tessellate(Box((1, 1, 1)))], at(5.0))
         page.flush()
-    paths = [shown.path for shown in page._shown.values()]
+    paths = [shown.path for shown in page._publisher.shown.values()]
     assert len(paths) == len(names) + 1
     assert len(set(paths)) == len(paths)
     for a in paths:
@@ -305,9 +305,9 @@ def test_a_slow_page_does_not_hold_up_the_loop(page: Page) -> None:
 def test_a_scale_that_changes_makes_no_new_node(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(channel, "KNOWN", ("0.0.",))  # a page that cannot change materials
     with Page(box_scene(), port=0) as page:
-        handle = page._shown["robot/box"].handles[0]
+        handle = page._publisher.shown["robot/box"].handles[0]
         page.scene.set_look("robot/box", "scale", (1.0, 2.0, 3.0))
         assert wait(lambda: tuple(handle.scale) == (1.0, 2.0, 3.0))
-        assert page._shown["robot/box"].handles[0] is handle
+        assert page._publisher.shown["robot/box"].handles[0] is handle
         page.scene.set_look("robot/box", "opacity", 0.5)
-        assert wait(lambda: page._shown["robot/box"].handles[0] is not handle)
+        assert wait(lambda: page._publisher.shown["robot/box"].handles[0] is not handle)
