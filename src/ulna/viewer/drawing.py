@@ -9,10 +9,10 @@ import numpy as np
 from ulna.errors import InputError
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
+from ulna.viewer.companions import add_arrow
 from ulna.viewer.content import Lines, Points, Text, transforms
 from ulna.viewer.handles import Arrow, Cloud, Handle, Path, Words
 from ulna.viewer.places import Places
-from ulna.viewer.robot_handle import add_arrow
 from ulna.viewer.surface import RGBA, colour
 from ulna.viewer.tessellate import axes
 

@@ -12,6 +12,7 @@ from ulna.errors import InputError
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.typing import ArrayLike
 from ulna.viewer.colours import Colour
+from ulna.viewer.companions import GhostsHandle
 from ulna.viewer.content import Copies, transforms
 from ulna.viewer.drawing import PLAIN, Drawing
 from ulna.viewer.figure import Figure, Ghosts
@@ -19,7 +20,7 @@ from ulna.viewer.handles import Crowd, Handle
 from ulna.viewer.links import Showing
 from ulna.viewer.meshes import Detail, load_mesh
 from ulna.viewer.progress import progress
-from ulna.viewer.robot_handle import GhostsHandle, RobotHandle
+from ulna.viewer.robot_handle import RobotHandle
 from ulna.viewer.show import checked_robot, configuration
 from ulna.viewer.surface import Surface, colour
 from ulna.viewer.tessellate import tessellate
