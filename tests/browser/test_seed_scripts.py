@@ -70,8 +70,7 @@ def test_the_fourth_is_translucent(chromium: Any, tmp_path: Path) -> None:
             "/panda/panda_link3",
             "/panda 2/panda_link3",
         ):  # what it looks like, what it collides with
-            seen = wait(lambda node=node: tab.evaluate(OPACITIES, node))
-            assert seen and np.allclose(seen, 0.5, atol=0.01)
+            assert wait(lambda node=node: np.allclose(tab.evaluate(OPACITIES, node) or 1, 0.5, atol=0.01))
         before = np.array(tab.evaluate(PLACE, HAND))
         assert wait(lambda: np.abs(np.array(tab.evaluate(PLACE, HAND)) - before).max() > 0.01)
         tab.context.close()

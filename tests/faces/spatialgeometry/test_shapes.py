@@ -110,11 +110,7 @@ def test_every_public_name_of_the_package_is_there(sg: Any) -> None:
         for member in members
         if name != "tools" and not hasattr(getattr(sg, name), member)
     }
-    assert absent <= {
-        "SceneGroup.copy",
-        "SceneGroup.sort",
-        "CollisionShapeGroup.sort",
-    }  # of lists, not of frames
+    assert absent <= {"SceneGroup.copy"}  # of lists, not of frames
 
 
 def test_older_and_newer_spelling_of_the_pose_are_one(sg: Any) -> None:
