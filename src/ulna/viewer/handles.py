@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.typing import ArrayLike, Floats
+from ulna.viewer.assigned import Assigned
 from ulna.viewer.colours import Colour
 from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
 from ulna.viewer.node import checked_pose
@@ -18,13 +18,7 @@ from ulna.viewer.surface import colour, unit
 _NONE = -1.0
 
 
-def setters(kind: type) -> dict[str, Callable[[Any, Any], None]]:
-    """What of a kind of handles can be assigned to, and by which function."""
-    found = ((n, a) for c in reversed(kind.__mro__) for n, a in vars(c).items() if isinstance(a, property))
-    return {name: a.fset for name, a in found if a.fset is not None}
-
-
-class Handle:
+class Handle(Assigned):
     """A thing of the scene. Its pose, colour, opacity, scale and visibility can be assigned to at any time.
 
     For a group they hold for all that is in it. What it does not have cannot be assigned to.
@@ -34,21 +28,6 @@ class Handle:
 
     def __init__(self, scene: Scene, name: str) -> None:
         self._scene, self._name = scene, name
-
-    _setters: ClassVar[dict[str, Callable[[Any, Any], None]]]
-
-    def __init_subclass__(cls) -> None:
-        cls._setters = setters(cls)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        setter = self._setters.get(name)
-        if setter is not None:
-            setter(self, value)
-            return
-        if name.startswith("_"):
-            object.__setattr__(self, name, value)
-            return
-        raise UnknownName(f"thing to assign of {type(self).__name__} {self._name!r}", name, self._setters)
 
     @property
     def name(self) -> str:
@@ -129,13 +108,13 @@ class Handle:
         self._scene.remove(self._name)
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self._name!r}>"
+        return f"<{self._title()}>"
+
+    def _title(self) -> str:
+        return f"{type(self).__name__} {self._name!r}"
 
     def _content(self) -> Any:
         return self._scene.node(self._name).content
-
-
-Handle._setters = setters(Handle)
 
 
 class Cloud(Handle):
