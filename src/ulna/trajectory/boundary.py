@@ -99,13 +99,10 @@ def quintic_states(
     """
     start, end, at = np.asarray(q0), np.asarray(q1), np.asarray(t)
     first, last = (np.zeros(start.shape) if v is None else np.asarray(v) for v in (v0, v1))
-    ends = (start, end, first, last)
-    if (
-        all(x.ndim == 1 and x.size == start.size and x.dtype == np.float64 for x in ends)
-        and at.ndim == 1
-        and at.size
-    ):
-        q, v, a = _states(start.size)(*ends, seconds("duration", duration), at)
+    ends, n = (start, end, first, last), start.size
+    is_usual = all(x.shape == (n,) and x.dtype == np.float64 for x in ends) and at.ndim == 1
+    if is_usual and n and at.size and at.dtype.kind in "fiu":
+        q, v, a = _states(n)(*ends, seconds("duration", duration), at)
         if np.isfinite(q).all():
             return q, v, a
     return quintic(q0, q1, duration, v0, v1).state(t)  # which converts, or says what is wrong

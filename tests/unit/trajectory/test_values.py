@@ -35,7 +35,13 @@ def test_states_of_a_quintic_are_those_of_the_trajectory() -> None:
             for rows, wanted in zip(got, expected, strict=True):
                 np.testing.assert_allclose(rows, wanted, rtol=1e-13, atol=1e-13)
     assert trajectory.quintic_states(A, B, 2.0, 0.5)[0].shape == (3,)
-    for wrong in ((A, B[:2], 2.0, t), (A, B, 0.0, t), (A + 1j, B, 1.0, t)):
+    for wrong in (
+        (A, B[:2], 2.0, t),
+        (A, B, 0.0, t),
+        (A + 1j, B, 1.0, t),
+        (A[:0], B[:0], 1.0, t),
+        (A, B, 1.0, t + 1j),
+    ):
         with pytest.raises(InputError):
             trajectory.quintic_states(*wrong)
     for wrong in (
