@@ -14,26 +14,36 @@ import time
 from pathlib import Path
 from typing import Any
 
-ROBOTS = {"UR5": "ur5", "Panda": "panda", "Solo12": "solo12"}
-ROUNDS = 7
+ROBOTS = {"UR5": "ur5", "Panda": "panda", "Solo12": "solo12", "Talos": "talos"}
+FLOATING = ("solo12", "talos")
+ROUNDS = 15
 CALLS = {
     "forwardKinematics, oMi[-1] read": "pin.forwardKinematics(m, d, q); d.oMi[end].translation",
+    "forwardKinematics(q, v, a)": "pin.forwardKinematics(m, d, q, v, a)",
     "framesForwardKinematics": "pin.framesForwardKinematics(m, d, q)",
     "computeJointJacobians": "pin.computeJointJacobians(m, d, q)",
+    "getJointJacobian": "pin.getJointJacobian(m, d, end, pin.LOCAL)",
     "getFrameJacobian": "pin.getFrameJacobian(m, d, last, pin.LOCAL)",
     "rnea": "pin.rnea(m, d, q, v, a)",
     "crba": "pin.crba(m, d, q)",
     "aba": "pin.aba(m, d, q, v, tau)",
     "nonLinearEffects": "pin.nonLinearEffects(m, d, q, v)",
+    "computeGeneralizedGravity": "pin.computeGeneralizedGravity(m, d, q)",
+    "computeCoriolisMatrix": "pin.computeCoriolisMatrix(m, d, q, v)",
     "computeMinverse": "pin.computeMinverse(m, d, q)",
+    "computeAllTerms": "pin.computeAllTerms(m, d, q, v)",
     "computeRNEADerivatives": "pin.computeRNEADerivatives(m, d, q, v, a)",
     "computeABADerivatives": "pin.computeABADerivatives(m, d, q, v, tau)",
     "centerOfMass": "pin.centerOfMass(m, d, q)",
     "jacobianCenterOfMass": "pin.jacobianCenterOfMass(m, d, q)",
+    "ccrba": "pin.ccrba(m, d, q, v)",
+    "computeKineticEnergy": "pin.computeKineticEnergy(m, d, q, v)",
     "integrate": "pin.integrate(m, q, v)",
     "difference": "pin.difference(m, q, k)",
     "log6(SE3)": "pin.log6(M)",
     "SE3 * SE3": "M * M",
+    "oMi[-1].translation alone": "d.oMi[end].translation",
+    "data.M alone": "d.M",
 }
 
 
@@ -69,7 +79,7 @@ def main() -> None:
     print(" " * 34 + f"{'face   pin  ratio':>24}" * len(ROBOTS))
     columns = []
     for key in ROBOTS.values():
-        command = [sys.executable, __file__, str(files(key)[0]), str(int(key == "solo12"))]
+        command = [sys.executable, __file__, str(files(key)[0]), str(int(key in FLOATING))]
         pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
         pair = [
             subprocess.Popen(command, env=env, **pipes) for env in (environment(["pinocchio"], plain), plain)

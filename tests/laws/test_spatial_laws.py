@@ -326,6 +326,9 @@ def test_euler_rates_make_the_angular_velocity(axes: str) -> None:
     derivative = central(lambda y: sp.so3_log(sp.euler_to_matrix(y, axes) @ r.T), x)
     close(sp.euler_rate_matrix(x, axes), derivative, 1e-9)
     close(sp.euler_rate_matrix(x, axes) @ sp.euler_rate_matrix_inverse(x, axes), np.eye(3))
+    rates, h = np.array([0.7, -1.1, 0.4]), 1e-6
+    ahead, behind = (sp.euler_rate_matrix(x + t * rates, axes) for t in (h, -h))
+    close(sp.euler_rate_matrix_dot(x, rates, axes), (ahead - behind) / (2.0 * h), 1e-8)
 
 
 @pytest.mark.parametrize("name", ["rpy", "eul"])
@@ -369,6 +372,7 @@ MAPS = {
     "eul": (sp.eul_to_matrix, "w"),
     "eul back": (lambda w: sp.matrix_to_eul(sp.eul_to_matrix(w)), "w"),
     "rpy rates": (sp.rpy_rate_matrix, "w"),
+    "rpy rates changing": (lambda w: sp.rpy_rate_matrix_dot(w, w + 0.3), "w"),
     "rpy rates inverse": (lambda w: sp.rpy_rate_matrix_inverse(0.4 * w), "w"),
     "angle axis": (lambda w: sp.angle_axis_to_matrix(w[..., 0], np.array([0.6, 0.0, 0.8])), "w"),
     "angle axis back": (lambda w: sp.matrix_to_angle_axis(sp.so3_exp(w))[1], "w"),

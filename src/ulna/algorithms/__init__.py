@@ -106,4 +106,5 @@ from ulna.algorithms.velocity_derivatives import (
     frame_acceleration_derivatives as frame_acceleration_derivatives,
 )
 from ulna.algorithms.velocity_derivatives import frame_velocity_derivatives as frame_velocity_derivatives
+from ulna.algorithms.velocity_derivatives import motion_derivatives as motion_derivatives
 from ulna.algorithms.velocity_derivatives import point_derivatives as point_derivatives

@@ -13,6 +13,7 @@
 | u, w | linear and angular part of V | (3) | [m/s], [rad/s] | |
 | dA'/dx | of the point at the frame's origin, A' = A.linear + w x u | (3) | | dA/dx + dw/dx x u + w x du/dx |
 | in the world's axes | a vector R y changes with q_k also as R turns | (3) | | R dy/dq_k + R (J_k.angular x y) |
+| in a reference | X of `in_reference` | (6, 6) | | X dV/dv, X (dV/dq + J_k x V) |
 
 All are seen from the frame. Source: Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics
 Algorithms (2018), section III. Derivatives by q are along the tangent space, as in hessian.py.
@@ -25,11 +26,12 @@ from typing import Literal
 from ulna.algorithms.jacobian import by_step, local_columns
 from ulna.algorithms.jacobian_dot import partial_twists, step_twist
 from ulna.algorithms.kinematics import frame_acceleration, frame_pose, frame_velocity
+from ulna.algorithms.references import Reference, check_reference
 from ulna.algorithms.tree import blank, chain
 from ulna.errors import UnknownName
 from ulna.model import Frame, Model
 from ulna.numeric import skew
-from ulna.spatial import Motion
+from ulna.spatial import SE3, Motion
 from ulna.typing import Array
 
 
@@ -79,6 +81,36 @@ def frame_acceleration_derivatives(
         C = C + step_twist(group, a) + V_k.cross(own)
         U = V_k
     return dA_dq, dA_dv, dA_da
+
+
+def motion_derivatives(
+    model: Model, q: Array, v: Array, a: Array, frame: Frame, reference: Reference = "local_world_aligned"
+) -> tuple[Array, Array, Array, Array, Array]:
+    """The derivatives of the twist and the spatial acceleration of a frame in a reference, each (..., 6, nv).
+
+    In "local_world_aligned" they are those of "world", moved to the frame's origin: the origin itself is held.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv).
+        frame: A frame of the model.
+        reference: "world", "local" or "local_world_aligned".
+
+    Returns:
+        Of the twist by q and v; of the acceleration by q, v and a.
+    """
+    check_reference(reference)
+    V_q, J = frame_velocity_derivatives(model, q, v, frame)
+    A_q, A_v, A_a = frame_acceleration_derivatives(model, q, v, a, frame)
+    if reference == "local":
+        return V_q, J, A_q, A_v, A_a
+    V_q = V_q - frame_velocity(model, q, v, frame, "local").cross_matrix() @ J  # + J x V
+    A_q = A_q - frame_acceleration(model, q, v, a, frame, "local").cross_matrix() @ J
+    T = frame_pose(model, q, frame)
+    X = (T if reference == "world" else SE3(T.rotation, 0.0 * T.translation)).adjoint()
+    return X @ V_q, X @ J, X @ A_q, X @ A_v, X @ A_a
 
 
 def point_derivatives(

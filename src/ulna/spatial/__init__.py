@@ -5,6 +5,7 @@ from ulna.spatial.angles import eul_rate_matrix as eul_rate_matrix
 from ulna.spatial.angles import eul_rate_matrix_inverse as eul_rate_matrix_inverse
 from ulna.spatial.angles import eul_to_matrix as eul_to_matrix
 from ulna.spatial.angles import euler_rate_matrix as euler_rate_matrix
+from ulna.spatial.angles import euler_rate_matrix_dot as euler_rate_matrix_dot
 from ulna.spatial.angles import euler_rate_matrix_inverse as euler_rate_matrix_inverse
 from ulna.spatial.angles import euler_to_matrix as euler_to_matrix
 from ulna.spatial.angles import matrix_to_angle_axis as matrix_to_angle_axis
@@ -13,6 +14,7 @@ from ulna.spatial.angles import matrix_to_euler as matrix_to_euler
 from ulna.spatial.angles import matrix_to_rpy as matrix_to_rpy
 from ulna.spatial.angles import rotation_about as rotation_about
 from ulna.spatial.angles import rpy_rate_matrix as rpy_rate_matrix
+from ulna.spatial.angles import rpy_rate_matrix_dot as rpy_rate_matrix_dot
 from ulna.spatial.angles import rpy_rate_matrix_inverse as rpy_rate_matrix_inverse
 from ulna.spatial.angles import rpy_to_matrix as rpy_to_matrix
 from ulna.spatial.exponential import se3_left_jacobian as se3_left_jacobian

@@ -92,6 +92,18 @@ def euler_rate_matrix(angles: Array, axes: str) -> Array:
     return matrix([[u1[..., n], u2[..., n], u3[..., n]] for n in range(3)])
 
 
+def euler_rate_matrix_dot(angles: Array, rates: Array, axes: str) -> Array:
+    """The time derivative (..., 3, 3) of `euler_rate_matrix` where the angles change at `rates` (..., 3) [rad/s].
+
+    Each axis is carried along by the turns before it.
+    """
+    u1, u2, u3 = _turn_axes(angles, axes)
+    before2 = u1 * rates[..., :1]
+    before3 = before2 + u2 * rates[..., 1:2]
+    columns = 0.0 * u1, cross(before2, u2), cross(before3, u3)
+    return matrix([[column[..., n] for column in columns] for n in range(3)])
+
+
 def euler_rate_matrix_inverse(angles: Array, axes: str) -> Array:
     """The inverse of `euler_rate_matrix` (..., 3, 3); infinite where the first and last axis line up."""
     u1, u2, u3 = _turn_axes(angles, axes)
@@ -125,6 +137,11 @@ def rpy_rate_matrix(rpy: Array) -> Array:
 def rpy_rate_matrix_inverse(rpy: Array) -> Array:
     """The inverse of `rpy_rate_matrix`; infinite where pitch is +-pi/2."""
     return euler_rate_matrix_inverse(rpy[..., ::-1], "zyx")[..., ::-1, :]
+
+
+def rpy_rate_matrix_dot(rpy: Array, rates: Array) -> Array:
+    """The time derivative (..., 3, 3) of `rpy_rate_matrix`, `rates` being those of roll, pitch, yaw [rad/s]."""
+    return euler_rate_matrix_dot(rpy[..., ::-1], rates[..., ::-1], "zyx")[..., ::-1]
 
 
 def eul_to_matrix(eul: Array) -> Array:

@@ -16,7 +16,6 @@ from pinocchio._kinematics import at_frame, at_joint, forwardKinematics
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, run
 from pinocchio._states import OWN
-from pinocchio._vectors import skew
 from ulna import algorithms
 from ulna.model import Frame
 from ulna.model import Model as TowerModel
@@ -175,45 +174,12 @@ def _motions(model: Model, data: Data, key: Any, given: Frame | None, rf: Any, w
     def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
         frame = frames[key] if given is None else given
 
-        def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
-            speed = algorithms.frame_velocity_derivatives(tower, q, v, frame)
-            T = algorithms.frame_pose(tower, q, frame)
-            V = algorithms.frame_velocity(tower, q, v, frame, "local").vector()
-            A = algorithms.frame_acceleration(tower, q, v, a, frame, "local").vector()
-            gain = algorithms.frame_acceleration_derivatives(tower, q, v, a, frame)
-            J = algorithms.frame_jacobian(tower, q, frame, "local")
-            return (T.matrix(), V, A, J, *speed, *gain)
-
-        return run
+        return lambda q, v, a: algorithms.motion_derivatives(tower, q, v, a, frame, reference)
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    kernel = engine_for(model, data).of_frame(("derivatives", key), build, **shapes)
-    T, V, A, J, V_q, V_v, A_q, A_v, A_a = kernel(*state)
-    X, V_q, A_q = _seen(reference, T, V, A, J, V_q, A_q)
-    if with_a:
-        return X @ V_q, X @ A_q, X @ A_v, X @ A_a
-    return X @ V_q, X @ V_v
-
-
-def _seen(reference: str, T: Floats, V: Floats, A: Floats, J: Floats, V_q: Floats, A_q: Floats) -> Any:
-    """The matrix that rewrites a local motion in a reference, and the derivatives by q with what its change adds.
-
-    As there, LOCAL_WORLD_ALIGNED is WORLD moved to the frame's origin: that the origin moves with q is not counted.
-    """
-    R, p = T[:3, :3], T[:3, 3]
-    X = np.eye(6)
-    if reference == "local":
-        return X, V_q, A_q
-    X[:3, :3] = X[3:, 3:] = R
-    if reference == "world":
-        X[:3, 3:] = skew(p) @ R
-    return X, V_q + _cross(J, V), A_q + _cross(J, A)
-
-
-def _cross(J: Floats, V: Floats) -> Floats:
-    """Each column of J x V."""
-    linear = np.cross(J[3:], V[:3], axisa=0, axisc=0) + np.cross(J[:3], V[3:], axisa=0, axisc=0)
-    return np.vstack([linear, np.cross(J[3:], V[3:], axisa=0, axisc=0)])
+    kernel = engine_for(model, data).of_frame(("derivatives", key, reference), build, **shapes)
+    V_q, V_v, *of_a = kernel(*state)
+    return (V_q, *of_a) if with_a else (V_q, V_v)
 
 
 def getPointVelocityDerivatives(

@@ -200,16 +200,29 @@ def _map_rate(model: TowerModel) -> Any:
     return run
 
 
+def _as_one_body(model: TowerModel, q: Array) -> Array:
+    """Mass, lever and inertia about the centre of mass of the whole robot, as an Inertia stores them."""
+    inertia = algorithms.centroidal_inertia(model, q).reshape(9)
+    return np.concatenate([[algorithms.total_mass(model), 0.0, 0.0, 0.0], inertia])
+
+
 def _momentum(model: TowerModel) -> Any:
+    first = _centre1(model)
+    return lambda q, v: (algorithms.centroidal_momentum(model, q, v), _as_one_body(model, q), *first(q, v))
+
+
+def _map_and_momentum(model: TowerModel) -> Any:
     def run(q: Array, v: Array) -> tuple[Array, ...]:
-        inertia = algorithms.centroidal_inertia(model, q).reshape(9)
-        whole = np.concatenate([[algorithms.total_mass(model), 0.0, 0.0, 0.0], inertia])
-        return algorithms.centroidal_momentum(model, q, v), whole, *_centre1(model)(q, v)
+        Ag, *others = _map(model)(q)
+        return Ag, Ag @ v, _as_one_body(model, q), *others
 
     return run
 
 
 _MAP = Algorithm("map", "q", ("Ag", "com[0]", "moments q", *COLUMNS), _map, (0,))
+_CCRBA = Algorithm(
+    "ccrba", "qv", ("Ag", "hg", "Ig", "com[0]", "moments q", *COLUMNS), _map_and_momentum, (0,)
+)
 _MAP_RATE = Algorithm(
     "map_rate", "qv", ("dAg", "Ag", "dJ", "rates q", "rates v", *_AT1, "J", "jacobians q"), _map_rate, (0,)
 )
@@ -218,8 +231,12 @@ _MOMENTUM = Algorithm("momentum", "qv", ("hg", "Ig", *_AT1), _momentum)
 
 def ccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The centroidal matrix (6, nv); fills `data.Ag`, `data.hg` and `data.Ig`."""
-    computeCentroidalMomentum(model, data, q, v)
-    return computeCentroidalMap(model, data, q)
+    step = data._run.ccrba
+    found = step(q, v) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, _CCRBA, q, v)
+    data._due |= OWN | COM | MASS
+    return found
 
 
 def dccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:

@@ -117,7 +117,7 @@ class Numbers:
         self._frames_changed()
 
     def _frames_changed(self) -> None:
-        changes[0] += 1
+        changes[0] += 1  # also when joints are added
         self._rows[2].adopt([frame._placement for frame in self._frames])
 
     def _live(self, on: Literal["places", "numbers"]) -> list[Array]:
@@ -155,7 +155,7 @@ class Numbers:
         if on == "shape":
             live: list[Array] = [self._version]
         elif on == "frame":
-            live = [self._version, changes, self.frames[frame].placement._m]
+            live = [changes, self.frames[frame].placement._m]
         else:
             live = self._live("numbers" if on == "numbers" else "places")
         if on == "frames":

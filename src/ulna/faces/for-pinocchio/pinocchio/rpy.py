@@ -45,18 +45,11 @@ def computeRpyJacobianInverse(rpy: Any, reference_frame: Any = None) -> Floats:
 
 def computeRpyJacobianTimeDerivative(rpy: Any, rpydot: Any, reference_frame: Any = None) -> Floats:
     """The time derivative (3, 3) of `computeRpyJacobian`."""
-    roll, pitch, _ = vector(rpy, 3, "rpy")
-    x, y, z = vector(rpydot, 3, "rpydot")
-    J = computeRpyJacobian(rpy)
-    dJ = np.zeros((3, 3))  # each column is a fixed axis turned by the angles that follow it
-    Rx = rotate("x", roll).T
-    about_x, about_y = skew([-x, 0.0, 0.0]), skew([0.0, -y, 0.0])
-    dJ[:, 1] = about_x @ J[:, 1]
-    dJ[:, 2] = about_x @ J[:, 2] + Rx @ about_y @ rotate("y", pitch).T @ np.array([0.0, 0.0, 1.0])
-    if _is_local(reference_frame):
-        return dJ
-    R = rpyToMatrix(rpy)
-    return R @ (skew(J @ np.array([x, y, z])) @ J + dJ)
+    angles, rates = vector(rpy, 3, "rpy"), vector(rpydot, 3, "rpydot")
+    E, in_world = (
+        np.array(f) for f in (spatial.rpy_rate_matrix(angles), spatial.rpy_rate_matrix_dot(angles, rates))
+    )
+    return rpyToMatrix(rpy).T @ (in_world - skew(E @ rates) @ E) if _is_local(reference_frame) else in_world
 
 
 def _is_local(reference_frame: Any) -> bool:
