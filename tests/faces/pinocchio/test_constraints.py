@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -93,6 +94,9 @@ def test_data_of_other_constraints_are_refused(pin: Any) -> None:
     frame = pin.RigidConstraintModel(pin.ContactType.CONTACT_6D, model, 6)
     with pytest.raises(InputError, match="createData"):
         pin.constraintDynamics(model, data, q, v, v, [held], [frame.createData()])
+    shared = held.createData()
+    with pytest.raises(InputError, match="each its own"):
+        pin.constraintDynamics(model, data, q, v, v, [held, held], [shared, shared])
     with pytest.raises(InputError, match="expected as many"):
         pin.initConstraintDynamics(model, data, [held], [])
     with pytest.raises(InputError, match="RigidConstraintModel"):
@@ -163,6 +167,40 @@ def test_a_place_in_the_world_can_be_moved_without_compiling_anew(pin: Any) -> N
     pin.constraintDynamics(model, data, q, v, v, [held], [known])
     assert known.oMc2.translation[0] == 0.3
     assert np.abs(data.ddq - before).max() > 1e-3 and len(model.engine().kernels) == kernels + 1
+
+
+def test_a_kernel_serves_until_something_changes(pin: Any) -> None:
+    """Kinds of constraints, numbers of the model, other data, a copy: each is noticed at the next call."""
+    model, data, q, v, held = _arm(pin)
+    known = held.createData()
+
+    def solved(model: Any, data: Any, known: Any) -> Any:
+        found = pin.constraintDynamics(model, data, q, v, v, [held], [known])
+        fresh = held.createData()
+        np.testing.assert_array_equal(
+            found, pin.constraintDynamics(model, model.createData(), q, v, v, [held], [fresh])
+        )
+        np.testing.assert_array_equal(known.contact_force.vector, fresh.contact_force.vector)
+        return found.copy()
+
+    first = solved(model, data, known)
+    held.reference_frame = pin.LOCAL
+    np.testing.assert_allclose(solved(model, data, known), first, atol=1e-9)
+    copied = copy.deepcopy(data)
+    before = pin.computeConstraintDynamicsDerivatives(model, data, [held], [known])
+    held.joint1_id = 3
+    assert np.abs(solved(model, data, known) - first).max() > 1e-3
+    held.joint1_id = 6
+    for mine, theirs in zip(
+        pin.computeConstraintDynamicsDerivatives(model, copied, [held], [known]), before, strict=True
+    ):
+        np.testing.assert_array_equal(mine, theirs)
+    solved(model, copied, known)
+    model.inertias[6] = pin.Inertia.FromSphere(3.0, 0.1)
+    assert np.abs(solved(model, data, known) - first).max() > 1e-3
+    np.testing.assert_array_equal(
+        pin.constraintDynamics(model, data, q.tolist(), v.tolist(), v.tolist(), [held], [known]), data.ddq
+    )
 
 
 def test_no_constraints_leave_the_robot_free(pin: Any) -> None:

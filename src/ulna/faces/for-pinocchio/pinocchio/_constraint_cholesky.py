@@ -188,9 +188,9 @@ def _from_below(A: Floats) -> tuple[Floats, Floats]:
 def cholesky_of(data: Data) -> ConstraintCholeskyDecomposition:
     """That of the last constraintDynamics or impulseDynamics with constraints; empty when there was none."""
     found = ConstraintCholeskyDecomposition()
-    solved = data._bound
-    if solved is None:
+    if data._bound is None:
         return found
+    solved = data._bound.solved()
     engine = engine_for(data._model, data)
     state = solved.state
     J = jacobian_of(engine, shapes_of(state.models), state.places, state.q)

@@ -87,7 +87,7 @@ def _derivatives(terms: BoundTerms, mu: float, rounds: int) -> BoundDerivatives:
 def _solved(model: Model, data: Data, models: Any, datas: Any, impact: bool, mend: str) -> Solved:
     engine_for(model, data)
     checked = paired(model, models, datas)
-    solved = data._bound
+    solved = None if data._bound is None else data._bound.solved()
     if solved is None or solved.impact != impact or shapes_of(checked) != shapes_of(solved.state.models):
         raise InputError(
             f"This Data holds no solution of these constraints. Call {mend} with them, and the same data, first."

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from pinocchio._arrays import vector
+from pinocchio._arrays import exact
 from pinocchio._constraint_kernels import bonds_of, paired, shapes_of
-from pinocchio._constraint_state import Bound, bound, leave
+from pinocchio._constraint_pair import changes
+from pinocchio._constraint_state import Bound, Left, bound, leave
 from pinocchio._constraints import RigidConstraintData, RigidConstraintModel
 from pinocchio._data import Data, engine_for
 from pinocchio._dynamics import aba
@@ -17,11 +18,14 @@ from pinocchio._jacobian_dynamics import impact_with_jacobian
 from pinocchio._kinematics import stacked
 from pinocchio._model import Model
 from pinocchio._proximal import ProximalSettings, settings_of
+from pinocchio._runs import refuse
+from pinocchio._states import OWN
 from ulna import algorithms
 from ulna.algorithms.constrained_dynamics_damped import Damped, damped_dynamics, damped_impact
 from ulna.algorithms.constraint_twists import constraint_twists
 from ulna.errors import InputError
 from ulna.model import Model as TowerModel
+from ulna.recipes.base import with_mass
 from ulna.typing import Array, Floats
 
 __all__ = [
@@ -43,6 +47,10 @@ class Solved(NamedTuple):
     settings: ProximalSettings
     impact: bool
 
+    def solved(self) -> Solved:
+        """Itself."""
+        return self
+
 
 def initConstraintDynamics(model: Model, data: Data, contact_models: Any, contact_datas: Any) -> None:
     """Makes room in `data` for the forces of constraints, all zero; checks constraints and their data."""
@@ -57,17 +65,81 @@ def initConstraintDynamics(model: Model, data: Data, contact_models: Any, contac
     blocks["osim"] = np.zeros((m, m))
 
 
-def desired(datas: Sequence[RigidConstraintData]) -> Floats:
-    """The accelerations that are asked of the constraints, (m,)."""
-    return np.concatenate([d.contact_acceleration_desired._v[: d._size] for d in datas])
-
-
 def share(forces: Floats, datas: Sequence[RigidConstraintData]) -> None:
     """Writes the forces (m,) into the data of their constraints."""
     start = 0
     for known in datas:
-        known.contact_force._v[: known._size] = forces[start : start + known._size]
+        known._views["contact_force"]._v[: known._size] = forces[start : start + known._size]
         start += known._size
+
+
+@final
+class Session:
+    """Constraints bound to a Data: one native call solves, and writes what is known then."""
+
+    def __init__(self, model: Model, data: Data, models: Any, datas: Any, limit: int) -> None:
+        self.models, self.datas = paired(model, models, datas), list(datas)
+        if len({id(known) for known in self.datas}) < len(self.datas):
+            raise InputError(
+                "One data stands for two constraints; give each its own: constraint.createData()."
+            )
+        self.model, self.limit, self.version = model, limit, changes[0]
+        self.home = data._blocks["ddq"]
+        self.shapes = shapes = shapes_of(self.models)
+        k, rows = len(shapes), sum(shape[0] for shape in shapes)
+        self.places, self.gains = np.zeros((k, 2, 4, 4)), np.zeros((k, 2))
+        self.wanted, self.numbers = np.zeros((k, 6)), np.zeros(3)
+        self.settings = ProximalSettings()
+        self.a, self.forces, self.report = np.zeros(model.nv), np.zeros(rows), np.zeros(3)
+        self.kept = [np.zeros(model.nq), np.zeros(model.nv), self.places.copy(), self.gains.copy()]
+        self.kept_wanted = self.wanted.copy()
+        engine = data.attach(model)
+        self.left = Left(engine, self.datas, shapes, *self.kept)
+        given = {"q": self.kept[0], "v": self.kept[1], "tau": self.a, "places": self.places}
+        given |= {"gains": self.gains, "wanted": self.wanted, "numbers": self.numbers}
+        sizes: dict[str, Any] = {name: x.shape for name, x in given.items()}
+        kernel = engine.made(
+            ("constraint dynamics", shapes, limit), with_mass(_motion(shapes, limit)), **sizes
+        )
+        names = ("ddq", "M", "nle", "J", "oMi", "places q", "own q", "jacobians q")
+        targets = [data.target(name) for name in names]
+        own = [self.a, self.forces, self.report, *self.kept, self.kept_wanted]
+        forces = [known._views["contact_force"]._v for known in self.datas]
+        watch = model.watched("numbers")
+        self.step = kernel.into(*targets, *own, *forces, returns=(0,), watch=watch, otherwise=refuse)
+        data._known |= {"places", "own", "jacobians"}
+
+    def serves(self, model: Model, data: Data, models: Any, datas: Any, limit: int) -> bool:
+        """Whether it was made for these."""
+        return (
+            self.model is model
+            and self.home is data._blocks["ddq"]
+            and self.limit == limit
+            and self.version == changes[0]
+            and models == self.models
+            and datas == self.datas
+        )
+
+    def solve(self, models: Any, settings: ProximalSettings, q: Any, v: Any, tau: Any) -> Any:
+        """The accelerations; NotImplemented where arguments or numbers of the model are not what they were."""
+        for k, one in enumerate(models):
+            self.places[k] = one._places
+            self.gains[k] = one._gains._v
+        for k, known in enumerate(self.datas):
+            self.wanted[k] = known._views["contact_acceleration_desired"]._v
+            known._due = self.left
+        self.settings = settings
+        self.numbers[:] = settings._numbers
+        return self.step(q, v, tau, self.places, self.gains, self.wanted, self.numbers)
+
+    def solved(self) -> Solved:
+        """What it found."""
+        q, v, places, gains = (x.copy() for x in self.kept)
+        wanted = np.concatenate(
+            [w[: shape[0]] for w, shape in zip(self.kept_wanted, self.shapes, strict=True)]
+        )
+        state = Bound(self.models, self.datas, q, v, places, gains)
+        return Solved(state, self.a.copy(), self.forces.copy(), wanted, self.settings, False)
 
 
 def constraintDynamics(
@@ -95,40 +167,33 @@ def constraintDynamics(
         contact_datas: Their data.
         prox_settings: How the forces are found; it is told how that went. None for one round without damping.
     """
-    state = bound(model, contact_models, contact_datas, q, v)
-    settings = settings_of(prox_settings)
-    if not state.models:
-        return aba(model, data, q, v, tau)
-    engine = engine_for(model, data)
-    tau = vector(tau, model.nv, "tau")
-    shapes = shapes_of(state.models)
-    wanted = desired(state.datas)
-    numbers = np.array([settings.mu, settings.relative_accuracy, settings.absolute_accuracy])
-    given = (state.q, state.v, tau, state.places, state.gains, wanted, numbers)
-    key = ("constraint dynamics", shapes, settings.max_iter)
-    kernel = engine.kernels.get(key)
-    if kernel is None:
-        names = ("q", "v", "tau", "places", "gains", "wanted", "numbers")
-        sizes: dict[str, Any] = {name: x.shape for name, x in zip(names, given, strict=True)}
-        kernel = engine.made(key, _motion(shapes, settings.max_iter), **sizes)
-    a, forces, rounds, change, residual, M, nle, J, oMi = kernel(*given)
+    settings = _ONE_ROUND if prox_settings is None else settings_of(prox_settings)
+    session = data._session
+    if session is None or not session.serves(model, data, contact_models, contact_datas, settings.max_iter):
+        if not len(contact_models):
+            paired(model, contact_models, contact_datas)
+            return aba(model, data, q, v, tau)
+        session = data._session = Session(model, data, contact_models, contact_datas, settings.max_iter)
+    a = session.solve(contact_models, settings, q, v, tau)
+    if a is NotImplemented:
+        q, v, tau = exact(q, model.nq, "q"), exact(v, model.nv, "v"), exact(tau, model.nv, "tau")
+        session = data._session = Session(model, data, contact_models, contact_datas, settings.max_iter)
+        a = session.solve(contact_models, settings, q, v, tau)
     if prox_settings is not None:
-        settings._report(rounds, change, residual)
-    blocks = data._blocks
-    for name, found in (("ddq", a), ("M", M), ("nle", nle), ("J", J)):
-        blocks[name][...] = found
-    blocks["lambda_c"] = forces
-    data._tails["oMi"][...] = oMi
-    q = data.keep(engine, state.q)
-    data._q_of_jacobians = q
-    share(forces, state.datas)
-    leave(engine, state)
-    data._bound = Solved(state._replace(q=q, v=state.v.copy()), a, forces, wanted, settings, False)
+        settings._report(*session.report)
+    data._blocks["lambda_c"] = session.forces
+    data._due |= OWN
+    data._bound = session
     return a
 
 
+_ONE_ROUND = ProximalSettings()
+"""The settings that hold when none are given."""
+
+
 def _motion(shapes: Any, limit: int) -> Any:
-    owner = [i for i, shape in enumerate(shapes) for _ in range(shape[0])]
+    sizes = [shape[0] for shape in shapes]
+    owner = [i for i, size in enumerate(sizes) for _ in range(size)]
 
     def build(tower: TowerModel) -> Any:
         def run(
@@ -136,14 +201,30 @@ def _motion(shapes: Any, limit: int) -> Any:
         ) -> tuple[Any, ...]:
             twists = constraint_twists(tower, q, v, bonds_of(shapes, places))
             pull = gains[owner, 1] * twists.velocity + gains[owner, 0] * twists.error
+            asked = np.concatenate([wanted[k, :size] for k, size in enumerate(sizes)])
             damped = Damped(numbers[0], numbers[1], numbers[2], limit)
-            found = damped_dynamics(tower, q, v, tau, twists.J, twists.bias + pull - wanted, damped)
+            a, forces, *report = damped_dynamics(
+                tower, q, v, tau, twists.J, twists.bias + pull - asked, damped
+            )
+            parts = np.split(forces, np.cumsum(sizes)[:-1])
             return (
-                *found,
+                a,
                 algorithms.mass_matrix(tower, q),
                 algorithms.bias_forces(tower, q, v),
                 algorithms.joint_jacobians(tower, q),
                 stacked(algorithms.joint_poses(tower, q)),
+                q,
+                q,
+                q,
+                a,
+                forces,
+                np.stack(report),
+                q,
+                v,
+                places,
+                gains,
+                wanted,
+                *(np.concatenate([part, np.zeros(6 - len(part))]) for part in parts),
             )
 
         return run
@@ -214,7 +295,7 @@ def _impact(
     numbers = np.array([settings.mu, restitution(r_coeff)])
     given = (state.q, state.v, state.places, numbers)
     sizes: dict[str, Any] = dict(zip(("q", "v", "places", "numbers"), (x.shape for x in given), strict=True))
-    found = engine.made(("impact", shapes), _impact_of(shapes), **sizes)(*given)
+    found = engine.made(("impact", shapes), with_mass(_impact_of(shapes)), **sizes)(*given)
     blocks["ddq"][:], impulses, blocks["M"][:], blocks["J"][:], data._tails["oMi"][...] = found
     blocks["dq_after"][:] = after = state.v + found[0]
     blocks["impulse_c"] = impulses

@@ -96,8 +96,6 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
     models = paired(model, constraint_models, constraint_datas)
     if not models:
         return np.zeros((0, model.nv))
-    for one, known in zip(models, constraint_datas, strict=True):
-        known._place(one, data)
     return jacobian_of(engine, shapes_of(models), places_of(models), q)
 
 

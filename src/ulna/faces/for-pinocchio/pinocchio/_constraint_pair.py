@@ -16,6 +16,10 @@ from ulna.errors import InputError
 __all__ = ["BaumgarteCorrectorParameters", "ConstraintSelectionType", "ContactType"]
 
 
+changes = [0]
+"""How often an attribute of any constraint was set; placements and gains are read at every call."""
+
+
 class ContactType(_Named):
     """What a constraint holds: a point, or a frame."""
 
@@ -35,10 +39,28 @@ class ConstraintSelectionType(_Named):
 class BaumgarteCorrectorParameters:
     """Gains that pull a constraint together again: its error e follows e'' + Kd e' + Kp e = 0."""
 
-    __slots__ = ("Kd", "Kp")
+    __slots__ = ("_v",)
 
     def __init__(self, Kp: float = 0.0, Kd: float = 0.0) -> None:
-        self.Kp, self.Kd = float(Kp), float(Kd)
+        self._v = np.array([Kp, Kd], dtype=float)
+
+    @property
+    def Kp(self) -> float:
+        """The proportional gain [1/s^2]."""
+        return float(self._v[0])
+
+    @Kp.setter
+    def Kp(self, value: float) -> None:
+        self._v[0] = value
+
+    @property
+    def Kd(self) -> float:
+        """The damping gain [1/s]."""
+        return float(self._v[1])
+
+    @Kd.setter
+    def Kd(self, value: float) -> None:
+        self._v[1] = value
 
     def __eq__(self, other: object) -> bool:
         same = isinstance(other, BaumgarteCorrectorParameters)
@@ -99,6 +121,7 @@ class Pair:
         if name in ("joint1_placement", "joint2_placement") and hasattr(self, name):
             getattr(self, name)._assign(value)
         else:
+            changes[0] += 1
             object.__setattr__(self, name, value)
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, final
 
 import numpy as np
 
@@ -33,30 +33,41 @@ def bound(model: Model, models: Any, datas: Any, q: Any, v: Any) -> Bound:
     """The same, checked."""
     checked = paired(model, models, datas)
     q, v = vector(q, model.nq, "q"), vector(v, model.nv, "v")
-    gains = np.array([(one._gains.Kp, one._gains.Kd) for one in checked]).reshape(-1, 2)
+    gains = np.array([one._gains._v for one in checked]).reshape(-1, 2)
     places = places_of(checked) if checked else np.zeros((0, 2, 4, 4))
     return Bound(checked, list(datas), q, v, places, gains)
 
 
-def leave(engine: Any, state: Bound) -> None:
-    """Leaves placements, velocities and errors to be computed when they are read from the data of a constraint."""
+@final
+class Left:
+    """Placements, velocities and errors of constraints, left to be computed when they are read."""
 
-    def fill() -> None:
-        shapes = shapes_of(state.models)
-        given = (q, v, places, gains)
+    def __init__(
+        self, engine: Any, datas: Sequence[RigidConstraintData], shapes: Any, *state: Floats
+    ) -> None:
+        """`state`: q, v, placements and gains, arrays of its own."""
+        self.engine, self.datas, self.shapes, self.state = engine, datas, shapes, state
+
+    def fill(self) -> None:
+        """Computes them, and writes them into the data of the constraints that still wait for them."""
         sizes: dict[str, Any] = dict(
-            zip(("q", "v", "places", "gains"), (x.shape for x in given), strict=True)
+            zip(("q", "v", "places", "gains"), (x.shape for x in self.state), strict=True)
         )
-        found = engine.made(("constraint state", shapes), _state(shapes), **sizes)(*given)
-        for k, known in enumerate(state.datas):
-            if known._due is fill:
+        kernel = self.engine.made(("constraint state", self.shapes), _state(self.shapes), **sizes)
+        found = kernel(*self.state)
+        for k, known in enumerate(self.datas):
+            if known._due is self:
                 known._due = None
                 for block, rows in zip(known._blocks.values(), found, strict=True):
                     block[...] = rows[k]
 
-    q, v, places, gains = (x.copy() for x in (state.q, state.v, state.places, state.gains))
+
+def leave(engine: Any, state: Bound) -> None:
+    """Leaves what is known of constraints at a state to be computed when it is read from their data."""
+    copies = [x.copy() for x in (state.q, state.v, state.places, state.gains)]
+    left = Left(engine, state.datas, shapes_of(state.models), *copies)
     for known in state.datas:
-        known._due = fill
+        known._due = left
 
 
 def _state(shapes: Any) -> Any:

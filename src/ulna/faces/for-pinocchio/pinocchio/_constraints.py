@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, final
 
 import numpy as np
@@ -139,19 +138,17 @@ class RigidConstraintData:
         "_due",
         "_size",
         "_views",
-        "contact_acceleration_desired",
-        "contact_force",
     )
 
     def __init__(self, contact_model: RigidConstraintModel) -> None:
         if not isinstance(contact_model, RigidConstraintModel):
             raise InputError(f"The constraint is {contact_model!r}; expected a RigidConstraintModel.")
         self._size = contact_model.residualSize()
-        self._due: Callable[[], None] | None = None
+        self._due: Any = None
         self._blocks = {n: np.eye(4) for n in _PLACES} | {n: np.zeros(6) for n in _MOTIONS}
         self._views: dict[str, Any] = {n: SE3._of(self._blocks[n]) for n in _PLACES}
         self._views |= {n: Motion._of(self._blocks[n]) for n in _MOTIONS}
-        self.contact_force, self.contact_acceleration_desired = Force(), Motion()
+        self._views |= {"contact_force": Force(), "contact_acceleration_desired": Motion()}
 
     def _place(self, model: RigidConstraintModel, data: Data) -> None:
         oMi, blocks = data._blocks["oMi"], self._blocks
@@ -163,15 +160,14 @@ class RigidConstraintData:
         blocks["c1Mc2"][:] = self._views["oMc1"].actInv(self._views["oMc2"])._m
 
     def __repr__(self) -> str:
-        return (
-            f"<RigidConstraintData of {self._size} rows, force {self.contact_force.vector.round(6).tolist()}>"
-        )
+        force = self._views["contact_force"].vector.round(6).tolist()
+        return f"<RigidConstraintData of {self._size} rows, force {force}>"
 
 
 def _field(name: str) -> property:
     def get(self: RigidConstraintData) -> Any:
-        if self._due is not None:
-            self._due()
+        if self._due is not None and name in _LEFT:
+            self._due.fill()
         return self._views[name]
 
     def put(self: RigidConstraintData, value: Any) -> None:
@@ -180,5 +176,6 @@ def _field(name: str) -> property:
     return property(get, put, doc=f"`{name}` as the last algorithm left it, live.")
 
 
-for _name in (*_PLACES, *_MOTIONS):
+_LEFT = frozenset((*_PLACES, *_MOTIONS))
+for _name in (*_PLACES, *_MOTIONS, "contact_force", "contact_acceleration_desired"):
     setattr(RigidConstraintData, _name, _field(_name))

@@ -20,7 +20,7 @@ class ProximalSettings:
     the constraints are kept to the absolute accuracy, or no force changes by more than the relative one.
     """
 
-    __slots__ = ("_accuracies", "_limit", "_mu", "absolute_residual", "iter", "relative_residual")
+    __slots__ = ("_accuracies", "_limit", "_mu", "_numbers", "absolute_residual", "iter", "relative_residual")
 
     def __init__(self, *given: Any, **named: Any) -> None:
         names = ("absolute_accuracy", "relative_accuracy", "mu", "max_iter")
@@ -48,6 +48,7 @@ class ProximalSettings:
         self._limit = index(told["max_iter"], 10**9, "max_iter", "Give a whole number from 1.")
         if self._limit < 1:
             raise InputError("`max_iter` is 0; expected a whole number from 1.")
+        self._numbers = np.array([self._mu, self._accuracies[1], self._accuracies[0]])
         self.iter = 0
         self.absolute_residual = self.relative_residual = -1.0
 

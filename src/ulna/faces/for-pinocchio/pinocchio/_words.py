@@ -13,10 +13,11 @@ _WORDS = (
      "Ulna differentiates and compiles functions itself: ulna.compile(f, robot).jacobian()."),
     (r".*Sdf.*|WITH_SDF.*", "SDF files are not read; convert them to URDF."),
     (r".*MJCF.*", "buildModelFromMJCF(file, root_joint, name) gives the model and the closed loops that the file has."),
-    (r".*Constraint.*|.*Delassus.*|.*Contact.*|lcaba|.*Cone|.*Prox.*|(PGS|ADMM).*|impulseDynamics|forwardDynamics|.*KKT.*"
-     r"|constraintDynamics|Baumgarte.*|BoxSet|FrictionCoeff.*|getFriction.*|computeJointMinimal.*|AUTOMATIC|MANUAL|CONSTANT"
-     r"|LINEAR|OSQP|SPECTRAL|computeImpulse.*",
-     "Constraints are Ulna's: ulna.Robot(model.ulna()).constrained_dynamics(...), impulse_dynamics(...)."),
+    (r"ADMM.*|PGSSolverStats|AUTOMATIC|MANUAL|CONSTANT|LINEAR|OSQP|SPECTRAL",
+     "PGSConstraintSolver solves the same problems; its settings and results have what it counts."),
+    (r"Constraint(Model|Data)", "Lists hold the constraints and their data themselves, whatever their kinds."),
+    (r"FrictionCoefficientMatrix|getFrictionCoefficientMatrix",
+     "Tell each contact its own: contact.setFriction(0.6)."),
     (r"Lanczos.*|Tridiagonal.*",
      "It is a part of solvers; scipy.linalg.eigh_tridiagonal and scipy.sparse.linalg.eigsh do."),
     (r"(Panda3d|RViz)Visualizer", "Use MeshcatVisualizer or GepettoVisualizer: both draw into Ulna's viewer."),
