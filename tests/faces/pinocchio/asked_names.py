@@ -1,6 +1,7 @@
 """What the face and Pinocchio are both asked beyond `asked.py`: rarer names, their classes' members, printed words.
 
-`python asked_names.py out.json urdf srdf`; lines as in `asked.py`.
+`python asked_names.py out.json urdf srdf share urdf srdf`: a robot, where packages lie, and a robot with rotors; lines as
+in `asked.py`.
 """
 
 import copy
@@ -93,6 +94,13 @@ pin.computeJointKinematicRegressor(h, d, 20, RF, pin.XYZQUATToSE3(np.array([0.1,
 str(n); sorted(k for k, _ in configurations(n)); [x for _, x in sorted(configurations(n))]; n.rotorInertia; n.rotorGearRatio
 ! k = pin.buildModelFromUrdf(urdf); pin.loadReferenceConfigurationsFromXML(k, open(srdf).read(), False)
 [x for _, x in sorted(configurations(k))]; pin.computeTotalMass(n)
+! s = pin.buildSampleModelManipulator(); y = s.createData(); q, v, w = rng.normal(size=(3, 6)); _ = pin.computeJointJacobians(s, y, q)
+! _ = pin.computeJointKinematicHessians(s, y, q); pin.updateFramePlacements(s, y)
+np.sort(pin.getJointKinematicHessian(s, y, 6, RF).ravel()); np.sort(pin.getFrameKinematicHessian(s, y, 10, RF).ravel())
+! _ = pin.jacobianCenterOfMass(s, y, q), pin.computeRNEADerivatives(s, y, q, v, w)
+pin.getCoriolisMatrix(s, y); pin.getJacobianSubtreeCenterOfMass(s, y, 3); pin.getCentroidalDynamicsDerivatives(s, y)
+! x = pin.buildModelFromUrdf(humanoid[0], pin.JointModelFreeFlyer()); pin.loadRotorParameters(x, humanoid[1], False)
+x.rotorInertia; x.rotorGearRatio
 ! f = pin.Frame("grip", 3, 0, pin.SE3.Identity(), pin.OP_FRAME); i = m.addFrame(f); o = m.appendBodyToJoint(2, pin.Inertia.FromSphere(1.0, 0.1), pin.SE3.Identity())
 i; m.frames[i].name; m.inertias[2]; m.frames[i].cast().name; m.nbodies; str(f); pickle.loads(pickle.dumps(f)).name
 """
@@ -144,9 +152,9 @@ len(y.collisionPairs); [o.placement for o in y.geometryObjects]; [o.meshScale fo
 [len(x()) for x in (pin.StdVec_CollisionPair, pin.StdVec_GeometryObject, pin.StdVec_GeometryModel, pin.StdVec_GeometryData)]
 [len(x()) for x in (pin.StdVec_Frame, pin.StdVec_Model, pin.StdVec_Data, pin.StdVec_Symmetric3, pin.StdVec_Vec3s, pin.StdVec_MatrixXs)]
 [len(x()) for x in (pin.StdVec_Matrix6, pin.StdVec_Matrix6x, pin.StdVec_IndexVector, pin.StdVec_EigenIndex, pin.StdVec_Scalar)]
-[pin.GeometryModel().ngeoms, len(pin.GeometryData(g).oMg), type(m.createData()).__name__, pin.Data(m).M.shape[0], pin.hppfcl.__name__[:4]]
+[pin.GeometryModel().ngeoms, len(pin.GeometryData(g).oMg), pin.Data(m).M.shape[0]]; type(m.createData()).__name__; pin.hppfcl.__name__[:4]
 [pin.CachedMeshLoader.__name__, pin.MeshLoader.__name__, pin.CollisionObject.__name__, pin.CollisionCallBackBase.__name__]
-[isinstance(pin.omp_get_max_threads(), int), pin.explog.exp.__name__, pin.serialization.StreamBuffer().size(), pin.seed(1) is None]
+[isinstance(pin.omp_get_max_threads(), int), pin.serialization.StreamBuffer().size(), pin.seed(1) is None]; pin.explog.exp.__name__
 ! buffer = pin.serialization.StreamBuffer(); n = pin.Model(); v.saveToBinary(buffer); n.loadFromBinary(buffer); w = pin.Model()
 ! w.loadFromString(v.saveToString())
 n == v; w == v; pin.PhysicsMaterialType.METAL.name
@@ -218,7 +226,7 @@ def tower_of(kinds):
 
 
 if __name__ == "__main__":
-    target, urdf, srdf, share = sys.argv[1:]
+    target, urdf, srdf, share, *humanoid = sys.argv[1:]
     names = {
         "rng": np.random.default_rng(3),
         "pickle": pickle,
@@ -227,7 +235,13 @@ if __name__ == "__main__":
         "srdf": srdf,
         "share": share,
     }
-    names |= {"joints": joints, "tower_of": tower_of, "configurations": configurations, "hits": hits}
+    names |= {
+        "humanoid": humanoid,
+        "joints": joints,
+        "tower_of": tower_of,
+        "configurations": configurations,
+        "hits": hits,
+    }
     result = {}
     for group in (SPATIAL, JOINTS, MODELS, GEOMETRY):
         result |= {f"{len(result)} {said}": value for said, value in answers(group, dict(names)).items()}

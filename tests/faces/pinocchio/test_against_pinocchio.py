@@ -58,6 +58,7 @@ def test_rarer_names_and_members(tmp_path: Path) -> None:
     share = share_folder()
     if share is None:
         pytest.skip("example-robot-data is not installed")
-    robot = share / "robots" / "ur_description"
-    words = (robot / "urdf" / "ur5_robot.urdf", robot / "srdf" / "ur5.srdf", share.parent)
+    arm, humanoid = (share / "robots" / name for name in ("ur_description", "simple_humanoid_description"))
+    words = [arm / "urdf" / "ur5_robot.urdf", arm / "srdf" / "ur5.srdf", share.parent]
+    words += [humanoid / "urdf" / "simple_humanoid.urdf", humanoid / "srdf" / "simple_humanoid.srdf"]
     _compare(tmp_path, *(str(word) for word in words), script="asked_names.py")
