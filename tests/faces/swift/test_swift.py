@@ -320,9 +320,11 @@ def test_headless_steps_keep_their_time_when_asked_to(swift: Any) -> None:
 
 def test_reset_begins_anew(env: Any, arm: Any, swift: Any) -> None:
     env.add(arm, name="arm")
-    env.add(swift.Button(None, "x"))
+    button = env.add(swift.Button(None, "x"))
     env.step(1.0)
     env.reset()
+    assert env.add(button).shown
+    env.remove(button)
     assert env.sim_time == 0 and env.elements == {} and env.viewer.robots == ()
     with pytest.raises(UnknownName):
         env["arm"]

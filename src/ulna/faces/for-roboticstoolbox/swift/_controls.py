@@ -64,6 +64,11 @@ class Controls:
         self._named = {name: e for name, e in self._named.items() if e is not element}
         element.remove()
 
+    def clear(self) -> None:
+        """Take all of them out; they can be added to another panel."""
+        for element in list(self.elements.values()):
+            self.remove(element)
+
     @property
     def values(self) -> dict[str, Any]:
         """What the named ones show."""

@@ -161,6 +161,7 @@ class Opened:
 
     def close(self, clear_cell: bool = False) -> None:
         """Close the page, and the environment with it."""
+        self._controls.clear()
         if self._viewer is not None:
             self._viewer.close()
         self._viewer, self._controls = None, Controls(None)
