@@ -1,107 +1,222 @@
-"""Which public names of the Robotics Toolbox's arm part the face offers: a table for the docs.
+"""Which public names of the arm part of the Robotics Toolbox and its three companions the faces offer: a table for the docs.
 
-Run: python benchmarks/face_roboticstoolbox_names.py [--check]
+Run: python benchmarks/face_roboticstoolbox_names.py [--check | --record]
 
-`--check` compares with what docs/robotics_toolbox.md says, and exits with 1 where they differ.
+The names stand in face_roboticstoolbox_names.json; `--record` takes them anew from the packages installed. "compared"
+counts the names that a probe of tests/faces/roboticstoolbox asks both sides for. `--check` compares with what
+docs/robotics_toolbox.md says, and exits with 1 where they differ, or where a name is refused without a word.
 """
 
 from __future__ import annotations
 
+import ast
+import importlib
+import importlib.util
+import inspect
 import json
-import os
+import re
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
+from typing import Any
 
-from ulna.faces.shelves import environment
+from ulna.faces.shelves import SHELVES, environment
 
-PAGE = Path(__file__).parents[1] / "docs" / "robotics_toolbox.md"
+HERE = Path(__file__)
+PAGE = HERE.parents[1] / "docs" / "robotics_toolbox.md"
+PROBES = HERE.parents[1] / "tests" / "faces" / "roboticstoolbox"
+RECORD = HERE.with_suffix(".json")
 MARKS = ("<!-- names -->", "<!-- end of names -->")
-CLASSES = (
-    "Robot", "Robot2", "DHRobot", "PoERobot", "Link", "Link2", "DHLink", "ET", "ET2", "ETS", "ETS2", "Gripper",
-    "IKSolution", "IK_LM",
-)  # fmt: skip
+CLASSES = {
+    "roboticstoolbox": (
+        "Robot", "Robot2", "DHRobot", "PoERobot", "Link", "Link2", "DHLink", "ET", "ET2", "ETS", "ETS2", "Gripper",
+        "Trajectory", "IKSolution", "IKSolver", "IK_LM", "IK_NR", "IK_GN", "IK_QP",
+    ),
+    "spatialgeometry": (
+        "SceneNode", "SceneGroup", "Shape", "CollisionShape", "CollisionShapeGroup", "Cuboid", "Sphere", "Cylinder",
+        "Ellipsoid", "Mesh", "Axes", "Arrow", "Polyline",
+    ),
+    "swift": ("Swift", "AssemblyHandle", "Slider", "Button", "Label", "Select", "Checkbox", "Radio"),
+    "spatialmath": (),
+}  # fmt: skip
+WHOLE = "spatialmath"  # the package itself runs
+ALONE = "swift"  # of which there is nothing to ask in a test: its scripts are run instead
 
 ASK = """
-import inspect, json, sys, warnings
+import importlib, json, os, sys, warnings
 warnings.simplefilter("ignore")
-import roboticstoolbox as rtb
-told = json.loads(sys.argv[1])
-made = {}
-examples = {
-    "Robot": rtb.models.Panda, "DHRobot": rtb.models.DH.Puma560, "Robot2": rtb.models.ETS.Planar2,
-    "PoERobot": lambda: rtb.PoERobot([rtb.PoERevolute([0, 0, 1], [0, 0, 0])], rtb.models.Panda().base),
-    "Gripper": lambda: rtb.models.Panda().grippers[0], "Link": lambda: rtb.models.Panda().links[1],
-    "Link2": lambda: rtb.models.ETS.Planar2().links[1], "DHLink": lambda: rtb.models.DH.Puma560().links[1],
-    "ET": rtb.ET.Rz, "ET2": rtb.ET2.R, "ETS": lambda: rtb.ETS([rtb.ET.Rz()]), "ETS2": lambda: rtb.ETS2([rtb.ET2.R()]),
-    "IK_LM": rtb.IK_LM, "IKSolution": lambda: rtb.IKSolution([0.0], True),
+os.environ["SWIFT_HEADLESS"] = "1"
+import numpy as np, roboticstoolbox as rtb, spatialgeometry as sg, spatialmath as sm, swift
+told = json.load(sys.stdin)
+panda, puma, flat = rtb.models.Panda(), rtb.models.DH.Puma560(), rtb.models.ETS.Planar2()
+env = swift.Swift()
+env.launch(headless=True)
+file = sys.argv[1]
+open(file, "w").write("solid a\\nfacet normal 0 0 1\\nouter loop\\nvertex 0 0 0\\nvertex 1 0 0\\nvertex 0 1 0\\n"
+                      "endloop\\nendfacet\\nendsolid a\\n")
+things = {
+    "Robot": panda, "Robot2": flat, "DHRobot": puma, "Link": panda.links[1], "Link2": flat.links[1],
+    "PoERobot": rtb.PoERobot([rtb.PoERevolute([0, 0, 1], [0, 0, 0])], panda.base), "DHLink": puma.links[1],
+    "ET": rtb.ET.Rz(), "ET2": rtb.ET2.R(), "ETS": rtb.ETS([rtb.ET.Rz()]), "ETS2": rtb.ETS2([rtb.ET2.R()]),
+    "Gripper": panda.grippers[0], "IKSolution": rtb.IKSolution(np.zeros(1), True), "IK_LM": rtb.IK_LM(),
+    "IKSolver": rtb.IK_LM(), "IK_NR": rtb.IK_NR(), "IK_GN": rtb.IK_GN(), "IK_QP": rtb.IK_QP(),
+    "Trajectory": rtb.jtraj(panda.qz, panda.qr, 5), "SceneNode": sg.SceneNode(), "SceneGroup": sg.SceneGroup(),
+    "Shape": sg.Sphere(1.0), "CollisionShape": sg.Sphere(1.0), "CollisionShapeGroup": sg.CollisionShapeGroup(),
+    "Cuboid": sg.Cuboid([1, 1, 1]), "Sphere": sg.Sphere(1.0), "Cylinder": sg.Cylinder(1.0, 1.0),
+    "Ellipsoid": sg.Ellipsoid([1, 1, 1]), "Mesh": sg.Mesh(file), "Axes": sg.Axes(1.0),
+    "Arrow": sg.Arrow(1.0), "Polyline": sg.Polyline([[0, 1], [0, 1], [0, 1]]), "Swift": env,
+    "AssemblyHandle": env.add(panda), "Slider": swift.Slider(), "Button": swift.Button(), "Label": swift.Label(),
+    "Select": swift.Select(options=["a"]), "Checkbox": swift.Checkbox(options=["a"]),
+    "Radio": swift.Radio(options=["a"]),
 }
-out = {"roboticstoolbox": [n for n in (told or {}).get("roboticstoolbox", getattr(rtb, "__all__", [])) if hasattr(rtb, n)]}
-for kind in CLASSES:
-    base = getattr(rtb, kind)
-    thing = examples[kind]()
-    names = told[kind] if told else sorted(n for n in dir(base) if not n.startswith("_"))
-    def there(n):
-        try:
-            return inspect.getattr_static(type(thing), n, None) is not None or hasattr(base, n) or hasattr(thing, n)
-        except Exception:
-            return True
-    out[kind] = [n for n in names if there(n)]
-for room in ("DH", "ETS", "URDF"):
-    module = getattr(rtb.models, room)
-    names = told[f"models.{room}"] if told else sorted(module.__all__)
-    out[f"models.{room}"] = [n for n in names if hasattr(module, n)]
+def word(thing, name):
+    try:
+        getattr(thing, name)
+    except AttributeError as error:
+        return None if name in getattr(type(thing), "__dict__", {}) else str(error)
+    except Exception:
+        return None
+    return None
+out = {}
+for package, groups in told.items():
+    for group, names in groups.items():
+        room = group if group.startswith(package) else f"{package}.{group}"
+        thing = things[group] if group in things else importlib.import_module(room)
+        out[f"{package}: {group}"] = {name: word(thing, name) for name in names}
 print(json.dumps(out))
 """
 
 
-def _asked(env: dict[str, str], told: dict[str, list[str]] | None) -> dict[str, list[str]]:
-    code = f"CLASSES = {CLASSES!r}\n{ASK}"
-    command = [sys.executable, "-c", code, json.dumps(told)]
-    return json.loads(subprocess.run(command, env=env, capture_output=True, text=True, check=True).stdout)
+def _set_by(cls: type) -> set[str]:
+    """Public names that a class gives its objects: its own, and what its methods assign to `self`."""
+    names = set(dir(cls))
+    for base in cls.__mro__[:-1]:
+        try:
+            tree = ast.parse(textwrap.dedent(inspect.getsource(base)))
+        except (OSError, TypeError, IndentationError):
+            continue
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+                names |= (
+                    {node.attr} if isinstance(node.value, ast.Name) and node.value.id == "self" else set()
+                )
+    return {name for name in names if not name.startswith("_")}
 
 
-def _arm(names: list[str]) -> list[str]:
-    """The names of the package that are about arms: what the face does not refuse as mobile robots."""
-    import importlib.util
-
-    from ulna.faces.shelves import SHELVES
-
+def _refused_as_mobile() -> set[str]:
     place = SHELVES["roboticstoolbox"] / "roboticstoolbox" / "__init__.py"
     spec = importlib.util.spec_from_file_location("face", place)
     assert spec is not None and spec.loader is not None
     face = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(face)
-    return sorted({n for n in names if n not in face._MOBILE})
+    return face._MOBILE
 
 
-def lines() -> str:
-    """The table."""
-    theirs = _asked(dict(os.environ), None)
-    theirs["roboticstoolbox"] = _arm(theirs["roboticstoolbox"])
-    ours = _asked(environment(["roboticstoolbox"]), theirs)
-    rows = ["| of | names | offered | not offered |", "|---|---|---|---|"]
-    whole, there = 0, 0
-    for of, names in theirs.items():
-        missing = [n for n in names if n not in ours[of]]
-        whole, there = whole + len(names), there + len(names) - len(missing)
-        listed = ", ".join(f"`{n}`" for n in missing)
-        rows.append(f"| `{of}` | {len(names)} | {len(names) - len(missing)} | {listed} |")
-    rows.append(f"| all | {whole} | {there} ({100 * there / whole:.0f} %) | |")
-    return "\n".join(rows)
+def record() -> dict[str, dict[str, list[str]]]:
+    """The names of the packages installed; of those that are not, the names recorded before."""
+    known = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.is_file() else {}
+    out: dict[str, dict[str, list[str]]] = {}
+    for package, classes in CLASSES.items():
+        try:
+            module = importlib.import_module(package)
+        except ImportError:
+            out[package] = known[package]
+            continue
+        shown = getattr(module, "__all__", None) or [n for n in dir(module) if n[0].isupper()]
+        groups = {package: sorted({n for n in shown if not n.startswith("_")})}
+        for kind in classes:
+            groups[kind] = sorted(_set_by(getattr(module, kind, None) or _found(module, kind)))
+        out[package] = groups
+    toolbox = out["roboticstoolbox"]
+    toolbox["roboticstoolbox"] = sorted(set(toolbox["roboticstoolbox"]) - _refused_as_mobile())
+    models: Any = importlib.import_module("roboticstoolbox").models
+    toolbox |= {f"models.{room}": sorted(getattr(models, room).__all__) for room in ("DH", "ETS", "URDF")}
+    base: Any = importlib.import_module("spatialmath.base")
+    out["spatialmath"]["spatialmath.base"] = sorted(base.__all__)
+    return out
+
+
+def _found(module: Any, kind: str) -> type:
+    """A class that the package has, but not at the top."""
+    for name in ("tools.trajectory", "geom"):
+        try:
+            room = importlib.import_module(f"{module.__name__}.{name}")
+        except ImportError:
+            continue
+        if hasattr(room, kind):
+            return getattr(room, kind)
+    raise AttributeError(kind)
+
+
+def asked() -> set[str]:
+    """The names that probes ask for: attributes in them, and words of lists that they go through."""
+    out: set[str] = set()
+    for file in sorted(PROBES.glob("*_probe.py")):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Attribute):
+                out.add(node.attr)
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                out |= {word for word in node.value.split() if word.isidentifier()}
+    return out
+
+
+def lines(place: str) -> tuple[str, list[str]]:
+    """The table and the words of refusals, and the names that are refused without one.
+
+    Args:
+        place: A file that may be written.
+    """
+    theirs = json.loads(RECORD.read_text(encoding="utf-8"))
+    command = [sys.executable, "-c", ASK, place]
+    variables = environment(["roboticstoolbox"])
+    done = subprocess.run(
+        command, env=variables, input=json.dumps(theirs), stdout=subprocess.PIPE, text=True, check=True
+    )
+    ours: dict[str, dict[str, str | None]] = json.loads(done.stdout.splitlines()[-1])
+    probed = asked()
+    rows = ["| of | names | offered | compared | refused |", "|---|---|---|---|---|"]
+    words: dict[str, list[str]] = {}
+    silent, whole = [], [0, 0, 0]
+    for key, found in ours.items():
+        package, group = key.split(": ")
+        refused = {name: word for name, word in found.items() if word is not None}
+        compared = [name for name in found if name in probed and name not in refused and package != ALONE]
+        listed = ", ".join(f"`{name}`" for name in refused)
+        counts = [len(found), len(found) - len(refused), len(compared)]
+        shown = {WHOLE: "the package itself", ALONE: "by scripts"}.get(package, str(counts[2]))
+        rows.append(f"| `{group}` | {counts[0]} | {counts[1]} | {shown} | {listed} |")
+        if package != WHOLE:
+            whole = [a + b for a, b in zip(whole, counts, strict=True)]
+        for name, word in refused.items():
+            if re.search(r"has no (attribute )?'\w+'\.?$", word):
+                silent.append(f"{group}.{name}")
+            mend = re.sub(r"^.* has no '\w+'[.;] ", "", word)
+            words.setdefault(mend, []).append(f"`{group}.{name}`")
+    share = 100 * whole[1] / whole[0]
+    rows.append(f"| all, without spatialmath | {whole[0]} | {whole[1]} ({share:.1f} %) | {whole[2]} | |")
+    said = [f"- {', '.join(names)}: {word}" for word, names in words.items()]
+    return "\n".join([*rows, "", "Refused with these words:", "", *said]), silent
 
 
 def main() -> int:
-    """Prints the table, or checks the docs."""
-    found = lines()
+    """Prints the table, checks the docs, or records the names."""
+    import tempfile
+
+    if "--record" in sys.argv:
+        RECORD.write_text(json.dumps(record(), indent=1) + "\n", encoding="utf-8")
+        return 0
+    with tempfile.TemporaryDirectory() as folder:
+        found, silent = lines(str(Path(folder) / "triangle.stl"))
+    if silent:
+        print(f"refused without a word: {', '.join(silent)}")
     if "--check" not in sys.argv:
         print(found)
         return 0
     said = PAGE.read_text(encoding="utf-8").split(MARKS[0])[1].split(MARKS[1])[0].strip()
     if said != found:
         print(f"{PAGE.name} is out of date; expected:\n{found}")
-        return 1
-    return 0
+    return int(said != found or bool(silent))
 
 
 if __name__ == "__main__":

@@ -9,6 +9,10 @@ from typing import Any
 
 import numpy as np
 
+BY_PARAMETERS = (
+    "AL5D Ball Baxter Cobra600 Coil Hyper Hyper3d IRB140 Jaco KR5 LWR4 Mico Orion5 P8 Panda Planar2 Planar3 Puma560 "
+    "Sawyer Stanford TwoLink UR10 UR3 UR5"
+)
 TREES = "LBR Puma560 px100 px150 rx150 rx200 vx300 vx300s wx200 wx250 wx250s AL5D FrankieOmni Panda"
 ERRORS = {
     False: (ValueError, AttributeError, TypeError, IndexError),
@@ -20,7 +24,7 @@ CHAINS = ("Panda", "Frankie", "Puma560", "GenericSeven", "XYPanda", "Planar_Y")
 
 def everyone(rtb: Any, rooms: str = "DH ETS URDF") -> Iterator[tuple[str, Any, Any, dict[str, Any]]]:
     """Name, robot, a configuration within the limits, and which end is meant where there are several."""
-    names = {"DH": sorted(rtb.models.DH.__all__), "ETS": CHAINS, "URDF": TREES.split()}
+    names = {"DH": BY_PARAMETERS.split(), "ETS": CHAINS, "URDF": TREES.split()}
     draw = np.random.default_rng(5)
     for room in rooms.split():
         for name in names[room]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import warnings
 from collections.abc import Callable
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -33,8 +34,7 @@ URDF = """<robot name="crane">
 
 def _arm(rtb: Any, sm: Any) -> Any:
     """Two turns and a slide with shapes to draw and to check."""
-    import spatialgeometry as sg
-
+    sg: Any = import_module("spatialgeometry")
     ET, Link = rtb.ET, rtb.Link
     ball = sg.Sphere(0.1, pose=sm.SE3(0.05, 0, 0.1))
     box = sg.Cuboid([0.5, 0.1, 0.2], pose=sm.SE3(0.3, 0, 0) * sm.SE3.Rx(0.3))
@@ -52,8 +52,7 @@ def _arm(rtb: Any, sm: Any) -> Any:
 
 def distances(rtb: Any, sm: Any) -> dict[str, Any]:
     """Distances of a robot and of its links from shapes, and the bounds that are made of them."""
-    import spatialgeometry as sg
-
+    sg: Any = import_module("spatialgeometry")
     robot = _arm(rtb, sm)
     out: dict[str, Any] = {}
     for i, q in enumerate(Q):
@@ -89,8 +88,7 @@ def distances(rtb: Any, sm: Any) -> dict[str, Any]:
 
 def scene(rtb: Any, sm: Any) -> dict[str, Any]:
     """Shapes on links, robots on links, and where that puts them."""
-    import spatialgeometry as sg
-
+    sg: Any = import_module("spatialgeometry")
     out: dict[str, Any] = {}
     arm, other = _arm(rtb, sm), rtb.models.DH.Puma560()
     arm.base = sm.SE3(0.1, 0.2, 0.3) * sm.SE3.Rz(0.3)
@@ -117,6 +115,54 @@ def scene(rtb: Any, sm: Any) -> dict[str, Any]:
     arm.T = sm.SE3(2, 0, 0)
     out["moved"] = np.asarray(arm.base.A)
     out["tree"] = [str("sphere" in arm.tree().lower()), str("cuboid" in arm.links[1].tree_children().lower())]
+    return out
+
+
+def shapes(rtb: Any, sm: Any) -> dict[str, Any]:
+    """What shapes tell of themselves."""
+    sg: Any = import_module("spatialgeometry")
+    T = sm.SE3(0.1, 0.2, 0.3) * sm.SE3.Rx(0.4)
+    out: dict[str, Any] = {}
+    solids = (
+        sg.Cuboid([0.1, 0.2, 0.3], pose=T, color="red"),
+        sg.Box([0.1, 0.2, 0.3], pose=T, color=[10, 20, 30]),
+        sg.Sphere(0.2, pose=T, color=[0.1, 0.2, 0.3, 0.4]),
+        sg.Cylinder(0.1, 0.5, pose=T, color="#204060"),
+    )
+    others = (sg.Ellipsoid([0.1, 0.2, 0.3], pose=T), sg.Axes(0.3, pose=T), sg.Arrow(0.4, pose=T))
+    for k, shape in enumerate((*solids, *others)):
+        kind = f"{k} {type(shape).__name__}"
+        out[f"{kind} words"] = [
+            shape.stype,
+            str(shape.collision),
+            str(shape.scene_parent),
+            str(shape.scene_children),
+        ]
+        out[f"{kind} look"] = np.array([*shape.color, shape.opacity]) if k != 5 else np.zeros(0)
+        out[f"{kind} place"] = np.array(
+            [*shape.fk_dict()["t"], *shape.fk_dict()["q"], *np.ravel(shape.T), *shape.v]
+        )
+        out[f"{kind} told"] = [shape.to_dict()["stype"]]
+        if k < len(solids):
+            for world in (False, True):
+                out[f"{kind} {world}"] = shape.extents(world=world)
+                out[f"{kind} bounds {world}"] = shape.bounds(world=world)
+                out[f"{kind} corners {world}"] = np.sort(shape.corners(world=world), axis=1)
+            twin, same = shape.copy(), shape.copy()  # theirs cannot be copied after the first collision
+            twin.set_alpha(0.25)
+            twin.T = sm.SE3(1.0, 0.5, 0.2)
+            out[f"{kind} twin"] = np.array([twin.opacity, shape.opacity, *np.ravel(twin.T)])
+            out[f"{kind} away"] = shape.closest_point(twin, 10.0)[0]
+            out[f"{kind} touches"] = [str(shape.iscollided(twin)), str(shape.iscollided(same))]
+    group = sg.CollisionShapeGroup([solids[0], solids[2]])
+    group.T = sm.SE3(0, 0, 1)
+    group.update()
+    out["group"] = np.array([len(group), *np.ravel(solids[0]._wT)])
+    out["apart"] = group.closest_point(sg.Sphere(0.1, pose=sm.SE3(2, 0, 1)), 10.0)[0]
+    scene = sg.SceneGroup([sg.SceneNode(pose=T.A)])
+    out["node"] = np.array(scene[0].T)
+    line = np.array([[0.0, 1.0], [0.0, 1.0], [0.0, 2.0]])
+    out["line"] = np.array([sg.Path(line).points, sg.Polyline(line).points])
     return out
 
 
@@ -187,9 +233,7 @@ def text(rtb: Any, sm: Any) -> dict[str, Any]:
         out[f"bad {bad}"] = [str(refused)]
     rtb.rtb_set_param("own", 3)
     out["settings"] = [str(rtb.rtb_get_param("own")), str(rtb.rtb_get_param("unicode"))]
-    with contextlib.suppress(ImportError):
-        import rtbdata  # noqa: F401
-
+    if find_spec("rtbdata") is not None:
         out["mat"] = [name for name in sorted(rtb.rtb_load_matfile("data/house.mat")) if name[0] != "_"]
         out["json"] = sorted(rtb.rtb_load_jsonfile("data/queensland.json"))
         out["data"] = [str(len(rtb.rtb_load_data("data/house.mat", lambda path: path.read_bytes())))]
@@ -228,6 +272,7 @@ def files(rtb: Any, sm: Any) -> dict[str, Any]:
 PARTS: dict[str, Callable[[Any, Any], dict[str, Any]]] = {
     "distances": distances,
     "scene": scene,
+    "shapes": shapes,
     "closed": closed,
     "text": text,
     "files": files,

@@ -14,6 +14,8 @@ from roboticstoolbox._poses import pose
 from ulna.errors import InputError
 from ulna.typing import Floats
 
+_OF_LINKS = {"actuator": "`G`, `Jm`, `B` and `Tc`", "mesh": "`geometry`", "id": "`number`"}
+
 
 def _node() -> Any:
     from spatialgeometry import SceneNode
@@ -74,8 +76,10 @@ class LinkNode(Node):
     def __getattr__(self, name: str) -> Any:
         if name == "attach_to":
             raise AttributeError(
-                f"Link {self.name!r} hangs on the link before it; attach its robot: robot.attach_to(frame)."
+                "A link hangs on the link before it; attach its robot: robot.attach_to(frame)."
             )
+        if name in _OF_LINKS:
+            raise AttributeError(f"`{name}` of a link is not offered; use {_OF_LINKS[name]}.")
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     @property

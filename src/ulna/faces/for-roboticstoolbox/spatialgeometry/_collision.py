@@ -38,6 +38,13 @@ class CollisionShape(Shape):
         """Whether it can be collided with."""
         return self._collision
 
+    def __getattr__(self, name: str) -> Any:
+        if name == "co":
+            raise AttributeError(
+                "`co` is the compiled part of a solid; closest_point and iscollided answer for it."
+            )
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
     @property
     @abc.abstractmethod
     def solid(self) -> Any:

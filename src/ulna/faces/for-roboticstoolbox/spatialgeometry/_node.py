@@ -223,3 +223,10 @@ class SceneGroup(SceneNode, Members):
     def __init__(self, initlist: Iterable[SceneNode] | None = None, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.extend(initlist or ())
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "copy":
+            raise AttributeError(
+                "A member is in one group only; make SceneGroup([shape.copy() for shape in group])."
+            )
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")

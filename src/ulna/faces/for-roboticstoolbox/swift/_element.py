@@ -61,7 +61,7 @@ class SwiftElement(abc.ABC):
     def __getattr__(self, name: str) -> Any:
         if name in ("name", "builtin"):
             raise AttributeError(
-                f"A control has no {name!r} here; env.add_ui(control, name) names it for `env.values`."
+                f"A control has no {name!r}; env.add_ui(control, name) names it for `env.values`."
             )
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 

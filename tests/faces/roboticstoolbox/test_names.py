@@ -1,0 +1,19 @@
+"""The table of names in the docs is that of today, and whatever is refused says what to use instead."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("spatialmath")
+pytest.importorskip("matplotlib")
+SCRIPT = Path(__file__).parents[3] / "benchmarks" / "face_roboticstoolbox_names.py"
+
+
+def test_the_table_of_names_is_up_to_date() -> None:
+    command = [sys.executable, str(SCRIPT), "--check"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stdout[:2000] + done.stderr[-2000:]
