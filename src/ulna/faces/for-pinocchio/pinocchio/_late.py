@@ -58,6 +58,7 @@ _OF: dict[str, tuple[str, ...]] = {
     ),
     "_samples": ("buildSampleModelHumanoid", "buildSampleModelHumanoidRandom", "buildSampleModelManipulator"),
     "_sample_geometry": ("buildSampleGeometryModelHumanoid", "buildSampleGeometryModelManipulator"),
+    "_mjcf": ("buildGeomFromMJCF", "buildModelFromMJCF"),
     "_materials": ("GeometryNoMaterial", "GeometryPhongMaterial", "PhysicsMaterial", "PhysicsMaterialType"),
     "_parallel": ("GeometryPool", "ModelPool", "abaInParallel", "rneaInParallel"),
     "linalg": ("isOrthonormal", "orthogonalization", "orthonormalization"),

@@ -49,6 +49,8 @@ from pinocchio._materials import GeometryNoMaterial as GeometryNoMaterial
 from pinocchio._materials import GeometryPhongMaterial as GeometryPhongMaterial
 from pinocchio._materials import PhysicsMaterial as PhysicsMaterial
 from pinocchio._materials import PhysicsMaterialType as PhysicsMaterialType
+from pinocchio._mjcf import buildGeomFromMJCF as buildGeomFromMJCF
+from pinocchio._mjcf import buildModelFromMJCF as buildModelFromMJCF
 from pinocchio._package import LogLevel as LogLevel
 from pinocchio._package import omp_get_max_threads as omp_get_max_threads
 from pinocchio._package import sharedMemory as sharedMemory
