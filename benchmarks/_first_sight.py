@@ -43,7 +43,7 @@ _SEEN = """([name, count]) => new Promise(done => {
 })"""
 
 
-def first_sight(browser: Any, body: str, count: int, stay: bool, repeat: int = 5) -> float:
+def first_sight(browser: Any, body: str, count: int, stay: bool, repeat: int = 3) -> float:
     """Seconds from a script's start to that frame, the median.
 
     Args:

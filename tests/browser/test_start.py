@@ -86,6 +86,16 @@ def test_one_lamp_throws_shadows_and_they_are_drawn_when_something_moved(viewer:
     viewer["box"].position = (0.0, 0.0, 0.7)
     assert wait(lambda: tab.evaluate("window.drawn") > 0)
     viewer["box"].position = (0.0, 0.0, 0.6)
+    cube, places = ulna.geometry.Box((0.1, 0.1, 0.1)), 0.5 * np.eye(3)
+    for change in (
+        lambda: viewer.copies(cube, positions=np.eye(3), name="many"),
+        lambda: setattr(viewer["many"], "positions", places),
+        lambda: viewer.remove("many"),
+    ):
+        tab.wait_for_timeout(1000)
+        tab.evaluate("window.drawn = 0")
+        change()
+        assert wait(lambda: tab.evaluate("window.drawn") > 0)
 
 
 def test_the_shadow_falls_where_the_lamp_throws_it(viewer: Viewer, tab: Any) -> None:

@@ -40,14 +40,17 @@
   }
 
   // A number that changes when anything that throws a shadow moves, comes, goes or changes its form.
-  function signature(casters) {
-    let sum = casters.length;
-    for (const mesh of casters) {
+  let changes = 0;
+  function signature(meshes) {
+    let sum = meshes.length;
+    for (const mesh of meshes) {
       const e = mesh.matrixWorld.elements;
       for (let i = 0; i < 16; i++) sum = (sum * 1.0000001 + e[i] * (i + 1)) % 1e9;
-      sum += mesh.id + (mesh.matricesTexture?.version ?? 0) + (mesh.geometry.attributes.position?.version ?? 0);
+      sum += mesh.id + (mesh.geometry.attributes.position.version ?? 0);
+      // of copies, their places are kept in a texture, and the ball around all of them is forgotten when they move
+      if (mesh.isInstancedMesh2 && (!mesh.boundingSphere || mesh.matricesTexture?._needsUpdate)) changes++;
     }
-    return sum;
+    return sum + changes;
   }
 
   function casters(scene) {
