@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from pinocchio._arrays import StdVec, exact, vector
+from pinocchio._building import FREE
 from pinocchio._enums import ArgumentPosition
-from pinocchio._model import FREE, Model
+from pinocchio._model import Model
 from pinocchio._runs import Scratch
 from pinocchio._vectors import generator
 from ulna import algorithms

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from pinocchio import _joints
+from pinocchio._building import FREE
 from pinocchio._enums import FrameType
 from pinocchio._frame import Frame
 from pinocchio._inertia import Inertia
 from pinocchio._joints import JointModel
-from pinocchio._model import FREE, Model
+from pinocchio._model import Model
 from pinocchio._se3 import SE3
 from ulna.errors import FormatError
 from ulna.formats.poses import pose
