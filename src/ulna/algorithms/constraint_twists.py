@@ -105,9 +105,9 @@ def constraint_seen(model: Model, q: Array, v: Array, a: Array, bond: Bond) -> S
 
     Args:
         model: The robot.
-        q: Configuration, shape (nq,).
-        v: Velocity, shape (nv,).
-        a: Acceleration, shape (nv,).
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv).
         bond: The constraint, with a second frame.
     """
     twists = constraint_twists(model, q, v, [bond._replace(local=True)])

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._constraint_dynamics import Solved, restitution
+from pinocchio._constraint_dynamics import restitution
 from pinocchio._constraint_kernels import bonds_of, paired, shapes_of
+from pinocchio._constraint_session import Solved
 from pinocchio._data import Data, engine_for
 from pinocchio._model import Model
 from pinocchio._proximal import settings_of
