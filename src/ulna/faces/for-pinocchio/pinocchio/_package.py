@@ -36,9 +36,7 @@ def sharedMemory(value: bool | None = None) -> bool | None:
     if value is None:
         return True
     if not value:
-        raise InputError(
-            "Arrays of Data are live references here; take .copy() of what must not change."
-        )
+        raise InputError("Arrays of Data are live references here; take .copy() of what must not change.")
     return None
 
 
