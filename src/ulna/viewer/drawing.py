@@ -19,7 +19,7 @@ from ulna.viewer.tessellate import axes
 PLAIN: RGBA = (0.35, 0.52, 0.78, 1.0)
 """The colour of shapes and arrows that are given none."""
 
-_INK: RGBA = (0.16, 0.22, 0.32, 1.0)
+_INK: RGBA = (0.32, 0.42, 0.56, 1.0)  # seen on a light floor and on a dark one
 
 
 class Drawing(Places):

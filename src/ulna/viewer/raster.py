@@ -68,7 +68,7 @@ def render(
     triangles = gather(seen, view)
     solid = triangles.rgba[:, 3] >= 0.999
     casting = triangles.corners[triangles.shadow & (triangles.rgba[:, 3] > 0.6)]
-    shadows = light.shadow_map(casting, floor, 1536 if width > 1200 else 1024)
+    shadows = light.shadow_map(casting, floor, 512 if width <= 320 else 1024 if width <= 1200 else 1536)
     picture = ground(camera, width, height, floor, shadows, casting, look)
     depth = None
     for chosen in (solid, ~solid):
