@@ -98,10 +98,15 @@ class Drawing(Places):
         *,
         height: float = 0.05,
         name: str | None = None,
+        color: Colour | None = None,
+        opacity: float = 1.0,
     ) -> Words:
-        """Words that face whoever looks; `height` of the letters in metres."""
+        """Words that face whoever looks, dark or light as suits the theme; `height` of the letters in metres."""
         place = transforms(np.reshape(position, (1, -1)))[0]
-        return self._put(name, "text", content=Text(words, height), pose=place, kind_of=Words)
+        rgba = None if color is None else colour(color)
+        out = self._put(name, "text", content=Text(words, height), pose=place, opacity=opacity, kind_of=Words)
+        out.color = rgba
+        return out
 
     def grid(
         self,
