@@ -120,10 +120,8 @@ def _quoted(text: str) -> str:
 
 def _early(title: str) -> str:
     """A program that sees viser's page before any message does."""
-    return f"""(() => {{ let page;
-  Object.defineProperty(window, "__viserMutable", {{configurable: true, get: () => page,
-    set: now => {{ page = now; if (page) {{ {_hook(title)} }} }}}});
-}})();"""
+    text = (Path(__file__).parent / "early.js").read_text(encoding="utf-8")
+    return text.replace("HOOK", _hook(title))
 
 
 def stop(server: Any) -> None:

@@ -1,0 +1,26 @@
+// What runs before viser's program, written for viser 1.1: the hook is there before any message, and a tab whose program
+// ended looks for the next one four times a second, but leaves an attempt that is under way the time it needs.
+(() => {
+  let page;
+  Object.defineProperty(window, "__viserMutable", {configurable: true, get: () => page, set: now => {
+    page = now;
+    if (page) hook();
+  }});
+  function hook() {
+    HOOK
+  }
+  const post = Worker.prototype.postMessage, asked = new WeakMap();
+  Worker.prototype.postMessage = function (message, ...rest) {
+    if (message?.type === "set_server" && !asked.has(this)) this.addEventListener("message", ({data}) => {
+      if (data?.type !== "closed") return;
+      asked.set(this, -Infinity);
+      if (!data.versionMismatch && document.hasFocus()) setTimeout(() => this.postMessage({type: "retry"}), 250);
+    });
+    if (message?.type === "set_server" || message?.type === "retry") {
+      const now = performance.now();
+      if (message.type === "retry" && now - (asked.get(this) ?? -Infinity) < 5000) return;
+      asked.set(this, now);
+    }
+    post.call(this, message, ...rest);
+  };
+})();
