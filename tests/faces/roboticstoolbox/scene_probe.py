@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import warnings
 from collections.abc import Callable
 from importlib import import_module
@@ -241,6 +243,34 @@ def text(rtb: Any, sm: Any) -> dict[str, Any]:
     return out
 
 
+def calls(rtb: Any, sm: Any) -> dict[str, Any]:
+    """Arguments as scripts pass them."""
+    puma, panda, out = rtb.models.DH.Puma560(), rtb.models.Panda(), {}
+    q = np.array([0.1, 0.5, -2.4, 0.3, 0.6, 0.2])
+    for half in ("trans", "rot"):
+        out[f"jacob0 {half}"], out[f"jacobe {half}"] = puma.jacob0(q, half=half), puma.jacobe(q, half)
+    out["jacob0 T"] = puma.jacob0(q, puma.fkine(q))
+    out["jtraj"] = puma.jtraj(puma.qz, puma.qn, 7).q
+    out["jtraj rates"] = puma.jtraj(puma.qz, puma.qn, np.linspace(0, 1, 5), 0.1 * q, 0.2 * q).qd
+    out["param"] = (rtb.ET.Rx(param=0.3) * rtb.ET.tz(param=0.2)).eval([])
+    out["null"] = np.abs(rtb.null(panda.jacob0(panda.qr), 1e-9)) + np.abs(
+        rtb.null(panda.jacob0(panda.qr), rtol=1e-9)
+    )
+    out["hessian_numerical"] = np.round(rtb.hessian_numerical(puma.jacob0, q), 5)
+    out["jacobian_numerical"] = np.round(rtb.jacobian_numerical(lambda x: puma.fkine(x).t, q), 5)
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text):
+        rtb.jsingu(puma.jacob0(puma.qz))
+    out["jsingu"] = [str("4" in text.getvalue()), str("3" in text.getvalue() or "5" in text.getvalue())]
+    out["null space"] = rtb.null(np.array([[1.0, 0.0, 0.0]])).shape
+    wobbly = puma.perturb(0.2)
+    out["perturbed"] = [
+        wobbly.name,
+        *(str(abs(a.m - b.m) <= 0.2 * b.m + 1e-12) for a, b in zip(wobbly.links, puma.links, strict=True)),
+    ]
+    return out
+
+
 def files(rtb: Any, sm: Any) -> dict[str, Any]:
     """A robot from a URDF file: chains, limits, masses, torques."""
     import tempfile
@@ -275,5 +305,6 @@ PARTS: dict[str, Callable[[Any, Any], dict[str, Any]]] = {
     "shapes": shapes,
     "closed": closed,
     "text": text,
+    "calls": calls,
     "files": files,
 }

@@ -124,7 +124,7 @@ class Chain:
         """The derivatives of the pose of that order in the axes of the start, (n, ..., n, 6, n)."""
         from ulna.algorithms import jacobian_partials
 
-        return jacobian_partials(self.jacob0(q), order)
+        return jacobian_partials(np.asarray(self.jacob0(q)), order)
 
     def jacob0_dot(self, q: Any, qd: Any) -> Floats:
         """The derivative of the Jacobian in the axes of the start by time, (..., 6, n)."""

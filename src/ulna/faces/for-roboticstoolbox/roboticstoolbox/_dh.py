@@ -145,6 +145,36 @@ class DHRobot(DHWords, Analytic, Robot):
             T = np.linalg.inv(self._base) @ T
         return pose(T)
 
+    def jacob0(
+        self,
+        q: Any,
+        T: Any = None,
+        half: str | None = None,
+        start: Any = None,
+        end: Any = None,
+        tool: Any = None,
+    ) -> Floats:
+        """The Jacobian in the axes of the start, (6, n); `half` "trans" or "rot" for three rows. `T` is not needed."""
+        return _half(super().jacob0(q, end, start, tool), half)
+
+    def jacobe(
+        self, q: Any, half: str | None = None, end: Any = None, start: Any = None, tool: Any = None
+    ) -> Floats:
+        """The Jacobian in the axes of the end, (6, n); `half` is "trans" or "rot" for three rows."""
+        return _half(super().jacobe(q, end, start, tool), half)
+
+    def jacob0_analytical(
+        self,
+        q: Any,
+        representation: str = "rpy/xyz",
+        T: Any = None,
+        end: Any = None,
+        start: Any = None,
+        tool: Any = None,
+    ) -> Floats:
+        """The Jacobian of position and angles, (6, n); `T` is not needed."""
+        return super().jacob0_analytical(q, representation, end, start, tool)
+
     def _placed_anew(self) -> None:
         self._forget()
 
@@ -226,6 +256,15 @@ class DHRobot(DHWords, Analytic, Robot):
     def delete_rne(self) -> None:
         """Forgets masses and motors, which the next question takes from the links again."""
         self.dynchanged()
+
+
+def _half(J: Floats, half: str | None) -> Floats:
+    """The rows of linear ("trans") or of angular ("rot") velocities; all of them for None."""
+    if half is None:
+        return J
+    if half not in ("trans", "rot"):
+        raise InputError(f"`half` is {half!r}; expected 'trans' or 'rot'.")
+    return J[..., :3, :] if half == "trans" else J[..., 3:, :]
 
 
 class SerialLink(DHRobot):

@@ -201,13 +201,16 @@ class BaseET:
 
 
 def _maker(axis: str) -> Any:
-    def make(cls: Any, eta: float | None = None, unit: str = "rad", **joint: Any) -> Any:
+    def make(
+        cls: Any, param: float | None = None, unit: str = "rad", *, eta: float | None = None, **joint: Any
+    ) -> Any:
+        value = eta if param is None else param
         if axis[0] == "t":
-            return cls(axis, eta, **joint)
-        return cls(axis, eta, unit, **joint)
+            return cls(axis, value, **joint)
+        return cls(axis, value, unit, **joint)
 
     motion = f"A turn about {axis[1:] or 'z'}" if axis[0] == "R" else f"A shift along {axis[1]}"
-    make.__doc__ = f"{motion} by a constant `eta`, or by a joint (jindex, flip, qlim)."
+    make.__doc__ = f"{motion} by a constant `param` (formerly `eta`), or by a joint (jindex, flip, qlim)."
     make.__name__ = axis
     return classmethod(make)
 

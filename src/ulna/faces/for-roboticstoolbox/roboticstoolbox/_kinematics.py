@@ -181,7 +181,8 @@ class Kinematics:
             return algorithms.measure_of(np.asarray(J, dtype=float), _measure(method), axes)
         at = self.q if q is None else q
         if method == "asada":
-            return algorithms.asada(self.jacob0(at, end, start), self.inertia(at), axes)  # type: ignore[attr-defined]
+            J = np.asarray(self._chain(end, start).jacob0(at))
+            return algorithms.asada(J, self.inertia(at), axes)  # type: ignore[attr-defined]
         return self._chain(end, start).manipulability(at, method, axes)
 
     def jacobm(

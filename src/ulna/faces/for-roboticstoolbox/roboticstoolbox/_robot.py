@@ -165,12 +165,13 @@ class BaseRobot(
         self._chains, self._whole, self._weights, self._kernels = {}, None, None, {}
 
     @classmethod
-    def URDF(cls, file_path: str, gripper: Any = None) -> Self:
-        """The robot in a URDF or xacro file."""
+    def URDF(cls, file: str, gripper: int | str | None = None, manufacturer: str = "") -> Self:
+        """The robot in a URDF or xacro file; `gripper` is the first link of its gripper, or the number of that."""
         from roboticstoolbox._load import from_model, read
 
-        model, path = read(file_path)
-        return from_model(cls, model, gripper_link=gripper, urdf_filepath=path)
+        model, path = read(file)
+        first = model.links[gripper].name if isinstance(gripper, int) else gripper
+        return from_model(cls, model, gripper_link=first, manufacturer=manufacturer, urdf_filepath=path)
 
     @property
     def ulna(self) -> Any:

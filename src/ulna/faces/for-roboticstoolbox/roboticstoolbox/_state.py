@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._part import Part
+from roboticstoolbox._poses import array
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
@@ -91,9 +92,18 @@ class State(Part):
         """Angles in radians, lengths as they are."""
         return np.where(self.revolutejoints, np.radians(np.asarray(q, dtype=float)), q)
 
-    def jtraj(self, T1: Any, T2: Any, t: Any, **options: Any) -> Any:
-        """A joint trajectory between the configurations of two poses; `options` go to inverse kinematics."""
+    def jtraj(self, q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None, **options: Any) -> Any:
+        """A joint trajectory between two configurations, or between those of two poses; see `roboticstoolbox.jtraj`.
+
+        Args:
+            q0: Start, (n,); or a pose of the end, whose configuration is found.
+            qf: End, likewise.
+            t: How many, or times.
+            qd0: Velocity at the start.
+            qd1: Velocity at the end.
+            **options: Those of inverse kinematics, for poses.
+        """
         from roboticstoolbox.tools.trajectory import jtraj
 
-        ends = [self.ikine_LM(T, **options).q for T in (T1, T2)]
-        return jtraj(ends[0], ends[1], t)
+        ends = [self.ikine_LM(T, **options).q if np.shape(array(T)) == (4, 4) else T for T in (q0, qf)]
+        return jtraj(ends[0], ends[1], t, qd0, qd1)

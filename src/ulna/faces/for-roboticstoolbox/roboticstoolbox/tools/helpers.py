@@ -11,11 +11,17 @@ import numpy as np
 from ulna.typing import Floats
 
 
-def null(A: Any, tol: float = 1e-10) -> Floats:
-    """Orthonormal columns that `A` maps to zero."""
+def null(A: Any, atol: float = 1e-13, rtol: float = 0.0) -> Floats:
+    """Orthonormal columns that `A` maps to zero.
+
+    Args:
+        A: The matrix, (m, n).
+        atol: Singular values below it count as zero.
+        rtol: So do those below it times the largest.
+    """
     given = np.atleast_2d(np.asarray(A, dtype=float))
     _, s, Vt = np.linalg.svd(given)
-    rank = int((s > tol).sum())
+    rank = int((s >= max(atol, rtol * s[0])).sum())
     return Vt[rank:].T
 
 
@@ -38,10 +44,11 @@ def jacobian_numerical(f: Callable[[Floats], Any], x: Any, dx: float = 1e-8, N: 
 
 
 def hessian_numerical(J: Callable[[Floats], Any], x: Any, dx: float = 1e-8) -> Floats:
-    """The derivative of a Jacobian function by differences, (n, m, n)."""
+    """The derivative of a Jacobian function by differences, (m, n, n): [:, :, i] by coordinate i."""
     at = np.ravel(np.asarray(x, dtype=float))
     before = np.asarray(J(at), dtype=float)
-    return np.stack([(np.asarray(J(at + dx * e), dtype=float) - before) / dx for e in np.eye(at.size)])
+    changes = [(np.asarray(J(at + dx * e), dtype=float) - before) / dx for e in np.eye(at.size)]
+    return np.stack(changes, axis=2)
 
 
 class Ticker:
