@@ -30,7 +30,8 @@ def _probe(name: str) -> Any:
 
 
 PROBES = {
-    name: _probe(name) for name in ("kinematics_probe", "dynamics_probe", "catalogue_probe", "scene_probe")
+    name: _probe(name)
+    for name in ("kinematics_probe", "dynamics_probe", "catalogue_probe", "scene_probe", "written_probe")
 }
 
 

@@ -31,7 +31,7 @@ _HOMES = {
     "roboticstoolbox.tools.helpers": ("null", "jsingu", "jacobian_numerical", "hessian_numerical", "Ticker"),
 }  # fmt: skip
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
-_MODULES = ("backends", "models", "tools")
+_MODULES = ("backends", "ets", "models", "robot", "tools")
 _MOBILE = {
     "Bicycle", "BinaryOccupancyGrid", "Bug2", "CurvaturePolyPlanner", "DiffSteer", "DistanceTransformPlanner",
     "DstarPlanner", "DubinsPlanner", "EKF", "LandmarkMap", "LatticePlanner", "NoPathError", "OccupancyGrid",
@@ -41,6 +41,8 @@ _MOBILE = {
     "mobile", "blocks",
 }  # fmt: skip
 __all__ = list(_HOME_OF)
+__all__ += ["backends", "models"]
+__version__ = "1.5.0"  # whose names these are
 
 
 def __getattr__(name: str) -> Any:
@@ -59,4 +61,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return [*__all__, *_MODULES]
+    return sorted({*__all__, *_MODULES})

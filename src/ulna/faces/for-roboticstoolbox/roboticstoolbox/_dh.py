@@ -198,9 +198,9 @@ class DHRobot(DHWords, Analytic, Robot):
         return np.array([link.r for link in self._links]).T
 
     def A(self, j: Any, q: Any = None) -> Any:
-        """The pose of link `j` in the one before, or of link j[1] before link j[0]."""
+        """The pose of link `j`, or of link j[1] seen from before link j[0]; base and tool do not count."""
         at = self.q if q is None else np.asarray(q, dtype=float)
-        first, last = (j, j) if np.ndim(j) == 0 else (j[0], j[1])
+        first, last = (0, j) if np.ndim(j) == 0 else (j[0], j[1])
         T = np.eye(4)
         for k in range(first, last + 1):
             T = T @ self._links[k].A(at[k]).A

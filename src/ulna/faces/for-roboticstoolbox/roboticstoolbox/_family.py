@@ -118,11 +118,11 @@ class Family(Part):
         return out
 
     def get_path(self, end: Any = None, start: Any = None) -> tuple[list[Link], int, Any]:
-        """The links from `start` to `end`, how many joints they have, and the tool's pose."""
+        """The links from `start` to `end`, how many they are, and the tool's pose."""
         last, tool = self._end() if end is None else (self._link(end), None)
         rise, down = between(None if start is None else self._link(start), last)
         path = [*rise, *down]
-        return path, sum(link.isjoint for link in path), pose(np.eye(4) if tool is None else tool)
+        return path, len(path), pose(np.eye(4) if tool is None else tool)
 
     def segments(self) -> list[list[Link | None]]:
         """The branches of the tree, each from the link before it to its end."""

@@ -38,12 +38,21 @@ class Felt(Part):
         """What is felt at the end, by Ulna's operational space."""
         body, end = self._weighed()
         try:
-            return getattr(body, name)(*arrays, frame=end, representation=representation)
+            felt = getattr(body, name)(*arrays, frame=end, representation=representation)
         except ZeroDivisionError:
             raise InputError(
                 f"The inertia matrix of {self.name!r} is singular: one of its joints moves no mass; give the links "
                 "after it m, or I, or their motors Jm."
             ) from None
+        return self._finite(felt, representation)
+
+    def _finite(self, felt: Floats, representation: str | None) -> Floats:
+        if not np.isfinite(felt).all():
+            raise InputError(
+                f"{self.name!r} is at a configuration where the angles {representation!r}, or the arm, are singular; "
+                'take another `representation`, such as "exp", or another configuration.'
+            )
+        return felt
 
     def inertia_x(
         self, q: Any = None, pinv: bool = False, representation: str = "rpy/xyz", Ji: Any = None
@@ -67,7 +76,7 @@ class Felt(Part):
         representation: str = "rpy/xyz",
     ) -> Floats:
         """The acceleration of position and angles of the end, moving at `xd`, under a force there, (6,)."""
-        J = self.jacob0_analytical(q, representation)
+        J = self._finite(self.jacob0_analytical(q, representation), representation)
         v = np.linalg.pinv(J) @ np.asarray(xd, dtype=float)
         tau = J.T @ np.asarray(wrench, dtype=float) - self._rubbing(v)
         kept = self._gravity

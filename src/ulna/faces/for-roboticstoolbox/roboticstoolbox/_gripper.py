@@ -62,5 +62,9 @@ class Gripper:
             out += self.dfs_links(child, func)
         return out
 
+    def __str__(self) -> str:
+        carrier = self.links[0].parent_name if self.links else None
+        return f'Gripper("{self.name}", connected to {carrier}, {self.n} joints, {len(self.links)} links)'
+
     def __repr__(self) -> str:
         return f'Gripper({[str(link) for link in self.links]}, name="{self.name}", tool={self._tool!r})'

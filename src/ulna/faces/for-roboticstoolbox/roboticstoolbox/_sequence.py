@@ -12,6 +12,7 @@ import numpy as np
 from roboticstoolbox._chain import Chain
 from roboticstoolbox._et import ET, BaseET
 from roboticstoolbox._poses import matrix
+from ulna.errors import UnknownName
 from ulna.typing import Floats
 
 
@@ -178,14 +179,22 @@ class BaseETS(UserList):
         return self._et("SE3" if self._et._size == 4 else "SE2", T=T)
 
     def split(self, method: str = "last") -> list[Self]:
-        """The parts that one joint each moves, its joint last ("last") or first ("first"), and the rest."""
-        parts: list[list[BaseET]] = [[]]
+        """What is before the parts, the parts that one joint each moves, and what is after them.
+
+        A part ends with its joint ("last"; nothing is before the first), or begins with it ("first"; nothing is after
+        the last).
+        """
+        if method not in ("last", "first"):
+            raise UnknownName("way to split", method, ("last", "first"))
+        parts: list[list[BaseET]] = [[], []] if method == "last" else [[]]
         for et in self.data:
             if et.isjoint and method == "first":
                 parts.append([])
             parts[-1].append(et)
             if et.isjoint and method == "last":
                 parts.append([])
+        if method == "first":
+            parts.append([])
         return [type(self)._of(part) for part in parts]
 
     def fixjoint(self, j: int, value: float, unit: str = "rad") -> Self:

@@ -15,12 +15,16 @@ class Weights(Part):
     """Masses, motors and friction."""
 
     def payload(self, m: float, p: Any = None) -> None:
-        """Adds a point mass `m` [kg] at `p` in the last link's frame [m]."""
-        last = self._links[-1]
-        body = last._inertia()
-        more = Inertia.from_point(float(m), np.zeros(3) if p is None else np.asarray(p, dtype=float))
-        whole = more if body is None else body + more
-        last.m, last.r, last.I = float(whole.mass), whole.com, whole.inertia
+        """Hangs a point mass `m` [kg] at `p` [m] in the last link; it replaces the one before, 0 takes it off."""
+        ends = self.ee_links
+        last = ends[0] if len(ends) == 1 else self._links[self.n - 1]
+        own = last.__dict__.setdefault("_empty", (last.m, last.r, last.I))
+        last.m, last.r, last.I = own
+        if m:
+            body = last._inertia()
+            more = Inertia.from_point(float(m), np.zeros(3) if p is None else np.asarray(p, dtype=float))
+            whole = more if body is None else body + more
+            last.m, last.r, last.I = float(whole.mass), whole.com, whole.inertia
 
     def nofriction(self, coulomb: bool = True, viscous: bool = False) -> Self:
         """A copy without Coulomb friction, without viscous friction."""

@@ -28,11 +28,18 @@ def null(A: Any, atol: float = 1e-13, rtol: float = 0.0) -> Floats:
 def jsingu(J: Any) -> None:
     """Prints which columns of a Jacobian depend on earlier ones."""
     given = np.asarray(J, dtype=float)
-    for j in range(1, given.shape[1]):
-        found, *_ = np.linalg.lstsq(given[:, :j], given[:, j], rcond=None)
-        if np.linalg.norm(given[:, :j] @ found - given[:, j]) < 1e-9:
-            terms = [f"{x:.3g} column_{i}" for i, x in enumerate(found) if abs(x) > 1e-9]
-            print(f"column {j} = " + (" + ".join(terms) or "0"))
+    basis: list[int] = []
+    for j in range(given.shape[1]):
+        found, *_ = np.linalg.lstsq(given[:, basis], given[:, j], rcond=None)
+        if np.linalg.norm(given[:, basis] @ found - given[:, j]) >= 1e-9:
+            basis.append(j)
+            continue
+        words = "".join(
+            f"{' - ' if x < 0.0 else ' + ' if i else ''}{abs(x):.3g} column_{basis[i]}"
+            for i, x in enumerate(found)
+            if abs(x) > 1e-9
+        )
+        print(f"column {j} ={words or ' 0'}")
 
 
 def jacobian_numerical(f: Callable[[Floats], Any], x: Any, dx: float = 1e-8, N: int = 0) -> Floats:

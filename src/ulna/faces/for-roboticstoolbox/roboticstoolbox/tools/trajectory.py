@@ -220,41 +220,64 @@ def mstraj(
     qdf: Any = None,
     verbose: bool = False,
 ) -> Trajectory:
-    """Straight from point to point, corners cut by blends of `tacc` seconds, sampled every `dt`.
+    """Straight from point to point, corners cut by quintic blends of `tacc` seconds, sampled every `dt`.
 
     Args:
         viapoints: Points by rows, (k, n); the first is the start unless `q0` is given.
         dt: Time between rows [s].
-        tacc: Time of a blend [s], one for all.
+        tacc: Time of a blend [s], one for all or one for each segment; with 0 velocities jump at the points.
         qdmax: Greatest speeds, one or (n,).
         tsegment: Times of segments instead, (k - 1,) [s].
         q0: Start, (n,).
-        qd0: Zero; motions begin and end at rest.
-        qdf: Zero.
+        qd0: Velocity at the start, (n,).
+        qdf: Velocity at the end, (n,).
         verbose: Let pass.
     """
     points = np.atleast_2d(np.asarray(viapoints, dtype=float))
     if q0 is not None:
         points = np.vstack([np.asarray(q0, dtype=float), points])
-    for name, rate in (("qd0", qd0), ("qdf", qdf)):
-        if rate is not None and np.any(rate):
-            raise InputError(f"`{name}` is {rate}; expected none: motions begin and end at rest.")
-    blend = np.unique(np.ravel(np.asarray(tacc, dtype=float)))
-    if blend.size != 1:
-        raise InputError(f"`tacc` is {tacc}; expected one time for all blends.")
     if (qdmax is None) == (tsegment is None):
         raise InputError("mstraj takes `qdmax` or `tsegment`, one of them.")
-    if tsegment is not None:
-        lasts = np.asarray(tsegment, dtype=float)
-    else:
-        slowest = (np.abs(np.diff(points, axis=0)) / np.asarray(qdmax, dtype=float)).max(axis=1)
-        half = math.ceil(blend[0] / 2 / dt) * dt
-        lasts = np.ceil(slowest / dt - 1e-9) * dt + 2 * half
-        lasts[0] -= half
-    law = trajectory.blended(points, float(blend[0]), segment_times=lasts, kind="quintic", ends="half")
-    count = round(law.duration / dt)
-    q, v, a = law.state(np.minimum(dt * np.arange(1, count + 1), law.duration))
-    out: Any = Trajectory("mstraj", dt * np.arange(count), q, v, a, istime=True)
-    out.arrive, out.via = np.cumsum(lasts), points[1:]
-    out.info = [mstraj_info(None, last, end - last) for last, end in zip(lasts, out.arrive, strict=True)]
+    segments, n = len(points) - 1, points.shape[1]
+    blends = np.ceil(_each("tacc", tacc, segments) / dt - 1e-9) * dt
+    v = _each("qd0", 0.0 if qd0 is None else qd0, n)
+    p, clock, half, lasts = points[0], 0.0, 0.0, 0.0
+    rows: list[Any] = []
+    arrive, info = np.zeros(segments), []
+    for k, (a, b, blend) in enumerate(zip(points, points[1:], blends, strict=False)):
+        half = math.ceil(blend / 2 / dt - 1e-9) * dt
+        corner = half if k == 0 else blend
+        slowest: float = math.nan
+        if tsegment is None:
+            needed = corner + np.ceil(np.abs(b - a) / _each("qdmax", qdmax, n) / dt - 1e-9) * dt
+            slowest, lasts = int(needed.argmax()), max(float(needed.max()), 2 * blend)
+        else:
+            lasts = float(_each("tsegment", tsegment, segments)[k])
+        info.append(mstraj_info(slowest, lasts, clock))
+        arrive[k] = clock + lasts + (half if k else 0.0)
+        rate = (b - a) / lasts
+        rows += _corner(p, v, a + half * rate, rate, corner, dt)
+        line = np.arange(round(half / dt) + 1, round((lasts - half) / dt) + 1) * dt
+        rows += [(a + t * rate, rate, np.zeros(n)) for t in line]
+        p, v = rows[-1][0] if rows else a, rate
+        clock += corner + dt * len(line)
+    rows += _corner(p, v, points[-1], _each("qdf", 0.0 if qdf is None else qdf, n), half, dt)
+    q, rates, rises = (np.array(part) for part in zip(*rows, strict=True))
+    out: Any = Trajectory("mstraj", dt * np.arange(len(q)), q, rates, rises, istime=True)
+    out.arrive, out.via = arrive, points[1:]
+    out.info = [*info, mstraj_info(None, lasts, clock)]
     return out
+
+
+def _each(name: str, given: Any, count: int) -> Floats:
+    """One number for all, or as many as there are."""
+    out = np.asarray(given, dtype=float)
+    if out.shape not in ((), (count,)):
+        raise ShapeError(name, out.shape, f"a number, or ({count},)")
+    return np.broadcast_to(out, (count,))
+
+
+def _corner(a: Floats, v: Floats, b: Floats, w: Floats, lasts: float, dt: float) -> list[Any]:
+    """Rows of the quintic from `a` at the velocity `v` to `b` at `w`, without the first."""
+    at = np.arange(1, round(lasts / dt) + 1) * dt
+    return list(zip(*trajectory.quintic_states(a, b, lasts, at, v, w), strict=True)) if at.size else []
