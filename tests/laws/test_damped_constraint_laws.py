@@ -11,7 +11,7 @@ from support.derivatives import along, by_configuration, by_vector
 from support.random_models import random_model, random_pose
 from ulna import algorithms as alg
 from ulna.algorithms.constrained_dynamics_damped import Damped, DampedMotion, damped_dynamics, damped_impact
-from ulna.algorithms.constrained_dynamics_derivatives import bound_derivatives, bound_terms
+from ulna.algorithms.constrained_dynamics_derivatives import bound_derivatives, bound_response, bound_terms
 from ulna.algorithms.constraint_twists import constraint_seen, constraint_twists, frame_of
 from ulna.model import Model
 from ulna.model.constraint import Bond, End
@@ -174,9 +174,10 @@ def test_derivatives_of_damped_dynamics(seed: int, rounds: int) -> None:
 
     here = solved(model, found, q, v, tau, wanted, damped)
     terms = bound_terms(model, q, v, here.a, here.forces, GAINS, wanted, found)
-    derived = bound_derivatives(terms, mu, rounds)
+    response = bound_response(terms, mu, rounds)
+    derived = bound_derivatives(response)
     close(np.vstack([derived.a_v, derived.f_v]), by_vector(v, lambda x: f(q, x, tau)).T, 1e-8)
-    close(np.vstack([derived.a_tau, derived.f_tau]), by_vector(tau, lambda x: f(q, v, x)).T, 1e-8)
+    close(np.vstack([response.a_tau, response.f_tau]), by_vector(tau, lambda x: f(q, v, x)).T, 1e-8)
     if rounds == 1:
         close(
             np.vstack([derived.a_q, derived.f_q]), by_configuration(model, q, lambda x: f(x, v, tau)).T, 1e-6
@@ -197,7 +198,7 @@ def test_derivatives_of_impacts(seed: int) -> None:
     jump, impulses = f(q, v)[: model.nv], f(q, v)[model.nv :]
     terms = bound_terms(model, q, 1.3 * v + jump, jump, impulses, GAINS, 0.0 * impulses, found, impact=True)
     terms = terms._replace(g_q=terms.c_q, g_v=1.3 * terms.J, r_v=0.0 * terms.r_v)
-    derived = bound_derivatives(terms, 0.5)
+    derived = bound_derivatives(bound_response(terms, 0.5))
     close(np.vstack([derived.a_q, derived.f_q]), by_configuration(model, q, lambda x: f(x, v)).T, 1e-6)
     close(np.vstack([derived.a_v, derived.f_v]), by_vector(v, lambda x: f(q, x)).T, 1e-8)
 

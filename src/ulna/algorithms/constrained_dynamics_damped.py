@@ -138,13 +138,18 @@ def damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped) 
     return DampedMotion(vector(*a), vector(*forces), count, change, residual)
 
 
+def damped_factors(G: Array, mu: Any) -> Factors:
+    """The factors of G + mu 1; without damping, rows that depend on rows after them have a reciprocal of zero."""
+    m = G.shape[-1]
+    damps = numeric.less(0.0, mu)
+    floors = [numeric.where(damps, _IMMOVABLE, _SAME * G[..., i, i] + _IMMOVABLE) for i in range(m)]
+    return Factors(G + np.eye(m) * (mu[..., None, None] if isinstance(mu, np.ndarray) else mu), floors)
+
+
 def _rounds(G: Array, b: Sequence[Any], m: int, damped: Damped) -> tuple[Sequence[Any], Any, Any]:
     """Forces, how many rounds, and the change of the last one."""
     mu = damped.mu
-    damps = numeric.less(0.0, mu)
-    floors = [numeric.where(damps, _IMMOVABLE, _SAME * G[..., i, i] + _IMMOVABLE) for i in range(m)]
-    eye = np.eye(m) * (mu[..., None, None] if isinstance(mu, np.ndarray) else mu)
-    factors = Factors(G + eye, floors)
+    factors = damped_factors(G, mu)
     first = factors.solve(b)
 
     def unfinished(*state: Any) -> Any:

@@ -16,7 +16,10 @@
 | de/dq | of a frame; of a point, w being the turning of its axes | | | J_r(e)^-1 s; s + e x w |
 | dr/dq | f, unlike its opposite, stays where it is in the axes of the first frame | | | dID - ... + J_b^T (s x* f) |
 | S | | (m, m) | | (J M^-1 J^T + mu 1)^-1 |
-| df/dx, da/dx | | | | -S (dg - J M^-1 dr), -M^-1 (dr - J^T df) |
+| P | S after n rounds with damping | (m, m) | | P_1 = S, P_n+1 = S + mu S P_n |
+| K, N | | (nv, nv), (m, nv) | | K = M^-1 - M^-1 J^T N, N = P J M^-1 |
+| W | how a and f answer to changes of r and g; f is turned by X | (nv + m, nv + m) | | W = [-K, -N^T; X N, -X P] |
+| B | changes of r and g by q and v | (nv + m, 2 nv) | | [da; df - (dX f, 0)] = W B |
 
 Forces along the world's axes turn with the first frame: df = R df + w x f. Derivatives by q are along the tangent
 space. Source: Carpentier & Mansard 2018, section III; Budhiraja, Carpentier & Mansard, Dynamics consensus between
@@ -26,12 +29,16 @@ centroidal and whole-body models for locomotion (2019), section III: differentia
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna import linalg
+from ulna import numeric
+from ulna.algorithms.constrained_dynamics import delassus_of, seen_inside
+from ulna.algorithms.constrained_dynamics_damped import damped_factors
 from ulna.algorithms.constraint_twists import frame_of, relative_log
+from ulna.algorithms.factors import Factors
 from ulna.algorithms.inverse_dynamics_derivatives import inverse_dynamics_derivatives
 from ulna.algorithms.kinematics import frame_acceleration, frame_pose, frame_velocity
 from ulna.algorithms.tree import blank
@@ -42,10 +49,13 @@ from ulna.algorithms.velocity_derivatives import (
 )
 from ulna.model import Frame, Model
 from ulna.model.constraint import Bond, End
-from ulna.numeric import apply, skew
+from ulna.numeric import apply, matrix, skew
 from ulna.spatial import SE3, Force, Motion
 from ulna.spatial.exponential import se3_right_jacobian_inverse
 from ulna.typing import Array
+
+_MOST = 2**30
+"""Rounds at most."""
 
 
 class BoundTerms(NamedTuple):
@@ -71,6 +81,25 @@ class BoundTerms(NamedTuple):
     """The derivative by q of what it gives for the forces f, (m, nv)."""
 
 
+class BoundResponse(NamedTuple):
+    """How a bound robot answers to changes of what is left of dynamics and constraints."""
+
+    W: Array
+    """(nv + m, nv + m)."""
+    B: Array
+    """(nv + m, 2 nv)."""
+    X_q: Array
+    """What turning the forces adds to df/dq, (m, nv)."""
+    a_tau: Array
+    """da/dtau, (nv, nv)."""
+    f_tau: Array
+    """df/dtau, (m, nv)."""
+    S: Array
+    """The inverse of the damped Delassus matrix, along the axes of the constraints, (m, m)."""
+    unique: Any
+    """Above 0 where no constraint depends on others; elsewhere their forces are not unique, and have no derivatives."""
+
+
 class BoundDerivatives(NamedTuple):
     """How a bound robot reacts."""
 
@@ -78,16 +107,10 @@ class BoundDerivatives(NamedTuple):
     """da/dq, (nv, nv)."""
     a_v: Array
     """da/dv, (nv, nv)."""
-    a_tau: Array
-    """da/dtau, (nv, nv)."""
     f_q: Array
     """df/dq, (m, nv)."""
     f_v: Array
     """df/dv, (m, nv)."""
-    f_tau: Array
-    """df/dtau, (m, nv)."""
-    S: Array
-    """The inverse of the damped Delassus matrix, (m, m)."""
 
 
 class _Side(NamedTuple):
@@ -163,23 +186,56 @@ def bound_terms(
     return BoundTerms(r_q + extra, r_v, M, J, c_q, g_q, g_v, X, X_q)
 
 
-def bound_derivatives(terms: BoundTerms, mu: float = 0.0, rounds: int = 1) -> BoundDerivatives:
-    """The derivatives of accelerations and forces of constrained dynamics with that damping, after those rounds."""
-    Minv = linalg.inverse(terms.M)
-    JM = terms.J @ Minv
-    S = linalg.inverse(JM @ terms.J.T + mu * np.eye(len(JM)))
+def bound_response(terms: BoundTerms, mu: Any = 0.0, rounds: Any = 1) -> BoundResponse:
+    """How accelerations and forces of constrained dynamics with that damping, after those rounds, answer to changes."""
+    m, n = terms.J.shape
+    factors = Factors(terms.M)
+    Y = seen_inside(factors, terms.J)
+    MJ = [factors.outward(column.get(k, 0.0) * r for k, r in enumerate(factors.reciprocals)) for column in Y]
+    of_forces = damped_factors(delassus_of(factors, Y), mu)
+    S = of_forces.inverse()
+    P = _after(S, mu, rounds)
+    N = P @ matrix(MJ)
+    rows = [list(row) for row in factors.inverse()]
+    for i in range(n):
+        for j in range(i + 1):
+            rows[i][j] = rows[j][i] = rows[i][j] - sum(MJ[k][i] * N[k, j] for k in range(m))
+    K, X = matrix(rows), terms.X
+    XN = X @ N
+    W = np.concatenate([np.concatenate([-K, -N.T], axis=1), np.concatenate([XN, -(X @ P)], axis=1)])
+    by_q, by_v = np.concatenate([terms.r_q, terms.g_q]), np.concatenate([terms.r_v, terms.g_v])
+    B = np.concatenate([by_q, by_v], axis=1)
+    return BoundResponse(W, B, terms.X_q, K, -XN, X @ S @ X.T, reduce(numeric.minimum, of_forces.reciprocals))
 
-    def solve(asked: Array) -> Array:
-        found = -S @ asked
-        for _ in range(rounds - 1):
-            found = S @ (mu * found - asked)
-        return found
 
-    f_q, f_v, f_tau = solve(terms.g_q - JM @ terms.r_q), solve(terms.g_v - JM @ terms.r_v), solve(JM)
-    a_q, a_v = (-Minv @ (r - terms.J.T @ f) for r, f in ((terms.r_q, f_q), (terms.r_v, f_v)))
-    a_tau = Minv + JM.T @ f_tau
-    X = terms.X
-    return BoundDerivatives(a_q, a_v, a_tau, X @ f_q + terms.X_q, X @ f_v, X @ f_tau, X @ S @ X.T)
+def bound_derivatives(response: BoundResponse) -> BoundDerivatives:
+    """The derivatives of accelerations and forces by q and v."""
+    n = len(response.a_tau)
+    found = response.W @ response.B
+    a, f = found[:n], found[n:]
+    return BoundDerivatives(a[:, :n], a[:, n:], f[:, :n] + response.X_q, f[:, n:])
+
+
+def _after(S: Array, mu: Any, rounds: Any) -> Array:
+    """P, symmetric as S is."""
+    m = len(S)
+    places = [(i, j) for i in range(m) for j in range(i + 1)]
+
+    def whole(state: Sequence[Any]) -> list[list[Any]]:
+        rows: list[list[Any]] = [[0.0] * m for _ in range(m)]
+        for (i, j), entry in zip(places, state, strict=False):
+            rows[i][j] = rows[j][i] = entry
+        return rows
+
+    def one(*state: Any) -> tuple[Any, ...]:
+        P = whole(state)
+        return (
+            *(S[i, j] + mu * sum(S[i, k] * P[k][j] for k in range(m)) for i, j in places),
+            state[-1] + 1.0,
+        )
+
+    begin = (*(S[i, j] for i, j in places), 1.0)
+    return matrix(whole(numeric.loop(lambda *state: numeric.less(state[-1], rounds), one, begin, _MOST)))
 
 
 def _second(model: Model, q: Array, bond: Bond, T: SE3) -> Frame:

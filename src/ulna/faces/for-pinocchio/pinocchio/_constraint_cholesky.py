@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._arrays import numbers
-from pinocchio._constraint_kernels import getConstraintsJacobian, jacobian_of, shapes_of
+from pinocchio._constraint_kernels import getConstraintsJacobian, jacobian_of
 from pinocchio._data import Data, engine_for
 from pinocchio._delassus import DelassusOperatorCholeskyExpression, diagonal
 from pinocchio._model import Model
@@ -190,8 +190,7 @@ def cholesky_of(data: Data) -> ConstraintCholeskyDecomposition:
     found = ConstraintCholeskyDecomposition()
     if data._bound is None:
         return found
-    solved = data._bound.solved()
-    engine = engine_for(data._model, data)
-    state = solved.state
-    J = jacobian_of(engine, shapes_of(state.models), state.places, state.q)
-    return found._hold(engine.plain("mass_matrix")(state.q), J, solved.settings.mu)
+    solved, engine = data._bound, engine_for(data._model, data)
+    q, _, places, _, _ = solved.kept
+    J = jacobian_of(engine, solved.shapes, places, q)
+    return found._hold(engine.plain("mass_matrix")(q), J, solved.numbers[0])

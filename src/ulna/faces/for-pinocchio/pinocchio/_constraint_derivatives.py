@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 
 from pinocchio._constraint_dynamics import restitution
-from pinocchio._constraint_kernels import bonds_of, paired, shapes_of
-from pinocchio._constraint_session import Solved
-from pinocchio._data import Data, engine_for
+from pinocchio._constraint_kernels import bonds_of, jacobian_of, paired, shapes_of
+from pinocchio._constraint_session import Solved, flat
+from pinocchio._data import Data
 from pinocchio._model import Model
 from pinocchio._proximal import settings_of
-from ulna.algorithms.constrained_dynamics_derivatives import (
-    BoundDerivatives,
-    BoundTerms,
-    bound_derivatives,
-    bound_terms,
-)
+from pinocchio._runs import refuse
+from ulna.algorithms.constrained_dynamics_derivatives import bound_response, bound_terms
 from ulna.errors import InputError
 from ulna.model import Model as TowerModel
 from ulna.typing import Array, Floats
@@ -39,16 +35,11 @@ def computeConstraintDynamicsDerivatives(
         contact_datas: Their data.
         settings: Those of constraintDynamics.
     """
-    settings = settings_of(settings)
+    rounds = 1 if settings is None else max(1, settings_of(settings).iter)
     solved = _solved(model, data, contact_models, contact_datas, False, "constraintDynamics")
-    terms = _terms(model, data, solved, solved.state.v, solved.state.gains)
-    found = _derivatives(terms, solved.settings.mu, max(1, settings.iter))
+    derived = _derived(model, data, solved, float(rounds))
     blocks = data._blocks
-    for name, block in zip(("ddq_dq", "ddq_dv", "ddq_dtau"), found[:3], strict=True):
-        blocks[name][:] = block
-    blocks["dlambda_dq"], blocks["dlambda_dv"], blocks["dlambda_dtau"], blocks["osim"] = found[3:]
-    blocks["dac_da"] = terms.X @ terms.J
-    return tuple(found[:6])
+    return tuple([blocks[name].copy() for name in derived.names])
 
 
 def computeImpulseDynamicsDerivatives(
@@ -66,46 +57,111 @@ def computeImpulseDynamicsDerivatives(
     """
     settings_of(prox_settings)
     solved = _solved(model, data, contact_models, contact_datas, True, "impulseDynamics")
-    factor = 1.0 + restitution(r_coeff)
-    terms = _terms(model, data, solved, factor * solved.state.v + solved.a, 0.0 * solved.state.gains)
-    terms = terms._replace(g_q=terms.c_q, g_v=factor * terms.J, r_v=0.0 * terms.r_v)
-    found = _derivatives(terms, solved.settings.mu, 1)
-    blocks = data._blocks
-    blocks["ddq_dq"][:], blocks["ddq_dv"][:] = found.a_q, found.a_v
-    blocks["dlambda_dq"], blocks["dlambda_dv"], blocks["osim"] = found.f_q, found.f_v, found.S
+    _derived(model, data, solved, 1.0 + restitution(r_coeff))
 
 
-def _derivatives(terms: BoundTerms, mu: float, rounds: int) -> BoundDerivatives:
-    try:
-        return bound_derivatives(terms, mu, rounds)
-    except np.linalg.LinAlgError:
+@final
+class Derived:
+    """Derivatives bound to what an algorithm left: a native call, and a product of two dense matrices."""
+
+    names = ("ddq_dq", "ddq_dv", "ddq_dtau", "dlambda_dq", "dlambda_dv", "dlambda_dtau")
+
+    def __init__(self, model: Model, data: Data, solved: Solved) -> None:
+        self.model, n, m = model, model.nv, len(solved.forces)
+        self.told = np.zeros(1)
+        self.given = (*solved.kept, solved.a, solved.forces, solved.numbers, self.told)
+        engine, shapes = data.attach(model), solved.shapes
+        sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(self.given)}
+        key, build = ("bound response", shapes, solved.impact), _response(shapes, solved.impact)
+        kernel = engine.made(key, build, **sizes)
+        self.own = {name: np.zeros((m, n)) for name in ("dlambda_dq", "dlambda_dv")}
+        self.own["osim"] = np.zeros((m, m))
+        self.W, self.B, self.found = (
+            np.zeros((n + m, n + m)),
+            np.zeros((n + m, 2 * n)),
+            np.zeros((n + m, 2 * n)),
+        )
+        self.X_q, self.unique = np.zeros((m, n)), np.zeros(())
+        targets = [self.W, self.B, self.X_q, self.own["osim"], self.unique]
+        if not solved.impact:
+            self.own |= {name: np.zeros((m, n)) for name in ("dlambda_dtau", "dac_da")}
+            targets += [data._blocks["ddq_dtau"], self.own["dlambda_dtau"], self.own["dac_da"]]
+        self.step = kernel.into(*targets, watch=model.watched("numbers"), otherwise=refuse)
+        a, f = self.found[:n], self.found[n:]
+        self.parts = a[:, :n], a[:, n:], f[:, :n], f[:, n:]
+
+    def fill(self, data: Data, told: float) -> Any:
+        """Writes them into the data; NotImplemented where a number of the model is not what it was."""
+        self.told[0] = told
+        if self.step(*self.given) is NotImplemented or self.unique == 0.0:
+            return NotImplemented
+        np.matmul(self.W, self.B, out=self.found)
+        a_q, a_v, f_q, f_v = self.parts
+        blocks, own = data._blocks, self.own
+        blocks["ddq_dq"][...], blocks["ddq_dv"][...] = a_q, a_v
+        np.add(f_q, self.X_q, out=own["dlambda_dq"])
+        own["dlambda_dv"][...] = f_v
+        blocks.update(own)
+        return None
+
+
+def _derived(model: Model, data: Data, solved: Solved, told: float) -> Derived:
+    derived = solved.derived
+    if derived is not None and derived.model is model and derived.fill(data, told) is not NotImplemented:
+        return derived
+    derived = solved.derived = Derived(model, data, solved)
+    if derived.fill(data, told) is NotImplemented:
+        q, _, places, _, _ = solved.kept
+        J = jacobian_of(data.attach(model), solved.shapes, places, q)
+        if not np.isfinite(J).all():
+            raise InputError(
+                f"{'impulseDynamics' if solved.impact else 'constraintDynamics'} was given q = {q}."
+            )
         raise InputError(
-            f"The {len(terms.J)} rows of the constraints depend on each other (rank {np.linalg.matrix_rank(terms.J)}): "
+            f"The {len(J)} rows of the constraints depend on each other (rank {np.linalg.matrix_rank(J)}): "
             "their forces are not unique, and have no derivatives. Leave some out, or give settings with mu > 0."
-        ) from None
+        )
+    return derived
 
 
 def _solved(model: Model, data: Data, models: Any, datas: Any, impact: bool, mend: str) -> Solved:
-    engine_for(model, data)
+    solved = data._bound
+    if solved is not None and solved.impact == impact and solved.ties.serves(model, models, datas):
+        return solved
+    data.attach(model)
     checked = paired(model, models, datas)
-    solved = None if data._bound is None else data._bound.solved()
-    if solved is None or solved.impact != impact or shapes_of(checked) != shapes_of(solved.state.models):
+    if solved is None or solved.impact != impact or shapes_of(checked) != solved.shapes:
         raise InputError(
             f"This Data holds no solution of these constraints. Call {mend} with them, and the same data, first."
         )
     return solved
 
 
-def _terms(model: Model, data: Data, solved: Solved, v: Floats, gains: Floats) -> BoundTerms:
-    shapes, impact = shapes_of(solved.state.models), solved.impact
-
+def _response(shapes: Any, impact: bool) -> Any:
     def build(tower: TowerModel) -> Any:
-        def run(places: Array, *state: Array) -> tuple[Array, ...]:
-            return tuple(bound_terms(tower, *state, bonds=bonds_of(shapes, places), impact=impact))
+        def run(
+            q: Array,
+            v: Array,
+            places: Array,
+            gains: Array,
+            wanted: Array,
+            a: Array,
+            forces: Array,
+            numbers: Array,
+            told: Array,
+        ) -> tuple[Any, ...]:
+            bonds = bonds_of(shapes, places)
+            if impact:
+                v, gains, wanted = told[0] * v + a, np.zeros(gains.shape), np.zeros(wanted.shape)
+            terms = bound_terms(tower, q, v, a, forces, gains, flat(wanted, shapes), bonds, impact)
+            if not impact:
+                found = bound_response(terms, numbers[0], told[0])
+                more = found.a_tau, found.f_tau, terms.X @ terms.J
+            else:
+                terms = terms._replace(g_q=terms.c_q, g_v=told[0] * terms.J, r_v=np.zeros(terms.r_v.shape))
+                found, more = bound_response(terms, numbers[0]), ()
+            return found.W, found.B, found.X_q, found.S, found.unique, *more
 
         return run
 
-    given = (solved.state.places, solved.state.q, v, solved.a, solved.forces, gains, solved.wanted)
-    names = ("places", "q", "v", "a", "forces", "gains", "wanted")
-    sizes: dict[str, Any] = {name: x.shape for name, x in zip(names, given, strict=True)}
-    return BoundTerms(*engine_for(model, data).made(("bound terms", shapes, impact), build, **sizes)(*given))
+    return build

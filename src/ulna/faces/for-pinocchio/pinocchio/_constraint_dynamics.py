@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import exact
-from pinocchio._constraint_kernels import bonds_of, paired, shapes_of
-from pinocchio._constraint_session import Session, Solved
-from pinocchio._constraint_state import bound, leave
-from pinocchio._constraints import RigidConstraintData, RigidConstraintModel
+from pinocchio._arrays import vector
+from pinocchio._constraint_kernels import paired
+from pinocchio._constraint_session import solve
+from pinocchio._constraints import RigidConstraintModel
 from pinocchio._data import Data, engine_for
 from pinocchio._dynamics import aba
 from pinocchio._jacobian_dynamics import impact_with_jacobian
-from pinocchio._kinematics import stacked
 from pinocchio._model import Model
 from pinocchio._proximal import ProximalSettings, settings_of
 from pinocchio._states import OWN
-from ulna import algorithms
-from ulna.algorithms.constrained_dynamics_damped import Damped, damped_impact
 from ulna.errors import InputError
-from ulna.model import Model as TowerModel
-from ulna.recipes.base import with_mass
-from ulna.typing import Array, Floats
+from ulna.typing import Floats
 
 __all__ = [
     "computeJointMinimalOrdering",
@@ -46,14 +39,6 @@ def initConstraintDynamics(model: Model, data: Data, contact_models: Any, contac
     for name in ("dlambda_dq", "dlambda_dv", "dlambda_dtau", "dac_da"):
         blocks[name] = np.zeros((m, nv))
     blocks["osim"] = np.zeros((m, m))
-
-
-def share(forces: Floats, datas: Sequence[RigidConstraintData]) -> None:
-    """Writes the forces (m,) into the data of their constraints."""
-    start = 0
-    for known in datas:
-        known._views["contact_force"]._v[: known._size] = forces[start : start + known._size]
-        start += known._size
 
 
 def constraintDynamics(
@@ -81,24 +66,17 @@ def constraintDynamics(
         contact_datas: Their data.
         prox_settings: How the forces are found; it is told how that went. None for one round without damping.
     """
+    if not len(contact_models):
+        paired(model, contact_models, contact_datas)
+        return aba(model, data, q, v, tau)
     settings = _ONE_ROUND if prox_settings is None else settings_of(prox_settings)
-    session = data._session
-    if session is None or not session.serves(model, data, contact_models, contact_datas, settings.max_iter):
-        if not len(contact_models):
-            paired(model, contact_models, contact_datas)
-            return aba(model, data, q, v, tau)
-        session = data._session = Session(model, data, contact_models, contact_datas, settings.max_iter)
-    a = session.solve(contact_models, settings, q, v, tau)
-    if a is NotImplemented:
-        q, v, tau = exact(q, model.nq, "q"), exact(v, model.nv, "v"), exact(tau, model.nv, "tau")
-        session = data._session = Session(model, data, contact_models, contact_datas, settings.max_iter)
-        a = session.solve(contact_models, settings, q, v, tau)
+    session, a = solve(
+        model, data, contact_models, contact_datas, settings.max_iter, q, v, tau, settings._numbers
+    )
     if prox_settings is not None:
-        settings._report(*session.report)
+        settings._report(*session.report.tolist())
     data._blocks["lambda_c"] = session.forces
-    data._known.update(("places", "own", "jacobians"))
     data._due |= OWN
-    data._bound = session
     return a
 
 
@@ -158,28 +136,15 @@ def _impact(
     r_coeff: float = 0.0,
     prox_settings: Any = None,
 ) -> Floats:
-    state = bound(model, contact_models, contact_datas, q, v)
-    settings = settings_of(prox_settings)
-    engine = engine_for(model, data)
-    blocks = data._blocks
-    if not state.models:
-        blocks["dq_after"][:] = state.v
-        return state.v.copy()
-    shapes = shapes_of(state.models)
-    numbers = np.array([settings.mu, restitution(r_coeff)])
-    given = (state.q, state.v, state.places, numbers)
-    sizes: dict[str, Any] = dict(zip(("q", "v", "places", "numbers"), (x.shape for x in given), strict=True))
-    found = engine.made(("impact", shapes), with_mass(_impact_of(shapes)), **sizes)(*given)
-    blocks["ddq"][:], impulses, blocks["M"][:], blocks["J"][:], data._tails["oMi"][...] = found
-    blocks["dq_after"][:] = after = state.v + found[0]
-    blocks["impulse_c"] = impulses
-    q = data.keep(engine, state.q)
-    data._q_of_jacobians = q
-    share(impulses, state.datas)
-    leave(engine, state)
-    data._bound = Solved(
-        state._replace(q=q, v=state.v.copy()), found[0], impulses, 0.0 * impulses, settings, True
-    )
+    settings = _ONE_ROUND if prox_settings is None else settings_of(prox_settings)
+    if not len(contact_models):
+        paired(model, contact_models, contact_datas)
+        data._blocks["dq_after"][:] = after = vector(v, model.nv, "v")
+        return after.copy()
+    part = np.array([restitution(r_coeff)])
+    session, after = solve(model, data, contact_models, contact_datas, 0, q, v, settings._numbers, part)
+    data._blocks["impulse_c"] = session.forces
+    data._due |= OWN
     return after
 
 
@@ -188,23 +153,3 @@ def restitution(value: Any) -> float:
     if not 0.0 <= part <= 1.0:
         raise InputError(f"The coefficient of restitution is {value!r}; expected a number from 0 to 1.")
     return part
-
-
-def _impact_of(shapes: Any) -> Any:
-    def build(tower: TowerModel) -> Any:
-        def run(q: Array, v: Array, places: Array, numbers: Array) -> tuple[Any, ...]:
-            bonds = bonds_of(shapes, places)
-            J = algorithms.constraint_jacobian(tower, q, bonds)
-            jump = (1.0 + numbers[1]) * algorithms.constraint_velocity(tower, q, v, bonds)
-            found = damped_impact(tower, q, J, jump, Damped(numbers[0], 0.0, 0.0, 1))
-            return (
-                found.a,
-                found.forces,
-                algorithms.mass_matrix(tower, q),
-                algorithms.joint_jacobians(tower, q),
-                stacked(algorithms.joint_poses(tower, q)),
-            )
-
-        return run
-
-    return build

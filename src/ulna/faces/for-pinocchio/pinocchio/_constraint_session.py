@@ -1,146 +1,217 @@
-"""Constraints bound to a Data: one native call solves, and writes what is known then."""
+"""Constraints bound to a Data: one native call reads them, computes, and writes what is known then."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
+from pinocchio._arrays import exact
 from pinocchio._constraint_kernels import bonds_of, paired, shapes_of
 from pinocchio._constraint_pair import changes
-from pinocchio._constraint_state import Bound, Left
+from pinocchio._constraint_state import Left
 from pinocchio._data import Data
 from pinocchio._kinematics import stacked
 from pinocchio._model import Model
-from pinocchio._proximal import ProximalSettings
 from pinocchio._runs import refuse
 from ulna import algorithms
-from ulna.algorithms.constrained_dynamics_damped import Damped, damped_dynamics
+from ulna.algorithms.constrained_dynamics_damped import Damped, damped_dynamics, damped_impact
 from ulna.algorithms.constraint_twists import constraint_twists
 from ulna.errors import InputError
 from ulna.model import Model as TowerModel
 from ulna.recipes.base import with_mass
-from ulna.typing import Array, Floats
+from ulna.typing import Array
 
+if TYPE_CHECKING:
+    from pinocchio._constraint_derivatives import Derived
 
-class Solved(NamedTuple):
-    """What the last algorithm under constraints found."""
-
-    state: Bound
-    a: Floats
-    forces: Floats
-    wanted: Floats
-    settings: ProximalSettings
-    impact: bool
-
-    def solved(self) -> Solved:
-        """Itself."""
-        return self
+_MOST = 8
+"""So many lists of constraints does a Data know."""
 
 
 @final
-class Session:
-    """Constraints bound to a Data: one native call solves, and writes what is known then."""
+class Ties:
+    """A list of constraints with its data, for one model, and the algorithms bound to them.
 
-    def __init__(self, model: Model, data: Data, models: Any, datas: Any, limit: int) -> None:
-        self.models, self.datas = paired(model, models, datas), list(datas)
-        if len({id(known) for known in self.datas}) < len(self.datas):
-            raise InputError(
-                "One data stands for two constraints; give each its own: constraint.createData()."
-            )
-        self.model, self.limit, self.version = model, limit, changes[0]
-        self.home = data._blocks["ddq"]
-        self.shapes = shapes = shapes_of(self.models)
-        k, rows = len(shapes), sum(shape[0] for shape in shapes)
-        self.places, self.gains = np.zeros((k, 2, 4, 4)), np.zeros((k, 2))
-        self.wanted, self.numbers = np.zeros((k, 6)), np.zeros(3)
-        self.settings = ProximalSettings()
-        self.a, self.forces, self.report = np.zeros(model.nv), np.zeros(rows), np.zeros(3)
-        self.kept = [np.zeros(model.nq), np.zeros(model.nv), self.places.copy(), self.gains.copy()]
-        self.kept_wanted = self.wanted.copy()
-        engine = data.attach(model)
-        self.left = Left(engine, self.datas, shapes, *self.kept)
-        given = {"q": self.kept[0], "v": self.kept[1], "tau": self.a, "places": self.places}
-        given |= {"gains": self.gains, "wanted": self.wanted, "numbers": self.numbers}
-        sizes: dict[str, Any] = {name: x.shape for name, x in given.items()}
-        kernel = engine.made(
-            ("constraint dynamics", shapes, limit), with_mass(_motion(shapes, limit)), **sizes
+    Attributes:
+        live: Of each constraint its placements, gains and wanted acceleration, the arrays that users write to.
+        runs: What is bound, by the key of the algorithm.
+    """
+
+    def __init__(self, model: Model, models: Any, datas: Any) -> None:
+        self.model, self.models, self.datas = model, paired(model, models, datas), list(datas)
+        self.version, self.shapes = changes[0], shapes_of(self.models)
+        self.places = tuple(one._places for one in self.models)
+        self.live = tuple(
+            x
+            for one, known in zip(self.models, self.datas, strict=True)
+            for x in (one._places, one._gains._v, known._views["contact_acceleration_desired"]._v)
         )
-        names = ("ddq", "M", "nle", "J", "oMi", "places q", "own q", "jacobians q")
-        targets = [data.target(name) for name in names]
-        own = [self.a, self.forces, self.report, *self.kept, self.kept_wanted]
-        forces = [known._views["contact_force"]._v for known in self.datas]
-        watch = model.watched("numbers")
-        self.step = kernel.into(*targets, *own, *forces, returns=(0,), watch=watch, otherwise=refuse)
+        self.runs: dict[Any, Any] = {}
 
-    def serves(self, model: Model, data: Data, models: Any, datas: Any, limit: int) -> bool:
+    def serves(self, model: Model, models: Any, datas: Any) -> bool:
         """Whether it was made for these."""
         return (
             self.model is model
-            and self.home is data._blocks["ddq"]
-            and self.limit == limit
             and self.version == changes[0]
             and models == self.models
             and datas == self.datas
         )
 
-    def solve(self, models: Any, settings: ProximalSettings, q: Any, v: Any, tau: Any) -> Any:
-        """The accelerations; NotImplemented where arguments or numbers of the model are not what they were."""
-        for k, one in enumerate(models):
-            self.places[k] = one._places
-            self.gains[k] = one._gains._v
-        for k, known in enumerate(self.datas):
-            self.wanted[k] = known._views["contact_acceleration_desired"]._v
-            known._due = self.left
-        self.settings = settings
-        self.numbers[:] = settings._numbers
-        return self.step(q, v, tau, self.places, self.gains, self.wanted, self.numbers)
 
-    def solved(self) -> Solved:
-        """What it found."""
-        q, v, places, gains = (x.copy() for x in self.kept)
-        wanted = np.concatenate(
-            [w[: shape[0]] for w, shape in zip(self.kept_wanted, self.shapes, strict=True)]
-        )
-        state = Bound(self.models, self.datas, q, v, places, gains)
-        return Solved(state, self.a.copy(), self.forces.copy(), wanted, self.settings, False)
+def tied(model: Model, data: Data, models: Any, datas: Any) -> Ties:
+    """The constraints as they are bound to a Data.
+
+    Raises:
+        InputError: see `paired`; the Data does not fit the model.
+    """
+    for ties in data._ties:
+        if ties.serves(model, models, datas):
+            return ties
+    models, datas = list(models), list(datas)
+    data.attach(model)
+    data._ties = [ties for ties in data._ties if ties.version == changes[0]][-_MOST + 1 :]
+    for ties in data._ties:
+        if ties.serves(model, models, datas):
+            return ties
+    data._ties.append(Ties(model, models, datas))
+    return data._ties[-1]
+
+
+@final
+class Solved:
+    """What an algorithm under constraints found, and of what."""
+
+    def __init__(self, model: Model, ties: Ties, impact: bool) -> None:
+        self.ties, self.shapes, self.impact = ties, ties.shapes, impact
+        k, m = len(ties.shapes), sum(shape[0] for shape in ties.shapes)
+        shapes = (model.nq,), (model.nv,), (k, 2, 4, 4), (k, 2), (k, 6)
+        self.kept = tuple(np.zeros(shape) for shape in shapes)
+        self.a, self.forces, self.numbers = np.zeros(model.nv), np.zeros(m), np.zeros(3)
+        self.derived: Derived | None = None
+
+    def copied(self) -> Solved:
+        """The same, for another Data."""
+        out = object.__new__(Solved)
+        out.ties, out.shapes, out.impact, out.derived = self.ties, self.shapes, self.impact, None
+        out.kept = tuple(x.copy() for x in self.kept)
+        out.a, out.forces, out.numbers = self.a.copy(), self.forces.copy(), self.numbers.copy()
+        return out
+
+
+@final
+class Session:
+    """Dynamics, or an impact, bound to constraints and a Data."""
+
+    def __init__(self, model: Model, data: Data, ties: Ties, limit: int) -> None:
+        """`limit` is how many rounds there may be; 0 means an impact."""
+        datas, shapes = ties.datas, ties.shapes
+        if len({id(known) for known in datas}) < len(datas):
+            raise InputError(
+                "One data stands for two constraints; give each its own: constraint.createData()."
+            )
+        impact = limit == 0
+        self.datas, self.live, self.report = datas, ties.live, np.zeros(3)
+        self.solved = solved = Solved(model, ties, impact)
+        self.forces = np.zeros(len(solved.forces))
+        engine = data.attach(model)
+        self.left = Left(engine, datas, shapes, *solved.kept[:4])
+        given = (solved.a,) if impact else (solved.a, solved.a)
+        given = (solved.kept[0], *given, solved.numbers, *((np.zeros(1),) if impact else ()), *ties.live)
+        sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(given)}
+        build = _impact(shapes) if impact else _motion(shapes, limit)
+        kernel = engine.made(("constraint dynamics", shapes, limit), with_mass(build), **sizes)
+        names = ("dq_after" if impact else "nle", "ddq", "M", "J", "oMi", "places q", "own q", "jacobians q")
+        own = [self.forces, self.report, *solved.kept, solved.a, solved.forces, solved.numbers]
+        told = [known._views["contact_force"]._v for known in datas]
+        targets = [*(data.target(name) for name in names), *own, *told]
+        watch = model.watched("numbers")
+        self.step = kernel.into(*targets, returns=(int(not impact),), watch=watch, otherwise=refuse)
+
+    def run(self, *state: Any) -> Any:
+        """The accelerations, or the velocity; NotImplemented where something is not what it was bound to."""
+        found = self.step(*state, *self.live)
+        if found is not NotImplemented:
+            for known in self.datas:
+                known._due = self.left
+        return found
+
+
+def solve(model: Model, data: Data, models: Any, datas: Any, limit: int, *given: Any) -> tuple[Session, Any]:
+    """Runs dynamics (q, v, tau, numbers) or, limit = 0, an impact (q, v, numbers, restitution); see `Session`."""
+    ties = tied(model, data, models, datas)
+    session = ties.runs.get(limit)
+    found = NotImplemented if session is None else session.run(*given)
+    if found is NotImplemented:
+        count = 2 if limit == 0 else 3
+        sizes = zip((model.nq, model.nv, model.nv), ("q", "v", "tau"), strict=True)
+        state = [exact(x, *size) for x, size in zip(given[:count], sizes, strict=False)]
+        found = NotImplemented if session is None else session.run(*state, *given[count:])
+        if found is NotImplemented:
+            data.attach(model)
+            ties = tied(model, data, models, datas)
+            session = ties.runs[limit] = Session(model, data, ties, limit)
+            found = session.run(*state, *given[count:])
+    assert session is not None
+    data._known.update(_WRITTEN)
+    data._bound = session.solved
+    return session, found
+
+
+_WRITTEN = ("places", "own", "jacobians")
+
+
+def flat(wanted: Array, shapes: Any) -> Array:
+    """Of rows for all constraints (constraints, 6) those that they have, (m,)."""
+    return np.concatenate([wanted[k, : shape[0]] for k, shape in enumerate(shapes)])
+
+
+def _stacks(live: Sequence[Array]) -> tuple[Array, Array, Array]:
+    """Placements, gains, and wanted accelerations, each in one array."""
+    return np.stack(live[0::3]), np.stack(live[1::3]), np.stack(live[2::3])
+
+
+def _rest(tower: TowerModel, q: Array, shapes: Any, forces: Array) -> tuple[list[Array], list[Array]]:
+    """What all algorithms under constraints leave in a Data, and what in the data of the constraints."""
+    parts = np.split(forces, np.cumsum([shape[0] for shape in shapes])[:-1])
+    places = stacked(algorithms.joint_poses(tower, q))
+    matrices = [algorithms.mass_matrix(tower, q), algorithms.joint_jacobians(tower, q), places, q, q, q]
+    return matrices, [np.concatenate([part, np.zeros(6 - len(part))]) for part in parts]
 
 
 def _motion(shapes: Any, limit: int) -> Any:
-    sizes = [shape[0] for shape in shapes]
-    owner = [i for i, size in enumerate(sizes) for _ in range(size)]
+    owner = [k for k, shape in enumerate(shapes) for _ in range(shape[0])]
 
     def build(tower: TowerModel) -> Any:
-        def run(
-            q: Array, v: Array, tau: Array, places: Array, gains: Array, wanted: Array, numbers: Array
-        ) -> tuple[Any, ...]:
+        def run(q: Array, v: Array, tau: Array, numbers: Array, *live: Array) -> tuple[Any, ...]:
+            places, gains, wanted = _stacks(live)
             twists = constraint_twists(tower, q, v, bonds_of(shapes, places))
             pull = gains[owner, 1] * twists.velocity + gains[owner, 0] * twists.error
-            asked = np.concatenate([wanted[k, :size] for k, size in enumerate(sizes)])
             damped = Damped(numbers[0], numbers[1], numbers[2], limit)
-            a, forces, *report = damped_dynamics(
-                tower, q, v, tau, twists.J, twists.bias + pull - asked, damped
-            )
-            parts = np.split(forces, np.cumsum(sizes)[:-1])
-            return (
-                a,
-                algorithms.mass_matrix(tower, q),
-                algorithms.bias_forces(tower, q, v),
-                algorithms.joint_jacobians(tower, q),
-                stacked(algorithms.joint_poses(tower, q)),
-                q,
-                q,
-                q,
-                a,
-                forces,
-                np.stack(report),
-                q,
-                v,
-                places,
-                gains,
-                wanted,
-                *(np.concatenate([part, np.zeros(6 - len(part))]) for part in parts),
-            )
+            g = twists.bias + pull - flat(wanted, shapes)
+            a, forces, *report = damped_dynamics(tower, q, v, tau, twists.J, g, damped)
+            left, told = _rest(tower, q, shapes, forces)
+            state = q, v, places, gains, wanted, a, forces, numbers
+            nle = algorithms.bias_forces(tower, q, v)
+            return nle, a, *left, forces, np.stack(report), *state, *told
+
+        return run
+
+    return build
+
+
+def _impact(shapes: Any) -> Any:
+    def build(tower: TowerModel) -> Any:
+        def run(q: Array, v: Array, numbers: Array, part: Array, *live: Array) -> tuple[Any, ...]:
+            places, gains, wanted = _stacks(live)
+            bonds = bonds_of(shapes, places)
+            J = algorithms.constraint_jacobian(tower, q, bonds)
+            jump = (1.0 + part[0]) * algorithms.constraint_velocity(tower, q, v, bonds)
+            a, forces, *report = damped_impact(tower, q, J, jump, Damped(numbers[0], 0.0, 0.0, 1))
+            left, told = _rest(tower, q, shapes, forces)
+            state = q, v, places, gains, wanted, a, forces, numbers
+            return v + a, a, *left, forces, np.stack(report), *state, *told
 
         return run
 

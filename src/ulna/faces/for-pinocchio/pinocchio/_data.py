@@ -173,7 +173,7 @@ class Data(Saved, States):
         self._frozen: dict[int, Any] = {}
         self._known: set[str] = set()
         self._bound: Any = None
-        self._session: Any = None
+        self._ties: list[Any] = []
         self._damped: Any = None
 
     def _fill_views(self) -> None:
@@ -209,7 +209,7 @@ class Data(Saved, States):
         out._blocks = {k: b.copy() for k, b in self._blocks.items()}
         out.dhg = self.dhg.copy()
         out._run, out._run_at = Runs(), {}
-        out._bound, out._session = self._bound and self._bound.solved(), None
+        out._bound, out._ties = self._bound and self._bound.copied(), []
         out._frozen, out._known = dict(self._frozen), set(self._known)
         out._fill_views()
         list.__setitem__(out.mass, slice(None), list(list.__iter__(self.mass)))

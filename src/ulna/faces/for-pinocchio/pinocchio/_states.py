@@ -53,6 +53,7 @@ class States:
     _engine: Engine | None
     _run: Runs
     _run_at: dict[Any, Any]
+    _ties: list[Any]
     _due: int
     _frozen: dict[int, Any]
     _known: set[str]
@@ -78,7 +79,7 @@ class States:
             for bit, state in _DUE.items():
                 if self._due & bit:
                     self.leave(bit, (self._engine, *(x.copy() for x in self._state(state))))
-            self._run, self._run_at = Runs(), {}
+            self._run, self._run_at, self._ties = Runs(), {}, []
             self._engine, self._model = engine, model
         return engine
 
