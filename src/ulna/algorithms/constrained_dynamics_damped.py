@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -65,6 +66,8 @@ class DampedMotion(NamedTuple):
     """The largest change of a force in the last round, (...)."""
     residual: Any
     """The largest entry of what is left of the constraints, (...)."""
+    unique: Any
+    """Above 0 where no row of J depends on others without damping, (...); elsewhere the forces are not unique."""
 
 
 _SAME = 1e-12
@@ -128,14 +131,16 @@ def damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped) 
     y = factors.inward([drive[..., k][()] for k in range(M.shape[-1])])
     z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
     b = [-sum((entry * z[k] for k, entry in row.items()), g[..., i][()]) for i, row in enumerate(Y)]
-    forces, count, change = _rounds(delassus_of(factors, Y), b, m, damped)
+    of_forces = damped_factors(delassus_of(factors, Y), damped.mu)
+    forces, count, change = _rounds(of_forces, b, m, damped)
     for row, force in zip(Y, forces, strict=True):
         for k, entry in row.items():
             y[k] = y[k] + entry * force
     a = factors.outward(entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True))
     left = apply(J, vector(*a)) + g
     residual = largest([left[..., i] for i in range(m)])
-    return DampedMotion(vector(*a), vector(*forces), count, change, residual)
+    unique = reduce(numeric.minimum, of_forces.reciprocals)
+    return DampedMotion(vector(*a), vector(*forces), count, change, residual, unique)
 
 
 def damped_factors(G: Array, mu: Any) -> Factors:
@@ -146,10 +151,9 @@ def damped_factors(G: Array, mu: Any) -> Factors:
     return Factors(G + np.eye(m) * (mu[..., None, None] if isinstance(mu, np.ndarray) else mu), floors)
 
 
-def _rounds(G: Array, b: Sequence[Any], m: int, damped: Damped) -> tuple[Sequence[Any], Any, Any]:
+def _rounds(factors: Factors, b: Sequence[Any], m: int, damped: Damped) -> tuple[Sequence[Any], Any, Any]:
     """Forces, how many rounds, and the change of the last one."""
     mu = damped.mu
-    factors = damped_factors(G, mu)
     first = factors.solve(b)
 
     def unfinished(*state: Any) -> Any:

@@ -16,7 +16,7 @@ from pinocchio._configurations import *
 from pinocchio._constraint_cholesky import *
 from pinocchio._constraint_derivatives import *
 from pinocchio._constraint_dynamics import *
-from pinocchio._constraint_kernels import *
+from pinocchio._constraint_jacobians import *
 from pinocchio._constraint_pair import *
 from pinocchio._constraints import *
 from pinocchio._contact_inverse import *

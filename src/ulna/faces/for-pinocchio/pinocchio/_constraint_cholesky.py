@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from pinocchio._arrays import numbers
-from pinocchio._constraint_kernels import getConstraintsJacobian, jacobian_of
+from pinocchio._constraint_jacobians import getConstraintsJacobian
+from pinocchio._constraint_kernels import jacobian_kernel
 from pinocchio._data import Data, engine_for
 from pinocchio._delassus import DelassusOperatorCholeskyExpression, diagonal
 from pinocchio._model import Model
@@ -54,7 +55,7 @@ class ConstraintCholeskyDecomposition:
             mu: Damping: one number, or one for each row.
         """
         M = data._blocks["M"]
-        if not M.any():
+        if not M[:1, :1].any() and not M.any():
             raise InputError("`data.M` holds no mass matrix yet. Call crba(model, data, q) first.")
         self._hold(M.copy(), getConstraintsJacobian(model, data, contact_models, contact_datas), mu)
 
@@ -192,5 +193,5 @@ def cholesky_of(data: Data) -> ConstraintCholeskyDecomposition:
         return found
     solved, engine = data._bound, engine_for(data._model, data)
     q, _, places, _, _ = solved.kept
-    J = jacobian_of(engine, solved.shapes, places, q)
+    J = jacobian_kernel(engine, solved.shapes, len(q))(q, *places)
     return found._hold(engine.plain("mass_matrix")(q), J, solved.numbers[0])

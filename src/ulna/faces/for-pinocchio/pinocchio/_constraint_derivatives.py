@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._constraint_dynamics import restitution
-from pinocchio._constraint_kernels import bonds_of, jacobian_of, paired, shapes_of
+from pinocchio._constraint_kernels import bonds_of, jacobian_kernel, paired, shapes_of
 from pinocchio._constraint_session import Solved, flat
 from pinocchio._data import Data
 from pinocchio._model import Model
@@ -112,7 +112,7 @@ def _derived(model: Model, data: Data, solved: Solved, told: float) -> Derived:
     derived = solved.derived = Derived(model, data, solved)
     if derived.fill(data, told) is NotImplemented:
         q, _, places, _, _ = solved.kept
-        J = jacobian_of(data.attach(model), solved.shapes, places, q)
+        J = jacobian_kernel(data.attach(model), solved.shapes, model.nq)(q, *places)
         if not np.isfinite(J).all():
             raise InputError(
                 f"{'impulseDynamics' if solved.impact else 'constraintDynamics'} was given q = {q}."

@@ -8,18 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pinocchio._constraints import RigidConstraintData, RigidConstraintModel
-from pinocchio._data import Data, engine_for
 from pinocchio._model import Model
 from ulna import algorithms, spatial
 from ulna.errors import InputError
 from ulna.model import Model as TowerModel
 from ulna.model.constraint import Bond, End
-from ulna.typing import Array, Floats
+from ulna.typing import Array
 
 if TYPE_CHECKING:
     from pinocchio._engine import Engine
-
-__all__ = ["getConstraintJacobian", "getConstraintsJacobian"]
 
 
 def paired(model: Model, models: Any, datas: Any) -> list[RigidConstraintModel]:
@@ -56,11 +53,6 @@ def shapes_of(models: Sequence[RigidConstraintModel]) -> tuple[tuple[int, bool, 
     return tuple(one._shape() for one in models)
 
 
-def places_of(models: Sequence[RigidConstraintModel]) -> Floats:
-    """Their placements, (constraints, 2, 4, 4), an argument of kernels."""
-    return np.stack([one._places for one in models])
-
-
 def bonds_of(shapes: Sequence[tuple[int, bool, int, int]], places: Array) -> list[Bond]:
     """The constraints for the tower; a frame of the world stands at its joint -1."""
     found = []
@@ -73,32 +65,18 @@ def bonds_of(shapes: Sequence[tuple[int, bool, int, int]], places: Array) -> lis
     return found
 
 
-def jacobian_of(engine: Engine, shapes: Any, places: Floats, q: Floats) -> Floats:
-    """The Jacobian (m, nv) of constraints."""
+def jacobian_kernel(engine: Engine, shapes: Any, nq: int) -> Any:
+    """The compiled Jacobian (m, nv) of constraints, a function of q and the placements (2, 4, 4) of each."""
 
     def build(tower: TowerModel) -> Any:
-        return lambda q, places: algorithms.constraint_jacobian(tower, q, bonds_of(shapes, places))
+        def run(q: Array, *places: Array) -> Array:
+            return algorithms.constraint_jacobian(tower, q, bonds_of(shapes, np.stack(places)))
 
-    return engine.made(("constraint jacobian", shapes), build, q=q.shape, places=places.shape)(q, places)
+        return run
 
-
-def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> Floats:
-    """The Jacobian (m, nv) of all constraints, at the configuration of the last kinematics or dynamics."""
-    q = data.require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
-    engine = engine_for(model, data)
-    if not all(isinstance(one, RigidConstraintModel) for one in constraint_models):
-        return np.vstack(
-            [
-                one.jacobian(model, data, known)
-                for one, known in zip(constraint_models, constraint_datas, strict=True)
-            ]
-        )
-    models = paired(model, constraint_models, constraint_datas)
-    if not models:
-        return np.zeros((0, model.nv))
-    return jacobian_of(engine, shapes_of(models), places_of(models), q)
+    return engine.made(("constraint jacobian", shapes), build, q=(nq,), **sizes_of(shapes))
 
 
-def getConstraintJacobian(model: Model, data: Data, constraint_model: Any, constraint_data: Any) -> Floats:
-    """The Jacobian (residualSize, nv) of one constraint; see `getConstraintsJacobian`."""
-    return getConstraintsJacobian(model, data, [constraint_model], [constraint_data])
+def sizes_of(shapes: Any) -> dict[str, Any]:
+    """The placements of each constraint as inputs of a kernel."""
+    return {f"place{k}": (2, 4, 4) for k in range(len(shapes))}

@@ -66,17 +66,23 @@ def tied(model: Model, data: Data, models: Any, datas: Any) -> Ties:
     Raises:
         InputError: see `paired`; the Data does not fit the model.
     """
+    found = known_ties(model, data, models, datas)
+    if found is None:
+        data.attach(model)
+        models, datas = list(models), list(datas)
+        found = known_ties(model, data, models, datas)
+    if found is None:
+        found = Ties(model, models, datas)
+        data._ties = [*(ties for ties in data._ties if ties.version == changes[0]), found][-_MOST:]
+    return found
+
+
+def known_ties(model: Model, data: Data, models: Any, datas: Any) -> Ties | None:
+    """The same where they have been bound before, else None."""
     for ties in data._ties:
         if ties.serves(model, models, datas):
             return ties
-    models, datas = list(models), list(datas)
-    data.attach(model)
-    data._ties = [ties for ties in data._ties if ties.version == changes[0]][-_MOST + 1 :]
-    for ties in data._ties:
-        if ties.serves(model, models, datas):
-            return ties
-    data._ties.append(Ties(model, models, datas))
-    return data._ties[-1]
+    return None
 
 
 @final
@@ -190,7 +196,7 @@ def _motion(shapes: Any, limit: int) -> Any:
             pull = gains[owner, 1] * twists.velocity + gains[owner, 0] * twists.error
             damped = Damped(numbers[0], numbers[1], numbers[2], limit)
             g = twists.bias + pull - flat(wanted, shapes)
-            a, forces, *report = damped_dynamics(tower, q, v, tau, twists.J, g, damped)
+            a, forces, *report, _ = damped_dynamics(tower, q, v, tau, twists.J, g, damped)
             left, told = _rest(tower, q, shapes, forces)
             state = q, v, places, gains, wanted, a, forces, numbers
             nle = algorithms.bias_forces(tower, q, v)
@@ -208,7 +214,7 @@ def _impact(shapes: Any) -> Any:
             bonds = bonds_of(shapes, places)
             J = algorithms.constraint_jacobian(tower, q, bonds)
             jump = (1.0 + part[0]) * algorithms.constraint_velocity(tower, q, v, bonds)
-            a, forces, *report = damped_impact(tower, q, J, jump, Damped(numbers[0], 0.0, 0.0, 1))
+            a, forces, *report, _ = damped_impact(tower, q, J, jump, Damped(numbers[0], 0.0, 0.0, 1))
             left, told = _rest(tower, q, shapes, forces)
             state = q, v, places, gains, wanted, a, forces, numbers
             return v + a, a, *left, forces, np.stack(report), *state, *told

@@ -3,39 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, final
+from typing import Any, final
 
 import numpy as np
 
-from pinocchio._arrays import vector
-from pinocchio._constraint_kernels import bonds_of, paired, places_of, shapes_of
-from pinocchio._constraints import RigidConstraintData, RigidConstraintModel
+from pinocchio._constraint_kernels import bonds_of
+from pinocchio._constraints import RigidConstraintData
 from pinocchio._kinematics import stacked
-from pinocchio._model import Model
 from ulna import algorithms
 from ulna.algorithms.constraint_twists import constraint_twists, frame_of
 from ulna.model import Model as TowerModel
 from ulna.typing import Array, Floats
-
-
-class Bound(NamedTuple):
-    """A state under constraints, as kernels take it."""
-
-    models: Sequence[RigidConstraintModel]
-    datas: Sequence[RigidConstraintData]
-    q: Floats
-    v: Floats
-    places: Floats
-    gains: Floats
-
-
-def bound(model: Model, models: Any, datas: Any, q: Any, v: Any) -> Bound:
-    """The same, checked."""
-    checked = paired(model, models, datas)
-    q, v = vector(q, model.nq, "q"), vector(v, model.nv, "v")
-    gains = np.array([one._gains._v for one in checked]).reshape(-1, 2)
-    places = places_of(checked) if checked else np.zeros((0, 2, 4, 4))
-    return Bound(checked, list(datas), q, v, places, gains)
 
 
 @final
@@ -60,14 +38,6 @@ class Left:
                 known._due = None
                 for block, rows in zip(known._blocks.values(), found, strict=True):
                     block[...] = rows[k]
-
-
-def leave(engine: Any, state: Bound) -> None:
-    """Leaves what is known of constraints at a state to be computed when it is read from their data."""
-    copies = [x.copy() for x in (state.q, state.v, state.places, state.gains)]
-    left = Left(engine, state.datas, shapes_of(state.models), *copies)
-    for known in state.datas:
-        known._due = left
 
 
 def _state(shapes: Any) -> Any:

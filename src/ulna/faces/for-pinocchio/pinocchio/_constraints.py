@@ -114,7 +114,7 @@ class RigidConstraintModel(Pair):
 
     def jacobian(self, model: Model, data: Data, constraint_data: RigidConstraintData) -> Floats:
         """The Jacobian (residualSize, nv) at the configuration of the last forwardKinematics or dynamics."""
-        from pinocchio._constraint_kernels import getConstraintJacobian
+        from pinocchio._constraint_jacobians import getConstraintJacobian
 
         return getConstraintJacobian(model, data, self, constraint_data)
 

@@ -7,17 +7,15 @@ from typing import Any
 import numpy as np
 
 from pinocchio._arrays import numbers, vector
-from pinocchio._constraint_kernels import jacobian_of, paired, places_of, shapes_of
 from pinocchio._data import Data, engine_for
 from pinocchio._dynamics import computeAllTerms, crba
 from pinocchio._model import Model
+from pinocchio._proximal import damping_of
 from ulna import linalg
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
 __all__ = [
-    "computeDampedDelassusMatrixInverse",
-    "computeDelassusMatrix",
     "computeKKTContactDynamicMatrixInverse",
     "forwardDynamics",
     "getKKTContactDynamicMatrixInverse",
@@ -29,13 +27,6 @@ def _jacobian(model: Model, J: Any) -> Floats:
     if J.ndim != 2 or J.shape[1] != model.nv:
         raise ShapeError("constraint_jacobian", J.shape, f"(m, {model.nv})")
     return J
-
-
-def _damping(value: Any) -> float:
-    damping = float(value)
-    if not (np.isfinite(damping) and damping >= 0.0):
-        raise InputError(f"The damping is {value!r}; expected a number that is not below zero.")
-    return damping
 
 
 def _factored(model: Model, data: Data, J: Floats, damping: float) -> tuple[Floats, Floats]:
@@ -79,7 +70,7 @@ def forwardDynamics(
     tau, J, drift = vector(told[0], model.nv, "tau"), _jacobian(model, told[1]), told[2]
     drift = vector(drift, len(J), "constraint_drift")
     given = told[3] if len(told) > 3 else damping
-    MJ, G = _factored(model, data, J, _damping(0.0 if given is None else given))
+    MJ, G = _factored(model, data, J, damping_of(0.0 if given is None else given))
     free = np.linalg.solve(data._blocks["M"], tau - data._blocks["nle"])
     forces = linalg.solve_spd(G, -(J @ free + drift)) if len(J) else np.zeros(0)
     data._blocks["lambda_c"] = forces
@@ -105,7 +96,7 @@ def impact_with_jacobian(
     v, J = vector(told[0], model.nv, "v_before"), _jacobian(model, told[1])
     rest = dict(zip(("restitution_coefficient", "damping"), told[2:], strict=False))
     back = float(rest.get("restitution_coefficient", restitution_coefficient))
-    MJ, G = _factored(model, data, J, _damping(rest.get("damping", damping)))
+    MJ, G = _factored(model, data, J, damping_of(rest.get("damping", damping)))
     impulses = linalg.solve_spd(G, -(1.0 + back) * (J @ v)) if len(J) else np.zeros(0)
     data._blocks["impulse_c"] = impulses
     data._blocks["dq_after"][:] = found = v + MJ @ impulses
@@ -118,7 +109,7 @@ def computeKKTContactDynamicMatrixInverse(
     """The inverse of [[M, J^T], [J, -damping 1]], (nv + m, nv + m)."""
     crba(model, data, q)
     J = _jacobian(model, constraint_jacobian)
-    return _kkt(data, J, *_factored(model, data, J, _damping(damping)))
+    return _kkt(data, J, *_factored(model, data, J, damping_of(damping)))
 
 
 def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacobian: Any) -> Floats:
@@ -137,31 +128,3 @@ def _kkt(data: Data, J: Floats, MJ: Floats, G: Floats) -> Floats:
     S = linalg.inverse(G)
     corner = MJ @ S
     return np.block([[linalg.inverse(data._blocks["M"]) - corner @ MJ.T, corner], [corner.T, -S]])
-
-
-def computeDelassusMatrix(
-    model: Model, data: Data, q: Any, contact_models: Any, contact_datas: Any, mu: float = 0.0
-) -> Floats:
-    """G = J M^-1 J^T of constraints, (m, m), along the axes of each; with an inertia mu at each, (1 + mu G)^-1 G."""
-    models = paired(model, contact_models, contact_datas)
-    q = vector(q, model.nq, "q")
-    M = crba(model, data, q)
-    J = jacobian_of(engine_for(model, data), shapes_of(models), places_of(models), q)
-    G = J @ np.linalg.solve(M, J.T)
-    return np.asarray(np.linalg.solve(np.eye(len(G)) + _damping(mu) * G, G), dtype=float)
-
-
-def computeDampedDelassusMatrixInverse(
-    model: Model,
-    data: Data,
-    q: Any,
-    contact_models: Any,
-    contact_datas: Any,
-    mu: float = 0.0,
-    scaled: bool = False,
-) -> Floats:
-    """The inverse of J M^-1 J^T + mu 1, (m, m); scaled, it is multiplied by mu."""
-    damping = _damping(mu)
-    G = computeDelassusMatrix(model, data, q, contact_models, contact_datas)
-    S = linalg.inverse(G + damping * np.eye(len(G)))
-    return damping * S if scaled else S

@@ -92,3 +92,15 @@ def settings_of(settings: Any) -> ProximalSettings:
     if not isinstance(settings, ProximalSettings):
         raise InputError(f"The settings are {settings!r}; expected ProximalSettings(accuracy, mu, max_iter).")
     return settings
+
+
+def damping_of(value: Any) -> float:
+    """A damping, checked.
+
+    Raises:
+        InputError: it is below zero, or not finite.
+    """
+    damping = float(value)
+    if not (np.isfinite(damping) and damping >= 0.0):
+        raise InputError(f"The damping is {value!r}; expected a number that is not below zero.")
+    return damping
