@@ -212,11 +212,11 @@ def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
     Raises:
         ShapeError, NonFiniteError: It is none.
     """
-    out = np.array(q, dtype=float)
+    out = np.array(q, float)
     if out.shape != (robot.model.nq,):
         names = ", ".join(robot.joint_names[:8])
         raise ShapeError("q", out.shape, f"({robot.model.nq},)", f"One number for each of: {names}.")
-    if not math.isfinite(out.dot(out)) and not np.isfinite(out).all():  # a quick look first
+    if not math.isfinite(math.hypot(*out.tolist())) and not np.isfinite(out).all():  # a quick look first
         where = int(np.argwhere(~np.isfinite(out))[0][0])
         raise NonFiniteError("q", (where,), float(out[where]))
     return out
