@@ -95,9 +95,42 @@ for name, word in (("pay", "payload"), ("ikine_LMS", "ikine_LM"), ("nonsense", "
 print("fine")
 """
 
+SHAPES = """
+import pickle, numpy as np, roboticstoolbox as rtb, spatialgeometry as sg
+from spatialmath import SE3
+robot, ball = rtb.models.Panda(), sg.Sphere(0.05, pose=SE3(0.52, 0.4, 0.3))
+robot.q = robot.qr
+links = [*robot.links, *robot.grippers[0].links]
+far = robot.closest_point(robot.q, ball)[0]
+for one in (robot, pickle.loads(pickle.dumps(robot))):
+    each = [solid.closest_point(ball)[0] for link in [*one.links, *one.grippers[0].links] for solid in link.collision]
+    assert np.isclose(min(x for x in each if x is not None), far)
+    assert np.isclose(one.closest_point(one.q, ball)[0], far)
+twin = robot.copy()
+twin.q = twin.qz
+moved, stayed = twin.links[4].collision[0], robot.links[4].collision[0]
+assert isinstance(stayed, sg.Shape) and not np.allclose(moved._wT, stayed._wT)
+link = rtb.Link(rtb.ET.Rz(), name="a", collision=[sg.Cuboid([0.1, 0.1, 0.1], pose=SE3.Tx(0.5))])
+own = rtb.Robot([link])
+assert np.isclose(own.closest_point([np.pi / 2], sg.Sphere(0.1, pose=SE3(0, 1, 0)))[0], 0.35)
+link.collision = [sg.Sphere(0.2)]
+assert np.isclose(own.closest_point([np.pi / 2], sg.Sphere(0.1, pose=SE3(0, 1, 0)))[0], 0.7)
+arm = rtb.models.URDF.px100()
+q = np.linspace(-1.0, 1.0, arm.n)
+def height(q):
+    return sum(link.m * 9.81 * (arm.fkine(q, end=link.name).A @ [*link.r, 1.0])[2] for link in arm.links)
+slope = [(height(q + 1e-6 * e) - height(q - 1e-6 * e)) / 2e-6 for e in np.eye(arm.n)]
+assert np.allclose(arm.gravload(q), slope, atol=1e-8)
+panda = rtb.models.Panda()
+rise = [(panda.manipulability(panda.qr + 1e-6 * e, axes="trans") - panda.manipulability(panda.qr - 1e-6 * e, axes="trans")) / 2e-6 for e in np.eye(7)]
+assert np.allclose(panda.jacobm(panda.qr, axes="trans").ravel(), rise, atol=1e-8)
+print("fine")
+"""
+
 
 @pytest.mark.parametrize(
-    ("script", "said"), [(FIRST, "panda_link8"), (SIXTH, "5 250"), (COLLISION, "fine"), (STATE, "fine")]
+    ("script", "said"),
+    [(FIRST, "panda_link8"), (SIXTH, "5 250"), (COLLISION, "fine"), (STATE, "fine"), (SHAPES, "fine")],
 )
 def test_runs_to_the_end(script: str, said: str, tmp_path: Path) -> None:
     file = tmp_path / "script.py"

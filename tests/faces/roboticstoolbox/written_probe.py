@@ -72,6 +72,10 @@ def arms(rtb: Any, sm: Any) -> dict[str, Any]:
     chain = rtb.ET.tz(1) * rtb.ET.Rz() * rtb.ET.tx(1) * rtb.ET.Ry() * rtb.ET.tx(0.5)
     for method in ("first", "last"):
         out[f"split {method}"] = [str(part) for part in chain.split(method)]
+    first, second = (rtb.DHRobot([rtb.RevoluteDH(a=a, alpha=0.2)], name="arm") for a in (1, 2))
+    out["joined"], out["joined fkine"] = str(first + second), np.asarray((first + second).fkine([0.1, 0.2]).A)
+    screws = [rtb.PoERevolute([0, 0, 1], [0, 0, 0]), rtb.PoEPrismatic([0, 1, 0])]
+    out["screws"] = str(rtb.PoERobot(screws, sm.SE3(1, 0, 0)))
     out["gripper"] = str(panda.grippers[0])
     with contextlib.redirect_stdout(io.StringIO()) as said:
         rtb.jsingu(panda.jacob0(panda.qz))

@@ -48,14 +48,14 @@ class Collision(Part):
         return sorted(counted, key=lambda found: order.index(found.names[0]))
 
     def _require_shapes(self) -> None:
-        if not any(link.collision for link in self.link_dict.values()):
+        if not any(link._solids for link in self.link_dict.values()):
             raise InputError(f"Robot {self.name!r} has no collision shapes; give its links some.")
 
     def _between(self, start: Any, end: Any) -> list[str] | None:
         """Names of the links that count; None for all."""
         if end is None and start is None:
             return None
-        return [link.name for link in self.get_path(end, start)[0] if link.collision]
+        return [link.name for link in self.get_path(end, start)[0] if link._solids]
 
     def iscollided(self, q: Any, shape: Any, skip: bool = False) -> bool:
         """Whether the robot touches a shape; itself, if that is given."""

@@ -111,6 +111,8 @@ class DHRobot(DHWords, Analytic, Robot):
     def __init__(self, links: Any, meshdir: Any = None, **more: Any) -> None:
         """`links` are DH links of one convention, or a DH robot; `more` are arguments of `Robot`."""
         own = [link.copy() for link in links._links] if isinstance(links, BaseRobot) else list(links)
+        if not own:
+            raise ModelError("A DHRobot has at least one link; `links` is empty.")
         if any(not isinstance(link, DHLink) for link in own):
             raise ModelError(
                 "A DHRobot is made of DH links: RevoluteDH, PrismaticDH, RevoluteMDH, PrismaticMDH."
@@ -174,6 +176,24 @@ class DHRobot(DHWords, Analytic, Robot):
     ) -> Floats:
         """The Jacobian of position and angles, (6, n); `T` is not needed."""
         return super().jacob0_analytical(q, representation, end, start, tool)
+
+    def __add__(self, other: Any) -> DHRobot:
+        """This arm, and after its last link that of another one, or one more link; base and tool are this one's."""
+        more = [other] if isinstance(other, DHLink) else getattr(other, "_links", None)
+        if more is None or not all(isinstance(link, DHLink) for link in more):
+            return NotImplemented
+        links = [link.copy() for link in (*self._links, *more)]
+        if len({link.name for link in links}) < len(links):
+            for link in links:
+                link.name = ""
+        return DHRobot(
+            links,
+            name=self.name,
+            manufacturer=self.manufacturer,
+            base=self._base,
+            tool=self._tool,
+            gravity=self._gravity,
+        )
 
     def _placed_anew(self) -> None:
         self._forget()

@@ -95,12 +95,12 @@ class Family(Part):
     @property
     def hasgeometry(self) -> bool:
         """Whether any link has shapes to draw."""
-        return any(link.geometry for link in self._links)
+        return any(link._drawn for link in self._links)
 
     @property
     def hascollision(self) -> bool:
         """Whether any link has shapes to check."""
-        return any(link.collision for link in self._links)
+        return any(link._solids for link in self._links)
 
     @property
     def _held(self) -> Floats:

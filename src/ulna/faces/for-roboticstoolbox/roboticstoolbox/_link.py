@@ -12,6 +12,7 @@ from roboticstoolbox._ets import ETS, ETS2
 from roboticstoolbox._poses import pose
 from roboticstoolbox._scene import LinkNode
 from roboticstoolbox._sequence import BaseETS
+from roboticstoolbox._shapes import as_shapes, carried, copied
 from ulna.errors import InputError
 from ulna.typing import Floats
 
@@ -86,7 +87,32 @@ class Link(LinkNode, Heavy):
                 joint.qlim = qlim
         self.qdlim, self.tlim = qdlim, tlim
         self.m, self.r, self.I, self.Jm, self.B, self.Tc, self.G = m, r, I, Jm, B, Tc, G
-        self.geometry, self.collision = list(geometry), list(collision)
+        self._drawn, self._solids = list(geometry), list(collision)
+        carried(self._drawn + self._solids, self)
+
+    @property
+    def geometry(self) -> list[Any]:
+        """Its shapes to draw, as those of spatialgeometry; they hang on it."""
+        return as_shapes(self._drawn, self)
+
+    @geometry.setter
+    def geometry(self, shapes: Any) -> None:
+        self._drawn = carried(list(shapes), self)
+        self._changed()
+
+    @property
+    def collision(self) -> list[Any]:
+        """Its shapes to check, as those of spatialgeometry; they hang on it."""
+        return as_shapes(self._solids, self)
+
+    @collision.setter
+    def collision(self, shapes: Any) -> None:
+        self._solids = carried(list(shapes), self)
+        self._changed()
+
+    def _changed(self) -> None:
+        if self.robot is not None:
+            self.robot._forget()
 
     @property
     def ets(self) -> Any:
@@ -165,8 +191,7 @@ class Link(LinkNode, Heavy):
         if self.v is None:
             raise InputError(f"Link {self.name!r} has no joint, so no limits.")
         self.v.qlim = limits
-        if self.robot is not None:
-            self.robot._forget()
+        self._changed()
 
     def islimit(self, q: float) -> bool:
         """Whether `q` is beyond its limits."""
@@ -187,6 +212,9 @@ class Link(LinkNode, Heavy):
         if parent is None:
             out._parent_name = self.parent_name
         out._ets = type(self._ets)._of(self._ets.data)
+        out._drawn, out._solids = (
+            carried([copied(x) for x in shapes], out) for shapes in (self._drawn, self._solids)
+        )
         return out
 
     def _details(self) -> list[str]:

@@ -78,3 +78,11 @@ class PoERobot(Robot):
             ETS(ET("SE3", T=np.linalg.solve(before, self.T0).astype(float))), name="ee", parent=own[-1]
         )
         super().__init__([*own, end], **more)
+
+    def __str__(self) -> str:
+        from spatialmath import SE3, Twist3  # pyright: ignore[reportMissingImports]
+
+        end = SE3(self.T0, check=False)
+        screws = [Twist3(), *(Twist3(link.S) for link in self._links[:-1]), end.twist()]  # type: ignore[attr-defined]
+        lines = [f"  {i}: {screw}" for i, screw in enumerate(screws)]
+        return "\n".join(["PoERobot:", *lines, f"  T0: {end.strline()}"])

@@ -95,7 +95,7 @@ class LinkNode(Node):
     def _within(self, shape: Any, within: float) -> list[Any]:
         if self.robot is None:
             raise InputError(f"Link {self.name!r} belongs to no robot, so it is nowhere; make a Robot of it.")
-        return self.robot._near(self.robot.q, shape, within, [self.name]) if self.collision else []
+        return self.robot._near(self.robot.q, shape, within, [self.name]) if self._solids else []
 
     def closest_point(
         self, shape: Any, inf_dist: float = 1.0, skip: bool = False
@@ -179,8 +179,8 @@ class RobotNode(Node, Part):
         poses = self._everything().fk(self._configuration(q), list(links))
         for T, link in zip(poses, links.values(), strict=True):
             shapes = [
-                *(link.geometry if robot_alpha > 0 else ()),
-                *(link.collision if collision_alpha > 0 else ()),
+                *(link._drawn if robot_alpha > 0 else ()),
+                *(link._solids if collision_alpha > 0 else ()),
             ]
             out += [pose(T @ geometry(shape, "").placement.matrix()) for shape in shapes]
         return out

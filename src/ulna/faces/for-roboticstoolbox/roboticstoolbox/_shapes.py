@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import copy
+import os
 from typing import Any
 
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.geometry import Geometry, Material, Shape
+from ulna.geometry import Box, Capsule, Cylinder, Geometry, Material, Mesh, Shape, Sphere
 from ulna.spatial import SE3
 
 
@@ -17,18 +19,73 @@ def obstacle(shape: Any) -> tuple[Shape, SE3]:
     Raises:
         InputError: It is none that can be touched.
     """
+    T = getattr(shape, "_wT", getattr(shape, "T", np.eye(4)))
+    return _solid(shape), SE3.from_matrix(np.asarray(T, dtype=float))
+
+
+def _solid(shape: Any) -> Shape:
     solid = getattr(shape, "solid", shape)
     if not isinstance(solid, Shape):
         raise InputError(f"{shape!r} cannot be touched; expected a shape such as spatialgeometry.Sphere.")
-    T = getattr(shape, "_wT", getattr(shape, "T", np.eye(4)))
-    return solid, SE3.from_matrix(np.asarray(T, dtype=float))
+    return solid
 
 
 def geometry(shape: Any, name: str) -> Geometry:
-    """A shape of a link."""
+    """A shape of a link, seen from the link."""
     if isinstance(shape, Geometry):
         return shape
-    solid, T = obstacle(shape)
+    solid, T = (_solid(shape), SE3.from_matrix(shape.T)) if _hangs_on_link(shape) else obstacle(shape)
     paint = getattr(shape, "color", None)
     material = None if paint is None else Material(rgba=tuple(float(x) for x in paint))  # type: ignore[arg-type]
     return Geometry(name, solid, T, material)
+
+
+def as_shapes(shapes: list[Any], link: Any) -> list[Any]:
+    """The same list, with what came out of a model made shapes of spatialgeometry that hang on the link.
+
+    Meshes whose file is not there stay what they are.
+    """
+    for i, item in enumerate(shapes):
+        if isinstance(item, Geometry):
+            shapes[i] = _shape(item)
+    return carried(shapes, link)
+
+
+def carried(shapes: list[Any], link: Any) -> list[Any]:
+    """Shapes as parts of a link: seen from it, but no frames of their own in its tree."""
+    for shape in shapes:
+        if getattr(shape, "_parent", link) is None:
+            shape._parent = link
+    return shapes
+
+
+def copied(shape: Any) -> Any:
+    """A shape for another link; what is of a model is never changed and serves both."""
+    if isinstance(shape, Geometry) or not _hangs_on_link(shape):
+        return shape
+    out = copy.copy(shape)
+    out._parent, out._children = None, []
+    return out
+
+
+def _hangs_on_link(shape: Any) -> bool:
+    return hasattr(getattr(shape, "_parent", None), "_solids")
+
+
+def _shape(item: Geometry) -> Any:
+    import spatialgeometry as sg
+
+    paint = None if item.material is None else item.material.rgba
+    more = {"pose": item.placement.matrix(), "color": paint}
+    match item.shape:
+        case Box(size):
+            return sg.Cuboid(size, **more)
+        case Sphere(radius):
+            return sg.Sphere(radius, **more)
+        case Cylinder(radius, length):
+            return sg.Cylinder(radius, length, **more)
+        case Capsule(radius, length):
+            return sg.Capsule(radius, length, **more)
+        case Mesh(path, scale) if path is not None and os.path.isfile(path):
+            return sg.Mesh(path, scale, **more)
+    return item

@@ -118,8 +118,8 @@ def model_of(
                 stay[link] = float(gripper.q[link.jindex])
     order = sorted(range(len(whole)), key=lambda i: _first(whole[i], joints))
     for link in whole:
-        drawn = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link.geometry)]
-        checked = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link.collision)]
+        drawn = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link._drawn)]
+        checked = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link._solids)]
         builder.add_link(link.name, link._inertia(), drawn, checked)
     for i in order:
         link = whole[i]

@@ -64,6 +64,11 @@ class SceneNode:
         for child in scene_children or ():
             self.attach(child)
 
+    def __str__(self) -> str:
+        from spatialmath import SE3  # pyright: ignore[reportMissingImports]
+
+        return f"{type(self).__name__} at {SE3(self.T, check=False).strline()}"
+
     @property
     def T(self) -> Floats:
         """T_parent_node, a copy, shape (4, 4); an SE3 or an array can be assigned."""
@@ -163,7 +168,8 @@ class SceneNode:
 
 
 def _called(node: Any) -> str:
-    return str(node).splitlines()[0]
+    words = repr(node) if isinstance(node, SceneNode) else str(node)
+    return words.splitlines()[0]
 
 
 def _lines(node: Any, depth: int, marked: Any) -> list[str]:
