@@ -54,6 +54,15 @@ def test_models_and_algorithms(robot: str, tmp_path: Path) -> None:
     _compare(tmp_path, "robot", *(str(share / "robots" / file), root, mimic, str(share / "robots" / SECOND)))
 
 
+@pytest.mark.parametrize("robot", ["ur5", pytest.param("solo12", marks=pytest.mark.slow)])
+def test_what_algorithms_leave_in_a_data(robot: str, tmp_path: Path) -> None:
+    file, root, _ = ROBOTS[robot]
+    share = share_folder()
+    if share is None:
+        pytest.skip("example-robot-data is not installed")
+    _compare(tmp_path, str(share / "robots" / file), root, script="asked_left.py")
+
+
 def test_rarer_names_and_members(tmp_path: Path) -> None:
     share = share_folder()
     if share is None:

@@ -83,7 +83,7 @@ _POSES = ("oMi", "liMi")
 _FORCES = ("f", "h", "of", "oh")
 _MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
 _CENTRES = ("com", "vcom", "acom")
-_KEPT = ("dhg", "kinetic_energy", "potential_energy", "mechanical_energy")
+_KEPT = ("kinetic_energy", "potential_energy", "mechanical_energy")
 
 
 @final
@@ -159,12 +159,13 @@ class Data(Saved, States):
             self._blocks |= {f"{name} {x}": np.zeros(sizes[x]) for x in inputs}
         self._blocks |= {
             "hg": np.zeros(6),
+            "dhg": np.zeros(6),
             "Ig": np.zeros(13),
             "energy K": np.zeros(()),
             "energy P": np.zeros(()),
         }
+        self._blocks["a_gf"][0] = -model.gravity.vector
         self._fill_views()
-        self.dhg = Force()
         self.kinetic_energy = self.potential_energy = self.mechanical_energy = 0.0
         self._engine: Engine | None = None
         self._run = Runs()
@@ -180,13 +181,14 @@ class Data(Saved, States):
         blocks = self._blocks
         self.oMi: StdVec[SE3] = views(SE3, blocks["oMi"])
         self.oMf: StdVec[SE3] = views(SE3, blocks["oMf"])
-        self.hg, self.Ig = Force._of(blocks["hg"]), Inertia._of(blocks["Ig"])
+        self.hg, self.dhg = Force._of(blocks["hg"]), Force._of(blocks["dhg"])
+        self.Ig = Inertia._of(blocks["Ig"])
         self._lists: dict[str, Any] = {"liMi": views(SE3, blocks["liMi"])}
         self._lists |= {n: views(Motion, blocks[n]) for n in _MOTIONS}
         self._lists |= {n: views(Force, blocks[n]) for n in _FORCES}
         for name, bit in zip(_CENTRES, (COM, VCOM, ACOM), strict=True):
             self._lists[name] = _Masses(self, bit, blocks[name])
-        self.mass: Any = _Masses(self, MASS, [0.0] * len(blocks["com"]))
+        self.mass: Any = _Masses(self, MASS, [-1.0] * len(blocks["com"]))
         self._tails = {n: blocks[n][1:] for n in (*_POSES, *_MOTIONS, *_FORCES)}
         self._heads = {f"{n}[0]": blocks[n][0] for n in _CENTRES}
 
@@ -207,7 +209,6 @@ class Data(Saved, States):
         out = object.__new__(Data)
         out.__dict__.update(self.__dict__)
         out._blocks = {k: b.copy() for k, b in self._blocks.items()}
-        out.dhg = self.dhg.copy()
         out._run, out._run_at = Runs(), {}
         out._bound, out._ties = self._bound and self._bound.copied(), []
         out._frozen, out._known = dict(self._frozen), set(self._known)
@@ -265,7 +266,7 @@ def _block(name: str) -> property:
 
 def _list(name: str) -> property:
     def get(self: Data) -> Any:
-        if self._due:
+        if self._due or name[0] == "o":
             self.pull(name)
         return self._lists[name]
 

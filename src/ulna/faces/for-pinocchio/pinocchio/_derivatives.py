@@ -9,13 +9,14 @@ import numpy as np
 
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
-from pinocchio._dynamics import external, under_forces
+from pinocchio._dynamics import computeGeneralizedGravity, computeStaticTorque, external, under_forces
 from pinocchio._enums import ReferenceFrame, reference_of
-from pinocchio._jacobians import COLUMNS, columns, computeJointJacobians
-from pinocchio._kinematics import at_frame, at_joint, forwardKinematics
+from pinocchio._jacobians import RATES, computeJointJacobians, computeJointJacobiansTimeVariation, rates
+from pinocchio._kinematics import at_frame, at_joint, forwardKinematics, rows
+from pinocchio._masses import ccrba, computeCentroidalMomentumTimeVariation
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, run
-from pinocchio._states import OWN
+from pinocchio._states import NOT_MOTION, NOT_SPEED, OWN
 from ulna import algorithms
 from ulna.model import Frame
 from ulna.model import Model as TowerModel
@@ -43,7 +44,9 @@ __all__ = [
 def _inverse(model: TowerModel) -> Any:
     def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
         found = algorithms.inverse_dynamics_derivatives(model, q, v, a)
-        return (*found, algorithms.inverse_dynamics(model, q, v, a), q, v, a, *columns(model)(q))
+        gains = rows(algorithms.joint_accelerations(model, q, v, a))
+        state = (q, v, a, gains, q, v, a)
+        return (*found, algorithms.inverse_dynamics(model, q, v, a), *state, *rates(model)(q, v))
 
     return run
 
@@ -52,19 +55,23 @@ def _forward(model: TowerModel) -> Any:
     def run(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
         by_q, by_v, by_tau = algorithms.forward_dynamics_derivatives(model, q, v, tau)
         ddq = algorithms.forward_dynamics(model, q, v, tau)
-        return by_q, by_v, by_tau, by_tau, ddq, *columns(model)(q)
+        return by_q, by_v, by_tau, by_tau, ddq, *rates(model)(q, v)
 
     return run
 
 
 _STATE = ("derivatives q", "derivatives v", "derivatives a")
 _RNEA = Algorithm(
-    "rnea_derivatives", "qva", ("dtau_dq", "dtau_dv", "M", "tau", *_STATE, *COLUMNS), _inverse, (0, 1, 2)
+    "rnea_derivatives",
+    "qva",
+    ("dtau_dq", "dtau_dv", "M", "tau", *_STATE, "a", "gains q", "gains v", "gains a", *RATES),
+    _inverse,
+    (0, 1, 2),
 )
 _ABA = Algorithm(
     "aba_derivatives",
     "qvt",
-    ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq", *COLUMNS),
+    ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq", *RATES),
     with_mass(_forward),
     (0, 1, 2),
 )
@@ -79,7 +86,7 @@ def computeRNEADerivatives(
         found = step(q, v, a) if data._model is model else NotImplemented
         if found is NotImplemented:
             found = run(model, data, _RNEA, q, v, a)
-        data._due |= OWN
+        data._due = data._due & NOT_MOTION | OWN
         return found
     F, engine = external(fext, model.njoints), data.attach(model)
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
@@ -87,6 +94,8 @@ def computeRNEADerivatives(
     for name, block in zip(("dtau_dq", "dtau_dv", "M"), found, strict=True):
         data._blocks[name][:] = block
     data._of_derivatives = state
+    forwardKinematics(model, data, *state)
+    computeJointJacobiansTimeVariation(model, data, *state[:2])
     return found
 
 
@@ -99,7 +108,7 @@ def computeABADerivatives(
         found = step(q, v, tau) if data._model is model else NotImplemented
         if found is NotImplemented:
             found = run(model, data, _ABA, q, v, tau)
-        data._due |= OWN
+        data._due = data._due & NOT_SPEED | OWN
         return found
     F, engine = external(fext, model.njoints), data.attach(model)
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(tau, model.nv, "tau")
@@ -109,28 +118,32 @@ def computeABADerivatives(
         ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq"), (*found, found[2], ddq), strict=True
     ):
         data._blocks[name][:] = block
+    computeJointJacobiansTimeVariation(model, data, *state[:2])
     return tuple(found)
 
 
 def computeGeneralizedGravityDerivatives(model: Model, data: Data, q: Any) -> Floats:
     """The derivative (nv, nv) of the torques against gravity by q."""
-    rest = np.zeros(model.nv)
-    return engine_for(model, data).kernel("inverse_dynamics_derivatives")(
-        vector(q, model.nq, "q"), rest, rest
-    )[0]
+    q, rest = vector(q, model.nq, "q"), np.zeros(model.nv)
+    computeGeneralizedGravity(model, data, q)
+    computeJointJacobians(model, data, q)
+    return engine_for(model, data).kernel("inverse_dynamics_derivatives")(q, rest, rest)[0]
 
 
 def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     """The derivative (nv, nv) of the torques against gravity and forces on the joints by q."""
-    rest = np.zeros(model.nv)
-    return computeRNEADerivatives(model, data, q, rest, rest, fext)[0]
+    q, rest, F = vector(q, model.nq, "q"), np.zeros(model.nv), external(fext, model.njoints)
+    computeStaticTorque(model, data, q, fext)
+    computeJointJacobians(model, data, q)
+    engine = engine_for(model, data)
+    return under_forces(engine, algorithms.inverse_dynamics_derivatives, q, rest, rest, F)[0]
 
 
 def computeForwardKinematicsDerivatives(model: Model, data: Data, q: Any, v: Any, a: Any = None) -> None:
     """Prepares the derivatives of velocities and accelerations of joints and frames."""
     a = np.zeros(model.nv) if a is None else a
     forwardKinematics(model, data, q, v, a)
-    computeJointJacobians(model, data, q)
+    computeJointJacobiansTimeVariation(model, data, q, v)
 
 
 def getJointVelocityDerivatives(
@@ -217,6 +230,9 @@ def computeCentroidalDynamicsDerivatives(
     found = engine_for(model, data).kernel("centroidal_derivatives")(*state)
     for name, block in zip(("dHdq", "dFdq", "dFdv", "dFda"), found, strict=True):
         data._blocks[name][:] = block
+    computeCentroidalMomentumTimeVariation(model, data, *state)
+    ccrba(model, data, *state[:2])
+    computeJointJacobiansTimeVariation(model, data, *state[:2])
     return found
 
 

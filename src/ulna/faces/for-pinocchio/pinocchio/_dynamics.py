@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pinocchio._arrays import vector
-from pinocchio._data import Data, engine_for
+from pinocchio._data import Data
 from pinocchio._enums import Convention
-from pinocchio._jacobians import COLUMNS, columns
-from pinocchio._kinematics import NOT_SPEED, rows
+from pinocchio._jacobians import COLUMNS, RATES, columns, computeJointJacobians, rates
+from pinocchio._kinematics import rows
+from pinocchio._masses import as_one_body
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, run
-from pinocchio._states import BODIES, COM, MASS, OWN, SPEED, VCOM
+from pinocchio._states import BODIES, COM, GAIN, MASS, NOT_BODIES, NOT_SPEED, OWN, SPEED, VCOM, WEIGHT
 from pinocchio._vectors import Force
 from ulna import algorithms, spatial
 from ulna.errors import InputError
@@ -78,13 +79,13 @@ def _bias(model: TowerModel) -> Any:
 
 
 def _gravity(model: TowerModel) -> Any:
-    return lambda q: (algorithms.gravity_forces(model, q), q, q, np.zeros(model.nv), np.zeros(model.nv))
+    return lambda q: (algorithms.gravity_forces(model, q), q, q)
 
 
 def _forward(model: TowerModel) -> Any:
     def run(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
         ddq = algorithms.forward_dynamics(model, q, v, tau)
-        return ddq, q, q, v, ddq
+        return ddq, q, q, v, ddq, q, v, ddq
 
     return run
 
@@ -101,17 +102,18 @@ def _inverse_mass(model: TowerModel) -> Any:
 
 
 def _coriolis(model: TowerModel) -> Any:
-    return lambda q, v: (algorithms.coriolis_matrix(model, q, v), *columns(model)(q))
+    return lambda q, v: (algorithms.coriolis_matrix(model, q, v), *rates(model)(q, v))
 
 
 _OF_BODIES = ("own q", "bodies q", "bodies v", "bodies a")
 _RNEA = Algorithm("rnea", "qva", ("tau", *_OF_BODIES), _inverse, (0,))
 _NLE = Algorithm("nle", "qv", ("nle", *_OF_BODIES), _bias, (0,))
-_GRAVITY = Algorithm("gravity", "q", ("g", *_OF_BODIES), _gravity, (0,))
-_ABA = Algorithm("aba", "qvt", ("ddq", *_OF_BODIES), with_mass(_forward), (0,))
+_GRAVITY = Algorithm("gravity", "q", ("g", "own q", "weights q"), _gravity, (0,))
+_FORWARD = ("forward q", "forward v", "forward a")
+_ABA = Algorithm("aba", "qvt", ("ddq", *_OF_BODIES, *_FORWARD), with_mass(_forward), (0,))
 _CRBA = Algorithm("crba", "q", ("M", "own q"), _mass, (0,))
 _MINV = Algorithm("minverse", "q", ("Minv", *COLUMNS), with_mass(_inverse_mass), (0,))
-_CORIOLIS = Algorithm("coriolis", "qv", ("C", *COLUMNS), _coriolis, (0,))
+_CORIOLIS = Algorithm("coriolis", "qv", ("C", *RATES), _coriolis, (0,))
 
 
 def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> Floats:
@@ -185,7 +187,7 @@ def computeGeneralizedGravity(model: Model, data: Data, q: Any) -> Floats:
     found = step(q) if data._model is model else NotImplemented
     if found is NotImplemented:
         found = run(model, data, _GRAVITY, q)
-    data._due |= OWN | SPEED | BODIES
+    data._due = data._due & NOT_BODIES | OWN | WEIGHT
     return found
 
 
@@ -193,7 +195,11 @@ def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     """The torques that hold the robot against gravity and forces on its joints (nv,); kept in `data.tau`."""
     F = external(fext, model.njoints)
     q = vector(q, model.nq, "q")
-    data._blocks["tau"][:] = found = under_forces(engine_for(model, data), algorithms.static_torque, q, F)
+    engine, rest = data.attach(model), np.zeros(model.nv)
+    data._blocks["tau"][:] = found = under_forces(engine, algorithms.static_torque, q, F)
+    data._blocks["own q"][...] = q
+    data._due |= OWN
+    data.leave(BODIES, (engine, q.copy(), rest, rest, F))
     return found
 
 
@@ -216,7 +222,9 @@ def aba(
         found = step(q, v, tau) if data._model is model else NotImplemented
         if found is NotImplemented:
             found = run(model, data, _ABA, q, v, tau)
-        data._due |= OWN | SPEED | BODIES
+        data._due |= OWN | SPEED | BODIES | GAIN
+        if convention is Convention.WORLD or fext is Convention.WORLD:
+            computeJointJacobians(model, data, q)
         return found
     F, engine = external(fext, model.njoints), data.attach(model)
     q, v, tau = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(tau, model.nv, "tau")
@@ -225,6 +233,7 @@ def aba(
     data._due |= OWN
     for bit in (SPEED, BODIES):
         data.leave(bit, (engine, q.copy(), v.copy(), found.copy(), F))
+    data.leave(GAIN, (engine, q.copy(), v.copy(), found.copy()))
     return found
 
 
@@ -235,6 +244,8 @@ def crba(model: Model, data: Data, q: Any, convention: Any = None) -> Floats:
     if found is NotImplemented:
         found = run(model, data, _CRBA, q)
     data._due |= OWN
+    if convention is Convention.WORLD:
+        computeJointJacobians(model, data, q)
     return found
 
 
@@ -260,7 +271,7 @@ def computeCoriolisMatrix(model: Model, data: Data, q: Any, v: Any) -> Floats:
     found = step(q, v) if data._model is model else NotImplemented
     if found is NotImplemented:
         found = run(model, data, _CORIOLIS, q, v)
-    data._due |= OWN
+    data._due = data._due & NOT_SPEED | OWN
     return found
 
 
@@ -286,7 +297,10 @@ def _everything(model: TowerModel) -> Any:
             rows(algorithms.joint_velocities(model, q, v)),
             algorithms.kinetic_energy(model, q, v),
             algorithms.potential_energy(model, q),
-            *(x for name in ("speeds", "rates", "moments", "bodies") for x in (q, v)),
+            algorithms.centroidal_matrix_dot(model, q, v),
+            as_one_body(model, q),
+            *(x for _ in range(5) for x in (q, v)),
+            np.zeros(model.nv),
             np.zeros(model.nv),
             *columns(model)(q),
         )
@@ -299,19 +313,20 @@ _ALL = Algorithm(
     "qv",
     (
         *("M", "nle", "g", "dJ", "Jcom", "Ag", "hg", "com[0]", "vcom[0]", "v", "energy K", "energy P"),
-        *(f"{name} {x}" for name in ("speeds", "rates", "moments", "bodies") for x in "qv"),
-        *("bodies a", *COLUMNS),
+        *("dAg", "Ig"),
+        *(f"{name} {x}" for name in ("speeds", "rates", "moments", "bodies", "forward") for x in "qv"),
+        *("bodies a", "forward a", *COLUMNS),
     ),
     _everything,
 )
 
 
 def computeAllTerms(model: Model, data: Data, q: Any, v: Any) -> None:
-    """Fills M, nle, g, J, dJ, Jcom, Ag, hg, com, vcom, energies and placements; not C, not oMf."""
+    """Fills M, nle, g, J, dJ, Jcom, Ag, dAg, hg, Ig, com, vcom, energies, placements, velocities; not C, not oMf."""
     step = data._run.everything
     if data._model is not model or step(q, v) is NotImplemented:
         run(model, data, _ALL, q, v)
-    data._due = data._due & NOT_SPEED | OWN | BODIES | COM | VCOM | MASS
+    data._due = data._due & NOT_SPEED | OWN | BODIES | GAIN | COM | VCOM | MASS
     data.kinetic_energy = float(data._blocks["energy K"])
     data.potential_energy = float(data._blocks["energy P"])
     data.mechanical_energy = data.kinetic_energy + data.potential_energy

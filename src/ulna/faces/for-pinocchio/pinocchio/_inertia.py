@@ -245,7 +245,8 @@ class Inertia:
         return self
 
     def __sub__(self, other: Inertia) -> Inertia:
-        return Inertia.FromDynamicParameters(self.toDynamicParameters() - other.toDynamicParameters())
+        difference = self.toDynamicParameters() - other.toDynamicParameters()
+        return Inertia.FromDynamicParameters(difference) if difference.any() else Inertia()
 
     def __mul__(self, motion: Any) -> Any:
         if not isinstance(motion, Motion):

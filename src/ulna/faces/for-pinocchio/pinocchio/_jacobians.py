@@ -10,10 +10,10 @@ import numpy as np
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
 from pinocchio._enums import ReferenceFrame, reference_of
-from pinocchio._kinematics import LOCAL, NOT_SPEED, at_frame, at_joint, rows, split, stacked
+from pinocchio._kinematics import LOCAL, at_frame, at_joint, rows, split, stacked
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, Scratch, refuse, run
-from pinocchio._states import OWN
+from pinocchio._states import NOT_SPEED, OWN
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
 from ulna.model import Frame
@@ -46,7 +46,7 @@ def columns(model: TowerModel) -> Any:
     )
 
 
-def _rates(model: TowerModel) -> Any:
+def rates(model: TowerModel) -> Any:
     first = columns(model)
 
     def run(q: Array, v: Array) -> tuple[Array, ...]:
@@ -57,12 +57,13 @@ def _rates(model: TowerModel) -> Any:
 
 
 COLUMNS = ("J", "oMi", "places q", "own q", "jacobians q")
+RATES = ("dJ", *COLUMNS, "rates q", "rates v", "v", "speeds q", "speeds v")
 _J = Algorithm("columns", "q", COLUMNS, columns, (0,), on="places")
 _DJ = Algorithm(
     "rates",
     "qv",
-    ("dJ", *COLUMNS, "rates q", "rates v", "v", "speeds q", "speeds v"),
-    _rates,
+    RATES,
+    rates,
     (0,),
     on="places",
 )
@@ -143,13 +144,19 @@ def _bind_at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: 
 
     def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
         frame = frames[key] if given is None else given
-        return lambda J, T: algorithms.frame_jacobian_of(
-            tower, J, spatial.SE3(T[:3, :3], T[:3, 3]), frame, reference
-        )
+
+        def run(J: Array, T: Array) -> tuple[Array, Array]:
+            of = spatial.SE3(T[:3, :3], T[:3, 3])
+            return algorithms.frame_jacobian_of(tower, J, of, frame, reference), (
+                of @ frame.placement
+            ).matrix()
+
+        return run
 
     kernel = engine.of_frame(("J of", key, reference), build, J=(6, model.nv), T=(4, 4))
     joint = model.frames[key].parentJoint if given is None else given.joint + 1
-    step = Scratch(kernel, model.watched("shape" if given is not None else "frame", key)).call
+    placed = data._blocks["oMf"][key] if given is None else np.empty((4, 4))
+    step = Scratch(kernel, model.watched("shape" if given is not None else "frame", key), placed).call
     J, T = data._blocks["J"], data._blocks["oMi"][joint]
     data._run_at[place] = (step, J, T, place[1])
     return step(J, T)

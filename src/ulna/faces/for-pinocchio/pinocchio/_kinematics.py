@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,13 +14,18 @@ from pinocchio._enums import ReferenceFrame, reference_of
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, run
 from pinocchio._se3 import SE3
-from pinocchio._states import FROZEN, OWN, SPEED
+from pinocchio._states import NOT_MOTION, NOT_SPEED, OWN
 from pinocchio._vectors import Motion
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
 from ulna.model import Frame
 from ulna.model import Model as TowerModel
+from ulna.numeric import cross
+from ulna.trace import compile as compile_function
 from ulna.typing import Array, Floats
+
+if TYPE_CHECKING:
+    from pinocchio._engine import Engine
 
 __all__ = [
     "forwardKinematics",
@@ -36,6 +42,7 @@ __all__ = [
 ]
 
 LOCAL = ReferenceFrame.LOCAL
+_HERE = np.eye(4)
 
 
 def stacked(poses: Sequence[spatial.SE3]) -> Array:
@@ -65,6 +72,15 @@ def _run1(model: TowerModel) -> Any:
     return run
 
 
+def gains(engine: Engine, q: Floats, v: Floats, a: Floats) -> Floats:
+    """The accelerations of all joints, (n, 6)."""
+
+    def build(tower: TowerModel) -> Any:
+        return lambda q, v, a: rows(algorithms.joint_accelerations(tower, q, v, a))
+
+    return engine.made("gains", build, q=q.shape, v=v.shape, a=a.shape)(q, v, a)
+
+
 def _run2(model: TowerModel) -> Any:
     first = _run1(model)
     return lambda q, v, a: (*first(q, v), rows(algorithms.joint_accelerations(model, q, v, a)), q, v, a)
@@ -81,7 +97,6 @@ _FK = Algorithm("fk", "q", _PLACED, _run0, on="places")
 _FK1 = Algorithm("fk1", "qv", _MOVED, _run1, on="places")
 _FK2 = Algorithm("fk2", "qva", (*_MOVED, "a", "gains q", "gains v", "gains a"), _run2, on="places")
 _FRAMES = Algorithm("frames", "q", (*_PLACED, "oMf"), _run_frames, on="frames")
-NOT_SPEED = ~(SPEED | SPEED << FROZEN)
 
 
 def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = None) -> None:
@@ -96,11 +111,12 @@ def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = 
         step = data._run.fk1
         if data._model is not model or step(q, v) is NotImplemented:
             run(model, data, _FK1, q, v)
+        data._due = data._due & NOT_SPEED | OWN
     else:
         step = data._run.fk2
         if data._model is not model or step(q, v, a) is NotImplemented:
             run(model, data, _FK2, q, v, a)
-    data._due = data._due & NOT_SPEED | OWN
+        data._due = data._due & NOT_MOTION | OWN
 
 
 def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
@@ -193,7 +209,7 @@ def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_
 
 def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -> Motion:
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-    return _motion(model, data, kind, reference_of(rf), ("joint", joint), at_joint(joint))
+    return _motion(model, data, kind, reference_of(rf), joint, _HERE)
 
 
 def getFrameVelocity(model: Model, data: Data, *place: Any, reference_frame: Any = None) -> Motion:
@@ -215,30 +231,43 @@ def getFrameClassicalAcceleration(
 
 def _frame_motion(model: Model, data: Data, place: Any, rf: Any, kind: str) -> Motion:
     place, reference = split(place, rf)
-    key, frame = at_frame(model, place)
-    return _motion(model, data, kind, reference, key, frame)
+    key, given = at_frame(model, place)
+    if given is not None:
+        return _motion(model, data, kind, reference, key[0], place[1]._m)
+    frame = model.frames[key]
+    return _motion(model, data, kind, reference, frame.parentJoint, frame.placement._m)
 
 
 def _motion(
-    model: Model, data: Data, kind: str, reference: Reference, key: Any, given: Frame | None
+    model: Model, data: Data, kind: str, reference: Reference, joint: int, placement: Floats
 ) -> Motion:
-    mend = (
-        "forwardKinematics(model, data, q, v)"
-        if kind == "velocity"
-        else "forwardKinematics(model, data, q, v, a)"
-    )
-    state: tuple[Floats, ...] = data.require(data._qv if kind == "velocity" else data._qva, mend)
-    engine = engine_for(model, data)
+    """The motion of a frame out of what the Data holds of its joint."""
+    engine_for(model, data)
+    if kind == "velocity":
+        data.require(data._qv, "forwardKinematics(model, data, q, v)")
+    else:
+        data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
+    v, a = data.v[joint]._v, data.a[joint]._v
+    return Motion._of(_seen_from(kind, reference)(data._blocks["oMi"][joint], placement, v, a))
 
-    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
-        frame = frames[key] if given is None else given
+
+@cache
+def _seen_from(kind: str, reference: Reference) -> Any:
+    """The compiled motion of a frame at a placement in its joint's frame, in a reference."""
+
+    def run(oMi: Array, placement: Array, v: Array, a: Array) -> Array:
+        T, M = (spatial.SE3(m[:3, :3], m[:3, 3]) for m in (oMi, placement))
+        into = M.inverse()
+        if reference == "world":
+            into = T
+        elif reference == "local_world_aligned":
+            into = spatial.SE3.from_rotation(T.rotation @ M.rotation, np.zeros(3)) @ into
+        velocity = into.act(spatial.Motion(v[:3], v[3:]))
         if kind == "velocity":
-            return lambda q, v: algorithms.frame_velocity(tower, q, v, frame, reference).vector()
-        return lambda q, v, a: algorithms.frame_acceleration(
-            tower, q, v, a, frame, reference, classical=kind == "classical"
-        ).vector()
+            return velocity.vector()
+        gain = into.act(spatial.Motion(a[:3], a[3:]))
+        if kind == "classical":
+            gain = spatial.Motion(gain.linear + cross(velocity.angular, velocity.linear), gain.angular)
+        return gain.vector()
 
-    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,)}
-    if kind != "velocity":
-        shapes["a"] = (model.nv,)
-    return Motion._of(engine.of_frame((kind, key, reference), build, **shapes)(*state))
+    return compile_function(run, oMi=(4, 4), placement=(4, 4), v=(6,), a=(6,))

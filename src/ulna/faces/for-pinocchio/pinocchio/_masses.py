@@ -9,10 +9,10 @@ import numpy as np
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
 from pinocchio._jacobians import COLUMNS, columns
-from pinocchio._kinematics import NOT_SPEED, rows, stacked
+from pinocchio._kinematics import forwardKinematics, rows, stacked
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, run
-from pinocchio._states import ACOM, COM, MASS, OWN, VCOM
+from pinocchio._states import ACOM, COM, MASS, NOT_MOTION, NOT_SPEED, OWN, VCOM
 from pinocchio._vectors import Force
 from ulna import algorithms
 from ulna.model import Model as TowerModel
@@ -110,7 +110,7 @@ def centerOfMass(
         found = step(q, v, a) if data._model is model else NotImplemented
         if found is NotImplemented:
             found = run(model, data, _COM2, q, v, a)
-        data._due = data._due & NOT_SPEED | OWN | COM | VCOM | ACOM | MASS
+        data._due = data._due & NOT_MOTION | OWN | COM | VCOM | ACOM | MASS
     return found
 
 
@@ -171,8 +171,12 @@ def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_
 
 
 def computeTotalMass(model: Model, data: Data | None = None) -> float:
-    """The mass of all that moves [kg]."""
-    return float(algorithms.total_mass(model.engine().model))
+    """The mass of all that moves [kg]; kept in `data.mass[0]`."""
+    mass = float(algorithms.total_mass(model.engine().model))
+    if data is not None:
+        data.claim(MASS)
+        list.__setitem__(data.mass, 0, mass)
+    return mass
 
 
 def computeSubtreeMasses(model: Model, data: Data) -> None:
@@ -195,12 +199,12 @@ def _map_rate(model: TowerModel) -> Any:
             algorithms.centroidal_matrix_dot(model, q, v),
             algorithms.joint_jacobians_dot(model, q, v),
         )
-        return rate, Ag, J_rate, q, v, *_centre1(model)(q, v), J, q
+        return rate, Ag, J_rate, q, v, *_centre1(model)(q, v), J, q, rate @ v
 
     return run
 
 
-def _as_one_body(model: TowerModel, q: Array) -> Array:
+def as_one_body(model: TowerModel, q: Array) -> Array:
     """Mass, lever and inertia about the centre of mass of the whole robot, as an Inertia stores them."""
     inertia = algorithms.centroidal_inertia(model, q).reshape(9)
     return np.concatenate([[algorithms.total_mass(model), 0.0, 0.0, 0.0], inertia])
@@ -208,13 +212,13 @@ def _as_one_body(model: TowerModel, q: Array) -> Array:
 
 def _momentum(model: TowerModel) -> Any:
     first = _centre1(model)
-    return lambda q, v: (algorithms.centroidal_momentum(model, q, v), _as_one_body(model, q), *first(q, v))
+    return lambda q, v: (algorithms.centroidal_momentum(model, q, v), as_one_body(model, q), *first(q, v))
 
 
 def _map_and_momentum(model: TowerModel) -> Any:
     def run(q: Array, v: Array) -> tuple[Array, ...]:
         Ag, *others = _map(model)(q)
-        return Ag, Ag @ v, _as_one_body(model, q), *others
+        return Ag, Ag @ v, as_one_body(model, q), *others
 
     return run
 
@@ -224,7 +228,11 @@ _CCRBA = Algorithm(
     "ccrba", "qv", ("Ag", "hg", "Ig", "com[0]", "moments q", *COLUMNS), _map_and_momentum, (0,)
 )
 _MAP_RATE = Algorithm(
-    "map_rate", "qv", ("dAg", "Ag", "dJ", "rates q", "rates v", *_AT1, "J", "jacobians q"), _map_rate, (0,)
+    "map_rate",
+    "qv",
+    ("dAg", "Ag", "dJ", "rates q", "rates v", *_AT1, "J", "jacobians q", "dhg"),
+    _map_rate,
+    (0,),
 )
 _MOMENTUM = Algorithm("momentum", "qv", ("hg", "Ig", *_AT1), _momentum)
 
@@ -281,7 +289,8 @@ def computeCentroidalMomentumTimeVariation(
 ) -> Force:
     """Its time derivative; kept in `data.dhg`, the momentum in `data.hg`."""
     if q is None:
-        q, v, a = data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
+        q, v, a = (x.copy() for x in data.require(data._qva, "forwardKinematics(model, data, q, v, a)"))
+    forwardKinematics(model, data, q, v, a)
     computeCentroidalMomentum(model, data, q, v)
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
     data.dhg._v[:] = data.attach(model).kernel("centroidal_momentum_rate")(*state)

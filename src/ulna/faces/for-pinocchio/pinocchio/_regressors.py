@@ -6,8 +6,9 @@ from typing import Any
 
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
-from pinocchio._kinematics import at_frame, at_joint
 from pinocchio._model import Model
+from pinocchio._se3 import SE3
+from pinocchio._states import BODIES, OWN, SPEED
 from pinocchio._vectors import Motion
 from ulna import algorithms
 from ulna.typing import Floats
@@ -26,9 +27,11 @@ __all__ = [
 def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any) -> Floats:
     """The matrix (nv, 10 (njoints - 1)) that makes torques of dynamic parameters."""
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
-    return _kept(
-        data, "jointTorqueRegressor", engine_for(model, data).kernel("joint_torque_regressor")(*state)
-    )
+    found = data.attach(model).kernel("joint_torque_regressor")(*state)
+    for name, x in zip(("own q", "bodies q", "bodies v", "bodies a"), (state[0], *state), strict=True):
+        data._blocks[name][...] = x
+    data._due |= OWN | SPEED | BODIES
+    return _kept(data, "jointTorqueRegressor", found)
 
 
 def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
@@ -56,28 +59,23 @@ def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:
 
 
 def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
-    """The regressor (6, 10) of the body of a joint, after rnea or forwardKinematics with v and a."""
+    """The regressor (6, 10) of the body of a joint, after rnea."""
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-    return _body(model, data, ("joint", joint), at_joint(joint))
+    return _body(model, data, joint, SE3())
 
 
 def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     """The same in a frame of the body."""
-    key, _ = at_frame(model, (frame_id,))
-    return _body(model, data, key, None)
+    frame = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")]
+    return _body(model, data, frame.parentJoint, frame.placement)
 
 
-def _body(model: Model, data: Data, key: Any, given: Any) -> Floats:
-    state = data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
-
-    def build(tower: Any, frames: Any) -> Any:
-        frame = frames[key] if given is None else given
-        return lambda q, v, a: algorithms.frame_regressor(tower, q, v, a, frame)
-
-    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    return _kept(
-        data, "bodyRegressor", engine_for(model, data).of_frame(("regressor", key), build, **shapes)(*state)
-    )
+def _body(model: Model, data: Data, joint: int, placement: SE3) -> Floats:
+    """The regressor in a frame at a placement on a joint, whose motion and weight rnea left."""
+    engine_for(model, data)
+    data.require(data._qv, "rnea(model, data, q, v, a)")
+    moves = (placement.actInv(motion[joint]) for motion in (data.v, data.a_gf))
+    return _kept(data, "bodyRegressor", bodyRegressor(*moves))
 
 
 def _kept(data: Data, name: str, found: Floats) -> Floats:

@@ -93,8 +93,8 @@ def _bind(model: Model, data: Data, engine: Engine, algorithm: Algorithm) -> Any
 
 @final
 class Scratch:
-    """A kernel of whose only output every call returns a copy, and which refuses what is not exactly its argument."""
+    """A kernel of whose first output every call returns a copy, and which refuses what is not exactly its argument."""
 
-    def __init__(self, kernel: Any, watch: Any = ()) -> None:
+    def __init__(self, kernel: Any, watch: Any = (), *others: Floats) -> None:
         self.result: Floats = np.zeros(kernel.function.outputs[0].shape)
-        self.call = kernel.into(self.result, returns=(0,), watch=watch, otherwise=refuse)
+        self.call = kernel.into(self.result, *others, returns=(0,), watch=watch, otherwise=refuse)

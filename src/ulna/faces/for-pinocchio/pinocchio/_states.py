@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pinocchio._runs import Runs
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -22,15 +24,20 @@ STATES = {
     "rates": "qv",
     "bodies": "qva",
     "moments": "qva",
+    "forward": "qva",
+    "weights": "q",
     "derivatives": "qva",
 }
-"""What results are of: of `oMi`, of `liMi`, of `v`, of `a`, of `J`, of `dJ`, of bodies, of centres, of derivatives."""
-OWN, SPEED, BODIES, COM, VCOM, ACOM, MASS = (1 << k for k in range(7))
+"""What results are of: of `oMi`, of `liMi`, of `v`, of `a`, of `J`, of `dJ`, of bodies, of centres, of what torques
+give, of forces of gravity, of derivatives."""
+OWN, SPEED, BODIES, COM, VCOM, ACOM, MASS, GAIN, WEIGHT = (1 << k for k in range(9))
 """Bits of `Data._due`: what is computed when it is asked for, of the state of that name in `_DUE`."""
 OF_MOTION = ("v", "a_gf", "f", "h")
 """What rnea leaves of every body."""
-FROZEN = 8
+FROZEN = 9
 """Shifted by this they say: of numbers the model had before."""
+NOT_SPEED, NOT_MOTION, NOT_BODIES = (~(bits | bits << FROZEN) for bits in (SPEED, SPEED | GAIN, BODIES))
+"""What stays due when an algorithm has written velocities, accelerations too, or forces on bodies."""
 _DUE = {
     OWN: "own",
     SPEED: "bodies",
@@ -39,7 +46,10 @@ _DUE = {
     VCOM: "moments",
     ACOM: "moments",
     MASS: "own",
+    GAIN: "forward",
+    WEIGHT: "weights",
 }
+_IN_WORLD = {"ov": "v", "oa": "a", "oa_gf": "a_gf", "of": "f", "oh": "h"}
 
 
 class States:
@@ -116,19 +126,47 @@ class States:
                 engine, q = due
                 kernel = engine.made("liMi", lambda m: lambda q: own_poses(m, q), q=q.shape)
                 self._tails["liMi"][...] = kernel(q)
+        elif name in _IN_WORLD:
+            self.pull(_IN_WORLD[name])
+            self._carry(name)
+        elif name == "a":
+            due = self.claim(GAIN)
+            if due is not None:
+                from pinocchio._kinematics import gains
+
+                engine, *state = due
+                self._tails["a"][...] = gains(engine, *state[:3])
+                self._qva = state[:3]
         elif name in OF_MOTION:
             from pinocchio._dynamics import bodies
 
-            for bit, names in ((SPEED, ("v",)), (BODIES, OF_MOTION[1:])):
+            for bit, names in ((SPEED, ("v",)), (WEIGHT, ("a_gf", "f")), (BODIES, OF_MOTION[1:])):
                 due = self.claim(bit)
                 if due is not None:
+                    if bit == WEIGHT:
+                        due += (np.zeros(self._model.nv),) * 2
                     found: dict[str, Floats] = dict(zip(OF_MOTION, bodies(*due), strict=True))
                     for field in names:
                         self._tails[field][...] = found[field]
+                    if bit == SPEED:
+                        self._qv = due[1:3]
+
+    def _carry(self, name: str) -> None:
+        """From the joints' own frames into the world's, by `oMi`."""
+        T, own = self._blocks["oMi"], self._blocks[_IN_WORLD[name]]
+        R, p = T[:, :3, :3], T[:, :3, 3]
+        first, last = (np.einsum("nij,nj->ni", R, own[:, part]) for part in (slice(3), slice(3, 6)))
+        motion = name in (
+            "ov",
+            "oa",
+            "oa_gf",
+        )  # of a motion the linear half takes of the angular; of a force, the other way
+        arm = np.cross(p, last if motion else first)
+        self._blocks[name][...] = np.hstack([first + arm, last] if motion else [first, last + arm])
 
     def settle(self) -> None:
         """Computes all that was left for each body."""
-        for name in ("liMi", *OF_MOTION):
+        for name in ("liMi", "a", *OF_MOTION, *_IN_WORLD):
             self.pull(name)
 
     def require(self, what: Any, mend: str) -> Any:
@@ -142,11 +180,16 @@ class States:
         return what
 
 
+_OF_LATE = {"speeds": "v", "gains": "a"}
+
+
 def _left(name: str) -> property:
     """What results are of: an array, or several in a tuple; None until an algorithm has left them."""
     keys = [f"{name} {x}" for x in STATES[name]]
 
     def get(self: States) -> Any:
+        if name in _OF_LATE and self._due:
+            self.pull(_OF_LATE[name])
         if name not in self._known:
             return None
         return self._blocks[keys[0]] if len(keys) == 1 else self._state(name)

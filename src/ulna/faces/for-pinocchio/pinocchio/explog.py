@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._arrays import matrix, numbers, vector
-from pinocchio._se3 import SE3, SE3ToXYZQUAT
+from pinocchio._se3 import SE3
 from pinocchio._vectors import Motion
 from ulna import spatial
 from ulna.errors import ShapeError
@@ -81,7 +81,8 @@ def exp6(v: Any) -> SE3:
 
 def exp6_quat(v: Any) -> Floats:
     """The same as position and quaternion xyzw (7,)."""
-    return SE3ToXYZQUAT(exp6(v))
+    M = exp6(v)
+    return np.concatenate([M.translation, exp3_quat(v.angular if isinstance(v, Motion) else np.ravel(v)[3:])])
 
 
 def log6(M: Any) -> Motion:
