@@ -6,14 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import numbers, vector
+from pinocchio._arrays import exact, numbers, vector
 from pinocchio._data import Data, engine_for
 from pinocchio._dynamics import computeAllTerms, crba
 from pinocchio._model import Model
 from pinocchio._proximal import damping_of
 from ulna import linalg
+from ulna.algorithms.constrained_dynamics_damped import Damped, damped_response
 from ulna.errors import InputError, ShapeError
-from ulna.typing import Floats
+from ulna.model import Model as TowerModel
+from ulna.typing import Array, Floats
 
 __all__ = [
     "computeKKTContactDynamicMatrixInverse",
@@ -35,18 +37,67 @@ def _factored(model: Model, data: Data, J: Floats, damping: float) -> tuple[Floa
     Raises:
         InputError: rows of the Jacobian depend on each other.
     """
-    M = data._blocks["M"]
-    if not M.any():
-        raise InputError("`data.M` holds no mass matrix yet. Give q, or call crba(model, data, q) first.")
+    M = _mass(data)
     MJ = np.asarray(np.linalg.solve(M, J.T), dtype=float)
     G = J @ MJ + damping * np.eye(len(J))
     if len(J) and not np.linalg.eigvalsh(G)[0] > 1e-14 * np.trace(G) / len(J):
-        raise InputError(
-            f"Rows of the constraint Jacobian, of {len(J)} rows and rank {np.linalg.matrix_rank(J)}, depend on each "
-            "other, so that their forces are not unique. Leave some out, or give a damping such as 1e-8."
-        )
+        raise _dependent(J)
     data._damped = (J.shape, damping)
     return MJ, G
+
+
+def _mass(data: Data) -> Floats:
+    M = data._blocks["M"]
+    if not M[:1].any() and not M.any():
+        raise InputError("`data.M` holds no mass matrix yet. Give q, or call crba(model, data, q) first.")
+    return M
+
+
+def _dependent(J: Floats) -> InputError:
+    return InputError(
+        f"Rows of the constraint Jacobian, of {len(J)} rows and rank {np.linalg.matrix_rank(J)}, depend on each "
+        "other, so that their forces are not unique. Leave some out, or give a damping such as 1e-8."
+    )
+
+
+def _response(
+    model: Model, data: Data, J: Floats, drive: Floats, g: Floats, damping: Any
+) -> tuple[Floats, Floats]:
+    """a and f of M a = drive + J^T f, J a + g = -damping f.
+
+    Raises:
+        InputError: rows of the Jacobian depend on each other.
+    """
+    M, mu = _mass(data), damping_of(damping)
+    if not len(J):
+        return np.asarray(np.linalg.solve(M, drive), dtype=float), np.zeros(0)
+
+    def build(tower: TowerModel) -> Any:
+        apart = np.zeros((tower.nv, tower.nv))
+        for k in range(len(tower.joints)):
+            for i in tower.subtree(k):
+                apart[np.ix_(_rows(tower, k), _rows(tower, i))] = 1.0
+        apart = np.maximum(apart, apart.T)
+
+        def run(M: Array, J: Array, drive: Array, g: Array, mu: Array) -> tuple[Any, ...]:
+            found = damped_response(M * apart, J, drive, g, Damped(mu, 0.0, 0.0, 1))
+            return found.a, found.forces, found.unique
+
+        return run
+
+    sizes: dict[str, Any] = {"M": M.shape, "J": J.shape, "drive": drive.shape, "g": g.shape, "mu": ()}
+    a, forces, unique = data.attach(model).made(("response", len(J)), build, **sizes)(M, J, drive, g, mu)
+    if unique == 0.0:
+        raise _dependent(J)
+    data._damped = (J.shape, mu)
+    return a, forces
+
+
+def _rows(tower: TowerModel, k: int) -> range:
+    """Where a joint's velocities stand, those of a mimic joint with what it follows."""
+    joint = tower.joints[k]
+    leader = tower.joints[joint.mimic.source] if joint.mimic is not None else joint
+    return range(leader.idx_v, leader.idx_v + leader.kind.nv)
 
 
 def forwardDynamics(
@@ -67,15 +118,13 @@ def forwardDynamics(
         computeAllTerms(model, data, q, v)
     else:
         engine_for(model, data)
-    tau, J, drift = vector(told[0], model.nv, "tau"), _jacobian(model, told[1]), told[2]
-    drift = vector(drift, len(J), "constraint_drift")
+    tau, J, drift = exact(told[0], model.nv, "tau"), _jacobian(model, told[1]), told[2]
+    drift = exact(drift, len(J), "constraint_drift")
     given = told[3] if len(told) > 3 else damping
-    MJ, G = _factored(model, data, J, damping_of(0.0 if given is None else given))
-    free = np.linalg.solve(data._blocks["M"], tau - data._blocks["nle"])
-    forces = linalg.solve_spd(G, -(J @ free + drift)) if len(J) else np.zeros(0)
+    a, forces = _response(model, data, J, tau - data._blocks["nle"], drift, 0.0 if given is None else given)
     data._blocks["lambda_c"] = forces
-    data._blocks["ddq"][:] = found = free + MJ @ forces
-    return found
+    data._blocks["ddq"][:] = a
+    return a
 
 
 def impact_with_jacobian(
@@ -96,10 +145,11 @@ def impact_with_jacobian(
     v, J = vector(told[0], model.nv, "v_before"), _jacobian(model, told[1])
     rest = dict(zip(("restitution_coefficient", "damping"), told[2:], strict=False))
     back = float(rest.get("restitution_coefficient", restitution_coefficient))
-    MJ, G = _factored(model, data, J, damping_of(rest.get("damping", damping)))
-    impulses = linalg.solve_spd(G, -(1.0 + back) * (J @ v)) if len(J) else np.zeros(0)
+    jump, impulses = _response(
+        model, data, J, np.zeros(model.nv), (1.0 + back) * (J @ v), rest.get("damping", damping)
+    )
     data._blocks["impulse_c"] = impulses
-    data._blocks["dq_after"][:] = found = v + MJ @ impulses
+    data._blocks["dq_after"][:] = found = v + jump
     return found
 
 
