@@ -217,7 +217,7 @@ COUNT = """seconds => new Promise(done => {
 
 
 def applied(driven: Any, count: int = 220) -> None:
-    """Distinct poses that frames of the browser show, while plain boxes without lights or shadows move at 60 Hz."""
+    """Distinct poses that frames of the browser show, while boxes without lights or floor move at 60 Hz."""
     with Viewer(port=0, browser=False) as viewer:
         boxes = [viewer.box((0.05, 0.05, 0.05), name=f"boxes/{k}") for k in range(count)]
         box = viewer.box((0.1, 0.1, 0.1), name="box")
@@ -232,7 +232,8 @@ def applied(driven: Any, count: int = 220) -> None:
 
         page = viewer._page
         assert page is not None
-        for name in ("key", "rim", "fill", "sky", "floor"):
+        page.dress(page._theme, 0.0, grid=False)  # a floor would be laid anew when all is framed
+        for name in ("key", "rim", "fill", "sky"):
             page.server.scene.remove_by_name(f"/(page)/{name}")
         page.server.scene.configure_environment_map(None)
         page.each_tick(tick)

@@ -85,7 +85,37 @@
     if (news) page.requestRender();
     return true;
   };
+  // the picture behind all is drawn last, where nothing else was: a depth of its own for each sample costs a processor much
+  const backdrop = () => {
+    const m = page.backgroundMaterial, mesh = m && page.scene?.children.find(o => o.material === m);
+    if (!mesh || m.userData.ulna) return;
+    m.userData.ulna = mesh.renderOrder = 1e3;
+    m.depthWrite = false;
+    m.vertexShader = `
+      varying vec2 at;
+      void main() {
+        at = uv;
+        gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+        #ifdef USE_REVERSED_DEPTH_BUFFER
+          gl_Position.z = 0.0;
+        #else
+          gl_Position.z = gl_Position.w;
+        #endif
+      }`;
+    m.fragmentShader = `
+      varying vec2 at;
+      uniform sampler2D colorMap;
+      uniform bool enabled;
+      void main() {
+        if (!enabled) discard;
+        ivec2 size = textureSize(colorMap, 0);
+        gl_FragColor = vec4(texelFetch(colorMap, min(ivec2(at * vec2(size)), size - 1), 0).rgb, 1.0);
+      }`;
+    m.needsUpdate = true;
+    page.requestRender();
+  };
   const wear = () => {
+    backdrop();
     page.nodeRefFromName[FLOOR]?.traverse(part => { part.renderOrder = -1; });
     wanted.forEach(([look, words], name) => dress(name, look, words) && worn.add(name));
     worn.forEach(name => wanted.has(name) || (dress(name, plain), worn.delete(name)));

@@ -54,8 +54,8 @@
   }
 
   function casters(scene) {
-    const out = [];
-    scene.traverseVisible(o => { if (o.isMesh && o.castShadow && o.geometry?.attributes.position) out.push(o); });
+    const out = [], casts = o => o.isMesh && o.castShadow && !o.userData.ulnaCrowd && o.geometry?.attributes.position;
+    scene.traverseVisible(o => { if (casts(o)) out.push(o); });
     return out;
   }
 
