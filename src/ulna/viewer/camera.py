@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ulna.errors import InputError
 from ulna.typing import Floats
+from ulna.viewer.node import numbers
 from ulna.viewer.scene import Scene
 
 DIRECTION = (1.55, -1.75, 0.70)
@@ -22,12 +24,25 @@ class Camera:
         target: What it looks at, in the world [m].
         fov: Vertical field of view [rad].
         up: The direction that is up in the picture.
+
+    Raises:
+        ShapeError, NonFiniteError, InputError: It looks nowhere.
     """
 
     position: tuple[float, float, float] = (1.75, -1.75, 1.05)
     target: tuple[float, float, float] = (0.22, 0.0, 0.37)
     fov: float = float(np.deg2rad(27.0))
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        for name in ("position", "target", "up"):
+            numbers(name, getattr(self, name), 3)
+        if not 0.0 < self.fov < np.pi:
+            raise InputError(f"`fov` is {self.fov}; expected an angle above 0 and below pi [rad].")
+        if not np.any(np.subtract(self.position, self.target)):
+            raise InputError(
+                f"The camera stands where it looks, at {self.target}; set another position or target."
+            )
 
     def axes(self) -> Floats:
         """R_world_camera, shape (3, 3): right, up and backwards of the picture as columns."""
@@ -38,6 +53,19 @@ class Camera:
             right = np.cross((0.0, 1.0, 0.0), back)
         right = right / np.linalg.norm(right)
         return np.stack([right, np.cross(back, right), back], axis=1)
+
+
+def checked_camera(camera: Camera | None) -> Camera | None:
+    """A camera, or None.
+
+    Raises:
+        InputError: It is neither.
+    """
+    if camera is not None and not isinstance(camera, Camera):
+        raise InputError(
+            f"`camera` is {camera!r}; expected an ulna.viewer.camera.Camera, or None to see everything."
+        )
+    return camera
 
 
 def frame(

@@ -11,8 +11,10 @@ import contextlib
 import json
 import logging
 import re
+import socket
 import threading
 from collections.abc import Iterator, Sequence
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -49,8 +51,9 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
         import websockets.asyncio.server as sockets
     except ImportError as error:
         raise MissingExtra("viser", "viewer", "The page in the browser") from error
-    if not 0 <= port <= 65535:
-        raise InputError(f"`port` is {port}; expected 0 (any free one) to 65535.")
+    if not (isinstance(port, Integral) and 0 <= port <= 65535):
+        raise InputError(f"`port` is {port!r}; expected 0 (any free one) to 65535.")
+    _check_address(host)
     any_host = host not in guard.LOOPBACK
     page = Path(viser.__file__).parent / "client" / "build" / "index.html"
     kept = client.Client(page, _early(title)) if known() else None
@@ -68,10 +71,14 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
                 if not guard.knows(token, request.path, headers.get("Cookie")):
                     return connection.respond(403, "This page answers those who know its token only.\n")
                 response = client.answer(kept, request) or answer(connection, request)
-                if token and response is not None:
-                    response.headers["Set-Cookie"] = guard.cookie(token)
+                if response is not None:
+                    response.headers["Content-Security-Policy"] = guard.frames(headers["Host"])
+                    if token:
+                        response.headers["Set-Cookie"] = guard.cookie(token)
                 return response
 
+            if len(args) > 2 and args[2] > 65535:  # all ports from the one asked for to the last are in use
+                args = (*args[:2], 0, *args[3:])
             options["process_request"] = process_request
             options["logger"] = _log  # browsers open sockets that they may never use; that is no error
             guarded.append(True)
@@ -96,6 +103,25 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
     for kind in ("ShareUrlRequest", "ShareUrlDisconnect"):
         server._websock_server.unregister_handler(getattr(_messages, kind))
     return server
+
+
+def _check_address(host: str) -> None:
+    """Refuse an address that this machine does not have: viser would try one port after the other, and never return.
+
+    Raises:
+        ViewerError: Nothing can listen there.
+    """
+    try:
+        for family, kind, protocol, _, address in socket.getaddrinfo(
+            host, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        ):
+            with socket.socket(family, kind, protocol) as probe:
+                probe.bind(address)
+    except (OSError, UnicodeError) as error:
+        raise ViewerError(
+            f"The page cannot listen on {host!r}: {getattr(error, 'strerror', None) or error}. Take '127.0.0.1' for "
+            "this machine alone, '0.0.0.0' for all its networks, or an address of its own."
+        ) from error
 
 
 def known() -> bool:
@@ -128,6 +154,10 @@ def stop(server: Any) -> None:
     """Stop a server without a word."""
     with _quiet():
         server.stop()
+    if known():  # what a program still tells the page goes nowhere, without a word of viser
+        server._websock_server.get_message_buffer().push = lambda message: None
+        for control in server.gui._gui_input_handle_from_uuid.values():
+            control._impl.update_cb.clear()
     server._thread_executor.shutdown(wait=False)
 
 

@@ -201,6 +201,7 @@ class Companions(Handle, abc.ABC):
         return GhostsHandle(Ghosts(self._scene, self.robot, q, group.name, rgba, show))
 
     def _group(self, kind: str) -> Handle:
+        self._scene.row(self.name)  # what was removed is not begun anew
         name = f"{self.name}/({kind} {next(self._count)})"
         self._scene.add(name)
         return Handle(self._scene, name)

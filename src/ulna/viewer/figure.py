@@ -105,12 +105,21 @@ class Figure:
         self._q = q
         self.moves += 1
         if not self._late:
-            self._late = True
-            self.scene.later(self, self._bring)
+            self.again()
 
     def follow(self, function: Callable[[Floats], None]) -> None:
         """Call `function` with the configuration when the links are moved."""
         self._followers.append(function)
+        self.scene.later(self, self._bring)
+
+    def again(self) -> None:
+        """Have links, and what follows them, brought up to date before somebody looks.
+
+        Raises:
+            UnknownName: The robot was removed from the scene.
+        """
+        self.scene.row(self.name)
+        self._late = True
         self.scene.later(self, self._bring)
 
     def _now(self) -> Floats:
@@ -132,6 +141,7 @@ class Figure:
     def remove(self) -> None:
         """Take the robot out of the scene, with all that follows it."""
         self._followers.clear()
+        self._late = False
         self.scene.remove(self.name)
 
 

@@ -56,6 +56,19 @@ def cookie(token: str) -> str:
     return f"{_name(token)}={token}; Path=/; HttpOnly; SameSite=Strict"
 
 
+def frames(host: str) -> str:
+    """Which pages may hold this one in a frame: those of the same machine and of editors, as notebooks are.
+
+    Another's could lay it, unseen, under something to click, and so have its buttons pressed.
+
+    Args:
+        host: The request's Host, an allowed one.
+    """
+    names = dict.fromkeys((*LOOPBACK[:2], urlsplit(f"//{host}").hostname or ""))
+    places = (f"{scheme}://{name}:*" for name in names if ":" not in name for scheme in ("http", "https"))
+    return f"frame-ancestors 'self' {' '.join(places)} vscode-webview: vscode-file:"
+
+
 def _name(token: str) -> str:
     # pages on other ports of one machine share its cookies, so each token has a name of its own
     return "ulna-" + hashlib.sha256(token.encode()).hexdigest()[:12]

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, NonFiniteError, ShapeError
+from ulna.errors import InputError, ShapeError
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.assigned import Assigned
 from ulna.viewer.colours import Colour
 from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
-from ulna.viewer.node import checked_pose
+from ulna.viewer.node import checked_pose, numbers
 from ulna.viewer.scene import Scene
 from ulna.viewer.surface import colour, unit
 
@@ -77,9 +77,10 @@ class Handle(Assigned):
 
     @opacity.setter
     def opacity(self, opacity: float) -> None:
-        if not 0.0 <= opacity <= 1.0:
+        share = float(numbers("opacity", opacity))
+        if not 0.0 <= share <= 1.0:
             raise InputError(f"`opacity` is {opacity}; expected a number from 0 to 1.")
-        self._scene.set_look(self._name, "opacity", float(opacity))
+        self._scene.set_look(self._name, "opacity", share)
 
     @property
     def scale(self) -> Floats:
@@ -274,18 +275,3 @@ def rotation_to(vector: Floats) -> Floats:
     helper = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     x = unit(np.cross(helper, z))
     return np.stack([x, np.cross(z, x), z], axis=1)
-
-
-def numbers(name: str, value: ArrayLike, count: int) -> Floats:
-    """`count` finite numbers.
-
-    Raises:
-        ShapeError, NonFiniteError: They are not.
-    """
-    out = np.array(value, dtype=float)
-    if out.shape != (count,):
-        raise ShapeError(name, out.shape, f"({count},)")
-    if not np.isfinite(out).all():
-        where = int(np.argwhere(~np.isfinite(out))[0][0])
-        raise NonFiniteError(name, (where,), float(out[where]))
-    return out

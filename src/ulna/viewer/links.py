@@ -11,7 +11,7 @@ import numpy as np
 
 from ulna.errors import MissingExtra, ModelWarning, UlnaError, UnknownName
 from ulna.geometry import Geometry, Mesh
-from ulna.viewer.meshes import Detail, load_mesh
+from ulna.viewer.meshes import Detail, check_detail, load_mesh
 from ulna.viewer.progress import Report, silent
 from ulna.viewer.surface import DEFAULT_COLOUR, RGBA, Surface, colour
 from ulna.viewer.tessellate import ball, tessellate, tube
@@ -51,9 +51,10 @@ def link_looks(
     """What each link looks like, in the link's frame.
 
     Raises:
-        UnknownName: There is no such way to show it.
+        UnknownName: There is no such way to show it, or no such detail.
     """
     checked_showing(show)
+    check_detail(detail)
     links = robot.model.links
     if show == "skeleton":
         return _skeleton(robot, rgba)

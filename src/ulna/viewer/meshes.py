@@ -49,14 +49,25 @@ def load_mesh(
         InputError: The file cannot be read as a mesh.
         UnknownName: There is no such detail.
     """
-    if detail not in DETAILS:
-        raise UnknownName("detail of a mesh", detail, DETAILS)
+    check_detail(detail)
     try:
         stamp = os.stat(path).st_mtime_ns
     except OSError as error:
         raise InputError(f"Cannot open the mesh file {path!r}: {error.strerror or error}.") from error
+    if os.path.isdir(path):
+        raise InputError(f"Cannot open the mesh file {path!r}: it is a folder.")
     factors = (float(scale[0]), float(scale[1]), float(scale[2]))
     return _load(os.path.abspath(path), stamp, factors, detail)
+
+
+def check_detail(detail: str) -> None:
+    """Refuse a detail that there is not.
+
+    Raises:
+        UnknownName: It is none.
+    """
+    if detail not in DETAILS:
+        raise UnknownName("detail of a mesh", detail, DETAILS)
 
 
 @functools.lru_cache(maxsize=512)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, final
 import numpy as np
 
 from ulna.errors import InputError, NonFiniteError, ShapeError
-from ulna.typing import Array, Floats
+from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.content import Content
 from ulna.viewer.surface import Surface
 
@@ -67,14 +67,60 @@ def checked_pose(value: Any, name: str = "pose") -> Floats:
     Raises:
         ShapeError, NonFiniteError, InputError: It is none.
     """
-    out = np.array(value.matrix() if hasattr(value, "matrix") else value, dtype=float)
+    out = _floats(name, value.matrix() if hasattr(value, "matrix") else value)
     if out.shape != (4, 4):
         raise ShapeError(name, out.shape, "(4, 4), or an SE3")
-    if not np.isfinite(out).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(out))[0])
-        raise NonFiniteError(name, where, float(out[where]))
+    _check_finite(name, out)
     if np.abs(out[:3, :3] @ out[:3, :3].T - np.eye(3)).max() > 1e-3 or np.linalg.det(out[:3, :3]) < 0:
         raise InputError(
             f"`{name}` holds no rotation: {out[:3, :3].tolist()}. To stretch or mirror a thing, set its scale."
         )
     return out
+
+
+def check_name(name: str) -> None:
+    """Refuse what is no name of a node.
+
+    Raises:
+        InputError: It is none.
+    """
+    if not isinstance(name, str) or "" in name.split("/"):
+        raise InputError(
+            f"A node's name is not empty, and neither begins nor ends with '/' nor holds '//'; got {name!r}."
+        )
+
+
+def check_even(name: str, scale: Floats) -> None:
+    """Refuse to stretch a group.
+
+    Raises:
+        InputError: Its factors along the axes differ.
+    """
+    if not (scale[0] == scale[1] == scale[2]):
+        raise InputError(f"The group {name!r} can be scaled by one number only, not by {scale.tolist()}.")
+
+
+def numbers(name: str, value: ArrayLike, *shape: int) -> Floats:
+    """Finite numbers of a shape.
+
+    Raises:
+        InputError, ShapeError, NonFiniteError: They are not.
+    """
+    out = _floats(name, value)
+    if out.shape != shape:
+        raise ShapeError(name, out.shape, str(shape))
+    _check_finite(name, out)
+    return out
+
+
+def _floats(name: str, value: Any) -> Floats:
+    try:
+        return np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"`{name}` is {value!r}; expected numbers.") from None
+
+
+def _check_finite(name: str, value: Floats) -> None:
+    if not np.isfinite(value).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(value))[0])
+        raise NonFiniteError(name, where, float(value[where]))

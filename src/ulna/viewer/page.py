@@ -95,6 +95,8 @@ class Page:
         self._theme = theme
         self.visited = False
         """Whether any tab has looked at it so far."""
+        self._thread = threading.Thread(target=self._run, name="ulna-page", daemon=True)
+        self._waiting = Waiting(self.server)
         atexit.register(self.close)
         decorate(self.server, theme, self._plain)
         lay_floor(self.server, theme, scene.floor() if floor is None else floor)
@@ -102,8 +104,6 @@ class Page:
         self.server.on_client_connect(self._greet)
         with self._tick_lock:
             self._publish()
-        self._thread = threading.Thread(target=self._run, name="ulna-page", daemon=True)
-        self._waiting = Waiting(self.server)
         if live:
             self._thread.start()
             watch(self._waiting)

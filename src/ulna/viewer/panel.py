@@ -15,7 +15,7 @@ from ulna.viewer.choices import Boxes, Buttons, Choice, Menu, choices
 from ulna.viewer.controls import Gizmo, position_wxyz
 from ulna.viewer.page import Page
 from ulna.viewer.plot import INKS, Plot
-from ulna.viewer.sliders import Number, Slider, check_limits
+from ulna.viewer.sliders import Number, Slider, check_limits, check_step
 from ulna.viewer.widgets import Button, Checkbox, Control, Folder, Kept, Text, with_unit
 
 _MANY = 6  # choices from which on buttons become a menu
@@ -71,11 +71,13 @@ class Panel:
         """A slider from `low` to `high`, beginning at `value`.
 
         Raises:
-            InputError: `low` is not below `high`, or a number is not finite.
+            InputError: `low` is not below `high`, `step` is not above zero, or a number is not finite.
         """
         low, high = float(low), float(high)
         start = low if value is None else float(value)
         check_limits(label, low, high, start)
+        if step is not None:
+            check_step(label, step)
         start = min(max(start, low), high)
         each = (high - low) / 1000 if step is None else min(float(step), high - low)
         handle = self._made("slider", with_unit(label, unit), start, min=low, max=high, step=each, hint=hint)
@@ -263,7 +265,7 @@ class Panel:
     ) -> None:
         """Have `function` called with what `value` gives when somebody changed it: the newest only, or `each`."""
         page = self._page
-        if page is None:
+        if page is None or page.closed:
             return
 
         def call(news: Any) -> None:

@@ -13,8 +13,8 @@ from ulna.sim import Body
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.companions import Companions
 from ulna.viewer.figure import Figure, checked_configuration
-from ulna.viewer.handles import numbers
 from ulna.viewer.links import Showing
+from ulna.viewer.node import numbers
 from ulna.viewer.scene import Scene
 
 
@@ -93,6 +93,7 @@ class RobotHandle(Companions):
                 self._qd = numbers("qd", qd, self.robot.nv)
             else:
                 self._body.qd = qd
+            self._figure.again()
 
     @property
     def show(self) -> Showing:

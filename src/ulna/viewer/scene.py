@@ -10,11 +10,11 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.errors import InputError, UnknownName
+from ulna.errors import UnknownName
 from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.content import Content, Lines
-from ulna.viewer.node import Node, Snapshot, checked_pose
+from ulna.viewer.node import Node, Snapshot, check_even, check_name, checked_pose
 from ulna.viewer.surface import Surface, colour
 from ulna.viewer.tessellate import axes
 
@@ -132,7 +132,7 @@ class Scene:
         try:
             return self._row[name]
         except KeyError:
-            raise UnknownName("node", name, self._nodes) from None
+            raise UnknownName("thing in the scene", name, self._nodes) from None
 
     def rows(self, names: Iterable[str]) -> Any:
         """The rows of several nodes, for `set_poses`. They hold until a node is removed."""
@@ -164,10 +164,7 @@ class Scene:
             InputError: It is no name, or the group is stretched.
             ShapeError, NonFiniteError: `pose` is no pose.
         """
-        if not name or "" in name.split("/"):
-            raise InputError(
-                f"A node's name is not empty, and neither begins nor ends with '/' nor holds '//'; got {name!r}."
-            )
+        check_name(name)
         matrix = np.eye(4) if pose is None else checked_pose(pose)
         node = Node(name, tuple(surfaces), content, shadow, through)
         with self._lock:
@@ -175,7 +172,7 @@ class Scene:
                 self.add(node.group)
             above = self._row[node.group] if node.group else -1
             if above >= 0:
-                _even(node.group, self._data["scale"][above])
+                check_even(node.group, self._data["scale"][above])
             if name not in self._nodes:
                 self._append(name, above)
             for key, (value, _) in _COLUMNS.items():
@@ -252,7 +249,7 @@ class Scene:
         with self._lock:
             row = self.row(name)
             if key == "scale" and (self._above[: len(self._nodes)] == row).any():
-                _even(name, np.broadcast_to(value, 3))
+                check_even(name, np.broadcast_to(value, 3))
             self._data[key][row] = value
             self._looks += 1
 
@@ -300,8 +297,3 @@ class Scene:
                     heights = (surface.vertices * seen.scales[i]) @ seen.poses[i, 2, :3]
                     lowest = min(lowest, float(heights.min() + seen.poses[i, 2, 3]))
         return lowest
-
-
-def _even(name: str, scale: Floats) -> None:
-    if not (scale[0] == scale[1] == scale[2]):
-        raise InputError(f"The group {name!r} can be scaled by one number only, not by {scale.tolist()}.")

@@ -93,8 +93,7 @@ class Slider(Number):
 
     @step.setter
     def step(self, step: float) -> None:
-        if not (math.isfinite(step) and step > 0.0):
-            raise InputError(f"The {self._title()} is given steps of {step}; expected a number above zero.")
+        check_step(self._label, step)
         self._stepped = True
         self._fit(float(step))
 
@@ -115,6 +114,16 @@ def check_limits(label: str, low: float, high: float, *more: float) -> None:
     if not (np.isfinite([low, high, *more]).all() and low < high):
         at = f", at {more[0]}" if more else ""
         raise InputError(f"The slider {label!r} runs from {low} to {high}{at}; expected low < high.")
+
+
+def check_step(label: str, step: float) -> None:
+    """Refuse a step that is none.
+
+    Raises:
+        InputError: It is not a finite number above zero.
+    """
+    if not (math.isfinite(step) and step > 0.0):
+        raise InputError(f"The slider {label!r} is given steps of {step}; expected a number above zero.")
 
 
 def digits(x: float) -> int:

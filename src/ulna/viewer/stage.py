@@ -240,7 +240,7 @@ def _surfaces(thing: Any) -> tuple[Surface, ...]:
     if isinstance(thing, Surface):
         return (thing,)
     if isinstance(thing, Mesh):
-        thing = thing.path or ""
+        return load_mesh(thing.path or "", thing.scale)
     if isinstance(thing, Shape):
         return (tessellate(thing, PLAIN),)
     return load_mesh(os.fspath(thing))

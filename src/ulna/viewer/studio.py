@@ -14,9 +14,10 @@ import numpy as np
 from ulna.errors import InputError
 from ulna.sim import Recording
 from ulna.typing import Array
-from ulna.viewer.camera import Camera, frame
+from ulna.viewer.camera import Camera, checked_camera, frame
 from ulna.viewer.film import check_film, moments, write_film
 from ulna.viewer.html import write_html
+from ulna.viewer.node import numbers
 from ulna.viewer.progress import progress
 from ulna.viewer.raster import render, write_png
 from ulna.viewer.robot_handle import RobotHandle
@@ -32,7 +33,8 @@ class Studio(Stage, abc.ABC):
 
     def __init__(self, title: str, theme: Theme | str, camera: Camera | None, floor: float | None) -> None:
         super().__init__()
-        self.title, self._theme, self._camera, self._floor = title, theme_of(theme), camera, floor
+        self.title, self._theme = title, theme_of(theme)
+        self._camera, self._floor = checked_camera(camera), checked_height(floor)
 
     @abc.abstractmethod
     def _simulated(self) -> Sequence[Motion]:
@@ -64,7 +66,7 @@ class Studio(Stage, abc.ABC):
         Raises:
             InputError: The size is out of range, or the file cannot be written.
         """
-        view = camera or self._camera or frame(self.scene, width / height)
+        view = checked_camera(camera) or self._camera or frame(self.scene, width / height)
         image = render(self.scene, width, height, view, samples, self._theme, self._floor)
         if path is not None:
             write_png(path, image)
@@ -107,7 +109,7 @@ class Studio(Stage, abc.ABC):
         bring, length = self._mover(recorded, move, duration)
         times = moments(length, fps, speed)
         with self._as_it_was():
-            view = camera or self._camera or self._view_of(bring, times, width / height)
+            view = checked_camera(camera) or self._camera or self._view_of(bring, times, width / height)
             floor = self.scene.floor() if self._floor is None else self._floor
             with progress(f"Drawing {os.path.basename(os.fspath(path))}") as report:
 
@@ -146,7 +148,12 @@ class Studio(Stage, abc.ABC):
         options: dict[str, Any] = {"title": self.title, "theme": self._theme, "floor": self._floor}
         with self._as_it_was():
             return write_html(
-                path, self.scene, times.tolist(), bring, camera=camera or self._camera, **options
+                path,
+                self.scene,
+                times.tolist(),
+                bring,
+                camera=checked_camera(camera) or self._camera,
+                **options,
             )
 
     def _mover(
@@ -192,4 +199,15 @@ class Studio(Stage, abc.ABC):
                     f"There are {len(self.robots)} robots here; give {{handle: recording}} to say which one it is of."
                 )
             return [(self.robots[0], lambda: recorded)]
+        if not isinstance(recorded, Mapping):
+            raise InputError(f"Cannot play {recorded!r}; expected a recording, or {{handle: recording}}.")
         return [(robot, lambda r=r: r) for robot, r in recorded.items()]
+
+
+def checked_height(floor: float | None) -> float | None:
+    """The height of a floor [m], or None.
+
+    Raises:
+        InputError: It is no finite number.
+    """
+    return None if floor is None else float(numbers("floor", [floor], 1)[0])

@@ -7,7 +7,7 @@ from typing import Any, final
 
 from ulna.errors import InputError
 from ulna.sim import Simulation
-from ulna.viewer.camera import Camera, frame
+from ulna.viewer.camera import Camera, checked_camera, frame
 from ulna.viewer.handles import Handle
 from ulna.viewer.hold import hold
 from ulna.viewer.page import Page
@@ -15,7 +15,7 @@ from ulna.viewer.panel import Panel
 from ulna.viewer.pendant import Pendant
 from ulna.viewer.robot_handle import RobotHandle
 from ulna.viewer.screen import open_browser, somebody_can_look
-from ulna.viewer.studio import Recorded, Studio
+from ulna.viewer.studio import Recorded, Studio, checked_height
 from ulna.viewer.theme import LIGHT, Theme, theme_of
 from ulna.viewer.timeline import Motion, Timeline
 
@@ -111,7 +111,7 @@ class Viewer(Studio):
 
     def __repr__(self) -> str:
         return f"<viewer of {len(self.scene.names)} things" + (
-            f" at {self.url}>" if self.url else ", without a page>"
+            f" at {self.url}>" if not self.closed else ", without a page>"
         )
 
     # how it is looked at --------------------------------------------------------------------------------------
@@ -133,7 +133,7 @@ class Viewer(Studio):
 
     @floor.setter
     def floor(self, height: float | None) -> None:
-        self._floor = None if height is None else float(height)
+        self._floor = checked_height(height)
         self._dress()
 
     @property
@@ -143,7 +143,7 @@ class Viewer(Studio):
 
     @camera.setter
     def camera(self, camera: Camera | None) -> None:
-        self._camera = camera
+        self._camera = checked_camera(camera)
         if self._page is not None:
             self._page.look(camera)
 

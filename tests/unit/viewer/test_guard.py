@@ -2,7 +2,7 @@
 
 import pytest
 
-from ulna.viewer.guard import allowed, cookie, knows
+from ulna.viewer.guard import allowed, cookie, frames, knows
 
 OURS = "localhost:8080"
 
@@ -69,3 +69,11 @@ def test_a_token_is_known_from_the_address_or_a_cookie() -> None:
         assert not knows("secret", path, jar)
     assert "HttpOnly" in cookie("secret")
     assert "SameSite=Strict" in cookie("secret")
+
+
+def test_pages_of_this_machine_and_editors_may_frame_it_and_no_other() -> None:
+    places = frames("localhost:8080").split()
+    assert places[:2] == ["frame-ancestors", "'self'"]
+    assert {"http://localhost:*", "http://127.0.0.1:*", "vscode-webview:"} < set(places)
+    assert "http://host.example:*" in frames("host.example:8080").split()
+    assert not any("[" in place or place == "http://:*" for place in frames("[::1]:8080").split())

@@ -1,5 +1,6 @@
 """The page without a browser: it answers its own machine only, goes without a trace, and follows the scene."""
 
+import contextlib
 import http.client
 import socket
 import threading
@@ -12,7 +13,7 @@ import pytest
 
 pytest.importorskip("viser", reason="viser, which serves the page, is not installed")
 
-from ulna.errors import InputError, MissingExtra, UlnaWarning
+from ulna.errors import InputError, MissingExtra, UlnaWarning, ViewerError
 from ulna.geometry import Box
 from ulna.viewer import channel, guard
 from ulna.viewer import hold as hold_module
@@ -64,6 +65,32 @@ def wait(condition, patience: float = 5.0) -> bool:
             return True
         time.sleep(0.01)
     return False
+
+
+def test_an_address_of_another_machine_is_refused_at_once() -> None:
+    for host in ("192.0.2.1", "no such name"):
+        with pytest.raises(ViewerError, match=host):
+            Page(Scene(), port=0, host=host)
+    for port in (70_000, -1, 80.5, "8080"):
+        with pytest.raises(InputError, match="port"):
+            Page(Scene(), port=port)  # type: ignore[arg-type]
+
+
+def test_after_the_last_port_any_is_taken() -> None:
+    with socket.socket() as taken:
+        with contextlib.suppress(OSError):  # in use, it does as well
+            taken.bind(("127.0.0.1", 65535))
+        taken.listen()
+        with Page(Scene(), port=65535) as page:
+            assert 0 < page.port < 65535
+
+
+def test_only_pages_of_this_machine_may_frame_it(page: Page) -> None:
+    for encoding in ("gzip", "identity"):  # viser's page and ours
+        connection = http.client.HTTPConnection("127.0.0.1", page.port, timeout=10)
+        connection.request("GET", "/", headers={"Host": "localhost:1", "Accept-Encoding": encoding})
+        assert connection.getresponse().headers["Content-Security-Policy"] == guard.frames("localhost:1")
+        connection.close()
 
 
 def test_the_page_is_served_to_its_own_machine(page: Page) -> None:

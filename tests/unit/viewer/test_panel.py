@@ -87,6 +87,12 @@ def test_what_a_control_does_not_have_is_refused(panel: Panel, kind: str) -> Non
     control.remove()
 
 
+@pytest.mark.parametrize("step", [0.0, -1.0, np.nan])
+def test_steps_of_a_slider_are_above_zero(panel: Panel, step: float) -> None:
+    with pytest.raises(InputError, match="above zero"):
+        panel.slider("a", 0.0, 1.0, step=step)
+
+
 def test_limits_of_a_slider_change_and_its_value_stays_within(panel: Panel) -> None:
     slider = panel.slider("gain", 0.0, 1.0, 0.5, unit="N")
     assert slider.step == pytest.approx(0.001)
@@ -179,3 +185,23 @@ def test_a_pendant_goes_with_its_robot_and_alone(viewer: Viewer, capsys: pytest.
     viewer.flush()
     assert capsys.readouterr().err == ""
     viewer.clear()
+
+
+def test_a_panel_whose_page_was_closed_keeps_what_it_is_given() -> None:
+    pytest.importorskip("viser", reason="viser, which serves the page, is not installed")
+    viewer = Viewer(port=0, browser=False)
+    made = {kind: make(viewer.panel) for kind, make in MAKERS.items()}
+    viewer.close()
+    made |= {f"late {kind}": make(viewer.panel) for kind, make in MAKERS.items()}
+    for kind, control in made.items():
+        control.visible = False
+        if "text" not in kind:
+            control.label = "b"
+    for late in ("", "late "):
+        made[f"{late}slider"].value, made[f"{late}number"].value = 0.75, 5.0
+        made[f"{late}select"].options, made[f"{late}radio"].value = ("z",), "y"
+        assert made[f"{late}slider"].value == 0.75 and made[f"{late}select"].value == "z"
+        assert made[f"{late}radio"].value == "y" and made[f"{late}number"].label == "b"
+    viewer.camera, viewer.theme = None, "dark"
+    for control in made.values():
+        control.remove()

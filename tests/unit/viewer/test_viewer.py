@@ -88,6 +88,10 @@ def test_what_a_thing_does_not_have_cannot_be_assigned(
             handle.name = "other"  # type: ignore[misc]
         for name, wrong in (
             ("pose", np.eye(3)),
+            ("pose", "here"),
+            ("position", "there"),
+            ("opacity", "half"),
+            ("opacity", None),
             ("pose", np.full((4, 4), np.nan)),
             ("pose", np.diag([2.0, 2.0, 2.0, 1.0])),
             ("position", (1, 2)),
@@ -118,6 +122,18 @@ def test_nothing_is_added_by_mistake(viewer: Viewer, panda: ulna.Robot) -> None:
         lambda: viewer.copies(Sphere(0.1)),
         lambda: viewer.text("x", height=0.0),
         lambda: viewer.box((1, 1, 1), pose=np.zeros((4, 4))),
+        lambda: viewer.box((1, 1, 1), name=5),
+        lambda: viewer.add(panda, detail="some"),
+        lambda: viewer.mesh("/"),
+        lambda: setattr(viewer, "camera", "top"),
+        lambda: setattr(viewer, "floor", np.nan),
+        lambda: setattr(viewer, "floor", "low"),
+        lambda: viewer.picture(camera=5),  # type: ignore[arg-type]
+        lambda: viewer.play(5),  # type: ignore[arg-type]
+        lambda: Camera((0, 0, 0), (0, 0, 0)),
+        lambda: Camera((0, 0, np.inf)),
+        lambda: Camera(fov=0.0),
+        lambda: Viewer(page=False, camera="top"),  # type: ignore[arg-type]
     )
     for mistake in wrong:
         with pytest.raises(UlnaError):
@@ -125,6 +141,35 @@ def test_nothing_is_added_by_mistake(viewer: Viewer, panda: ulna.Robot) -> None:
     assert viewer.scene.names == ()
     with pytest.raises(UnknownName):
         viewer["nobody"]
+
+
+def test_what_was_removed_is_neither_moved_nor_begun_anew(viewer: Viewer, panda: ulna.Robot) -> None:
+    arm = viewer.add(panda, "qr")
+    arm.q = "qz"  # not looked at before it goes
+    arm.remove()
+    for use in (lambda: setattr(arm, "q", "qr"), arm.trace, arm.frames, lambda: arm.pose, arm.remove):
+        with pytest.raises(UnknownName, match="No thing in the scene named 'panda'"):
+            use()
+    assert viewer.scene.names == ()
+
+
+def test_copies_of_a_mesh_have_its_scale(viewer: Viewer, tmp_path: Path) -> None:
+    pytest.importorskip("trimesh")
+    (tmp_path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    thing = Mesh(str(tmp_path / "one.obj"), (1e-3, 2e-3, 1e-3))
+    viewer.copies(thing, positions=np.zeros((2, 3)), name="some")
+    content = viewer.scene.node("some").content
+    assert isinstance(content, Copies)
+    np.testing.assert_allclose(np.ptp(content.original[0].vertices, axis=0), (1e-3, 2e-3, 0.0))
+
+
+def test_an_arrow_of_velocity_follows_the_velocity_alone(viewer: Viewer, panda: ulna.Robot) -> None:
+    arm = viewer.add(panda, "qr")
+    arrow = arm.velocity(size=2.0)
+    viewer.scene.snapshot()
+    arm.qd = qd = np.linspace(0.1, 0.7, 7)
+    viewer.scene.snapshot()
+    np.testing.assert_allclose(arrow.vector, 2.0 * (panda.jacobian(arm.q)[:3] @ qd), atol=1e-12)
 
 
 def test_names_are_made_and_taken_ones_replaced(viewer: Viewer, panda: ulna.Robot) -> None:

@@ -36,7 +36,7 @@ def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) 
         )
         return []
     try:
-        found = [s.moved(np.eye(4), shape.scale) for s in load_mesh(shape.path)]
+        found = list(load_mesh(shape.path, shape.scale))
     except (InputError, MissingExtra) as error:
         warnings.warn(f"{geometry.name!r} is not shown: {error}", ModelWarning, stacklevel=3)
         return []
