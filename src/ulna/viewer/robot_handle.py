@@ -117,12 +117,13 @@ class RobotHandle(Companions):
             self._body = body
 
     def show_at(self, q: Floats) -> None:
-        """Show a configuration of the past; where a simulation has it stays as it is."""
-        self._figure.move(q)
+        """Show a configuration of the past, unless it was removed; where a simulation has it stays as it is."""
+        if self._name in self._scene:
+            self._figure.move(q)
 
     def follow_body(self) -> None:
-        """Show where the simulation has it now."""
-        if self._body is not None:
+        """Show where the simulation has it now, unless it was removed."""
+        if self._body is not None and self._name in self._scene:
             self._move(self._body.q)
 
     def _move(self, q: Floats) -> None:

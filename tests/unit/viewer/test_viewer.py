@@ -153,6 +153,17 @@ def test_what_was_removed_is_neither_moved_nor_begun_anew(viewer: Viewer, panda:
     assert viewer.scene.names == ()
 
 
+def test_a_simulation_goes_on_without_a_robot_that_was_removed(viewer: Viewer, panda: ulna.Robot) -> None:
+    arm, other = viewer.add(panda, "qr", name="one"), viewer.add(panda, "qr", name="other")
+    sim = viewer.simulate(realtime=False)
+    other.qd = np.full(7, 0.1)
+    sim.step(0.1)
+    arm.remove()
+    sim.step(0.1)
+    viewer.play().time = 0.1
+    assert len(other.body.recording) == 3 and "one" not in viewer.scene
+
+
 def test_copies_of_a_mesh_have_its_scale(viewer: Viewer, tmp_path: Path) -> None:
     pytest.importorskip("trimesh")
     (tmp_path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
