@@ -20,6 +20,7 @@ SPATIAL = """
 ! Q, P = pin.Quaternion(R), pin.Quaternion(S); w = rng.normal(size=3)
 R; A * B; A.inverse(); ~A; A.action; A.actionInverse; A.dualAction; A * m; A.actInv(m); A.act(f); A.actInv(f); A * r
 A.actInv(r); A.actInv(B); A.act(I); A.actInv(I); A.homogeneous; A.isIdentity(); A.isApprox(A); A == B
+(I - I).matrix(); pin.exp6_quat(np.arange(6.0))
 str(A); repr(A); str(m); str(f); str(I); repr(I); str(Y); str(pin.Quaternion(1.0, 2.0, 3.0, 4.0))
 m.cross(n); m ^ f; m.dot(f); f.dot(m); m.action; m.dualAction; m.homogeneous; m + n; m - n; -m; m * 2.0; 2.0 * m; m / 3.0
 m.se3Action(A); f.se3ActionInverse(A); m.isZero(); pin.classicAcceleration(m, n); pin.classicAcceleration(m, n, A)

@@ -187,3 +187,24 @@ def test_mimic_joints_work_everywhere(pin: Any) -> None:
     ahead, behind = (pin.rnea(tied, t, q + h, v, v) for h in (1e-6, -1e-6))
     dtau_dq, _, _ = pin.computeRNEADerivatives(tied, t, q, v, v)
     np.testing.assert_allclose(dtau_dq[:, 0], (ahead - behind) / 2e-6, rtol=1e-6)
+
+
+def test_derivatives_of_universal_joints_agree_with_differences(pin: Any) -> None:
+    model = pin.Model()
+    kind = pin.JointModelUniversal(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
+    joint = model.addJoint(0, kind, pin.SE3(pin.utils.rotate("x", 0.3), np.ones(3)), "hook")
+    model.appendBodyToJoint(
+        joint, pin.Inertia(2.0, np.array([0.1, 0.2, 0.3]), np.diag([1, 2, 2.5])), pin.SE3()
+    )
+    data, q, v = model.createData(), np.array([0.2, 0.8]), np.array([-1.0, 2.0])
+    dtau_dq, _, _ = pin.computeRNEADerivatives(model, data, q, v, v)
+    for k, e in enumerate(1e-6 * np.eye(2)):
+        change = pin.rnea(model, data, q + e, v, v) - pin.rnea(model, data, q - e, v, v)
+        np.testing.assert_allclose(dtau_dq[:, k], change / 2e-6, rtol=1e-6, atol=1e-8)
+    bias = pin.computeCoriolisMatrix(model, data, q, v) @ v + pin.computeGeneralizedGravity(model, data, q)
+    np.testing.assert_allclose(bias, pin.nle(model, data, q, v), rtol=1e-12)
+
+
+def test_the_logarithm_of_a_number_is_refused(pin: Any) -> None:
+    with pytest.raises(ShapeError, match="4, 4"):
+        pin.log6(3)

@@ -164,4 +164,4 @@ def _six(v: Any) -> Floats:
 
 
 def _placement(M: Any) -> SE3:
-    return M if isinstance(M, SE3) else SE3(M)
+    return M if isinstance(M, SE3) else SE3(matrix(M, (4, 4), "M"))
