@@ -12,7 +12,7 @@ from pinocchio._arrays import index
 from pinocchio._data import Data, engine_for, frames_fit
 from pinocchio._enums import ReferenceFrame, reference_of
 from pinocchio._model import Model
-from pinocchio._runs import Algorithm, run
+from pinocchio._runs import Algorithm, Scratch, run
 from pinocchio._se3 import SE3
 from pinocchio._states import NOT_MOTION, NOT_SPEED, OWN
 from pinocchio._vectors import Motion
@@ -248,7 +248,8 @@ def _motion(
     else:
         data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
     v, a = data.v[joint]._v, data.a[joint]._v
-    return Motion._of(_seen_from(kind, reference)(data._blocks["oMi"][joint], placement, v, a))
+    M = np.ascontiguousarray(placement)
+    return Motion._of(_seen_from(kind, reference)(data._blocks["oMi"][joint], M, v, a))
 
 
 @cache
@@ -270,4 +271,4 @@ def _seen_from(kind: str, reference: Reference) -> Any:
             gain = spatial.Motion(gain.linear + cross(velocity.angular, velocity.linear), gain.angular)
         return gain.vector()
 
-    return compile_function(run, oMi=(4, 4), placement=(4, 4), v=(6,), a=(6,))
+    return Scratch(compile_function(run, oMi=(4, 4), placement=(4, 4), v=(6,), a=(6,))).call
