@@ -242,7 +242,8 @@ def _motion(
     model: Model, data: Data, kind: str, reference: Reference, joint: int, placement: Floats
 ) -> Motion:
     """The motion of a frame out of what the Data holds of its joint."""
-    engine_for(model, data)
+    if data._layout is not model._layout:
+        engine_for(model, data)
     if kind == "velocity":
         data.require(data._qv, "forwardKinematics(model, data, q, v)")
     else:
