@@ -169,7 +169,12 @@ def test_dragging_the_target_moves_the_tool(visit: Visit) -> None:
         time.sleep(0.3)
         visit.tab.mouse.up()
 
-    for pause in (1.0, 3.0, 6.0, 12.0):  # the target must be drawn where the tool is; a busy machine takes its time
+    for pause in (
+        1.0,
+        3.0,
+        6.0,
+        12.0,
+    ):  # the target must be drawn where the tool is; a busy machine takes its time
         time.sleep(pause)
         drag()
         if wait(lambda: bool(moved() @ arrow > 0.03), 2.0 * pause):

@@ -172,7 +172,13 @@ def test_what_is_left_out_is_said() -> None:
     with pytest.warns(ModelWarning) as caught:
         ulna.load(text)
     words = str(caught[0].message)
-    for part in ("1 springs", "1 tendons", "1 equalities", "loops_from_mjcf", "1 bodies with compensated gravity"):
+    for part in (
+        "1 springs",
+        "1 tendons",
+        "1 equalities",
+        "loops_from_mjcf",
+        "1 bodies with compensated gravity",
+    ):
         assert part in words
 
 
