@@ -12,6 +12,7 @@ import pytest
 pytest.importorskip("matplotlib")
 pytest.importorskip("spatialmath")
 pytest.importorskip("PIL")
+pytest.importorskip("sympy")
 
 FIRST = """
 import roboticstoolbox as rtb
@@ -39,6 +40,31 @@ for k in range(film.n_frames):
     film.seek(k)
     times.append(film.info["duration"])
 print(film.n_frames, sum(times))
+"""
+
+SYMBOLS = """
+import numpy as np, roboticstoolbox as rtb, sympy
+from roboticstoolbox import ET
+q, at = sympy.symbols("q:7"), np.linspace(-1.0, 1.0, 7)
+def valued(formula, n):
+    return np.array(sympy.Matrix(formula).subs(dict(zip(q[:n], at))), dtype=float)
+e = ET.Rz() * ET.tx(1) * ET.Rz() * ET.tx(0.5)
+puma, panda = rtb.models.DH.Puma560(), rtb.models.ETS.Panda()
+for robot, n in ((e, 2), (puma, 6), (panda, 7)):
+    assert np.allclose(valued(robot.fkine(q[:n]).A, n), robot.fkine(at[:n]).A, atol=1e-12)
+    assert np.allclose(valued(robot.jacob0(list(q[:n])), n), robot.jacob0(at[:n]), atol=1e-12)
+    assert np.allclose(valued(robot.jacobe(np.array(q[:n])), n), robot.jacobe(at[:n]), atol=1e-12)
+assert np.allclose(valued(e.eval(q[:2]), 2), e.eval(at[:2]))
+assert sympy.simplify(ET.Rz().A(q[0])[0, 0] - sympy.cos(q[0])) == 0
+assert np.allclose(valued(puma.links[0].A(q[0]).A, 1), puma.links[0].A(at[0]).A)
+for wrong, word in ((q[:1], "symbols for one"), (["a", "b"], "float")):
+    try:
+        e.eval(wrong)
+    except (TypeError, ValueError) as error:
+        assert word in str(error), error
+    else:
+        raise AssertionError(wrong)
+print("fine")
 """
 
 COLLISION = """
@@ -130,7 +156,14 @@ print("fine")
 
 @pytest.mark.parametrize(
     ("script", "said"),
-    [(FIRST, "panda_link8"), (SIXTH, "5 250"), (COLLISION, "fine"), (STATE, "fine"), (SHAPES, "fine")],
+    [
+        (FIRST, "panda_link8"),
+        (SIXTH, "5 250"),
+        (SYMBOLS, "fine"),
+        (COLLISION, "fine"),
+        (STATE, "fine"),
+        (SHAPES, "fine"),
+    ],
 )
 def test_runs_to_the_end(script: str, said: str, tmp_path: Path) -> None:
     file = tmp_path / "script.py"

@@ -10,10 +10,12 @@ import numpy as np
 
 from roboticstoolbox._et import BaseET
 from roboticstoolbox._jacobian import Jacobian
+from ulna import algorithms
 from ulna.errors import ShapeError
 from ulna.formats.ets import ETS as Transforms
+from ulna.model import Frame, Model
 from ulna.robot import Robot
-from ulna.typing import Floats
+from ulna.typing import Array, Floats
 
 _ANGLES = {"rpy/xyz", "rpy/zyx", "eul", "exp"}
 _MEASURES = {
@@ -81,7 +83,12 @@ class Chain:
 
     def fk(self, q: Any) -> Floats:
         """The pose of the end in the start, (..., 4, 4)."""
-        return self._constant if self.n == 0 else self._fk(self.q(q))
+        if self.n == 0:
+            return self._constant
+        try:
+            return self._fk(self.q(q))
+        except TypeError as error:
+            return algorithms.frame_pose(*self._symbols(q, error)).matrix()
 
     @cached_property
     def _fk(self) -> Any:
@@ -96,11 +103,33 @@ class Chain:
 
     def jacob0(self, q: Any) -> Floats:
         """The Jacobian in the axes of the start, (..., 6, n)."""
-        return self._jacob0(self.q(q)).view(Jacobian) if self.n else np.zeros((6, 0))
+        if self.n == 0:
+            return np.zeros((6, 0))
+        try:
+            return self._jacob0(self.q(q)).view(Jacobian)
+        except TypeError as error:
+            return algorithms.frame_jacobian(*self._symbols(q, error))
 
     def jacobe(self, q: Any) -> Floats:
         """The Jacobian in the axes of the end, (..., 6, n)."""
-        return self._jacobe(self.q(q)).view(Jacobian) if self.n else np.zeros((6, 0))
+        if self.n == 0:
+            return np.zeros((6, 0))
+        try:
+            return self._jacobe(self.q(q)).view(Jacobian)
+        except TypeError as error:
+            return algorithms.frame_jacobian(*self._symbols(q, error), reference="local")
+
+    def _symbols(self, q: Any, error: TypeError) -> tuple[Model, Array, Frame]:
+        """What the tower's algorithms make formulas of; `error` where `q` holds no symbols."""
+        given = np.asarray(q, dtype=object)
+        if not any(hasattr(x, "free_symbols") for x in given.ravel()):
+            raise error
+        if given.ndim == 1 and given.size > self.jindices.max():
+            given = given[self.jindices]
+        if given.shape != self._shape:
+            raise ShapeError("q", given.shape, f"({self.n},), symbols for one configuration")
+        model = self.arm.model
+        return model, given, model.frame(model.tool)
 
     @cached_property
     def _jacob0(self) -> Any:

@@ -110,7 +110,8 @@ class BaseET:
             return self._T.copy()
         if not self.isjoint:
             return self._plain().transform().matrix()
-        value = (0.0 if q is None else float(q)) + self.offset
+        symbol = hasattr(q, "free_symbols")
+        value = (0.0 if q is None else q if symbol else float(q)) + self.offset
         return self._plain().transform(value).matrix()
 
     @property
