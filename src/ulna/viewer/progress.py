@@ -48,14 +48,9 @@ def progress(what: str) -> Iterator[Report]:
         what: What is being done: "Loading meshes".
     """
     work = _Work(what)
-    timer = threading.Timer(_PATIENCE, work.show)
-    timer.daemon = True
-    timer.start()
     try:
         yield work.report
     finally:
-        timer.cancel()
-        timer.join()
         work.finish()
 
 
@@ -63,34 +58,53 @@ def progress(what: str) -> Iterator[Report]:
 class _Work:
     def __init__(self, what: str) -> None:
         self._what, self._count = what, ""
-        self._shown, self._told_at = False, 0.0
-        self._lock = threading.Lock()
+        self._shown = self._over = False
+        self._told_at = 0.0
+        self._lock, self._speaking = threading.Lock(), threading.Lock()
+        self._due = True  # whether a word is on its way
+        self._timer = self._later(_PATIENCE)
 
     def report(self, done: int, of: int) -> None:
         with self._lock:
             self._count = f"{done} of {of}" if of > 1 else ""
-            if self._shown and time.monotonic() - self._told_at > _CALM:
-                self._tell()
-
-    def show(self) -> None:
-        with self._lock:
-            self._shown = True
-            self._tell()
+            if self._due or self._over:
+                return
+            self._due, wait = True, self._told_at + _CALM - time.monotonic()
+            if wait > 0.0:
+                self._timer = self._later(wait)
+                return
+        self._tell()
 
     def finish(self) -> None:
-        if not self._shown:
-            return
-        if _terminal():
-            print(f"\r{' ' * (len(self._what) + 24)}\r", end="", file=sys.stderr, flush=True)
-        for watcher in tuple(_watchers):
-            watcher(self._what, "")
+        with self._lock:
+            self._over = True
+            self._timer.cancel()
+        self._timer.join()
+        with self._speaking:
+            if not self._shown:
+                return
+            if _terminal():
+                print(f"\r{' ' * (len(self._what) + 24)}\r", end="", file=sys.stderr, flush=True)
+            for watcher in tuple(_watchers):
+                watcher(self._what, "")
+
+    def _later(self, seconds: float) -> threading.Timer:
+        timer = threading.Timer(seconds, self._tell)
+        timer.daemon = True
+        timer.start()
+        return timer
 
     def _tell(self) -> None:
-        self._told_at = time.monotonic()
-        if _terminal():
-            print(f"\r{self._what}: {self._count or '...'} ", end="", file=sys.stderr, flush=True)
-        for watcher in tuple(_watchers):
-            watcher(self._what, self._count or "...")
+        with self._speaking:
+            with self._lock:
+                if self._over:
+                    return
+                self._due, self._shown = False, True
+                self._told_at, count = time.monotonic(), self._count or "..."
+            if _terminal():
+                print(f"\r{self._what}: {count} ", end="", file=sys.stderr, flush=True)
+            for watcher in tuple(_watchers):
+                watcher(self._what, count)
 
 
 def _terminal() -> bool:

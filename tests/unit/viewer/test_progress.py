@@ -66,6 +66,19 @@ def test_long_work_counts_and_is_gone_when_it_is_done(
     assert "Loading: 2 of 3" in terminal.getvalue() and terminal.getvalue().endswith("\r")
 
 
+def test_the_newest_of_quick_counts_is_told(
+    heard: list[Any], impatient: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_CALM", 0.05)
+    with progress("Loading") as report:
+        time.sleep(0.3)
+        for k in range(1, 8):
+            report(k, 7)
+        time.sleep(0.3)
+    assert heard[0] == ("Loading", "...")
+    assert heard[-2:] == [("Loading", "7 of 7"), ("Loading", "")] and len(heard) < 8
+
+
 def test_work_that_fails_is_gone_too(heard: list[Any], impatient: None) -> None:
     with pytest.raises(ZeroDivisionError), progress("Loading") as report:
         time.sleep(0.3)
