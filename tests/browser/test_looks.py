@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from support.patience import patient
 from ulna.geometry import Box
 from ulna.viewer.camera import Camera
 from ulna.viewer.viewer import Viewer
@@ -34,13 +35,7 @@ def at(height: float) -> np.ndarray:
     return pose
 
 
-def wait(condition: Callable[[], Any], patience: float = 60.0) -> bool:
-    due = time.monotonic() + patience
-    while time.monotonic() < due:
-        if condition():
-            return True
-        time.sleep(0.05)
-    return False
+wait = patient(60.0)
 
 
 class Tab:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from typing import Any
 from urllib.parse import urlsplit
@@ -13,19 +13,14 @@ import numpy as np
 import pytest
 
 import ulna
+from support.patience import patient
 from ulna.spatial import quat_xyzw_to_matrix
 
 pytestmark = pytest.mark.browser
 SIZE = {"width": 800, "height": 500}  # drawn by the processor here, so small
 
 
-def wait(condition: Callable[[], bool], patience: float = 60.0) -> bool:
-    due = time.monotonic() + patience
-    while time.monotonic() < due:
-        if condition():
-            return True
-        time.sleep(0.05)
-    return False
+wait = patient(60.0)
 
 
 class Visit:

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
+from support.patience import patient
 from ulna.viewer.progress import progress
 from ulna.viewer.viewer import Viewer
 
 pytestmark = pytest.mark.browser
 
 
-def wait(condition: Callable[[], Any], patience: float = 60.0) -> bool:
-    due = time.monotonic() + patience
-    while time.monotonic() < due:
-        if condition():
-            return True
-        time.sleep(0.05)
-    return False
+wait = patient(60.0)
 
 
 @pytest.fixture(scope="module")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import io
 import socket
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
 import ulna
+from support.patience import patient
 from ulna.viewer.camera import Camera
 from ulna.viewer.light import KEY
 from ulna.viewer.viewer import Viewer
@@ -26,13 +26,7 @@ COUNT = """() => { window.drawn = 0; window.__viserMutable.scene.traverse(o => {
     } }); }"""
 
 
-def wait(condition: Callable[[], Any], patience: float = 90.0) -> bool:
-    due = time.monotonic() + patience
-    while time.monotonic() < due:
-        if condition():
-            return True
-        time.sleep(0.05)
-    return False
+wait = patient(90.0)
 
 
 def has(tab: Any, path: str) -> bool:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 
 import ulna
+from support.patience import patient
 from ulna.geometry import Box
 from ulna.sim import Recording
 from ulna.viewer.viewer import Viewer
@@ -19,13 +19,7 @@ pytestmark = pytest.mark.browser
 SIZE = {"width": 640, "height": 400}  # drawn by the processor here, so small
 
 
-def wait(condition: Callable[[], Any], patience: float = 90.0) -> bool:
-    due = time.monotonic() + patience
-    while time.monotonic() < due:
-        if condition():
-            return True
-        time.sleep(0.05)
-    return False
+wait = patient(90.0)
 
 
 class Tab:

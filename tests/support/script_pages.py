@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from support.patience import patient
 
 PLACE = "n => window.__viserMutable?.nodeRefFromName[n]?.matrix.toArray() ?? null"
 OPACITIES = """n => { const found = [];
@@ -20,15 +21,7 @@ OPACITIES = """n => { const found = [];
   return found; }"""
 
 
-def wait(condition: Callable[[], Any], patience: float = 90.0) -> Any:
-    """What `condition` gives as soon as that is something, or at the end of patience [s]."""
-    due = time.monotonic() + patience
-    while time.monotonic() < due:
-        found = condition()
-        if found:
-            return found
-        time.sleep(0.05)
-    return condition()
+wait = patient(90.0)
 
 
 def tab_at(chromium: Any, url: str, width: int = 640, height: int = 400) -> Any:

@@ -13,6 +13,7 @@ import pytest
 
 pytest.importorskip("viser", reason="viser, which serves the page, is not installed")
 
+from support.patience import patient
 from ulna.errors import InputError, MissingExtra, UlnaWarning, ViewerError
 from ulna.geometry import Box
 from ulna.viewer import channel, guard
@@ -58,13 +59,7 @@ UPGRADE = {
 }
 
 
-def wait(condition, patience: float = 5.0) -> bool:
-    due = time.monotonic() + patience
-    while time.monotonic() < due:
-        if condition():
-            return True
-        time.sleep(0.01)
-    return False
+wait = patient(5.0, pause=0.01)
 
 
 def test_an_address_of_another_machine_is_refused_at_once() -> None:

@@ -1,7 +1,7 @@
 """A shown robot without a browser: what sliders, buttons and the target do, on robots of many kinds."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("viser", reason="viser, which serves the page, is not installed")
 
 import ulna
+from support.patience import patient
 from ulna.errors import InputError, MissingExtra, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Continuous, FreeFlyer, ModelBuilder, Prismatic, Revolute, Spherical
 from ulna.spatial import SE3
@@ -16,14 +17,7 @@ from ulna.viewer.dials import _short
 from ulna.viewer.scene import Scene
 from ulna.viewer.show import Show, configuration, show
 
-
-def wait(condition: Callable[[], bool], patience: float = 10.0) -> bool:
-    due = time.monotonic() + patience
-    while time.monotonic() < due:
-        if condition():
-            return True
-        time.sleep(0.01)
-    return False
+wait = patient(10.0, pause=0.01)
 
 
 @pytest.fixture(scope="module")
