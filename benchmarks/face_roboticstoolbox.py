@@ -7,14 +7,15 @@ Each has its own Swift, without a page; where swift-sim is not installed, the lo
 
 from __future__ import annotations
 
-import json
 import os
 import statistics
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
+from _pair import answer_rounds, in_turns
 from _timing import medians, shown, table
 
 from ulna.faces.shelves import environment
@@ -32,8 +33,8 @@ panda.ik_LM(T * SE3.Tx(0.01), q0=panda.qr)
 """
 
 
-def worker() -> None:
-    """Measures each call once for every line that comes in; answers with medians by name."""
+def prepared() -> Callable[[], dict[str, float]]:
+    """What measures each call once: medians by name [s]."""
     import numpy as np
     import roboticstoolbox as rtb
     from spatialmath import SE3
@@ -104,10 +105,7 @@ def worker() -> None:
         calls["env.step, one Panda"] = lambda: env.step(0.01)
     for f in calls.values():
         f()
-    print("ready", flush=True)
-    for _ in sys.stdin:
-        found = medians(list(calls.values()), repeat=3, seconds=0.005)
-        print(json.dumps(dict(zip(calls, found, strict=True))), flush=True)
+    return lambda: dict(zip(calls, medians(list(calls.values()), repeat=3, seconds=0.005), strict=True))
 
 
 def seconds_to_run(code: str, env: dict[str, str]) -> float:
@@ -120,48 +118,25 @@ def seconds_to_run(code: str, env: dict[str, str]) -> float:
     return took[1] - took[0]
 
 
-def row(name: str, ours: list[float], theirs: list[float]) -> list[str]:
-    """A line of the table: medians and their ratio."""
-    face = statistics.median(ours)
-    if not theirs:
-        return [f"`{name}`", shown(face), "not installed", ""]
-    toolbox = statistics.median(theirs)
-    return [f"`{name}`", shown(face), shown(toolbox), f"{toolbox / face:.1f}"]
+def row(name: str, face: float, toolbox: float | None) -> list[str]:
+    """A line of the table: seconds of both and their ratio."""
+    theirs = ["not installed", ""] if toolbox is None else [shown(toolbox), f"{toolbox / face:.1f}"]
+    return [f"`{name}`", shown(face), *theirs]
 
 
 def main() -> None:
     """Prints the tables."""
     variables = {"face": environment(["roboticstoolbox"]), "toolbox": dict(os.environ)}
-    command = [sys.executable, __file__, "--worker"]
-    pipes: dict[str, Any] = {
-        "stdin": subprocess.PIPE,
-        "stdout": subprocess.PIPE,
-        "stderr": subprocess.DEVNULL,
-    }
-    running = {who: subprocess.Popen(command, env=env, text=True, **pipes) for who, env in variables.items()}
-    samples: dict[str, list[dict[str, float]]] = {who: [] for who in running}
-    for process in running.values():
-        process.stdout.readline()  # type: ignore[union-attr]
-    for _ in range(ROUNDS):
-        for who, process in running.items():
-            process.stdin.write("go\n")  # type: ignore[union-attr]
-            process.stdin.flush()  # type: ignore[union-attr]
-            samples[who].append(json.loads(process.stdout.readline()))  # type: ignore[union-attr]
-    for process in running.values():
-        process.stdin.close()  # type: ignore[union-attr]
-        process.wait()
-    rows = []
-    for name in samples["face"][0]:
-        ours, theirs = ([s[name] for s in samples[who] if name in s] for who in ("face", "toolbox"))
-        rows.append(row(name, ours, theirs))
+    found = in_turns([__file__, "--worker"], variables, ROUNDS)
+    rows = [row(name, face, found["toolbox"].get(name)) for name, face in found["face"].items()]
     for name, code in ((IMPORT, IMPORT), ("script: import, Panda, fkine, jacob0, ik_LM once", FIRST)):
         took: dict[str, list[float]] = {who: [] for who in variables}
         for _ in range(STARTS):
             for who, env in variables.items():
                 took[who].append(seconds_to_run(code, env))
-        rows.append(row(name, took["face"], took["toolbox"]))
+        rows.append(row(name, statistics.median(took["face"]), statistics.median(took["toolbox"])))
     print(table("The toolbox's calls", ["call", "face", "toolbox", "ratio"], rows))
 
 
 if __name__ == "__main__":
-    worker() if "--worker" in sys.argv else main()
+    answer_rounds(prepared) if "--worker" in sys.argv else main()

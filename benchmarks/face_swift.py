@@ -7,10 +7,8 @@ It needs swift-sim and roboticstoolbox-python, and for `--page` playwright and a
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
-import statistics
 import subprocess
 import sys
 import time
@@ -18,6 +16,7 @@ import webbrowser
 from collections.abc import Callable
 from typing import Any
 
+from _pair import answer_rounds, in_turns
 from _timing import shown, table
 
 from ulna.faces.shelves import environment
@@ -69,14 +68,14 @@ def opened(realtime: bool, browser: Chromium | None) -> Any:
     return env
 
 
-def worker(page: bool) -> None:
-    """Measures once for every line that comes in; answers with seconds by name."""
+def prepared(browser: Chromium | None) -> Callable[[], dict[str, float]]:
+    """What measures once: seconds by name."""
     import numpy as np
     import roboticstoolbox as rtb
     import spatialmath as sm
 
+    page = browser is not None
     clock = time.perf_counter if page else time.thread_time  # where nothing waits, the work counts
-    browser = Chromium() if page else None
     env, panda = opened(page, browser), rtb.models.Panda()
     panda.q = panda.qr
     env.add(panda)
@@ -98,44 +97,39 @@ def worker(page: bool) -> None:
         time.sleep(5.0)  # until the meshes are there
     else:
         taken(servo, 300)
-    print("ready", flush=True)
-    for _ in sys.stdin:
+
+    def measured() -> dict[str, float]:
         if page:
-            found = {REALTIME: taken(servo, 431)}
-        else:
-            found = {
-                "`env.step`, one Panda": taken(lambda: env.step(1e-3), 1000) / 1000,
-                SERVO: taken(servo, 300) / 300,
-            }
-        print(json.dumps(found), flush=True)
+            return {REALTIME: taken(servo, 431)}
+        return {
+            "`env.step`, one Panda": taken(lambda: env.step(1e-3), 1000) / 1000,
+            SERVO: taken(servo, 300) / 300,
+        }
+
+    return measured
+
+
+def worker(page: bool) -> None:
+    """Answers with what it measures, and ends, though Swift would wait for its page."""
+    browser = Chromium() if page else None
+    answer_rounds(lambda: prepared(browser))
     if browser is not None:
         browser.process.kill()
-    os._exit(0)  # Swift would wait for its page
+    os._exit(0)
 
 
 def main() -> None:
     """Prints the table."""
     page = "--page" in sys.argv
-    command = [sys.executable, "-W", "ignore", __file__, "--worker", *(["--page"] if page else [])]
+    command = ["-W", "ignore", __file__, "--worker", *(["--page"] if page else [])]
     variables = {"face": environment(["roboticstoolbox"]), "swift": dict(os.environ)}
-    pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-    samples: dict[str, list[dict[str, float]]] = {who: [] for who in variables}
-    # pages draw even when nothing moves, so that they are open one after the other
-    for group in [["face"], ["swift"]] if page else [["face", "swift"]]:
-        running = {who: subprocess.Popen(command, env=variables[who], **pipes) for who in group}
-        for process in running.values():
-            while (line := process.stdout.readline()) != "ready\n":  # type: ignore[union-attr]
-                assert line, "the worker ended"
-        for _ in range(3 if page else ROUNDS):
-            for who, process in running.items():
-                process.stdin.write("go\n")  # type: ignore[union-attr]
-                process.stdin.flush()  # type: ignore[union-attr]
-                samples[who].append(json.loads(process.stdout.readline()))  # type: ignore[union-attr]
-        for process in running.values():
-            process.communicate()
+    if page:  # pages draw even when nothing moves, so that they are open one after the other
+        found = {who: in_turns(command, {who: env}, 3)[who] for who, env in variables.items()}
+    else:
+        found = in_turns(command, variables, ROUNDS)
     rows = []
-    for name in samples["face"][0]:
-        ours, theirs = (statistics.median(s[name] for s in samples[who]) for who in ("face", "swift"))
+    for name, ours in found["face"].items():
+        theirs = found["swift"][name]
         rows.append([name, shown(ours), shown(theirs), f"{theirs / ours:.1f}"])
     print(table("Scripts of Swift", ["", "face", "swift", "ratio"], rows))
 

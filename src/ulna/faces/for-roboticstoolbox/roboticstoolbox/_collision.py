@@ -124,10 +124,7 @@ class Collision(Part):
             start: First link that counts.
             collision_list: Refused.
         """
-        if collision_list is not None:
-            raise InputError(
-                "`collision_list` is not offered; the shapes are those of the links from start to end."
-            )
+        _own(collision_list)
         near = self._near(self.q if q is None else q, shape, di, self._between(start, end))
         found = [item for item in near if item.gradient[: self.n].any()]  # the base cannot give way
         if not found:
@@ -166,10 +163,7 @@ class Collision(Part):
             start: First link that counts.
             collision_list: Refused.
         """
-        if collision_list is not None:
-            raise InputError(
-                "`collision_list` is not offered; the shapes are those of the links from start to end."
-            )
+        _own(collision_list)
         carries = hasattr(camera, "jacob0")
         c = matrix(camera.fkine(camera.q) if carries else camera)[:3, 3]
         t = np.asarray(shape._wT, dtype=float)[:3, 3]
@@ -191,6 +185,13 @@ class Collision(Part):
             moved = np.linalg.norm(p - c) / length * (towards @ shape.v[:3])
             bounds.append(xi * (found.distance - ds) / (di - ds) + moved)
         return (np.array(rows), np.array(bounds)) if rows else (None, None)
+
+
+def _own(collision_list: Any) -> None:
+    if collision_list is not None:
+        raise InputError(
+            "`collision_list` is not offered; the shapes are those of the links from start to end."
+        )
 
 
 def _gives_way(shape: Any, found: Any) -> float:
