@@ -5,6 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, final
 
+import numpy as np
+
 from ulna import kernels
 from ulna.model import Model
 
@@ -35,5 +37,13 @@ class Part(ABC):
     _plain: Plain
 
     @abstractmethod
+    def __init__(self, model: Model) -> None: ...
+
+    @abstractmethod
     def _checked(self, name: str, **options: Any) -> Any:
         """The kernel of that name and options, which checks its inputs."""
+
+
+def key_of(value: Any) -> Any:
+    """An option as a dictionary can keep it."""
+    return tuple(value) if isinstance(value, (list, np.ndarray)) else value
