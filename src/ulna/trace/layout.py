@@ -19,7 +19,7 @@ DATA, NDIM, LENGTHS, ARRAY_DESCRIPTOR, FLAGS = 16, 24, 32, 56, 64
 READABLE = 0x0101  # C-contiguous, aligned
 WRITEABLE = READABLE | 0x0400
 VALUE = 16  # of a Python float and of a NumPy float64
-TUPLE_SIZE, TUPLE_ITEMS = 16, 24
+TUPLE_SIZE, TUPLE_ITEMS = 16, tuple.__basicsize__  # 24; CPython 3.14 keeps a hash before the items
 TYPE_NUMBER = {"double": 12, "float": 11}
 NUMPY_TYPE = {"double": np.dtype(np.float64), "float": np.dtype(np.float32)}
 
