@@ -71,3 +71,13 @@ def test_rarer_names_and_members(tmp_path: Path) -> None:
     words = [arm / "urdf" / "ur5_robot.urdf", arm / "srdf" / "ur5.srdf", share.parent]
     words += [humanoid / "urdf" / "simple_humanoid.urdf", humanoid / "srdf" / "simple_humanoid.srdf"]
     _compare(tmp_path, *(str(word) for word in words), script="asked_names.py")
+
+
+def test_geometries_of_files_and_of_models_put_together(tmp_path: Path) -> None:
+    share = share_folder()
+    if share is None:
+        pytest.skip("example-robot-data is not installed")
+    arm, humanoid = (share / "robots" / name for name in ("ur_description", "simple_humanoid_description"))
+    words = [arm / "urdf" / "ur5_robot.urdf", arm / "srdf" / "ur5.srdf", share.parent]
+    words += [humanoid / "urdf" / "simple_humanoid.urdf"]
+    _compare(tmp_path, *(str(word) for word in words), script="asked_geometry.py")

@@ -12,6 +12,7 @@ import pytest
 
 from support.shelf import worn
 from ulna.errors import FormatError, InputError
+from ulna.geometry import Mesh
 
 
 @pytest.fixture(scope="module")
@@ -129,3 +130,30 @@ def test_a_mesh_made_in_memory_is_refused(pin: Any) -> None:
     thing = pin.GeometryObject("mesh", 0, pin.SE3(), mesh)
     with pytest.raises(InputError, match="made in memory"):
         thing.saveToString()
+
+
+def test_pickle_keeps_a_mesh_made_in_memory(pin: Any) -> None:
+    coal = pytest.importorskip("coal")
+    mesh = coal.BVHModelOBBRSS()
+    mesh.beginModel(1, 3)
+    mesh.addVertices(np.eye(3))
+    mesh.addTriangles(np.array([[0, 1, 2]]))
+    mesh.endModel()
+    thing = pin.GeometryObject("mesh", 0, pin.SE3(), mesh)
+    other = pickle.loads(pickle.dumps(thing))
+    assert other == thing and other.geometry.num_vertices == 3
+    thing.geometry = coal.Sphere(1.0)
+    assert other != thing
+
+
+def test_a_mesh_whose_scale_was_changed_is_pickled_as_it_is(pin: Any, tmp_path: Path) -> None:
+    pytest.importorskip("coal")
+    file = tmp_path / "one.obj"
+    file.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", encoding="utf-8")
+    thing = pin.GeometryObject("mesh", 0, pin.SE3(), Mesh(str(file)), str(file))
+    thing.geometry.computeLocalAABB()
+    thing.meshScale = np.full(3, 2.0)
+    other = pickle.loads(pickle.dumps(thing))
+    other.geometry.computeLocalAABB()
+    assert other.geometry.aabb_radius == thing.geometry.aabb_radius
+    assert other.shape.scale == (2.0, 2.0, 2.0)

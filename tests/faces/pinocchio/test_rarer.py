@@ -159,3 +159,29 @@ def test_settings_that_cannot_be(pin: Any) -> None:
     with pytest.raises(InputError, match="LOCAL, WORLD"):
         model = pin.buildSampleModelManipulator()
         pin.computeJointKinematicRegressor(model, model.createData(), 1, 0)
+
+
+def test_data_of_other_pairs_are_refused(pin: Any, arm: Any) -> None:
+    _, _, geometries, places = arm
+    geometries = geometries.copy()
+    geometries.removeCollisionPair(geometries.collisionPairs[0])
+    with pytest.raises(InputError, match="Make a new one"):
+        pin.computeCollisions(geometries, places)
+    with pytest.raises(InputError, match="twice"):
+        pin.CollisionPair(1, 1)
+    with pytest.raises(InputError, match="no geometry -1"):
+        pin.CollisionPair(-1, 1)
+
+
+def test_a_request_of_ones_own_and_arguments_by_name(pin: Any, arm: Any) -> None:
+    _, _, geometries, places = arm
+    near = pin.coal.CollisionRequest()
+    near.security_margin = 9.0
+    assert all(
+        pin.computeCollision(geometries, places, k, near) for k in range(len(geometries.collisionPairs))
+    )
+    assert pin.computeCollisions(geometry_model=geometries, geometry_data=places) == pin.computeCollisions(
+        geometries, places
+    )
+    with pytest.raises(InputError, match=r"computeCollisions was given 1 arguments, and places; expected \("):
+        pin.computeCollisions(geometries, places=places)

@@ -11,6 +11,8 @@ from ulna.typing import Floats
 
 Item = TypeVar("Item")
 _FLOAT = np.dtype(np.float64)
+NO_INDEX = 2**64 - 1
+"""What stands for the index of nothing, as in Pinocchio."""
 
 
 def vector(value: Any, size: int, name: str) -> Floats:

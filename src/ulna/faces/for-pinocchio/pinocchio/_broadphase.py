@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pinocchio._arrays import StdVec
+from pinocchio._arrays import NO_INDEX, StdVec
 from pinocchio._callbacks import CollisionCallBackBase, CollisionCallBackDefault
 from pinocchio._collisions import box_corners
 from pinocchio._geometry import GeometryData, GeometryModel, updateGeometryPlacements
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 class CollisionObject(coal().CollisionObject):
     """coal's object of a geometry: `CollisionObject(geometry, Transform3s)`; `geometryObjectIndex` says which it is."""
 
-    geometryObjectIndex = 2**64 - 1
+    geometryObjectIndex = NO_INDEX
 
 
 class BroadPhaseManager:

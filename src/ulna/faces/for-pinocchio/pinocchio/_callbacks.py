@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from pinocchio._arrays import StdVec
+from pinocchio._arrays import NO_INDEX, StdVec
 from pinocchio._collisions import computeCollision
 from pinocchio._geometry import CollisionPair, GeometryData, GeometryModel
 
 __all__ = ["CollisionCallBackBase", "CollisionCallBackCollect", "CollisionCallBackDefault"]
-
-NO_PAIR = 2**64 - 1
-"""The index of a pair where there is none."""
 
 
 class CollisionCallBackBase:
@@ -51,7 +48,7 @@ class CollisionCallBackBase:
     def _pair(self, first: Any, second: Any) -> int | None:
         """The index of the pair of two objects, if it is to be checked."""
         i, j = first.geometryObjectIndex, second.geometryObjectIndex
-        k = self._model.findCollisionPair(CollisionPair(i, j))
+        k = len(self._model.collisionPairs) if i == j else self._model.findCollisionPair(CollisionPair(i, j))
         if k == len(self._model.collisionPairs) or not self._data.activeCollisionPairs[k]:
             return None
         objects = self._model.geometryObjects
@@ -67,7 +64,7 @@ class CollisionCallBackDefault(CollisionCallBackBase):
         super().__init__(geometry_model, geometry_data)
         self.stopAtFirstCollision = stopAtFirstCollision
         """Whether to stop there."""
-        self.collisionPairIndex = NO_PAIR
+        self.collisionPairIndex = NO_INDEX
         """The last pair that was found to touch."""
         self.count = 0
         """How many pairs were looked at."""
@@ -76,7 +73,7 @@ class CollisionCallBackDefault(CollisionCallBackBase):
         """Called before a search: forgets what was found, unless it is to accumulate."""
         super().init()
         if not self.accumulate:
-            self.count, self.collisionPairIndex = 0, NO_PAIR
+            self.count, self.collisionPairIndex = 0, NO_INDEX
 
     def collide(self, first: Any, second: Any) -> bool:
         """Asks coal about two CollisionObjects; whether to stop."""

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pinocchio._arrays import StdVec, index
-from pinocchio._geometry import GeometryData, GeometryModel, GeometryObject, updateGeometryPlacements
+from pinocchio._geometry import (
+    CollisionPair,
+    GeometryData,
+    GeometryModel,
+    GeometryObject,
+    updateGeometryPlacements,
+)
+from pinocchio._keywords import by_name
 from pinocchio._parallel import GeometryPool
 from ulna.collision.narrow import coal
 from ulna.errors import InputError
@@ -31,74 +39,98 @@ __all__ = [
 
 
 class _OfTwo:
-    """What coal is asked about two geometries."""
+    """What coal is asked about two geometries; made anew for coal when one was given another shape."""
 
     def __init__(self, geometry_object1: GeometryObject, geometry_object2: GeometryObject) -> None:
-        self._objects = geometry_object1, geometry_object2
+        self.of = geometry_object1, geometry_object2
+        """The two."""
+        self._shapes: tuple[Any, Any] = (None, None)
+        self._ask: Any = None
 
     def getGeometryObject1(self) -> GeometryObject:
         """The first geometry."""
-        return self._objects[0]
+        return self.of[0]
 
     def getGeometryObject2(self) -> GeometryObject:
         """The second geometry."""
-        return self._objects[1]
+        return self.of[1]
 
     def run(self, tf1: Any, tf2: Any, request: Any, result: Any) -> Any:
         """Asks coal, the geometries being at two Transform3s; fills `result`."""
-        raise NotImplementedError
+        one, two = self.of
+        first, second = one.geometry, two.geometry
+        if first is not self._shapes[0] or second is not self._shapes[1]:
+            self._shapes = first, second
+            self._ask = getattr(coal(), type(self).__name__)(first, second)
+        result.clear()
+        return self._ask(tf1, tf2, request, result)
 
     def __call__(self, tf1: Any, tf2: Any, request: Any, result: Any) -> Any:
         """See `run`."""
         return self.run(tf1, tf2, request, result)
 
-    def _apart(self, tf1: Any, tf2: Any) -> tuple[Any, ...]:
-        first, second = (g.geometry for g in self._objects)
-        return first, tf1, second, tf2
-
 
 class ComputeCollision(_OfTwo):
     """A function that asks coal whether two geometries touch; answers how many contacts there are."""
-
-    def run(self, tf1: Any, tf2: Any, request: Any, result: Any) -> int:
-        """Asks coal, the geometries being at two Transform3s; fills a CollisionResult."""
-        result.clear()
-        return int(coal().collide(*self._apart(tf1, tf2), request, result))
 
 
 class ComputeDistance(_OfTwo):
     """A function that asks coal for the distance of two geometries [m]."""
 
-    def run(self, tf1: Any, tf2: Any, request: Any, result: Any) -> float:
-        """Asks coal, the geometries being at two Transform3s; fills a DistanceResult."""
-        result.clear()
-        return float(coal().distance(*self._apart(tf1, tf2), request, result))
-
 
 def computeCollision(
-    geometry_model: GeometryModel, geometry_data: GeometryData, pair_id: int, collision_request: Any = None
+    geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int, collision_request: Any = None
 ) -> bool:
     """Whether the geometries of a pair touch, where `geometry_data.oMg` has them.
 
     Raises:
         MissingExtra: coal is not installed. `ulna.Robot.collides` answers for a whole robot, batches included.
     """
-    first, second = posed(geometry_model, geometry_data, pair_id)
-    request = geometry_data.collisionRequests[pair_id] if collision_request is None else collision_request
-    result = geometry_data.collisionResults[pair_id]
-    result.clear()
-    return bool(coal().collide(*first, *second, request, result))
+    found = _answers(geometry_model, geometry_data, "collision", pair_index, collision_request)
+    return any(contacts for _, contacts in found)
 
 
-def computeDistance(geometry_model: GeometryModel, geometry_data: GeometryData, pair_id: int) -> Any:
+def computeDistance(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> Any:
     """The distance of the geometries of a pair, as coal's DistanceResult; see `computeCollision`."""
-    first, second = posed(geometry_model, geometry_data, pair_id)
-    result = geometry_data.distanceResults[pair_id]
-    result.clear()
-    coal().distance(*first, *second, geometry_data.distanceRequests[pair_id], result)
-    return result
+    for _ in _answers(geometry_model, geometry_data, "distance", pair_index):
+        pass
+    return geometry_data.distanceResults[pair_index]
 
 
+def _answers(
+    geometry_model: GeometryModel,
+    geometry_data: GeometryData,
+    what: str,
+    pair_id: int | None = None,
+    request: Any = None,
+) -> Iterator[tuple[int, Any]]:
+    """The indices of pairs and what coal answers about them, one by one: of one pair, or of all that are active."""
+    objects, pairs = geometry_model.geometryObjects, geometry_model.collisionPairs
+    if pair_id is None:
+        chosen, at = _checked(geometry_model, geometry_data), geometry_data.placed()
+    else:
+        chosen, at = [pair_id], geometry_data.placed(_pair(geometry_model, geometry_data, pair_id))
+    functions, requests, results = (
+        getattr(geometry_data, word) for word in (f"{what}_functors", f"{what}Requests", f"{what}Results")
+    )
+    for k in chosen:
+        i, j = pairs[k].first, pairs[k].second
+        one, two = functions[k].of
+        if one is not objects[i] or two is not objects[j]:
+            functions[k] = type(functions[k])(objects[i], objects[j])
+        told = requests[k] if request is None else request
+        yield k, functions[k].run(at[i], at[j], told, results[k])
+
+
+@by_name(
+    "geometry_model geometry_data stop_at_first_collision",
+    "model data geometry_model geometry_data q stop_at_first_collision",
+    "broadphase_manager callback",
+    "broadphase_manager stop_at_first_collision",
+    "manager callback",
+    "model data broadphase_manager q stop_at_first_collision",
+    "model data broadphase_manager callback q",
+)
 def computeCollisions(*parts: Any) -> bool:
     """Whether any active pair touches.
 
@@ -112,34 +144,34 @@ def computeCollisions(*parts: Any) -> bool:
         return by_manager(*parts)
     geometry_model, geometry_data, rest = _placed(parts)
     hit = False
-    for k in _checked(geometry_model, geometry_data):
-        hit |= computeCollision(geometry_model, geometry_data, k)
+    for _, contacts in _answers(geometry_model, geometry_data, "collision"):
+        hit |= contacts > 0
         if hit and rest and rest[0]:
             break
     return hit
 
 
+@by_name("geometry_model geometry_data", "model data geometry_model geometry_data q")
 def computeDistances(*parts: Any) -> int:
     """The pair that is nearest of the active ones: `(model, data, geometry_model, geometry_data, q)`, or without q.
 
     With `(geometry_model, geometry_data)`, placements stay as they are. Without any pair it is their number.
     """
     geometry_model, geometry_data, _ = _placed(parts)
-    found = {
-        k: computeDistance(geometry_model, geometry_data, k).min_distance
-        for k in _checked(geometry_model, geometry_data)
-    }
+    found = dict(_answers(geometry_model, geometry_data, "distance"))
     return min(found, key=found.__getitem__, default=len(geometry_model.collisionPairs))
 
 
 def computeContactPatch(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> None:
     """Fills `geometry_data.contactPatchResults` for a pair that touches; after `computeCollisions`."""
-    first, second = posed(geometry_model, geometry_data, pair_index)
+    i, j = _pair(geometry_model, geometry_data, pair_index)
+    at, objects = geometry_data.placed((i, j)), geometry_model.geometryObjects
     found, result = geometry_data.collisionResults[pair_index], geometry_data.contactPatchResults[pair_index]
     result.clear()
     if found.isCollision():
+        request = geometry_data.contactPatchRequests[pair_index]
         coal().computeContactPatch(
-            *first, *second, found, geometry_data.contactPatchRequests[pair_index], result
+            objects[i].geometry, at[i], objects[j].geometry, at[j], found, request, result
         )
 
 
@@ -211,23 +243,17 @@ def _placed(parts: Any) -> tuple[GeometryModel, GeometryData, tuple[Any, ...]]:
 
 def _checked(geometry_model: GeometryModel, geometry_data: GeometryData) -> list[int]:
     objects, pairs = geometry_model.geometryObjects, geometry_model.collisionPairs
-    return [
-        k
-        for k, active in enumerate(geometry_data.activeCollisionPairs)
-        if active and not any(objects[i].disableCollision for i in pairs[k])
-    ]
-
-
-def posed(geometry_model: GeometryModel, geometry_data: GeometryData, pair_id: int) -> list[tuple[Any, Any]]:
-    """The two geometries of a pair, each with its Transform3s."""
-    count = len(geometry_data.activeCollisionPairs)
-    pair = geometry_model.collisionPairs[
-        index(pair_id, count, "collision pair", "Make new data after adding pairs.")
-    ]
-    out = []
-    for i in pair:
-        M = geometry_data.oMg[i]
-        out.append(
-            (geometry_model.geometryObjects[i].geometry, coal().Transform3s(M.rotation, M.translation))
+    if len(pairs) != len(geometry_data.activeCollisionPairs):
+        raise InputError(
+            f"This GeometryData was made for {len(geometry_data.activeCollisionPairs)} pairs; now there are "
+            f"{len(pairs)}. Make a new one: geometry_model.createData()."
         )
-    return out
+    left_out = {i for i, g in enumerate(objects) if g.disableCollision}
+    active = [k for k, asked in enumerate(geometry_data.activeCollisionPairs) if asked]
+    return [k for k in active if left_out.isdisjoint(pairs[k])] if left_out else active
+
+
+def _pair(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> CollisionPair:
+    count = min(len(geometry_data.activeCollisionPairs), len(geometry_model.collisionPairs))
+    k = index(pair_index, count, "collision pair", "Make new data after adding pairs.")
+    return geometry_model.collisionPairs[k]

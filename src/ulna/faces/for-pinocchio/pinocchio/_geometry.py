@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, final
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from pinocchio._arrays import StdVec, index
+from pinocchio._arrays import NO_INDEX, StdVec, index
 from pinocchio._geometry_data import GeometryData, pair_map, updateGeometryPlacements
 from pinocchio._geometry_object import GeometryObject
 from pinocchio._saved import Saved
+from pinocchio._se3 import SE3
 from ulna.errors import InputError, UnknownName
 
 if TYPE_CHECKING:
@@ -18,18 +21,39 @@ if TYPE_CHECKING:
 __all__ = ["CollisionPair", "GeometryData", "GeometryModel", "GeometryObject", "updateGeometryPlacements"]
 
 
-class CollisionPair(NamedTuple):
-    """Indices of two geometries."""
+@final
+@dataclasses.dataclass(eq=False)
+class CollisionPair:
+    """Indices of two geometries, in any order."""
 
-    first: int = 2**64 - 1
-    second: int = 2**64 - 1
+    first: int = NO_INDEX
+    second: int = NO_INDEX
+
+    def __post_init__(self) -> None:
+        self.first, self.second = (
+            index(i, NO_INDEX + 1, "geometry", "getGeometryId(name) gives one.") for i in self
+        )
+        if self.first == self.second != NO_INDEX:
+            raise InputError(f"The pair names geometry {self.first} twice; expected two of them.")
 
     def copy(self) -> CollisionPair:
-        """The same pair."""
-        return self
+        """One of its own."""
+        return CollisionPair(self.first, self.second)
+
+    def __iter__(self) -> Iterator[int]:
+        return iter((self.first, self.second))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, CollisionPair):
+            return NotImplemented
+        return (other.first, other.second) in ((self.first, self.second), (self.second, self.first))
+
+    __hash__ = object.__hash__
 
     def __str__(self) -> str:
         return f"collision pair ({self.first},{self.second})\n"
+
+    __repr__ = __str__
 
 
 @final
@@ -51,12 +75,8 @@ class GeometryModel(Saved):
         """Adds a geometry; returns its index. With a model, its joint is that of its frame."""
         if not isinstance(geometry_object, GeometryObject):
             raise InputError(f"Cannot add {geometry_object!r}; expected a GeometryObject.")
-        if self.existGeometryName(geometry_object.name):
-            raise InputError(
-                f"There is a geometry named {geometry_object.name!r} already. Give another name."
-            )
         added = geometry_object.copy()
-        if model is not None and added.parentFrame >= 0:
+        if model is not None and added.parentFrame != NO_INDEX:
             mend = "model.getFrameId(name) gives one."
             added.parentJoint = model.frames[
                 index(added.parentFrame, model.nframes, "frame", mend)
@@ -69,7 +89,7 @@ class GeometryModel(Saved):
         gone = self.getGeometryId(name)
         del self.geometryObjects[gone]
         kept = [pair for pair in self.collisionPairs if gone not in pair]
-        self.collisionPairs = StdVec(CollisionPair(*(i - (i > gone) for i in pair)) for pair in kept)
+        self._pair_up(CollisionPair(*(i - (i > gone) for i in pair)) for pair in kept)
 
     def existGeometryName(self, name: str) -> bool:
         """Whether there is a geometry of that name."""
@@ -85,33 +105,31 @@ class GeometryModel(Saved):
     def addCollisionPair(self, pair: CollisionPair) -> None:
         """Adds a pair to check."""
         first, second = (index(i, self.ngeoms, "geometry", "getGeometryId(name) gives one.") for i in pair)
-        if first == second:
-            raise InputError(f"The pair names geometry {first} twice; expected two of them.")
         if not self.existCollisionPair(pair):
             self.collisionPairs.append(CollisionPair(first, second))
 
     def addAllCollisionPairs(self) -> None:
         """Makes the pairs those of all geometries that are not on one joint."""
         parents = [g.parentJoint for g in self.geometryObjects]
-        self.collisionPairs = StdVec(
-            CollisionPair(i, j)
-            for i in range(self.ngeoms)
-            for j in range(i + 1, self.ngeoms)
-            if parents[i] != parents[j]
-        )
+        count = range(self.ngeoms)
+        self._pair_up(CollisionPair(i, j) for i in count for j in count[i + 1 :] if parents[i] != parents[j])
 
     def removeCollisionPair(self, pair: CollisionPair) -> None:
         """Removes a pair, if it is there."""
-        self.collisionPairs = StdVec(p for p in self.collisionPairs if set(p) != set(pair))
+        self._pair_up([p for p in self.collisionPairs if p != pair])
 
     def removeAllCollisionPairs(self) -> None:
         """Removes all pairs."""
-        self.collisionPairs = StdVec()
+        self.collisionPairs.clear()
 
     def setCollisionPairs(self, collision_map: Any, upper: bool = True) -> None:
         """Makes the pairs those that a matrix (ngeoms, ngeoms) marks above its diagonal (or below it)."""
         places = np.argwhere(np.triu(pair_map(self, collision_map, upper).astype(bool), 1))
-        self.collisionPairs = StdVec(CollisionPair(int(i), int(j)) for i, j in places)
+        self._pair_up(CollisionPair(int(i), int(j)) for i, j in places)
+
+    def _pair_up(self, pairs: Iterable[CollisionPair]) -> None:
+        self.collisionPairs.clear()
+        self.collisionPairs.extend(pairs)
 
     def existCollisionPair(self, pair: CollisionPair) -> bool:
         """Whether the pair is checked."""
@@ -119,7 +137,7 @@ class GeometryModel(Saved):
 
     def findCollisionPair(self, pair: CollisionPair) -> int:
         """The index of a pair; as many as there are if there is no such pair."""
-        found = (k for k, p in enumerate(self.collisionPairs) if set(p) == set(pair))
+        found = (k for k, p in enumerate(self.collisionPairs) if p == pair)
         return next(found, len(self.collisionPairs))
 
     @property
@@ -136,15 +154,22 @@ class GeometryModel(Saved):
 
     def copy(self) -> GeometryModel:
         """One of its own; the shapes themselves are shared."""
+        return self._copied(GeometryObject.copy)
+
+    __copy__ = copy
+
+    def clone(self) -> GeometryModel:
+        """One of its own, shapes included."""
+        return self._copied(GeometryObject.clone)
+
+    def _copied(self, copied: Callable[[GeometryObject], GeometryObject]) -> GeometryModel:
         out = GeometryModel()
-        out.geometryObjects = StdVec(g.copy() for g in self.geometryObjects)
-        out.collisionPairs = StdVec(self.collisionPairs)
+        out.geometryObjects.extend(copied(g) for g in self.geometryObjects)
+        out.collisionPairs.extend(p.copy() for p in self.collisionPairs)
         return out
 
-    __copy__ = clone = copy
-
     def __deepcopy__(self, memo: Any) -> GeometryModel:
-        return self.copy()
+        return self.clone()
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, GeometryModel):
@@ -172,3 +197,37 @@ def _described(g: GeometryObject) -> str:
         "Disable collision": int(g.disableCollision),
     }
     return "".join(f"{key}: \t \n{value}\n" for key, value in parts.items()) + "\n"
+
+
+def joined(
+    first: GeometryModel, second: GeometryModel, joints: list[int], frames: list[int], base: SE3
+) -> GeometryModel:
+    """The geometries of two models, each in the order of its joints, with the pairs of both and all between them.
+
+    Joints and frames of the second have new indices, and its universe is placed at `base`.
+    """
+    whole = GeometryModel()
+    places: list[dict[int, int]] = []
+    for model in (first, second):
+        shapes = model.geometryObjects
+        order = sorted(range(len(shapes)), key=lambda i: shapes[i].parentJoint)
+        places.append({i: whole.ngeoms + k for k, i in enumerate(order)})
+        for shape in (shapes[i].copy() for i in order):
+            if model is second:
+                if shape.parentJoint == 0:
+                    shape.placement = base * shape.placement
+                shape.parentJoint = joints[shape.parentJoint]
+                if shape.parentFrame < len(frames):
+                    shape.parentFrame = frames[shape.parentFrame]
+            whole.addGeometryObject(shape)
+    pairs = [
+        (place[i], place[j])
+        for model, place in zip((first, second), places, strict=True)
+        for i, j in model.collisionPairs
+    ]
+    carriers = [shape.parentJoint for shape in whole.geometryObjects]
+    ours, theirs = ([place[i] for i in sorted(place)] for place in places)
+    between = [(i, j) for i in ours for j in theirs if carriers[i] != carriers[j]]
+    for i, j in [*pairs, *between]:
+        whole.collisionPairs.append(CollisionPair(i, j))
+    return whole

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -52,12 +52,12 @@ class GeometryData(Saved):
     @property
     def collisionRequests(self) -> StdVec[Any]:
         """For each pair what coal is asked about collisions; `security_margin` widens the pair [m]."""
-        return self._made("collisionRequests", lambda c, k: c.CollisionRequest())
+        return self._made("collisionRequests", lambda c, k: _warm(c, c.CollisionRequest()))
 
     @property
     def distanceRequests(self) -> StdVec[Any]:
         """For each pair what coal is asked about distances."""
-        return self._made("distanceRequests", lambda c, k: c.DistanceRequest())
+        return self._made("distanceRequests", lambda c, k: _warm(c, c.DistanceRequest()))
 
     @property
     def contactPatchRequests(self) -> StdVec[Any]:
@@ -92,6 +92,17 @@ class GeometryData(Saved):
         from pinocchio._collisions import ComputeDistance
 
         return self._made("distance_functors", lambda c, k: ComputeDistance(*self._two(k)))
+
+    def placed(self, geometries: Iterable[int] | None = None) -> StdVec[Any]:
+        """coal's transforms, those of all or of some geometries moved to where `oMg` has them now."""
+        if "transforms" not in self._of_coal:
+            from ulna.collision.narrow import coal
+
+            self._of_coal["transforms"] = StdVec(coal().Transform3s() for _ in self.oMg)
+        found = self._of_coal["transforms"]
+        for i in range(len(found)) if geometries is None else geometries:
+            found[i].setTransform(self._block[i, :3, :3], self._block[i, :3, 3])
+        return found
 
     def _two(self, pair_id: int) -> list[GeometryObject]:
         return [self._objects[i] for i in self._pairs[pair_id]]
@@ -186,6 +197,12 @@ class GeometryData(Saved):
 
     def __repr__(self) -> str:
         return f"<places of {len(self.oMg)} geometries, results of {len(self._pairs)} pairs>"
+
+
+def _warm(coal: Any, request: Any) -> Any:
+    """A request whose search begins where the last one ended."""
+    request.gjk_initial_guess = coal.GJKInitialGuess.CachedGuess
+    return request
 
 
 def pair_map(geometry_model: GeometryModel, values: Any, upper: bool) -> Floats:

@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
+import contextlib
+import copy
+import dataclasses
 import os
 from typing import Any, final
 
 import numpy as np
 
-from pinocchio._arrays import vector
+from pinocchio._arrays import NO_INDEX, index, vector
 from pinocchio._materials import GeometryNoMaterial, PhysicsMaterial
 from pinocchio._saved import Saved
 from pinocchio._se3 import SE3
-from ulna.errors import InputError
+from ulna.errors import InputError, MissingExtra
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.spatial import SE3 as Pose
 from ulna.typing import Floats
 
-__all__ = ["GeometryObject"]
+__all__ = ["ConvexMesh", "GeometryObject"]
 
 _GREY = (0.9, 0.9, 0.9, 1.0)
 _WORDS = ("BOX", "SPHERE", "CYLINDER", "CAPSULE")
 _NAMES = ("mesh_path", "mesh_scale", "override_material", "mesh_color", "mesh_texture_path", "mesh_material")
+
+
+@final
+@dataclasses.dataclass(frozen=True)
+class ConvexMesh(Mesh):
+    """A mesh in a file, taken as convex."""
 
 
 @final
@@ -50,12 +59,15 @@ class GeometryObject(Saved):
                 f"GeometryObject was given {parts}, {named}; expected a name, the index of a joint, that of a frame "
                 "(or none), a placement SE3, a geometry, and " + ", ".join(_NAMES) + "."
             )
-        self.parentJoint = int(ints[0])
+        self.parentJoint = index(ints[0], NO_INDEX + 1, "joint", "model.getJointId(name) gives one.")
         """The index of the joint it moves with."""
-        self.parentFrame = int(ints[1]) if len(ints) == 2 else -1
-        """The index of the frame it belongs to; -1 for none."""
+        frame = ints[1] if len(ints) == 2 else NO_INDEX
+        self.parentFrame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) gives one.")
+        """The index of the frame it belongs to; 2**64 - 1 for none."""
         self._placement = SE3(placement)
-        self._geometry = geometry
+        given = isinstance(geometry, Shape)
+        self._shape: Shape | None = geometry if given else None
+        self._coal: Any = None if given else geometry
         self.meshPath = str(told.get("mesh_path", ""))
         """The file of the mesh; "BOX", "SPHERE", ... for other shapes of a URDF file; else empty."""
         self._scale = np.array(vector(told.get("mesh_scale", np.ones(3)), 3, "meshScale"))
@@ -101,30 +113,32 @@ class GeometryObject(Saved):
     @property
     def geometry(self) -> Any:
         """Its shape, as an object of coal, made when it is asked for; where coal is missing, a shape of Ulna."""
-        if isinstance(self._geometry, Shape):
-            from ulna.collision import Obstacle, World
-            from ulna.collision.narrow import geometry_of
-            from ulna.collision.solids import obstacle_solids
-            from ulna.errors import MissingExtra
-
-            world = World((Obstacle(self.name, self._geometry, Pose.identity()),))
-            try:
-                self._geometry = geometry_of(obstacle_solids(world)[0], False)
-            except MissingExtra:
-                return self._geometry
-        return self._geometry
+        if self._coal is None and self._shape is not None:
+            with contextlib.suppress(MissingExtra):
+                self._coal = _of_coal(self.name, self._shape)
+                if not isinstance(self._shape, Mesh):
+                    self._shape = None  # coal's object can be changed
+        return self._shape if self._coal is None else self._coal
 
     @geometry.setter
     def geometry(self, geometry: Any) -> None:
-        self._geometry = geometry
-        self.meshPath = ""
+        self._shape, self._coal = (geometry, None) if isinstance(geometry, Shape) else (None, geometry)
 
     @property
     def shape(self) -> Shape | None:
         """Its shape as Ulna says it; None for a mesh that was made in memory."""
-        if self.meshPath and self.meshPath not in _WORDS:
-            return Mesh(self.meshPath, tuple(self._scale.tolist()), missing=not os.path.isfile(self.meshPath))
-        return self._geometry if isinstance(self._geometry, Shape) else _shape_of(self._geometry)
+        if self._drawn_from_file:
+            return self._mesh()
+        return self._shape or _shape_of(self._coal)
+
+    @property
+    def _drawn_from_file(self) -> bool:
+        """Whether `meshPath` says what it looks like: shapes and convex hulls are what they are."""
+        mesh = isinstance(self._shape, Mesh) or type(self._coal).__name__.startswith("BVH")
+        return mesh and bool(self.meshPath) and self.meshPath not in _WORDS
+
+    def _mesh(self) -> Mesh:
+        return Mesh(self.meshPath, tuple(self._scale.tolist()), missing=not os.path.isfile(self.meshPath))
 
     def copy(self) -> GeometryObject:
         """One of its own; the geometry itself is shared."""
@@ -138,16 +152,20 @@ class GeometryObject(Saved):
         out.physicsMaterial = PhysicsMaterial(self.physicsMaterial)
         return out
 
-    __copy__ = clone = copy
+    __copy__ = copy
+
+    def clone(self) -> GeometryObject:
+        """One of its own, the geometry included."""
+        out = self.copy()
+        out._coal = copy.deepcopy(self._coal)
+        return out
 
     def __deepcopy__(self, memo: Any) -> GeometryObject:
-        return self.copy()
+        return self.clone()
 
     def __getstate__(self) -> dict[str, Any]:
-        state = dict(self.__dict__)
-        if not isinstance(state["_geometry"], Shape):
-            state["_geometry"] = self.shape or _no_shape(self.name, self._geometry)
-        return state
+        shape = self._shape or _shape_of(self._coal)
+        return {**self.__dict__, "_shape": shape, "_coal": None if shape else self._coal}
 
     @staticmethod
     def CreateCapsule(radius: float, length: float) -> GeometryObject:
@@ -157,16 +175,30 @@ class GeometryObject(Saved):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, GeometryObject):
             return NotImplemented
-        keys = ("name", "parentJoint", "parentFrame", "_placement", "meshPath", "shape", "overrideMaterial")
-        return all(getattr(self, k) == getattr(other, k) for k in keys) and bool(
-            (self._color == other._color).all()
+        keys = (
+            *(
+                "name",
+                "parentJoint",
+                "parentFrame",
+                "placement",
+                "meshPath",
+                "meshTexturePath",
+                "meshMaterial",
+            ),
+            *("shape", "overrideMaterial", "disableCollision"),
+        )
+        return (
+            all(getattr(self, key) == getattr(other, key) for key in keys)
+            and np.array_equal(self._scale, other._scale)
+            and np.array_equal(self._color, other._color)
+            and (self.shape is not None or self._coal == other._coal)
         )
 
     __hash__ = object.__hash__
 
     def __repr__(self) -> str:
         what = self.shape
-        words = type(self._geometry).__name__ if what is None else what.describe()
+        words = type(self._coal).__name__ if what is None else what.describe()
         return f"<{words} {self.name!r} on joint {self.parentJoint}>"
 
 
@@ -190,9 +222,18 @@ def _shape_of(geometry: Any) -> Shape | None:
     return None
 
 
-def _no_shape(name: str, geometry: Any) -> Any:
-    what = type(geometry).__name__
-    raise InputError(
-        f"Geometry {name!r} is a {what} that was made in memory; only files of meshes, boxes, spheres, cylinders, "
-        "capsules, cones and ellipsoids are saved. Write the mesh to a file, and name it as meshPath."
-    )
+def _of_coal(name: str, shape: Shape) -> Any:
+    """The object of coal for a shape; a mesh is read by coal itself, as Pinocchio has it read."""
+    from ulna.collision import Obstacle, World
+    from ulna.collision.narrow import coal, geometry_of
+    from ulna.collision.solids import obstacle_solids
+
+    if isinstance(shape, Mesh) and shape.path is not None and not shape.missing:
+        with contextlib.suppress(ValueError):  # a format that coal's reader does not know
+            mesh = coal().MeshLoader().load(shape.path, np.array(shape.scale))
+            if not isinstance(shape, ConvexMesh):
+                return mesh
+            mesh.buildConvexRepresentation(False)
+            return mesh.convex
+    world = World((Obstacle(name, shape, Pose.identity()),))
+    return geometry_of(obstacle_solids(world)[0], False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -10,15 +11,18 @@ import numpy as np
 
 from pinocchio._enums import FrameType, GeometryType
 from pinocchio._geometry import GeometryModel, GeometryObject
+from pinocchio._geometry_object import ConvexMesh
 from pinocchio._se3 import SE3
 from ulna.errors import FormatError
-from ulna.geometry import Geometry, Mesh
+from ulna.formats.markup import parse_markup, read_file
+from ulna.geometry import Capsule, Cylinder, Geometry, Mesh
+from ulna.model import Link
 
 if TYPE_CHECKING:
     from pinocchio._model import Model
 
 
-def geometries_of_links(filename: Any, package_dirs: Any, text: str | None = None) -> Mapping[str, Any]:
+def geometries_of_links(filename: Any, package_dirs: Any, text: str | None = None) -> Mapping[str, Link]:
     """The links of a URDF file, or text, by name, with their visuals and collisions; meshes resolved."""
     from ulna.formats.resolve import Resolver
     from ulna.formats.urdf import read_urdf, urdf_builder
@@ -30,11 +34,39 @@ def geometries_of_links(filename: Any, package_dirs: Any, text: str | None = Non
     share = example_robot_data.share_folder()
     resolver = Resolver(file, [*(f for f in folders if os.fspath(f)), *((share.parent,) if share else ())])
     document = read_urdf(file) if file is not None else parse_urdf(text or "")
-    return {link.name: link for link in urdf_builder(document, resolver=resolver).build().links}
+    links = urdf_builder(document, resolver=resolver).build().links
+    told = _collisions_replaced((text or "").encode() if file is None else read_file(file), file)
+    return {link.name: _with_replaced(link, told[link.name]) if link.name in told else link for link in links}
+
+
+def _collisions_replaced(data: bytes, file: str | None) -> dict[str, dict[str, str]]:
+    """For links of a URDF the collisions that Pinocchio replaces, by their names: "capsule" or "convex".
+
+    Its own element says so: <collision_checking><capsule name="..."/><convex name="..."/></collision_checking>.
+    """
+    tag = "collision_checking"
+    if tag.encode() not in data:
+        return {}
+    return {
+        link.name(): {told.name(): told.tag for group in link.children(tag) for told in group.children()}
+        for link in parse_markup(data, file, "robot", "URDF").children("link")
+    }
+
+
+def _with_replaced(link: Link, told: Mapping[str, str]) -> Link:
+    def replaced(geometry: Geometry) -> Geometry:
+        match told.get(geometry.name), geometry.shape:
+            case "capsule", Cylinder(radius=radius, length=length):
+                return dataclasses.replace(geometry, shape=Capsule(radius, length))
+            case "convex", Mesh(path=path, scale=scale, missing=missing):
+                return dataclasses.replace(geometry, shape=ConvexMesh(path, scale, missing))
+        return geometry
+
+    return dataclasses.replace(link, collisions=tuple(replaced(g) for g in link.collisions))
 
 
 def geometry_model_of(
-    model: Model, links: Mapping[str, Any], kind: GeometryType, into: GeometryModel | None = None
+    model: Model, links: Mapping[str, Link], kind: GeometryType, into: GeometryModel | None = None
 ) -> GeometryModel:
     """The geometries of links, placed by the frames of bodies, in their order."""
     out = GeometryModel() if into is None else into

@@ -8,6 +8,7 @@ from typing import Any
 from pinocchio._arrays import index, vector
 from pinocchio._enums import FrameType
 from pinocchio._frame import Frame
+from pinocchio._keywords import by_name
 from pinocchio._kinematics import own_poses
 from pinocchio._model import Model
 from pinocchio._se3 import SE3
@@ -25,6 +26,11 @@ _LIMITS += ("lowerPositionLimit", "upperPositionLimit", "positionLimitMargin")
 _LIMITS += ("lowerDryFrictionLimit", "upperDryFrictionLimit", "damping")
 
 
+@by_name(
+    "model list_of_joints_to_lock reference_configuration",
+    "model geom_model list_of_joints_to_lock reference_configuration",
+    "model list_of_geom_models list_of_joints_to_lock reference_configuration",
+)
 def buildReducedModel(model: Model, *rest: Any) -> Any:
     """The model with some joints locked.
 
@@ -120,6 +126,7 @@ def _moved_geometry(geometry: Any, moved: list[tuple[int, SE3]]) -> Any:
     return out
 
 
+@by_name("modelA modelB frame_in_modelA aMb", "modelA modelB geomModelA geomModelB frame_in_modelA aMb")
 def appendModel(modelA: Model, modelB: Model, *rest: Any) -> Any:
     """Model B put on a frame of model A.
 
@@ -157,14 +164,9 @@ def appendModel(modelA: Model, modelB: Model, *rest: Any) -> Any:
     out.nbodies += modelB.nbodies - 1
     if not geometries:
         return out
-    first, second = geometries
-    whole = first.copy()
-    for shape in second.geometryObjects:
-        own = shape.copy()
-        own.placement = base * shape.placement if shape.parentJoint == 0 else shape.placement
-        own.parentJoint, own.parentFrame = joints[shape.parentJoint], frames[shape.parentFrame]
-        whole.addGeometryObject(own)
-    return out, whole
+    from pinocchio._geometry import joined
+
+    return out, joined(geometries[0], geometries[1], joints, frames, base)
 
 
 def transformJointIntoMimic(

@@ -19,7 +19,7 @@ from xml.sax.saxutils import escape, unescape
 import numpy as np
 
 from pinocchio._arrays import StdVec
-from ulna.errors import FormatError
+from ulna.errors import FormatError, InputError
 
 _SIGN = b"ulna pinocchio 1\n"
 _MEND = "Files of other programs are not read: they belong to the classes of their version. Use URDF between both."
@@ -113,6 +113,7 @@ def _classes() -> dict[str, type]:
         _enums,
         _frame,
         _geometry,
+        _geometry_object,
         _inertia,
         _joints,
         _materials,
@@ -135,6 +136,7 @@ def _classes() -> dict[str, type]:
         "Surface",
     )
     found = [getattr(geometry, name) for name in shapes if hasattr(geometry, name)]
+    found.append(_geometry_object.ConvexMesh)
     found += [k for k in vars(model).values() if isinstance(k, type) and issubclass(k, model.JointKind)]
     found += [
         _se3.SE3,
@@ -176,7 +178,10 @@ def _plain(x: Any) -> Any:
         kind = "list" if isinstance(x, list) else name or "tuple"
         return {"#": kind, "items": [_plain(entry) for entry in x]}
     if name is None:
-        raise TypeError(f"{type(x).__name__} is not written to files.")
+        raise InputError(
+            f"A {type(x).__name__} that was made in memory is not written to files. Write a mesh to a file of its own, "
+            "and name it as meshPath; or use pickle, which keeps all that there is."
+        )
     if isinstance(x, enum.Enum):
         return {"#": name, "value": int(x.value)}
     if dataclasses.is_dataclass(x):
