@@ -9,9 +9,10 @@ from typing import Any, Literal, final
 import numpy as np
 
 from ulna.algorithms.friction import Friction
-from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import InputError
 from ulna.robot import Robot
-from ulna.sim.dynamic import Plant
+from ulna.sim.dynamic import Plant, check_friction
+from ulna.sim.inputs import checked_robot, flag, numbers, one_of, words
 from ulna.sim.kinematic import kinematic_step
 from ulna.sim.recording import Recording
 from ulna.typing import ArrayLike, Floats
@@ -58,14 +59,14 @@ class Body:
         record: bool = True,
         name: str | None = None,
     ) -> None:
-        if limits not in _LIMITED:
-            raise UnknownName("limit", limits, _LIMITED)
-        self.robot, self.name, self.limits, self.record = robot, name or robot.name, limits, record
+        check_told(control, limits, friction, record)
+        self.robot, self.limits, self.record = checked_robot(robot), limits, record
+        self._name = robot.name if name is None else words("name", name)
         self.recording = Recording()
         self._friction: Any = friction
         self._plant: Plant | None = None
-        self._q = _checked("q", robot.neutral if q is None else q, robot.nq)
-        self._qd = _checked("qd", np.zeros(robot.nv) if qd is None else qd, robot.nv)
+        self._q = numbers("q", robot.neutral if q is None else q, robot.nq)
+        self._qd = numbers("qd", np.zeros(robot.nv) if qd is None else qd, robot.nv)
         self._qdd, self._target = np.zeros(robot.nv), None
         self._tau: Any = np.zeros(robot.nv)
         self._moving = self._qd
@@ -79,14 +80,36 @@ class Body:
         self._start = self._q.copy(), self._qd.copy()
 
     @property
+    def name(self) -> str:
+        """Its name."""
+        return self._name
+
+    @property
+    def limits(self) -> Limited:
+        """What holds it: "none", "position" or "all"."""
+        return self._limits
+
+    @limits.setter
+    def limits(self, limits: Limited) -> None:
+        self._limits: Limited = one_of("limit", limits, _LIMITED)
+
+    @property
+    def record(self) -> bool:
+        """Whether each step is recorded."""
+        return self._record
+
+    @record.setter
+    def record(self, record: bool) -> None:
+        self._record = flag("record", record)
+
+    @property
     def control(self) -> Control:
         """What it is told: "position", "velocity", "acceleration" or "torque"."""
         return self._control
 
     @control.setter
     def control(self, control: Control) -> None:
-        if control not in CONTROLS:
-            raise UnknownName("control", control, CONTROLS)
+        one_of("control", control, CONTROLS)
         if control == "torque" and self._plant is None:
             self._plant = Plant(self.robot, self._friction)
         self._control: Control = control
@@ -98,7 +121,7 @@ class Body:
 
     @q.setter
     def q(self, q: ArrayLike) -> None:
-        self.put(_checked("q", q, self.robot.nq))
+        self.put(numbers("q", q, self.robot.nq))
 
     def put(self, q: Floats) -> None:
         """As assigning to `q`, for an array that is known to be a configuration and that nobody will change."""
@@ -111,7 +134,7 @@ class Body:
 
     @qd.setter
     def qd(self, qd: ArrayLike) -> None:
-        self._qd = self._moving = _checked("qd", qd, self.robot.nv)
+        self._qd = self._moving = numbers("qd", qd, self.robot.nv)
 
     @property
     def qdd(self) -> Floats:
@@ -120,7 +143,7 @@ class Body:
 
     @qdd.setter
     def qdd(self, qdd: ArrayLike) -> None:
-        self._qdd = _checked("qdd", qdd, self.robot.nv)
+        self._qdd = numbers("qdd", qdd, self.robot.nv)
 
     @property
     def tau(self) -> Any:
@@ -129,7 +152,7 @@ class Body:
 
     @tau.setter
     def tau(self, tau: Any) -> None:
-        self._tau = tau if callable(tau) else _checked("tau", tau, self.robot.nv)
+        self._tau = tau if callable(tau) else numbers("tau", tau, self.robot.nv)
 
     @property
     def target(self) -> Floats | None:
@@ -138,7 +161,7 @@ class Body:
 
     @target.setter
     def target(self, target: ArrayLike | None) -> None:
-        self._target = None if target is None else _checked("target", target, self.robot.nq)
+        self._target = None if target is None else numbers("target", target, self.robot.nq)
 
     def reset(self) -> None:
         """Back to the configuration and velocity it began with, with an empty recording."""
@@ -148,7 +171,7 @@ class Body:
 
     def note(self, t: float) -> None:
         """Record where it is and how it moved, which at a limit is not as it was told, and what torques it had."""
-        if self.record:
+        if self._record:
             torque = {} if self._applied is None else {"tau": self._applied}
             self.recording.add(t, self._q, v=self._moving, **torque)
 
@@ -185,7 +208,7 @@ class Body:
 
     def _slide(self, t: float, dt: float, _: float) -> None:
         speed = self._slowed(self._qd)
-        if self.limits == "none":
+        if self._limits == "none":
             self._q = np.asarray(self.robot.integrate(self._q, dt * speed))
         else:
             before, self._q = self._q, kinematic_step(self.robot, self._q, speed, dt)
@@ -207,8 +230,8 @@ class Body:
             tau: Any = self._tau
             if callable(tau):
                 asked: Any = tau(t + k * dt / count, self._q.copy(), self._qd.copy())
-                tau = _checked("tau", asked, self.robot.nv)
-            if self.limits == "all":
+                tau = numbers("tau", asked, self.robot.nv)
+            if self._limits == "all":
                 tau = np.clip(tau, -effort, effort)
             self._q, self._qd = self._plant.euler(self._q, self._qd, tau, dt / count)
             self._held()
@@ -217,11 +240,11 @@ class Body:
 
     def _slowed(self, speed: Floats) -> Floats:
         fastest = self.robot.limits.velocity
-        return np.clip(speed, -fastest, fastest) if self.limits == "all" else speed
+        return np.clip(speed, -fastest, fastest) if self._limits == "all" else speed
 
     def _held(self) -> None:
         """A joint that has gone past a position limit stands at it."""
-        if self.limits == "none":
+        if self._limits == "none":
             return
         limits = self.robot.limits
         low, high = self._q < limits.lower, self._q > limits.upper
@@ -235,19 +258,27 @@ class Body:
         return f"<{self.name!r} under {self.control} control>"
 
 
+def check_told(
+    control: Control = "velocity",
+    limits: Limited = "position",
+    friction: Friction | Literal["model"] | None = "model",
+    record: bool = True,
+) -> None:
+    """Refuse what a body cannot be told.
+
+    Raises:
+        UnknownName: There is no such control, limit or friction.
+        InputError: `record` is not True or False.
+    """
+    one_of("control", control, CONTROLS)
+    one_of("limit", limits, _LIMITED)
+    check_friction(friction)
+    flag("record", record)
+
+
 _STEPS: dict[str, Callable[[Body, float, float, float], None]] = {
     "position": Body._go,
     "velocity": Body._slide,
     "acceleration": Body._push,
     "torque": Body._swing,
 }
-
-
-def _checked(name: str, value: ArrayLike, size: int) -> Floats:
-    out = np.array(value, dtype=float)
-    if out.shape != (size,):
-        raise ShapeError(name, out.shape, f"({size},)")
-    if not math.isfinite(out.sum()) and not np.isfinite(out).all():
-        where = int(np.argwhere(~np.isfinite(out))[0][0])
-        raise NonFiniteError(name, (where,), float(out[where]))
-    return out

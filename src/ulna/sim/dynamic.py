@@ -30,11 +30,14 @@ from ulna.algorithms.dry_friction import velocity_after_friction
 from ulna.algorithms.forward_dynamics import forward_dynamics
 from ulna.algorithms.friction import Friction
 from ulna.algorithms.inverse_mass_matrix import inverse_mass_matrix
-from ulna.errors import InputError, MissingExtra, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import InputError, MissingExtra, UnknownName
 from ulna.model import Constraint
 from ulna.model.constraint import listed
 from ulna.model.joints.base import VectorKind
 from ulna.robot import Robot, compile
+from ulna.sim.inputs import checked_robot, number, numbers, one_of, steps, told
+from ulna.sim.inputs import count as checked_count
+from ulna.sim.inputs import duration as checked_duration
 from ulna.sim.recording import Recording
 from ulna.typing import ArrayLike, Floats
 
@@ -42,6 +45,10 @@ Torque = Callable[[float, Floats, Floats], ArrayLike]
 """Joint torques (nv,) at a time, a configuration and a velocity."""
 
 Method = Literal["euler", "rk4", "adaptive"]
+_METHODS = ("euler", "rk4", "adaptive")
+_SOLVERS = ("RK45", "RK23", "DOP853", "Radau", "BDF", "LSODA")
+_ERROR = "an error above zero, at most 1"
+_MOST_STEPS = 10**8  # more do not fit
 
 
 @final
@@ -65,8 +72,8 @@ class Plant:
         friction: Friction | Literal["model"] | None = "model",
         bound: Callable[[Floats, Floats, Floats], Floats] | None = None,
     ) -> None:
-        if isinstance(friction, str) and friction != "model":
-            raise UnknownName("friction", friction, ("model",), "Give 'model', None or a Friction.")
+        check_friction(friction)
+        checked_robot(robot)
         law = Friction.of(robot.model) if isinstance(friction, str) else friction
         self.robot = robot
         self.friction = law if law is not None and (law.is_dry or law.is_viscous) else None
@@ -167,6 +174,19 @@ class Plant:
         return self._made("tangent", make)(u, v)
 
 
+def check_friction(friction: Friction | Literal["model"] | None) -> None:
+    """Refuse what is no friction.
+
+    Raises:
+        UnknownName: It is none.
+    """
+    if isinstance(friction, str) and friction == "model":
+        return
+    if not (friction is None or isinstance(friction, Friction)):
+        given = friction if isinstance(friction, str) else told(friction)
+        raise UnknownName("friction", given, ("model",), "Give 'model', None or a Friction.")
+
+
 def dynamic_step(
     robot: Robot,
     q: ArrayLike,
@@ -189,8 +209,10 @@ def dynamic_step(
         ShapeError, NonFiniteError: An array does not fit the robot.
         InputError: `dt` is not above zero.
     """
-    q, v = _checked("q", q, robot.nq), _checked("v", v, robot.nv)
-    return _plant(robot, friction).euler(q, v, _torques(tau, robot.nv), _duration("dt", dt))
+    checked_robot(robot)
+    check_friction(friction)
+    q, v = numbers("q", q, robot.nq), numbers("v", v, robot.nv)
+    return _plant(robot, friction).euler(q, v, _torques(tau, robot.nv), checked_duration("dt", dt))
 
 
 def simulate(
@@ -240,25 +262,22 @@ def simulate(
         UnknownName: There is no such method.
         MissingExtra: "adaptive" without SciPy.
     """
-    model = robot.model
-    start, speed = _checked("q", q, model.nq), np.zeros(model.nv) if v is None else _checked("v", v, model.nv)
+    model = checked_robot(robot).model
+    one_of("method", method, _METHODS)
+    check_friction(friction)
+    start, speed = numbers("q", q, model.nq), np.zeros(model.nv) if v is None else numbers("v", v, model.nv)
     law = _torque_law(torque, model.nv)
+    bound = not (isinstance(constraints, tuple | list) and not constraints)
     plant = (
-        Plant(robot, friction, _bound(robot, start, constraints, kp))
-        if constraints
-        else _plant(robot, friction)
+        Plant(robot, friction, _bound(robot, start, constraints, kp)) if bound else _plant(robot, friction)
     )
-    duration, dt = _duration("duration", duration), _duration("dt", dt)
-    if every < 1:
-        raise InputError(f"`every` is {every}; expected 1 or more.")
-    count = max(1, round(duration / dt))
+    duration, count = steps(duration, dt, _MOST_STEPS)
+    every = checked_count("every", every)
     times = np.linspace(0.0, duration, count + 1)
     if method == "adaptive":
         return _adaptive(
             plant, start, speed, law, times[[*range(0, count, every), count]], solver, rtol, atol
         )
-    if method not in ("euler", "rk4"):
-        raise UnknownName("method", method, ("euler", "rk4", "adaptive"))
     step = duration / count
     if method == "rk4" and step > plant.longest_step(start):
         raise InputError(
@@ -296,7 +315,9 @@ def _adaptive(
     except ImportError:
         raise MissingExtra("scipy", "ode", "An adaptive solver") from None
     n = plant.robot.nv
-    method = solver or ("LSODA" if plant.friction is not None else "DOP853")
+    usual = "LSODA" if plant.friction is not None else "DOP853"
+    method = usual if solver is None else one_of("solver", solver, _SOLVERS)
+    rtol, atol = (number(n, e, _ERROR, above=0.0, most=1.0) for n, e in (("rtol", rtol), ("atol", atol)))
 
     def far(t: float, y: Floats) -> float:
         return float(np.abs(y[:n]).max(initial=0.0)) - 1.5
@@ -344,8 +365,7 @@ def _bound(
     robot: Robot, q: Floats, constraints: Sequence[Constraint] | Constraint, kp: float
 ) -> Callable[[Floats, Floats, Floats], Floats]:
     """The accelerations of the robot under constraints that hold where they are at `q`."""
-    if not (np.isfinite(kp) and kp >= 0.0):
-        raise InputError(f"`kp` is {kp}; expected a gain that is not below zero [1/s^2].")
+    kp = number("kp", kp, "a gain that is not below zero [1/s^2]", least=0.0)
     bonds = listed(constraints)
     kernel = robot.kernel("constrained_dynamics", constraints=bonds, stabilised=True)
     held = any(constraint.is_contact for constraint in bonds)
@@ -367,23 +387,7 @@ def _torque_law(torque: Torque | ArrayLike | None, nv: int) -> Torque:
 
 
 def _torques(tau: ArrayLike, nv: int) -> Floats:
-    return _checked("tau", tau, nv)
-
-
-def _checked(name: str, value: ArrayLike, size: int) -> Floats:
-    out = np.ascontiguousarray(value, dtype=float)
-    if out.shape != (size,):
-        raise ShapeError(name, out.shape, f"({size},)")
-    if not np.isfinite(out).all():
-        where = int(np.argwhere(~np.isfinite(out))[0][0])
-        raise NonFiniteError(name, (where,), float(out[where]))
-    return out
-
-
-def _duration(name: str, value: float) -> float:
-    if not (np.isfinite(value) and value > 0.0):
-        raise InputError(f"`{name}` is {value}; expected a time above zero [s].")
-    return float(value)
+    return numbers("tau", tau, nv)
 
 
 def _diverged(t: float, v: Floats) -> InputError:

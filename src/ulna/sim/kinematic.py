@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
@@ -10,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ulna import numeric
-from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.model import Model
+from ulna.sim.inputs import checked_robot, number, numbers
 from ulna.spatial import so3_exp
 from ulna.trace import compile
 from ulna.typing import Array, ArrayLike, Floats
@@ -61,31 +60,16 @@ def kinematic_step(robot: Any, q: ArrayLike, v: ArrayLike, dt: float) -> Floats:
         NonFiniteError: `q` or `v` holds nan or inf.
         InputError: `dt` is not a finite number.
     """
-    model = robot.model
-    start, velocity = _shaped("q", q, model.nq), _shaped("v", v, model.nv)
-    if not math.isfinite(dt):
-        raise InputError(f"`dt` is {dt}; expected a finite time [s].")
+    model = checked_robot(robot).model
+    start, velocity = numbers("q", q, model.nq), numbers("v", v, model.nv)
+    number("dt", dt, "a finite time [s]")
     lower, upper = model.lower_position, model.upper_position
     if _adds(model):
-        moved, total = held_step(model.nq)(start, velocity, dt, lower, upper)
-    else:
-        moved = np.clip(robot.integrate(start, dt * velocity), lower, upper)
-        total = start.sum() + velocity.sum()
-    if not math.isfinite(total):
-        for name, value in (("q", start), ("v", velocity)):
-            for where in np.argwhere(~np.isfinite(value)):
-                raise NonFiniteError(name, (int(where[0]),), float(value[where[0]]))
-    return moved
+        return held_step(model.nq)(start, velocity, dt, lower, upper)[0]
+    return np.clip(robot.integrate(start, dt * velocity), lower, upper)
 
 
 @lru_cache(maxsize=256)
 def _adds(model: Model) -> bool:
     """Whether moving is adding: every joint has one coordinate. Rotations and bases move on their group."""
     return 0 < model.nq == model.nv and all(j.kind.nq == 1 for j in model.joints)
-
-
-def _shaped(name: str, value: ArrayLike, size: int) -> Floats:
-    out = np.asarray(value, dtype=float)
-    if out.shape != (size,):
-        raise ShapeError(name, out.shape, f"({size},)")
-    return out

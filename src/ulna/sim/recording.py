@@ -6,7 +6,8 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.errors import InputError, ShapeError
+from ulna.sim.inputs import checked_robot, number, one_of, told
 from ulna.typing import ArrayLike, Floats
 
 
@@ -32,8 +33,12 @@ class Recording:
             for name, column in self._columns.items():
                 self._columns[name] = np.concatenate([column, np.full_like(column, np.nan)])
         cells = []
+        number("t", t, "a time [s]")
         for name, value in {"t": t, "q": q, **notes}.items():
-            cell, column = np.asarray(value, dtype=float), self._columns.get(name)
+            try:
+                cell, column = np.asarray(value, dtype=float), self._columns.get(name)
+            except (TypeError, ValueError):
+                raise InputError(f"`{name}` is {told(value)}; expected numbers.") from None
             if column is None:
                 column = self._columns[name] = np.full((self._room, *cell.shape), np.nan)
             elif column.shape[1:] != cell.shape:
@@ -68,8 +73,7 @@ class Recording:
 
     def __getitem__(self, name: str) -> Floats:
         """A copy of a column: "t", "q", or the name of a note."""
-        if name not in self._columns:
-            raise UnknownName("column", name, self._columns)
+        one_of("column", name, self._columns)
         return self._columns[name][: self._count].copy()
 
     def _view(self, name: str) -> Floats:
@@ -91,6 +95,9 @@ class Recording:
         """
         if not self._count:
             raise InputError("Nothing was recorded yet.")
+        number("t", t, "a time [s]")
+        if robot is not None:
+            checked_robot(robot)
         times, q = self.t, self.q
         k = int(np.searchsorted(times, t, side="right")) - 1
         if robot is None or k < 0 or k + 1 >= self._count or times[k] == t:

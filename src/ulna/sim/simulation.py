@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from typing import Any, Self, final
@@ -10,6 +9,12 @@ from typing import Any, Self, final
 from ulna.errors import InputError, UnknownName
 from ulna.robot import Robot
 from ulna.sim.body import Body
+from ulna.sim.inputs import duration as checked_duration
+from ulna.sim.inputs import flag, number, one_of, steps, told
+from ulna.sim.inputs import function as checked_function
+
+_SPEED = "simulated seconds per second, above zero"
+_MOST_STEPS = 10**12  # more never end
 
 
 @final
@@ -23,10 +28,8 @@ class Simulation:
     """
 
     def __init__(self, realtime: bool = False, speed: float = 1.0, substep: float = 1e-3) -> None:
-        self.realtime, self.substep = realtime, _above("substep", substep)
-        self._speed = _above("speed", speed)
-        self.paused = False
-        """Whether a step in real time waits, as long as `patience` allows."""
+        self._realtime, self._substep = flag("realtime", realtime), checked_duration("substep", substep)
+        self._speed, self._paused = number("speed", speed, _SPEED, above=0.0), False
         self.patience: Callable[[], bool] = lambda: False
         """Whether there is anybody who could end a pause; asked while one lasts, so that it never lasts for ever."""
         self.waiting = False
@@ -47,13 +50,40 @@ class Simulation:
         return self._steps
 
     @property
+    def realtime(self) -> bool:
+        """Whether a step waits until its time has come."""
+        return self._realtime
+
+    @realtime.setter
+    def realtime(self, realtime: bool) -> None:
+        self._realtime, self._origin = flag("realtime", realtime), None
+
+    @property
+    def substep(self) -> float:
+        """The longest step of dynamics [s]."""
+        return self._substep
+
+    @substep.setter
+    def substep(self, substep: float) -> None:
+        self._substep = checked_duration("substep", substep)
+
+    @property
+    def paused(self) -> bool:
+        """Whether a step in real time waits, as long as `patience` allows."""
+        return self._paused
+
+    @paused.setter
+    def paused(self, paused: bool) -> None:
+        self._paused = flag("paused", paused)
+
+    @property
     def speed(self) -> float:
         """Simulated seconds per second in real time."""
         return self._speed
 
     @speed.setter
     def speed(self, speed: float) -> None:
-        self._speed, self._origin = _above("speed", speed), None
+        self._speed, self._origin = number("speed", speed, _SPEED, above=0.0), None
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -61,10 +91,8 @@ class Simulation:
         return tuple(self._bodies)
 
     def __getitem__(self, name: str) -> Body:
-        for body in self._bodies:
-            if body.name == name:
-                return body
-        raise UnknownName("robot in the simulation", name, (b.name for b in self._bodies))
+        bodies = {b.name: b for b in self._bodies}
+        return bodies[one_of("robot in the simulation", name, bodies)]
 
     def add(self, robot: Robot | Body, **told: Any) -> Body:
         """Add a robot; the rest is as for `Body`. Its row at the present time is recorded.
@@ -82,12 +110,21 @@ class Simulation:
         return body
 
     def remove(self, body: Body) -> None:
-        """Take a robot out."""
-        self._bodies.remove(body)
+        """Take a robot out.
+
+        Raises:
+            UnknownName: It is not there.
+        """
+        if not any(b is body for b in self._bodies):
+            name = body.name if isinstance(body, Body) else told(body)
+            raise UnknownName(
+                "robot in the simulation", name, (b.name for b in self._bodies), "Give a Body of it."
+            )
+        self._bodies = [b for b in self._bodies if b is not body]
 
     def each_step(self, function: Callable[[Simulation], object]) -> Self:
         """Have `function` called with the simulation after each step."""
-        self._listeners.append(function)
+        self._listeners.append(checked_function("function", function))
         return self
 
     def step(self, dt: float) -> None:
@@ -96,16 +133,16 @@ class Simulation:
         Raises:
             InputError: `dt` is not above zero, or a motion grew beyond all bounds.
         """
-        dt = _above("dt", dt)
+        dt = checked_duration("dt", dt)
         for body in self._bodies:
-            body.step(self._t, dt, self.substep)
+            body.step(self._t, dt, self._substep)
         self._t += dt
         self._steps += 1
         for body in self._bodies:
             body.note(self._t)
         for function in self._listeners:
             function(self)
-        if self.realtime:
+        if self._realtime:
             self._wait()
 
     def run(
@@ -116,9 +153,11 @@ class Simulation:
         Raises:
             InputError: A time is not above zero.
         """
-        count = max(1, round(_above("duration", duration) / _above("dt", dt)))
+        length, count = steps(duration, dt, _MOST_STEPS)
+        if until is not None:
+            checked_function("until", until)
         for _ in range(count):
-            self.step(duration / count)
+            self.step(length / count)
             if until is not None and until(self):
                 return
 
@@ -130,7 +169,7 @@ class Simulation:
             body.note(0.0)
 
     def _wait(self) -> None:
-        while self.paused and self.patience():
+        while self._paused and self.patience():
             self._origin, self.waiting = None, True
             time.sleep(0.02)
         self.waiting = False
@@ -147,9 +186,3 @@ class Simulation:
     def __repr__(self) -> str:
         names = ", ".join(repr(b.name) for b in self._bodies) or "nothing"
         return f"<simulation of {names} at {self._t:.3f} s>"
-
-
-def _above(name: str, value: float) -> float:
-    if not (math.isfinite(value) and value > 0.0):
-        raise InputError(f"`{name}` is {value}; expected a number above zero.")
-    return float(value)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ulna.errors import InputError
+from ulna.sim.inputs import lengths, number, told
 from ulna.typing import Floats
-from ulna.viewer.node import numbers
 from ulna.viewer.scene import Scene
 
 DIRECTION = (1.55, -1.75, 0.70)
@@ -36,9 +36,11 @@ class Camera:
 
     def __post_init__(self) -> None:
         for name in ("position", "target", "up"):
-            numbers(name, getattr(self, name), 3)
-        if not 0.0 < self.fov < np.pi:
-            raise InputError(f"`fov` is {self.fov}; expected an angle above 0 and below pi [rad].")
+            object.__setattr__(self, name, _triple(lengths(name, getattr(self, name), 3)))
+        fov = number("fov", self.fov, "an angle above 0 and below pi [rad]", above=0.0, most=np.pi - 1e-6)
+        object.__setattr__(self, "fov", fov)
+        if not np.any(self.up):
+            raise InputError("`up` is (0, 0, 0); expected the direction that is up in the picture.")
         if not np.any(np.subtract(self.position, self.target)):
             raise InputError(
                 f"The camera stands where it looks, at {self.target}; set another position or target."
@@ -63,7 +65,7 @@ def checked_camera(camera: Camera | None) -> Camera | None:
     """
     if camera is not None and not isinstance(camera, Camera):
         raise InputError(
-            f"`camera` is {camera!r}; expected an ulna.viewer.camera.Camera, or None to see everything."
+            f"`camera` is {told(camera)}; expected an ulna.viewer.camera.Camera, or None to see everything."
         )
     return camera
 

@@ -1,4 +1,4 @@
-"""Colours as people write them: names of CSS, hexadecimal, or numbers from 0 to 1."""
+"""Colours as people write them: names of CSS and matplotlib, hexadecimal, numbers from 0 to 1, integers to 255."""
 
 from __future__ import annotations
 
@@ -7,9 +7,13 @@ from collections.abc import Iterable
 import numpy as np
 
 from ulna.errors import InputError, UnknownName
+from ulna.sim.inputs import finite, told
+from ulna.typing import ArrayLike, Floats
 
 RGBA = tuple[float, float, float, float]
 """Red, green, blue (sRGB) and opacity, each from 0 to 1."""
+
+_SLACK = 1e-6  # what arithmetic leaves beyond 0 and 1
 
 Colour = str | Iterable[float]
 """What `colour` understands."""
@@ -44,15 +48,28 @@ whitesmoke f5f5f5, yellow ffff00, yellowgreen 9acd32
 """
 """Names and values of the CSS Color Module, level 4."""
 
-NAMES: dict[str, str] = {name: digits for name, digits in (pair.split() for pair in _CSS.split(","))}
+_MATPLOTLIB = """
+r ff0000, g 008000, b 0000ff, c 00bfbf, m bf00bf, y bfbf00, k 000000, w ffffff, tab:blue 1f77b4, tab:orange
+ff7f0e, tab:green 2ca02c, tab:red d62728, tab:purple 9467bd, tab:brown 8c564b, tab:pink e377c2, tab:gray
+7f7f7f, tab:grey 7f7f7f, tab:olive bcbd22, tab:cyan 17becf, c0 1f77b4, c1 ff7f0e, c2 2ca02c, c3 d62728, c4
+9467bd, c5 8c564b, c6 e377c2, c7 7f7f7f, c8 bcbd22, c9 17becf
+"""
+"""Names that matplotlib has besides: its letters, and the colours of its lines."""
+
+NAMES, _MORE = (
+    {name: digits for name, digits in (pair.split() for pair in text.split(","))}
+    for text in (_CSS, _MATPLOTLIB)
+)
+
+_MEND = "Numbers from 0 to 255 are divided by 255, or given as integers, one of them above 1."
 
 
 def colour(value: Colour) -> RGBA:
     """Red, green, blue and opacity within 0..1.
 
     Args:
-        value: A name of CSS ("tomato"), "#rrggbb" or "#rrggbbaa", or three or four numbers from 0 to 1; three are
-            opaque.
+        value: A name of CSS ("tomato") or of matplotlib ("r", "C0", "tab:blue"), "#rrggbb", "#rrggbbaa" or "#rgb", or
+            three or four numbers from 0 to 1, or integers from 0 to 255 of which one is above 1; three are opaque.
 
     Raises:
         UnknownName: If there is no colour of that name; offers the nearest.
@@ -61,22 +78,38 @@ def colour(value: Colour) -> RGBA:
     if isinstance(value, str):
         return _written(value)
     try:
-        numbers = tuple(float(c) for c in value)
+        given = np.asarray(value if isinstance(value, np.ndarray) else list(value))
     except (TypeError, ValueError):
-        numbers = ()
-    if len(numbers) == 3:
-        numbers = (*numbers, 1.0)
-    if len(numbers) != 4 or not np.isfinite(numbers).all():
+        given = np.zeros(0)
+    if given.shape not in ((3,), (4,)) or given.dtype.kind not in "fiu" or not np.isfinite(given).all():
         raise InputError(
-            f"A colour is a name, '#rrggbb', or 3 or 4 finite numbers from 0 to 1 (red, green, blue, opacity); "
-            f"got {value!r}."
+            "A colour is a name, '#rrggbb', or 3 or 4 finite numbers from 0 to 1 (red, green, blue, opacity); "
+            f"got {told(value)}."
         )
-    r, g, b, a = (min(max(c, 0.0), 1.0) for c in numbers)
-    return (r, g, b, a)
+    r, g, b, *a = shades("color", given).tolist()
+    return (r, g, b, a[0] if a else 1.0)
+
+
+def shades(name: str, value: ArrayLike) -> Floats:
+    """Numbers from 0 to 1, from such, or from integers that go up to 255.
+
+    Raises:
+        InputError, NonFiniteError: They are none.
+    """
+    out = finite(name, value)
+    given = np.asarray(value)
+    if out.size and given.dtype.kind in "iu" and (given.dtype == np.uint8 or out.max() > 1.0):
+        out = out / 255.0
+    if out.size and not (out.min() >= -_SLACK and out.max() <= 1.0 + _SLACK):
+        raise InputError(f"`{name}` is {told(value)}; expected numbers from 0 to 1. {_MEND}")
+    return np.clip(out, 0.0, 1.0)
 
 
 def _written(text: str) -> RGBA:
-    digits = NAMES.get(text.replace(" ", "").lower(), text.removeprefix("#") if text.startswith("#") else "")
+    name = text.replace(" ", "").lower()
+    digits = NAMES.get(name) or _MORE.get(name) or (text[1:] if text.startswith("#") else "")
+    if len(digits) in (3, 4):
+        digits = "".join(2 * d for d in digits)
     try:
         r, g, b, a = (int(digits[k : k + 2] or "ff", 16) / 255.0 for k in (0, 2, 4, 6))
     except ValueError:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import abc
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
 
 from ulna.errors import InputError
+from ulna.sim.inputs import FARTHEST, count, number, told
+from ulna.sim.inputs import length as checked_length
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer import ellipsoids
 from ulna.viewer.colours import Colour
+from ulna.viewer.content import Lines
 from ulna.viewer.figure import Figure, Ghosts
 from ulna.viewer.handles import Arrow, Handle, Path
 from ulna.viewer.scene import Scene
@@ -60,11 +63,22 @@ class Companions(Handle, abc.ABC):
         Raises:
             UnknownName: There is no such frame.
         """
-        names = self.robot.link_names if frames == "all" else [frames] if isinstance(frames, str) else frames
-        group, kernel = self._group("frames"), self.robot.kernel("fk", frame=list(names))
+        names = (
+            self.robot.link_names
+            if isinstance(frames, str) and frames == "all"
+            else [frames]
+            if isinstance(frames, str)
+            else frames
+        )
+        if not (isinstance(names, list | tuple) and all(isinstance(n, str) for n in names)):
+            raise InputError(
+                f"`frames` is {told(frames)}; expected 'all', a frame's name, or a list of names."
+            )
+        arrows, kernel = axes(checked_length("length", length)), self.robot.kernel("fk", frame=list(names))
+        group = self._group("frames")
         nodes = [f"{group.name}/{k}" for k in range(len(names))]
         for node in nodes:
-            self._scene.add(node, axes(length), shadow=False, through=True)
+            self._scene.add(node, arrows, shadow=False, through=True)
 
         def bring(q: Floats) -> None:
             if group.name in self._scene:
@@ -74,8 +88,9 @@ class Companions(Handle, abc.ABC):
 
     def center_of_mass(self, radius: float = 0.02) -> Handle:
         """Show the centre of mass as a ball."""
+        dot = ball(checked_length("radius", radius), _CENTRE)
         group = self._group("centre of mass")
-        self._scene.add(f"{group.name}/ball", [ball(radius, _CENTRE)], shadow=False, through=True)
+        self._scene.add(f"{group.name}/ball", [dot], shadow=False, through=True)
         place = np.eye(4)
 
         def bring(q: Floats) -> None:
@@ -116,6 +131,8 @@ class Companions(Handle, abc.ABC):
             UnknownName: There is no such frame, or no such ellipsoid.
         """
         ellipsoids.check_kind(of)
+        self._at(frame)
+        factor = number("size", size, "metres for each unit, above zero", above=0.0, most=FARTHEST)
         group = self._group("manipulability")
         node = f"{group.name}/ellipsoid"
         self._scene.add(node, [ball(1.0, _REACH, 36)], shadow=False)
@@ -126,7 +143,7 @@ class Companions(Handle, abc.ABC):
             pose[:3, 3] = T[:3, 3]
             if node in self._scene:
                 self._scene.set_pose(node, pose)
-                self._scene.set_look(node, "scale", size * radii)
+                self._scene.set_look(node, "scale", factor * radii)
 
         return self._follow(group, bring)
 
@@ -142,50 +159,50 @@ class Companions(Handle, abc.ABC):
         Raises:
             UnknownName: There is no such frame.
         """
+        self._at(frame)
+        kept, line = count("most", most, 2, 10**6), Lines.through(np.zeros((0, 3)), color, thickness)
         group = self._group("trace")
-        trace = Trail(self._scene, f"{group.name}/path", self.robot, frame, colour(color), most, thickness)
+        trace = Trail(self._scene, f"{group.name}/path", self.robot, frame, line, kept)
         trace.add(self.q)
         self._traces.append(trace)
         return Path(self._scene, trace.name)
 
     def force(
-        self, frame: str | None = None, vector: ArrayLike = (0.0, 0.0, 0.0), color: Any = _FORCE
+        self,
+        frame: str | None = None,
+        vector: ArrayLike = (0.0, 0.0, 0.0),
+        color: Colour = _FORCE,
+        size: float = 0.01,
     ) -> Arrow:
-        """An arrow from a frame's origin along `vector` in the base's axes, a metre for a unit; assign `vector` anew.
+        """An arrow from a frame's origin along a force; assign `vector` anew as it changes.
+
+        Args:
+            frame: The frame; the tool when not given.
+            vector: The force in the base's axes [N], shape (3,).
+            color: Its colour.
+            size: How long it is drawn [m/N]: 50 N half a metre long when not given.
 
         Raises:
             UnknownName: There is no such frame.
         """
-        group = self._group("force")
-        out = self._arrow(f"{group.name}/arrow", vector, color)
-        place = np.eye(4)
+        return self._arrow("force", frame, color, size, lambda q, arrow: None, vector)
 
-        def bring(q: Floats) -> None:
-            place[:3, 3] = self.robot.fk(q, frame)[:3, 3]
-            if group.name in self._scene:
-                self._scene.set_pose(group.name, place)
+    def velocity(self, frame: str | None = None, size: float = 0.5, color: Colour = _SPEED) -> Arrow:
+        """An arrow for the velocity of a frame's origin, as `qd` has it.
 
-        self._follow(group, bring)
-        return out
-
-    def velocity(self, frame: str | None = None, size: float = 0.5, color: Any = _SPEED) -> Arrow:
-        """An arrow for the velocity of a frame's origin, `size` metres for 1 m/s, as `qd` has it.
+        Args:
+            frame: The frame; the tool when not given.
+            size: How long it is drawn [m per m/s].
+            color: Its colour.
 
         Raises:
             UnknownName: There is no such frame.
         """
-        group = self._group("velocity")
-        out = self._arrow(f"{group.name}/arrow", (0.0, 0.0, 0.0), color)
-        place = np.eye(4)
 
-        def bring(q: Floats) -> None:
-            place[:3, 3] = self.robot.fk(q, frame)[:3, 3]
-            if group.name in self._scene:
-                self._scene.set_pose(group.name, place)
-                out.vector = size * (self.robot.jacobian(q, frame)[:3] @ self.qd)
+        def turn(q: Floats, arrow: Arrow) -> None:
+            arrow.vector = self.robot.jacobian(q, frame)[:3] @ self.qd
 
-        self._follow(group, bring)
-        return out
+        return self._arrow("velocity", frame, color, size, turn)
 
     def ghosts(self, q: ArrayLike, color: Colour = (0.36, 0.47, 0.64), opacity: float = 0.25) -> GhostsHandle:
         """Show it in many more configurations `q`, shape (n, nq), faintly.
@@ -193,21 +210,52 @@ class Companions(Handle, abc.ABC):
         Raises:
             ShapeError, NonFiniteError: `q` holds no configurations.
         """
-        if not 0.0 < opacity <= 1.0:
-            raise InputError(f"`opacity` is {opacity}; expected a number above 0, at most 1.")
-        group = self._group("ghosts")
-        rgba = (*colour(color)[:3], float(opacity))
+        faint = number("opacity", opacity, "a number above 0, at most 1", above=0.0, most=1.0)
         show = "visual" if self._figure.show == "both" else self._figure.show
-        return GhostsHandle(Ghosts(self._scene, self.robot, q, group.name, rgba, show))
+        rgba = (*colour(color)[:3], faint)
+        return GhostsHandle(Ghosts(self._scene, self.robot, q, self._fresh("ghosts"), rgba, show))
+
+    def _at(self, frame: str | None) -> None:
+        """Refuse what is no frame."""
+        if not (frame is None or isinstance(frame, str)):
+            raise InputError(f"`frame` is {told(frame)}; expected a frame's name, or None for the tool.")
+        self.robot.fk(self.q, frame)
+
+    def _fresh(self, kind: str) -> str:
+        self._scene.row(self.name)  # what was removed is not begun anew
+        return f"{self.name}/({kind} {next(self._count)})"
 
     def _group(self, kind: str) -> Handle:
-        self._scene.row(self.name)  # what was removed is not begun anew
-        name = f"{self.name}/({kind} {next(self._count)})"
+        name = self._fresh(kind)
         self._scene.add(name)
         return Handle(self._scene, name)
 
-    def _arrow(self, name: str, vector: ArrayLike, color: Colour) -> Arrow:
-        return add_arrow(self._scene, name, vector, color, 0.008)
+    def _arrow(
+        self,
+        kind: str,
+        frame: str | None,
+        color: Colour,
+        size: float,
+        turn: Callable[[Floats, Arrow], None],
+        vector: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> Arrow:
+        """An arrow at a frame's origin, which `turn` turns when the robot moves."""
+        self._at(frame)
+        group, place = self._group(kind), np.eye(4)
+        try:
+            out = add_arrow(self._scene, f"{group.name}/arrow", vector, color, 0.008, size)
+        except BaseException:
+            group.remove()
+            raise
+
+        def bring(q: Floats) -> None:
+            place[:3, 3] = self.robot.fk(q, frame)[:3, 3]
+            if group.name in self._scene:
+                self._scene.set_pose(group.name, place)
+                turn(q, out)
+
+        self._follow(group, bring)
+        return out
 
     def _follow(self, group: Handle, bring: Any) -> Handle:
         try:
@@ -239,13 +287,15 @@ class GhostsHandle(Handle):
         self._ghosts.move(q)
 
 
-def add_arrow(scene: Scene, name: str, vector: ArrayLike, color: Colour, radius: float) -> Arrow:
-    """Add an arrow from the origin of its group along a vector [m]."""
+def add_arrow(
+    scene: Scene, name: str, vector: ArrayLike, color: Colour, radius: float, size: float = 1.0
+) -> Arrow:
+    """Add an arrow from the origin of its group along a vector, `size` [m] for each unit of it."""
     shaft, tip = arrow(colour(color))
     scene.add(f"{name}/shaft", [shaft])
     scene.add(f"{name}/tip", [tip])
     try:
-        return Arrow(scene, name, vector, radius)
+        return Arrow(scene, name, vector, radius, size)
     except BaseException:
         scene.remove(name)
         raise

@@ -5,14 +5,15 @@ from __future__ import annotations
 import abc
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
-from ulna.errors import InputError, NonFiniteError, ShapeError
+from ulna.errors import ShapeError
+from ulna.sim.inputs import factors, length, lengths, words
 from ulna.spatial import quat_xyzw_to_matrix
 from ulna.typing import Array, ArrayLike, Floats
-from ulna.viewer.colours import Colour
+from ulna.viewer.colours import Colour, shades
 from ulna.viewer.surface import RGBA, Surface, colour, unit
 
 _MOST_BALLS = 20_000  # points that a picture draws as balls; more are thinned out
@@ -44,14 +45,14 @@ class Points(Content):
     """
 
     positions: Floats
-    colours: Floats
+    colours: Any
     size: float = 0.01
 
     def __post_init__(self) -> None:
-        positions = _frozen("points", self.positions, (None, 3))
+        positions = _frozen("points", self.positions, None, 3)
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "colours", _tints(self.colours, len(positions)))
-        object.__setattr__(self, "size", _positive("size", self.size))
+        object.__setattr__(self, "size", length("size", self.size))
 
     @property
     def places(self) -> Floats:
@@ -89,14 +90,14 @@ class Lines(Content):
     thickness: float = 0.004
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "segments", _frozen("segments", self.segments, (None, 2, 3)))
+        object.__setattr__(self, "segments", _frozen("segments", self.segments, None, 2, 3))
         object.__setattr__(self, "rgba", colour(self.rgba))
-        object.__setattr__(self, "thickness", _positive("thickness", self.thickness))
+        object.__setattr__(self, "thickness", length("thickness", self.thickness))
 
     @classmethod
     def through(cls, points: ArrayLike, rgba: Colour, thickness: float = 0.004) -> Lines:
         """A line from point to point, (n, 3) [m]."""
-        way = _frozen("points", points, (None, 3))
+        way = _frozen("points", points, None, 3)
         return cls(np.stack([way[:-1], way[1:]], axis=1), colour(rgba), thickness)
 
     @property
@@ -142,8 +143,8 @@ class Text(Content):
     height: float = 0.05
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "words", str(self.words))
-        object.__setattr__(self, "height", _positive("height", self.height))
+        object.__setattr__(self, "words", words("words", self.words))
+        object.__setattr__(self, "height", length("height", self.height))
 
     @property
     def places(self) -> Floats:
@@ -171,19 +172,18 @@ class Copies(Content):
 
     original: tuple[Surface, ...]
     poses: Floats
-    colours: Floats | None = None
-    scales: Floats | None = None
+    colours: Any = None
+    scales: Any = None
     opacity: float = 1.0
 
     def __post_init__(self) -> None:
-        poses = _frozen("poses", self.poses, (None, 4, 4))
+        poses = _frozen("poses", self.poses, None, 4, 4)
         object.__setattr__(self, "poses", poses)
         if self.colours is not None:
             object.__setattr__(self, "colours", _tints(self.colours, len(poses)))
-        scales = np.ones(3) if self.scales is None else np.asarray(self.scales, dtype=float)
-        object.__setattr__(
-            self, "scales", _frozen("scales", np.broadcast_to(scales, (len(poses), 3)), (None, 3))
-        )
+        scales = factors("scales", 1.0 if self.scales is None else self.scales, len(poses))
+        scales.setflags(write=False)
+        object.__setattr__(self, "scales", scales)
 
     @property
     def places(self) -> Floats:
@@ -257,34 +257,23 @@ def _repeated(
 
 def transforms(positions: ArrayLike, quat_xyzw: ArrayLike | None = None) -> Floats:
     """Poses (n, 4, 4) from positions (n, 3) [m], and rotations as quaternions x y z w (n, 4) where given."""
-    places = _frozen("positions", positions, (None, 3))
+    places = _frozen("positions", positions, None, 3)
     out = np.tile(np.eye(4), (len(places), 1, 1))
     out[:, :3, 3] = places
     if quat_xyzw is not None:
-        out[:, :3, :3] = quat_xyzw_to_matrix(_frozen("quat_xyzw", quat_xyzw, (len(places), 4)))
+        out[:, :3, :3] = quat_xyzw_to_matrix(_frozen("quat_xyzw", quat_xyzw, len(places), 4))
     return out
 
 
-def _frozen(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
-    """A read-only copy of numbers of that shape, None for any length."""
-    out = np.array(value, dtype=float)
-    if out.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, out.shape, strict=True)):
-        raise ShapeError(name, out.shape, str(tuple("n" if n is None else n for n in shape)).replace("'", ""))
-    if not np.isfinite(out).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(out))[0])
-        raise NonFiniteError(name, where, float(out[where]))
+def _frozen(name: str, value: ArrayLike, *shape: int | None) -> Floats:
+    """A read-only copy of lengths of that shape [m], None for any length."""
+    out = lengths(name, value, *shape)
     out.setflags(write=False)
     return out
 
 
 def _tints(value: ArrayLike, count: int) -> Array:
-    out = np.asarray(value, dtype=float)
+    out = shades("colors", value)
     if out.shape not in ((3,), (4,), (count, 3)):
-        raise ShapeError("colours", out.shape, f"({count}, 3) or (3,), from 0 to 1")
-    return _frozen("colours", np.clip(np.broadcast_to(out[..., :3], (count, 3)), 0.0, 1.0), (count, 3))
-
-
-def _positive(name: str, value: float) -> float:
-    if not (np.isfinite(value) and value > 0.0):
-        raise InputError(f"`{name}` is {value}; expected a length above zero [m].")
-    return float(value)
+        raise ShapeError("colors", out.shape, f"({count}, 3) or (3,), from 0 to 1")
+    return _frozen("colors", np.broadcast_to(out[..., :3], (count, 3)), count, 3)

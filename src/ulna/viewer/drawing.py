@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from ulna.errors import InputError
+from ulna.sim.inputs import count, lengths, share
+from ulna.sim.inputs import length as checked_length
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.companions import add_arrow
@@ -19,6 +21,7 @@ from ulna.viewer.tessellate import axes
 PLAIN: RGBA = (0.35, 0.52, 0.78, 1.0)
 """The colour of shapes and arrows that are given none."""
 
+_MOST_LINES = 2000  # of a grid, each way
 _INK: RGBA = (0.32, 0.42, 0.56, 1.0)  # seen on a light floor and on a dark one
 
 
@@ -33,7 +36,15 @@ class Drawing(Places):
         self, length: float = 0.1, *, name: str | None = None, pose: Any = None, opacity: float = 1.0
     ) -> Handle:
         """A frame: arrows in red, green, blue along x, y, z."""
-        return self._put(name, "axes", axes(length), pose=pose, opacity=opacity, shadow=False, through=True)
+        return self._put(
+            name,
+            "axes",
+            axes(checked_length("length", length)),
+            pose=pose,
+            opacity=opacity,
+            shadow=False,
+            through=True,
+        )
 
     def arrow(
         self,
@@ -44,13 +55,18 @@ class Drawing(Places):
         color: Colour | None = None,
         opacity: float = 1.0,
         radius: float = 0.008,
+        size: float = 1.0,
     ) -> Arrow:
-        """An arrow along `vector` (3,) from `start` (3,) [m], as of a force or a velocity."""
-        place = transforms(np.reshape(start, (1, -1)))[0]
-        node = name or self._free("arrow")
-        out = add_arrow(self.scene, node, vector, PLAIN if color is None else color, radius)
+        """An arrow along `vector` (3,) from `start` (3,) [m], as of a force or a velocity.
+
+        It is drawn `size` [m] long for each unit of `vector`: 1 for a way in metres, 0.01 for a force of some newtons.
+        """
+        place = lengths("start", start, 3)
+        node = self._name(name, "arrow")
+        share("opacity", opacity)
+        out = add_arrow(self.scene, node, vector, PLAIN if color is None else color, radius, size)
         turn = out.pose
-        turn[:3, 3] = place[:3, 3]
+        turn[:3, 3] = place
         out.pose = turn
         self._keep(out, opacity)
         return out
@@ -73,7 +89,9 @@ class Drawing(Places):
 
     def curve(self, points: ArrayLike, *, steps: int = 12, **more: Any) -> Path:
         """A smooth curve through points (n, 3) [m]: a Catmull-Rom spline with `steps` pieces between two of them."""
-        return self.line(_catmull_rom(np.asarray(points, dtype=float), steps), **more)
+        return self.line(
+            _catmull_rom(lengths("points", points, None, 3), count("steps", steps, 1, 1000)), **more
+        )
 
     def points(
         self,
@@ -86,7 +104,7 @@ class Drawing(Places):
         opacity: float = 1.0,
     ) -> Cloud:
         """A cloud of points (n, 3) [m], of one colour (3,) or one for each (n, 3); `size` is their diameter [m]."""
-        content = Points(np.asarray(positions, dtype=float), np.asarray(colors, dtype=float), size)
+        content = Points(lengths("positions", positions, None, 3), colors, size)
         return self._put(
             name, "points", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Cloud
         )
@@ -102,7 +120,7 @@ class Drawing(Places):
         opacity: float = 1.0,
     ) -> Words:
         """Words that face whoever looks, dark or light as suits the theme; `height` of the letters in metres."""
-        place = transforms(np.reshape(position, (1, -1)))[0]
+        place = transforms([lengths("position", position, 3)])[0]
         rgba = None if color is None else colour(color)
         out = self._put(name, "text", content=Text(words, height), pose=place, opacity=opacity, kind_of=Words)
         out.color = rgba
@@ -119,11 +137,15 @@ class Drawing(Places):
         opacity: float = 1.0,
     ) -> Handle:
         """A grid of lines in the plane z = 0, `size` [m] wide with cells of `cell` [m]."""
-        if not 0.0 < cell <= size < np.inf:
-            raise InputError(f"A grid of {size} m with cells of {cell} m; expected 0 < cell <= size.")
-        count = int(size / cell + 1e-9)
-        ticks = (np.arange(count + 1) - count / 2) * cell
-        end = np.full_like(ticks, count / 2 * cell)
+        whole, each = checked_length("size", size), checked_length("cell", cell)
+        lines = int(min(whole / each, 2.0 * _MOST_LINES) + 1e-9)
+        if not 1 <= lines <= _MOST_LINES:
+            raise InputError(
+                f"A grid of `size` {whole} m has {whole / each:.3g} cells of {each} m along an edge; expected 1 to "
+                f"{_MOST_LINES}."
+            )
+        ticks = (np.arange(lines + 1) - lines / 2) * each
+        end = np.full_like(ticks, lines / 2 * each)
         flat = np.zeros_like(ticks)
         along = np.stack([np.stack([ticks, -end, flat], 1), np.stack([ticks, end, flat], 1)], 1)
         segments = np.concatenate([along, along[:, :, [1, 0, 2]]])
@@ -133,7 +155,7 @@ class Drawing(Places):
 
 def _catmull_rom(points: Floats, steps: int) -> Floats:
     """Points on the uniform Catmull-Rom spline through points (n, 3)."""
-    if points.ndim != 2 or len(points) < 3 or steps < 1:
+    if len(points) < 3:
         return points
     padded = np.concatenate([2 * points[:1] - points[1:2], points, 2 * points[-1:] - points[-2:-1]])
     t = (np.arange(steps) / steps)[:, None]

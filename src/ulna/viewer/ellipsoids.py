@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import UnknownName
+from ulna.sim.inputs import one_of
 from ulna.typing import Floats
 
 KINDS = ("velocity", "force")
@@ -49,8 +49,7 @@ def check_kind(kind: str) -> None:
     Raises:
         UnknownName: It is none.
     """
-    if kind not in KINDS:
-        raise UnknownName("ellipsoid", kind, KINDS)
+    one_of("ellipsoid", kind, KINDS)
 
 
 def of_jacobian(J: Floats, kind: str = "velocity") -> tuple[Floats, Floats]:

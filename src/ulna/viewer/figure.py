@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any, final
 
 import numpy as np
 
-from ulna.errors import NonFiniteError, ShapeError
+from ulna.errors import ShapeError
+from ulna.sim.inputs import finite, numbers
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.content import Copies
 from ulna.viewer.links import Showing, link_looks, link_names
 from ulna.viewer.meshes import Detail
+from ulna.viewer.node import checked_pose
 from ulna.viewer.progress import Report, silent
 from ulna.viewer.scene import Scene
 from ulna.viewer.surface import RGBA, colour
@@ -61,13 +62,13 @@ class Figure:
         self._followers: list[Callable[[Floats], None]] = []
         tint = None if rgba is None else colour(rgba)
         # adding robots must not half-happen: everything that can fail comes first
-        poses = robot.link_poses(start)
+        place, poses = None if pose is None else checked_pose(pose), robot.link_poses(start)
         looks = link_looks(robot, show, tint, report, detail)
         self.names = tuple(f"{self.name}/{n}" for n in link_names(robot))
         with scene.together():
             if self.name in scene:
                 scene.remove(self.name)
-            scene.add(self.name, pose=pose)
+            scene.add(self.name, pose=place)
             for node, surfaces, link_pose in zip(self.names, looks, poses, strict=True):
                 scene.add(node, surfaces, link_pose)
             self._structure, self._rows = scene.version[0], scene.rows(self.names)
@@ -190,15 +191,9 @@ class Ghosts:
         self.scene.later(self, self._bring)
 
     def _checked(self, q: ArrayLike) -> Floats:
-        out = np.array(q, dtype=float)
-        if out.ndim != 2 or out.shape[1] != self.robot.nq:
-            raise ShapeError("q", out.shape, f"(n, {self.robot.nq}), one configuration in each row")
-        if getattr(self, "_bases", None) is not None and len(out) != len(self._q):
-            raise ShapeError("q", out.shape, f"({len(self._q)}, {self.robot.nq}), as many as there are bases")
-        if not np.isfinite(out).all():
-            where = tuple(int(i) for i in np.argwhere(~np.isfinite(out))[0])
-            raise NonFiniteError("q", where, float(out[where]))
-        return out
+        rows = len(self._q) if getattr(self, "_bases", None) is not None else None
+        mend = "One configuration in each row" + ("." if rows is None else ", as many as there are bases.")
+        return numbers("q", q, rows, self.robot.nq, mend=mend)
 
     def _bring(self) -> None:
         if self.name not in self.scene:
@@ -222,11 +217,8 @@ def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
     Raises:
         ShapeError, NonFiniteError: It is none.
     """
-    out = np.array(q, float)
+    out = finite("q", q, f"{robot.model.nq} numbers")
     if out.shape != (robot.model.nq,):
         names = ", ".join(robot.joint_names[:8])
         raise ShapeError("q", out.shape, f"({robot.model.nq},)", f"One number for each of: {names}.")
-    if not math.isfinite(math.hypot(*out.tolist())) and not np.isfinite(out).all():  # a quick look first
-        where = int(np.argwhere(~np.isfinite(out))[0][0])
-        raise NonFiniteError("q", (where,), float(out[where]))
     return out

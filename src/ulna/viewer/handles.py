@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, ShapeError
+from ulna.errors import ShapeError
+from ulna.sim.inputs import FARTHEST, factors, flag, length, lengths, number, share
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.assigned import Assigned
 from ulna.viewer.colours import Colour
 from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
-from ulna.viewer.node import checked_pose, numbers
+from ulna.viewer.node import checked_pose, checked_poses
 from ulna.viewer.scene import Scene
 from ulna.viewer.surface import colour, unit
 
@@ -51,7 +52,7 @@ class Handle(Assigned):
     @position.setter
     def position(self, position: ArrayLike) -> None:
         pose = self.pose
-        pose[:3, 3] = numbers("position", position, 3)
+        pose[:3, 3] = lengths("position", position, 3)
         self._scene.set_pose(self._name, pose)
 
     @property
@@ -77,10 +78,7 @@ class Handle(Assigned):
 
     @opacity.setter
     def opacity(self, opacity: float) -> None:
-        share = float(numbers("opacity", opacity))
-        if not 0.0 <= share <= 1.0:
-            raise InputError(f"`opacity` is {opacity}; expected a number from 0 to 1.")
-        self._scene.set_look(self._name, "opacity", share)
+        self._scene.set_look(self._name, "opacity", share("opacity", opacity))
 
     @property
     def scale(self) -> Floats:
@@ -89,11 +87,7 @@ class Handle(Assigned):
 
     @scale.setter
     def scale(self, scale: ArrayLike) -> None:
-        factors = np.broadcast_to(np.asarray(scale, dtype=float), 3) if np.ndim(scale) == 0 else scale
-        factors = numbers("scale", factors, 3)
-        if not (factors > 0.0).all():
-            raise InputError(f"`scale` is {factors.tolist()}; expected factors above zero.")
-        self._scene.set_look(self._name, "scale", factors)
+        self._scene.set_look(self._name, "scale", factors("scale", scale))
 
     @property
     def visible(self) -> bool:
@@ -102,7 +96,7 @@ class Handle(Assigned):
 
     @visible.setter
     def visible(self, visible: bool) -> None:
-        self._scene.set_look(self._name, "visible", bool(visible))
+        self._scene.set_look(self._name, "visible", flag("visible", visible))
 
     def remove(self) -> None:
         """Take it out of the scene, with all that is in it."""
@@ -131,8 +125,7 @@ class Cloud(Handle):
     @points.setter
     def points(self, points: ArrayLike) -> None:
         old: Points = self._content()
-        points = np.asarray(points, dtype=float)
-        colours = old.colours
+        points, colours = lengths("points", points, None, 3), old.colours
         if len(colours) != len(points):
             if len(colours) and not (colours == colours[0]).all():
                 raise ShapeError(
@@ -149,12 +142,13 @@ class Cloud(Handle):
     @colors.setter
     def colors(self, colors: ArrayLike) -> None:
         old: Points = self._content()
-        self._scene.set_content(self._name, Points(old.positions, np.asarray(colors, dtype=float), old.size))
+        self._scene.set_content(self._name, Points(old.positions, colors, old.size))
 
     def set(self, points: ArrayLike, colors: ArrayLike) -> None:
         """Other points and their colours at once."""
-        points, colors = np.asarray(points, dtype=float), np.asarray(colors, dtype=float)
-        self._scene.set_content(self._name, Points(points, colors, self._content().size))
+        self._scene.set_content(
+            self._name, Points(lengths("points", points, None, 3), colors, self._content().size)
+        )
 
 
 class Path(Handle):
@@ -201,7 +195,7 @@ class Crowd(Handle):
 
     @poses.setter
     def poses(self, poses: ArrayLike) -> None:
-        self._change(poses=np.asarray(poses, dtype=float))
+        self._change(poses=checked_poses(poses, "poses", None, 4, 4))
 
     @property
     def positions(self) -> Floats:
@@ -223,7 +217,7 @@ class Crowd(Handle):
 
     @colors.setter
     def colors(self, colors: ArrayLike | None) -> None:
-        self._change(colours=None if colors is None else np.asarray(colors, dtype=float))
+        self._change(colours=colors)
 
     def _change(self, **news: Any) -> None:
         old: Copies = self._content()
@@ -238,34 +232,48 @@ class Crowd(Handle):
 
 
 class Arrow(Handle):
-    """An arrow from its origin along a vector; `vector` can be assigned to."""
+    """An arrow from its origin along a vector; `vector` and `size` can be assigned to."""
 
-    __slots__ = ("_radius", "_vector")
+    __slots__ = ("_radius", "_size", "_vector")
 
-    def __init__(self, scene: Scene, name: str, vector: ArrayLike, radius: float) -> None:
+    def __init__(self, scene: Scene, name: str, vector: ArrayLike, radius: float, size: float = 1.0) -> None:
         super().__init__(scene, name)
-        self._radius = float(radius)
+        self._radius, self._vector = length("radius", radius), np.zeros(3)
+        self.size = size
         self.vector = vector
 
     @property
     def vector(self) -> Floats:
-        """From its origin to its tip, in its group's axes [m], shape (3,)."""
+        """What it tells of, in its group's axes, shape (3,): a way [m], or a force [N], a velocity [m/s] ..."""
         return self._vector.copy()
 
     @vector.setter
     def vector(self, vector: ArrayLike) -> None:
-        self._vector = numbers("vector", vector, 3)
-        length = float(np.linalg.norm(self._vector))
-        tip = min(5.0 * self._radius, 0.5 * length)
+        self._vector = lengths("vector", vector, 3)
+        self._draw()
+
+    @property
+    def size(self) -> float:
+        """How long it is drawn for each unit of `vector` [m]."""
+        return self._size
+
+    @size.setter
+    def size(self, size: float) -> None:
+        self._size = number("size", size, "metres for each unit, above zero", above=0.0, most=FARTHEST)
+        self._draw()
+
+    def _draw(self) -> None:
+        way = self._size * float(np.linalg.norm(self._vector))
+        tip = min(5.0 * self._radius, 0.5 * way)
         pose, top = self.pose, np.eye(4)
         pose[:3, :3] = rotation_to(self._vector)
-        top[2, 3] = length - tip
+        top[2, 3] = way - tip
         least = 1e-9  # nothing has no direction
         with self._scene.together():
             self._scene.set_pose(self._name, pose)
             self._scene.set_pose(f"{self._name}/tip", top)
-            thin = self._radius if length > least else least
-            self._scene.set_look(f"{self._name}/shaft", "scale", (thin, thin, max(length - tip, least)))
+            thin = self._radius if way > least else least
+            self._scene.set_look(f"{self._name}/shaft", "scale", (thin, thin, max(way - tip, least)))
             self._scene.set_look(f"{self._name}/tip", "scale", (2.4 * thin, 2.4 * thin, max(tip, least)))
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import itertools
 import warnings
 from collections.abc import Iterable
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 import numpy as np
 
-from ulna.errors import MissingExtra, ModelWarning, UlnaError, UnknownName
+from ulna.errors import MissingExtra, ModelWarning, UlnaError
 from ulna.geometry import Geometry, Mesh
+from ulna.sim.inputs import one_of
 from ulna.viewer.meshes import Detail, check_detail, load_mesh
 from ulna.viewer.progress import Report, silent
 from ulna.viewer.surface import DEFAULT_COLOUR, RGBA, Surface, colour
@@ -40,9 +41,7 @@ def checked_showing(show: str) -> Showing:
     Raises:
         UnknownName: There is no such way.
     """
-    if show not in SHOWINGS:
-        raise UnknownName("way to show a robot", show, SHOWINGS)
-    return cast(Showing, show)
+    return one_of("way to show a robot", show, SHOWINGS)
 
 
 def link_looks(
@@ -91,6 +90,7 @@ def link_surfaces(
         pose = geometry.placement.matrix()
         material = getattr(geometry, "material", None)
         stated = getattr(material, "rgba", None)
+        stated = None if stated is None else np.clip(stated, 0.0, 1.0)
         shape = geometry.shape
         if isinstance(shape, Mesh):
             if shape.path is None or shape.missing:

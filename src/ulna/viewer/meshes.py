@@ -10,8 +10,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
 from ulna.geometry.meshes import read_pieces
+from ulna.sim.inputs import one_of
 from ulna.typing import Array, Floats
 from ulna.viewer import mesh_store
 from ulna.viewer.decimate import can_decimate
@@ -66,8 +67,7 @@ def check_detail(detail: str) -> None:
     Raises:
         UnknownName: It is none.
     """
-    if detail not in DETAILS:
-        raise UnknownName("detail of a mesh", detail, DETAILS)
+    one_of("detail of a mesh", detail, DETAILS)
 
 
 @functools.lru_cache(maxsize=512)
@@ -156,8 +156,7 @@ def _material_colour(material: Any) -> RGBA:
     if value is None:
         return DEFAULT_COLOUR
     numbers = np.asarray(value, dtype=float).reshape(-1)
-    rgba = colour(
-        numbers / 255.0 if numbers.max(initial=0.0) > 1.0 or np.asarray(value).dtype.kind == "u" else numbers
-    )
+    whole = numbers.max(initial=0.0) > 1.0 or np.asarray(value).dtype.kind == "u"
+    rgba = colour(np.clip(numbers / 255.0 if whole else numbers, 0.0, 1.0))
     # COLLADA writers disagree about which end of transparency is opaque; an invisible part is never meant
     return rgba if rgba[3] > 0.02 else (*rgba[:3], 1.0)

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from ulna.errors import InputError, NonFiniteError, ShapeError
-from ulna.typing import Array, ArrayLike, Floats
+from ulna.errors import InputError
+from ulna.sim.inputs import lengths, told
+from ulna.typing import Array, Floats
 from ulna.viewer.content import Content
 from ulna.viewer.surface import Surface
 
@@ -67,13 +68,28 @@ def checked_pose(value: Any, name: str = "pose") -> Floats:
     Raises:
         ShapeError, NonFiniteError, InputError: It is none.
     """
-    out = _floats(name, value.matrix() if hasattr(value, "matrix") else value)
-    if out.shape != (4, 4):
-        raise ShapeError(name, out.shape, "(4, 4), or an SE3")
-    _check_finite(name, out)
-    if np.abs(out[:3, :3] @ out[:3, :3].T - np.eye(3)).max() > 1e-3 or np.linalg.det(out[:3, :3]) < 0:
+    return checked_poses(value, name, 4, 4, mend="An SE3 serves, too.")
+
+
+def checked_poses(value: Any, name: str, *shape: int | None, mend: str = "") -> Floats:
+    """Poses of a shape (..., 4, 4), from an array or an `SE3`.
+
+    Raises:
+        ShapeError, NonFiniteError, InputError: They are none.
+    """
+    out = lengths(name, value.matrix() if hasattr(value, "matrix") else value, *shape, mend=mend)
+    turned = out[..., :3, :3]
+    off = np.abs(turned @ turned.mT - np.eye(3)).max(axis=(-2, -1))
+    off = np.where(np.linalg.det(turned) < 0.0, 1.0, off)
+    if out.size and np.abs(out[..., 3, :] - (0.0, 0.0, 0.0, 1.0)).max() > 1e-6:
         raise InputError(
-            f"`{name}` holds no rotation: {out[:3, :3].tolist()}. To stretch or mirror a thing, set its scale."
+            f"`{name}` has a lowest row that is not 0 0 0 1; expected a pose whose position is its last column."
+        )
+    if off.max(initial=0.0) > 1e-3:
+        where = tuple(int(i) for i in np.argwhere(off == off.max())[0])
+        place = f"{name}[{', '.join(map(str, where))}]" if where else name
+        raise InputError(
+            f"`{place}` holds no rotation: {out[where][:3, :3].tolist()}. To stretch or mirror a thing, set its scale."
         )
     return out
 
@@ -86,7 +102,7 @@ def check_name(name: str) -> None:
     """
     if not isinstance(name, str) or "" in name.split("/"):
         raise InputError(
-            f"A node's name is not empty, and neither begins nor ends with '/' nor holds '//'; got {name!r}."
+            f"`name` is {told(name)}; expected words that neither are empty nor begin or end with '/', without '//'."
         )
 
 
@@ -98,29 +114,3 @@ def check_even(name: str, scale: Floats) -> None:
     """
     if not (scale[0] == scale[1] == scale[2]):
         raise InputError(f"The group {name!r} can be scaled by one number only, not by {scale.tolist()}.")
-
-
-def numbers(name: str, value: ArrayLike, *shape: int) -> Floats:
-    """Finite numbers of a shape.
-
-    Raises:
-        InputError, ShapeError, NonFiniteError: They are not.
-    """
-    out = _floats(name, value)
-    if out.shape != shape:
-        raise ShapeError(name, out.shape, str(shape))
-    _check_finite(name, out)
-    return out
-
-
-def _floats(name: str, value: Any) -> Floats:
-    try:
-        return np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"`{name}` is {value!r}; expected numbers.") from None
-
-
-def _check_finite(name: str, value: Floats) -> None:
-    if not np.isfinite(value).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(value))[0])
-        raise NonFiniteError(name, where, float(value[where]))

@@ -7,9 +7,10 @@ import itertools
 from collections.abc import Iterable
 from typing import Any
 
-from ulna.errors import UnknownName
+from ulna.sim.inputs import one_of, share
 from ulna.viewer.content import Content
 from ulna.viewer.handles import Handle
+from ulna.viewer.node import check_name
 from ulna.viewer.scene import Scene
 from ulna.viewer.surface import Surface
 
@@ -33,7 +34,9 @@ class Places(abc.ABC):
         Raises:
             UnknownName: There is nothing of that name.
         """
-        name = thing if isinstance(thing, str) else thing.name
+        name = (
+            thing.name if isinstance(thing, Handle) else one_of("thing in the scene", thing, self.scene.names)
+        )
         handle = self._handles.get(name)
         if handle is not None:
             handle.remove()
@@ -50,8 +53,7 @@ class Places(abc.ABC):
 
     def __getitem__(self, name: str) -> Any:
         """The handle of a thing; of a group that appeared by itself, too."""
-        if name not in self.scene:
-            raise UnknownName("thing in the scene", name, self.scene.names)
+        one_of("thing in the scene", name, self.scene.names)
         return self._handles.get(name) or Handle(self.scene, name)
 
     def __contains__(self, name: object) -> bool:
@@ -62,6 +64,13 @@ class Places(abc.ABC):
         names = ((k, kind if k == 1 else f"{kind} {k}") for k in itertools.count(self._counts.get(kind, 1)))
         count, name = next((k, n) for k, n in names if n not in self.scene)
         self._counts[kind] = count
+        return name
+
+    def _name(self, name: str | None, kind: str) -> str:
+        """A name that was given, or one for another thing of that kind."""
+        if name is None:
+            return self._free(kind)
+        check_name(name)
         return name
 
     def _put(
@@ -77,9 +86,9 @@ class Places(abc.ABC):
         through: bool = False,
         kind_of: Any = Handle,
     ) -> Any:
-        node = name or self._free(kind)
-        place = None if pose is None else pose.matrix() if hasattr(pose, "matrix") else pose
-        self.scene.add(node, surfaces, place, shadow, through, content)
+        node = self._name(name, kind)
+        share("opacity", opacity)
+        self.scene.add(node, surfaces, pose, shadow, through, content)
         out = kind_of(self.scene, node)
         self._keep(out, opacity)
         return out

@@ -8,13 +8,12 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.errors import UnknownName
 from ulna.sim import Body
+from ulna.sim.inputs import numbers, one_of
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.companions import Companions
 from ulna.viewer.figure import Figure, checked_configuration
 from ulna.viewer.links import Showing
-from ulna.viewer.node import numbers
 from ulna.viewer.scene import Scene
 
 
@@ -138,6 +137,4 @@ class RobotHandle(Companions):
 
 
 def _named(robot: Any, name: str) -> Floats:
-    if name not in robot.configurations:
-        raise UnknownName("configuration", name, robot.configurations)
-    return np.array(robot.configurations[name], dtype=float)
+    return np.array(robot.configurations[one_of("configuration", name, robot.configurations)], dtype=float)

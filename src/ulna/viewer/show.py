@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.errors import InputError, UnknownName
+from ulna.sim.inputs import checked_robot, one_of
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.camera import Camera
 from ulna.viewer.figure import Figure, checked_configuration
@@ -60,17 +60,6 @@ def show(
     return out
 
 
-def checked_robot(robot: Any) -> Any:
-    """`robot`, when it is one.
-
-    Raises:
-        InputError: It is none.
-    """
-    if not hasattr(robot, "link_poses"):
-        raise InputError(f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) gives.")
-    return robot
-
-
 def configuration(robot: Any, q: ArrayLike | str | None) -> Floats:
     """A configuration (nq,) from an array, a name of `robot.configurations`, or None for the usual one.
 
@@ -83,9 +72,7 @@ def configuration(robot: Any, q: ArrayLike | str | None) -> Floats:
         usual = next((named[n] for n in ("qr", "ready", "home", *named) if n in named), None)
         return np.array(robot.model.neutral if usual is None else usual, dtype=float)
     if isinstance(q, str):
-        if q not in named:
-            raise UnknownName("configuration", q, named)
-        return np.array(named[q], dtype=float)
+        return np.array(named[one_of("configuration", q, named)], dtype=float)
     return checked_configuration(robot, q)
 
 

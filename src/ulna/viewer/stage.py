@@ -10,6 +10,7 @@ import numpy as np
 
 from ulna.errors import InputError
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
+from ulna.sim.inputs import checked_robot, finite, share, told
 from ulna.typing import ArrayLike
 from ulna.viewer.colours import Colour
 from ulna.viewer.companions import GhostsHandle
@@ -19,9 +20,10 @@ from ulna.viewer.figure import Figure, Ghosts
 from ulna.viewer.handles import Crowd, Handle
 from ulna.viewer.links import Showing
 from ulna.viewer.meshes import Detail, load_mesh
+from ulna.viewer.node import checked_poses
 from ulna.viewer.progress import progress
 from ulna.viewer.robot_handle import RobotHandle
-from ulna.viewer.show import checked_robot, configuration
+from ulna.viewer.show import configuration
 from ulna.viewer.surface import Surface, colour
 from ulna.viewer.tessellate import tessellate
 
@@ -79,7 +81,7 @@ class Stage(Drawing):
             return self.mesh(thing, detail=detail, **common)
         if not hasattr(thing, "link_poses"):
             raise InputError(
-                f"Cannot show {thing!r}; expected a Robot, a shape, a Surface, or the path of a mesh file."
+                f"Cannot show {told(thing)}; expected a Robot, a shape, a Surface, or the path of a mesh file."
             )
         return self._robot(checked_robot(thing), q, show=show, detail=detail, **common)
 
@@ -94,7 +96,8 @@ class Stage(Drawing):
         show: Showing,
         detail: Detail,
     ) -> RobotHandle:
-        start, group = configuration(robot, q), name or self._free(robot.name)
+        share("opacity", opacity)
+        start, group = configuration(robot, q), self._name(name, robot.name)
         old = self._handles.get(group)
         with progress(f"Loading {robot.name}") as report:
             figure = Figure(self.scene, robot, start, group, color, show, pose, report, detail)
@@ -106,7 +109,7 @@ class Stage(Drawing):
 
     def box(self, size: Sequence[float], **more: Any) -> Handle:
         """A box, centred; `size` is its edges along x, y, z [m]."""
-        return self.add(Box(tuple(size)), **more)  # type: ignore[arg-type]
+        return self.add(Box(size), **more)  # type: ignore[arg-type]
 
     def sphere(self, radius: float, **more: Any) -> Handle:
         """A ball, centred; `radius` in metres."""
@@ -114,7 +117,7 @@ class Stage(Drawing):
 
     def ellipsoid(self, radii: Sequence[float], **more: Any) -> Handle:
         """An ellipsoid, centred; `radii` are its half axes [m]."""
-        return self.add(Ellipsoid(tuple(radii)), **more)  # type: ignore[arg-type]
+        return self.add(Ellipsoid(radii), **more)  # type: ignore[arg-type]
 
     def cylinder(self, radius: float, length: float, **more: Any) -> Handle:
         """A cylinder about z, centred [m]."""
@@ -155,11 +158,15 @@ class Stage(Drawing):
             InputError: The file cannot be read as a mesh.
             MissingExtra: trimesh is not installed.
         """
-        file = os.fspath(path)
-        factors = np.broadcast_to(np.asarray(scale, dtype=float), 3)
+        file = _file(path)
+        factors = finite("scale", scale, "a factor, or one along each axis")
+        if factors.shape not in ((), (3,)) or not (factors != 0.0).all():
+            raise InputError(
+                f"`scale` is {told(scale)}; expected a factor other than 0, or one along each axis."
+            )
         with progress(f"Loading {os.path.basename(file)}") as report:
             report(0, 1)
-            surfaces: Sequence[Surface] = load_mesh(file, factors.tolist(), detail)
+            surfaces: Sequence[Surface] = load_mesh(file, np.broadcast_to(factors, 3).tolist(), detail)
         if color is not None:
             surfaces = [s.coloured(colour(color)) for s in surfaces]
         kind = os.path.splitext(os.path.basename(file))[0].replace("/", ".") or "mesh"
@@ -194,13 +201,9 @@ class Stage(Drawing):
         """
         if (poses is None) == (positions is None):
             raise InputError("Give either `poses` (n, 4, 4) or `positions` (n, 3) of the copies.")
-        places = (
-            transforms(positions)
-            if poses is None and positions is not None
-            else np.asarray(poses, dtype=float)
-        )
-        tints, factors = (None if v is None else np.asarray(v, dtype=float) for v in (colors, scales))
-        content = Copies(_surfaces(thing), places, tints, factors)
+        given = positions is not None
+        places = transforms(positions) if given else checked_poses(poses, "poses", None, 4, 4)
+        content = Copies(_surfaces(thing), places, colors, scales)
         return self._put(name, "copies", content=content, pose=pose, opacity=opacity, kind_of=Crowd)
 
     def fleet(
@@ -229,8 +232,8 @@ class Stage(Drawing):
             ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
         """
         rgba = None if color is None else colour(color)
-        places = None if bases is None else np.asarray(bases, dtype=float)
-        node = name or self._free(f"{checked_robot(robot).name} fleet")
+        places = None if bases is None else checked_poses(bases, "bases", None, 4, 4)
+        node = self._name(name, f"{checked_robot(robot).name} fleet")
         out = GhostsHandle(Ghosts(self.scene, robot, q, node, rgba, show, places))
         self._keep(out, opacity)
         return out
@@ -243,4 +246,12 @@ def _surfaces(thing: Any) -> tuple[Surface, ...]:
         return load_mesh(thing.path or "", thing.scale)
     if isinstance(thing, Shape):
         return (tessellate(thing, PLAIN),)
-    return load_mesh(os.fspath(thing))
+    return load_mesh(_file(thing))
+
+
+def _file(path: Any) -> str:
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(
+            f"`path` is {told(path)}; expected the path of a mesh file (dae, stl, obj, glb ...)."
+        )
+    return str(os.fspath(path))

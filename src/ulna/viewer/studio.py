@@ -13,11 +13,11 @@ import numpy as np
 
 from ulna.errors import InputError
 from ulna.sim import Recording
+from ulna.sim.inputs import FARTHEST, number
 from ulna.typing import Array
 from ulna.viewer.camera import Camera, checked_camera, frame
 from ulna.viewer.film import check_film, moments, write_film
 from ulna.viewer.html import write_html
-from ulna.viewer.node import numbers
 from ulna.viewer.progress import progress
 from ulna.viewer.raster import render, write_png
 from ulna.viewer.robot_handle import RobotHandle
@@ -210,4 +210,4 @@ def checked_height(floor: float | None) -> float | None:
     Raises:
         InputError: It is no finite number.
     """
-    return None if floor is None else float(numbers("floor", [floor], 1)[0])
+    return None if floor is None else number("floor", floor, "a height [m]", least=-FARTHEST, most=FARTHEST)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ulna.errors import InputError, ShapeError
+from ulna.sim.inputs import FARTHEST, lengths, told
 from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.colours import RGBA, Colour, colour
 
@@ -49,7 +50,13 @@ class Surface:
 
     def __post_init__(self) -> None:
         for name, kind in (("vertices", float), ("triangles", np.int64), ("normals", float)):
-            value = np.ascontiguousarray(getattr(self, name), dtype=kind).reshape(-1, 3)
+            given = getattr(self, name)
+            try:
+                value = np.ascontiguousarray(given, dtype=kind).reshape(-1, 3)
+            except (TypeError, ValueError, OverflowError):
+                raise InputError(f"`{name}` is {told(given)}; expected numbers of shape (n, 3).") from None
+            if kind is float and not np.vdot(value, value) <= FARTHEST**2:  # a quick look first
+                lengths(name, value, None, 3)
             value.setflags(write=False)
             object.__setattr__(self, name, value)
         if self.normals.shape != self.vertices.shape:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-from ulna.errors import UnknownName
+from ulna.errors import InputError
+from ulna.sim.inputs import flag, number, numbers, one_of, share
 
 RGB = tuple[int, int, int]
 
@@ -39,6 +40,16 @@ class Theme:
     room: float = 0.30
     shadow: float = 0.42
 
+    def __post_init__(self) -> None:
+        flag("dark", self.dark)
+        for name in ("top", "horizon", "floor", "section", "cell", "ink"):
+            rgb = numbers(name, getattr(self, name), 3)
+            if rgb.min() < 0.0 or rgb.max() > 255.0 or (rgb % 1.0).any():
+                raise InputError(f"`{name}` is {getattr(self, name)}; expected three integers from 0 to 255.")
+        for name in ("lamps", "room"):
+            number(name, getattr(self, name), "a strength from 0 to 100", least=0.0, most=100.0)
+        share("shadow", self.shadow)
+
 
 LIGHT = Theme()
 DARK = Theme(
@@ -64,6 +75,4 @@ def theme_of(value: Theme | str) -> Theme:
     """
     if isinstance(value, Theme):
         return value
-    if value not in _NAMED:
-        raise UnknownName("theme", value, _NAMED)
-    return _NAMED[value]
+    return _NAMED[one_of("theme", value, _NAMED)]

@@ -10,22 +10,20 @@ import numpy as np
 from ulna.typing import Floats
 from ulna.viewer.content import Lines
 from ulna.viewer.scene import Scene
-from ulna.viewer.surface import RGBA
 
 _SEEN = 1e-4  # m between two points
 
 
 @final
 class Trail:
-    """The way of a frame's origin, as a line of its newest points."""
+    """The way of a frame's origin, as a line of its newest points, `most` of them, that looks like `line`."""
 
     def __init__(
-        self, scene: Scene, name: str, robot: Any, frame: str | None, rgba: RGBA, most: int, thickness: float
+        self, scene: Scene, name: str, robot: Any, frame: str | None, line: Lines, most: int
     ) -> None:
-        self.scene, self.name, self._robot, self._frame = scene, name, robot, frame
-        self._rgba, self._thickness = rgba, thickness
-        self._points: deque[Floats] = deque(maxlen=max(int(most), 2))
-        scene.add(name, shadow=False, through=True, content=Lines(np.zeros((0, 2, 3)), rgba, thickness))
+        self.scene, self.name, self._robot, self._frame, self._line = scene, name, robot, frame, line
+        self._points: deque[Floats] = deque(maxlen=most)
+        scene.add(name, shadow=False, through=True, content=line)
 
     def add(self, q: Floats) -> None:
         """The robot is at `q` (nq,) now."""
@@ -36,4 +34,5 @@ class Trail:
 
     def _bring(self) -> None:
         if self.name in self.scene:
-            self.scene.set_content(self.name, Lines.through(list(self._points), self._rgba, self._thickness))
+            line = self._line
+            self.scene.set_content(self.name, Lines.through(list(self._points), line.rgba, line.thickness))

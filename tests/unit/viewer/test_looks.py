@@ -163,7 +163,7 @@ def test_it_moves(viewer: Viewer, kind: str, panda: ulna.Robot, tmp_path: Path) 
         lambda arm: arm.center_of_mass(0.2),
         lambda arm: arm.inertias(),
         lambda arm: arm.manipulability(size=0.4),
-        lambda arm: arm.force(vector=(0.4, 0, 0.3)),
+        lambda arm: arm.force(vector=(40, 0, 30)),
         lambda arm: arm.ghosts(np.tile(arm.q + 0.2, (2, 1)), opacity=0.9),
     ],
     ids=["frames", "centre of mass", "inertias", "manipulability", "force", "ghosts"],

@@ -180,7 +180,7 @@ def test_an_arrow_of_velocity_follows_the_velocity_alone(viewer: Viewer, panda: 
     viewer.scene.snapshot()
     arm.qd = qd = np.linspace(0.1, 0.7, 7)
     viewer.scene.snapshot()
-    np.testing.assert_allclose(arrow.vector, 2.0 * (panda.jacobian(arm.q)[:3] @ qd), atol=1e-12)
+    np.testing.assert_allclose(arrow.vector, panda.jacobian(arm.q)[:3] @ qd, atol=1e-12)
 
 
 def test_names_are_made_and_taken_ones_replaced(viewer: Viewer, panda: ulna.Robot) -> None:
