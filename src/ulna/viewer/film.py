@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import subprocess
 import tempfile
@@ -11,10 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ulna.errors import InputError, MissingExtra, UnknownName
+from ulna.errors import InputError, MissingExtra
+from ulna.sim.inputs import number
 from ulna.typing import Array
+from ulna.viewer.files import checked_path, written
 
 SUFFIXES = (".mp4", ".gif")
+_MOST_PICTURES = 10**7
+_SHORTEST = 2  # hundredths of a second for which a picture of a GIF is shown
 
 
 def moments(duration: float, fps: float, speed: float = 1.0) -> Array:
@@ -28,15 +33,17 @@ def moments(duration: float, fps: float, speed: float = 1.0) -> Array:
     Raises:
         InputError: A number is out of range.
     """
-    if not (
-        np.isfinite([duration, fps, speed]).all() and duration >= 0.0 and 0.0 < fps <= 240.0 and speed > 0.0
-    ):
+    length = number("duration", duration, "a time of at least 0 [s]", least=0.0)
+    rate = number("fps", fps, "pictures a second, above 0 and up to 240", above=0.0, most=240.0)
+    pace = number("speed", speed, "seconds of what happened per second of film, above 0", above=0.0)
+    pictures = length / pace * rate + 1e-9
+    if not pictures < _MOST_PICTURES:
         raise InputError(
-            f"A film of {duration} s at {fps} pictures a second and speed {speed}; expected a duration of at least 0, "
-            "up to 240 pictures a second, and a speed above 0."
+            f"{length:g} s at {rate:g} pictures a second and speed {pace:g} are {pictures:.3g} pictures; expected "
+            f"fewer than {_MOST_PICTURES:.0e}. Take a lower `fps`, or a higher `speed`."
         )
-    count = int(np.floor(duration / speed * fps + 1e-9)) + 1
-    return np.minimum(np.arange(count) * (speed / fps), duration)
+    count = int(pictures) + 1
+    return np.minimum(np.arange(count) * (pace / rate), length)
 
 
 def check_film(path: str | os.PathLike[str]) -> Path:
@@ -46,10 +53,8 @@ def check_film(path: str | os.PathLike[str]) -> Path:
         UnknownName: It ends neither in .mp4 nor in .gif.
         MissingExtra: imageio-ffmpeg or Pillow is not installed.
     """
-    target = Path(path)
+    target = checked_path(path, "film", SUFFIXES)
     suffix = target.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise UnknownName("kind of film", suffix, SUFFIXES)
     package = "imageio_ffmpeg" if suffix == ".mp4" else "PIL"
     try:
         __import__(package)
@@ -74,20 +79,10 @@ def write_film(path: str | os.PathLike[str], pictures: Iterable[Array], fps: flo
     picture = next(first, None)
     if picture is None:
         raise InputError("A film needs at least one picture.")
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if target.suffix.lower() == ".gif":
-            _write_gif(target, _chain(picture, first), fps)
-        else:
-            _write_mp4(target, _chain(picture, first), fps, picture.shape)
-    except OSError as error:
-        raise InputError(f"Cannot write the film {str(target)!r}: {error.strerror or error}.") from error
+    with written(target, "film") as place:
+        write = _write_gif if target.suffix.lower() == ".gif" else _write_mp4
+        write(place, itertools.chain([picture], first), fps, picture.shape)
     return target
-
-
-def _chain(picture: Array, rest: Iterable[Array]) -> Iterable[Array]:
-    yield picture
-    yield from rest
 
 
 def _write_mp4(target: Path, pictures: Iterable[Array], fps: float, shape: tuple[int, ...]) -> None:
@@ -125,32 +120,45 @@ def _write_mp4(target: Path, pictures: Iterable[Array], fps: float, shape: tuple
         if process.wait() != 0:
             complaints.seek(0)
             said = complaints.read().decode(errors="replace").strip()
-            raise InputError(f"Cannot write the film {str(target)!r}: {said or 'FFmpeg failed'}")
+            raise OSError(said or "FFmpeg failed")
 
 
-def _write_gif(target: Path, pictures: Iterable[Array], fps: float) -> None:
+def _write_gif(target: Path, pictures: Iterable[Array], fps: float, shape: tuple[int, ...]) -> None:
     from PIL import Image
 
+    size = (*shape[:2], 3)
     with (
         tempfile.TemporaryFile() as spool
     ):  # all pictures share their colours, which only the last one completes
-        count, shape = 0, (0, 0, 3)
+        count = 0
         for picture in pictures:
-            shape = picture[:, :, :3].shape
             spool.write(np.ascontiguousarray(picture[:, :, :3]).tobytes())
             count += 1
-        size = int(np.prod(shape))
 
         def read(k: int) -> Array:
-            spool.seek(k * size)
-            return np.frombuffer(spool.read(size), dtype=np.uint8).reshape(shape)
+            spool.seek(k * int(np.prod(size)))
+            return np.frombuffer(spool.read(int(np.prod(size))), dtype=np.uint8).reshape(size)
 
         some = np.unique(np.linspace(0, count - 1, 6).astype(int))
         palette = Image.fromarray(np.concatenate([read(int(k)) for k in some])).quantize(255)
+        chosen, durations = gif_times(count, fps)
         frames = (
-            Image.fromarray(read(k)).quantize(palette=palette, dither=Image.Dither.NONE) for k in range(count)
+            Image.fromarray(read(k)).quantize(palette=palette, dither=Image.Dither.NONE) for k in chosen
         )
-        ends = np.round(np.arange(1, count + 1) * 100.0 / fps).astype(int)
-        durations = (np.maximum(np.diff(ends, prepend=0), 1) * 10).tolist()
         first = next(frames)
         first.save(target, save_all=True, append_images=frames, duration=durations, loop=0, optimize=False)
+
+
+def gif_times(count: int, fps: float) -> tuple[list[int], list[int]]:
+    """Which of `count` pictures a GIF holds, and how long each of them is shown [ms].
+
+    Browsers show a picture that is to be shown for less than 20 ms for 100 ms: of faster films some are left out.
+    """
+    ends = np.round(np.arange(1, count + 1) * 100.0 / fps).astype(int)  # in hundredths of a second
+    chosen, durations, shown = [], [], 0
+    for k, end in enumerate(ends.tolist()):
+        if end - shown >= _SHORTEST or k == count - 1:
+            chosen.append(k)
+            durations.append(10 * max(end - shown, _SHORTEST))
+            shown = end
+    return chosen, durations

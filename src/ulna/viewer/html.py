@@ -6,9 +6,9 @@ import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from ulna.errors import InputError
 from ulna.viewer.camera import Camera
 from ulna.viewer.channel import start_recording
+from ulna.viewer.files import checked_path, written
 from ulna.viewer.page import Page
 from ulna.viewer.progress import progress
 from ulna.viewer.scene import Scene
@@ -41,8 +41,9 @@ def write_html(
     Raises:
         MissingExtra: viser is not installed.
         InputError: The file cannot be written.
+        UnknownName: It ends neither in .html nor in .htm.
     """
-    target = Path(path)
+    target = checked_page(path)
     moments = list(times)
     if moments and move is not None:
         move(moments[0])
@@ -58,9 +59,15 @@ def write_html(
                 move(t)
                 page.flush()
             content = recording.as_html(dark_mode=theme.dark)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(content, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"Cannot write the page {str(target)!r}: {error.strerror or error}.") from error
+    with written(target, "page") as place:
+        place.write_text(content, encoding="utf-8")
     return target
+
+
+def checked_page(path: str | os.PathLike[str]) -> Path:
+    """The path of an HTML file.
+
+    Raises:
+        UnknownName: It ends neither in .html nor in .htm.
+    """
+    return checked_path(path, "page", (".html", ".htm"))

@@ -11,6 +11,7 @@ import numpy as np
 
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Array
+from ulna.viewer.files import checked_path, written
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -24,14 +25,21 @@ def write_png(path: str | os.PathLike[str], image: Array) -> Path:
 
     Raises:
         InputError: The image is not one, or the file cannot be written.
+        UnknownName: The path does not end in .png.
     """
-    content, target = png(image), Path(path)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(content)
-    except OSError as error:
-        raise InputError(f"Cannot write the picture {str(target)!r}: {error.strerror or error}.") from error
+    target, content = checked_picture(path), png(image)
+    with written(target, "picture") as place:
+        place.write_bytes(content)
     return target
+
+
+def checked_picture(path: str | os.PathLike[str]) -> Path:
+    """The path of a picture.
+
+    Raises:
+        UnknownName: It does not end in .png.
+    """
+    return checked_path(path, "picture", (".png",))
 
 
 def png(image: Array) -> bytes:

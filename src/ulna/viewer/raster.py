@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ulna.errors import InputError
+from ulna.sim.inputs import count
 from ulna.typing import Array
 from ulna.viewer import light, texels
 from ulna.viewer.camera import Camera, frame
@@ -25,6 +26,20 @@ __all__ = ["render", "write_png"]
 _NEAR = 0.02
 _MOST = 2**28  # samples
 _ALIKE = 0.95  # cosine between triangles of one surface that a pixel shades as one
+
+
+def check_size(width: int, height: int, samples: int) -> None:
+    """Refuse a picture that is too large, or none.
+
+    Raises:
+        InputError: It is.
+    """
+    pixels = count("width", width, 1, 16384) * count("height", height, 1, 16384)
+    if pixels * count("samples", samples, 1, 4) ** 2 > _MOST:
+        raise InputError(
+            f"{width} x {height} pixels with {samples} x {samples} samples each need too much memory. "
+            "Take a smaller picture, or samples=1."
+        )
 
 
 def render(
@@ -50,16 +65,7 @@ def render(
     Returns:
         The picture, shape (height, width, 3), uint8.
     """
-    if not (0 < width <= 16384 and 0 < height <= 16384 and 1 <= samples <= 4):
-        raise InputError(
-            "A picture is 1 to 16384 pixels wide and high, with 1 to 4 samples; "
-            f"got {width} x {height} with {samples}."
-        )
-    if width * height * samples**2 > _MOST:
-        raise InputError(
-            f"{width} x {height} pixels with {samples} x {samples} samples each need too much memory. "
-            "Take a smaller picture, or samples=1."
-        )
+    check_size(width, height, samples)
     look = theme_of(theme)
     camera = camera or frame(scene, width / height)
     floor = scene.floor() if floor is None else floor

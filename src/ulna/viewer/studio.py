@@ -9,17 +9,17 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Any
 
-import numpy as np
-
 from ulna.errors import InputError
 from ulna.sim import Recording
-from ulna.sim.inputs import FARTHEST, number
+from ulna.sim.inputs import FARTHEST, number, told
+from ulna.sim.inputs import function as checked_function
 from ulna.typing import Array
 from ulna.viewer.camera import Camera, checked_camera, frame
 from ulna.viewer.film import check_film, moments, write_film
-from ulna.viewer.html import write_html
+from ulna.viewer.html import checked_page, write_html
+from ulna.viewer.png import checked_picture
 from ulna.viewer.progress import progress
-from ulna.viewer.raster import render, write_png
+from ulna.viewer.raster import check_size, render, write_png
 from ulna.viewer.robot_handle import RobotHandle
 from ulna.viewer.stage import Stage
 from ulna.viewer.theme import Theme, theme_of
@@ -65,11 +65,14 @@ class Studio(Stage, abc.ABC):
 
         Raises:
             InputError: The size is out of range, or the file cannot be written.
+            UnknownName: The path does not end in .png.
         """
+        check_size(width, height, samples)
+        target = None if path is None else checked_picture(path)
         view = checked_camera(camera) or self._camera or frame(self.scene, width / height)
         image = render(self.scene, width, height, view, samples, self._theme, self._floor)
-        if path is not None:
-            write_png(path, image)
+        if target is not None:
+            write_png(target, image)
         return image
 
     def film(
@@ -106,6 +109,7 @@ class Studio(Stage, abc.ABC):
             InputError: It is not clear what to show, or the file cannot be written.
         """
         check_film(path)
+        check_size(width, height, samples)
         bring, length = self._mover(recorded, move, duration)
         times = moments(length, fps, speed)
         with self._as_it_was():
@@ -141,7 +145,8 @@ class Studio(Stage, abc.ABC):
             MissingExtra: viser is not installed.
             InputError: It is not clear what to show, or the file cannot be written.
         """
-        times, bring = np.zeros(0), None
+        checked_page(path)
+        times, bring = moments(0.0, fps), None
         if recorded is not None or self._simulated():
             bring, length = self._mover(recorded, None, None)
             times = moments(length, fps)
@@ -162,7 +167,7 @@ class Studio(Stage, abc.ABC):
         if (move is None) != (duration is None) or (move is not None and recorded is not None):
             raise InputError("Give either what was recorded, or `move` with a `duration` [s].")
         if move is not None and duration is not None:
-            return move, float(duration)
+            return checked_function("move", move), duration
         motions = self._motions(recorded)
         timeline = Timeline(None, lambda: motions)
 
@@ -200,7 +205,14 @@ class Studio(Stage, abc.ABC):
                 )
             return [(self.robots[0], lambda: recorded)]
         if not isinstance(recorded, Mapping):
-            raise InputError(f"Cannot play {recorded!r}; expected a recording, or {{handle: recording}}.")
+            raise InputError(f"Cannot play {told(recorded)}; expected a recording, or {{handle: recording}}.")
+        for robot, recording in recorded.items():
+            if not isinstance(robot, RobotHandle) or not isinstance(recording, Recording):
+                raise InputError(
+                    f"Cannot play {{{told(robot)}: {told(recording)}}}; expected {{handle: recording}}."
+                )
+        if not recorded:
+            raise InputError("Cannot play {}; expected a recording, or {handle: recording}.")
         return [(robot, lambda r=r: r) for robot, r in recorded.items()]
 
 

@@ -9,12 +9,14 @@ from typing import Any, final
 import numpy as np
 
 from ulna.sim import Recording, Simulation
+from ulna.sim.inputs import number
 from ulna.viewer.page import Page
 from ulna.viewer.panel import Panel
 from ulna.viewer.robot_handle import RobotHandle
 
 SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
 _CALM = 1 / 15  # s between two updates of the panel
+_PACE = "seconds of what happened per second, above zero"
 _QUIET = 0.5  # s without a step after which a simulation is not running
 
 Motion = tuple[RobotHandle, Callable[[], Recording]]
@@ -40,7 +42,7 @@ class Timeline:
         speed: float = 1.0,
     ) -> None:
         self._motions, self._simulation = motions, simulation
-        self._speed, self._playing, self._t = speed, False, 0.0
+        self._speed, self._playing, self._t = number("speed", speed, _PACE, above=0.0), False, 0.0
         self._steps, self._stepped_at, self._told_at, self._ticked = -1, -np.inf, 0.0, time.monotonic()
         if page is not None:
             self._build(page)
@@ -57,7 +59,7 @@ class Timeline:
 
     @time.setter
     def time(self, t: float) -> None:
-        self._t = float(np.clip(t, 0.0, self.duration))
+        self._t = float(np.clip(number("time", t, "a time [s]"), 0.0, self.duration))
         for handle, get in self._motions():
             recording = get()
             if len(recording):
@@ -70,7 +72,7 @@ class Timeline:
 
     def play(self, speed: float | None = None) -> None:
         """Let time run, from the beginning when it is at its end; a paused simulation goes on."""
-        self._speed = self._speed if speed is None else float(speed)
+        self._speed = self._speed if speed is None else number("speed", speed, _PACE, above=0.0)
         if self._simulation is not None and self._simulation.paused:
             self._simulation.paused = False
             return

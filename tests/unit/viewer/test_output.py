@@ -1,7 +1,9 @@
 """Films keep their time, HTML files hold everything, stick figures stand where the robot does."""
 
+import os
 import re
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,7 @@ import pytest
 import ulna
 from ulna.errors import InputError, MissingExtra, ShapeError, UnknownName
 from ulna.sim import Recording
-from ulna.viewer.film import moments, write_film
+from ulna.viewer.film import gif_times, moments, write_film
 from ulna.viewer.viewer import Viewer
 
 
@@ -60,6 +62,53 @@ def test_an_mp4_keeps_its_time_and_size(tmp_path: Path) -> None:
     assert "30 fps" in about
     assert "Duration: 00:00:01.03" in about
     assert re.search(r"frame=\s*31\b", about)
+
+
+@pytest.mark.parametrize(("fps", "shortest"), [(60.0, 20), (100.0, 20), (240.0, 20), (25.0, 40)])
+def test_a_gif_shows_no_picture_for_less_than_browsers_keep_to(fps: float, shortest: int) -> None:
+    chosen, durations = gif_times(481, fps)
+    assert min(durations) >= shortest
+    assert sum(durations) == pytest.approx(481 / fps * 1000, abs=20)
+    assert chosen == sorted(set(chosen))
+    assert chosen[-1] == 480
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
+def test_a_film_that_fails_leaves_what_was_there(tmp_path: Path, suffix: str) -> None:
+    pytest.importorskip("PIL" if suffix == ".gif" else "imageio_ffmpeg")
+    path = tmp_path / f"a{suffix}"
+    path.write_bytes(b"before")
+
+    def stops() -> Iterator[np.ndarray]:
+        yield from pictures(3)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_film(path, stops(), 25.0)
+    assert (path.read_bytes(), list(tmp_path.iterdir())) == (b"before", [path])
+    write_film(path, pictures(3), 25.0)
+    assert path.stat().st_size > 100
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no device that is always full")
+@pytest.mark.parametrize("suffix", [".gif", ".mp4", ".png", ".html"])
+def test_a_full_disk_is_told_of_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    if suffix == ".html":
+        pytest.importorskip("viser")
+    viewer = Viewer(page=False)
+    viewer.box((1, 1, 1))
+    monkeypatch.setattr(Path, "touch", lambda path: path.symlink_to("/dev/full"))
+    monkeypatch.setattr(os, "replace", None)
+    write = {
+        ".png": lambda path: viewer.picture(path, 16, 10),
+        ".html": viewer.html,
+    }.get(suffix, lambda path: viewer.film(path, move=lambda t: None, duration=0.2, width=16, height=10))
+    with pytest.raises(InputError, match=r"Cannot write the (film|picture|page) .*[Nn]o space left"):
+        write(tmp_path / f"a{suffix}")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_is_no_film_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

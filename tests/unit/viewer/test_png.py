@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.viewer.png import write_png
 
 
@@ -54,9 +54,18 @@ def test_folders_are_made(tmp_path: Path) -> None:
 
 
 def test_what_is_no_image_is_refused(tmp_path: Path) -> None:
+    folder = tmp_path / "folder.png"
+    folder.mkdir()
     with pytest.raises(ShapeError, match=r"\(height, width, 3\)"):
         write_png(tmp_path / "a.png", np.zeros((4, 4), np.uint8))
     with pytest.raises(InputError, match="float64"):
         write_png(tmp_path / "a.png", np.zeros((4, 4, 3)))
     with pytest.raises(InputError, match="Cannot write the picture"):
-        write_png(tmp_path, np.zeros((4, 4, 3), np.uint8))
+        write_png(folder, np.zeros((4, 4, 3), np.uint8))
+    for name in ("a.bmp", "a.jpg", "a.svg", "a", "a.png.txt"):
+        with pytest.raises(UnknownName, match=r"No kind of picture .*'\.png'"):
+            write_png(tmp_path / name, np.zeros((4, 4, 3), np.uint8))
+    for path in (None, 3, b"a.png", ["a.png"]):
+        with pytest.raises(InputError, match="expected the path of a picture"):
+            write_png(path, np.zeros((4, 4, 3), np.uint8))  # type: ignore[arg-type]
+    assert [p.name for p in tmp_path.iterdir()] == ["folder.png"]
