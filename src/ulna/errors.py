@@ -54,13 +54,16 @@ class DtypeError(InputError, TypeError):
 class NonFiniteError(InputError):
     """An array holds nan or inf."""
 
-    def __init__(self, name: str, index: tuple[int, ...], value: float) -> None:
+    def __init__(
+        self,
+        name: str,
+        index: tuple[int, ...],
+        value: float,
+        mend: str = "Look where it comes from, or call the bare kernel (robot.kernel(...)), which lets nan through.",
+    ) -> None:
         self.name, self.index, self.value = name, index, value
         where = f"[{', '.join(map(str, index))}]" if index else ""
-        super().__init__(
-            f"`{name}{where}` is {value}; expected finite numbers. "
-            "Look where it comes from, or call the bare kernel (robot.kernel(...)), which lets nan through."
-        )
+        super().__init__(f"`{name}{where}` is {value}; expected finite numbers. {mend}")
 
 
 def _nearest(given: str, choices: tuple[str, ...]) -> list[str]:

@@ -20,6 +20,9 @@ from ulna.typing import ArrayLike, Floats
 Control = Literal["position", "velocity", "acceleration", "torque"]
 CONTROLS: tuple[str, ...] = ("position", "velocity", "acceleration", "torque")
 Limited = Literal["none", "position", "all"]
+TOLD = ("control", "limits", "friction", "record")
+"""What robots of a simulation can be told alike."""
+
 _LIMITED: tuple[str, ...] = ("none", "position", "all")
 
 

@@ -264,6 +264,7 @@ def simulate(
     """
     model = checked_robot(robot).model
     one_of("method", method, _METHODS)
+    kp = number("kp", kp, "a gain that is not below zero [1/s^2]", least=0.0)
     check_friction(friction)
     start, speed = numbers("q", q, model.nq), np.zeros(model.nv) if v is None else numbers("v", v, model.nv)
     law = _torque_law(torque, model.nv)
@@ -365,7 +366,6 @@ def _bound(
     robot: Robot, q: Floats, constraints: Sequence[Constraint] | Constraint, kp: float
 ) -> Callable[[Floats, Floats, Floats], Floats]:
     """The accelerations of the robot under constraints that hold where they are at `q`."""
-    kp = number("kp", kp, "a gain that is not below zero [1/s^2]", least=0.0)
     bonds = listed(constraints)
     kernel = robot.kernel("constrained_dynamics", constraints=bonds, stabilised=True)
     held = any(constraint.is_contact for constraint in bonds)

@@ -34,7 +34,7 @@ def finite(name: str, value: Any, expected: str = "numbers") -> Floats:
         raise InputError(f"`{name}` is {told(value)}; expected {expected}.") from None
     if not math.isfinite(np.vdot(out, out)) and not np.isfinite(out).all():  # a quick look first
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(out))[0])
-        raise NonFiniteError(name, where, float(out[where]))
+        raise NonFiniteError(name, where, float(out[where]), "Look where it comes from.")
     return out
 
 
@@ -76,8 +76,8 @@ def factors(name: str, value: Any, *count: int) -> Floats:
     out = finite(name, value, "a factor, or one along each axis")
     if out.shape not in ((), (3,), (*count, 3)):
         raise ShapeError(name, out.shape, f"{(*count, 3)}, (3,), or one number")
-    if out.size and not out.min() > 0.0:
-        raise InputError(f"`{name}` is {told(value)}; expected factors above zero.")
+    if out.size and not (out.min() > 0.0 and out.max() <= FARTHEST):
+        raise InputError(f"`{name}` is {told(value)}; expected factors above zero, at most {FARTHEST:g}.")
     return np.array(np.broadcast_to(out, (*count, 3)))
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, final
 
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
+from ulna.sim.inputs import one_of, told, words
 from ulna.viewer.widgets import Labelled, Named
 
 
@@ -48,7 +49,7 @@ class Choice(_Options, Labelled):
 
     @value.setter
     def value(self, value: str) -> None:
-        self._set("value", choices(self._label, self.options, str(value))[1])
+        self._set("value", choices(self._label, self.options, words("value", value))[1])
 
 
 @final
@@ -171,9 +172,12 @@ def choices(label: str, options: Sequence[str], value: str | None) -> tuple[tupl
         InputError: There are none, or one twice.
         UnknownName: `value` is none of them.
     """
-    names = tuple(str(o) for o in options)
+    if isinstance(options, str | bytes) or not isinstance(options, Iterable):
+        raise InputError(
+            f"`options` of {label!r} are {told(options)}; expected words, as in ('open', 'closed')."
+        )
+    words("label", label)
+    names = tuple(words("options", o) for o in options)
     if not names or len(set(names)) != len(names):
         raise InputError(f"{label!r} has the choices {names}; expected at least one, and each once.")
-    if value is not None and value not in names:
-        raise UnknownName(f"choice of {label!r}", value, names)
-    return names, names[0] if value is None else value
+    return names, names[0] if value is None else one_of(f"choice of {label!r}", value, names)

@@ -10,6 +10,7 @@ from typing import Any, TypeVar, final
 import numpy as np
 
 from ulna.errors import InputError
+from ulna.sim.inputs import count, duration, flag, function, number, words
 from ulna.typing import Floats
 from ulna.viewer.choices import Boxes, Buttons, Choice, Menu, choices
 from ulna.viewer.controls import Gizmo, position_wxyz
@@ -46,7 +47,7 @@ class Panel:
     @contextlib.contextmanager
     def folder(self, label: str, open: bool = True) -> Iterator[Folder]:
         """Controls that are made within stand together under a heading."""
-        heading = self._made("folder", label, expand_by_default=open)
+        heading = self._made("folder", label, expand_by_default=flag("open", open))
         out = self._keep(Folder(heading, label))
         around = getattr(self._open, "folder", None)
         with heading:
@@ -73,13 +74,11 @@ class Panel:
         Raises:
             InputError: `low` is not below `high`, `step` is not above zero, or a number is not finite.
         """
-        low, high = float(low), float(high)
-        start = low if value is None else float(value)
-        check_limits(label, low, high, start)
-        if step is not None:
-            check_step(label, step)
-        start = min(max(start, low), high)
-        each = (high - low) / 1000 if step is None else min(float(step), high - low)
+        words("label", label)
+        function("on_change", on_change)
+        low, high = check_limits(label, low, high)
+        start = min(max(low if value is None else number("value", value), low), high)
+        each = (high - low) / 1000 if step is None else min(check_step(label, step), high - low)
         handle = self._made("slider", with_unit(label, unit), start, min=low, max=high, step=each, hint=hint)
         return self._heard(Slider(handle, label, unit, step is not None), on_change)
 
@@ -87,14 +86,17 @@ class Panel:
         self, label: str, value: float = 0.0, on_change: Callable[[float], None] = nothing, *, unit: str = ""
     ) -> Number:
         """A number to type."""
-        handle = self._made("number", with_unit(label, unit), float(value))
+        words("label", label)
+        function("on_change", on_change)
+        handle = self._made("number", with_unit(label, unit), number("value", value))
         return self._heard(Number(handle, label, unit), on_change)
 
     def checkbox(
         self, label: str, value: bool = False, on_change: Callable[[bool], None] = nothing
     ) -> Checkbox:
         """A box to tick."""
-        return self._heard(Checkbox(self._made("checkbox", label, bool(value)), label), on_change)
+        function("on_change", on_change)
+        return self._heard(Checkbox(self._made("checkbox", label, flag("value", value)), label), on_change)
 
     def select(
         self,
@@ -110,6 +112,7 @@ class Panel:
             UnknownName: `value` is none of them.
         """
         names, chosen = choices(label, options, value)
+        function("on_change", on_change)
         return self._heard(Choice(self._made("dropdown", label, chosen, options=names), label), on_change)
 
     def radio(
@@ -126,6 +129,7 @@ class Panel:
             UnknownName: `value` is none of them.
         """
         names, chosen = choices(label, options, value)
+        function("on_change", on_change)
 
         def make(option: str, ticked: bool) -> Any:
             box = self._made("checkbox", option, ticked)
@@ -145,6 +149,7 @@ class Panel:
 
     def button(self, label: str, on_click: Callable[[], None], *, hint: str | None = None) -> Button:
         """A button; `value` counts how often it was clicked."""
+        function("on_click", on_click)
         out = self._keep(Button(self._made("button", label, hint=hint), label))
 
         def clicked(_: Any) -> None:
@@ -157,6 +162,7 @@ class Panel:
     def buttons(self, label: str, options: Sequence[str], on_click: Callable[[str], None]) -> Buttons:
         """A row of buttons, or a menu of many with one button to press; calls `on_click` with what was chosen."""
         names, _ = choices(label, options, None)
+        function("on_click", on_click)
         if len(names) <= _MANY:
             handle = self._made("button_group", label, options=names, value=names[0])
         else:
@@ -172,9 +178,8 @@ class Panel:
 
     def text(self, content: str = "") -> Text:
         """Words in Markdown; setting `value` replaces them."""
-        if self._gui is None:
-            return self._keep(Text(Kept(content=content)))
-        return self._keep(Text(self._gui.add_markdown(content)))
+        said = words("content", content)
+        return self._keep(Text(Kept(content=said) if self._gui is None else self._gui.add_markdown(said)))
 
     def plot(
         self, title: str, series: Sequence[str], *, seconds: float = 10.0, unit: str = "", height: int = 180
@@ -189,19 +194,20 @@ class Panel:
             height: Height [pixels].
         """
         names, _ = choices(title, series, None)
-        words = with_unit(title, unit)
+        heading, span = with_unit(words("title", title), unit), duration("seconds", seconds)
+        count("height", height, 20, 4000)
         if self._gui is None or self._page is None:
-            return self._keep(Plot(Kept(title=words), title, unit, names, seconds, nothing))
+            return self._keep(Plot(Kept(title=heading), title, unit, names, span, nothing))
         lines = [{"label": n, "stroke": INKS[k % len(INKS)], "width": 2} for k, n in enumerate(names)]
         handle = self._gui.add_uplot(
             tuple(np.zeros(1) for _ in range(len(names) + 1)),
             ({"label": "t"}, *lines),
-            title=words,
+            title=heading,
             scales={"x": {"time": False}},
             height=height,
         )
         page = self._page
-        out = Plot(handle, title, unit, names, seconds, lambda plot: page.never_again(plot.draw))
+        out = Plot(handle, title, unit, names, span, lambda plot: page.never_again(plot.draw))
         page.each_tick(out.draw)
         return self._keep(out)
 
@@ -237,6 +243,9 @@ class Panel:
 
     def _made(self, kind: str, label: str, *value: Any, **more: Any) -> Any:
         """A control of the page, or what stands in for one."""
+        words("label", label)
+        if more.get("hint") is not None:
+            words("hint", more["hint"])
         if self._gui is None:
             return Kept(label=label, **({"value": value[0]} if value else {}), **more)
         more.pop("value", None)
@@ -249,9 +258,9 @@ class Panel:
             around.take(control)
         return control
 
-    def _heard(self, control: Any, function: Callable[[Any], None]) -> Any:
+    def _heard(self, control: Any, on_change: Callable[[Any], None]) -> Any:
         handle = control._handle
-        self._listen(handle, "on_update", function, lambda: handle.value, lambda: control.removed)
+        self._listen(handle, "on_update", on_change, lambda: handle.value, lambda: control.removed)
         return self._keep(control)
 
     def _listen(

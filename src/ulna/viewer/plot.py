@@ -10,6 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.errors import ShapeError
+from ulna.sim.inputs import duration, finite, number, words
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.widgets import Control, with_unit
 
@@ -59,8 +60,9 @@ class Plot(Control):
 
     @seconds.setter
     def seconds(self, seconds: float) -> None:
+        span = duration("seconds", seconds)
         with self._lock:
-            self._seconds, self._news = float(seconds), True
+            self._seconds, self._news = span, True
 
     @property
     def label(self) -> str:
@@ -70,7 +72,7 @@ class Plot(Control):
     @label.setter
     def label(self, label: str) -> None:
         self._alive()
-        self._label = str(label)
+        self._label = words("label", label)
         self._set("title", with_unit(self._label, self._unit))
 
     def add(self, t: float, values: ArrayLike) -> None:
@@ -79,7 +81,7 @@ class Plot(Control):
         Raises:
             ShapeError: There are more or fewer numbers than lines.
         """
-        row = np.atleast_1d(np.array(values, dtype=float))
+        row, t = np.atleast_1d(finite("values", values)), number("t", t, "a time [s]")
         if row.shape != (len(self._names),):
             raise ShapeError(
                 "values", row.shape, f"({len(self._names)},), one for each of {', '.join(self._names)}"
@@ -87,7 +89,7 @@ class Plot(Control):
         with self._lock:
             if self._rows and t < self._rows[-1][0]:  # time began anew
                 self._rows.clear()
-            self._rows.append((float(t), row))
+            self._rows.append((t, row))
             if len(self._rows) > self._MOST or self._rows[0][0] < t - 2 * self._seconds:
                 first = next(k for k, (at, _) in enumerate(self._rows) if at >= t - self._seconds)
                 self._rows = self._rows[max(first, len(self._rows) - self._MOST // 2) :]

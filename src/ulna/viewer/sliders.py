@@ -6,9 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any, final
 
-import numpy as np
-
 from ulna.errors import InputError
+from ulna.sim.inputs import number, numbers, words
 from ulna.viewer.widgets import Valued, with_unit
 
 
@@ -28,17 +27,14 @@ class Number(Valued):
 
     @unit.setter
     def unit(self, unit: str) -> None:
-        self._unit = str(unit)
+        self._unit = words("unit", unit)
         self._set("label", self._words())
 
     def _words(self) -> str:
         return with_unit(self._label, self._unit)
 
     def _checked(self, value: Any) -> float:
-        number = float(value)
-        if not math.isfinite(number):
-            raise InputError(f"The {self._title()} is set to {number}; expected a finite number.")
-        return number
+        return number(f"value of the {self._title()}", value)
 
 
 @final
@@ -76,8 +72,7 @@ class Slider(Number):
 
     @limits.setter
     def limits(self, limits: Sequence[float]) -> None:
-        low, high = (float(x) for x in limits)
-        check_limits(self._label, low, high)
+        low, high = check_limits(self._label, *numbers("limits", limits, 2))
         value = min(max(self.value, low), high)
         self._set("min", min(low, self.low))  # the page never has the value outside
         self._set("max", max(high, self.high))
@@ -93,9 +88,9 @@ class Slider(Number):
 
     @step.setter
     def step(self, step: float) -> None:
-        check_step(self._label, step)
+        step = check_step(self._label, step)
         self._stepped = True
-        self._fit(float(step))
+        self._fit(step)
 
     def _fit(self, step: float) -> None:
         self._set("step", min(step, self.high - self.low))
@@ -105,25 +100,25 @@ class Slider(Number):
         return min(max(super()._checked(value), self.low), self.high)
 
 
-def check_limits(label: str, low: float, high: float, *more: float) -> None:
-    """Refuse limits that are none.
+def check_limits(label: str, low: Any, high: Any) -> tuple[float, float]:
+    """The least and the largest value of a slider.
 
     Raises:
-        InputError: `low` is not below `high`, or a number is not finite.
+        InputError: They are not finite numbers, or `low` is not below `high`.
     """
-    if not (np.isfinite([low, high, *more]).all() and low < high):
-        at = f", at {more[0]}" if more else ""
-        raise InputError(f"The slider {label!r} runs from {low} to {high}{at}; expected low < high.")
+    least, most = number("low", low), number("high", high)
+    if not least < most:
+        raise InputError(f"The slider {label!r} runs from {least} to {most}; expected low < high.")
+    return least, most
 
 
-def check_step(label: str, step: float) -> None:
-    """Refuse a step that is none.
+def check_step(label: str, step: Any) -> float:
+    """The step of a slider.
 
     Raises:
         InputError: It is not a finite number above zero.
     """
-    if not (math.isfinite(step) and step > 0.0):
-        raise InputError(f"The slider {label!r} is given steps of {step}; expected a number above zero.")
+    return number(f"step of {label}", step, "a number above zero", above=0.0)
 
 
 def digits(x: float) -> int:

@@ -20,7 +20,7 @@ from ulna.viewer.figure import Figure, Ghosts
 from ulna.viewer.handles import Crowd, Handle
 from ulna.viewer.links import Showing
 from ulna.viewer.meshes import Detail, load_mesh
-from ulna.viewer.node import checked_poses
+from ulna.viewer.node import checked_pose, checked_poses
 from ulna.viewer.progress import progress
 from ulna.viewer.robot_handle import RobotHandle
 from ulna.viewer.show import configuration
@@ -213,6 +213,7 @@ class Stage(Drawing):
         bases: ArrayLike | None = None,
         *,
         name: str | None = None,
+        pose: Any = None,
         color: Colour | None = None,
         opacity: float = 1.0,
         show: Showing = "visual",
@@ -224,6 +225,7 @@ class Stage(Drawing):
             q: Their configurations, shape (n, nq).
             bases: T_group_base of each, shape (n, 4, 4).
             name: The name of their group.
+            pose: Where the whole stands.
             color: One colour for all; their own when not given.
             opacity: From 0 to 1.
             show: What of them, as for `add`.
@@ -232,9 +234,12 @@ class Stage(Drawing):
             ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
         """
         rgba = None if color is None else colour(color)
+        share("opacity", opacity)
+        stand = np.eye(4) if pose is None else checked_pose(pose)
         places = None if bases is None else checked_poses(bases, "bases", None, 4, 4)
         node = self._name(name, f"{checked_robot(robot).name} fleet")
         out = GhostsHandle(Ghosts(self.scene, robot, q, node, rgba, show, places))
+        out.pose = stand
         self._keep(out, opacity)
         return out
 

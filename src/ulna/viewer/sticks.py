@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import MissingExtra
+from ulna.errors import InputError, MissingExtra
+from ulna.sim.inputs import checked_robot, finite, flag, share, told
 from ulna.typing import ArrayLike, Floats
+from ulna.viewer.colours import Colour, colour
 from ulna.viewer.figure import checked_configuration
 
 _BONE, _JOINT, _SHADOW = "#33518f", "#e08a1e", "#00000022"
@@ -22,7 +24,7 @@ def stick_figure(
     *,
     frames: Sequence[str] = (),
     tool: bool = True,
-    color: str = _BONE,
+    color: Colour = _BONE,
     alpha: float = 1.0,
     shadow: bool = True,
 ) -> Any:
@@ -45,7 +47,16 @@ def stick_figure(
         MissingExtra: matplotlib is not installed.
         ShapeError, NonFiniteError, UnknownName: An argument does not fit the robot.
     """
-    configurations = _configurations(robot, q)
+    configurations = _configurations(checked_robot(robot), q)
+    if not isinstance(frames, list | tuple) or not all(isinstance(f, str) for f in frames):
+        raise InputError(f"`frames` is {told(frames)}; expected a list of names of frames.")
+    ink, alpha = colour(color)[:3], share("alpha", alpha)
+    if ax is not None and getattr(ax, "name", "") != "3d":
+        raise InputError(
+            f"`ax` is {told(ax)}; expected axes of matplotlib in three dimensions (projection='3d')."
+        )
+    flag("tool", tool)
+    flag("shadow", shadow)
     ends = _sticks(robot)
     extra = [*frames, robot.tool] if tool else list(frames)
     poses = np.asarray(robot.fk(configurations[-1], list(extra))) if extra else np.zeros((0, 4, 4))
@@ -62,7 +73,7 @@ def stick_figure(
         segments = _segments(robot, one, ends)
         everything.append(segments.reshape(-1, 3))
         for a, b in segments:
-            ax.plot(*np.stack([a, b]).T, color=color, lw=3.5, alpha=strength, solid_capstyle="round")
+            ax.plot(*np.stack([a, b]).T, color=ink, lw=3.5, alpha=strength, solid_capstyle="round")
             if shadow and last:
                 ax.plot([a[0], b[0]], [a[1], b[1]], [0, 0], color=_SHADOW, lw=3)
         joints = _joints(robot, one)
@@ -85,7 +96,7 @@ def stick_figure(
 def _configurations(robot: Any, q: ArrayLike | None) -> list[Floats]:
     if q is None:
         return [np.array(robot.neutral)]
-    many = np.array(q, dtype=float)
+    many = finite("q", q)
     if many.ndim == 2 and len(many):
         return [checked_configuration(robot, one) for one in many]
     return [checked_configuration(robot, many)]

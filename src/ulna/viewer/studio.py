@@ -11,7 +11,7 @@ from typing import Any
 
 from ulna.errors import InputError
 from ulna.sim import Recording
-from ulna.sim.inputs import FARTHEST, number, told
+from ulna.sim.inputs import FARTHEST, number, told, words
 from ulna.sim.inputs import function as checked_function
 from ulna.typing import Array
 from ulna.viewer.camera import Camera, checked_camera, frame
@@ -33,7 +33,7 @@ class Studio(Stage, abc.ABC):
 
     def __init__(self, title: str, theme: Theme | str, camera: Camera | None, floor: float | None) -> None:
         super().__init__()
-        self.title, self._theme = title, theme_of(theme)
+        self.title, self._theme = words("title", title), theme_of(theme)
         self._camera, self._floor = checked_camera(camera), checked_height(floor)
 
     @abc.abstractmethod

@@ -73,7 +73,8 @@ class Surface:
         factors = np.asarray(tuple(scale), dtype=float)
         rotation, translation = np.asarray(pose, dtype=float)[:3, :3], np.asarray(pose, dtype=float)[:3, 3]
         linear = rotation * factors
-        triangles = self.triangles if np.linalg.det(linear) >= 0 else self.triangles[:, ::-1]
+        mirrored = np.linalg.det(rotation) * np.prod(np.sign(factors)) < 0.0
+        triangles = self.triangles[:, ::-1] if mirrored else self.triangles
         # normals go with the inverse transpose; a factor of 0 leaves any normal as good
         with np.errstate(divide="ignore"):
             inverse = np.where(factors != 0, 1.0 / factors, 0.0)

@@ -16,7 +16,7 @@ from ulna.viewer.robot_handle import RobotHandle
 
 SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
 _CALM = 1 / 15  # s between two updates of the panel
-_PACE = "seconds of what happened per second, above zero"
+PACE = "seconds of what happened per second, above zero"
 _QUIET = 0.5  # s without a step after which a simulation is not running
 
 Motion = tuple[RobotHandle, Callable[[], Recording]]
@@ -42,7 +42,7 @@ class Timeline:
         speed: float = 1.0,
     ) -> None:
         self._motions, self._simulation = motions, simulation
-        self._speed, self._playing, self._t = number("speed", speed, _PACE, above=0.0), False, 0.0
+        self._speed, self._playing, self._t = number("speed", speed, PACE, above=0.0), False, 0.0
         self._steps, self._stepped_at, self._told_at, self._ticked = -1, -np.inf, 0.0, time.monotonic()
         if page is not None:
             self._build(page)
@@ -72,7 +72,7 @@ class Timeline:
 
     def play(self, speed: float | None = None) -> None:
         """Let time run, from the beginning when it is at its end; a paused simulation goes on."""
-        self._speed = self._speed if speed is None else number("speed", speed, _PACE, above=0.0)
+        self._speed = self._speed if speed is None else number("speed", speed, PACE, above=0.0)
         if self._simulation is not None and self._simulation.paused:
             self._simulation.paused = False
             return

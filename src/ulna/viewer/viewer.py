@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, final
 
-from ulna.errors import InputError
+from ulna.errors import InputError, UnknownName
 from ulna.sim import Simulation
+from ulna.sim.body import TOLD, check_told
+from ulna.sim.inputs import count, flag, number, words
+from ulna.sim.inputs import told as worded
 from ulna.viewer.camera import Camera, checked_camera, frame
 from ulna.viewer.handles import Handle
 from ulna.viewer.hold import hold
@@ -17,7 +20,7 @@ from ulna.viewer.robot_handle import RobotHandle
 from ulna.viewer.screen import open_browser, somebody_can_look
 from ulna.viewer.studio import Recorded, Studio, checked_height
 from ulna.viewer.theme import LIGHT, Theme, theme_of
-from ulna.viewer.timeline import Motion, Timeline
+from ulna.viewer.timeline import PACE, Motion, Timeline
 
 
 @final
@@ -55,7 +58,12 @@ class Viewer(Studio):
         floor: float | None = None,
     ) -> None:
         super().__init__(title, theme, camera, floor)
-        self._page = Page(self.scene, title, port, host, camera, self._theme, floor) if page else None
+        flag("browser", browser)
+        count("port", port, 0, 65535)
+        words("host", host)
+        self._page = (
+            Page(self.scene, title, port, host, camera, self._theme, floor) if flag("page", page) else None
+        )
         self.panel = Panel(self._page)
         """The panel, for sliders, buttons, menus, words and plots of your own."""
         self._simulation: Simulation | None = None
@@ -90,6 +98,8 @@ class Viewer(Studio):
 
         Where nobody can look (no page, no screen, no terminal) it says so and returns at once.
         """
+        if seconds is not None:
+            number("seconds", seconds, "a time of at least 0 [s]", least=0.0)
         if self._page is None:
             print("There is no page to hold open.", flush=True)
         else:
@@ -163,6 +173,10 @@ class Viewer(Studio):
         Raises:
             InputError: There is no page.
         """
+        if not isinstance(robot, RobotHandle):
+            raise InputError(
+                f"`robot` is {worded(robot)}; expected a handle, such as viewer.add(robot) gives."
+            )
         if self._page is None:
             raise InputError("There is no page to put sliders into.")
         return Pendant(self._page, robot, lambda: robot.world_pose, heading=robot.name)
@@ -185,6 +199,10 @@ class Viewer(Studio):
         Raises:
             InputError: A number is out of range.
         """
+        unknown = [name for name in told if name not in TOLD]
+        if unknown:
+            raise UnknownName("thing to tell a robot", unknown[0], TOLD)
+        check_told(**told)
         watched = not self.closed and somebody_can_look()
         sim = Simulation(watched if realtime is None else realtime, speed, substep)
         sim.patience = lambda: self.clients > 0
@@ -220,6 +238,7 @@ class Viewer(Studio):
         Raises:
             InputError: It is not clear what to play.
         """
+        number("speed", speed, PACE, above=0.0)
         motions = self._motions(recorded)
         timeline = self._timeline if recorded is None else None
         if timeline is None:

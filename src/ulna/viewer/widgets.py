@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, final
 
 from ulna.errors import InputError
+from ulna.sim.inputs import flag, words
 from ulna.viewer.assigned import Assigned
 
 
@@ -45,7 +46,7 @@ class Control(Assigned):
 
     @visible.setter
     def visible(self, visible: bool) -> None:
-        self._set("visible", bool(visible))
+        self._set("visible", flag("visible", visible))
 
     @property
     def removed(self) -> bool:
@@ -87,7 +88,7 @@ class Named(Control):
     @label.setter
     def label(self, label: str) -> None:
         self._alive()
-        self._label = str(label)
+        self._label = words("label", label)
         self._set("label", self._words())
 
     def _words(self) -> str:
@@ -106,7 +107,7 @@ class Labelled(Named):
 
     @disabled.setter
     def disabled(self, disabled: bool) -> None:
-        self._set("disabled", bool(disabled))
+        self._set("disabled", flag("disabled", disabled))
 
 
 class Valued(Labelled):
@@ -134,7 +135,7 @@ class Checkbox(Valued):
     __slots__ = ()
 
     def _checked(self, value: Any) -> bool:
-        return bool(value)
+        return flag("value", value)
 
 
 @final
@@ -150,7 +151,7 @@ class Text(Control):
 
     @value.setter
     def value(self, value: str) -> None:
-        self._set("content", str(value))
+        self._set("content", words("value", value))
 
 
 @final
@@ -196,4 +197,4 @@ class Folder(Named):
 
 def with_unit(label: str, unit: str) -> str:
     """Words and what is measured: "force [N]"."""
-    return f"{label} [{unit}]" if unit else label
+    return f"{label} [{words('unit', unit)}]" if words("unit", unit) else label

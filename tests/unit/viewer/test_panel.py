@@ -111,7 +111,7 @@ def test_limits_of_a_slider_change_and_its_value_stays_within(panel: Panel) -> N
     slider.limits = (0, 0.1)
     assert slider.step == pytest.approx(0.1)
     for limits in ((1, 1), (2, 1), (0, np.inf), (np.nan, 1)):
-        with pytest.raises(InputError, match="low < high"):
+        with pytest.raises(InputError, match=r"expected (low < high|finite numbers)"):
             slider.limits = limits
     for step in (0.0, -1.0, np.nan):
         with pytest.raises(InputError, match="above zero"):
