@@ -19,6 +19,15 @@ pin.computeCollisions(geometry_model=c, geometry_data=x, stop_at_first_collision
 [type(g.geometry).__name__ for g in o]; [g.meshPath[-7:] for g in o]; o[0].geometry.radius; o[1].geometry.num_points
 """
 
+MASSLESS = """
+<robot name="r"><link name="a"/><link name="b"><visual><geometry><box size="1 1 1"/></geometry><material name="m"/></visual>
+</link><joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint></robot>
+"""
+BARE = """
+! m = pin.buildModelFromXML(massless); g = pin.buildGeomFromUrdfString(m, massless, pin.GeometryType.VISUAL)
+m.nbodies; m.nframes; g.geometryObjects[0].overrideMaterial; g.geometryObjects[0].meshColor
+"""
+
 TOGETHER = """
 ! m = pin.buildSampleModelHumanoid(); g = pin.buildSampleGeometryModelHumanoid(m); g.addAllCollisionPairs()
 ! a = pin.buildSampleModelManipulator(); b = pin.buildSampleGeometryModelManipulator(a); b.addAllCollisionPairs()
@@ -55,9 +64,10 @@ if __name__ == "__main__":
         "share": share,
         "humanoid": humanoid,
     }
+    names["massless"] = MASSLESS
     names["place"] = pin.XYZQUATToSE3(np.array([0.1, 0.2, 0.3, 0.0, 0.0, np.sin(0.2), np.cos(0.2)]))
     result = {}
-    for group in (FILES, TOGETHER, PAIRS):
+    for group in (FILES, BARE, TOGETHER, PAIRS):
         result |= {f"{len(result)} {said}": value for said, value in answers(group, dict(names)).items()}
     with open(target, "w", encoding="utf-8") as out:
         json.dump({"file": pin.__file__, "answers": result}, out)

@@ -84,7 +84,7 @@ def geometry_model_of(
             named: dict[str, Any] = {"mesh_path": type(shape).__name__.upper()}
             if isinstance(shape, Mesh):
                 named = {"mesh_path": shape.path or "", "mesh_scale": np.array(shape.scale)}
-            if material is not None and kind == GeometryType.VISUAL:
+            if material is not None and (material.rgba or material.texture) and kind == GeometryType.VISUAL:
                 named |= {"override_material": True, "mesh_texture_path": material.texture or ""}
                 if material.rgba is not None:
                     named["mesh_color"] = np.array(material.rgba)

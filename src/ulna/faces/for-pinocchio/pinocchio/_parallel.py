@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 from pinocchio._arrays import StdVec, index, matrix
 from pinocchio._model import Model
 from ulna.errors import InputError
-from ulna.typing import Floats
 
 if TYPE_CHECKING:
     from pinocchio._data import Data
@@ -120,21 +119,26 @@ class GeometryPool(ModelPool):
         return self._model, self.getData(0), self._geometry, self.getGeometryData(0)
 
 
-def rneaInParallel(num_threads: int, pool: ModelPool, q: Any, v: Any, a: Any) -> Floats:
-    """Torques (nv, n) of n motions, one in each column."""
-    return _many("inverse_dynamics", num_threads, pool, q, v, a)
+def rneaInParallel(num_thread: int, pool: ModelPool, q: Any, v: Any, a: Any, tau: Any = None) -> Any:
+    """Torques (nv, n) of n motions, one in each column; or nothing, and `tau` is filled with them."""
+    return _many("inverse_dynamics", num_thread, pool, (q, v, a), tau)
 
 
-def abaInParallel(num_threads: int, pool: ModelPool, q: Any, v: Any, tau: Any) -> Floats:
-    """Accelerations (nv, n) that torques give, one in each column."""
-    return _many("forward_dynamics", num_threads, pool, q, v, tau)
+def abaInParallel(num_thread: int, pool: ModelPool, q: Any, v: Any, tau: Any, a: Any = None) -> Any:
+    """Accelerations (nv, n) that torques give, one in each column; or nothing, and `a` is filled with them."""
+    return _many("forward_dynamics", num_thread, pool, (q, v, tau), a)
 
 
-def _many(name: str, threads: int, pool: ModelPool, *columns: Any) -> Floats:
+def _many(name: str, threads: int, pool: ModelPool, columns: tuple[Any, ...], into: Any) -> Any:
     if not isinstance(pool, ModelPool):
         raise InputError(f"The pool is {pool!r}; expected pinocchio.ModelPool(model).")
     model = pool.getModel(0)
     count = getattr(columns[0], "shape", (0, 0))[-1]
     sizes = (model.nq, model.nv, model.nv)
     rows = [matrix(c, (n, count), "columns").T for c, n in zip(columns, sizes, strict=True)]
-    return model.engine().plain(name)(*rows, threads=int(threads)).T
+    found = model.engine().plain(name)(*rows, threads=int(threads)).T
+    if into is None:
+        return found
+    matrix(into, found.shape, "result")
+    into[:] = found
+    return None

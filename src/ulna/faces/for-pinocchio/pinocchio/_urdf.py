@@ -76,26 +76,28 @@ def build_model(
     below: dict[str, list[UrdfJoint]] = {}
     for joint in sorted(document.joints, key=lambda j: j.name):
         below.setdefault(joint.parent, []).append(joint)
-    inertials = {link.name: link.inertial for link in document.links}
+    inertias = {
+        link.name: Inertia() if link.inertial is None else Inertia._from(inertia_of(link.inertial))
+        for link in document.links
+    }
     top = document.root
     carrier, frame = 0, 0
     if root is not None:
         carrier = out.addJoint(0, root, SE3(), root_name)
         frame = out.addJointFrame(carrier, 0)
-    heavy = inertials[top]
-    own = Inertia() if heavy is None else _inertia(heavy)
+    own = inertias[top]
     told = Frame(top, carrier, frame, SE3(), FrameType.BODY, Inertia() if carrier else own)
     placed = {top: (carrier, out.addFrame(told), SE3())}
-    if carrier and heavy is not None:
+    if carrier and not own.isZero():
         out.appendBodyToJoint(carrier, own, SE3())
     waiting = list(reversed(below.get(top, [])))
     late: list[tuple[UrdfJoint, int]] = []
     while waiting:
         joint = waiting.pop()
+        own = inertias[joint.child]
         carrier, before, M = placed[joint.parent]
         M = M * SE3._of(np.array(pose(joint.origin.xyz, joint.origin.rpy).matrix()))
         if joint.kind == "fixed":
-            own = Inertia() if inertials[joint.child] is None else _inertia(inertials[joint.child])
             frame = out.addFrame(Frame(joint.name, carrier, before, M, FrameType.FIXED_JOINT, own))
         else:
             carrier = out.addJoint(carrier, _kind(joint), M, joint.name, *_bounds(joint))
@@ -103,18 +105,14 @@ def build_model(
                 late.append((joint, carrier))
             frame = out.addJointFrame(carrier, before)
             M = SE3()
-            if inertials[joint.child] is not None:
-                out.appendBodyToJoint(carrier, _inertia(inertials[joint.child]), SE3())
+            if not own.isZero():
+                out.appendBodyToJoint(carrier, own, SE3())
         placed[joint.child] = (carrier, out.addBodyFrame(joint.child, carrier, M, frame), M)
         waiting.extend(reversed(below.get(joint.child, [])))
     for joint, carrier in late:
         assert joint.mimic is not None  # only those were kept
         out.make_mimic(out.getJointId(joint.mimic.joint), carrier, joint.mimic.multiplier, joint.mimic.offset)
     return out
-
-
-def _inertia(inertial: Any) -> Inertia:
-    return Inertia._from(inertia_of(inertial))
 
 
 def _kind(joint: UrdfJoint) -> JointModel:
