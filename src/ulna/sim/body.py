@@ -30,7 +30,8 @@ _LIMITED: tuple[str, ...] = ("none", "position", "all")
 class Body:
     """A robot in a simulation. It is told by assigning to it, before or after it is added, with the same meaning.
 
-    - control "position": it stands at `q`; with a `target` it goes there as fast as its velocity limits let it.
+    - control "position": it stands at `q`, and what is recorded of its velocity is how `q` was moved. With a
+      `target` it goes there as fast as its velocity limits let it.
     - control "velocity": it moves at `qd`, held at its position limits.
     - control "acceleration": `qdd` changes `qd`.
     - control "torque": `tau` moves it, with gravity, inertia and friction; an array, or a function of t, q, qd.
@@ -72,7 +73,7 @@ class Body:
         self._qd = numbers("qd", np.zeros(robot.nv) if qd is None else qd, robot.nv)
         self._qdd, self._target = np.zeros(robot.nv), None
         self._tau: Any = np.zeros(robot.nv)
-        self._moving = self._qd
+        self._moving, self._stood = self._qd, self._q
         self._applied: Floats | None = None
         self.control = control
         single = [j for j in robot.model.joints if j.mimic is None and j.kind.nq == j.kind.nv]
@@ -169,7 +170,7 @@ class Body:
     def reset(self) -> None:
         """Back to the configuration and velocity it began with, with an empty recording."""
         self._q, self._qd = self._start[0].copy(), self._start[1].copy()
-        self._moving, self._applied = self._qd, None
+        self._moving, self._stood, self._applied = self._qd, self._q, None
         self.recording = Recording()
 
     def note(self, t: float) -> None:
@@ -185,12 +186,16 @@ class Body:
             InputError: The motion grew beyond all bounds.
         """
         self._applied = None
+        before, self._stood = self._stood, self._q
         if self._control == "position" and self._target is None:
             self._qd = self._moving = np.zeros(self.robot.nv)
+            if before is not self._q:
+                self._moving = np.asarray(self.robot.difference(before, self._q)) / dt
             return
         with np.errstate(over="ignore", invalid="ignore"):
             _STEPS[self._control](self, t, dt, substep)
             size = self._q.dot(self._q) + self._qd.dot(self._qd)
+        self._stood = self._q
         if not math.isfinite(size):
             raise InputError(
                 f"The motion of {self.name!r} grew beyond all bounds at t = {t + dt:g} s. Take a smaller step, or "

@@ -72,6 +72,24 @@ def test_velocities_count_whether_they_were_set_before_adding_or_after(
     assert np.array_equal(after.q, arm.q) and env.sim_time == pytest.approx(5.0)
 
 
+def test_what_a_page_records_of_a_robot_has_its_velocity(swift: Any, arm: Any) -> None:
+    pytest.importorskip("viser")
+    env = swift.Swift()
+    env.launch(headless=False, browser="none")
+    try:
+        arm.qd = QD
+        env.add(arm)
+        env.step(0.1)
+        env.step(0.1)
+        arm.qd = np.zeros(7)
+        env.step(0.1)
+        (robot,) = env.viewer.robots
+        np.testing.assert_allclose(robot.body.recording["v"], [np.zeros(7), QD, QD, np.zeros(7)], atol=1e-12)
+        np.testing.assert_allclose(robot.body.recording.q[-1], arm.q)
+    finally:
+        env.close()
+
+
 def test_the_handle_and_the_robot_are_of_one_state(env: Any, arm: Any) -> None:
     handle = env.add_robot(arm)
     handle.qd = QD

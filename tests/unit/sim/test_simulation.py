@@ -59,6 +59,20 @@ def test_told_before_or_after_adding_means_the_same(panda: ulna.Robot, early: bo
     np.testing.assert_allclose(body.q, panda.configurations["qr"] + 0.1)
 
 
+def test_what_is_moved_by_hand_is_recorded_with_its_velocity(panda: ulna.Robot) -> None:
+    sim, qd = Simulation(), np.linspace(-0.3, 0.4, 7)
+    arm = sim.add(panda, q=panda.configurations["qr"], control="position")
+    for _ in range(2):
+        arm.q = arm.q + 0.01 * qd
+        sim.step(0.01)
+    sim.step(0.01)
+    np.testing.assert_allclose(arm.recording["v"], [np.zeros(7), qd, qd, np.zeros(7)], atol=1e-12)
+    np.testing.assert_array_equal(arm.qd, np.zeros(7))
+    arm.control = "velocity"  # what was moved by hand has no swing
+    sim.step(0.01)
+    np.testing.assert_array_equal(arm.recording["v"][-1], np.zeros(7))
+
+
 def test_a_target_is_reached_at_the_limit_of_speed_by_all_joints_at_once(panda: ulna.Robot) -> None:
     sim = Simulation()
     arm = sim.add(panda, q=panda.configurations["qr"], control="position")

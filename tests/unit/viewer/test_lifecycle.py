@@ -128,7 +128,9 @@ def test_a_port_that_somebody_else_has_gives_the_next() -> None:
 
 
 def test_a_notebook_shows_the_page_inline_and_nothing_of_a_closed_one() -> None:
-    formatter = pytest.importorskip("IPython.core.formatters").DisplayFormatter()
+    from IPython.core.formatters import DisplayFormatter
+
+    formatter = DisplayFormatter()
     with Viewer(port=0, browser=False) as viewer:
         shown, _ = formatter.format(viewer)
         assert f'<iframe src="{viewer.url}"' in shown["text/html"]
