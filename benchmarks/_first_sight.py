@@ -1,6 +1,8 @@
 """How long a script takes from its start to the first frame with all that it shows, in a browser that is running.
 
-A frame counts when every mesh is there, the picture is no longer veiled, and the browser has drawn it to the end.
+A frame counts when every mesh is in it and throws its shadow, the picture is not veiled, and the browser has drawn it
+to the end. The browser keeps its profile on disk, as people's browsers do, and was at that address before: so it has the
+page's program, and what it compiled of it.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ import sys
 import time
 from typing import Any
 
+_VISITS = 3
 _SCRIPT = """
 import numpy as np
 import ulna
@@ -21,45 +24,55 @@ input()
 viewer.close()
 """
 
-_SEEN = """([name, count]) => new Promise(done => {
-    const look = () => {
-        const page = window.__viserMutable, canvas = document.querySelector("canvas[data-engine]");
-        let found = 0;
-        for (const [path, node] of Object.entries(page?.nodeRefFromName ?? {})) {
+_SEEN = """([name, count, all]) => new Promise(done => {
+    const seen = (page, canvas) => {
+        let found = 0, lit = false;
+        for (const [path, node] of Object.entries(page.nodeRefFromName)) {
             if (path !== name && !path.startsWith(name + "/")) continue;
-            let drawn = false;
-            node.traverse(part => { drawn ||= !!part.isMesh && part.instancesCount !== 0; });
-            found += drawn;
+            const parts = [];
+            node?.traverse(part => { if (part.isMesh) parts.push(part); });
+            found += parts.some(part => part.castShadow && part.instancesCount !== 0
+                && !(all && part.visible && part.geometry.userData.level === "few"));
         }
-        if (found < count || !canvas || +(canvas.style.opacity || 1) < 0.99) return requestAnimationFrame(look);
-        requestAnimationFrame(() => requestAnimationFrame(() => {
-            const gl = canvas.getContext("webgl2");  // whoever asks for a pixel waits for the picture
-            gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        page.scene.traverse(o => { lit ||= !!(o.isDirectionalLight && o.castShadow && o.shadow.map && !o.shadow.needsUpdate); });
+        return found >= count && lit && +(canvas.style.opacity || 1) > 0.99;
+    };
+    const look = () => {
+        const page = window.__viserMutable;
+        if (!page?.scene) return requestAnimationFrame(look);
+        const before = page.scene.onAfterRender;
+        page.scene.onAfterRender = (renderer, scene, camera) => {
+            before?.call(scene, renderer, scene, camera);
+            if (!seen(page, renderer.domElement)) return;
+            page.scene.onAfterRender = before;
+            const gl = renderer.getContext();  // whoever asks for a pixel waits for the picture
             gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
             done((performance.timeOrigin + performance.now()) / 1e3);
-        }));
+        };
     };
     look();
 })"""
 
 
-def first_sight(browser: Any, body: str, count: int, stay: bool, repeat: int = 3) -> float:
+def first_sight(
+    context: Any, body: str, count: int, stay: bool, every: bool = False, repeat: int = 3
+) -> float:
     """Seconds from a script's start to that frame, the median.
 
     Args:
-        browser: A browser of playwright.
+        context: A browser of playwright, with its profile.
         body: What the script puts into `viewer`, under a name that stands there as `{name}`.
         count: How many nodes with meshes that is.
         stay: Whether the tab of the script before is still open and comes back; else a tab is opened as soon as the
-            port answers, in a browser that was at that address before.
-        repeat: How many scripts, after a first one that is not counted.
+            port answers.
+        every: Whether a frame counts only when it has every triangle of heavy meshes.
+        repeat: How many scripts, after three that are not counted: a browser keeps what it compiled at the second visit.
     """
-    context = browser.new_context(viewport={"width": 640, "height": 400})
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     address, seconds, tab = f"http://localhost:{port}/?fixedDpr=1", [], None
-    for k in range(repeat + 1):
+    for k in range(repeat + _VISITS):
         if tab is None or not stay:
             tab = context.new_page()
             tab.goto("about:blank")
@@ -75,13 +88,14 @@ def first_sight(browser: Any, body: str, count: int, stay: bool, repeat: int = 3
             if tab.url == "about:blank":
                 _answers(port)
                 tab.goto(address, wait_until="commit")
-            seconds.append(tab.evaluate(_SEEN, [f"/{name}", count]) - began)
+            seconds.append(tab.evaluate(_SEEN, [f"/{name}", count, every]) - began)
         finally:
             program.communicate(b"\n")
         if not stay:
             tab.close()
-    context.close()
-    return statistics.median(seconds[1:])
+    if tab is not None and stay:
+        tab.close()
+    return statistics.median(seconds[_VISITS:])
 
 
 def _answers(port: int) -> None:

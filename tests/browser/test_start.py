@@ -14,6 +14,7 @@ import ulna
 from support.patience import patient
 from ulna.viewer.camera import Camera
 from ulna.viewer.light import KEY
+from ulna.viewer.surface import Surface
 from ulna.viewer.viewer import Viewer
 
 pytestmark = pytest.mark.browser
@@ -112,6 +113,35 @@ def test_a_processor_draws_no_mirrored_room_and_hides_nothing_meanwhile(tab: Any
     assert tab.evaluate("window.__viserMutable.ulnaSoftware") is True
     assert tab.evaluate("window.__viserMutable.scene.environment === null")
     assert tab.evaluate('+(document.querySelector("canvas[data-engine]").style.opacity || 1)') == 1
+
+
+LEVELS = """() => { const out = {}; window.__viserMutable.scene.traverse(
+    o => { const level = o.geometry?.userData.level; if (level) out[level] = o.visible; }); return out; }"""
+DRAWN = """() => { const scene = window.__viserMutable.scene, before = scene.onAfterRender; window.frames_ = 0;
+    scene.onAfterRender = (...x) => { window.frames_++; before?.apply(scene, x); }; }"""
+
+
+def test_a_heavy_surface_has_few_triangles_while_it_moves_and_all_at_rest(viewer: Viewer, tab: Any) -> None:
+    x, y = np.meshgrid(np.linspace(-0.5, 0.5, 240), np.linspace(-0.5, 0.5, 240))
+    vertices = np.stack([x, y, np.full_like(x, 0.05)], axis=-1).reshape(-1, 3)
+    corner = (240 * np.arange(239)[:, None] + np.arange(239)).reshape(-1, 1)
+    triangles = np.concatenate([corner + (0, 1, 241), corner + (0, 241, 240)])
+    sheet = viewer.add(
+        Surface(vertices, triangles, np.tile((0.0, 0.0, 1.0), (len(vertices), 1))), name="sheet"
+    )
+    assert wait(lambda: tab.evaluate(LEVELS) == {"few": False, "all": True})
+    tab.evaluate(DRAWN)
+    tab.wait_for_timeout(2500)
+    assert tab.evaluate("window.frames_") == 0  # a heavy picture that is there is not drawn again
+
+    def moved() -> bool:
+        sheet.position = sheet.position + (0.0, 0.0, 0.01)
+        return tab.evaluate(LEVELS) == {"few": True, "all": False}
+
+    assert wait(moved)
+    assert wait(lambda: tab.evaluate(LEVELS) == {"few": False, "all": True})
+    viewer.remove(sheet)
+    assert wait(lambda: not has(tab, "/sheet"))
 
 
 def test_a_tab_comes_back_to_the_next_program(chromium: Any) -> None:

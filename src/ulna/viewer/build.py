@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -15,7 +15,7 @@ from ulna.viewer.content import Copies, Lines, Points, Text
 from ulna.viewer.controls import pose_rows, position_wxyz
 from ulna.viewer.glb import INSET, glb, words_glb
 from ulna.viewer.node import Node, Snapshot
-from ulna.viewer.surface import linear_from_srgb, paint
+from ulna.viewer.surface import Surface, linear_from_srgb, paint
 
 
 @final
@@ -182,9 +182,7 @@ def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: b
             ]
             place["scale"] = scale
         shadow = node.shadow and not node.translucent
-        handles.append(
-            server.scene.add_glb(path, glb(surfaces, normals=not known()), cast_shadow=shadow, **place)
-        )
+        handles.append(server.scene.add_glb(path, _content(surfaces), cast_shadow=shadow, **place))
         place.pop("scale", None)
     written = writes and isinstance(content, Text)
     if isinstance(content, Text) and written:
@@ -192,6 +190,11 @@ def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: b
     elif content is not None and not node.surfaces:
         handles += _MAKERS[type(content)](server, path, content, seen, i, place | {"scale": scale})
     return Shown(node, path, handles, written or (not baked and content is None), look)
+
+
+def _content(surfaces: Sequence[Surface]) -> Any:
+    """Surfaces as a page takes them; ours takes them as they are, not compressed, which costs both sides more time."""
+    return np.frombuffer(glb(surfaces, ours=True), dtype=np.uint8) if known() else glb(surfaces)
 
 
 def _tinted(seen: Snapshot, i: int, colours: Any) -> Floats:

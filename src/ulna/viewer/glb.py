@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 
 from ulna.typing import Array
+from ulna.viewer.coarse import HEAVY, coarse
 from ulna.viewer.png import png
 from ulna.viewer.surface import Surface, Texture, paint
 
@@ -27,10 +28,11 @@ def words_glb(height: float) -> bytes:
     return glb([square], {"words": height})
 
 
-def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, normals: bool = True) -> bytes:
+def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, ours: bool = False) -> bytes:
     """A binary glTF 2.0 file with one mesh, one primitive for each surface; of words where that is told.
 
-    Without normals the file says that there are some, and whoever reads it computes them from what triangles share.
+    For a page that is `ours` the file only says that there are normals: it computes them from what triangles share.
+    There, a heavy surface without a texture comes twice, and the page shows one: `level` "few" or "all" triangles.
     """
     views: list[dict[str, Any]] = []
     accessors: list[dict[str, Any]] = []
@@ -52,9 +54,7 @@ def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, normals
         accessors.append({"componentType": _FLOAT, "count": count, "type": "VEC3"})
         return len(accessors) - 1
 
-    for surface in surfaces:
-        if not len(surface.triangles):
-            continue
+    for surface, level in _levels(surfaces, ours):
         vertices = surface.vertices.astype("<f4")
         if surface.rgba[3] < 0.999:
             vertices = (surface.vertices - INSET * surface.normals).astype("<f4")
@@ -62,7 +62,7 @@ def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, normals
         attributes = {
             "POSITION": accessor(vertices, _FLOAT, _VERTICES, **bounds),
             "NORMAL": accessor(surface.normals.astype("<f4"), _FLOAT, _VERTICES)
-            if normals
+            if not ours
             else nothing(len(vertices)),
         }
         if surface.texture is not None:
@@ -73,6 +73,8 @@ def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, normals
         corners = surface.triangles.astype("<u2" if short else "<u4").reshape(-1)
         indices = accessor(corners, _UINT16 if short else _UINT32, _INDICES)
         primitives.append({"attributes": attributes, "indices": indices, "material": len(materials)})
+        if level:
+            primitives[-1]["extras"] = {"level": level}
         materials.append(_material(surface, len(images)))
         if surface.texture is not None:
             image = surface.texture.image
@@ -110,6 +112,16 @@ def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, normals
     if primitives:
         chunks += struct.pack("<II", len(data), 0x004E4942) + bytes(data)
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def _levels(surfaces: Iterable[Surface], ours: bool) -> Iterator[tuple[Surface, str]]:
+    """Surfaces that are not empty, and how many of their triangles are shown."""
+    for surface in surfaces:
+        if ours and surface.texture is None and len(surface.triangles) >= HEAVY:
+            yield coarse(surface), "few"
+            yield surface, "all"
+        elif len(surface.triangles):
+            yield surface, ""
 
 
 def _material(surface: Surface, texture: int) -> dict[str, Any]:

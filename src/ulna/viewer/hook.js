@@ -10,14 +10,23 @@
   const page = window.__viserMutable;
   if (!page || page.messageQueue.ulna) return;
   const queue = page.messageQueue, push = Array.prototype.push;
-  const apply = ({names, p}) => names.forEach((name, i) => {
-    const pose = page.nodePoseData[name];
-    if (!pose) return;
-    const k = 7 * i;
-    pose.position = [p[k], p[k + 1], p[k + 2]];
-    pose.wxyz = [p[k + 3], p[k + 4], p[k + 5], p[k + 6]];
-    if (pose.poseUpdateState !== "waitForMakeObject") pose.poseUpdateState = "needsUpdate";
-  });
+  const say = news => { page.ulnaNews = news || !!page.ulnaNews; };
+  const apply = ({names, p}) => {
+    let news = false;
+    names.forEach((name, i) => {
+      const pose = page.nodePoseData[name], k = 7 * i;
+      if (!pose || pose.position.every((x, j) => x === p[k + j]) && pose.wxyz.every((x, j) => x === p[k + 3 + j])) return;
+      pose.position = [p[k], p[k + 1], p[k + 2]];
+      pose.wxyz = [p[k + 3], p[k + 4], p[k + 5], p[k + 6]];
+      if (pose.poseUpdateState !== "waitForMakeObject") pose.poseUpdateState = "needsUpdate";
+      news = true;
+    });
+    return news;
+  };
+  const redraw = () => {
+    say(true);
+    page.requestRender();
+  };
   // a tab that can be seen beside the program comes back when that runs again, without a click
   document.hasFocus = () => document.visibilityState === "visible";
   document.addEventListener("visibilitychange", () => window.dispatchEvent(new Event("focus")));
@@ -82,7 +91,7 @@
       set(mesh, "castShadow", own.cast && !clear);
       if (news) m.needsUpdate = true;
     });
-    if (news) page.requestRender();
+    if (news) redraw();
     return true;
   };
   // the picture behind all is drawn last, where nothing else was: a depth of its own for each sample costs a processor much
@@ -112,7 +121,7 @@
         gl_FragColor = vec4(texelFetch(colorMap, min(ivec2(at * vec2(size)), size - 1), 0).rgb, 1.0);
       }`;
     m.needsUpdate = true;
-    page.requestRender();
+    redraw();
   };
   const wear = () => {
     backdrop();
@@ -128,10 +137,15 @@
   Object.defineProperty(queue, "ulna", {value: true});
   Object.defineProperty(queue, "push", {value: (...messages) => {
     for (const m of messages) {
-      if (m.type === "SceneNodeUpdateMessage" && m.name === POSES) apply(m.updates);
-      else if (m.type === "SceneNodeUpdateMessage" && m.name === LOOKS) looks(m.updates);
-      else if (m.type === "EnvironmentMapMessage" && page.ulnaSoftware) push.call(queue, {...m, hdri_data: null});
-      else push.call(queue, m);
+      const update = m.type === "SceneNodeUpdateMessage";
+      if (update && m.name === POSES) say(apply(m.updates));
+      else if (update && m.name === LOOKS) {
+        looks(m.updates);
+        say(false);  // it asked for a frame where it needed one
+      } else {
+        say(true);
+        push.call(queue, m.type === "EnvironmentMapMessage" && page.ulnaSoftware ? {...m, hdri_data: null} : m);
+      }
     }
     return queue.length;
   }});

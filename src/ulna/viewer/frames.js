@@ -1,0 +1,51 @@
+// No frame is drawn for messages that show nothing new. Where a processor draws, a heavy surface has few of its triangles
+// while anything moves, and all of them in one frame when it rests.
+//
+// `page.ulnaNews` says whether messages since the last request for a frame show something new; null when there were none.
+(() => {
+  const page = window.__viserMutable, REST = 300;  // ms after the last request; viser's frames end before that
+  if (!page || page.ulnaNews !== undefined) return;
+  const met = new WeakSet();
+  let ask = page.requestRender, asked = 0, whole = "";
+  page.ulnaNews = null;
+  const request = () => {
+    const news = page.ulnaNews;
+    page.ulnaNews = null;
+    if (news !== false) frames();
+  };
+  const frames = () => {
+    asked = performance.now();
+    whole = "";
+    ask();
+  };
+  Object.defineProperty(page, "requestRender", {set: f => { ask = f; }, get: () => request});
+
+  const rests = () => performance.now() > asked + REST;
+  const view = (gl, camera) => [gl.domElement.width, gl.domElement.height, ...camera.position, ...camera.quaternion,
+    ...camera.projectionMatrix.elements].join();
+  const sparing = gl => {
+    const render = gl.render;
+    gl.ulna = true;
+    gl.render = (scene, camera) => {
+      if (!(whole && rests() && scene === page.scene && view(gl, camera) === whole)) render.call(gl, scene, camera);
+    };
+  };
+  const install = () => {
+    if (!page.scene) return requestAnimationFrame(install);
+    const before = page.scene.onBeforeRender;
+    page.scene.onBeforeRender = (gl, scene, camera, target) => {
+      if (page.ulnaSoftware && !gl.ulna) sparing(gl);
+      const meshes = [];
+      scene.traverse(o => { if (o.isMesh) meshes.push(o); });
+      // viser says that a mesh throws a shadow after its first frame, and asks for no other
+      if (!meshes.every(mesh => met.has(mesh))) frames();
+      meshes.forEach(mesh => met.add(mesh));
+      const few = page.ulnaSoftware && camera === page.camera && !rests();
+      const heavy = meshes.filter(mesh => mesh.geometry.userData.level);
+      for (const mesh of heavy) mesh.visible = (mesh.geometry.userData.level === "few") === few;
+      whole = heavy.length && !few && camera === page.camera ? view(gl, camera) : "";
+      before?.call(page.scene, gl, scene, camera, target);
+    };
+  };
+  install();
+})();
