@@ -31,7 +31,7 @@ from ulna.algorithms.constraints import (
     constraint_error,
     constraint_jacobian,
 )
-from ulna.algorithms.constraints_proximal import Proximal, largest, solve_proximal
+from ulna.algorithms.constraints_proximal import Proximal, largest_entry, solve_proximal
 from ulna.algorithms.crba import mass_matrix
 from ulna.algorithms.external import External
 from ulna.algorithms.factors import Factors, is_zero
@@ -140,8 +140,7 @@ def forward_dynamics_with_jacobian(
     a, forces, iterations = _response(factors, J, drive, g, compliance, settings)
     given = forces * (compliance[..., None] if isinstance(compliance, np.ndarray) else compliance)
     left = apply(J, a) + g + given
-    residual = largest([left[..., i] for i in range(left.shape[-1])])
-    return ConstrainedMotion(a, forces, residual, iterations)
+    return ConstrainedMotion(a, forces, largest_entry(left), iterations)
 
 
 def impulse_dynamics(
@@ -171,8 +170,8 @@ def impulse_dynamics(
     gain, impulses, iterations = _response(factors, J, 0.0 * v, (1.0 + back) * before, 0.0, settings)
     after = v + gain
     left = apply(J, after) + back * before
-    residual = largest([left[..., i] for i in range(left.shape[-1])])
-    return Impact(after, along_axes(model, q, impulses[..., None], bonds)[..., 0], residual, iterations)
+    impulses = along_axes(model, q, impulses[..., None], bonds)[..., 0]
+    return Impact(after, impulses, largest_entry(left), iterations)
 
 
 def delassus_matrix(model: Model, q: Array, bonds: Sequence[Bond]) -> Array:

@@ -25,7 +25,7 @@ import numpy as np
 
 from ulna import numeric
 from ulna.algorithms.constrained_dynamics import delassus_of, seen_inside
-from ulna.algorithms.constraints_proximal import largest
+from ulna.algorithms.constraints_proximal import largest, largest_entry
 from ulna.algorithms.crba import mass_matrix
 from ulna.algorithms.external import External
 from ulna.algorithms.factors import Factors
@@ -131,24 +131,27 @@ def damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped) 
     y = factors.inward([drive[..., k][()] for k in range(M.shape[-1])])
     z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
     b = [-sum((entry * z[k] for k, entry in row.items()), g[..., i][()]) for i, row in enumerate(Y)]
-    of_forces = damped_factors(delassus_of(factors, Y), damped.mu)
+    of_forces = damped_factors(delassus_of(factors, Y), vector(*[damped.mu] * m))
     forces, count, change = _rounds(of_forces, b, m, damped)
     for row, force in zip(Y, forces, strict=True):
         for k, entry in row.items():
             y[k] = y[k] + entry * force
     a = factors.outward(entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True))
     left = apply(J, vector(*a)) + g
-    residual = largest([left[..., i] for i in range(m)])
+    residual = largest_entry(left)
     unique = reduce(numeric.minimum, of_forces.reciprocals)
     return DampedMotion(vector(*a), vector(*forces), count, change, residual, unique)
 
 
-def damped_factors(G: Array, mu: Any) -> Factors:
-    """The factors of G + mu 1; without damping, rows that depend on rows after them have a reciprocal of zero."""
+def damped_factors(G: Array, mu: Array) -> Factors:
+    """The factors of G with mu (..., m) added to its diagonal.
+
+    A row without damping that depends on rows after it has a reciprocal of zero.
+    """
     m = G.shape[-1]
-    damps = numeric.less(0.0, mu)
-    floors = [numeric.where(damps, _IMMOVABLE, _SAME * G[..., i, i] + _IMMOVABLE) for i in range(m)]
-    return Factors(G + np.eye(m) * (mu[..., None, None] if isinstance(mu, np.ndarray) else mu), floors)
+    damps = [numeric.less(0.0, mu[..., i][()]) for i in range(m)]
+    floors = [numeric.where(damps[i], _IMMOVABLE, _SAME * G[..., i, i] + _IMMOVABLE) for i in range(m)]
+    return Factors(G + np.eye(m) * mu[..., None, :], floors)
 
 
 def _rounds(factors: Factors, b: Sequence[Any], m: int, damped: Damped) -> tuple[Sequence[Any], Any, Any]:

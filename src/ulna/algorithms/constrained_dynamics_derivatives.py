@@ -49,7 +49,7 @@ from ulna.algorithms.velocity_derivatives import (
 )
 from ulna.model import Frame, Model
 from ulna.model.constraint import Bond, End
-from ulna.numeric import apply, matrix, skew
+from ulna.numeric import apply, matrix, skew, vector
 from ulna.spatial import SE3, Force, Motion
 from ulna.spatial.exponential import se3_right_jacobian_inverse
 from ulna.typing import Array
@@ -192,7 +192,7 @@ def bound_response(terms: BoundTerms, mu: Any = 0.0, rounds: Any = 1) -> BoundRe
     factors = Factors(terms.M)
     Y = seen_inside(factors, terms.J)
     MJ = [factors.outward(column.get(k, 0.0) * r for k, r in enumerate(factors.reciprocals)) for column in Y]
-    of_forces = damped_factors(delassus_of(factors, Y), mu)
+    of_forces = damped_factors(delassus_of(factors, Y), vector(*[mu] * m))
     S = of_forces.inverse()
     P = _after(S, mu, rounds)
     N = P @ matrix(MJ)

@@ -131,3 +131,8 @@ def solve_proximal(G: Array, b: Sequence[Any], settings: Proximal) -> Solution:
 def largest(values: Sequence[Any]) -> Any:
     """The largest absolute value."""
     return reduce(numeric.maximum, [abs(value) for value in values])
+
+
+def largest_entry(x: Array) -> Any:
+    """The largest absolute value along the last axis."""
+    return largest([x[..., i] for i in range(x.shape[-1])])

@@ -32,6 +32,7 @@ class Factors:
     Attributes:
         lower: For each row of L its entries before the diagonal, by column; those that are zero are missing.
         reciprocals: 1/d.
+        pivots: d; none where they were not given.
     """
 
     def __init__(self, M: Array, floors: Sequence[Any] | None = None) -> None:
@@ -39,9 +40,10 @@ class Factors:
         n = M.shape[-1]
         rows = [[M[..., i, j] for j in range(i + 1)] for i in range(n)]
         self.lower: list[dict[int, Any]] = [{} for _ in range(n)]
+        self.pivots: list[Any] = [None] * n
         self.reciprocals: list[Any] = [None] * n
         for k in reversed(range(n)):
-            pivot = rows[k][k]
+            self.pivots[k] = pivot = rows[k][k]
             self.reciprocals[k] = 1.0 / pivot if floors is None else reciprocal_above(pivot, floors[k])
             filled = [j for j in range(k) if not is_zero(rows[k][j])]
             self.lower[k] = {j: rows[k][j] * self.reciprocals[k] for j in filled}
@@ -49,6 +51,15 @@ class Factors:
                 for j in filled:
                     if j <= i:
                         rows[i][j] = rows[i][j] - self.lower[k][i] * rows[k][j]
+
+    @classmethod
+    def of(
+        cls, lower: list[dict[int, Any]], reciprocals: Sequence[Any], pivots: Sequence[Any] = ()
+    ) -> Factors:
+        """Factors that were found elsewhere."""
+        found = object.__new__(cls)
+        found.lower, found.reciprocals, found.pivots = lower, list(reciprocals), list(pivots)
+        return found
 
     def solve(self, b: Sequence[Any]) -> list[Any]:
         """x with M x = b, entry by entry."""

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from pinocchio._arrays import numbers
-from pinocchio._constraint_jacobians import getConstraintsJacobian
-from pinocchio._constraint_kernels import jacobian_kernel
+from pinocchio._constraint_jacobians import getConstraintsJacobian, of_ties
+from pinocchio._constraint_kernels import jacobian_kernel, rows_of
+from pinocchio._constraint_session import known_ties
 from pinocchio._data import Data, engine_for
-from pinocchio._delassus import DelassusOperatorCholeskyExpression, diagonal
+from pinocchio._delassus import DelassusOperatorCholeskyExpression, diagonal, raised
+from pinocchio._factored import Factored, Kernels, kernels_for, without_factors
 from pinocchio._model import Model
-from ulna import linalg
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
@@ -22,25 +23,32 @@ __all__ = ["ConstraintCholeskyDecomposition", "ContactCholeskyDecomposition"]
 class ConstraintCholeskyDecomposition:
     """`ConstraintCholeskyDecomposition([model, data[, constraints, datas]])`, filled by `compute`."""
 
-    __slots__ = ("_J", "_M", "_mu", "_parts")
+    __slots__ = ("_J", "_M", "_factored", "_mu", "_ties")
 
     def __init__(self, model: Any = None, data: Any = None, models: Any = (), datas: Any = ()) -> None:
-        self._parts: tuple[Floats, ...] | None = None
-        if model is None:
-            self._hold(np.zeros((0, 0)), np.zeros((0, 0)))
-        else:
+        self._make_room(0, 0)
+        if model is not None:
             self.rebuild(model, data, models, datas)
 
-    def _hold(self, M: Floats, J: Floats, mu: Any = 0.0) -> ConstraintCholeskyDecomposition:
-        self._M, self._J, self._parts = M, J, None
-        self._mu = diagonal(mu, len(J), "mu")
+    def _make_room(self, m: int, n: int) -> None:
+        self._M, self._J, self._mu = np.zeros((n, n)), np.zeros((m, n)), np.zeros(m)
+        self._factored: Factored | None = None
+        self._ties: Any = None
+
+    def _hold(self, kernels: Kernels, M: Floats, J: Floats, mu: Any) -> ConstraintCholeskyDecomposition:
+        """Decomposes these matrices, of which M is copied."""
+        factored = self._factored
+        if factored is None or factored.kernels is not kernels:
+            self._make_room(*J.shape)
+            self._factored = factored = Factored(kernels)
+        self._M[...], self._J = M, J
+        self.updateDamping(mu)
         return self
 
     def rebuild(self, model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> None:
         """Makes room for constraints; the matrices are zero until `compute`."""
         engine_for(model, data)
-        rows = sum(one.residualSize() for one in constraint_models)
-        self._hold(np.zeros((model.nv, model.nv)), np.zeros((rows, model.nv)))
+        self._make_room(sum(one.residualSize() for one in constraint_models), model.nv)
 
     def compute(
         self, model: Model, data: Data, contact_models: Any, contact_datas: Any, mu: Any = 0.0
@@ -55,9 +63,18 @@ class ConstraintCholeskyDecomposition:
             mu: Damping: one number, or one for each row.
         """
         M = data._blocks["M"]
-        if not M[:1, :1].any() and not M.any():
-            raise InputError("`data.M` holds no mass matrix yet. Call crba(model, data, q) first.")
-        self._hold(M.copy(), getConstraintsJacobian(model, data, contact_models, contact_datas), mu)
+        ties = known_ties(model, data, contact_models, contact_datas)
+        if ties is not None and ties is self._ties and self._factored is not None:
+            self._hold(self._factored.kernels, M, of_ties(model, data, ties, "jacobian", data._q), mu)
+        else:
+            J = getConstraintsJacobian(model, data, contact_models, contact_datas)
+            ties = known_ties(model, data, contact_models, contact_datas)
+            engine = engine_for(model, data)
+            rows = np.ones(J.shape) if ties is None else rows_of(engine.model, ties.shapes)
+            self._hold(kernels_for(engine, rows), M, J, mu)
+            self._ties = ties
+        if not self._filled().unique and not M.any():
+            raise without_factors(M, self._J)
 
     def size(self) -> int:
         """Rows of K: those of the constraints, and nv."""
@@ -69,62 +86,61 @@ class ConstraintCholeskyDecomposition:
 
     def matrix(self) -> Floats:
         """K, constraints first."""
-        return np.block([[-np.diag(self._mu), self._J], [self._J.T, self._M]])
+        m, size = self._J.shape[0], self.size()
+        out = np.zeros((size, size))
+        out[:m, m:], out[m:, :m], out[m:, m:] = self._J, self._J.T, self._M
+        out.reshape(-1)[: m * size : size + 1] = -self._mu
+        return out
 
-    def _decomposed(self) -> tuple[Floats, ...]:
-        """U and D.
+    def _filled(self) -> Factored:
+        """The factors.
+
+        Raises:
+            InputError: nothing has been decomposed yet.
+        """
+        if self._factored is None:
+            raise InputError(
+                "The decomposition is empty; call compute(model, data, constraints, datas) first."
+            )
+        return self._factored
+
+    def _decomposed(self) -> Factored:
+        """The factors, when they are unique.
 
         Raises:
             InputError: there is nothing to decompose yet, or the constraints depend on each other.
         """
-        if self._parts is None:
-            if not self._M.any():
-                raise InputError(
-                    "The decomposition is empty; call compute(model, data, constraints, datas) first."
-                )
-            m = len(self._J)
-            U, D = np.eye(self.size()), np.zeros(self.size())
-            U[m:, m:], D[m:] = _from_below(self._M)
-            U[:m, m:] = np.linalg.solve(U[m:, m:], self._J.T).T / D[m:]
-            G = (U[:m, m:] * D[m:]) @ U[:m, m:].T + np.diag(self._mu)
-            try:
-                U[:m, :m], outer = _from_below(G)
-            except np.linalg.LinAlgError:
-                raise InputError(
-                    f"The {m} rows of the constraints depend on each other (rank {np.linalg.matrix_rank(self._J)}); "
-                    "leave some out, or give a damping mu such as 1e-8."
-                ) from None
-            D[:m] = -outer
-            self._parts = U, D
-        return self._parts
+        factored = self._factored
+        if factored is None or not factored.unique:
+            self._filled()
+            raise without_factors(self._M, self._J)
+        return factored
 
     @property
     def U(self) -> Floats:
         """The unit upper triangular factor."""
-        return self._decomposed()[0].copy()
+        return self._decomposed().upper()
 
     @property
     def D(self) -> Floats:
         """The diagonal; below zero for constraints."""
-        return self._decomposed()[1].copy()
+        return self._decomposed().D.copy()
 
     @property
     def Dinv(self) -> Floats:
         """1 / D."""
-        return 1.0 / self._decomposed()[1]
+        return self._decomposed().r.copy()
 
     def inverse(self) -> Floats:
         """The inverse of K."""
-        return self.solve(np.eye(self.size()))
+        return self._decomposed().inverse(self._J, self._mu)
 
     def solve(self, matrix: Any) -> Floats:
         """x with K x = matrix, which is (size,) or (size, k)."""
         given = numbers(matrix, "matrix")
         if given.ndim not in (1, 2) or len(given) != self.size():
             raise ShapeError("matrix", given.shape, f"({self.size()},) or ({self.size()}, k)")
-        U, D = self._decomposed()
-        y = np.linalg.solve(U, given)
-        return np.asarray(np.linalg.solve(U.T, (y.T / D).T), dtype=float)
+        return self._decomposed().solve(given)
 
     def getDamping(self) -> Floats:
         """The damping, a diagonal matrix."""
@@ -132,27 +148,29 @@ class ConstraintCholeskyDecomposition:
 
     def updateDamping(self, mu: Any) -> None:
         """Sets the damping: one number, or one for each row of the constraints."""
-        self._mu, self._parts = diagonal(mu, len(self._J), "mu"), None
+        if type(mu) is float and mu >= 0.0:
+            self._mu.fill(mu)
+        else:
+            self._mu[...] = diagonal(mu, len(self._mu), "mu")
+        if self._factored is not None:
+            self._factored.factor(self._M, self._J, self._mu)
 
     def getInverseMassMatrix(self) -> Floats:
         """M^-1."""
-        return np.asarray(linalg.inverse(self._M), dtype=float)
+        return self._filled().inverse_mass()
 
     def getMassMatrixChoeslkyDecomposition(self, model: Any = None, data: Any = None) -> Any:
         """The decomposition of the mass matrix alone."""
-        return ConstraintCholeskyDecomposition()._hold(self._M.copy(), np.zeros((0, len(self._M))))
-
-    def _delassus(self) -> Floats:
-        return self._J @ np.linalg.solve(self._M, self._J.T) if len(self._J) else np.zeros((0, 0))
+        kernels = self._filled().kernels.of_mass
+        return ConstraintCholeskyDecomposition()._hold(kernels, self._M, self._J[:0], 0.0)
 
     def getInverseOperationalSpaceInertiaMatrix(self, enforce_symmetry: bool = False) -> Floats:
         """J M^-1 J^T + mu."""
-        return self._delassus() + np.diag(self._mu)
+        return raised(self._filled().G, self._mu)
 
     def getOperationalSpaceInertiaMatrix(self) -> Floats:
         """The inverse of the same."""
-        m = len(self._J)
-        return -self.inverse()[:m, :m]
+        return -self._decomposed().yielding(self._mu)
 
     def getDelassusOperatorCholeskyExpression(self) -> DelassusOperatorCholeskyExpression:
         """The Delassus operator of the constraints."""
@@ -162,7 +180,11 @@ class ConstraintCholeskyDecomposition:
 
     def copy(self) -> ConstraintCholeskyDecomposition:
         """One of its own, with the same numbers."""
-        return ConstraintCholeskyDecomposition()._hold(self._M.copy(), self._J.copy(), self._mu)
+        found = ConstraintCholeskyDecomposition()
+        if self._factored is not None:
+            return found._hold(self._factored.kernels, self._M, self._J.copy(), self._mu)
+        found._make_room(*self._J.shape)
+        return found
 
     __copy__ = copy
 
@@ -180,12 +202,6 @@ class ConstraintCholeskyDecomposition:
 ContactCholeskyDecomposition = ConstraintCholeskyDecomposition
 
 
-def _from_below(A: Floats) -> tuple[Floats, Floats]:
-    """u and d with A = u diag(d) u^T, u unit upper triangular."""
-    lower, d = linalg.ldl(A[::-1, ::-1])
-    return lower[::-1, ::-1], d[::-1]
-
-
 def cholesky_of(data: Data) -> ConstraintCholeskyDecomposition:
     """That of the last constraintDynamics or impulseDynamics with constraints; empty when there was none."""
     found = ConstraintCholeskyDecomposition()
@@ -194,4 +210,5 @@ def cholesky_of(data: Data) -> ConstraintCholeskyDecomposition:
     solved, engine = data._bound, engine_for(data._model, data)
     q, _, places, _, _ = solved.kept
     J = jacobian_kernel(engine, solved.shapes, len(q))(q, *places)
-    return found._hold(engine.plain("mass_matrix")(q), J, solved.numbers[0])
+    kernels = kernels_for(engine, rows_of(engine.model, solved.shapes))
+    return found._hold(kernels, engine.plain("mass_matrix")(q), J, float(solved.numbers[0]))

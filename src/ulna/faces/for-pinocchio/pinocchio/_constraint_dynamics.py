@@ -113,13 +113,12 @@ def impulseDynamics(model: Model, data: Data, *state: Any, **named: Any) -> Floa
     `impulseDynamics(model, data, [q,] v, J[, restitution_coefficient[, damping]])`; without q after crba.
     Each impulse is also in `contact_force` of the data of its constraint; both ends of a constraint count.
     """
-    told = list(state)
-    for name in ("q", "v_before", "v", "constraint_jacobian", "contact_models", "contact_datas"):
-        if name in named:
-            told.append(named.pop(name))
-    if len(told) < 4 or not _are_constraints(told[2]):
-        return impact_with_jacobian(model, data, *told, **named)
-    return _impact(model, data, *told, **named)
+    if named:
+        names = ("q", "v_before", "v", "constraint_jacobian", "contact_models", "contact_datas")
+        state += tuple(named.pop(name) for name in names if name in named)
+    if len(state) < 4 or not _are_constraints(state[2]):
+        return impact_with_jacobian(model, data, *state, **named)
+    return _impact(model, data, *state, **named)
 
 
 def _are_constraints(value: Any) -> bool:

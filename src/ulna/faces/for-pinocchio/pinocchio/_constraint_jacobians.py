@@ -11,11 +11,12 @@ from pinocchio._constraint_kernels import bonds_of, jacobian_kernel, sizes_of
 from pinocchio._constraint_session import Ties, known_ties, tied
 from pinocchio._constraints import RigidConstraintModel
 from pinocchio._data import Data, engine_for
+from pinocchio._delassus import damped_inverse, with_inertia
 from pinocchio._model import Model
 from pinocchio._proximal import damping_of
 from pinocchio._runs import refuse
 from pinocchio._states import OWN
-from ulna import algorithms, linalg
+from ulna import algorithms
 from ulna.model import Model as TowerModel
 from ulna.recipes.base import with_mass
 from ulna.typing import Array, Floats
@@ -38,7 +39,7 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
             pairs = zip(constraint_models, constraint_datas, strict=True)
             return np.vstack([one.jacobian(model, data, known) for one, known in pairs])
         ties = tied(model, data, constraint_models, constraint_datas)
-    return _run(model, data, ties, "jacobian", q)
+    return of_ties(model, data, ties, "jacobian", q)
 
 
 def getConstraintJacobian(model: Model, data: Data, constraint_model: Any, constraint_data: Any) -> Floats:
@@ -50,10 +51,9 @@ def computeDelassusMatrix(
     model: Model, data: Data, q: Any, contact_models: Any, contact_datas: Any, mu: float = 0.0
 ) -> Floats:
     """G = J M^-1 J^T of constraints, (m, m), along the axes of each; with an inertia mu at each, (1 + mu G)^-1 G."""
-    G = _run(model, data, tied(model, data, contact_models, contact_datas), "delassus", q)
+    G = of_ties(model, data, tied(model, data, contact_models, contact_datas), "delassus", q)
     data._due |= OWN
-    inertia = damping_of(mu)
-    return np.asarray(np.linalg.solve(np.eye(len(G)) + inertia * G, G), dtype=float) if inertia else G
+    return with_inertia(G, damping_of(mu)) if mu else G
 
 
 def computeDampedDelassusMatrixInverse(
@@ -67,12 +67,12 @@ def computeDampedDelassusMatrixInverse(
 ) -> Floats:
     """The inverse of J M^-1 J^T + mu 1, (m, m); scaled, it is multiplied by mu."""
     damping = damping_of(mu)
-    G = computeDelassusMatrix(model, data, q, contact_models, contact_datas)
-    S = linalg.inverse(G + damping * np.eye(len(G)))
+    S = damped_inverse(computeDelassusMatrix(model, data, q, contact_models, contact_datas), damping)
     return damping * S if scaled else S
 
 
-def _run(model: Model, data: Data, ties: Ties, name: str, q: Any) -> Floats:
+def of_ties(model: Model, data: Data, ties: Ties, name: str, q: Any) -> Floats:
+    """What `_bind` binds under a name to constraints and a Data, at q."""
     step = ties.runs.get(name)
     found = NotImplemented if step is None else step(q, *ties.places)
     if found is NotImplemented:

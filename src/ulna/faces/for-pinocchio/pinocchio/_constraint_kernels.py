@@ -10,6 +10,7 @@ import numpy as np
 from pinocchio._constraints import RigidConstraintData, RigidConstraintModel
 from pinocchio._model import Model
 from ulna import algorithms, spatial
+from ulna.algorithms.constrained_factors import moved_by
 from ulna.errors import InputError
 from ulna.model import Model as TowerModel
 from ulna.model.constraint import Bond, End
@@ -75,6 +76,12 @@ def jacobian_kernel(engine: Engine, shapes: Any, nq: int) -> Any:
         return run
 
     return engine.made(("constraint jacobian", shapes), build, q=(nq,), **sizes_of(shapes))
+
+
+def rows_of(tower: TowerModel, shapes: Any) -> Array:
+    """Where this Jacobian may have entries, 1, else 0 (m, nv)."""
+    moved = [np.tile(moved_by(tower, [j - 1 for j in joints]), (size, 1)) for size, _, *joints in shapes]
+    return np.vstack([np.zeros((0, tower.nv)), *moved])
 
 
 def sizes_of(shapes: Any) -> dict[str, Any]:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from ulna import kernels, spatial
+from ulna.algorithms.constrained_factors import joined
 from ulna.errors import InputError
 from ulna.model import Frame, Joint, Limits, Link, Mimic
 from ulna.model import Model as TowerModel
@@ -17,6 +21,8 @@ if TYPE_CHECKING:
     from pinocchio._model import Model
 
 WORLD_LINK = "universe"
+MAKING = threading.RLock()
+"""Held while something is compiled, so that threads that want the same wait for it instead of compiling it, too."""
 
 
 @final
@@ -36,24 +42,20 @@ class Engine:
         if not options:
             return self.plain(name)
         key = (name, *options.items())
-        found = self.kernels.get(key)
-        if found is None:
-            found = self.kernels[key] = kernels.kernel(self.model, name, **options)
-        return found
+        return _once(self.kernels, key, lambda: kernels.kernel(self.model, name, **options))
 
     def plain(self, name: str) -> Any:
         """The tower's kernel of that name, without options."""
-        found = self.kernels.get(name)
-        if found is None:
-            found = self.kernels[name] = kernels.kernel(self.model, name)
-        return found
+        return _once(self.kernels, name, lambda: kernels.kernel(self.model, name))
 
     def made(self, key: Any, build: Any, /, **shapes: Any) -> Any:
         """The compiled `build(model)`, a function of arrays of these shapes; made once."""
-        found = self.kernels.get(key)
-        if found is None:
-            found = self.kernels[key] = compile_function(build(self.model), **shapes)
-        return found
+        return _once(self.kernels, key, lambda: compile_function(build(self.model), **shapes))
+
+    @cached_property
+    def joined(self) -> bytes:
+        """Where the mass matrix may have entries, a byte for each."""
+        return joined(self.model).astype(bool).tobytes()
 
     def frames(self) -> tuple[Frame, ...]:
         """The frames as they are now; what was compiled for other frames is forgotten."""
@@ -77,10 +79,17 @@ class Engine:
     def of_frame(self, key: Any, build: Any, /, **shapes: Any) -> Any:
         """The same for a function that depends on frames: the compiled `build(model, frames)`."""
         frames = self.frames()
-        found = self.of_frames.get(key)
-        if found is None:
-            found = self.of_frames[key] = compile_function(build(self.model, frames), **shapes)
-        return found
+        return _once(self.of_frames, key, lambda: compile_function(build(self.model, frames), **shapes))
+
+
+def _once(known: dict[Any, Any], key: Any, make: Callable[[], Any]) -> Any:
+    found = known.get(key)
+    if found is None:
+        with MAKING:
+            found = known.get(key)
+            if found is None:
+                found = known[key] = make()
+    return found
 
 
 def tower_model(source: Model) -> TowerModel:

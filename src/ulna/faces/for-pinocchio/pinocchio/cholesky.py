@@ -1,4 +1,4 @@
-"""The mass matrix M = U D U^T of `data.M`, and what is solved with it."""
+"""The mass matrix of `data.M` as U diag(D) U^T, and what is solved with it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from pinocchio._arrays import numbers
 from pinocchio._data import Data
-from pinocchio._dynamics import crba
+from pinocchio._factored import Factored, kernels_for, without_factors
 from pinocchio._model import Model
 from ulna.typing import Floats
 
@@ -16,18 +16,32 @@ __all__ = ["computeMinv", "decompose", "solve"]
 
 
 def decompose(model: Model, data: Data) -> Floats:
-    """The lower triangular factor L of `data.M` = L L^T; after crba."""
-    return np.asarray(np.linalg.cholesky(data._blocks["M"]), dtype=float)
+    """The unit upper triangular factor U of `data.M` = U diag(D) U^T; after crba."""
+    return _factored(model, data, anew=True).upper()
 
 
 def solve(model: Model, data: Data, v: Any) -> Floats:
-    """M^-1 v, v being (nv,) or (nv, n); after crba."""
-    return np.asarray(np.linalg.solve(data._blocks["M"], numbers(v, "v")), dtype=float)
+    """M^-1 v, v being (nv,) or (nv, n), with the M that was decomposed last; after crba."""
+    if type(v) is not np.ndarray:
+        v = numbers(v, "v")
+    return _factored(model, data).solve(v)
 
 
 def computeMinv(model: Model, data: Data) -> Floats:
-    """The inverse of `data.M`; kept in `data.Minv`."""
-    if not data._blocks["M"].any():
-        crba(model, data, data.require(data._q, "crba(model, data, q)"))
-    data._blocks["Minv"][...] = np.linalg.inv(data._blocks["M"])
-    return data._blocks["Minv"].copy()
+    """The inverse of the M that was decomposed last; kept in `data.Minv`. After crba."""
+    data._blocks["Minv"][...] = found = _factored(model, data).inverse_mass()
+    return found
+
+
+def _factored(model: Model, data: Data, anew: bool = False) -> Factored:
+    found = data._run_at.get("cholesky") if data._model is model else None
+    if anew or found is None or found.due:
+        M = data._blocks["M"]
+        if found is None or found.factor(M, *found.no_rows) is NotImplemented:
+            kernels = kernels_for(data.attach(model), np.zeros((0, model.nv)))
+            found = data._run_at["cholesky"] = Factored(kernels, model.watched("shape"))
+            found.factor(M, *found.no_rows)
+        found.due = False
+        if not found.unique:
+            raise without_factors(M, found.no_rows[0])
+    return found
