@@ -52,9 +52,9 @@ pin.JointModelRX().lieGroup().name; pin.JointModelRUBX().lieGroup().name; pin.Jo
 pin.lieGroup(m).name; str(m); [f.name for f in m.frames]; [f.parentFrame for f in m.frames]; list(m.inertias); m.upperEffortLimit
 pin.rnea(m, d, q, v, v); pin.rneaInParallel(1, pin.ModelPool(m, 1), Q, Q, Q); pin.abaInParallel(1, pin.ModelPool(m, 1), Q, Q, Q)
 ! t, w = np.zeros((2, 6, 5)); pool = pin.ModelPool(m, 1); _ = pin.rneaInParallel(1, pool, Q, Q, Q, t), pin.abaInParallel(1, pool, Q, Q, Q, w)
-pin.cholesky.decompose(m, d); t; w; pin.rneaInParallel(num_thread=1, pool=pool, q=Q, v=Q, a=Q)
-! M = pin.crba(m, d, q); _ = pin.cholesky.decompose(m, d)
-pin.cholesky.solve(m, d, v); pin.cholesky.computeMinv(m, d); pin.linalg.inv(M)
+t; w; pin.rneaInParallel(num_thread=1, pool=pool, q=Q, v=Q, a=Q)
+! M = pin.crba(m, d, q)
+pin.cholesky.decompose(m, d); pin.cholesky.solve(m, d, v); pin.cholesky.computeMinv(m, d); pin.linalg.inv(M)
 """
 
 MODEL = """
