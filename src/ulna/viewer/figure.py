@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, final
 
@@ -18,6 +19,8 @@ from ulna.viewer.node import checked_pose
 from ulna.viewer.progress import Report, silent
 from ulna.viewer.scene import Scene
 from ulna.viewer.surface import RGBA, colour
+
+_FLOAT = np.dtype(float)
 
 
 @final
@@ -217,8 +220,13 @@ def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
     Raises:
         ShapeError, NonFiniteError: It is none.
     """
-    out = finite("q", q, f"{robot.model.nq} numbers")
-    if out.shape != (robot.model.nq,):
+    count = robot.model.nq
+    if type(q) is np.ndarray and q.dtype is _FLOAT and q.shape == (count,):  # as a loop hands it over
+        out = q.copy()
+        if math.isfinite(math.hypot(*out.tolist())):
+            return out
+    out = finite("q", q, f"{count} numbers")
+    if out.shape != (count,):
         names = ", ".join(robot.joint_names[:8])
-        raise ShapeError("q", out.shape, f"({robot.model.nq},)", f"One number for each of: {names}.")
+        raise ShapeError("q", out.shape, f"({count},)", f"One number for each of: {names}.")
     return out
