@@ -29,6 +29,7 @@ centroidal and whole-body models for locomotion (2019), section III: differentia
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import reduce
 from typing import Any, NamedTuple
 
@@ -179,10 +180,9 @@ def bound_terms(
                 X_q[here, :] = -skew(forces[here]) @ (T.rotation @ one.turns)
                 g_q[here, :] = g_q[here, :] - skew(apply(back, wanted[here])) @ one.turns
         start += bond.size
-    rest = 0.0 * v
-    r_q, r_v, M = inverse_dynamics_derivatives(model, q, rest if impact else v, a, external)
     if impact:
-        r_q = r_q - inverse_dynamics_derivatives(model, q, rest, rest)[0]
+        model, v = replace(model, gravity=np.zeros(3)), 0.0 * v
+    r_q, r_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
     return BoundTerms(r_q + extra, r_v, M, J, c_q, g_q, g_v, X, X_q)
 
 

@@ -67,7 +67,7 @@ class Derived:
     names = ("ddq_dq", "ddq_dv", "ddq_dtau", "dlambda_dq", "dlambda_dv", "dlambda_dtau")
 
     def __init__(self, model: Model, data: Data, solved: Solved) -> None:
-        self.model, n, m = model, model.nv, len(solved.forces)
+        self.model, self.impact, n, m = model, solved.impact, model.nv, len(solved.forces)
         self.told = np.zeros(1)
         self.given = (*solved.kept, solved.a, solved.forces, solved.numbers, self.told)
         engine, shapes = data.attach(model), solved.shapes
@@ -76,31 +76,29 @@ class Derived:
         kernel = engine.made(key, build, **sizes)
         self.own = {name: np.zeros((m, n)) for name in ("dlambda_dq", "dlambda_dv")}
         self.own["osim"] = np.zeros((m, m))
-        self.W, self.B, self.found = (
-            np.zeros((n + m, n + m)),
-            np.zeros((n + m, 2 * n)),
-            np.zeros((n + m, 2 * n)),
-        )
+        wide = n if solved.impact else 2 * n
+        self.W, self.B, self.found = (np.zeros((n + m, k)) for k in (n + m, wide, wide))
         self.X_q, self.unique = np.zeros((m, n)), np.zeros(())
         targets = [self.W, self.B, self.X_q, self.own["osim"], self.unique]
-        if not solved.impact:
+        if solved.impact:
+            targets += [data._blocks["ddq_dv"], self.own["dlambda_dv"]]
+        else:
             self.own |= {name: np.zeros((m, n)) for name in ("dlambda_dtau", "dac_da")}
             targets += [data._blocks["ddq_dtau"], self.own["dlambda_dtau"], self.own["dac_da"]]
         self.step = kernel.into(*targets, watch=model.watched("numbers"), otherwise=refuse)
-        a, f = self.found[:n], self.found[n:]
-        self.parts = a[:, :n], a[:, n:], f[:, :n], f[:, n:]
+        self.by_q, self.by_v = ((x[:n], x[n:]) for x in (self.found[:, :n], self.found[:, n:]))
 
     def fill(self, data: Data, told: float) -> Any:
         """Writes them into the data; NotImplemented where a number of the model is not what it was."""
         self.told[0] = told
-        if self.step(*self.given) is NotImplemented or self.unique == 0.0:
+        if self.step(*self.given) is NotImplemented or not self.unique:
             return NotImplemented
         np.matmul(self.W, self.B, out=self.found)
-        a_q, a_v, f_q, f_v = self.parts
         blocks, own = data._blocks, self.own
-        blocks["ddq_dq"][...], blocks["ddq_dv"][...] = a_q, a_v
-        np.add(f_q, self.X_q, out=own["dlambda_dq"])
-        own["dlambda_dv"][...] = f_v
+        blocks["ddq_dq"][...], forces = self.by_q
+        np.add(forces, self.X_q, out=own["dlambda_dq"])
+        if not self.impact:
+            blocks["ddq_dv"][...], own["dlambda_dv"][...] = self.by_v
         blocks.update(own)
         return None
 
@@ -157,10 +155,10 @@ def _response(shapes: Any, impact: bool) -> Any:
             if not impact:
                 found = bound_response(terms, numbers[0], told[0])
                 more = found.a_tau, found.f_tau, terms.X @ terms.J
-            else:
-                terms = terms._replace(g_q=terms.c_q, g_v=told[0] * terms.J, r_v=np.zeros(terms.r_v.shape))
-                found, more = bound_response(terms, numbers[0]), ()
-            return found.W, found.B, found.X_q, found.S, found.unique, *more
+                return found.W, found.B, found.X_q, found.S, found.unique, *more
+            found, n = bound_response(terms._replace(g_q=terms.c_q), numbers[0]), tower.nv
+            by_v = found.W[:, n:] @ (told[0] * terms.J)  # all that depends on v
+            return found.W, found.B[:, :n], found.X_q, found.S, found.unique, by_v[:n], by_v[n:]
 
         return run
 
