@@ -24,6 +24,7 @@ from pinocchio._data import Data as Data
 from pinocchio._delassus import *
 from pinocchio._derivatives import *
 from pinocchio._dynamics import *
+from pinocchio._energies import *
 from pinocchio._enums import *
 from pinocchio._frame import Frame as Frame
 from pinocchio._inertia import Inertia as Inertia
@@ -35,6 +36,7 @@ from pinocchio._kinematics import *
 from pinocchio._late import LATE, MODULES, late
 from pinocchio._masses import *
 from pinocchio._model import Model as Model
+from pinocchio._motion_derivatives import *
 from pinocchio._proximal import *
 from pinocchio._reduce import *
 from pinocchio._regressors import *

@@ -9,6 +9,7 @@ import numpy as np
 from pinocchio._arrays import index
 from pinocchio._data import Data
 from pinocchio._enums import ReferenceFrame, reference_of
+from pinocchio._kinematics import updateFramePlacement
 from pinocchio._model import Model
 from pinocchio._se3 import SE3
 from ulna.typing import Floats
@@ -48,4 +49,5 @@ def computeFrameKinematicRegressor(
 ) -> Any:
     """The same of a frame; see `computeJointKinematicRegressor`."""
     frame = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")]
+    updateFramePlacement(model, data, frame_id)
     return computeJointKinematicRegressor(model, data, frame.parentJoint, reference_frame, frame.placement)

@@ -8,7 +8,7 @@ import numpy as np
 
 from pinocchio._constraint_dynamics import restitution
 from pinocchio._constraint_kernels import bonds_of, jacobian_kernel, paired, shapes_of
-from pinocchio._constraint_session import Solved, flat
+from pinocchio._constraint_session import Solved, flat, leave_derived
 from pinocchio._data import Data
 from pinocchio._model import Model
 from pinocchio._proximal import settings_of
@@ -38,6 +38,7 @@ def computeConstraintDynamicsDerivatives(
     rounds = 1 if settings is None else max(1, settings_of(settings).iter)
     solved = _solved(model, data, contact_models, contact_datas, False, "constraintDynamics")
     derived = _derived(model, data, solved, float(rounds))
+    leave_derived(model, data, solved)
     blocks = data._blocks
     return tuple([blocks[name].copy() for name in derived.names])
 
@@ -58,6 +59,7 @@ def computeImpulseDynamicsDerivatives(
     settings_of(prox_settings)
     solved = _solved(model, data, contact_models, contact_datas, True, "impulseDynamics")
     _derived(model, data, solved, 1.0 + restitution(r_coeff))
+    leave_derived(model, data, solved)
 
 
 @final
@@ -100,6 +102,7 @@ class Derived:
         if not self.impact:
             blocks["ddq_dv"][...], own["dlambda_dv"][...] = self.by_v
         blocks.update(own)
+        data.written("ddq_dq", "ddq_dv", "ddq_dtau", *own)
         return None
 
 

@@ -8,14 +8,14 @@ import numpy as np
 
 from pinocchio._arrays import vector
 from pinocchio._constraint_kernels import paired
-from pinocchio._constraint_session import solve
+from pinocchio._constraint_session import leave_eliminated, solve
 from pinocchio._constraints import RigidConstraintModel
 from pinocchio._data import Data, engine_for
-from pinocchio._dynamics import aba
+from pinocchio._dynamics import aba, crba, nonLinearEffects
+from pinocchio._enums import Convention
 from pinocchio._jacobian_dynamics import impact_with_jacobian
 from pinocchio._model import Model
 from pinocchio._proximal import ProximalSettings, settings_of
-from pinocchio._states import OWN
 from ulna.errors import InputError
 from ulna.typing import Floats
 
@@ -68,6 +68,9 @@ def constraintDynamics(
     """
     if not len(contact_models):
         paired(model, contact_models, contact_datas)
+        crba(model, data, q, Convention.WORLD)
+        nonLinearEffects(model, data, q, v)
+        data._blocks["lambda_c"] = np.zeros(0)
         return aba(model, data, q, v, tau)
     settings = _ONE_ROUND if prox_settings is None else settings_of(prox_settings)
     session, a = solve(
@@ -76,7 +79,6 @@ def constraintDynamics(
     if prox_settings is not None:
         settings._report(*session.report.tolist())
     data._blocks["lambda_c"] = session.forces
-    data._due |= OWN
     return a
 
 
@@ -101,9 +103,12 @@ def lcaba(
     prox_settings: Any,
 ) -> Floats:
     """The same as constraintDynamics; how closed loops are eliminated is decided inside."""
-    return constraintDynamics(
+    found = constraintDynamics(
         model, data, q, v, tau, constraint_models, constraint_datas, settings_of(prox_settings)
     )
+    if len(constraint_models):
+        leave_eliminated(model, data)
+    return found
 
 
 def impulseDynamics(model: Model, data: Data, *state: Any, **named: Any) -> Floats:
@@ -143,7 +148,6 @@ def _impact(
     part = np.array([restitution(r_coeff)])
     session, after = solve(model, data, contact_models, contact_datas, 0, q, v, settings._numbers, part)
     data._blocks["impulse_c"] = session.forces
-    data._due |= OWN
     return after
 
 

@@ -12,10 +12,10 @@ from pinocchio._constraint_session import Ties, known_ties, tied
 from pinocchio._constraints import RigidConstraintModel
 from pinocchio._data import Data, engine_for
 from pinocchio._delassus import damped_inverse, with_inertia
+from pinocchio._jacobians import computeJointJacobians
 from pinocchio._model import Model
 from pinocchio._proximal import damping_of
 from pinocchio._runs import refuse
-from pinocchio._states import OWN
 from ulna import algorithms
 from ulna.model import Model as TowerModel
 from ulna.recipes.base import with_mass
@@ -52,7 +52,7 @@ def computeDelassusMatrix(
 ) -> Floats:
     """G = J M^-1 J^T of constraints, (m, m), along the axes of each; with an inertia mu at each, (1 + mu G)^-1 G."""
     G = of_ties(model, data, tied(model, data, contact_models, contact_datas), "delassus", q)
-    data._due |= OWN
+    computeJointJacobians(model, data, q)
     return with_inertia(G, damping_of(mu)) if mu else G
 
 

@@ -12,16 +12,17 @@ from pinocchio._constraint_kernels import bonds_of, paired, shapes_of
 from pinocchio._constraint_pair import changes
 from pinocchio._constraint_state import Left
 from pinocchio._data import Data
-from pinocchio._kinematics import stacked
+from pinocchio._jacobians import COLUMNS, computeJointJacobiansTimeVariation
+from pinocchio._late_fields import BODIES, CENTRES, MAP, MINV, OA, OH, OV, OWN, stacked
 from pinocchio._model import Model
-from pinocchio._runs import refuse
+from pinocchio._runs import Algorithm, refuse, traces
 from ulna import algorithms
 from ulna.algorithms.constrained_dynamics_damped import Damped, damped_dynamics, damped_impact
 from ulna.algorithms.constraint_twists import constraint_twists
 from ulna.errors import InputError
 from ulna.model import Model as TowerModel
 from ulna.recipes.base import with_mass
-from ulna.typing import Array
+from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:
     from pinocchio._constraint_derivatives import Derived
@@ -126,12 +127,13 @@ class Session:
         given = (solved.a,) if impact else (solved.a, solved.a)
         given = (solved.kept[0], *given, solved.numbers, *((np.zeros(1),) if impact else ()), *ties.live)
         sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(given)}
-        build = _impact(shapes) if impact else _motion(shapes, limit)
+        self.algorithm = IMPACT if impact else DYNAMICS
+        where, kept, marks = traces(data, self.algorithm)
+        build = _traced(_impact(shapes) if impact else _motion(shapes, limit), kept, marks)
         kernel = engine.made(("constraint dynamics", shapes, limit), with_mass(build), **sizes)
-        names = ("dq_after" if impact else "nle", "ddq", "M", "J", "oMi", "places q", "own q", "jacobians q")
         own = [self.forces, self.report, *solved.kept, solved.a, solved.forces, solved.numbers]
         told = [known._views["contact_force"]._v for known in datas]
-        targets = [*(data.target(name) for name in names), *own, *told]
+        targets = [*(data.target(name) for name in self.algorithm.targets), *own, *told, *where]
         watch = model.watched("numbers")
         self.step = kernel.into(*targets, returns=(int(not impact),), watch=watch, otherwise=refuse)
 
@@ -160,12 +162,76 @@ def solve(model: Model, data: Data, models: Any, datas: Any, limit: int, *given:
             session = ties.runs[limit] = Session(model, data, ties, limit)
             found = session.run(*state, *given[count:])
     assert session is not None
-    data._known.update(_WRITTEN)
+    data.knows(session.algorithm)
     data._bound = session.solved
     return session, found
 
 
-_WRITTEN = ("places", "own", "jacobians")
+_WRITTEN = ("ddq", "M", "com[0]", *COLUMNS)
+_LATE = OWN | OV | MAP | CENTRES
+DYNAMICS = Algorithm(
+    "constraint_dynamics",
+    "qvt",
+    ("nle", *_WRITTEN),
+    refuse,
+    late=_LATE | OH | {"oa": OA["oa"], "oa_gf": BODIES["oa_gf"]},
+    spoils=("dFda", "of"),
+    title="constraintDynamics",
+)
+IMPACT = Algorithm(
+    "impact", "qv", ("dq_after", *_WRITTEN), refuse, late=_LATE, spoils=("dFda",), title="impulseDynamics"
+)
+_DERIVED = Algorithm(
+    "constraint_derivatives",
+    "",
+    (),
+    refuse,
+    spoils=("of", "dFdq", "dFdv", "dtau_dq", "dtau_dv"),
+    title="computeConstraintDynamicsDerivatives",
+)
+_IMPACT_DERIVED = Algorithm(
+    "impact_derivatives",
+    "",
+    (),
+    refuse,
+    spoils=("oa", "of", "dFdq", "dtau_dq", "dlambda_dtau"),
+    title="computeImpulseDynamicsDerivatives",
+)
+_LCABA = Algorithm("lcaba", "", (), refuse, spoils=("g", "of"), title="lcaba")
+"""What algorithms under constraints leave besides their results."""
+
+
+def leave_derived(model: Model, data: Data, solved: Solved) -> None:
+    """Leaves what derivatives under constraints leave besides their results."""
+    q, v = solved.kept[:2]
+    data.leave(MINV["Minv"], ("Minv",), data.attach(model), q.copy())
+    if not solved.impact:
+        computeJointJacobiansTimeVariation(model, data, q, v)
+        _leave_motion(model, data, ("a", "oa"), q, v, solved.a)
+    data.spoil(_IMPACT_DERIVED if solved.impact else _DERIVED)
+
+
+def leave_eliminated(model: Model, data: Data) -> None:
+    """Leaves what lcaba leaves besides its results."""
+    assert data._bound is not None
+    _leave_motion(model, data, ("oa",), *data._bound.kept[:2], data._bound.a)
+    data.spoil(_LCABA)
+
+
+def _leave_motion(model: Model, data: Data, fields: tuple[str, ...], *state: Floats) -> None:
+    engine, own = data.attach(model), [x.copy() for x in state]
+    data.leave(OA["oa"], fields, engine, *own)
+    data.leave(BODIES["f"], ("oa_gf",), engine, *own)
+
+
+def _traced(build: Any, kept: list[int], marks: list[float]) -> Any:
+    """The same, with what else it leaves."""
+
+    def traced(tower: TowerModel) -> Any:
+        results = build(tower)
+        return lambda *given: (*results(*given), *(given[k] for k in kept), *marks)
+
+    return traced
 
 
 def flat(wanted: Array, shapes: Any) -> Array:
@@ -182,7 +248,8 @@ def _rest(tower: TowerModel, q: Array, shapes: Any, forces: Array) -> tuple[list
     """What all algorithms under constraints leave in a Data, and what in the data of the constraints."""
     parts = np.split(forces, np.cumsum([shape[0] for shape in shapes])[:-1])
     places = stacked(algorithms.joint_poses(tower, q))
-    matrices = [algorithms.mass_matrix(tower, q), algorithms.joint_jacobians(tower, q), places, q, q, q]
+    com, J = algorithms.center_of_mass(tower, q), algorithms.joint_jacobians(tower, q)
+    matrices = [algorithms.mass_matrix(tower, q), com, J, places, q, q]
     return matrices, [np.concatenate([part, np.zeros(6 - len(part))]) for part in parts]
 
 

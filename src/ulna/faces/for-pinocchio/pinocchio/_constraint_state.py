@@ -9,7 +9,7 @@ import numpy as np
 
 from pinocchio._constraint_kernels import bonds_of
 from pinocchio._constraints import RigidConstraintData
-from pinocchio._kinematics import stacked
+from pinocchio._late_fields import stacked
 from ulna import algorithms
 from ulna.algorithms.constraint_twists import constraint_twists, frame_of
 from ulna.model import Model as TowerModel

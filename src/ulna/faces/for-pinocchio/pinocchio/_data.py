@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import copy
+from array import array
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from pinocchio._arrays import StdVec, views
 from pinocchio._inertia import Inertia
-from pinocchio._runs import Runs
+from pinocchio._runs import ALGORITHMS, Runs
 from pinocchio._saved import Saved
 from pinocchio._se3 import SE3
-from pinocchio._states import ACOM, COM, FROZEN, MASS, STATES, VCOM, States, engine_for, frames_fit
+from pinocchio._states import STATES, States, Waiting, engine_for, frames_fit
 from pinocchio._vectors import Force, Motion
 from ulna.typing import Floats
 
@@ -24,18 +25,16 @@ if TYPE_CHECKING:
 __all__ = ["Data", "engine_for", "frames_fit"]
 
 
-class _Masses(StdVec[Any]):
-    """Per-joint values of which the first is there, and the others are computed when they are asked for."""
+class _PerJoint(StdVec[Any]):
+    """Values of the joints, which are computed when they are read; that of the universe may be there before."""
 
-    def __init__(self, data: Data, bit: int, entries: Any) -> None:
+    def __init__(self, data: Data, name: str, entries: Any) -> None:
         super().__init__(entries)
-        self._data, self._bit = data, bit
+        self._data, self._name = data, name
 
     def __getitem__(self, key: Any) -> Any:
-        if (key != 0 or self._bit == MASS) and self._data._due & (self._bit | self._bit << FROZEN):
-            from pinocchio._masses import fill_subtrees
-
-            fill_subtrees(self._data, self._bit)
+        if key != 0 or self._name == "mass":
+            self._data.read(self._name)
         return super().__getitem__(key)
 
     def __iter__(self) -> Any:
@@ -84,6 +83,9 @@ _FORCES = ("f", "h", "of", "oh")
 _MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
 _CENTRES = ("com", "vcom", "acom")
 _KEPT = ("kinetic_energy", "potential_energy", "mechanical_energy")
+_WHOLE = {"hg": Force, "dhg": Force, "Ig": Inertia}
+_LISTS = ("liMi", *_MOTIONS, *_FORCES, *_CENTRES, "mass")
+_FIELDS = (*_MATRICES, *_WHOLE, *_LISTS)
 
 
 @final
@@ -131,6 +133,10 @@ class Data(Saved, States):
         com: StdVec[Floats]
         vcom: StdVec[Floats]
         acom: StdVec[Floats]
+        mass: StdVec[float]
+        hg: Force
+        dhg: Force
+        Ig: Inertia
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -157,48 +163,47 @@ class Data(Saved, States):
             self._blocks[name] = np.zeros((nj, 3))
         for name, inputs in STATES.items():
             self._blocks |= {f"{name} {x}": np.zeros(sizes[x]) for x in inputs}
+        self._blocks |= {"hg": np.zeros(6), "dhg": np.zeros(6), "Ig": np.zeros(13)}
         self._blocks |= {
-            "hg": np.zeros(6),
-            "dhg": np.zeros(6),
-            "Ig": np.zeros(13),
             "energy K": np.zeros(()),
             "energy P": np.zeros(()),
+            "gravity by q": np.zeros((nv, nv)),
         }
         self._blocks["a_gf"][0] = -model.gravity.vector
-        self._fill_views()
+        self._known: set[str] = set()
+        self._begin()
         self.kinetic_energy = self.potential_energy = self.mechanical_energy = 0.0
+        self._bound: Any = None
+        self._damped: Any = None
         self._engine: Engine | None = None
+
+    def _begin(self) -> None:
+        """What belongs to these very arrays."""
+        blocks = self._blocks
+        self._marks = array("d", bytes(8 * len(_FIELDS)))
+        self._marked = np.frombuffer(self._marks)
+        self._waiting: dict[str, Waiting] = {}
         self._run = Runs()
         self._run_at: dict[Any, Any] = {}  # what makes Jacobians of frames, by index and reference
-        self._due = 0
-        self._frozen: dict[int, Any] = {}
-        self._known: set[str] = set()
-        self._bound: Any = None
         self._ties: list[Any] = []
-        self._damped: Any = None
-
-    def _fill_views(self) -> None:
-        blocks = self._blocks
         self.oMi: StdVec[SE3] = views(SE3, blocks["oMi"])
         self.oMf: StdVec[SE3] = views(SE3, blocks["oMf"])
-        self.hg, self.dhg = Force._of(blocks["hg"]), Force._of(blocks["dhg"])
-        self.Ig = Inertia._of(blocks["Ig"])
-        self._lists: dict[str, Any] = {"liMi": views(SE3, blocks["liMi"])}
+        self._lists: dict[str, Any] = {name: cls._of(blocks[name]) for name, cls in _WHOLE.items()}
+        self._lists["liMi"] = views(SE3, blocks["liMi"])
         self._lists |= {n: views(Motion, blocks[n]) for n in _MOTIONS}
         self._lists |= {n: views(Force, blocks[n]) for n in _FORCES}
-        for name, bit in zip(_CENTRES, (COM, VCOM, ACOM), strict=True):
-            self._lists[name] = _Masses(self, bit, blocks[name])
-        self.mass: Any = _Masses(self, MASS, [-1.0] * len(blocks["com"]))
-        self._tails = {n: blocks[n][1:] for n in (*_POSES, *_MOTIONS, *_FORCES)}
-        self._heads = {f"{n}[0]": blocks[n][0] for n in _CENTRES}
+        self._lists |= {n: _PerJoint(self, n, blocks[n]) for n in _CENTRES}
+        self._lists["mass"] = _PerJoint(self, "mass", [-1.0] * len(blocks["com"]))
+        per_joint = ("oMi", *_LISTS[:-1])
+        self._tails = {n: blocks[n][1:] for n in per_joint}
+        self._heads = {f"{n}[0]": blocks[n][0] for n in per_joint}
 
     @property
     def joints(self) -> StdVec[Any]:
         """For each joint its placement, motion subspace, velocity and bias, at the state of the last algorithm."""
         from pinocchio._joint_data import states
 
-        moves = self._qv is not None and self._q is not None and np.array_equal(self._qv[0], self._q)
-        return states(self._model, self._q, self._qv[1] if moves and self._qv else None)
+        return states(self._model, self._q_of_joints, self._qv_of_joints)
 
     def copy(self) -> Data:
         """One of its own, with the same numbers."""
@@ -209,11 +214,11 @@ class Data(Saved, States):
         out = object.__new__(Data)
         out.__dict__.update(self.__dict__)
         out._blocks = {k: b.copy() for k, b in self._blocks.items()}
-        out._run, out._run_at = Runs(), {}
-        out._bound, out._ties = self._bound and self._bound.copied(), []
-        out._frozen, out._known = dict(self._frozen), set(self._known)
-        out._fill_views()
-        list.__setitem__(out.mass, slice(None), list(list.__iter__(self.mass)))
+        out._known = set(self._known)
+        out._bound = self._bound and self._bound.copied()
+        out._begin()
+        out._marked[...] = self._marked
+        list.__setitem__(out._lists["mass"], slice(None), list.__iter__(self._lists["mass"]))
         return out
 
     __copy__ = copy
@@ -221,14 +226,23 @@ class Data(Saved, States):
     def __getstate__(self) -> dict[str, Any]:
         self.settle()
         told = {name: getattr(self, name) for name in _KEPT}
-        return {"model": self._model, "blocks": self._blocks, "mass": list(self.mass), **told}
+        spoilt = {
+            name: ALGORITHMS[int(self._marks[k]) - 1].name for name, k in self.slots.items() if self._marks[k]
+        }
+        mass = list(list.__iter__(self._lists["mass"]))
+        return {"model": self._model, "blocks": self._blocks, "mass": mass, "spoilt": spoilt, **told}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         told = dict(state)
         self.__init__(told.pop("model"))
         self._blocks = told.pop("blocks")
-        self._fill_views()
-        list.__setitem__(self.mass, slice(None), told.pop("mass"))
+        self._begin()
+        list.__setitem__(self._lists["mass"], slice(None), told.pop("mass"))
+        for algorithm in ALGORITHMS:
+            for name, by in told["spoilt"].items():
+                if by == algorithm.name:
+                    self._marks[self.slots[name]] = float(algorithm.number)
+        del told["spoilt"]
         for name, value in told.items():
             setattr(self, name, value)
 
@@ -236,7 +250,7 @@ class Data(Saved, States):
         if not isinstance(other, Data):
             return NotImplemented
         mine, theirs = self.__getstate__()["blocks"], other.__getstate__()["blocks"]
-        same = mine.keys() == theirs.keys() and all(np.array_equal(b, theirs[n]) for n, b in mine.items())
+        same = all(np.array_equal(b, theirs[n]) for n, b in mine.items() if " " not in n)
         return same and all(getattr(self, name) == getattr(other, name) for name in _KEPT)
 
     __hash__ = object.__hash__
@@ -255,25 +269,35 @@ class Data(Saved, States):
 
 
 def _block(name: str) -> property:
+    slot = Data.slots[name]
+
     def get(self: Data) -> Floats:
+        if self._marks[slot]:
+            self.read(name)
         return self._blocks[name]
 
     def put(self: Data, value: Any) -> None:
         self._blocks[name][...] = value
+        self._marks[slot] = 0.0
 
     return property(get, put, doc=f"`{name}` as the last algorithm left it, live; assigning copies into it.")
 
 
-def _list(name: str) -> property:
+def _entries(name: str) -> property:
+    slot = Data.slots[name]
+    if name in (*_CENTRES, "mass"):  # which know of themselves what is to be computed
+        return property(lambda self: self._lists[name], doc=f"`{name}` of what every joint moves, live.")
+
     def get(self: Data) -> Any:
-        if self._due or name[0] == "o":
-            self.pull(name)
+        if self._marks[slot]:
+            self.read(name)
         return self._lists[name]
 
-    return property(get, doc=f"`{name}` of every joint as the last algorithm left it, live references.")
+    return property(get, doc=f"`{name}` as the last algorithm left it, live references.")
 
 
+Data.slots = {name: k for k, name in enumerate(_FIELDS)}
 for _name in _MATRICES:
     setattr(Data, _name, _block(_name))
-for _name in ("liMi", *_MOTIONS, *_FORCES, *_CENTRES):
-    setattr(Data, _name, _list(_name))
+for _name in (*_WHOLE, *_LISTS):
+    setattr(Data, _name, _entries(_name))

@@ -1,24 +1,26 @@
-"""Derivatives of dynamics and of kinematics by configuration, velocity and acceleration."""
+"""Derivatives of dynamics by configuration, velocity and acceleration."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import index, vector
-from pinocchio._data import Data, engine_for
-from pinocchio._dynamics import computeGeneralizedGravity, computeStaticTorque, external, under_forces
-from pinocchio._enums import ReferenceFrame, reference_of
-from pinocchio._jacobians import RATES, computeJointJacobians, computeJointJacobiansTimeVariation, rates
-from pinocchio._kinematics import at_frame, at_joint, forwardKinematics, rows
-from pinocchio._masses import ccrba, computeCentroidalMomentumTimeVariation
+from pinocchio._arrays import vector
+from pinocchio._data import Data
+from pinocchio._dynamics import external, rnea, under_forces
+from pinocchio._jacobians import (
+    COLUMNS,
+    RATES,
+    columns,
+    computeJointJacobians,
+    rates,
+)
+from pinocchio._late_fields import BODIES, CENTRES, IN_WORLD, OA, OV, OWN, SLOPES, rows
+from pinocchio._masses import about_origin, as_one_body
 from pinocchio._model import Model
-from pinocchio._runs import Algorithm, run
-from pinocchio._states import NOT_MOTION, NOT_SPEED, OWN
+from pinocchio._runs import Algorithm, refuse, run
 from ulna import algorithms
-from ulna.model import Frame
 from ulna.model import Model as TowerModel
 from ulna.recipes.base import with_mass
 from ulna.typing import Array, Floats
@@ -26,18 +28,10 @@ from ulna.typing import Array, Floats
 __all__ = [
     "computeABADerivatives",
     "computeCentroidalDynamicsDerivatives",
-    "computeForwardKinematicsDerivatives",
     "computeGeneralizedGravityDerivatives",
     "computeRNEADerivatives",
     "computeStaticTorqueDerivatives",
-    "getCenterOfMassVelocityDerivatives",
     "getCentroidalDynamicsDerivatives",
-    "getFrameAccelerationDerivatives",
-    "getFrameVelocityDerivatives",
-    "getJointAccelerationDerivatives",
-    "getJointVelocityDerivatives",
-    "getPointClassicAccelerationDerivatives",
-    "getPointVelocityDerivatives",
 ]
 
 
@@ -45,8 +39,18 @@ def _inverse(model: TowerModel) -> Any:
     def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
         found = algorithms.inverse_dynamics_derivatives(model, q, v, a)
         gains = rows(algorithms.joint_accelerations(model, q, v, a))
-        state = (q, v, a, gains, q, v, a)
-        return (*found, algorithms.inverse_dynamics(model, q, v, a), *state, *rates(model)(q, v))
+        return (
+            *found,
+            algorithms.inverse_dynamics(model, q, v, a),
+            q,
+            v,
+            a,
+            gains,
+            q,
+            v,
+            a,
+            *rates(model)(q, v),
+        )
 
     return run
 
@@ -55,25 +59,84 @@ def _forward(model: TowerModel) -> Any:
     def run(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
         by_q, by_v, by_tau = algorithms.forward_dynamics_derivatives(model, q, v, tau)
         ddq = algorithms.forward_dynamics(model, q, v, tau)
-        return by_q, by_v, by_tau, by_tau, ddq, *rates(model)(q, v)
+        return by_q, by_v, by_tau, by_tau, ddq, ddq, *rates(model)(q, v)
 
     return run
 
 
+def _weight(model: TowerModel) -> Any:
+    def run(q: Array) -> tuple[Array, ...]:
+        rest = np.zeros(model.nv)
+        by_q, _, _ = algorithms.inverse_dynamics_derivatives(model, q, rest, rest)
+        lift = np.concatenate([-np.asarray(model.gravity), np.zeros(3)])
+        return by_q, algorithms.gravity_forces(model, q), lift, *columns(model)(q)
+
+    return run
+
+
+def _momenta(model: TowerModel) -> Any:
+    def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
+        found = algorithms.centroidal_derivatives(model, q, v, a)
+        Ag = algorithms.centroidal_matrix(model, q)
+        hg, rate = Ag @ v, algorithms.centroidal_momentum_rate(model, q, v, a)
+        gains = rows(algorithms.joint_accelerations(model, q, v, a))
+        whole = about_origin(model, q, hg), about_origin(model, q, rate), as_one_body(model, q)
+        com = algorithms.center_of_mass(model, q)
+        return *found, Ag, hg, rate, *whole, com, gains, q, v, a, *rates(model)(q, v)
+
+    return run
+
+
+_STEPS = ("dFda", "dFdq", "dFdv")
 _STATE = ("derivatives q", "derivatives v", "derivatives a")
+_GAINED = ("a", "gains q", "gains v", "gains a")
+_IN_WORLD = {name: late for name, late in BODIES.items() if name in ("oa_gf", "of", "oh")}
 _RNEA = Algorithm(
     "rnea_derivatives",
     "qva",
-    ("dtau_dq", "dtau_dv", "M", "tau", *_STATE, "a", "gains q", "gains v", "gains a", *RATES),
+    ("dtau_dq", "dtau_dv", "M", "tau", *_STATE, *_GAINED, *RATES),
     _inverse,
     (0, 1, 2),
+    late=OWN | OV | OA | _IN_WORLD,
+    spoils=_STEPS,
+    title="computeRNEADerivatives",
 )
 _ABA = Algorithm(
     "aba_derivatives",
     "qvt",
-    ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq", *RATES),
+    ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq", "aba_derivatives a", *RATES),
     with_mass(_forward),
     (0, 1, 2),
+    late=OWN | OV | OA | _IN_WORLD | SLOPES,
+    spoils=_STEPS,
+    title="computeABADerivatives",
+)
+_WEIGHT = Algorithm(
+    "gravity_derivatives",
+    "q",
+    ("gravity by q", "g", "oa_gf[0]", *COLUMNS),
+    _weight,
+    (0,),
+    late=OWN | {"of": BODIES["of"]},
+    spoils=("Ag", "dFdq"),
+    title="derivatives of torques against gravity",
+)
+_MOMENTA = Algorithm(
+    "centroidal_derivatives",
+    "qva",
+    (
+        *("dHdq", "dFdq", "dFdv", "dFda", "Ag", "hg", "dhg", "oh[0]", "of[0]", "Ig", "com[0]"),
+        *(*_GAINED, *RATES),
+    ),
+    _momenta,
+    (0, 1, 2, 3),
+    late=OWN | OV | OA | CENTRES | IN_WORLD,
+    spoils=("tau",),
+    title="computeCentroidalDynamicsDerivatives",
+)
+
+_LATER_MOMENTA = Algorithm(
+    "later_momenta", "", (), refuse, spoils=("of",), title="getCentroidalDynamicsDerivatives"
 )
 
 
@@ -86,163 +149,78 @@ def computeRNEADerivatives(
         found = step(q, v, a) if data._model is model else NotImplemented
         if found is NotImplemented:
             found = run(model, data, _RNEA, q, v, a)
-        data._due = data._due & NOT_MOTION | OWN
         return found
     F, engine = external(fext, model.njoints), data.attach(model)
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
     found = under_forces(engine, algorithms.inverse_dynamics_derivatives, *state, F)
-    for name, block in zip(("dtau_dq", "dtau_dv", "M"), found, strict=True):
-        data._blocks[name][:] = block
-    data._of_derivatives = state
-    forwardKinematics(model, data, *state)
-    computeJointJacobiansTimeVariation(model, data, *state[:2])
+    computeRNEADerivatives(model, data, *state)
+    data.dtau_dq, data.dtau_dv, data.M = found
+    data.tau = under_forces(engine, algorithms.inverse_dynamics, *state, F)
+    data.leave(BODIES["of"], ("of",), engine, *(x.copy() for x in state), F)
     return found
 
 
 def computeABADerivatives(
-    model: Model, data: Data, q: Any, v: Any, tau: Any, fext: Any = None
+    model: Model, data: Data, q: Any = None, v: Any = None, tau: Any = None, fext: Any = None
 ) -> tuple[Floats, Floats, Floats]:
-    """Derivatives of the accelerations by q, v and tau (the inverse mass matrix), (nv, nv) each; kept in `data`."""
+    """Derivatives of the accelerations by q, v and tau (the inverse mass matrix), (nv, nv) each; kept in `data`.
+
+    Without q, v and tau, those of the last aba; forces on the joints may stand in their place.
+    """
+    if v is None:
+        fext = q if fext is None else fext
+        q, v, ddq = (x.copy() for x in data.require(data._of_forward, "aba(model, data, q, v, tau)"))
+        tau = rnea(model, data, q, v, ddq, fext)
     if fext is None:
         step = data._run.aba_derivatives
         found = step(q, v, tau) if data._model is model else NotImplemented
         if found is NotImplemented:
             found = run(model, data, _ABA, q, v, tau)
-        data._due = data._due & NOT_SPEED | OWN
         return found
     F, engine = external(fext, model.njoints), data.attach(model)
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(tau, model.nv, "tau")
     found = under_forces(engine, algorithms.forward_dynamics_derivatives, *state, F)
     ddq = under_forces(engine, algorithms.forward_dynamics, *state, F)
-    for name, block in zip(
-        ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq"), (*found, found[2], ddq), strict=True
-    ):
-        data._blocks[name][:] = block
-    computeJointJacobiansTimeVariation(model, data, *state[:2])
+    computeABADerivatives(model, data, *state)
+    data.ddq_dq, data.ddq_dv, data.ddq_dtau, data.Minv, data.ddq = *found, found[2], ddq
+    moved = state[0].copy(), state[1].copy(), ddq.copy()
+    data.leave(OA["oa"], ("oa",), engine, *moved)
+    data.leave(BODIES["of"], tuple(_IN_WORLD), engine, *moved, F)
+    data.leave(SLOPES["dtau_dq"], tuple(SLOPES), engine, *moved, F)
     return tuple(found)
 
 
 def computeGeneralizedGravityDerivatives(model: Model, data: Data, q: Any) -> Floats:
     """The derivative (nv, nv) of the torques against gravity by q."""
-    q, rest = vector(q, model.nq, "q"), np.zeros(model.nv)
-    computeGeneralizedGravity(model, data, q)
-    computeJointJacobians(model, data, q)
-    return engine_for(model, data).kernel("inverse_dynamics_derivatives")(q, rest, rest)[0]
+    step = data._run.gravity_derivatives
+    found = step(q) if data._model is model else NotImplemented
+    return run(model, data, _WEIGHT, q) if found is NotImplemented else found
 
 
 def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     """The derivative (nv, nv) of the torques against gravity and forces on the joints by q."""
     q, rest, F = vector(q, model.nq, "q"), np.zeros(model.nv), external(fext, model.njoints)
-    computeStaticTorque(model, data, q, fext)
     computeJointJacobians(model, data, q)
-    engine = engine_for(model, data)
+    engine = data.attach(model)
+    data.tau = under_forces(engine, algorithms.static_torque, q, F)
+    data._blocks["oa_gf"][0] = -model.gravity.vector
+    data.leave(BODIES["of"], ("of",), engine, q.copy(), rest, rest, F)
+    data.spoil(_WEIGHT)
     return under_forces(engine, algorithms.inverse_dynamics_derivatives, q, rest, rest, F)[0]
-
-
-def computeForwardKinematicsDerivatives(model: Model, data: Data, q: Any, v: Any, a: Any = None) -> None:
-    """Prepares the derivatives of velocities and accelerations of joints and frames."""
-    a = np.zeros(model.nv) if a is None else a
-    forwardKinematics(model, data, q, v, a)
-    computeJointJacobiansTimeVariation(model, data, q, v)
-
-
-def getJointVelocityDerivatives(
-    model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
-) -> tuple[Floats, Floats]:
-    """Derivatives of a joint's velocity by q and v, (6, nv) each."""
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, False)
-
-
-def getFrameVelocityDerivatives(
-    model: Model, data: Data, *place: Any, reference_frame: Any = None
-) -> tuple[Floats, Floats]:
-    """Derivatives of a frame's velocity (its index, or a joint's and a placement) by q and v, (6, nv) each."""
-    *where, rf = place if reference_frame is None else (*place, reference_frame)
-    key, given = at_frame(model, tuple(where))
-    return _motions(model, data, key, given, rf, False)
-
-
-def getJointAccelerationDerivatives(
-    model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
-) -> tuple[Floats, ...]:
-    """Derivatives of a joint's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, True)
-
-
-def getFrameAccelerationDerivatives(
-    model: Model, data: Data, *place: Any, reference_frame: Any = None
-) -> tuple[Floats, ...]:
-    """Derivatives of a frame's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
-    *where, rf = place if reference_frame is None else (*place, reference_frame)
-    key, given = at_frame(model, tuple(where))
-    return _motions(model, data, key, given, rf, True)
-
-
-def _motions(model: Model, data: Data, key: Any, given: Frame | None, rf: Any, with_a: bool) -> Any:
-    reference = reference_of(rf)
-    state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
-
-    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
-        frame = frames[key] if given is None else given
-
-        return lambda q, v, a: algorithms.motion_derivatives(tower, q, v, a, frame, reference)
-
-    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    kernel = engine_for(model, data).of_frame(("derivatives", key, reference), build, **shapes)
-    V_q, V_v, *of_a = kernel(*state)
-    return (V_q, *of_a) if with_a else (V_q, V_v)
-
-
-def getPointVelocityDerivatives(
-    model: Model, data: Data, joint_id: int, placement: Any, reference_frame: ReferenceFrame
-) -> tuple[Floats, Floats]:
-    """Derivatives of the velocity of a point on a joint by q and v, (3, nv) each, in LOCAL or LOCAL_WORLD_ALIGNED."""
-    return _point(model, data, joint_id, placement, reference_frame)[:2]
-
-
-def getPointClassicAccelerationDerivatives(
-    model: Model, data: Data, joint_id: int, placement: Any, reference_frame: ReferenceFrame
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Derivatives of that velocity by q, and of the point's acceleration by q, v and a, (3, nv) each."""
-    u_q, _, *rest = _point(model, data, joint_id, placement, reference_frame)
-    return (u_q, *rest)
-
-
-def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> Any:
-    key, frame = at_frame(model, (joint_id, placement))
-    state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
-    reference: Any = reference_of(rf)
-
-    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
-        return lambda q, v, a: algorithms.point_derivatives(tower, q, v, a, frame, reference)
-
-    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    return engine_for(model, data).of_frame(("point", key, reference), build, **shapes)(*state)
 
 
 def computeCentroidalDynamicsDerivatives(
     model: Model, data: Data, q: Any, v: Any, a: Any
 ) -> tuple[Floats, ...]:
     """Derivatives of the centroidal momentum by q, and of its rate by q, v and a, (6, nv) each."""
-    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
-    found = engine_for(model, data).kernel("centroidal_derivatives")(*state)
-    for name, block in zip(("dHdq", "dFdq", "dFdv", "dFda"), found, strict=True):
-        data._blocks[name][:] = block
-    computeCentroidalMomentumTimeVariation(model, data, *state)
-    ccrba(model, data, *state[:2])
-    computeJointJacobiansTimeVariation(model, data, *state[:2])
-    return found
+    step = data._run.centroidal_derivatives
+    found = step(q, v, a) if data._model is model else NotImplemented
+    return run(model, data, _MOMENTA, q, v, a) if found is NotImplemented else found
 
 
 def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Floats, ...]:
     """The same at the state of the last computeRNEADerivatives."""
     state = data.require(data._of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
-    return computeCentroidalDynamicsDerivatives(model, data, *state)
-
-
-def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
-    """The derivative (3, nv) of the velocity of the centre of mass by q."""
-    q, v = data.require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
-    return engine_for(model, data).kernel("com_velocity_derivatives")(q, v)[0]
+    found = computeCentroidalDynamicsDerivatives(model, data, *state)
+    data.spoil(_LATER_MOMENTA)
+    return found

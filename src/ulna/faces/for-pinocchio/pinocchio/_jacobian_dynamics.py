@@ -10,6 +10,7 @@ import numpy as np
 from pinocchio._arrays import exact, numbers
 from pinocchio._data import Data
 from pinocchio._dynamics import computeAllTerms, crba
+from pinocchio._enums import Convention
 from pinocchio._factored import Factored, kernels_for, without_factors
 from pinocchio._model import Model
 from pinocchio._proximal import damping_of
@@ -138,7 +139,7 @@ def impact_with_jacobian(
     told: Any = state
     if len(told) > 2 and np.ndim(told[2]) == 2:
         q, *told = told
-        crba(model, data, q)
+        crba(model, data, q, Convention.WORLD)
     if not 2 <= len(told) <= 4:
         raise InputError(
             "impulseDynamics takes (model, data, q, v, constraints, datas), or (model, data, [q,] v, J) with a "
@@ -154,7 +155,7 @@ def computeKKTContactDynamicMatrixInverse(
     model: Model, data: Data, q: Any, constraint_jacobian: Any, damping: float = 0.0
 ) -> Floats:
     """The inverse of [[M, J^T], [J, -damping 1]], (nv + m, nv + m)."""
-    crba(model, data, q)
+    crba(model, data, q, Convention.WORLD)
     return _run(model, data, "inverse", constraint_jacobian, damping)[1]
 
 

@@ -10,10 +10,18 @@ import numpy as np
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
 from pinocchio._enums import ReferenceFrame, reference_of
-from pinocchio._kinematics import LOCAL, at_frame, at_joint, rows, split, stacked
+from pinocchio._kinematics import (
+    LOCAL,
+    at_frame,
+    at_joint,
+    forwardKinematics,
+    split,
+    updateFramePlacement,
+    updateFramePlacements,
+)
+from pinocchio._late_fields import OV, OWN, rows, stacked
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, Scratch, refuse, run
-from pinocchio._states import NOT_SPEED, OWN
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
 from ulna.model import Frame
@@ -42,7 +50,6 @@ def columns(model: TowerModel) -> Any:
         stacked(algorithms.joint_poses(model, q)),
         q,
         q,
-        q,
     )
 
 
@@ -56,17 +63,10 @@ def rates(model: TowerModel) -> Any:
     return run
 
 
-COLUMNS = ("J", "oMi", "places q", "own q", "jacobians q")
+COLUMNS = ("J", "oMi", "places q", "jacobians q")
 RATES = ("dJ", *COLUMNS, "rates q", "rates v", "v", "speeds q", "speeds v")
-_J = Algorithm("columns", "q", COLUMNS, columns, (0,), on="places")
-_DJ = Algorithm(
-    "rates",
-    "qv",
-    RATES,
-    rates,
-    (0,),
-    on="places",
-)
+_J = Algorithm("columns", "q", COLUMNS, columns, (0,), on="places", late=OWN)
+_DJ = Algorithm("joint_rates", "qv", RATES, rates, (0,), on="places", late=OWN | OV)
 
 
 def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
@@ -77,7 +77,6 @@ def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
     J = step(q) if data._model is model else NotImplemented
     if J is NotImplemented:
         J = run(model, data, _J, q)
-    data._due |= OWN
     return J
 
 
@@ -100,6 +99,7 @@ def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Flo
     """The Jacobian (6, nv) of a joint in LOCAL."""
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
     q = vector(q, model.nq, "q")
+    data.moved(data.attach(model), q)
     return _jacobian(model, data, "local", ("joint", joint), at_joint(joint))(q)
 
 
@@ -167,7 +167,12 @@ def computeFrameJacobian(
 ) -> Floats:
     """The Jacobian (6, nv) of a frame at q."""
     key, _ = at_frame(model, (frame_id,))
-    return _jacobian(model, data, reference_of(reference_frame), key, None)(vector(q, model.nq, "q"))
+    reference, q = reference_of(reference_frame), vector(q, model.nq, "q")
+    if reference == "local":
+        data.moved(data.attach(model), q)
+    else:
+        forwardKinematics(model, data, q)
+    return _jacobian(model, data, reference, key, None)(q)
 
 
 def _jacobian(model: Model, data: Data, reference: Reference, key: Any, given: Frame | None) -> Any:
@@ -185,11 +190,10 @@ def _jacobian(model: Model, data: Data, reference: Reference, key: Any, given: F
 
 def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """Fills `data.dJ` (columns in WORLD) and `data.J`; returns dJ (6, nv)."""
-    step = data._run.rates
+    step = data._run.joint_rates
     dJ = step(q, v) if data._model is model else NotImplemented
     if dJ is NotImplemented:
         dJ = run(model, data, _DJ, q, v)
-    data._due = data._due & NOT_SPEED | OWN
     return dJ
 
 
@@ -206,7 +210,9 @@ def getFrameJacobianTimeVariation(
 ) -> Floats:
     """The time derivative (6, nv) of a frame's Jacobian, after computeJointJacobiansTimeVariation."""
     key, _ = at_frame(model, (frame_id,))
-    return _jacobian_dot(model, data, reference_of(reference_frame), key, None)
+    found = _jacobian_dot(model, data, reference_of(reference_frame), key, None)
+    updateFramePlacement(model, data, key)
+    return found
 
 
 def frameJacobianTimeVariation(
@@ -214,6 +220,7 @@ def frameJacobianTimeVariation(
 ) -> Floats:
     """The time derivative (6, nv) of a frame's Jacobian."""
     computeJointJacobiansTimeVariation(model, data, q, v)
+    updateFramePlacements(model, data)
     return getFrameJacobianTimeVariation(model, data, frame_id, reference_frame)
 
 

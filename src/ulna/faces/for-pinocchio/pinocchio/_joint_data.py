@@ -150,10 +150,12 @@ def data_of(joint: JointModel) -> JointData:
     return data
 
 
-def states(model: Model, q: Floats | None, v: Floats | None) -> StdVec[JointData]:
-    """The data of all joints of a model at a state; at the neutral one without."""
+def states(model: Model, q: Floats | None, moving: tuple[Floats, Floats] | None) -> StdVec[JointData]:
+    """The data of all joints of a model: placements at q, velocities and biases at a state that may be another one."""
     out = StdVec(data_of(joint) for joint in model.joints)
     for joint, data in zip(model.joints[1:], out[1:], strict=True):
+        if moving is not None:
+            joint.calc(data, *moving)
         if q is not None:
-            joint.calc(data, q, v)
+            joint.calc(data, q)
     return out

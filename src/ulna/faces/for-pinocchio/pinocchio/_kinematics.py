@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pinocchio._arrays import index
 from pinocchio._data import Data, engine_for, frames_fit
 from pinocchio._enums import ReferenceFrame, reference_of
+from pinocchio._keywords import by_name
+from pinocchio._late_fields import OA, OV, OWN, rows, stacked
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, Scratch, run
 from pinocchio._se3 import SE3
-from pinocchio._states import NOT_MOTION, NOT_SPEED, OWN
 from pinocchio._vectors import Motion
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
@@ -23,9 +24,6 @@ from ulna.model import Model as TowerModel
 from ulna.numeric import cross
 from ulna.trace import compile as compile_function
 from ulna.typing import Array, Floats
-
-if TYPE_CHECKING:
-    from pinocchio._engine import Engine
 
 __all__ = [
     "forwardKinematics",
@@ -45,40 +43,16 @@ LOCAL = ReferenceFrame.LOCAL
 _HERE = np.eye(4)
 
 
-def stacked(poses: Sequence[spatial.SE3]) -> Array:
-    """Placements as one array (n, 4, 4)."""
-    return np.stack([T.matrix() for T in poses]) if poses else np.zeros((0, 4, 4))
-
-
-def rows(motions: Sequence[Any]) -> Array:
-    """Motions or forces as one array (n, 6)."""
-    return np.stack([m.vector() for m in motions]) if motions else np.zeros((0, 6))
-
-
-def own_poses(model: TowerModel, q: Array) -> Array:
-    """Each joint in the frame of the joint before it, (n, 4, 4)."""
-    return stacked([j.placement @ j.kind.transform(j.q_of(q)) for j in model.joints])
-
-
 def _run0(model: TowerModel) -> Any:
-    return lambda q: (stacked(algorithms.joint_poses(model, q)), q, q)
+    return lambda q: (stacked(algorithms.joint_poses(model, q)), q)
 
 
 def _run1(model: TowerModel) -> Any:
     def run(q: Array, v: Array) -> tuple[Array, ...]:
         places = stacked(algorithms.joint_poses(model, q))
-        return places, q, q, rows(algorithms.joint_velocities(model, q, v)), q, v
+        return places, q, rows(algorithms.joint_velocities(model, q, v)), q, v
 
     return run
-
-
-def gains(engine: Engine, q: Floats, v: Floats, a: Floats) -> Floats:
-    """The accelerations of all joints, (n, 6)."""
-
-    def build(tower: TowerModel) -> Any:
-        return lambda q, v, a: rows(algorithms.joint_accelerations(tower, q, v, a))
-
-    return engine.made("gains", build, q=q.shape, v=v.shape, a=a.shape)(q, v, a)
 
 
 def _run2(model: TowerModel) -> Any:
@@ -91,12 +65,13 @@ def _run_frames(model: TowerModel, frames: Sequence[Frame]) -> Any:
     return lambda q: (*first(q), stacked(algorithms.frame_poses(model, q, frames)))
 
 
-_PLACED = ("oMi", "places q", "own q")
+_PLACED = ("oMi", "places q")
 _MOVED = (*_PLACED, "v", "speeds q", "speeds v")
-_FK = Algorithm("fk", "q", _PLACED, _run0, on="places")
-_FK1 = Algorithm("fk1", "qv", _MOVED, _run1, on="places")
-_FK2 = Algorithm("fk2", "qva", (*_MOVED, "a", "gains q", "gains v", "gains a"), _run2, on="places")
-_FRAMES = Algorithm("frames", "q", (*_PLACED, "oMf"), _run_frames, on="frames")
+_GAINED = ("a", "gains q", "gains v", "gains a")
+_FK = Algorithm("fk", "q", _PLACED, _run0, on="places", late=OWN)
+_FK1 = Algorithm("fk1", "qv", _MOVED, _run1, on="places", late=OWN | OV)
+_FK2 = Algorithm("fk2", "qva", (*_MOVED, *_GAINED), _run2, on="places", late=OWN | OV | OA)
+_FRAMES = Algorithm("frames", "q", (*_PLACED, "oMf"), _run_frames, on="frames", late=OWN)
 
 
 def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = None) -> None:
@@ -105,18 +80,14 @@ def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = 
         step = data._run.fk
         if data._model is not model or step(q) is NotImplemented:
             run(model, data, _FK, q)
-        data._due |= OWN
-        return
-    if a is None:
+    elif a is None:
         step = data._run.fk1
         if data._model is not model or step(q, v) is NotImplemented:
             run(model, data, _FK1, q, v)
-        data._due = data._due & NOT_SPEED | OWN
     else:
         step = data._run.fk2
         if data._model is not model or step(q, v, a) is NotImplemented:
             run(model, data, _FK2, q, v, a)
-        data._due = data._due & NOT_MOTION | OWN
 
 
 def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
@@ -125,7 +96,6 @@ def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
     if data._model is not model or step(q) is NotImplemented:
         frames_fit(model, data)
         run(model, data, _FRAMES, q)
-    data._due |= OWN
 
 
 def _carried(model: TowerModel, frames: Sequence[Frame]) -> Any:
@@ -160,7 +130,7 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
 def updateGlobalPlacements(model: Model, data: Data) -> None:
     """Fills `data.oMi` from `data.liMi`."""
     blocks = data._blocks
-    data.pull("liMi")
+    data.read("liMi")
     for i in range(1, model.njoints):
         np.matmul(blocks["oMi"][model.parents[i]], blocks["liMi"][i], out=blocks["oMi"][i])
 
@@ -212,16 +182,19 @@ def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -
     return _motion(model, data, kind, reference_of(rf), joint, _HERE)
 
 
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
 def getFrameVelocity(model: Model, data: Data, *place: Any, reference_frame: Any = None) -> Motion:
     """The velocity of a frame (its index, or a joint's and a placement), after forwardKinematics with v."""
     return _frame_motion(model, data, place, reference_frame, "velocity")
 
 
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
 def getFrameAcceleration(model: Model, data: Data, *place: Any, reference_frame: Any = None) -> Motion:
     """The spatial acceleration of a frame, after forwardKinematics with v and a; see `getFrameVelocity`."""
     return _frame_motion(model, data, place, reference_frame, "acceleration")
 
 
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
 def getFrameClassicalAcceleration(
     model: Model, data: Data, *place: Any, reference_frame: Any = None
 ) -> Motion:

@@ -1,4 +1,4 @@
-"""Centre of mass, centroidal momentum, energies, masses."""
+"""Centre of mass, centroidal momentum, masses."""
 
 from __future__ import annotations
 
@@ -6,16 +6,29 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import index, vector
+from pinocchio._arrays import index
 from pinocchio._data import Data, engine_for
+from pinocchio._enums import KinematicLevel
 from pinocchio._jacobians import COLUMNS, columns
-from pinocchio._kinematics import forwardKinematics, rows, stacked
+from pinocchio._late_fields import (
+    CENTRES,
+    CENTRES_1,
+    CENTRES_2,
+    MASSES,
+    MOMENTA,
+    OA,
+    OV,
+    OWN,
+    RATES_OF_MOMENTA,
+    rows,
+    stacked,
+)
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, run
-from pinocchio._states import ACOM, COM, MASS, NOT_MOTION, NOT_SPEED, OWN, VCOM
 from pinocchio._vectors import Force
 from ulna import algorithms
 from ulna.model import Model as TowerModel
+from ulna.numeric import cross
 from ulna.typing import Array, Floats
 
 __all__ = [
@@ -25,9 +38,6 @@ __all__ = [
     "computeCentroidalMapTimeVariation",
     "computeCentroidalMomentum",
     "computeCentroidalMomentumTimeVariation",
-    "computeKineticEnergy",
-    "computeMechanicalEnergy",
-    "computePotentialEnergy",
     "computeSubtreeMasses",
     "computeTotalMass",
     "dccrba",
@@ -36,13 +46,10 @@ __all__ = [
     "jacobianSubtreeCenterOfMass",
 ]
 
-_WORDS = ("center_of_mass", "center_of_mass_velocity", "center_of_mass_acceleration")
-_FIELDS = {COM: "com", VCOM: "vcom", ACOM: "acom"}
-
 
 def _centre(model: TowerModel) -> Any:
     def run(q: Array) -> tuple[Array, ...]:
-        return algorithms.center_of_mass(model, q), stacked(algorithms.joint_poses(model, q)), q, q, q
+        return algorithms.center_of_mass(model, q), stacked(algorithms.joint_poses(model, q)), q
 
     return run
 
@@ -52,7 +59,7 @@ def _centre1(model: TowerModel) -> Any:
 
     def run(q: Array, v: Array) -> tuple[Array, ...]:
         speeds = rows(algorithms.joint_velocities(model, q, v))
-        return *first(q), algorithms.center_of_mass_velocity(model, q, v), v, speeds, q, v
+        return *first(q), algorithms.center_of_mass_velocity(model, q, v), speeds, q, v
 
     return run
 
@@ -62,7 +69,7 @@ def _centre2(model: TowerModel) -> Any:
 
     def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
         gains = rows(algorithms.joint_accelerations(model, q, v, a))
-        return *first(q, v), algorithms.center_of_mass_acceleration(model, q, v, a), a, gains, q, v, a
+        return *first(q, v), algorithms.center_of_mass_acceleration(model, q, v, a), gains, q, v, a
 
     return run
 
@@ -70,18 +77,18 @@ def _centre2(model: TowerModel) -> Any:
 def _slope(model: TowerModel) -> Any:
     def run(q: Array) -> tuple[Array, ...]:
         com = algorithms.center_of_mass(model, q)
-        return algorithms.center_of_mass_jacobian(model, q), com, q, *columns(model)(q)
+        return algorithms.center_of_mass_jacobian(model, q), com, *columns(model)(q)
 
     return run
 
 
-_AT = ("com[0]", "oMi", "places q", "own q", "moments q")
-_AT1 = (*_AT, "vcom[0]", "moments v", "v", "speeds q", "speeds v")
-_AT2 = (*_AT1, "acom[0]", "moments a", "a", "gains q", "gains v", "gains a")
-_COM = Algorithm("centre", "q", _AT, _centre, (0,))
-_COM1 = Algorithm("centre1", "qv", _AT1, _centre1, (0,))
-_COM2 = Algorithm("centre2", "qva", _AT2, _centre2, (0,))
-_JCOM = Algorithm("slope", "q", ("Jcom", "com[0]", "moments q", *COLUMNS), _slope, (0,))
+_AT = ("com[0]", "oMi", "places q")
+_AT1 = (*_AT, "vcom[0]", "v", "speeds q", "speeds v")
+_AT2 = (*_AT1, "acom[0]", "a", "gains q", "gains v", "gains a")
+_COM = Algorithm("centre", "q", _AT, _centre, (0,), late=OWN | CENTRES)
+_COM1 = Algorithm("centre1", "qv", _AT1, _centre1, (0,), late=OWN | OV | CENTRES_1)
+_COM2 = Algorithm("centre2", "qva", _AT2, _centre2, (0,), late=OWN | OV | OA | CENTRES_2)
+_JCOM = Algorithm("slope", "q", ("Jcom", "com[0]", *COLUMNS), _slope, (0,), late=OWN | CENTRES)
 
 
 def centerOfMass(
@@ -96,46 +103,29 @@ def centerOfMass(
         found = step(q) if data._model is model else NotImplemented
         if found is NotImplemented:
             if q is None or isinstance(q, (int, np.integer)):
-                q = data.require(data._q, "forwardKinematics(model, data, q)")
+                q, v, a = _moved(data, q)
+                return centerOfMass(model, data, q, v, a)
             found = run(model, data, _COM, q)
-        data._due |= OWN | COM | MASS
     elif a is None or isinstance(a, bool):
         step = data._run.centre1
         found = step(q, v) if data._model is model else NotImplemented
         if found is NotImplemented:
             found = run(model, data, _COM1, q, v)
-        data._due = data._due & NOT_SPEED | OWN | COM | VCOM | MASS
     else:
         step = data._run.centre2
         found = step(q, v, a) if data._model is model else NotImplemented
         if found is NotImplemented:
             found = run(model, data, _COM2, q, v, a)
-        data._due = data._due & NOT_MOTION | OWN | COM | VCOM | ACOM | MASS
     return found
 
 
-def fill_subtrees(data: Data, bit: int) -> None:
-    """What was left of subtrees: the centre of what each joint moves, or a rate of it, in its frame; or the masses."""
-    due = data.claim(bit)
-    if due is None:
-        return
-    engine, *state = due
-    tower = engine.model
-    if bit == MASS:
-        _fill_masses(data, tower)
-        return
-    order = list(_FIELDS).index(bit)
-    poses = algorithms.joint_poses(tower, state[0])
-    for i, (joint, pose) in enumerate(zip(tower.joints, poses, strict=True), start=1):
-        if algorithms.total_mass(tower, joint.name) > 0.0:
-            found = engine.kernel(_WORDS[order], subtree=joint.name)(*state[: order + 1])
-            own = pose.rotation.T @ (found - pose.translation if order == 0 else found)
-            data._blocks[_FIELDS[bit]][i] = own
-
-
-def _fill_masses(data: Data, tower: TowerModel) -> None:
-    for i, name in enumerate((None, *tower.joint_names)):
-        list.__setitem__(data.mass, i, float(algorithms.total_mass(tower, name)))
+def _moved(data: Data, level: Any) -> list[Any]:
+    """The state that forwardKinematics left, up to what it was given, at least up to a KinematicLevel."""
+    q = data.require(data._q, "forwardKinematics(model, data, q)")
+    known = [(q,), *(s for s in (data._qv, data._qva) if s is not None and np.array_equal(s[0], q))]
+    if isinstance(level, KinematicLevel) and len(known[-1]) <= level:
+        data.require(None, "forwardKinematics(model, data, q, v, a)")
+    return [*(x.copy() for x in known[-1]), None, None][:3]
 
 
 def jacobianCenterOfMass(
@@ -148,8 +138,18 @@ def jacobianCenterOfMass(
     found = step(q) if data._model is model else NotImplemented
     if found is NotImplemented:
         found = run(model, data, _JCOM, q)
-    data._due |= OWN | COM | MASS
     return found
+
+
+_SUBTREE = Algorithm(
+    "subtree_slope",
+    "q",
+    ("com[0]", *COLUMNS),
+    lambda model: lambda q: _slope(model)(q)[1:],
+    late=OWN | CENTRES,
+    spoils=("Jcom",),
+    title="jacobianSubtreeCenterOfMass",
+)
 
 
 def jacobianSubtreeCenterOfMass(
@@ -158,31 +158,33 @@ def jacobianSubtreeCenterOfMass(
     """The Jacobian (3, nv) of the centre of mass of what a joint moves."""
     if subtree_root_joint_id is None:
         q, subtree_root_joint_id = data.require(data._q, "forwardKinematics(model, data, q)"), int(q)
-    joint = index(subtree_root_joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-    subtree = None if joint == 0 else model.names[joint]
-    return engine_for(model, data).kernel("center_of_mass_jacobian", subtree=subtree)(
-        vector(q, model.nq, "q")
-    )
+    if data._model is not model or data._run.subtree_slope(q) is NotImplemented:
+        run(model, data, _SUBTREE, q)
+    return _of_subtree(model, data, subtree_root_joint_id, data._blocks["places q"])
 
 
 def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_id: int) -> Floats:
     """The same after jacobianCenterOfMass."""
-    return jacobianSubtreeCenterOfMass(model, data, subtree_root_joint_id)
+    q = data.require(data._q_of_jacobians, "jacobianCenterOfMass(model, data, q)")
+    return _of_subtree(model, data, subtree_root_joint_id, q)
+
+
+def _of_subtree(model: Model, data: Data, root: int, q: Floats) -> Floats:
+    joint = index(root, model.njoints, "joint", "model.getJointId(name) gives one.")
+    subtree = None if joint == 0 else model.names[joint]
+    return engine_for(model, data).kernel("center_of_mass_jacobian", subtree=subtree)(q)
 
 
 def computeTotalMass(model: Model, data: Data | None = None) -> float:
     """The mass of all that moves [kg]; kept in `data.mass[0]`."""
-    mass = float(algorithms.total_mass(model.engine().model))
     if data is not None:
-        data.claim(MASS)
-        list.__setitem__(data.mass, 0, mass)
-    return mass
+        computeSubtreeMasses(model, data)
+    return float(algorithms.total_mass(model.engine().model))
 
 
 def computeSubtreeMasses(model: Model, data: Data) -> None:
     """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves."""
-    data.claim(MASS)
-    _fill_masses(data, data.attach(model).model)
+    data.leave(MASSES["mass"], ("mass",), data.attach(model))
 
 
 # momentum -----------------------------------------------------------------------------------------------
@@ -199,7 +201,7 @@ def _map_rate(model: TowerModel) -> Any:
             algorithms.centroidal_matrix_dot(model, q, v),
             algorithms.joint_jacobians_dot(model, q, v),
         )
-        return rate, Ag, J_rate, q, v, *_centre1(model)(q, v), J, q, rate @ v
+        return rate, Ag, J_rate, q, v, *_centre1(model)(q, v), J, q
 
     return run
 
@@ -210,9 +212,27 @@ def as_one_body(model: TowerModel, q: Array) -> Array:
     return np.concatenate([[algorithms.total_mass(model), 0.0, 0.0, 0.0], inertia])
 
 
+def about_origin(model: TowerModel, q: Array, about_centre: Array) -> Array:
+    """Momentum, or its rate, about the world's origin."""
+    linear, angular = about_centre[:3], about_centre[3:]
+    return np.concatenate([linear, angular + cross(algorithms.center_of_mass(model, q), linear)])
+
+
 def _momentum(model: TowerModel) -> Any:
-    first = _centre1(model)
-    return lambda q, v: (algorithms.centroidal_momentum(model, q, v), as_one_body(model, q), *first(q, v))
+    def run(q: Array, v: Array) -> tuple[Array, ...]:
+        hg = algorithms.centroidal_momentum(model, q, v)
+        return hg, as_one_body(model, q), about_origin(model, q, hg), *_centre1(model)(q, v)
+
+    return run
+
+
+def _momentum_rate(model: TowerModel) -> Any:
+    def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
+        rate = algorithms.centroidal_momentum_rate(model, q, v, a)
+        gains = rows(algorithms.joint_accelerations(model, q, v, a))
+        return rate, about_origin(model, q, rate), *_momentum(model)(q, v), gains, q, v, a
+
+    return run
 
 
 def _map_and_momentum(model: TowerModel) -> Any:
@@ -223,18 +243,21 @@ def _map_and_momentum(model: TowerModel) -> Any:
     return run
 
 
-_MAP = Algorithm("map", "q", ("Ag", "com[0]", "moments q", *COLUMNS), _map, (0,))
-_CCRBA = Algorithm(
-    "ccrba", "qv", ("Ag", "hg", "Ig", "com[0]", "moments q", *COLUMNS), _map_and_momentum, (0,)
+_LEFT = OWN | CENTRES
+_MAP = Algorithm("map", "q", ("Ag", "com[0]", *COLUMNS), _map, (0,), late=_LEFT)
+_CCRBA = Algorithm("ccrba", "qv", ("Ag", "hg", "Ig", "com[0]", *COLUMNS), _map_and_momentum, (0,), late=_LEFT)
+_DCCRBA = ("dAg", "Ag", "dJ", "rates q", "rates v", *_AT1, "J", "jacobians q")
+_MAP_RATE = Algorithm("map_rate", "qv", _DCCRBA, _map_rate, (0,), late=OWN | OV | CENTRES_1)
+_MOMENTUM = Algorithm(
+    "momentum", "qv", ("hg", "Ig", "h[0]", *_AT1), _momentum, late=OWN | OV | CENTRES_1 | MOMENTA
 )
-_MAP_RATE = Algorithm(
-    "map_rate",
-    "qv",
-    ("dAg", "Ag", "dJ", "rates q", "rates v", *_AT1, "J", "jacobians q", "dhg"),
-    _map_rate,
-    (0,),
+_MOMENTUM_RATE = Algorithm(
+    "momentum_rate",
+    "qva",
+    ("dhg", "f[0]", "hg", "Ig", "h[0]", *_AT1, "a", "gains q", "gains v", "gains a"),
+    _momentum_rate,
+    late=OWN | OV | OA | CENTRES_1 | RATES_OF_MOMENTA,
 )
-_MOMENTUM = Algorithm("momentum", "qv", ("hg", "Ig", *_AT1), _momentum)
 
 
 def ccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
@@ -243,7 +266,6 @@ def ccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
     found = step(q, v) if data._model is model else NotImplemented
     if found is NotImplemented:
         found = run(model, data, _CCRBA, q, v)
-    data._due |= OWN | COM | MASS
     return found
 
 
@@ -259,7 +281,6 @@ def computeCentroidalMap(model: Model, data: Data, q: Any) -> Floats:
     found = step(q) if data._model is model else NotImplemented
     if found is NotImplemented:
         found = run(model, data, _MAP, q)
-    data._due |= OWN | COM | MASS
     return found
 
 
@@ -269,7 +290,6 @@ def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) 
     found = step(q, v) if data._model is model else NotImplemented
     if found is NotImplemented:
         found = run(model, data, _MAP_RATE, q, v)
-    data._due = data._due & NOT_SPEED | OWN | COM | VCOM | MASS
     return found
 
 
@@ -280,7 +300,6 @@ def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = 
     step = data._run.momentum
     if data._model is not model or step(q, v) is NotImplemented:
         run(model, data, _MOMENTUM, q, v)
-    data._due = data._due & NOT_SPEED | OWN | COM | VCOM | MASS
     return data.hg
 
 
@@ -290,63 +309,7 @@ def computeCentroidalMomentumTimeVariation(
     """Its time derivative; kept in `data.dhg`, the momentum in `data.hg`."""
     if q is None:
         q, v, a = (x.copy() for x in data.require(data._qva, "forwardKinematics(model, data, q, v, a)"))
-    forwardKinematics(model, data, q, v, a)
-    computeCentroidalMomentum(model, data, q, v)
-    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
-    data.dhg._v[:] = data.attach(model).kernel("centroidal_momentum_rate")(*state)
+    step = data._run.momentum_rate
+    if data._model is not model or step(q, v, a) is NotImplemented:
+        run(model, data, _MOMENTUM_RATE, q, v, a)
     return data.dhg
-
-
-# energies -----------------------------------------------------------------------------------------------
-
-
-def _kinetic(model: TowerModel) -> Any:
-    def run(q: Array, v: Array) -> tuple[Array, ...]:
-        speeds = rows(algorithms.joint_velocities(model, q, v))
-        places = stacked(algorithms.joint_poses(model, q))
-        return algorithms.kinetic_energy(model, q, v), places, q, q, speeds, q, v
-
-    return run
-
-
-def _potential(model: TowerModel) -> Any:
-    return lambda q: (algorithms.potential_energy(model, q), stacked(algorithms.joint_poses(model, q)), q, q)
-
-
-_KINETIC = Algorithm(
-    "kinetic", "qv", ("energy K", "oMi", "places q", "own q", "v", "speeds q", "speeds v"), _kinetic, (0,)
-)
-_POTENTIAL = Algorithm("potential", "q", ("energy P", "oMi", "places q", "own q"), _potential, (0,))
-
-
-def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
-    """The kinetic energy [J]; kept in `data.kinetic_energy`."""
-    if q is None:
-        q, v = data.require(data._qv, "forwardKinematics(model, data, q, v)")
-    step = data._run.kinetic
-    found = step(q, v) if data._model is model else NotImplemented
-    if found is NotImplemented:
-        found = run(model, data, _KINETIC, q, v)
-    data._due = data._due & NOT_SPEED | OWN
-    data.kinetic_energy = energy = float(found)
-    return energy
-
-
-def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
-    """The potential energy [J]; kept in `data.potential_energy`."""
-    if q is None:
-        q = data.require(data._q, "forwardKinematics(model, data, q)")
-    step = data._run.potential
-    found = step(q) if data._model is model else NotImplemented
-    if found is NotImplemented:
-        found = run(model, data, _POTENTIAL, q)
-    data._due |= OWN
-    data.potential_energy = energy = float(found)
-    return energy
-
-
-def computeMechanicalEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
-    """Their sum [J]; kept in `data.mechanical_energy`."""
-    kinetic = computeKineticEnergy(model, data, q, v)
-    data.mechanical_energy = kinetic + computePotentialEnergy(model, data, q)
-    return data.mechanical_energy

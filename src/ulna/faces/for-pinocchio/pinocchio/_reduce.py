@@ -9,7 +9,7 @@ from pinocchio._arrays import index, vector
 from pinocchio._enums import FrameType
 from pinocchio._frame import Frame
 from pinocchio._keywords import by_name
-from pinocchio._kinematics import own_poses
+from pinocchio._late_fields import own_poses
 from pinocchio._model import Model
 from pinocchio._se3 import SE3
 from ulna.errors import InputError

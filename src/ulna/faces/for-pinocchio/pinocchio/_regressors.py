@@ -6,9 +6,10 @@ from typing import Any
 
 from pinocchio._arrays import index, vector
 from pinocchio._data import Data, engine_for
+from pinocchio._kinematics import forwardKinematics
+from pinocchio._late_fields import BODIES
 from pinocchio._model import Model
 from pinocchio._se3 import SE3
-from pinocchio._states import BODIES, OWN, SPEED
 from pinocchio._vectors import Motion
 from ulna import algorithms
 from ulna.typing import Floats
@@ -27,27 +28,30 @@ __all__ = [
 def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any) -> Floats:
     """The matrix (nv, 10 (njoints - 1)) that makes torques of dynamic parameters."""
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
-    found = data.attach(model).kernel("joint_torque_regressor")(*state)
-    for name, x in zip(("own q", "bodies q", "bodies v", "bodies a"), (state[0], *state), strict=True):
-        data._blocks[name][...] = x
-    data._due |= OWN | SPEED | BODIES
+    engine = data.attach(model)
+    found = engine.kernel("joint_torque_regressor")(*state)
+    data.moved(engine, *state[:2])
+    data.leave(BODIES["f"], ("v", "ov", "a_gf", "oa_gf"), engine, *(x.copy() for x in state))
     return _kept(data, "jointTorqueRegressor", found)
 
 
 def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
     """The matrix (3, 4 (njoints - 1)) that makes the centre of mass of masses and first moments."""
+    forwardKinematics(model, data, q)
     kernel = engine_for(model, data).kernel("static_regressor")
     return _kept(data, "staticRegressor", kernel(vector(q, model.nq, "q")))
 
 
 def computeKineticEnergyRegressor(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The vector (10 (njoints - 1),) that makes kinetic energy of dynamic parameters."""
+    forwardKinematics(model, data, q, v)
     kernel = engine_for(model, data).kernel("kinetic_energy_regressor")
     return _kept(data, "kineticEnergyRegressor", kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v")))
 
 
 def computePotentialEnergyRegressor(model: Model, data: Data, q: Any) -> Floats:
     """The same of potential energy."""
+    forwardKinematics(model, data, q)
     kernel = engine_for(model, data).kernel("potential_energy_regressor")
     return _kept(data, "potentialEnergyRegressor", kernel(vector(q, model.nq, "q")))
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, final
 
 import numpy as np
@@ -14,9 +14,11 @@ from ulna.typing import Floats
 if TYPE_CHECKING:
     from pinocchio._data import Data
     from pinocchio._engine import Engine
+    from pinocchio._late_fields import Late
     from pinocchio._model import Model
 
-_NAMES: list[str] = []
+ALGORITHMS: list[Algorithm] = []
+"""All of them; a field of a Data is marked with the number of the one that left it, the first being 1."""
 _ARGUMENTS = {"q": "q", "v": "v", "a": "a", "t": "tau"}
 
 
@@ -26,7 +28,7 @@ def refuse(*_: Any) -> Any:
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Algorithm:
     """An algorithm whose results lie in a Data.
 
@@ -37,6 +39,10 @@ class Algorithm:
         build: Makes of the tower's model (and its frames, where `on` says so) a function of the inputs.
         returns: Numbers of outputs that are returned, as copies.
         on: What its results depend on: placements of joints, all numbers of the model, or placements and frames.
+        late: Fields that are computed when they are read, of its inputs (or of what it writes to `<name> a`).
+        spoils: Fields that hold an intermediate step after it in Pinocchio, and here nothing.
+        title: Its name for people.
+        number: What marks the fields that it left.
     """
 
     name: str
@@ -45,9 +51,14 @@ class Algorithm:
     build: Callable[..., Any]
     returns: tuple[int, ...] = ()
     on: Literal["places", "numbers", "frames"] = "numbers"
+    late: Mapping[str, Late] = field(default_factory=dict)
+    spoils: tuple[str, ...] = ()
+    title: str = ""
+    number: int = field(init=False)
 
     def __post_init__(self) -> None:
-        _NAMES.append(self.name)
+        ALGORITHMS.append(self)
+        object.__setattr__(self, "number", len(ALGORITHMS))
 
 
 @final
@@ -55,8 +66,8 @@ class Runs:
     """The algorithms bound to one Data, for one model and the numbers it had; `refuse` where none is bound yet."""
 
     def __init__(self) -> None:
-        for name in _NAMES:
-            setattr(self, name, refuse)
+        for algorithm in ALGORITHMS:
+            setattr(self, algorithm.name, refuse)
 
     if TYPE_CHECKING:
 
@@ -70,24 +81,62 @@ def run(model: Model, data: Data, algorithm: Algorithm, *args: Any) -> Any:
         InputError: the Data does not fit the model.
         ShapeError: an argument has another size.
     """
-    engine = data.attach(model)
     given = [
         exact(x, model.nq if letter == "q" else model.nv, _ARGUMENTS[letter])
         for letter, x in zip(algorithm.inputs, args, strict=True)
     ]
-    bound = _bind(model, data, engine, algorithm)
+    found = getattr(data._run, algorithm.name)(*given) if data._model is model else NotImplemented
+    if found is not NotImplemented:
+        return found
+    watch = model.watched(algorithm.on)  # before the engine: another thread may change a number meanwhile
+    engine = data.attach(model)
+    bound = _bind(model, data, engine, algorithm, watch)
     found = bound(*given)
     setattr(data._run, algorithm.name, bound)
-    data._known.update(target.split()[0] for target in algorithm.targets if " " in target)
+    data.knows(algorithm)
     return found
 
 
-def _bind(model: Model, data: Data, engine: Engine, algorithm: Algorithm) -> Any:
+def traces(data: Data, algorithm: Algorithm) -> tuple[list[Floats], list[int], list[float]]:
+    """What an algorithm writes besides its results: where, then the inputs that go there, and the marks after them.
+
+    The inputs are those that late fields, and the data of joints, are of; the marks say what is filled, late, spoilt.
+    """
+    kept = kept_by(algorithm)
+    marks = {name: 0.0 for name in algorithm.targets if name in data.slots}
+    marks |= {name: float(algorithm.number) for name in (*algorithm.late, *algorithm.spoils)}
+    where = [*(data.target(name) for name in kept), *(data.mark_of(name) for name in marks)]
+    return where, [algorithm.inputs.index(letter) for letter in kept.values()], list(marks.values())
+
+
+def kept_by(algorithm: Algorithm) -> dict[str, str]:
+    """Where an algorithm keeps which of its inputs."""
+    needed = {letter for late in algorithm.late.values() for letter in late.inputs}
+    kept = {f"{algorithm.name} {letter}": letter for letter in algorithm.inputs if letter in needed}
+    if "liMi" in algorithm.late:
+        kept["own q"] = "q"
+        if "v" in algorithm.inputs and {"v", "ov"} & {*algorithm.late, *algorithm.targets}:
+            kept |= {"moving q": "q", "moving v": "v"}
+    return kept
+
+
+def _bind(model: Model, data: Data, engine: Engine, algorithm: Algorithm, watch: Any) -> Any:
     shapes: dict[str, Any] = {_ARGUMENTS[x]: (model.nq if x == "q" else model.nv,) for x in algorithm.inputs}
+    where, kept, marks = traces(data, algorithm)
+
+    def build(*models: Any) -> Any:
+        results = algorithm.build(*models)
+
+        def whole(*given: Any) -> tuple[Any, ...]:
+            found = results(*given)
+            return (*(found if isinstance(found, tuple) else (found,)), *(given[k] for k in kept), *marks)
+
+        whole.__name__ = algorithm.title or algorithm.name
+        return whole
+
     make = engine.of_frame if algorithm.on == "frames" else engine.made
-    kernel = make(("run", algorithm.name), algorithm.build, **shapes)
-    targets = [data.target(name) for name in algorithm.targets]
-    watch = model.watched(algorithm.on)
+    kernel = make(("run", algorithm.name), build, **shapes)
+    targets = [*(data.target(name) for name in algorithm.targets), *where]
     return kernel.into(*targets, returns=algorithm.returns, watch=watch, otherwise=refuse)
 
 

@@ -1,82 +1,91 @@
-"""What a Data knows of its contents: the states they belong to, and what is computed only when it is asked for."""
+"""What a Data knows of its contents: the states they belong to, and what is computed only when it is read.
+
+Every field has a mark: 0 where it is filled, the number of the algorithm that left it to be computed when it is read
+(or that spoils it), -1 where it waits in `Data._waiting`. Bound algorithms write the marks of all they touch.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from pinocchio._runs import Runs
+from pinocchio._late_fields import FILLED_BY, OWN
+from pinocchio._runs import ALGORITHMS, Algorithm, Runs, kept_by
 from ulna.errors import InputError
 from ulna.typing import Floats
 
 if TYPE_CHECKING:
     from pinocchio._data import Data
     from pinocchio._engine import Engine
+    from pinocchio._late_fields import Late
     from pinocchio._model import Model
 
 STATES = {
     "places": "q",
     "own": "q",
+    "moving": "qv",
     "speeds": "qv",
     "gains": "qva",
     "jacobians": "q",
     "rates": "qv",
-    "bodies": "qva",
-    "moments": "qva",
-    "forward": "qva",
-    "weights": "q",
     "derivatives": "qva",
+    "aba": "qva",
 }
-"""What results are of: of `oMi`, of `liMi`, of `v`, of `a`, of `J`, of `dJ`, of bodies, of centres, of what torques
-give, of forces of gravity, of derivatives."""
-OWN, SPEED, BODIES, COM, VCOM, ACOM, MASS, GAIN, WEIGHT = (1 << k for k in range(9))
-"""Bits of `Data._due`: what is computed when it is asked for, of the state of that name in `_DUE`."""
-OF_MOTION = ("v", "a_gf", "f", "h")
-"""What rnea leaves of every body."""
-FROZEN = 9
-"""Shifted by this they say: of numbers the model had before."""
-NOT_SPEED, NOT_MOTION, NOT_BODIES = (~(bits | bits << FROZEN) for bits in (SPEED, SPEED | GAIN, BODIES))
-"""What stays due when an algorithm has written velocities, accelerations too, or forces on bodies."""
-_DUE = {
-    OWN: "own",
-    SPEED: "bodies",
-    BODIES: "bodies",
-    COM: "moments",
-    VCOM: "moments",
-    ACOM: "moments",
-    MASS: "own",
-    GAIN: "forward",
-    WEIGHT: "weights",
-}
-_IN_WORLD = {"ov": "v", "oa": "a", "oa_gf": "a_gf", "of": "f", "oh": "h"}
+"""What results are of: of `oMi`, of joints' placements, of joints' velocities, of `v`, of `a`, of `J`, of `dJ`, of
+derivatives, of accelerations that torques gave."""
+_WAITS = -1.0
+
+
+class Waiting(NamedTuple):
+    """Fields that are computed with the kernels of an earlier moment, or under forces."""
+
+    late: Late
+    engine: Engine
+    state: tuple[Floats, ...]
 
 
 class States:
     """What of a Data is about its states."""
 
+    slots: ClassVar[dict[str, int]]
+    """Where the mark of a field is."""
+
     _blocks: dict[str, Floats]
     _tails: dict[str, Floats]
     _heads: dict[str, Floats]
+    _marks: Any
+    _marked: Floats
+    _waiting: dict[str, Waiting]
     _layout: Any
     _model: Model
     _engine: Engine | None
     _run: Runs
     _run_at: dict[Any, Any]
     _ties: list[Any]
-    _due: int
-    _frozen: dict[int, Any]
     _known: set[str]
     _q: Any
     _qv: Any
     _qva: Any
+    _q_of_joints: Any
+    _qv_of_joints: Any
     _q_of_jacobians: Any
     _qv_of_jacobians: Any
     _of_derivatives: Any
+    _of_forward: Any
 
     def target(self, name: str) -> Floats:
         """Where an algorithm writes: the array of that name, of the joints but the universe, of the whole robot."""
-        return self._tails.get(name, self._heads.get(name, self._blocks.get(name)))  # type: ignore[return-value]
+        found = self._tails.get(name, self._heads.get(name, self._blocks.get(name)))
+        if found is None:  # of a state: "rnea q"
+            size = self._model.nq if name[-1] == "q" else self._model.nv
+            found = self._blocks[name] = np.zeros(size)
+        return found
+
+    def mark_of(self, field: str) -> Floats:
+        """Where the mark of a field is written."""
+        k = self.slots[field]
+        return self._marked[k : k + 1].reshape(())
 
     def attach(self, model: Model) -> Engine:
         """The kernels of the model's present numbers; what was bound to others is let go.
@@ -86,88 +95,94 @@ class States:
         """
         engine = engine_for(model, self)
         if engine is not self._engine or model is not self._model:
-            for bit, state in _DUE.items():
-                if self._due & bit:
-                    self.leave(bit, (self._engine, *(x.copy() for x in self._state(state))))
+            self._hold()
             self._run, self._run_at, self._ties = Runs(), {}, []
             self._engine, self._model = engine, model
         return engine
 
-    def _state(self, name: str) -> tuple[Floats, ...]:
-        return tuple(self._blocks[f"{name} {x}"] for x in STATES[name])
+    def _hold(self) -> None:
+        """What is left to be computed stays of the kernels and the state that it was left of."""
+        for field, slot in self.slots.items():
+            number = self._marks[slot]
+            if number > 0.0 and (late := ALGORITHMS[int(number) - 1].late.get(field)):
+                fields = self._left_by(number, late)
+                self.leave(late, fields, self._engine, *(x.copy() for x in self._state_of(number, late)))
 
-    def claim(self, bit: int) -> tuple[Any, ...] | None:
-        """What is due of a bit: the kernels, and the state they are called with; it is due no more."""
-        due, old = self._due, self._frozen.pop(bit, None)
-        self._due = due & ~(bit | bit << FROZEN)
-        if due & bit:
-            return (self._engine, *self._state(_DUE[bit]))
-        return old if due & bit << FROZEN else None
+    def _left_by(self, number: float, late: Late) -> tuple[str, ...]:
+        """The fields that an algorithm left to be computed together."""
+        fields = (field for field, other in ALGORITHMS[int(number) - 1].late.items() if other is late)
+        return tuple(field for field in fields if self._marks[self.slots[field]] == number)
 
-    def leave(self, bit: int, due: tuple[Any, ...]) -> None:
-        """Leaves to do what `claim` will return."""
-        self._frozen[bit] = due
-        self._due = self._due & ~bit | bit << FROZEN
+    def _state_of(self, number: float, late: Late) -> tuple[Floats, ...]:
+        return tuple(self.target(f"{ALGORITHMS[int(number) - 1].name} {x}") for x in late.inputs)
 
-    def keep(self, engine: Engine, q: Floats) -> Floats:
-        """Remembers what the placements are of; returns a copy of q."""
-        self.attach(self._model)
-        self._q = self._blocks["own q"][...] = q
-        self._due |= OWN
-        return q.copy()
+    def leave(self, late: Late, fields: tuple[str, ...], engine: Any, *state: Floats) -> None:
+        """Leaves fields to be computed when they are read; `state` is kept, and is copied by whom it belongs to."""
+        waiting = Waiting(late, engine, state)
+        for field in fields:
+            self._waiting[field] = waiting
+            self._marks[self.slots[field]] = _WAITS
 
-    def pull(self, name: str) -> None:
-        """Computes what was left to be computed until it is asked for."""
-        if name == "liMi":
-            due = self.claim(OWN)
-            if due is not None:
-                from pinocchio._kinematics import own_poses
+    def moved(self, engine: Engine, q: Floats, v: Floats | None = None) -> None:
+        """Leaves the joints' own placements to be computed, and tells where and how fast they are."""
+        self.leave(OWN["liMi"], ("liMi",), engine, q.copy())
+        self._q_of_joints = q
+        if v is not None:
+            self._qv_of_joints = q, v
 
-                engine, q = due
-                kernel = engine.made("liMi", lambda m: lambda q: own_poses(m, q), q=q.shape)
-                self._tails["liMi"][...] = kernel(q)
-        elif name in _IN_WORLD:
-            self.pull(_IN_WORLD[name])
-            self._carry(name)
-        elif name == "a":
-            due = self.claim(GAIN)
-            if due is not None:
-                from pinocchio._kinematics import gains
+    def knows(self, algorithm: Algorithm) -> None:
+        """Remembers which states an algorithm leaves."""
+        names = (*algorithm.targets, *kept_by(algorithm))
+        self._known.update(name.split()[0] for name in names if " " in name)
 
-                engine, *state = due
-                self._tails["a"][...] = gains(engine, *state[:3])
-                self._qva = state[:3]
-        elif name in OF_MOTION:
-            from pinocchio._dynamics import bodies
+    def written(self, *fields: str) -> None:
+        """Fields that were filled just now."""
+        for field in fields:
+            self._marks[self.slots[field]] = 0.0
 
-            for bit, names in ((SPEED, ("v",)), (WEIGHT, ("a_gf", "f")), (BODIES, OF_MOTION[1:])):
-                due = self.claim(bit)
-                if due is not None:
-                    if bit == WEIGHT:
-                        due += (np.zeros(self._model.nv),) * 2
-                    found: dict[str, Floats] = dict(zip(OF_MOTION, bodies(*due), strict=True))
-                    for field in names:
-                        self._tails[field][...] = found[field]
-                    if bit == SPEED:
-                        self._qv = due[1:3]
+    def spoil(self, algorithm: Algorithm) -> None:
+        """Marks what an algorithm spoils that is not bound."""
+        for field in algorithm.spoils:
+            self._marks[self.slots[field]] = float(algorithm.number)
 
-    def _carry(self, name: str) -> None:
-        """From the joints' own frames into the world's, by `oMi`."""
-        T, own = self._blocks["oMi"], self._blocks[_IN_WORLD[name]]
-        R, p = T[:, :3, :3], T[:, :3, 3]
-        first, last = (np.einsum("nij,nj->ni", R, own[:, part]) for part in (slice(3), slice(3, 6)))
-        motion = name in (
-            "ov",
-            "oa",
-            "oa_gf",
-        )  # of a motion the linear half takes of the angular; of a force, the other way
-        arm = np.cross(p, last if motion else first)
-        self._blocks[name][...] = np.hstack([first + arm, last] if motion else [first, last + arm])
+    def read(self, field: str) -> None:
+        """Computes what was left to be computed until it is read.
+
+        Raises:
+            InputError: the last algorithm left an intermediate step there in Pinocchio, and nothing here.
+        """
+        number = self._marks[self.slots[field]]
+        if number == 0.0:
+            return
+        if number == _WAITS:
+            waiting = self._waiting[field]
+            late, engine, state = waiting
+            fields = tuple(f for f, other in self._waiting.items() if other is waiting)
+            fields = tuple(f for f in fields if self._marks[self.slots[f]] == _WAITS)
+        else:
+            algorithm = ALGORITHMS[int(number) - 1]
+            late = algorithm.late.get(field)
+            if late is None:
+                raise InputError(
+                    f"`data.{field}` is not what it was before {algorithm.title}, which leaves an intermediate step "
+                    f"there in Pinocchio, and nothing here. Call {FILLED_BY[field]} first."
+                )
+            engine, state, fields = self._engine, self._state_of(number, late), self._left_by(number, late)
+        late.fill(self, engine, fields, *state)
+        for one in fields:
+            self._marks[self.slots[one]] = 0.0
+            self._waiting.pop(one, None)
+        if "v" in fields:
+            self._qv = state[:2]
+        if "a" in fields:
+            self._qva = state[:3]
 
     def settle(self) -> None:
-        """Computes all that was left for each body."""
-        for name in ("liMi", "a", *OF_MOTION, *_IN_WORLD):
-            self.pull(name)
+        """Computes all that was left to be computed; what is spoiled stays so."""
+        for field, slot in self.slots.items():
+            number = self._marks[slot]
+            if number and (number == _WAITS or field in ALGORITHMS[int(number) - 1].late):
+                self.read(field)
 
     def require(self, what: Any, mend: str) -> Any:
         """`what`, a state that an earlier algorithm leaves.
@@ -188,11 +203,11 @@ def _left(name: str) -> property:
     keys = [f"{name} {x}" for x in STATES[name]]
 
     def get(self: States) -> Any:
-        if name in _OF_LATE and self._due:
-            self.pull(_OF_LATE[name])
+        if name in _OF_LATE:
+            self.read(_OF_LATE[name])
         if name not in self._known:
             return None
-        return self._blocks[keys[0]] if len(keys) == 1 else self._state(name)
+        return self._blocks[keys[0]] if len(keys) == 1 else tuple(self._blocks[key] for key in keys)
 
     def put(self: States, value: Any) -> None:
         self._known.add(name)
@@ -206,9 +221,12 @@ for _name, _of in {
     "_q": "places",
     "_qv": "speeds",
     "_qva": "gains",
+    "_q_of_joints": "own",
+    "_qv_of_joints": "moving",
     "_q_of_jacobians": "jacobians",
     "_qv_of_jacobians": "rates",
     "_of_derivatives": "derivatives",
+    "_of_forward": "aba",
 }.items():
     setattr(States, _name, _left(_of))
 

@@ -30,6 +30,7 @@ def solve(model: Model, data: Data, v: Any) -> Floats:
 def computeMinv(model: Model, data: Data) -> Floats:
     """The inverse of the M that was decomposed last; kept in `data.Minv`. After crba."""
     data._blocks["Minv"][...] = found = _factored(model, data).inverse_mass()
+    data.written("Minv")
     return found
 
 
