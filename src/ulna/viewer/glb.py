@@ -127,7 +127,7 @@ def _levels(surfaces: Iterable[Surface], ours: bool) -> Iterator[tuple[Surface, 
 def _material(surface: Surface, texture: int) -> dict[str, Any]:
     opacity = surface.rgba[3]
     factor = [*(float(c) for c in paint(np.asarray(surface.rgba[:3]))), opacity]
-    shine: dict[str, Any] = {"baseColorFactor": factor, "metallicFactor": 0.0, "roughnessFactor": 0.36}
+    shine: dict[str, Any] = {"baseColorFactor": factor, "metallicFactor": 0.0, "roughnessFactor": 0.5}
     if surface.texture is not None:
         shine |= {"baseColorFactor": [0.8, 0.8, 0.8, opacity], "baseColorTexture": {"index": texture}}
     out: dict[str, Any] = {"pbrMetallicRoughness": shine, "doubleSided": opacity >= 0.999}

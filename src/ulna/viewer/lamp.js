@@ -6,6 +6,7 @@
   if (!page || page.ulnaSoftware !== undefined) return;
   const software = page.ulnaSoftware = /swiftshader|llvmpipe|software/i.test(renderer());
   const SIZE = software ? 1024 : 2048, STEP = Math.SQRT2;
+  const SOFT = 0.007;  // how wide the edge of a shadow is [m], where the map is fine enough to tell
   let known = "", lamp = null;
 
   function renderer() {
@@ -34,7 +35,7 @@
     page.nodeRefFromName[SKY]?.traverse(light => {
       if (!light.isHemisphereLight || light.userData.ulna) return;
       light.userData.ulna = true;
-      light.intensity *= 7.0;
+      light.intensity *= 8.5;
       light.groundColor.lerp(light.color, 0.4);
     });
   }
@@ -91,7 +92,8 @@
     const box = [x - size, x + size, y - size, y + size, -high[2] - 0.1, -low[2] + 2 * depth + 10].map(v => +v.toFixed(4));
     [view.left, view.right, view.bottom, view.top, view.near, view.far] = box;
     view.updateProjectionMatrix();
-    lamp.shadow.normalBias = 1.5 * sample;
+    lamp.shadow.radius = Math.min(Math.max(SOFT / sample, 1.0), 4.0);  // in samples; as many are read whatever it is
+    lamp.shadow.normalBias = (0.5 + lamp.shadow.radius) * sample;
     return box.join();
   }
 
