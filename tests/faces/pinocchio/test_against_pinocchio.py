@@ -81,3 +81,7 @@ def test_geometries_of_files_and_of_models_put_together(tmp_path: Path) -> None:
     words = [arm / "urdf" / "ur5_robot.urdf", arm / "srdf" / "ur5.srdf", share.parent]
     words += [humanoid / "urdf" / "simple_humanoid.urdf"]
     _compare(tmp_path, *(str(word) for word in words), script="asked_geometry.py")
+
+
+def test_arguments_by_name(tmp_path: Path) -> None:
+    _compare(tmp_path, script="asked_by_name.py")

@@ -14,6 +14,7 @@ from pinocchio._arrays import NO_INDEX, StdVec
 from pinocchio._callbacks import CollisionCallBackBase, CollisionCallBackDefault
 from pinocchio._collisions import box_corners
 from pinocchio._geometry import GeometryData, GeometryModel, updateGeometryPlacements
+from pinocchio._keywords import by_name
 from pinocchio._parallel import GeometryPool
 from ulna.collision.narrow import coal
 from ulna.errors import InputError
@@ -38,6 +39,7 @@ class BroadPhaseManager:
 
     coal_class = "DynamicAABBTreeCollisionManager"
 
+    @by_name("model geometry_model geometry_data", "other")
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 1:
             parts = parts[0]._model, parts[0]._geometry, parts[0]._data
@@ -49,6 +51,7 @@ class BroadPhaseManager:
         self._manager: Any = None
         self.update(True)
 
+    @by_name("compute_local_aabb", "geom_data_new")
     def update(self, what: Any = False) -> None:
         """Moves the boxes to where the geometries are now.
 
@@ -75,6 +78,7 @@ class BroadPhaseManager:
         out.geometryObjectIndex = i
         return out
 
+    @by_name("callback", "other_manager callback", "collision_object callback")
     def collide(self, *parts: Any) -> bool:
         """Calls back for all geometries whose boxes overlap: `(callback)`, `(object, callback)`, `(manager, callback)`.
 

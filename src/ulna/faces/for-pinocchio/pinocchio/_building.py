@@ -10,6 +10,7 @@ from pinocchio._arrays import StdVec, index
 from pinocchio._enums import FrameType
 from pinocchio._frame import Frame
 from pinocchio._inertia import Inertia
+from pinocchio._keywords import by_name
 from pinocchio._numbers import Numbers
 from pinocchio._se3 import SE3
 from ulna.errors import InputError, ModelError, UnknownName
@@ -32,6 +33,9 @@ PER_V = {
     "rotorInertia": 0.0,
     "rotorGearRatio": 1.0,
 }
+
+_JOINT = "parent_id joint_model joint_placement joint_name"
+_BOUNDS = "min_effort max_effort min_velocity max_velocity min_config max_config"
 
 
 class Building(Numbers):
@@ -93,6 +97,11 @@ class Building(Numbers):
 
     # building -------------------------------------------------------------------------------------------
 
+    @by_name(
+        f"{_JOINT} max_effort max_velocity min_config max_config",
+        f"{_JOINT} {_BOUNDS} config_limit_margin min_friction max_friction damping",
+        f"{_JOINT} {_BOUNDS} min_friction max_friction damping",
+    )
     def addJoint(
         self, parent_id: int, joint_model: JointModel, joint_placement: SE3, joint_name: str, *limits: Any
     ) -> int:
@@ -157,24 +166,24 @@ class Building(Numbers):
                 other.idx_q, other.idx_v = leader.idx_q, leader.idx_v
         self._changed()
 
-    def addJointFrame(self, joint_id: int, previous_frame: int = -1) -> int:
+    def addJointFrame(self, joint_id: int, frame_id: int = -1) -> int:
         """Adds the frame of a joint; returns its index."""
         index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
-        if previous_frame < 0:
+        if frame_id < 0:
             parent = self.parents[joint_id]
             kinds = (FrameType.JOINT, FrameType.FIXED_JOINT)
-            previous_frame = next(
+            frame_id = next(
                 (i for i, f in enumerate(self.frames) if f.parentJoint == parent and f.type in kinds), 0
             )
-        return self.addFrame(Frame(self.names[joint_id], joint_id, previous_frame, SE3(), FrameType.JOINT))
+        return self.addFrame(Frame(self.names[joint_id], joint_id, frame_id, SE3(), FrameType.JOINT))
 
     def addBodyFrame(
-        self, body_name: str, parentJoint: int, body_placement: SE3, parentFrame: int = -1
+        self, body_name: str, parentJoint: int, body_placement: SE3, previous_frame: int = -1
     ) -> int:
         """Adds the frame of a body; returns its index."""
-        if parentFrame < 0:
-            parentFrame = self.getFrameId(self.names[parentJoint])
-        return self.addFrame(Frame(body_name, parentJoint, parentFrame, body_placement, FrameType.BODY))
+        if previous_frame < 0:
+            previous_frame = self.getFrameId(self.names[parentJoint])
+        return self.addFrame(Frame(body_name, parentJoint, previous_frame, body_placement, FrameType.BODY))
 
     def addFrame(self, frame: Frame, append_inertia: bool = True) -> int:
         """Adds a frame, and its inertia to the joint's body; returns its index.

@@ -197,6 +197,12 @@ def box_corners(geometry: Any) -> Any:
     return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
+@by_name(
+    "num_thread geometry_model geometry_data stop_at_first_collision",
+    "num_thread model data geometry_model geometry_data q stop_at_first_collision",
+    "num_thread pool q stop_at_first_collision_in_configuration stop_at_first_collision_in_batch",
+    "num_thread pool trajectories stop_at_first_collision_in_trajectory",
+)
 def computeCollisionsInParallel(num_thread: int, *parts: Any) -> Any:
     """Collisions of one or many configurations.
 

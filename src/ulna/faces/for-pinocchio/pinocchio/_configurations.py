@@ -43,13 +43,18 @@ def neutral(model: Model) -> Floats:
     return np.array(algorithms.neutral(model.shape().model))
 
 
-def randomConfiguration(model: Model, lower: Any = None, upper: Any = None) -> Floats:
+def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any = None) -> Floats:
     """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m."""
-    low = model._arrays["lowerPositionLimit"] if lower is None else vector(lower, model.nq, "lower")
-    high = model._arrays["upperPositionLimit"] if upper is None else vector(upper, model.nq, "upper")
+    given = (
+        ("lowerPositionLimit", "lower_bound", lower_bound),
+        ("upperPositionLimit", "upper_bound", upper_bound),
+    )
+    low, high = (
+        model._arrays[own] if value is None else vector(value, model.nq, name) for own, name, value in given
+    )
     if not (low <= high).all():
         raise InputError(
-            "randomConfiguration: a lower limit is above the upper one; expected lower <= upper."
+            "randomConfiguration: a lower limit is above the upper one; expected lower_bound <= upper_bound."
         )
     ends = np.where(low <= -FREE, -np.inf, low), np.where(high >= FREE, np.inf, high)
     return algorithms.random(model.shape().model, generator(), (), *ends)
@@ -59,33 +64,40 @@ def integrate(model: Model, q: Any, v: Any) -> Floats:
     """The configuration (nq,) reached from q in one second with v."""
     found = model._integrate(q, v)
     if found is NotImplemented:
-        model._integrate = Scratch(model.shape().plain("integrate")).call
-        found = model._integrate(exact(q, model.nq, "q"), exact(v, model.nv, "v"))
+        found = _bound(model, "integrate", exact(q, model.nq, "q"), exact(v, model.nv, "v"))
     return found
 
 
-def difference(model: Model, q0: Any, q1: Any) -> Floats:
-    """The velocity (nv,) that leads from q0 to q1 in one second."""
-    found = model._difference(q0, q1)
+def difference(model: Model, q1: Any, q2: Any) -> Floats:
+    """The velocity (nv,) that leads from q1 to q2 in one second."""
+    found = model._difference(q1, q2)
     if found is NotImplemented:
-        model._difference = Scratch(model.shape().plain("difference")).call
-        found = model._difference(exact(q0, model.nq, "q0"), exact(q1, model.nq, "q1"))
+        found = _bound(model, "difference", exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2"))
     return found
 
 
-def interpolate(model: Model, q0: Any, q1: Any, alpha: float) -> Floats:
-    """The configuration (nq,) a part `alpha` of the way from q0 to q1."""
-    return model.shape().plain("interpolate")(*_pair(model, q0, q1), np.float64(alpha))
+def _bound(model: Model, name: str, *state: Floats) -> Floats:
+    """What the bound `integrate` or `difference` of a model says, which is bound where it does not apply."""
+    found = getattr(model, f"_{name}")(*state)
+    if found is NotImplemented:
+        setattr(model, f"_{name}", Scratch(model.shape().plain(name)).call)
+        found = getattr(model, f"_{name}")(*state)
+    return found
 
 
-def distance(model: Model, q0: Any, q1: Any) -> float:
+def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
+    """The configuration (nq,) a part `alpha` of the way from q1 to q2."""
+    return model.shape().plain("interpolate")(*_pair(model, q1, q2), np.float64(alpha))
+
+
+def distance(model: Model, q1: Any, q2: Any) -> float:
     """The length of the difference."""
-    return float(model.shape().plain("distance")(*_pair(model, q0, q1)))
+    return float(model.shape().plain("distance")(*_pair(model, q1, q2)))
 
 
-def squaredDistance(model: Model, q0: Any, q1: Any) -> Floats:
+def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
     """For each joint, the squared length of its part of the difference."""
-    d = difference(model, q0, q1)
+    d = difference(model, q1, q2)
     joints = [j for j in model.joints[1:] if not j.mimic]
     return np.array([float(d[j.idx_v : j.idx_v + j.nv] @ d[j.idx_v : j.idx_v + j.nv]) for j in joints])
 
@@ -112,9 +124,9 @@ def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> A
     return _chosen(both, argument_position)
 
 
-def dDifference(model: Model, q0: Any, q1: Any, argument_position: Any = None) -> Any:
-    """The derivatives (nv, nv) of `difference` by q0 and q1; one of them for ARG0 or ARG1."""
-    both = model.shape().plain("difference_derivatives")(*_pair(model, q0, q1))
+def dDifference(model: Model, q1: Any, q2: Any, argument_position: Any = None) -> Any:
+    """The derivatives (nv, nv) of `difference` by q1 and q2; one of them for ARG0 or ARG1."""
+    both = model.shape().plain("difference_derivatives")(*_pair(model, q1, q2))
     return _chosen(both, argument_position)
 
 
@@ -160,8 +172,8 @@ def getTangentToConfigurationSparsitySegment(model: Model) -> tuple[StdVec[int],
     return StdVec(j.nv for j in rows), StdVec(j.idx_v for j in rows)
 
 
-def _pair(model: Model, q0: Any, q1: Any) -> tuple[Floats, Floats]:
-    return vector(q0, model.nq, "q0"), vector(q1, model.nq, "q1")
+def _pair(model: Model, q1: Any, q2: Any) -> tuple[Floats, Floats]:
+    return vector(q1, model.nq, "q1"), vector(q2, model.nq, "q2")
 
 
 def _chosen(both: Any, position: Any) -> Any:

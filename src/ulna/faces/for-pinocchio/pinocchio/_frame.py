@@ -8,6 +8,7 @@ import numpy as np
 
 from pinocchio._enums import FrameType
 from pinocchio._inertia import Inertia
+from pinocchio._keywords import by_name
 from pinocchio._se3 import SE3
 from ulna.errors import InputError
 
@@ -21,33 +22,36 @@ class Frame:
 
     __slots__ = ("_inertia", "_name", "_parent_frame", "_parent_joint", "_placement", "_type")
 
-    def __init__(self, *parts: Any, **named: Any) -> None:
+    @by_name(
+        "name parent_joint placement type inertia",
+        "name parent_joint parent_frame placement type inertia",
+        "other",
+        "clone",
+    )
+    def __init__(self, *parts: Any) -> None:
         if len(parts) == 1 and isinstance(parts[0], Frame):
-            other = parts[0]
-            parts = (
-                other.name,
-                other.parentJoint,
-                other.parentFrame,
-                other.placement,
-                other.type,
-                other.inertia,
+            parts = parts[0]._parts()
+        given = list(parts)
+        if len(given) > 2 and isinstance(given[2], SE3):
+            given.insert(2, 0)
+        if len(given) > 6:
+            raise InputError(
+                f"Frame was given {parts}; expected name, parent_joint, parent_frame (or none), placement, type, "
+                "inertia."
             )
-        names = ["name", "parentJoint", "parentFrame", "placement", "type", "inertia"]
-        if len(parts) > 2 and isinstance(parts[2], SE3):
-            names.remove("parentFrame")
-        told: dict[str, Any] = {"name": "", "parentJoint": 0, "parentFrame": 0, "placement": SE3()}
-        told |= {"type": FrameType.OP_FRAME, "inertia": Inertia()}
-        if len(parts) > len(names) or set(named) - set(told):
-            raise InputError(f"Frame was given {parts}, {named}; expected {', '.join(names)}.")
-        told |= dict(zip(names, parts, strict=False)) | named
-        if not isinstance(told["name"], str):
-            raise InputError(f"The name of a frame is {told['name']!r}; expected a string.")
-        self._name: str = told["name"]
-        self._parent_joint = int(told["parentJoint"])
-        self._parent_frame = int(told["parentFrame"])
-        self._placement = SE3(told["placement"])
-        self._type = FrameType(told["type"])
-        self._inertia = Inertia(told["inertia"])
+        default: Any = ("", 0, 0, SE3(), FrameType.OP_FRAME, Inertia())
+        name, joint, frame, placement, type_, inertia = (*given, *default[len(given) :])
+        if not isinstance(name, str):
+            raise InputError(f"The name of a frame is {name!r}; expected a string.")
+        self._name: str = name
+        self._parent_joint = int(joint)
+        self._parent_frame = int(frame)
+        self._placement = SE3(placement)
+        self._type = FrameType(type_)
+        self._inertia = Inertia(inertia)
+
+    def _parts(self) -> tuple[Any, ...]:
+        return self.name, self.parentJoint, self.parentFrame, self.placement, self.type, self.inertia
 
     @property
     def name(self) -> str:
@@ -124,11 +128,10 @@ class Frame:
         return Frame(self)
 
     def __reduce__(self) -> Any:
-        parts = (self.name, self.parentJoint, self.parentFrame, self.placement, self.type, self.inertia)
-        return Frame, parts
+        return Frame, self._parts()
 
     def __eq__(self, other: object) -> bool:
-        return self.__reduce__()[1] == other.__reduce__()[1] if isinstance(other, Frame) else NotImplemented
+        return self._parts() == other._parts() if isinstance(other, Frame) else NotImplemented
 
     __hash__ = object.__hash__
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, final
 
@@ -22,16 +21,12 @@ __all__ = ["CollisionPair", "GeometryData", "GeometryModel", "GeometryObject", "
 
 
 @final
-@dataclasses.dataclass(eq=False)
 class CollisionPair:
     """Indices of two geometries, in any order."""
 
-    first: int = NO_INDEX
-    second: int = NO_INDEX
-
-    def __post_init__(self) -> None:
+    def __init__(self, index1: int = NO_INDEX, index2: int = NO_INDEX) -> None:
         self.first, self.second = (
-            index(i, NO_INDEX + 1, "geometry", "getGeometryId(name) gives one.") for i in self
+            index(i, NO_INDEX + 1, "geometry", "getGeometryId(name) gives one.") for i in (index1, index2)
         )
         if self.first == self.second != NO_INDEX:
             raise InputError(f"The pair names geometry {self.first} twice; expected two of them.")
@@ -102,10 +97,12 @@ class GeometryModel(Saved):
                 return i
         raise UnknownName("geometry", name, [g.name for g in self.geometryObjects])
 
-    def addCollisionPair(self, pair: CollisionPair) -> None:
+    def addCollisionPair(self, collision_pair: CollisionPair) -> None:
         """Adds a pair to check."""
-        first, second = (index(i, self.ngeoms, "geometry", "getGeometryId(name) gives one.") for i in pair)
-        if not self.existCollisionPair(pair):
+        first, second = (
+            index(i, self.ngeoms, "geometry", "getGeometryId(name) gives one.") for i in collision_pair
+        )
+        if not self.existCollisionPair(collision_pair):
             self.collisionPairs.append(CollisionPair(first, second))
 
     def addAllCollisionPairs(self) -> None:
@@ -114,9 +111,9 @@ class GeometryModel(Saved):
         count = range(self.ngeoms)
         self._pair_up(CollisionPair(i, j) for i in count for j in count[i + 1 :] if parents[i] != parents[j])
 
-    def removeCollisionPair(self, pair: CollisionPair) -> None:
+    def removeCollisionPair(self, collision_pair: CollisionPair) -> None:
         """Removes a pair, if it is there."""
-        self._pair_up([p for p in self.collisionPairs if p != pair])
+        self._pair_up([p for p in self.collisionPairs if p != collision_pair])
 
     def removeAllCollisionPairs(self) -> None:
         """Removes all pairs."""
@@ -131,13 +128,13 @@ class GeometryModel(Saved):
         self.collisionPairs.clear()
         self.collisionPairs.extend(pairs)
 
-    def existCollisionPair(self, pair: CollisionPair) -> bool:
+    def existCollisionPair(self, collision_pair: CollisionPair) -> bool:
         """Whether the pair is checked."""
-        return self.findCollisionPair(pair) < len(self.collisionPairs)
+        return self.findCollisionPair(collision_pair) < len(self.collisionPairs)
 
-    def findCollisionPair(self, pair: CollisionPair) -> int:
+    def findCollisionPair(self, collision_pair: CollisionPair) -> int:
         """The index of a pair; as many as there are if there is no such pair."""
-        found = (k for k, p in enumerate(self.collisionPairs) if p == pair)
+        found = (k for k, p in enumerate(self.collisionPairs) if p == collision_pair)
         return next(found, len(self.collisionPairs))
 
     @property

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from pinocchio._arrays import matrix, text, vector
+from pinocchio._keywords import by_name
 from pinocchio._symmetric import Symmetric3
 from pinocchio._vectors import Force, Motion, generator, skew
 from ulna import spatial
@@ -24,6 +25,7 @@ class Inertia:
 
     __slots__ = ("_p",)
 
+    @by_name("mass lever inertia", "clone")
     def __init__(self, *parts: Any) -> None:
         self._p = np.zeros(13)  # mass, lever, inertia row by row
         if len(parts) == 3:
@@ -82,9 +84,9 @@ class Inertia:
         return Inertia._from(spatial.Inertia.from_sphere(mass, radius))
 
     @staticmethod
-    def FromEllipsoid(mass: float, x: float, y: float, z: float) -> Inertia:
-        """A solid ellipsoid with the half axes x, y, z."""
-        return Inertia._from(spatial.Inertia.from_ellipsoid(mass, (x, y, z)))
+    def FromEllipsoid(mass: float, length_x: float, length_y: float, length_z: float) -> Inertia:
+        """A solid ellipsoid with these half axes along x, y, z."""
+        return Inertia._from(spatial.Inertia.from_ellipsoid(mass, (length_x, length_y, length_z)))
 
     @staticmethod
     def FromCylinder(mass: float, radius: float, length: float) -> Inertia:
@@ -92,9 +94,9 @@ class Inertia:
         return Inertia._from(spatial.Inertia.from_cylinder(mass, radius, length))
 
     @staticmethod
-    def FromBox(mass: float, x: float, y: float, z: float) -> Inertia:
-        """A solid box with the sides x, y, z."""
-        return Inertia._from(spatial.Inertia.from_box(mass, (x, y, z)))
+    def FromBox(mass: float, length_x: float, length_y: float, length_z: float) -> Inertia:
+        """A solid box with these sides along x, y, z."""
+        return Inertia._from(spatial.Inertia.from_box(mass, (length_x, length_y, length_z)))
 
     @staticmethod
     def FromCapsule(mass: float, radius: float, height: float) -> Inertia:
@@ -102,16 +104,18 @@ class Inertia:
         return Inertia._from(spatial.Inertia.from_capsule(mass, radius, height))
 
     @staticmethod
-    def FromDynamicParameters(params: Any) -> Inertia:
+    def FromDynamicParameters(dynamic_parameters: Any) -> Inertia:
         """From m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
-        return Inertia._from(spatial.Inertia.from_parameters(vector(params, 10, "params")))
+        return Inertia._from(
+            spatial.Inertia.from_parameters(vector(dynamic_parameters, 10, "dynamic_parameters"))
+        )
 
     @staticmethod
-    def FromPseudoInertia(pseudo: Any) -> Inertia:
+    def FromPseudoInertia(pseudo_inertia: Any) -> Inertia:
         """From a PseudoInertia, or its 4x4 matrix."""
         from pinocchio._pseudo import PseudoInertia
 
-        return PseudoInertia(pseudo).toInertia()
+        return PseudoInertia(pseudo_inertia).toInertia()
 
     @staticmethod
     def FromLogCholeskyParameters(log_cholesky_parameters: Any) -> Inertia:

@@ -19,21 +19,21 @@ NOWHERE = 2**64 - 1
 class JointModel:
     """A kind of joint and, once in a model, its index and its places in q and v."""
 
-    def __init__(self, joint: JointModel | None = None) -> None:
+    def __init__(self, other: JointModel | None = None) -> None:
         self.id = NOWHERE
         """The index in its model."""
         self.idx_q = self.idx_v = self.idx_vExtended = -1
         """Where its entries of q, of v, and of v with mimic joints counted begin."""
-        self.kind: JointKind | None = None if joint is None else joint.kind
+        self.kind: JointKind | None = None if other is None else other.kind
         """The tower's kind; None for the universe."""
         self.nq = 0 if self.kind is None else self.kind.nq
         """How many entries of q it has."""
         self.nv = 0 if self.kind is None else self.kind.nv
         """How many entries of v it has."""
-        self._word = "JointModelRX" if joint is None else joint.shortname()
-        self._within = joint
+        self._word = "JointModelRX" if other is None else other.shortname()
+        self._within = other
         self._kind_word = ""
-        self.mimic: tuple[int, float, float] | None = None if joint is None else joint.mimic
+        self.mimic: tuple[int, float, float] | None = None if other is None else other.mimic
         """Of a mimic joint: the index of the joint it follows, the ratio, and the offset."""
 
     def _be(self, word: str, kind: JointKind) -> None:
@@ -76,11 +76,11 @@ class JointModel:
 
         return data_of(self)
 
-    def calc(self, data: JointData, q: Any, v: Any = None) -> None:
+    def calc(self, jdata: JointData, q: Any, v: Any = None) -> None:
         """Fills a JointData at configuration `q` (of the model, or its own entries) and velocity `v`."""
         if self.kind is not None:
             own_v = None if v is None else _own(v, self.idx_v, self.kind.nv)
-            data.place(self, _own(q, self.idx_q, self.kind.nq), own_v)
+            jdata.place(self, _own(q, self.idx_q, self.kind.nq), own_v)
 
     def lieGroup(self) -> Any:
         """The Lie group of its configurations."""

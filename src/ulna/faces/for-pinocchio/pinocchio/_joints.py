@@ -8,6 +8,7 @@ import numpy as np
 
 from pinocchio._arrays import StdVec, vector
 from pinocchio._joint_model import NOWHERE, JointModel
+from pinocchio._keywords import by_name
 from pinocchio._se3 import SE3
 from ulna.errors import InputError, UnknownName
 from ulna.model import (
@@ -83,6 +84,7 @@ class _Unaligned(JointModel):
 
     _make: Any
 
+    @by_name("axis", "x y z")
     def __init__(self, *axis: Any) -> None:
         given = axis[0] if len(axis) == 1 else axis or _AXES["X"]
         self._axis: Axis = unit_axis(vector(given, 3, "axis"))
@@ -115,6 +117,7 @@ class JointModelRevoluteUnboundedUnaligned(_Unaligned):
 class JointModelHelicalUnaligned(JointModel):
     """A screw about an axis with a pitch [m/rad]: `(axis, pitch)`, `(x, y, z, pitch)`."""
 
+    @by_name("axis pitch", "x y z pitch")
     def __init__(self, *parts: Any) -> None:
         *axis, pitch = parts or (_AXES["X"], 0.0)
         self._axis: Axis = unit_axis(vector(axis[0] if len(axis) == 1 else axis, 3, "axis"))
@@ -131,6 +134,7 @@ class JointModelHelicalUnaligned(JointModel):
 class JointModelUniversal(JointModel):
     """Turns about a first axis, then about a second one: six numbers, or two axes; nq = nv = 2."""
 
+    @by_name("axis1 axis2", "x1 y1 z1 x2 y2 z2")
     def __init__(self, *parts: Any) -> None:
         first, second = (
             parts if len(parts) == 2 else (parts[:3], parts[3:]) if parts else (_AXES["X"], _AXES["Y"])
@@ -161,6 +165,7 @@ def _chain(kind: JointKind, place: Pose) -> tuple[tuple[JointKind, ...], tuple[P
 class JointModelComposite(JointModel):
     """Several joints in a row: `()`, `(joint)`, `(joint, placement, name)`; then `addJoint(joint, placement)`."""
 
+    @by_name("joint_model joint_placement name", "size")
     def __init__(self, *parts: Any) -> None:
         JointModel.__init__(self)
         self._word = "JointModelComposite"
@@ -178,6 +183,7 @@ class JointModelComposite(JointModel):
         """How many joints it is made of."""
         return len(self.joints)
 
+    @by_name("joint_model joint_placement name")
     def addJoint(self, joint: JointModel, placement: SE3 | None = None, name: str = "") -> Self:
         """Adds a joint, placed in the moving frame of the one before."""
         if joint.kind is None or isinstance(joint, JointModelComposite):
@@ -285,6 +291,7 @@ class JointModelMimic(JointModel):
     scaling, offset)` of its own.
     """
 
+    @by_name("joint_model scaling offset")
     def __init__(self, joint: JointModel, *rest: Any) -> None:
         followed, scaling, offset = rest if rest and isinstance(rest[0], JointModel) else (joint, *rest)
         if joint.kind is None or followed.id == NOWHERE or (followed.nq, followed.nv) != (1, 1):

@@ -8,10 +8,10 @@ from typing import Any, TypeVar
 
 from ulna.errors import InputError
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+Result = TypeVar("Result")
 
 
-def by_name(*orders: str) -> Callable[[Function], Function]:
+def by_name(*orders: str) -> Callable[[Callable[..., Result]], Callable[..., Result]]:
     """Lets a function of positions be called by names, too.
 
     Args:
@@ -19,11 +19,11 @@ def by_name(*orders: str) -> Callable[[Function], Function]:
     """
     ways = [order.split() for order in orders]
 
-    def decorate(function: Function) -> Function:
+    def decorate(function: Callable[..., Result]) -> Callable[..., Result]:
         before = 1 if function.__code__.co_varnames[:1] == ("self",) else 0  # pyright: ignore
 
         @functools.wraps(function)
-        def called(*parts: Any, **named: Any) -> Any:
+        def called(*parts: Any, **named: Any) -> Result:
             if not named:
                 return function(*parts)
             given = len(parts) - before
@@ -38,6 +38,6 @@ def by_name(*orders: str) -> Callable[[Function], Function]:
             )
 
         called.orders = ways  # pyright: ignore
-        return called  # pyright: ignore
+        return called
 
     return decorate

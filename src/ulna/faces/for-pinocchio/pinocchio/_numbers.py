@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, final
 import numpy as np
 
 from pinocchio._arrays import StdVec
-from pinocchio._engine import Engine
+from pinocchio._engine import MAKING, Engine
 from pinocchio._frame import Frame, changes
 from pinocchio._runs import refuse
 from ulna.typing import Array, Floats
@@ -132,13 +132,14 @@ class Numbers:
         bits = b"".join(block.tobytes() for block in self._live("numbers"))
         if bits == self._bits and self._newest is not None:
             return self._newest
-        found = self._engines.get(bits)
-        if found is None:
-            found = Engine(self)  # type: ignore[arg-type]
-            if len(self._engines) >= _KEPT:
-                del self._engines[next(iter(self._engines))]
-            self._engines[bits] = found
-        self._bits, self._newest = bits, found
+        with MAKING:
+            found = self._engines.get(bits)
+            if found is None:
+                found = Engine(self)  # type: ignore[arg-type]
+                if len(self._engines) >= _KEPT:
+                    del self._engines[next(iter(self._engines))]
+                self._engines[bits] = found
+            self._bits, self._newest = bits, found
         return found
 
     def shape(self) -> Engine:

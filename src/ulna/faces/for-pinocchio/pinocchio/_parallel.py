@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from pinocchio._arrays import StdVec, index, matrix
+from pinocchio._keywords import by_name
 from pinocchio._model import Model
 from ulna.errors import InputError
 
@@ -86,6 +87,7 @@ class GeometryPool(ModelPool):
         more = (self._geometry.createData() for _ in range(int(new_size) - len(kept)))
         self._geometry_datas = StdVec([*kept, *more])
 
+    @by_name("data", "geometry_data")
     def update(self, data: Any) -> None:
         """Makes all data of geometries (or all Data) like one."""
         if hasattr(data, "oMg"):

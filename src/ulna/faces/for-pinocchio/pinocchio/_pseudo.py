@@ -8,6 +8,7 @@ import numpy as np
 
 from pinocchio._arrays import matrix, text, vector
 from pinocchio._inertia import Inertia
+from pinocchio._keywords import by_name
 from ulna.identification.physical import (
     from_log_cholesky,
     log_cholesky,
@@ -59,6 +60,7 @@ class PseudoInertia(_OfBody):
 
     __slots__ = ()
 
+    @by_name("mass h sigma", "clone")
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 1:
             one = parts[0]

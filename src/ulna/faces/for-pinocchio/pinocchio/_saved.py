@@ -19,6 +19,7 @@ from xml.sax.saxutils import escape, unescape
 import numpy as np
 
 from pinocchio._arrays import StdVec
+from pinocchio._keywords import by_name
 from ulna.errors import FormatError, InputError
 
 _SIGN = b"ulna pinocchio 1\n"
@@ -60,6 +61,7 @@ class Saved:
             )
         self._become(unescape(inner), filename)
 
+    @by_name("filename", "buffer")
     def saveToBinary(self, filename: Any) -> None:
         """Writes its numbers compressed, to a file or into a StreamBuffer or StaticBuffer of `serialization`."""
         told = _SIGN + zlib.compress(self.saveToString().encode("utf-8"))
@@ -68,6 +70,7 @@ class Saved:
         else:
             Path(os.fspath(filename)).write_bytes(told)
 
+    @by_name("filename", "buffer")
     def loadFromBinary(self, filename: Any) -> None:
         """Becomes what `saveToBinary` wrote. FormatError where the file is missing or of another kind."""
         told = filename.tobytes() if hasattr(filename, "tobytes") else _read(filename)

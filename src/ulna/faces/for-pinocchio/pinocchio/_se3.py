@@ -8,6 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._arrays import matrix, numbers, text, vector
+from pinocchio._keywords import by_name
 from pinocchio._rotations import coefficients_of
 from pinocchio._vectors import generator
 from ulna import spatial
@@ -40,6 +41,7 @@ class SE3:
 
     __slots__ = ("_m",)
 
+    @by_name("rotation translation", "quat translation", "array", "clone", "int")
     def __init__(self, *parts: Any) -> None:
         self._m = np.eye(4)
         if len(parts) == 2:

@@ -7,6 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._arrays import matrix, text, vector
+from pinocchio._keywords import by_name
 from pinocchio._vectors import generator, skew
 from ulna.typing import Floats
 
@@ -17,6 +18,7 @@ class Symmetric3:
 
     __slots__ = ("_d",)
 
+    @by_name("I", "a0 a1 a2 a3 a4 a5", "other", "clone")
     def __init__(self, *parts: Any) -> None:
         self._d = np.zeros(6)
         if len(parts) == 1:

@@ -23,7 +23,7 @@ from ulna.formats.urdf_parse import parse_urdf
 
 
 def buildModelFromUrdf(
-    filename: Any,
+    urdf_filename: Any,
     root_joint: Any = None,
     root_joint_name: Any = None,
     model: Model | None = None,
@@ -33,7 +33,7 @@ def buildModelFromUrdf(
     """The model of a URDF file.
 
     Args:
-        filename: The file.
+        urdf_filename: The file.
         root_joint: How its root moves in the world, such as JointModelFreeFlyer(); it stands still without.
         root_joint_name: The name of that joint; "root_joint" without.
         model: A model to add it to; a new one without.
@@ -44,12 +44,12 @@ def buildModelFromUrdf(
         FormatError: the file is missing or broken; says where and what mends it.
     """
     return build_model(
-        read_urdf(os.fspath(filename)), *_sorted_out(root_joint, root_joint_name, model), mimic=mimic
+        read_urdf(os.fspath(urdf_filename)), *_sorted_out(root_joint, root_joint_name, model), mimic=mimic
     )
 
 
 def buildModelFromXML(
-    xml: str,
+    urdf_xml_stream: str,
     root_joint: Any = None,
     root_joint_name: Any = None,
     model: Model | None = None,
@@ -57,7 +57,9 @@ def buildModelFromXML(
     mimic: bool = False,
 ) -> Model:
     """The model of a URDF text; see `buildModelFromUrdf`."""
-    return build_model(parse_urdf(xml), *_sorted_out(root_joint, root_joint_name, model), mimic=mimic)
+    return build_model(
+        parse_urdf(urdf_xml_stream), *_sorted_out(root_joint, root_joint_name, model), mimic=mimic
+    )
 
 
 def _sorted_out(*given: Any) -> tuple[JointModel | None, str, Model | None]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Self, final
 import numpy as np
 
 from pinocchio._arrays import numbers, text, vector
+from pinocchio._keywords import by_name
 from ulna import spatial
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -17,10 +18,10 @@ if TYPE_CHECKING:
 _random = np.random.default_rng()
 
 
-def seed(value: int) -> None:
+def seed(seed_value: int) -> None:
     """Starts the random numbers of `Random` and `randomConfiguration` anew."""
     global _random
-    _random = np.random.default_rng(value)
+    _random = np.random.default_rng(seed_value)
 
 
 def generator() -> np.random.Generator:
@@ -36,6 +37,7 @@ class _Six:
     _signs = ("v", "w")
     _tower: Any
 
+    @by_name("linear angular", "array", "clone")
     def __init__(self, *parts: Any) -> None:
         kind = type(self).__name__
         if not parts:
@@ -239,15 +241,15 @@ class Force(_Six):
         return float(self._v @ (motion._v if isinstance(motion, Motion) else vector(motion, 6, "motion")))
 
 
-def skew(v: Any) -> Floats:
+def skew(u: Any) -> Floats:
     """The matrix of the cross product with a 3-vector."""
-    x, y, z = vector(v, 3, "v")
+    x, y, z = vector(u, 3, "u")
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
-def unSkew(M: Any) -> Floats:
+def unSkew(U: Any) -> Floats:
     """The 3-vector of a matrix of the cross product."""
-    m = numbers(M, "M")
+    m = numbers(U, "U")
     return 0.5 * np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
 
 

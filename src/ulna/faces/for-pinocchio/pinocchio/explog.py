@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._arrays import matrix, numbers, vector
+from pinocchio._keywords import by_name
 from pinocchio._se3 import SE3
 from pinocchio._vectors import Motion
 from ulna import spatial
@@ -74,6 +75,7 @@ def exp3_quat(w: Any) -> Floats:
     return np.array(spatial.quat_exp(vector(w, 3, "w")))
 
 
+@by_name("v", "motion")
 def exp6(v: Any) -> SE3:
     """The placement reached in one second with a Motion (or six numbers)."""
     return SE3._of(_compiled("exp6")(_six(v)))
@@ -108,6 +110,7 @@ def Jlog3(R: Any) -> Floats:
     return _compiled("Jlog3")(matrix(R, (3, 3), "R"))
 
 
+@by_name("v", "motion")
 def Jexp6(v: Any) -> Floats:
     """The right Jacobian (6, 6) of the exponential of SE(3)."""
     return _compiled("Jexp6")(_six(v))

@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 
 from pinocchio._arrays import matrix, vector
+from pinocchio._keywords import by_name
 from pinocchio._vectors import skew
 from ulna import spatial
 from ulna.errors import UnknownName
 from ulna.typing import Floats
 
 
+@by_name("roll pitch yaw", "rpy")
 def rpyToMatrix(*rpy: Any) -> Floats:
     """The rotation matrix (3, 3) of roll, pitch, yaw [rad]: three numbers, or an array (3,)."""
     return np.array(spatial.rpy_to_matrix(vector(rpy if len(rpy) == 3 else rpy[0], 3, "rpy")))
