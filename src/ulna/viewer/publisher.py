@@ -14,7 +14,8 @@ from ulna.viewer.scene import Scene
 from ulna.viewer.theme import Theme
 
 _PLAIN = (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
-_CALM = 1 / 15  # s between two new contents of one node
+_SHARE = 1 / 8  # of its time that the page's thread may spend on contents that change all the time
+_LONGEST = 0.25  # s that they wait at most
 _REST = 0.3  # s without a motion after which all is at rest
 
 
@@ -38,9 +39,9 @@ class Publisher:
         """The nodes of the scene as the page has them."""
         self._paths = Paths()
         self._route: tuple[list[str], list[int]] | None = None
-        self._revised: dict[str, float] = {}  # when contents were last sent
+        self._due = 0.0  # when contents may be sent again
         self._words: dict[str, str] = {}  # what those of a file say
-        self._stale = False  # whether some are not, because they change too often
+        self._stale = False  # whether some wait for that
         self._sent = (-1, -1, -1)
         self._settled = True
         self._moved_at = 0.0
@@ -57,7 +58,7 @@ class Publisher:
 
     def hurry(self) -> None:
         """Send contents that change often at once."""
-        self._revised.clear()
+        self._due = 0.0
 
     def publish(self, now: float) -> None:
         """Send what is new at this time [s, monotonic]."""
@@ -86,21 +87,22 @@ class Publisher:
         """Make the nodes of the page those of the scene."""
         present = {node.name: (i, node) for i, node in enumerate(seen.nodes) if is_drawn(node)}
         self._stale, self._route = False, None
+        began, calm = time.thread_time(), now < self._due
         for name, shown in list(self.shown.items()):
             i, node = present.get(name, (0, None))
             if node is shown.node:
                 continue
-            if node is not None and node.content is not None and now - self._revised.get(name, 0.0) < _CALM:
+            if calm and node is not None and node.content is not None:
                 self._stale = True
-                continue
-            self._revised[name] = now
-            if node is None or not shown.revise(seen, i):
+            elif node is None or not shown.revise(seen, i):
                 self._drop(name)
         for name, (i, _) in present.items():
             if name not in self.shown:
                 path = self._paths.take(name)
                 self.shown[name] = self._make(path, seen, i)
-        self.until = max(self.until, now + 1.0)
+                self.until = max(self.until, now + 1.0)
+        if not calm:
+            self._due = now + min((time.thread_time() - began) / _SHARE, _LONGEST)
 
     def _make(self, path: str, seen: Snapshot, i: int) -> Shown:
         return build(self._server, path, seen, i, self._baked, self._channel.open)
@@ -109,7 +111,6 @@ class Publisher:
         shown = self.shown.pop(name)
         shown.remove()
         self._paths.free(shown.path)
-        self._revised.pop(name, None)
 
     def _style(self, seen: Snapshot) -> None:
         """Colours, opacity, scale and visibility as the scene has them."""
