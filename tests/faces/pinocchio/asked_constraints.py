@@ -25,6 +25,18 @@ d.constraint_chol.getInverseOperationalSpaceInertiaMatrix(); d.constraint_chol.g
 d.constraint_chol.getDelassusOperatorCholeskyExpression().matrix(); d.constraint_chol.getMassMatrixChoeslkyDecomposition(m, d).matrix()
 """
 
+DECOMPOSED = """
+! chol = pin.ContactCholeskyDecomposition(m, d, cs, ds); mus = np.linspace(1e-3, 1e-1, chol.constraintDim()); b = np.arange(chol.size()) - 2.0
+! chol.compute(m, d, cs, ds, 1e-4); before = chol.solve(b), chol.U.copy(), chol.D.copy(); chol.compute(m, d, cs, ds, mus)
+before; chol.U; chol.D; chol.Dinv; chol.matrix(); chol.inverse(); chol.solve(b); chol.getDamping(); chol.getInverseMassMatrix()
+chol.getOperationalSpaceInertiaMatrix(); chol.getInverseOperationalSpaceInertiaMatrix(); chol.getMassMatrixChoeslkyDecomposition(m, d).U
+! G, c = chol.getDelassusOperatorCholeskyExpression(), np.arange(chol.constraintDim()) - 2.0
+G.matrix(); G.solve(c); G.inverse()
+! none, of_none = listed([])
+! chol = pin.ContactCholeskyDecomposition(m, d, none, of_none); chol.compute(m, d, none, of_none, 0.0)
+chol.U; chol.D; chol.solve(d.nle); chol.inverse(); chol.constraintDim()
+"""
+
 ONE_ROUND = """
 pin.constraintDynamics(m, d, q, v, tau, cs, ds)
 """
@@ -53,6 +65,11 @@ pin.forwardDynamics(m, d, q, v, tau, J, k); d.lambda_c; d.ddq; pin.getKKTContact
 pin.forwardDynamics(m, d, q, v, tau, J, k, 1e-3); d.lambda_c; pin.forwardDynamics(m, d, tau, J, k, 1e-2)
 pin.impulseDynamics(m, d, q, v, J, 0.3, 1e-3); d.impulse_c; d.dq_after; pin.impulseDynamics(m, d, v, J)
 pin.computeKKTContactDynamicMatrixInverse(m, d, q, J, 1e-3); pin.computeKKTContactDynamicMatrixInverse(m, d, q, J)
+! none = np.zeros((0, m.nv)); twice = np.vstack([J, J])
+pin.forwardDynamics(m, d, q, v, tau, none, none[:, 0]); d.lambda_c; pin.impulseDynamics(m, d, q, v, none); d.impulse_c
+pin.forwardDynamics(m, d, q, v, tau, twice, np.arange(6.0), 1e-3); d.lambda_c; pin.getKKTContactDynamicMatrixInverse(m, d, twice)
+pin.impulseDynamics(m, d, q, v, twice, 0.5, 1e-2); d.impulse_c; pin.computeKKTContactDynamicMatrixInverse(m, d, q, twice, 1e-2)
+pin.cholesky.solve(m, d, v); pin.cholesky.decompose(m, d)
 """
 
 SEEN = """
@@ -135,7 +152,9 @@ def cases(m, joints, M, N):
 
 
 def listed(things, what=""):
-    """The same as the vector that Pinocchio wants; for the face a list."""
+    """The same as the vector that Pinocchio wants; for the face a list. Of no constraints, models and data."""
+    if not things:
+        return pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
     kind = type(things[0]).__name__.replace("Data", "").replace("Model", "")
     out = getattr(pin, f"StdVec_{kind}{what or 'Model'}")()
     out.extend(things)
@@ -181,6 +200,7 @@ if __name__ == "__main__":
         contact = all(c.joint2_id == 0 for c in cs)
         text = (
             SOLVED
+            + DECOMPOSED
             + DERIVATIVES * exact
             + IMPACT * contact
             + (IMPACT_DERIVATIVES + ONE_ROUND) * (contact and mu == 0)

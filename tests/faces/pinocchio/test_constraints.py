@@ -129,6 +129,88 @@ def test_derivatives_want_the_dynamics_first(pin: Any) -> None:
         pin.ContactCholeskyDecomposition(model, data, [held], [known]).inverse()
 
 
+def test_a_jacobian_of_many_rows(pin: Any) -> None:
+    """Too many to be compiled as a whole; the numbers are those of dense matrices."""
+    model, data, q, v, _ = _arm(pin)
+    J, drift = np.random.default_rng(3).normal(size=(40, 6)), np.linspace(-1.0, 1.0, 40)
+    a = pin.forwardDynamics(model, data, q, v, v, J, drift, 1e-2)
+    K = np.block([[data.M, J.T], [J, -1e-2 * np.eye(40)]])
+    wanted = np.linalg.solve(K, np.concatenate([v - data.nle, -drift]))
+    np.testing.assert_allclose(np.concatenate([a, -data.lambda_c]), wanted, atol=1e-9)
+    np.testing.assert_allclose(
+        pin.getKKTContactDynamicMatrixInverse(model, data, J) @ K, np.eye(46), atol=1e-9
+    )
+    with pytest.raises(InputError, match="rank 6"):
+        pin.forwardDynamics(model, data, v, J, drift)
+
+
+def test_arguments_of_dynamics_with_a_jacobian(pin: Any) -> None:
+    model, data, q, v, _ = _arm(pin)
+    J, drift = np.random.default_rng(3).normal(size=(3, 6)), np.array([0.1, 0.2, 0.3])
+    a = pin.forwardDynamics(model, data, q, v, v, J, drift)
+    np.testing.assert_array_equal(pin.forwardDynamics(model, data, v.tolist(), J.tolist(), drift.tolist()), a)
+    np.testing.assert_array_equal(pin.forwardDynamics(model, data, v, np.asfortranarray(J), drift), a)
+    named = {"tau": v, "constraint_jacobian": J, "constraint_drift": drift}
+    np.testing.assert_array_equal(pin.forwardDynamics(model, data, q=q, v=v, **named), a)
+    pin.forwardDynamics(model, data, v, J[:2], drift[:2])  # one row less, and back
+    with pytest.raises(InputError, match="was .2, 6."):
+        pin.getKKTContactDynamicMatrixInverse(model, data, J)
+    np.testing.assert_array_equal(pin.forwardDynamics(model, data, v, J, drift), a)
+    for wrong, name in (((v, J[:, :5], drift), "jacobian"), ((v[:5], J, drift), "tau"), ((v, J, v), "drift")):
+        with pytest.raises(ShapeError, match=name):
+            pin.forwardDynamics(model, data, *wrong)
+    with pytest.raises(InputError, match="damping is -1"):
+        pin.forwardDynamics(model, data, v, J, drift, -1.0)
+    with pytest.raises(InputError, match="not finite"):
+        pin.forwardDynamics(model, data, v, np.full((3, 6), np.nan), drift)
+    with pytest.raises(InputError, match="forwardDynamics takes"):
+        pin.forwardDynamics(model, data, v, J)
+    model.addJoint(6, pin.JointModelRX(), pin.SE3.Identity(), "more")
+    with pytest.raises(InputError, match="createData"):
+        pin.forwardDynamics(model, data, v, J, drift)
+
+
+def test_factors_of_the_mass_matrix_last_until_the_next_ones(pin: Any) -> None:
+    model, data, q, v, _ = _arm(pin)
+    M = pin.crba(model, data, q)
+    U = pin.cholesky.decompose(model, data)
+    np.testing.assert_allclose(pin.cholesky.solve(model, data, M), np.eye(6), atol=1e-12)
+    other = pin.crba(model, data, -q)
+    np.testing.assert_allclose(M @ pin.cholesky.solve(model, data, v), v, atol=1e-12)
+    pin.impulseDynamics(model, data, v, np.eye(1, 6))  # decomposes, too
+    np.testing.assert_allclose(pin.cholesky.computeMinv(model, data) @ other, np.eye(6), atol=1e-12)
+    assert np.abs(pin.cholesky.decompose(model, data) - U).max() > 1e-3
+    with pytest.raises(InputError, match="crba"):
+        pin.cholesky.decompose(model, model.createData())
+    with pytest.raises(ShapeError):
+        pin.cholesky.solve(model, data, v[:5])
+
+
+def test_a_decomposition_follows_its_constraints(pin: Any) -> None:
+    model, data, q, v, held = _arm(pin)
+    known = held.createData()
+    chol = pin.ContactCholeskyDecomposition(model, data, [held], [known])
+    assert chol.size() == 9 and not chol.matrix().any() and chol == chol.copy()
+    pin.computeAllTerms(model, data, q, v)
+    chol.compute(model, data, [held], [known])
+    G, first = chol.getDelassusOperatorCholeskyExpression(), chol.copy()
+    np.testing.assert_allclose(chol.solve(chol.matrix()), np.eye(9), atol=1e-9)
+    G.updateDamping(0.1)
+    np.testing.assert_allclose(chol.getInverseOperationalSpaceInertiaMatrix(), G.matrix())
+    np.testing.assert_allclose(chol.inverse() @ chol.matrix(), np.eye(9), atol=1e-9)
+    pin.computeAllTerms(model, data, -q, v)
+    chol.compute(model, data, [held], [known], 0.1)
+    assert chol != first and np.abs(first.inverse() @ first.matrix() - np.eye(9)).max() < 1e-9
+    held.joint1_id = 5
+    chol.compute(model, data, [held], [known], np.array([0.3, 0.1, 0.2]))
+    np.testing.assert_allclose(chol.inverse() @ chol.matrix(), np.eye(9), atol=1e-9)
+    assert not chol.matrix()[:3, 8].any()  # the last joint moves nothing that is held
+    with pytest.raises(InputError, match="not below zero"):
+        chol.updateDamping(-1.0)
+    with pytest.raises(ShapeError):
+        chol.solve(np.ones(8))
+
+
 def test_settings_are_checked(pin: Any) -> None:
     for wrong in ((1e-12, -1.0, 3), (1e-12, np.inf, 3), (1e-12, 1e-6, 0), (-1.0, 1e-6, 3), (1e-12, 1e-6)):
         with pytest.raises(InputError):

@@ -85,6 +85,7 @@ def _run(model: Model, data: Data, name: str, J: Any, damping: Any, *state: Any)
         if held is not None:
             found = getattr(held, name)(J, mu, *state)
     if held is None or found is NotImplemented:
+        data.attach(model)
         J = np.require(numbers(J, "constraint_jacobian"), float, ["C", "A"])
         if J.ndim != 2 or J.shape[1] != model.nv:
             raise ShapeError("constraint_jacobian", J.shape, f"(m, {model.nv})")
@@ -92,7 +93,6 @@ def _run(model: Model, data: Data, name: str, J: Any, damping: Any, *state: Any)
         given = [
             exact(x, sizes[what], what) if what else x for x, what in zip(state, _STATE[name], strict=True)
         ]
-        data.attach(model)
         known = data._run_at
         held = known.get(len(J))
         if held is None or getattr(held, name)(J, mu, *given) is NotImplemented:
