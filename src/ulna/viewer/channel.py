@@ -134,9 +134,7 @@ def known() -> bool:
 def _hook(title: str) -> str:
     """The program that makes viser's page ours."""
     here = Path(__file__).parent
-    out = "".join(
-        (here / name).read_text(encoding="utf-8") for name in ("lamp.js", "crowd.js", "frames.js", "hook.js")
-    )
+    out = "".join((here / name).read_text(encoding="utf-8") for name in ("lamp.js", "frames.js", "hook.js"))
     filled = {"POSES": POSES, "LOOKS": LOOKS, "FLOOR": FLOOR, "LAMP": LAMP, "SKY": SKY, "TITLE": title}
     return re.sub(r"\b(" + "|".join(filled) + r")\b", lambda found: _quoted(filled[found[0]]), out)
 

@@ -55,7 +55,7 @@
   }
 
   function casters(scene) {
-    const out = [], casts = o => o.isMesh && o.castShadow && !o.userData.ulnaCrowd && o.geometry?.attributes.position;
+    const out = [], casts = o => o.isMesh && o.castShadow && o.geometry?.attributes.position;
     scene.traverseVisible(o => { if (casts(o)) out.push(o); });
     return out;
   }
