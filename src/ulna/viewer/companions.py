@@ -292,8 +292,8 @@ def add_arrow(
 ) -> Arrow:
     """Add an arrow from the origin of its group along a vector, `size` [m] for each unit of it."""
     shaft, tip = arrow(colour(color))
-    scene.add(f"{name}/shaft", [shaft])
-    scene.add(f"{name}/tip", [tip])
+    scene.add(f"{name}/shaft", [shaft], shadow=False, through=True)  # it may well reach into the floor
+    scene.add(f"{name}/tip", [tip], shadow=False, through=True)
     try:
         return Arrow(scene, name, vector, radius, size)
     except BaseException:

@@ -8,7 +8,10 @@
 (() => {
   document.title = TITLE;
   const page = window.__viserMutable;
-  if (!page || page.messageQueue.ulna) return;
+  if (!page) return;
+  // viser counts a tab when it has told of its camera, which it does once, and a busy tab before anybody hears it
+  for (let wait = 500; wait < 4e4; wait *= 2) setTimeout(() => page.sendCamera?.(), wait);
+  if (page.messageQueue.ulna) return;
   const queue = page.messageQueue, push = Array.prototype.push;
   const say = news => { page.ulnaNews = news || !!page.ulnaNews; };
   const apply = ({names, p}) => {

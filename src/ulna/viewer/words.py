@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import warnings
+from contextlib import suppress
+from functools import lru_cache
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +18,9 @@ from ulna.viewer.content import Text
 from ulna.viewer.node import Snapshot
 from ulna.viewer.theme import Theme
 
+_FONTS = ("DejaVuSans.ttf", "Arial Unicode.ttf", "Arial.ttf", "arial.ttf", "LiberationSans-Regular.ttf")
+_BUNDLED = Path("mpl-data", "fonts", "ttf", "DejaVuSans.ttf")
+
 
 def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> Array:
     """The picture (h, w, 3) with the words of a scene over it, each where its node is."""
@@ -22,7 +29,7 @@ def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> A
     if not said:
         return image
     try:
-        from PIL import Image, ImageDraw, ImageFont
+        from PIL import Image, ImageDraw
     except ImportError:
         warnings.warn(
             "Words are left out of the picture: they need the package 'pillow', which ulna[film] brings.",
@@ -39,7 +46,7 @@ def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> A
         if z < -0.02 and 1.0 < size < height:
             ink = theme.ink if seen.tint[i, 0] < 0 else tuple(int(255 * c) for c in seen.tint[i])
             place = (width / 2 - focus * x / z, height / 2 + focus * y / z)
-            font = ImageFont.load_default(size)
+            font = _font(size)
             mask = Image.new("L", canvas.size)  # text that is drawn right onto a picture is never translucent
             draw: Any = ImageDraw.Draw(mask)
             lines = text.words.split("\n")
@@ -48,3 +55,18 @@ def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> A
                 draw.text(at, line, fill=round(255 * seen.opacity[i]), font=font, anchor="ls")
             canvas.paste(ink, mask=mask)
     return np.asarray(canvas)
+
+
+@lru_cache(maxsize=64)
+def _font(size: float) -> Any:
+    """A font with units and Greek letters, where one is found; Pillow's own lacks them."""
+    from PIL import ImageFont
+
+    matplotlib = find_spec("matplotlib")
+    found = (
+        [] if matplotlib is None or matplotlib.origin is None else [Path(matplotlib.origin).parent / _BUNDLED]
+    )
+    for font in (*_FONTS, *found):
+        with suppress(OSError):
+            return ImageFont.truetype(str(font), size)
+    return ImageFont.load_default(size)

@@ -151,3 +151,15 @@ def test_a_framed_scene_lies_within_the_picture_and_fills_it(direction: tuple[fl
 
 def test_an_empty_scene_is_framed_too() -> None:
     assert frame(Scene()) == Camera()
+
+
+def test_words_have_their_units() -> None:
+    """Pillow's own font draws a box for what it lacks: two letters that it lacks would look alike."""
+    ImageFont = pytest.importorskip("PIL.ImageFont")
+    from ulna.viewer.words import _font
+
+    font = _font(40.0)
+    if font.getname() == ImageFont.load_default(40).getname():
+        pytest.skip("no other font is here")
+    drawn = [bytes(font.getmask(letter)) for letter in "µ²Στθ"]
+    assert len(set(drawn)) == len(drawn)

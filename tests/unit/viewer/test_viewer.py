@@ -240,6 +240,24 @@ def test_an_arrow_points_along_its_vector(viewer: Viewer) -> None:
     assert viewer.scene.snapshot().scales[viewer.scene.row(f"{arrow.name}/shaft")].max() < 1e-6
 
 
+def test_a_force_of_fifty_newtons_can_be_seen_whole(viewer: Viewer, panda: ulna.Robot) -> None:
+    arm = viewer.add(panda, "qr")
+    push = arm.force(vector=(0, 0, -50))
+    seen = viewer.scene.snapshot()
+    tip = seen.scales[viewer.scene.row(f"{push.name}/tip"), 2]
+    shaft = seen.scales[viewer.scene.row(f"{push.name}/shaft"), 2]
+    assert tip + shaft == pytest.approx(0.5)
+    assert viewer.scene.floor() == 0.0  # it reaches into the floor, which stays
+    push.size = 0.002
+    np.testing.assert_array_equal(push.vector, (0, 0, -50))
+    seen = viewer.scene.snapshot()
+    assert sum(
+        seen.scales[viewer.scene.row(f"{push.name}/{p}"), 2] for p in ("tip", "shaft")
+    ) == pytest.approx(0.1)
+    with pytest.raises(InputError, match="metres for each unit"):
+        push.size = -1.0
+
+
 def test_a_curve_passes_through_its_points(viewer: Viewer) -> None:
     points = np.random.default_rng(0).normal(size=(5, 3))
     way = viewer.curve(points, steps=8).points
