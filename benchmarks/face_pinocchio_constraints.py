@@ -34,6 +34,18 @@ CALLS = {
     "impulseDynamics(q, v, J)": "pin.impulseDynamics(m, d, q, v, J)",
     "ContactCholeskyDecomposition.compute": "chol.compute(m, d, cs, ds, 1e-6)",
     "the same, and solve": "chol.compute(m, d, cs, ds, 1e-6); chol.solve(b)",
+    "the same, and inverse": "chol.compute(m, d, cs, ds, 1e-6); chol.inverse()",
+    "U": "chol.U",
+    "matrix": "chol.matrix()",
+    "getInverseMassMatrix": "chol.getInverseMassMatrix()",
+    "getOperationalSpaceInertiaMatrix": "chol.getOperationalSpaceInertiaMatrix()",
+    "solve of its Delassus operator": "G.solve(drift)",
+    "computeDampedDelassusMatrixInverse": "pin.computeDampedDelassusMatrixInverse(m, d, q, cs, ds, 1e-3)",
+    "computeKKTContactDynamicMatrixInverse": "pin.computeKKTContactDynamicMatrixInverse(m, d, q, J, 1e-3)",
+    "getKKTContactDynamicMatrixInverse": "pin.getKKTContactDynamicMatrixInverse(m, d, J)",
+    "cholesky.decompose": "pin.cholesky.decompose(m, d)",
+    "cholesky.solve": "pin.cholesky.solve(m, d, tau)",
+    "cholesky.computeMinv": "pin.cholesky.computeMinv(m, d)",
 }
 
 
@@ -77,12 +89,14 @@ def prepared(urdf: str, kind: str, joints: str) -> Callable[[], dict[str, float]
     }
     pin.constraintDynamics(m, d, q, v, tau, cs, ds, s)
     names |= {"J": pin.getConstraintsJacobian(m, d, cs, ds), "drift": rng.normal(size=len(d.lambda_c))}
+    chol.compute(m, d, cs, ds, 1e-6)
+    names["G"] = chol.getDelassusOperatorCholeskyExpression()
     loops = {}
     for title, call in CALLS.items():
         exec(f"def loop(n):\n start = clock()\n for _ in range(n): {call}\n return clock() - start", names)
         loops[title] = names["loop"]
         loops[title](20)
-    counts = {title: min(max(int(SPAN * 20 / loop(20)), 10), 1000) for title, loop in loops.items()}
+    counts = {title: min(max(int(SPAN * 20 / loop(20)), 40), 1000) for title, loop in loops.items()}
 
     def measure() -> dict[str, float]:
         return {title: loop(counts[title]) / counts[title] * 1e6 for title, loop in loops.items()}

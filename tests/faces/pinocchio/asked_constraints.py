@@ -67,8 +67,8 @@ pin.impulseDynamics(m, d, q, v, J, 0.3, 1e-3); d.impulse_c; d.dq_after; pin.impu
 pin.computeKKTContactDynamicMatrixInverse(m, d, q, J, 1e-3); pin.computeKKTContactDynamicMatrixInverse(m, d, q, J)
 ! none = np.zeros((0, m.nv)); twice = np.vstack([J, J])
 pin.forwardDynamics(m, d, q, v, tau, none, none[:, 0]); d.lambda_c; pin.impulseDynamics(m, d, q, v, none); d.impulse_c
-pin.forwardDynamics(m, d, q, v, tau, twice, np.arange(6.0), 1e-3); d.lambda_c; pin.getKKTContactDynamicMatrixInverse(m, d, twice)
-pin.impulseDynamics(m, d, q, v, twice, 0.5, 1e-2); d.impulse_c; pin.computeKKTContactDynamicMatrixInverse(m, d, q, twice, 1e-2)
+pin.forwardDynamics(m, d, q, v, tau, twice, np.arange(6.0), 1.0); d.lambda_c; pin.getKKTContactDynamicMatrixInverse(m, d, twice)
+pin.impulseDynamics(m, d, q, v, twice, 0.5, 1.0); d.impulse_c; pin.computeKKTContactDynamicMatrixInverse(m, d, q, twice, 1.0)
 pin.cholesky.solve(m, d, v); pin.cholesky.decompose(m, d)
 """
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pinocchio._arrays import numbers
 from pinocchio._constraint_jacobians import getConstraintsJacobian, of_ties
-from pinocchio._constraint_kernels import jacobian_kernel, rows_of
+from pinocchio._constraint_kernels import factor_kernels, jacobian_kernel
 from pinocchio._constraint_session import known_ties
 from pinocchio._data import Data, engine_for
 from pinocchio._delassus import DelassusOperatorCholeskyExpression, diagonal, raised
@@ -70,8 +70,10 @@ class ConstraintCholeskyDecomposition:
             J = getConstraintsJacobian(model, data, contact_models, contact_datas)
             ties = known_ties(model, data, contact_models, contact_datas)
             engine = engine_for(model, data)
-            rows = np.ones(J.shape) if ties is None else rows_of(engine.model, ties.shapes)
-            self._hold(kernels_for(engine, rows), M, J, mu)
+            kernels = (
+                kernels_for(engine, np.ones(J.shape)) if ties is None else factor_kernels(engine, ties.shapes)
+            )
+            self._hold(kernels, M, J, mu)
             self._ties = ties
         if not self._filled().unique and not M.any():
             raise without_factors(M, self._J)
@@ -204,11 +206,10 @@ ContactCholeskyDecomposition = ConstraintCholeskyDecomposition
 
 def cholesky_of(data: Data) -> ConstraintCholeskyDecomposition:
     """That of the last constraintDynamics or impulseDynamics with constraints; empty when there was none."""
-    found = ConstraintCholeskyDecomposition()
-    if data._bound is None:
+    solved, engine = data._bound, data.attach(data._model)
+    found = data._run_at.setdefault("constraints", ConstraintCholeskyDecomposition())
+    if solved is None:
         return found
-    solved, engine = data._bound, engine_for(data._model, data)
     q, _, places, _, _ = solved.kept
-    J = jacobian_kernel(engine, solved.shapes, len(q))(q, *places)
-    kernels = kernels_for(engine, rows_of(engine.model, solved.shapes))
-    return found._hold(kernels, engine.plain("mass_matrix")(q), J, float(solved.numbers[0]))
+    M, J = engine.plain("mass_matrix")(q), jacobian_kernel(engine, solved.shapes, len(q))(q, *places)
+    return found._hold(factor_kernels(engine, solved.shapes), M, J, float(solved.numbers[0]))

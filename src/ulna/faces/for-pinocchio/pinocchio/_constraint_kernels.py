@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pinocchio._constraints import RigidConstraintData, RigidConstraintModel
+from pinocchio._factored import Kernels, kernels_for
 from pinocchio._model import Model
 from ulna import algorithms, spatial
 from ulna.algorithms.constrained_factors import moved_by
@@ -78,10 +79,15 @@ def jacobian_kernel(engine: Engine, shapes: Any, nq: int) -> Any:
     return engine.made(("constraint jacobian", shapes), build, q=(nq,), **sizes_of(shapes))
 
 
-def rows_of(tower: TowerModel, shapes: Any) -> Array:
-    """Where this Jacobian may have entries, 1, else 0 (m, nv)."""
-    moved = [np.tile(moved_by(tower, [j - 1 for j in joints]), (size, 1)) for size, _, *joints in shapes]
-    return np.vstack([np.zeros((0, tower.nv)), *moved])
+def factor_kernels(engine: Engine, shapes: Any) -> Kernels:
+    """What is compiled for the factors of the mass matrix and of constraints."""
+    found = engine.kernels.get(("factors", shapes))
+    if found is None:
+        tower = engine.model
+        moved = [np.tile(moved_by(tower, [j - 1 for j in joints]), (size, 1)) for size, _, *joints in shapes]
+        rows = np.vstack([np.zeros((0, tower.nv)), *moved])
+        found = engine.kernels["factors", shapes] = kernels_for(engine, rows)
+    return found
 
 
 def sizes_of(shapes: Any) -> dict[str, Any]:
