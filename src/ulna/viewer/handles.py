@@ -12,7 +12,7 @@ from ulna.typing import ArrayLike, Floats
 from ulna.viewer.assigned import Assigned
 from ulna.viewer.colours import Colour
 from ulna.viewer.content import Content, Copies, Lines, Points, Text, transforms
-from ulna.viewer.node import checked_pose, checked_poses
+from ulna.viewer.node import checked_poses
 from ulna.viewer.scene import Scene
 from ulna.viewer.surface import colour, unit
 
@@ -42,7 +42,7 @@ class Handle(Assigned):
 
     @pose.setter
     def pose(self, pose: Any) -> None:
-        self._scene.set_pose(self._name, checked_pose(pose))
+        self._scene.set_pose(self._name, pose)
 
     @property
     def position(self) -> Floats:

@@ -62,6 +62,10 @@ class Snapshot(NamedTuple):
     tint: Floats
 
 
+_LOWEST = np.array([0.0, 0.0, 0.0, 1.0])
+_UNIT = np.eye(3)
+
+
 def checked_pose(value: Any, name: str = "pose") -> Floats:
     """A pose (4, 4) from an array or an `SE3`.
 
@@ -79,9 +83,9 @@ def checked_poses(value: Any, name: str, *shape: int | None, mend: str = "") -> 
     """
     out = lengths(name, value.matrix() if hasattr(value, "matrix") else value, *shape, mend=mend)
     turned = out[..., :3, :3]
-    off = np.abs(turned @ turned.mT - np.eye(3)).max(axis=(-2, -1))
+    off = np.abs(turned @ turned.mT - _UNIT).max(axis=(-2, -1))
     off = np.where(np.linalg.det(turned) < 0.0, 1.0, off)
-    if out.size and np.abs(out[..., 3, :] - (0.0, 0.0, 0.0, 1.0)).max() > 1e-6:
+    if np.abs(out[..., 3, :] - _LOWEST).max(initial=0.0) > 1e-6:
         raise InputError(
             f"`{name}` has a lowest row that is not 0 0 0 1; expected a pose whose position is its last column."
         )
