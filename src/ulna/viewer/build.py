@@ -181,8 +181,7 @@ def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: b
                 for s in surfaces
             ]
             place["scale"] = scale
-        shadow = node.shadow and not node.translucent
-        handles.append(server.scene.add_glb(path, _content(surfaces), cast_shadow=shadow, **place))
+        handles.append(server.scene.add_glb(path, _content(surfaces), cast_shadow=node.casting, **place))
         place.pop("scale", None)
     written = writes and isinstance(content, Text)
     if isinstance(content, Text) and written:

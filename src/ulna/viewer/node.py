@@ -34,9 +34,9 @@ class Node:
     through: bool = False
 
     @property
-    def translucent(self) -> bool:
-        """Whether any of its surfaces lets light through."""
-        return any(s.rgba[3] < 0.999 for s in self.surfaces)
+    def casting(self) -> bool:
+        """Whether it casts a shadow: if it is to, and any of its surfaces holds light back."""
+        return self.shadow and any(s.rgba[3] >= 0.999 for s in self.surfaces)
 
     @property
     def group(self) -> str:
