@@ -34,7 +34,7 @@ def load(name: str, display: bool = False, rootNodeName: str = "", verbose: bool
     if srdf is not None:
         pin.loadReferenceConfigurations(robot.model, str(srdf), False)
         postures = robot.model.referenceConfigurations
-        if told.posture in postures:
+        if told.posture and told.posture in postures:
             robot.q0 = np.array(postures[told.posture])
     if display:
         robot.initViewer(loadModel=False)

@@ -11,11 +11,11 @@ from pinocchio._arrays import NO_INDEX, StdVec, index
 from pinocchio._geometry_data import GeometryData, pair_map, updateGeometryPlacements
 from pinocchio._geometry_object import GeometryObject
 from pinocchio._saved import Saved
-from pinocchio._se3 import SE3
 from ulna.errors import InputError, UnknownName
 
 if TYPE_CHECKING:
     from pinocchio._model import Model
+    from pinocchio._reduce import Part
 
 __all__ = ["CollisionPair", "GeometryData", "GeometryModel", "GeometryObject", "updateGeometryPlacements"]
 
@@ -196,34 +196,27 @@ def _described(g: GeometryObject) -> str:
     return "".join(f"{key}: \t \n{value}\n" for key, value in parts.items()) + "\n"
 
 
-def joined(
-    first: GeometryModel, second: GeometryModel, joints: list[int], frames: list[int], base: SE3
-) -> GeometryModel:
-    """The geometries of two models, each in the order of its joints, with the pairs of both and all between them.
+def joined(models: dict[Part, GeometryModel], order: list[tuple[Part, int]]) -> GeometryModel:
+    """The geometries of two models, in the order in which a model took up their joints.
 
-    Joints and frames of the second have new indices, and its universe is placed at `base`.
+    Their pairs are kept, and joined by all between them.
     """
     whole = GeometryModel()
-    places: list[dict[int, int]] = []
-    for model in (first, second):
-        shapes = model.geometryObjects
-        order = sorted(range(len(shapes)), key=lambda i: shapes[i].parentJoint)
-        places.append({i: whole.ngeoms + k for k, i in enumerate(order)})
-        for shape in (shapes[i].copy() for i in order):
-            if model is second:
-                if shape.parentJoint == 0:
-                    shape.placement = base * shape.placement
-                shape.parentJoint = joints[shape.parentJoint]
-                if shape.parentFrame < len(frames):
-                    shape.parentFrame = frames[shape.parentFrame]
-            whole.addGeometryObject(shape)
+    places: dict[Part, dict[int, int]] = {part: {} for part in models}
+    for part, joint in order:
+        for i, shape in enumerate(models[part].geometryObjects):
+            if shape.parentJoint == joint:
+                own = shape.copy()
+                own.placement = part.base * own.placement if joint == 0 else own.placement
+                own.parentJoint = part.joints[joint]
+                own.parentFrame = part.frames.get(own.parentFrame, own.parentFrame)
+                places[part][i] = whole.ngeoms
+                whole.addGeometryObject(own)
     pairs = [
-        (place[i], place[j])
-        for model, place in zip((first, second), places, strict=True)
-        for i, j in model.collisionPairs
+        (places[part][i], places[part][j]) for part, model in models.items() for i, j in model.collisionPairs
     ]
     carriers = [shape.parentJoint for shape in whole.geometryObjects]
-    ours, theirs = ([place[i] for i in sorted(place)] for place in places)
+    ours, theirs = ([place[i] for i in sorted(place)] for place in places.values())
     between = [(i, j) for i in ours for j in theirs if carriers[i] != carriers[j]]
     for i, j in [*pairs, *between]:
         whole.collisionPairs.append(CollisionPair(i, j))

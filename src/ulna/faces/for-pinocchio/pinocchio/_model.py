@@ -13,6 +13,7 @@ from pinocchio._enums import FrameType
 from pinocchio._frame import Frame
 from pinocchio._inertia import Inertia
 from pinocchio._joints import JointModel
+from pinocchio._postures import StdMap_String_VectorXd
 from pinocchio._saved import Saved
 from pinocchio._se3 import SE3
 from pinocchio._supports import Supports
@@ -60,8 +61,7 @@ class Model(Saved, Supports, Building):
         self._placements: StdVec[SE3] = StdVec([SE3()])
         self._inertias: StdVec[Inertia] = StdVec([Inertia()])
         self.frames = [Frame("universe", 0, 0, SE3(), FrameType.FIXED_JOINT)]
-        self.referenceConfigurations: dict[str, Floats] = {}
-        """Named configurations."""
+        self._postures = StdMap_String_VectorXd()
         self._gravity = Motion(self.gravity981, np.zeros(3))
         self._arrays = {key: np.zeros(0) for key in (*PER_Q, *PER_V)}
         self.nq = self.nv = self.nvExtended = 0
@@ -162,6 +162,15 @@ class Model(Saved, Supports, Building):
     def gravity(self, value: Any) -> None:
         given = np.asarray(value.vector if isinstance(value, Motion) else value, dtype=float)
         self._gravity._assign(given if given.size == 6 else np.concatenate([given.reshape(3), np.zeros(3)]))
+
+    @property
+    def referenceConfigurations(self) -> StdMap_String_VectorXd:
+        """Named configurations; iterating gives entries with `key()` and `data()`."""
+        return self._postures
+
+    @referenceConfigurations.setter
+    def referenceConfigurations(self, values: Any) -> None:
+        self._postures = StdMap_String_VectorXd(values)
 
     # data -----------------------------------------------------------------------------------------------
 

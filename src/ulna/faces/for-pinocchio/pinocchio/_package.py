@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 from pinocchio._enums import _Named
+from pinocchio._postures import StdMap_String_VectorXd
 from ulna.errors import InputError, UlnaError
 
 __all__ = [
@@ -18,7 +19,6 @@ __all__ = [
 
 Exception = UlnaError
 ScalarType = float
-StdMap_String_VectorXd = dict
 
 
 class LogLevel(_Named):

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, final
 
 from pinocchio._arrays import index, vector
 from pinocchio._enums import FrameType
-from pinocchio._frame import Frame
 from pinocchio._keywords import by_name
 from pinocchio._late_fields import own_poses
 from pinocchio._model import Model
 from pinocchio._se3 import SE3
+from ulna import algorithms
 from ulna.errors import InputError
 
 __all__ = [
@@ -68,7 +68,6 @@ def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, lis
     out.name, out._gravity = model.name, model.gravity.copy()
     out.frames.clear()
     out._inertias[0]._assign(model.inertias[0])
-    out.nbodies = model.nbodies
     moved: list[tuple[int, SE3]] = [(0, SE3())]  # for each old joint: the new one, and its frame there
     for i in range(1, model.njoints):
         carrier, M = moved[model.parents[i]]
@@ -78,16 +77,26 @@ def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, lis
             moved.append((carrier, placement))
             continue
         new = add_like(
-            out, model, i, carrier, M * model.jointPlacements[i], model.names[i], [n for n, _ in moved]
+            out,
+            model,
+            i,
+            carrier,
+            M * model.jointPlacements[i],
+            model.names[i],
+            {k: n for k, (n, _) in enumerate(moved)},
         )
         moved.append((new, SE3()))
     for frame in model.frames:
         carrier, M = moved[frame.parentJoint]
         kept = frame.copy()
-        if frame.type == FrameType.JOINT and frame.parentJoint in locked:
-            kept.type = FrameType.FIXED_JOINT
+        if (
+            frame.type == FrameType.JOINT and frame.parentJoint in locked
+        ):  # it carries the body, as a fixed joint
+            kept.type, kept.parentFrame = FrameType.FIXED_JOINT, out.nframes
+            kept.inertia = model.inertias[frame.parentJoint]
         kept.parentJoint, kept.placement = carrier, M * frame.placement
         out.frames.append(kept)
+    out.nbodies = out.njoints
     free = [k for j in model.joints[1:] if j.id not in locked for k in range(j.idx_q, j.idx_q + j.nq)]
     out.referenceConfigurations = {n: r[free] for n, r in model.referenceConfigurations.items()}
     out._frames_changed()
@@ -95,7 +104,7 @@ def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, lis
 
 
 def add_like(
-    out: Model, model: Model, i: int, parent: int, placement: SE3, name: str, new_of: Sequence[int]
+    out: Model, model: Model, i: int, parent: int, placement: SE3, name: str, new_of: Mapping[int, int]
 ) -> int:
     """Adds to `out` a joint like joint i of `model`, with its limits, inertia and armature."""
     joint = model.joints[i].copy()
@@ -139,34 +148,83 @@ def appendModel(modelA: Model, modelB: Model, *rest: Any) -> Any:
         The model, or (model, geometry model).
     """
     *geometries, frame_id, aMb = rest
-    frame = modelA.frames[index(frame_id, modelA.nframes, "frame", "model.getFrameId(name) gives one.")]
-    out = modelA.copy()
-    out.name = modelA.name or modelB.name
-    base = frame.placement * aMb
-    joints = [frame.parentJoint]
-    out._inertias[frame.parentJoint] += modelB.inertias[0].se3Action(base)
-    for i in range(1, modelB.njoints):
-        parent = modelB.parents[i]
-        placement = base * modelB.jointPlacements[i] if parent == 0 else modelB.jointPlacements[i]
-        joints.append(add_like(out, modelB, i, joints[parent], placement, modelB.names[i], joints))
-    frames = [int(frame_id)]
-    for other in modelB.frames[1:]:
-        placed = base * other.placement if other.parentJoint == 0 else other.placement
-        told = Frame(
-            other.name,
-            joints[other.parentJoint],
-            frames[other.parentFrame],
-            placed,
-            other.type,
-            other.inertia,
-        )
-        frames.append(out.addFrame(told, False))
-    out.nbodies += modelB.nbodies - 1
+    at = index(frame_id, modelA.nframes, "frame", "model.getFrameId(name) gives one.")
+    carrier = modelA.frames[at].parentJoint
+    base = modelA.frames[at].placement * aMb
+    out = Model()
+    out._gravity = modelA.gravity.copy()
+    supports = modelA.supports
+    ours = [i for i in range(1, modelA.njoints) if i <= carrier or carrier in supports[i]]
+    after = [i for i in range(1, modelA.njoints) if i not in ours]
+    first, second = Part(out, modelA, SE3()), Part(out, modelB, base)
+    order = first.add([0, *ours])
+    second.joints[0], second.frames[0] = first.joints[carrier], first.frames[at]
+    order += second.add(range(modelB.njoints)) + first.add(after)
+    for part in (first, second):
+        part.tie_frames()
+        part.place()
+    out.nbodies = out.njoints + 2
+    out._frames_changed()
     if not geometries:
         return out
     from pinocchio._geometry import joined
 
-    return out, joined(geometries[0], geometries[1], joints, frames, base)
+    return out, joined(dict(zip((first, second), geometries, strict=True)), order)
+
+
+@final
+class Part:
+    """A model whose joints and frames another one takes up.
+
+    Attributes:
+        base: Where its universe is in the frame of the joint that carries it.
+        joints: The new index of each joint that was taken up.
+        frames: The same of frames.
+    """
+
+    def __init__(self, out: Model, model: Model, base: SE3) -> None:
+        self.out, self.model, self.base = out, model, base
+        self.joints, self.frames = {0: 0}, {0: 0}
+
+    def add(self, joints: Iterable[int]) -> list[tuple[Part, int]]:
+        """Takes up joints, each with its frames; returns them."""
+        added: list[tuple[Part, int]] = [(self, i) for i in joints]
+        out, model = self.out, self.model
+        for _, i in added:
+            parent = model.parents[i]
+            place = self.base * model.jointPlacements[i] if parent == 0 else model.jointPlacements[i]
+            if i:
+                self.joints[i] = add_like(
+                    out, model, i, self.joints[parent], place, model.names[i], self.joints
+                )
+            else:
+                out._inertias[self.joints[0]] += model.inertias[0].se3Action(self.base)
+            for k, frame in enumerate(model.frames):
+                if k and frame.parentJoint == i:
+                    kept = frame.copy()
+                    kept.parentJoint, kept.parentFrame = self.joints[i], 0
+                    kept.placement = self.base * frame.placement if i == 0 else frame.placement
+                    self.frames[k] = out.addFrame(kept, False)
+        return added
+
+    def tie_frames(self) -> None:
+        """Tells its frames which ones they hang on, once all are there; those of joints hang on the new universe."""
+        for k, new in self.frames.items():
+            frame = self.model.frames[k]
+            if k and (frame.parentFrame or frame.parentJoint == 0):
+                self.out.frames[new].parentFrame = self.frames[frame.parentFrame]
+
+    def place(self) -> None:
+        """Adds its named configurations; what else the model has is neutral there, or as another part has told."""
+        out = self.out
+        for name, posture in self.model.referenceConfigurations.items():
+            if name not in out.referenceConfigurations:
+                out.referenceConfigurations[name] = algorithms.neutral(out.shape().model)
+            q = out.referenceConfigurations[name]
+            for old, new in self.joints.items():
+                if old:
+                    own, made = self.model.joints[old], out.joints[new]
+                    q[made.idx_q : made.idx_q + made.nq] = posture[own.idx_q : own.idx_q + own.nq]
 
 
 def transformJointIntoMimic(

@@ -58,6 +58,7 @@ from pinocchio._parallel import GeometryPool as GeometryPool
 from pinocchio._parallel import ModelPool as ModelPool
 from pinocchio._parallel import abaInParallel as abaInParallel
 from pinocchio._parallel import rneaInParallel as rneaInParallel
+from pinocchio._postures import StdMap_String_VectorXd as StdMap_String_VectorXd
 from pinocchio._pseudo import LogCholeskyParameters as LogCholeskyParameters
 from pinocchio._pseudo import PseudoInertia as PseudoInertia
 from pinocchio._sample_geometry import buildSampleGeometryModelHumanoid as buildSampleGeometryModelHumanoid
@@ -96,7 +97,6 @@ from ulna.errors import UlnaError
 coal: Any
 hppfcl: Any
 ScalarType = float
-StdMap_String_VectorXd = dict
 Exception = UlnaError
 CachedMeshLoader: Any
 CollisionGeometry: Any

@@ -1,0 +1,49 @@
+"""Named configurations of a model, as Pinocchio's map of strings and vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, final
+
+import numpy as np
+
+from ulna.typing import Floats
+
+__all__ = ["StdMap_String_VectorXd"]
+
+
+@final
+class Entry:
+    """A name and its configuration: what iterating over a `StdMap_String_VectorXd` gives."""
+
+    __slots__ = ("_data", "_key")
+
+    def __init__(self, key: str, data: Floats) -> None:
+        self._key, self._data = key, data
+
+    def key(self) -> str:
+        """The name."""
+        return self._key
+
+    def data(self) -> Floats:
+        """The configuration, a live reference."""
+        return self._data
+
+    def __str__(self) -> str:
+        return f"({self._key}, {self._data})"
+
+    __repr__ = __str__
+
+
+@final
+class StdMap_String_VectorXd(dict[str, Floats]):
+    """Configurations by their names; `keys()`, `values()` and `items()` are those of a dictionary.
+
+    Iterating gives entries with `key()` and `data()`, as there, in the order of their names.
+    """
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter([Entry(key, self[key]) for key in sorted(self.keys())])
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        super().__setitem__(key, np.array(value, dtype=float))
