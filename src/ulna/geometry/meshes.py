@@ -57,7 +57,9 @@ def read_pieces(path: str) -> tuple[Piece, ...]:
         if not hasattr(mesh, "faces") or len(mesh.faces) == 0:
             continue
         factor = _metres(mesh.metadata.get("units"))
-        vertices = (np.asarray(mesh.vertices) @ transform[:3, :3].T + transform[:3, 3]) * factor
+        vertices = np.asarray(mesh.vertices, dtype=float)
+        if factor != 1.0 or not np.array_equal(transform, np.eye(4)):
+            vertices = (vertices @ transform[:3, :3].T + transform[:3, 3]) * factor
         triangles = np.asarray(mesh.faces, dtype=np.int64)
         if np.linalg.det(transform[:3, :3]) < 0:
             triangles = triangles[:, ::-1]

@@ -21,6 +21,7 @@ import numpy as np
 from ulna.typing import Array, Floats
 
 _FEW = 200  # triangles that are not worth the trouble
+_MANY = 300_000  # triangles that take longer to collapse than anybody waits
 _QUADRIC = 1e-9  # the library's limit of a quadric error, which the surface is scaled to
 _START = 2.0  # a quadric adds distances from many planes, and so is twice what the surface moves, or more
 _TRIES = 6
@@ -36,14 +37,14 @@ def decimated(vertices: Floats, triangles: Array, bound: float) -> tuple[Floats,
     """A surface with fewer triangles, from which no vertex of the old one is farther than `bound`.
 
     Open edges, where surfaces of other colours begin, stay as they are. Without the package fast-simplification, and
-    for small surfaces, it is the surface itself.
+    for small and for very large surfaces, it is the surface itself.
 
     Args:
         vertices: Positions, shape (n, 3); each once, so that triangles share them.
         triangles: Indices of vertices, shape (m, 3), none of them without area.
         bound: The distance, in units of `vertices`.
     """
-    if len(triangles) < _FEW or not can_decimate():
+    if not _FEW <= len(triangles) <= _MANY or not can_decimate():
         return vertices, triangles
     import fast_simplification as library
 

@@ -38,8 +38,7 @@ def smooth(
         place, corners = decimated(place, corners, bound)
     weighted = _areas(place, corners)
     facing = unit(weighted)
-    group = _join_corners(corners, facing, crease, len(place))
-    _, first, vertex = np.unique(group, return_index=True, return_inverse=True)
+    first, vertex = _shared(corners, weighted, facing, crease, len(place))
     normals = np.zeros((len(first), 3))
     per_corner = np.repeat(weighted, 3, axis=0)
     for axis in range(3):
@@ -72,6 +71,33 @@ def weld(vertices: Floats) -> tuple[Floats, Array]:
     key = (cell[:, 0] << 42) | (cell[:, 1] << 21) | cell[:, 2]
     _, first, index = np.unique(key, return_index=True, return_inverse=True)
     return vertices[first], index.reshape(-1)
+
+
+def _shared(
+    corners: Array, weighted: Floats, facing: Floats, crease: float, count: int
+) -> tuple[Array, Array]:
+    """Which corners (3 m) share a vertex: the first corner of each vertex, and the vertex of each corner.
+
+    Where all triangles around a place face within half a crease of their mean they share it; only around other places
+    are edges looked at.
+    """
+    flat = corners.reshape(-1)
+    mean = np.stack(
+        [np.bincount(flat, np.repeat(column, 3), minlength=count) for column in weighted.T], axis=1
+    )
+    turned = np.einsum("ij,ikj->ik", facing, unit(mean)[corners]) <= np.cos(crease / 2)
+    sharp = np.bincount(flat[turned.reshape(-1)], minlength=count) > 0
+    label = flat.copy()
+    near = np.flatnonzero(sharp[corners].any(axis=1))
+    own = 3 * near[:, None] + np.arange(3)
+    joined = own.reshape(-1)[_join_corners(corners[near], facing[near], crease, count)].reshape(-1, 3)
+    label[own] = np.where(sharp[corners[near]], joined + count, label[own])
+    place = np.full(count + len(flat), len(flat), dtype=np.int64)
+    np.minimum.at(place, label, np.arange(len(flat)))
+    used = np.flatnonzero(place < len(flat))
+    number = np.empty(len(place), dtype=np.int64)
+    number[used] = np.arange(len(used))
+    return place[used], number[label]
 
 
 def _join_corners(corners: Array, facing: Floats, crease: float, count: int) -> Array:

@@ -163,3 +163,12 @@ def test_each_bound_is_kept_by_itself_and_by_content(knot_file: str, monkeypatch
     assert mesh_store.entry(knot_file, 1e-3) == before
     write_obj(Path(knot_file), tessellate(Cylinder(0.1, 0.2)))
     assert mesh_store.entry(knot_file, 1e-3) != before
+
+
+def test_what_is_very_large_stays_whole_because_nobody_waits_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    sheet = np.stack(np.meshgrid(np.arange(20.0), np.arange(20.0), [0.0]), -1).reshape(-1, 3)
+    corner = (20 * np.arange(19)[:, None] + np.arange(19)).reshape(-1, 1)
+    triangles = np.concatenate([corner + (0, 1, 21), corner + (0, 21, 20)])
+    assert len(decimated(sheet, triangles, 1e-3)[1]) < len(triangles)
+    monkeypatch.setattr("ulna.viewer.decimate._MANY", len(triangles) - 1)
+    assert decimated(sheet, triangles, 1e-3)[1] is triangles
