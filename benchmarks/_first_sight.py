@@ -14,7 +14,6 @@ import sys
 import time
 from typing import Any
 
-_VISITS = 3
 _SCRIPT = """
 import numpy as np
 import ulna
@@ -24,30 +23,35 @@ input()
 viewer.close()
 """
 
-_SEEN = """([name, count, all]) => new Promise(done => {
+_SEEN = """([name, count]) => new Promise(done => {
     const seen = (page, canvas) => {
-        let found = 0, lit = false;
+        let found = 0, whole = true, lit = false;
         for (const [path, node] of Object.entries(page.nodeRefFromName)) {
             if (path !== name && !path.startsWith(name + "/")) continue;
             const parts = [];
             node?.traverse(part => { if (part.isMesh) parts.push(part); });
-            found += parts.some(part => part.castShadow && part.instancesCount !== 0
-                && !(all && part.visible && part.geometry.userData.level === "few"));
+            found += parts.some(part => part.castShadow && part.instancesCount !== 0);
+            whole &&= !parts.some(part => part.visible && part.geometry.userData.level === "few");
         }
         page.scene.traverse(o => { lit ||= !!(o.isDirectionalLight && o.castShadow && o.shadow.map && !o.shadow.needsUpdate); });
-        return found >= count && lit && +(canvas.style.opacity || 1) > 0.99;
+        return [found >= count && lit && +(canvas.style.opacity || 1) > 0.99, whole];
     };
+    let first = 0;
     const look = () => {
         const page = window.__viserMutable;
         if (!page?.scene) return requestAnimationFrame(look);
         const before = page.scene.onAfterRender;
         page.scene.onAfterRender = (renderer, scene, camera) => {
             before?.call(scene, renderer, scene, camera);
-            if (!seen(page, renderer.domElement)) return;
-            page.scene.onAfterRender = before;
+            const [there, whole] = seen(page, renderer.domElement);
+            if (!there || (first && !whole)) return;
             const gl = renderer.getContext();  // whoever asks for a pixel waits for the picture
             gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-            done((performance.timeOrigin + performance.now()) / 1e3);
+            const now = (performance.timeOrigin + performance.now()) / 1e3;
+            first ||= now;
+            if (!whole) return;
+            page.scene.onAfterRender = before;
+            done([first, now]);
         };
     };
     look();
@@ -55,24 +59,22 @@ _SEEN = """([name, count, all]) => new Promise(done => {
 
 
 def first_sight(
-    context: Any, body: str, count: int, stay: bool, every: bool = False, repeat: int = 3
-) -> float:
-    """Seconds from a script's start to that frame, the median.
+    context: Any, port: int, body: str, count: int, stay: bool, before: int = 1, repeat: int = 3
+) -> tuple[float, float]:
+    """Seconds from a script's start to that frame, and to the first with every triangle of heavy meshes: medians.
 
     Args:
         context: A browser of playwright, with its profile.
+        port: The port of all scripts.
         body: What the script puts into `viewer`, under a name that stands there as `{name}`.
         count: How many nodes with meshes that is.
         stay: Whether the tab of the script before is still open and comes back; else a tab is opened as soon as the
             port answers.
-        every: Whether a frame counts only when it has every triangle of heavy meshes.
-        repeat: How many scripts, after three that are not counted: a browser keeps what it compiled at the second visit.
+        before: How many scripts come first and are not counted.
+        repeat: How many scripts are.
     """
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
     address, seconds, tab = f"http://localhost:{port}/?fixedDpr=1", [], None
-    for k in range(repeat + _VISITS):
+    for k in range(before + repeat):
         if tab is None or not stay:
             tab = context.new_page()
             tab.goto("about:blank")
@@ -88,14 +90,22 @@ def first_sight(
             if tab.url == "about:blank":
                 _answers(port)
                 tab.goto(address, wait_until="commit")
-            seconds.append(tab.evaluate(_SEEN, [f"/{name}", count, every]) - began)
+            seconds.append([now - began for now in tab.evaluate(_SEEN, [f"/{name}", count])])
         finally:
             program.communicate(b"\n")
         if not stay:
             tab.close()
     if tab is not None and stay:
         tab.close()
-    return statistics.median(seconds[_VISITS:])
+    first, whole = (statistics.median(times) for times in zip(*seconds[before:], strict=True))
+    return first, whole
+
+
+def free_port() -> int:
+    """A port that nobody listens on."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
 
 
 def _answers(port: int) -> None:
