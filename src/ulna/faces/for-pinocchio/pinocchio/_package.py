@@ -5,17 +5,7 @@ from __future__ import annotations
 import os
 
 from pinocchio._enums import _Named
-from pinocchio._postures import StdMap_String_VectorXd
 from ulna.errors import InputError, UlnaError
-
-__all__ = [
-    "Exception",
-    "LogLevel",
-    "ScalarType",
-    "StdMap_String_VectorXd",
-    "omp_get_max_threads",
-    "sharedMemory",
-]
 
 Exception = UlnaError
 ScalarType = float

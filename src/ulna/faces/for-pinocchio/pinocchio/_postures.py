@@ -9,8 +9,6 @@ import numpy as np
 
 from ulna.typing import Floats
 
-__all__ = ["StdMap_String_VectorXd"]
-
 
 @final
 class Entry:
