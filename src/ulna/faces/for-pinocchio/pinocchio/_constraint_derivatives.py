@@ -38,7 +38,7 @@ def computeConstraintDynamicsDerivatives(
     rounds = 1 if settings is None else max(1, settings_of(settings).iter)
     solved = _solved(model, data, contact_models, contact_datas, False, "constraintDynamics")
     derived = _derived(model, data, solved, float(rounds))
-    leave_derived(model, data, solved)
+    leave_derived(model, data, derived.engine, solved)
     blocks = data._blocks
     return tuple([blocks[name].copy() for name in derived.names])
 
@@ -58,8 +58,8 @@ def computeImpulseDynamicsDerivatives(
     """
     settings_of(prox_settings)
     solved = _solved(model, data, contact_models, contact_datas, True, "impulseDynamics")
-    _derived(model, data, solved, 1.0 + restitution(r_coeff))
-    leave_derived(model, data, solved)
+    derived = _derived(model, data, solved, 1.0 + restitution(r_coeff))
+    leave_derived(model, data, derived.engine, solved)
 
 
 @final
@@ -72,7 +72,8 @@ class Derived:
         self.model, self.impact, n, m = model, solved.impact, model.nv, len(solved.forces)
         self.told = np.zeros(1)
         self.given = (*solved.kept, solved.a, solved.forces, solved.numbers, self.told)
-        engine, shapes = data.attach(model), solved.shapes
+        self.engine = engine = data.attach(model)
+        shapes = solved.shapes
         sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(self.given)}
         key, build = ("bound response", shapes, solved.impact), _response(shapes, solved.impact)
         kernel = engine.made(key, build, **sizes)

@@ -26,6 +26,7 @@ from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:
     from pinocchio._constraint_derivatives import Derived
+    from pinocchio._engine import Engine
 
 _MOST = 8
 """So many lists of constraints does a Data know."""
@@ -161,8 +162,8 @@ def solve(model: Model, data: Data, models: Any, datas: Any, limit: int, *given:
             ties = tied(model, data, models, datas)
             session = ties.runs[limit] = Session(model, data, ties, limit)
             found = session.run(*state, *given[count:])
+            data.knows(session.algorithm)
     assert session is not None
-    data.knows(session.algorithm)
     data._bound = session.solved
     return session, found
 
@@ -201,25 +202,25 @@ _LCABA = Algorithm("lcaba", "", (), refuse, spoils=("g", "of"), title="lcaba")
 """What algorithms under constraints leave besides their results."""
 
 
-def leave_derived(model: Model, data: Data, solved: Solved) -> None:
+def leave_derived(model: Model, data: Data, engine: Engine, solved: Solved) -> None:
     """Leaves what derivatives under constraints leave besides their results."""
     q, v = solved.kept[:2]
-    data.leave(MINV["Minv"], ("Minv",), data.attach(model), q.copy())
+    data.leave(MINV["Minv"], ("Minv",), engine, q.copy())
     if not solved.impact:
         computeJointJacobiansTimeVariation(model, data, q, v)
-        _leave_motion(model, data, ("a", "oa"), q, v, solved.a)
+        _leave_motion(data, engine, ("a", "oa"), q, v, solved.a)
     data.spoil(_IMPACT_DERIVED if solved.impact else _DERIVED)
 
 
 def leave_eliminated(model: Model, data: Data) -> None:
     """Leaves what lcaba leaves besides its results."""
     assert data._bound is not None
-    _leave_motion(model, data, ("oa",), *data._bound.kept[:2], data._bound.a)
+    _leave_motion(data, data.attach(model), ("oa",), *data._bound.kept[:2], data._bound.a)
     data.spoil(_LCABA)
 
 
-def _leave_motion(model: Model, data: Data, fields: tuple[str, ...], *state: Floats) -> None:
-    engine, own = data.attach(model), [x.copy() for x in state]
+def _leave_motion(data: Data, engine: Engine, fields: tuple[str, ...], *state: Floats) -> None:
+    own = [x.copy() for x in state]
     data.leave(OA["oa"], fields, engine, *own)
     data.leave(BODIES["f"], ("oa_gf",), engine, *own)
 
