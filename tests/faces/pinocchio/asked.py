@@ -30,7 +30,7 @@ pin.Inertia.FromCylinder(1.0, 0.2, 0.5); pin.Inertia.FromBox(1.0, 0.2, 0.3, 0.4)
 pin.Inertia.FromDynamicParameters(I.toDynamicParameters()); pin.SE3.Interpolate(A, B, 0.3)
 Y.data; Y.rotate(R).matrix(); Y.vtiv(p); (Y + Y).matrix(); Y * p
 Q.coeffs(); (Q * P).coeffs(); Q * p; Q.slerp(0.3, P).coeffs(); Q.angularDistance(P); Q.inverse().coeffs(); Q.matrix()
-pin.Quaternion.FromTwoVectors(p, r).coeffs(); Q.conjugate().coeffs(); Q.x; Q.w; Q.norm(); P.coeffs()
+pin.Quaternion.FromTwoVectors(p, r).coeffs(); Q.conjugate().coeffs(); Q.x; Q.w; Q.norm(); P.coeffs(); Q._transformVector(p); pin.log3(Q); pin.AngleAxis(0.1, p) == pin.AngleAxis(0.1, p.copy())
 pin.AngleAxis(R).angle; pin.AngleAxis(R).axis; str(pin.AngleAxis(0.3, np.array([0.0, 0, 1]))); pin.AngleAxis(0.3, p).matrix()
 pin.exp3(w); pin.log3(R); pin.exp6(m); pin.exp6(m.vector); pin.log6(A); pin.log6(A.homogeneous); pin.exp(w); pin.log(A); pin.log(R)
 pin.Jexp3(w); pin.Jlog3(R); pin.Jexp6(m); pin.Jlog6(A); pin.exp3_quat(w); pin.exp6_quat(m.vector)

@@ -14,8 +14,6 @@ from pinocchio._model import Model
 from pinocchio._se3 import SE3
 from ulna.typing import Floats
 
-__all__ = ["computeFrameKinematicRegressor", "computeJointKinematicRegressor"]
-
 
 def computeJointKinematicRegressor(
     model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame, placement: SE3 | None = None

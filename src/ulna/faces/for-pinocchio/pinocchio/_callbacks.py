@@ -8,8 +8,6 @@ from pinocchio._arrays import NO_INDEX, StdVec
 from pinocchio._collisions import computeCollision
 from pinocchio._geometry import CollisionPair, GeometryData, GeometryModel
 
-__all__ = ["CollisionCallBackBase", "CollisionCallBackCollect", "CollisionCallBackDefault"]
-
 
 class CollisionCallBackBase:
     """What is done with two geometries whose boxes overlap: `collide(first, second)` of a class made from this one."""

@@ -24,19 +24,6 @@ if TYPE_CHECKING:
     from pinocchio._data import Data
     from pinocchio._model import Model
 
-__all__ = [
-    "ComputeCollision",
-    "ComputeDistance",
-    "computeBodyRadius",
-    "computeCollision",
-    "computeCollisions",
-    "computeCollisionsInParallel",
-    "computeContactPatch",
-    "computeContactPatches",
-    "computeDistance",
-    "computeDistances",
-]
-
 
 class _OfTwo:
     """What coal is asked about two geometries; made anew for coal when one was given another shape."""

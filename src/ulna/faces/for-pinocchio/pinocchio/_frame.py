@@ -9,7 +9,7 @@ import numpy as np
 from pinocchio._enums import FrameType
 from pinocchio._inertia import Inertia
 from pinocchio._keywords import by_name
-from pinocchio._se3 import SE3
+from pinocchio._se3 import SE3, Placed
 from ulna.errors import InputError
 
 changes = np.zeros(1, np.int64)
@@ -17,7 +17,7 @@ changes = np.zeros(1, np.int64)
 
 
 @final
-class Frame:
+class Frame(Placed):
     """`Frame(name, parentJoint, parentFrame, placement, type, inertia)`; parent frame and inertia may be left out."""
 
     __slots__ = ("_inertia", "_name", "_parent_frame", "_parent_joint", "_placement", "_type")
@@ -83,15 +83,6 @@ class Frame:
         self._parent_frame = int(frame)
 
     parent, previousFrame = parentJoint, parentFrame
-
-    @property
-    def placement(self) -> SE3:
-        """Where it is in the frame of its joint, a live reference."""
-        return self._placement
-
-    @placement.setter
-    def placement(self, M: SE3) -> None:
-        self._placement._assign(M)
 
     @property
     def type(self) -> FrameType:

@@ -13,13 +13,11 @@ import numpy as np
 from pinocchio._arrays import NO_INDEX, index, vector
 from pinocchio._materials import GeometryNoMaterial, PhysicsMaterial
 from pinocchio._saved import Saved
-from pinocchio._se3 import SE3
+from pinocchio._se3 import SE3, Placed
 from ulna.errors import InputError, MissingExtra
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.spatial import SE3 as Pose
 from ulna.typing import Floats
-
-__all__ = ["ConvexMesh", "GeometryObject"]
 
 _GREY = (0.9, 0.9, 0.9, 1.0)
 _WORDS = ("BOX", "SPHERE", "CYLINDER", "CAPSULE")
@@ -33,7 +31,7 @@ class ConvexMesh(Mesh):
 
 
 @final
-class GeometryObject(Saved):
+class GeometryObject(Placed, Saved):
     """One geometry on a joint.
 
     `GeometryObject(name, parent_joint, [parent_frame,] placement, geometry, mesh_path, mesh_scale,
@@ -82,15 +80,6 @@ class GeometryObject(Saved):
         """What it is made of."""
         self.disableCollision = False
         """Whether pairs of it are left out when collisions are computed."""
-
-    @property
-    def placement(self) -> SE3:
-        """Where it is in the frame of its joint, a live reference."""
-        return self._placement
-
-    @placement.setter
-    def placement(self, M: SE3) -> None:
-        self._placement._assign(M)
 
     @property
     def meshScale(self) -> Floats:

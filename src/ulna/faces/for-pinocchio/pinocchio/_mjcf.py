@@ -29,8 +29,6 @@ from ulna.model import Joint as TowerJoint
 from ulna.model import Link as TowerLink
 from ulna.model import Model as TowerModel
 
-__all__ = ["buildGeomFromMJCF", "buildModelFromMJCF"]
-
 
 def buildModelFromMJCF(
     mjcf_filename: Any, root_joint: JointModel | None = None, root_joint_name: str | None = None

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from pinocchio._data import Data
     from pinocchio._geometry import GeometryData, GeometryModel
 
-__all__ = ["GeometryPool", "ModelPool", "abaInParallel", "rneaInParallel"]
-
 
 class ModelPool:
     """A model with several data; the number of threads is told to each call."""

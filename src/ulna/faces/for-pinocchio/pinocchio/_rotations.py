@@ -129,6 +129,8 @@ class Quaternion:
             return Quaternion._of(spatial.quat_multiply(self._c, other._c))
         return self.matrix() @ vector(other, 3, "v")
 
+    _transformVector = __mul__
+
     def __getitem__(self, place: int) -> float:
         return float(self._c[place])
 
@@ -221,6 +223,13 @@ class AngleAxis:
     def isApprox(self, other: AngleAxis, prec: float = 1e-12) -> bool:
         """Whether angle and axis differ by at most `prec`."""
         return abs(self.angle - other.angle) <= prec and bool(np.linalg.norm(self.axis - other.axis) <= prec)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, AngleAxis):
+            return NotImplemented
+        return self.angle == other.angle and np.array_equal(self.axis, other.axis)
+
+    __hash__ = object.__hash__
 
     def __mul__(self, other: Any) -> Any:
         if isinstance(other, (AngleAxis, Quaternion)):

@@ -10,8 +10,6 @@ from pinocchio._model import Model
 from pinocchio._se3 import SE3
 from ulna.geometry import Capsule, Shape, Sphere
 
-__all__ = ["buildSampleGeometryModelHumanoid", "buildSampleGeometryModelManipulator"]
-
 _BALL, _BONE, _TIP = Sphere(0.05), Capsule(0.05, 0.8), Capsule(0.05, 0.2)
 _LIMB: tuple[tuple[str, str, Shape, float], ...] = (
     ("shoulder", "shoulder1", _BALL, 0.0),

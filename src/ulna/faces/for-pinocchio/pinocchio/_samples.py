@@ -14,8 +14,6 @@ from pinocchio._se3 import SE3
 from pinocchio._vectors import generator
 from pinocchio.rpy import rotate
 
-__all__ = ["buildSampleModelHumanoid", "buildSampleModelHumanoidRandom", "buildSampleModelManipulator"]
-
 _LIGHT = (0.1, 0.0, 0.01)
 _HEAVY = (1.0, 0.5, 1.0)
 """Mass [kg], height of the centre of mass [m], moments of inertia [kg m^2]."""

@@ -231,3 +231,19 @@ def SE3ToXYZQUAT(M: SE3) -> Floats:
 def SE3ToXYZQUATtuple(M: SE3) -> tuple[float, ...]:
     """Position and quaternion xyzw of a placement, as a tuple of seven numbers."""
     return tuple(float(x) for x in SE3ToXYZQUAT(M))
+
+
+class Placed:
+    """What has a placement on a joint."""
+
+    __slots__ = ()
+    _placement: SE3
+
+    @property
+    def placement(self) -> SE3:
+        """Where it is in the frame of its joint, a live reference."""
+        return self._placement
+
+    @placement.setter
+    def placement(self, M: SE3) -> None:
+        self._placement._assign(M)

@@ -9,8 +9,6 @@ from pinocchio._model import Model
 from pinocchio._se3 import SE3
 from pinocchio._vectors import Force
 
-__all__ = ["computeSupportedForceByFrame", "computeSupportedInertiaByFrame"]
-
 
 def computeSupportedInertiaByFrame(model: Model, data: Data, frame_id: int, with_subtree: bool) -> Inertia:
     """The inertia of all that hangs on a frame, told in it, where `data.oMi` has the joints.

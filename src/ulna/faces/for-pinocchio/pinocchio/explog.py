@@ -9,6 +9,7 @@ import numpy as np
 
 from pinocchio._arrays import matrix, numbers, vector
 from pinocchio._keywords import by_name
+from pinocchio._rotations import Quaternion
 from pinocchio._se3 import SE3
 from pinocchio._vectors import Motion
 from ulna import spatial
@@ -66,8 +67,9 @@ def exp3(w: Any) -> Floats:
 
 
 def log3(R: Any, theta: Any = None) -> Floats:
-    """The rotation vector (3,) [rad] of a rotation matrix."""
-    return _compiled("log3")(matrix(R, (3, 3), "R"))
+    """The rotation vector (3,) [rad] of a rotation matrix, or a Quaternion."""
+    turned = R.matrix() if isinstance(R, Quaternion) else R
+    return _compiled("log3")(matrix(turned, (3, 3), "R"))
 
 
 def exp3_quat(w: Any) -> Floats:
