@@ -7,7 +7,23 @@ import hmac
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qs, urlsplit
 
+from ulna.errors import InputError
+from ulna.sim.inputs import told
+
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
+
+
+def checked_host(host: str) -> str:
+    """An address to listen on, as words.
+
+    Raises:
+        InputError: It is none: what is nothing in particular would be every network.
+    """
+    if not isinstance(host, str):
+        raise InputError(
+            f"`host` is {told(host)}; expected an address, such as '127.0.0.1' for this machine alone."
+        )
+    return host
 
 
 def allowed(host: str | None, origin: str | None, any_host: bool = False) -> bool:

@@ -22,7 +22,7 @@ from typing import Any
 
 from ulna.errors import UlnaWarning
 from ulna.viewer import guard
-from ulna.viewer.camera import Camera, frame
+from ulna.viewer.camera import Camera, checked_camera, frame
 from ulna.viewer.channel import PoseChannel, serve, stop
 from ulna.viewer.look import decorate, lay_floor, look_from
 from ulna.viewer.progress import unwatch, watch
@@ -68,7 +68,8 @@ class Page:
         live: bool = True,
     ) -> None:
         self.scene, self.title, self._live = scene, title, live
-        exposed = host not in guard.LOOPBACK
+        checked_camera(camera)
+        exposed = guard.checked_host(host) not in guard.LOOPBACK
         self._token = secrets.token_urlsafe(24) if exposed else ""
         self.server = serve(host, port, title, self._token)
         self._host = "localhost" if host in (*guard.LOOPBACK, "0.0.0.0", "::") else host

@@ -7,7 +7,8 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.sim.inputs import checked_robot, one_of
+from ulna.errors import InputError
+from ulna.sim.inputs import checked_robot, flag, one_of, told
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.camera import Camera
 from ulna.viewer.figure import Figure, checked_configuration
@@ -53,6 +54,9 @@ def show(
         UnknownName: There is no configuration, theme or way to show it of that name.
     """
     start = configuration(checked_robot(robot), q)
+    if not (scene is None or isinstance(scene, Scene)):
+        raise InputError(f"`scene` is {told(scene)}; expected a Scene, such as viewer.scene is, or None.")
+    flag("browser", browser)
     place = scene if scene is not None else Scene()
     out = Show(robot, start, place, port, host, camera, theme_of(theme), checked_showing(show))
     if browser:

@@ -8,9 +8,10 @@ from typing import Any, final
 from ulna.errors import InputError, UnknownName
 from ulna.sim import Simulation
 from ulna.sim.body import TOLD, check_told
-from ulna.sim.inputs import count, flag, number, words
+from ulna.sim.inputs import count, flag, number
 from ulna.sim.inputs import told as worded
 from ulna.viewer.camera import Camera, checked_camera, frame
+from ulna.viewer.guard import checked_host
 from ulna.viewer.handles import Handle
 from ulna.viewer.hold import hold
 from ulna.viewer.page import Page
@@ -60,7 +61,7 @@ class Viewer(Studio):
         super().__init__(title, theme, camera, floor)
         flag("browser", browser)
         count("port", port, 0, 65535)
-        words("host", host)
+        checked_host(host)
         self._page = (
             Page(self.scene, title, port, host, camera, self._theme, floor) if flag("page", page) else None
         )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
+from ulna.sim.inputs import number, one_of, told
 
 FORMATS = {"webm": ".mp4", "mp4": ".mp4", "gif": ".gif", "png": ""}
 """What is written for each format that can be asked for: a film, or a folder of pictures."""
@@ -29,16 +31,15 @@ class Recorder:
     """
 
     def __init__(self, viewer: Any, file: str, fps: float, format: str) -> None:
-        if format == "jpg":
+        if isinstance(format, str) and format == "jpg":
             raise NotImplementedError("Pictures are written as PNG files: format='png'.")
-        if format not in FORMATS:
-            raise UnknownName("format of recordings", format, FORMATS)
-        if not (np.isfinite(fps) and 0.0 < fps <= 240.0):
-            raise InputError(f"`framerate` is {fps}; expected pictures a second, above 0 and up to 240.")
-        suffix = FORMATS[format]
-        path = Path(file)
+        one_of("format of recordings", format, FORMATS)
+        rate = number("framerate", fps, "pictures a second, above 0 and up to 240", above=0.0, most=240.0)
+        if not isinstance(file, str | os.PathLike):
+            raise InputError(f"`file_name` is {told(file)}; expected the path of a file.")
+        suffix, path = FORMATS[format], Path(file)
         self.path = path if path.suffix == suffix else path.with_name(path.name + suffix)
-        self._viewer, self._fps = viewer, float(fps)
+        self._viewer, self._fps = viewer, rate
         self._times: list[float] = []
         self._rows: list[tuple[dict[Any, Any], dict[str, Any]]] = []
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import time
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from swift._contents import Contents
 from swift._recorder import Recorder
 from ulna.errors import InputError
+from ulna.sim.inputs import finite, number
 from ulna.viewer.camera import Camera
 from ulna.viewer.screen import somebody_can_look
 
@@ -34,8 +34,7 @@ class Swift(Contents):
             ViewerError: The environment was not launched.
         """
         viewer, controls, simulation = self.viewer, self._controls, self._simulation
-        if not (math.isfinite(dt) and dt >= 0.0):
-            raise InputError(f"`dt` is {dt}; expected a time of at least zero [s].")
+        number("dt", dt, "a time of at least zero [s]", least=0.0)
         controls.handle()
         items = tuple(self._items.values())
         if dt > 0.0:
@@ -98,14 +97,8 @@ class Swift(Contents):
 
     def set_camera_pose(self, position: Any, look_at: Any) -> None:
         """Look from a place at a place, (3,) each [m]."""
-        at, to = (
-            tuple(float(x) for x in np.asarray(p, dtype=float).reshape(-1)) for p in (position, look_at)
-        )
-        if len(at) != 3 or len(to) != 3 or at == to or not np.isfinite([*at, *to]).all():
-            raise InputError(
-                f"Cannot look from {position} at {look_at}; expected two places of three numbers [m]."
-            )
-        self.viewer.camera = Camera(at, to)  # type: ignore[arg-type]
+        at, to = (np.reshape(finite(n, p), -1) for n, p in (("position", position), ("look_at", look_at)))
+        self.viewer.camera = Camera(tuple(at), tuple(to))  # type: ignore[arg-type]
 
     def set_lights(self, lights: Any) -> None:
         """Not offered: the lamps are those of the viewer's theme."""
