@@ -3,10 +3,11 @@
 //
 // `page.ulnaNews` says whether messages since the last request for a frame show something new; null when there were none.
 (() => {
-  const page = window.__viserMutable, REST = 300;  // ms after the last request; viser's frames end before that
+  const page = window.__viserMutable;
+  const REST = 300, FRAMES = 2;  // ms and frames after the last request; viser's own end before that
   if (!page || page.ulnaNews !== undefined) return;
   const met = new WeakSet();
-  let ask = page.requestRender, asked = 0, whole = "";
+  let ask = page.requestRender, asked = 0, since = 0, whole = "";
   page.ulnaNews = null;
   const request = () => {
     const news = page.ulnaNews;
@@ -15,12 +16,13 @@
   };
   const frames = () => {
     asked = performance.now();
+    since = 0;
     whole = "";
     ask();
   };
   Object.defineProperty(page, "requestRender", {set: f => { ask = f; }, get: () => request});
 
-  const rests = () => performance.now() > asked + REST;
+  const rests = () => performance.now() > asked + REST && since >= FRAMES;
   const view = (gl, camera) => [gl.domElement.width, gl.domElement.height, ...camera.position, ...camera.quaternion,
     ...camera.projectionMatrix.elements].join();
   const sparing = gl => {
@@ -41,6 +43,7 @@
       if (!meshes.every(mesh => met.has(mesh))) frames();
       meshes.forEach(mesh => met.add(mesh));
       const few = page.ulnaSoftware && camera === page.camera && !rests();
+      since++;
       const heavy = meshes.filter(mesh => mesh.geometry.userData.level);
       for (const mesh of heavy) mesh.visible = (mesh.geometry.userData.level === "few") === few;
       whole = heavy.length && !few && camera === page.camera ? view(gl, camera) : "";
