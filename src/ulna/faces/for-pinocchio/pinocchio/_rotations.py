@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, final
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from pinocchio._arrays import matrix, text, vector
 from ulna import spatial
 from ulna.errors import InputError
+from ulna.trace import compile as compile_function
 from ulna.typing import Floats
 
 
@@ -177,12 +179,17 @@ def _coefficients(one: Any) -> Floats:
     return vector(one, 4, "coefficients").copy()
 
 
+@cache
+def _of_matrix() -> Any:
+    return compile_function(spatial.matrix_to_quat_xyzw, R=(3, 3))
+
+
 def coefficients_of(R: Floats) -> Floats:
     """The quaternion xyzw of a rotation matrix, with the sign that Eigen gives it: its largest entry is positive.
 
     Largest is w where the trace is positive, else the entry of the largest number on the diagonal.
     """
-    found = np.array(spatial.matrix_to_quat_xyzw(R))
+    found = _of_matrix()(R)
     diagonal = np.diagonal(R)
     lead = 3 if diagonal.sum() > 0.0 else int(diagonal.argmax())
     return -found if found[lead] < 0.0 else found

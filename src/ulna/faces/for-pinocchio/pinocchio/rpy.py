@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from pinocchio._keywords import by_name
 from pinocchio._vectors import skew
 from ulna import spatial
 from ulna.errors import UnknownName
+from ulna.trace import compile as compile_function
 from ulna.typing import Floats
 
 
@@ -22,7 +24,12 @@ def rpyToMatrix(*rpy: Any) -> Floats:
 
 def matrixToRpy(R: Any) -> Floats:
     """Roll, pitch, yaw (3,) [rad] of a rotation matrix."""
-    return np.array(spatial.matrix_to_rpy(matrix(R, (3, 3), "R")))
+    return _of_matrix()(matrix(R, (3, 3), "R"))
+
+
+@cache
+def _of_matrix() -> Any:
+    return compile_function(spatial.matrix_to_rpy, R=(3, 3))
 
 
 def rotate(axis: str, angle: float) -> Floats:
