@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -66,8 +65,6 @@ class DampedMotion(NamedTuple):
     """The largest change of a force in the last round, (...)."""
     residual: Any
     """The largest entry of what is left of the constraints, (...)."""
-    unique: Any
-    """Above 0 where no row of J depends on others without damping, (...); elsewhere the forces are not unique."""
 
 
 _SAME = 1e-12
@@ -138,9 +135,7 @@ def damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped) 
             y[k] = y[k] + entry * force
     a = factors.outward(entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True))
     left = apply(J, vector(*a)) + g
-    residual = largest_entry(left)
-    unique = reduce(numeric.minimum, of_forces.reciprocals)
-    return DampedMotion(vector(*a), vector(*forces), count, change, residual, unique)
+    return DampedMotion(vector(*a), vector(*forces), count, change, largest_entry(left))
 
 
 def damped_factors(G: Array, mu: Array) -> Factors:

@@ -264,7 +264,7 @@ def _motion(shapes: Any, limit: int) -> Any:
             pull = gains[owner, 1] * twists.velocity + gains[owner, 0] * twists.error
             damped = Damped(numbers[0], numbers[1], numbers[2], limit)
             g = twists.bias + pull - flat(wanted, shapes)
-            a, forces, *report, _ = damped_dynamics(tower, q, v, tau, twists.J, g, damped)
+            a, forces, *report = damped_dynamics(tower, q, v, tau, twists.J, g, damped)
             left, told = _rest(tower, q, shapes, forces)
             state = q, v, places, gains, wanted, a, forces, numbers
             nle = algorithms.bias_forces(tower, q, v)
@@ -282,7 +282,7 @@ def _impact(shapes: Any) -> Any:
             bonds = bonds_of(shapes, places)
             J = algorithms.constraint_jacobian(tower, q, bonds)
             jump = (1.0 + part[0]) * algorithms.constraint_velocity(tower, q, v, bonds)
-            a, forces, *report, _ = damped_impact(tower, q, J, jump, Damped(numbers[0], 0.0, 0.0, 1))
+            a, forces, *report = damped_impact(tower, q, J, jump, Damped(numbers[0], 0.0, 0.0, 1))
             left, told = _rest(tower, q, shapes, forces)
             state = q, v, places, gains, wanted, a, forces, numbers
             return v + a, a, *left, forces, np.stack(report), *state, *told
