@@ -15,7 +15,7 @@ from ulna.viewer.colours import Colour
 from ulna.viewer.content import Copies
 from ulna.viewer.links import Showing, link_looks, link_names
 from ulna.viewer.meshes import Detail
-from ulna.viewer.node import checked_pose
+from ulna.viewer.node import standing
 from ulna.viewer.progress import Report, silent
 from ulna.viewer.scene import Scene
 from ulna.viewer.surface import RGBA, colour
@@ -65,7 +65,7 @@ class Figure:
         self._followers: list[Callable[[Floats], None]] = []
         tint = None if rgba is None else colour(rgba)
         # adding robots must not half-happen: everything that can fail comes first
-        place, poses = None if pose is None else checked_pose(pose), robot.link_poses(start)
+        place, poses = None if pose is None else standing(pose), robot.link_poses(start)
         looks = link_looks(robot, show, tint, report, detail)
         self.names = tuple(f"{self.name}/{n}" for n in link_names(robot))
         with scene.together():

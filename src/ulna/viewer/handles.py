@@ -37,7 +37,10 @@ class Handle(Assigned):
 
     @property
     def pose(self) -> Floats:
-        """Where it is in its group: T_group_thing, shape (4, 4); an `SE3` can be assigned, too."""
+        """Where it is in its group: T_group_thing, shape (4, 4).
+
+        An `SE3` can be assigned, too, and a place (3,), where it stands unturned.
+        """
         return self._scene.pose(self._name)
 
     @pose.setter

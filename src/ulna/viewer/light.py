@@ -212,7 +212,9 @@ def _studio(normals: Array, towards_eye: Array, facing: Array) -> Array:
     room = 0.25 + 0.55 * _step(-0.3, 0.9, z)
     room += 1.6 * _step(0.80, 0.93, 0.55 * x - 0.45 * y + 0.70 * z)
     room += 0.9 * _step(0.78, 0.92, -0.75 * x - 0.40 * y + 0.52 * z)
-    fresnel = _GLINT + (1.0 - _ROUGHNESS - _GLINT) * (1 - facing) ** 5  # (1 - roughness) bounds the rim of a rough coat
+    fresnel = (
+        _GLINT + (1.0 - _ROUGHNESS - _GLINT) * (1 - facing) ** 5
+    )  # (1 - roughness) bounds the rim of a rough coat
     return (room * fresnel)[:, None] * np.array([0.96, 0.98, 1.0], dtype=np.float32)
 
 

@@ -75,6 +75,20 @@ def checked_pose(value: Any, name: str = "pose") -> Floats:
     return checked_poses(value, name, 4, 4, mend="An SE3 serves, too.")
 
 
+def standing(value: Any) -> Floats:
+    """The pose (4, 4) of what stands at a pose, an array or an `SE3`, or unturned at a place (3,) [m].
+
+    Raises:
+        ShapeError, NonFiniteError, InputError: It is neither.
+    """
+    listed = isinstance(value, list | tuple) and len(value) == 3 and np.ndim(value[0]) == 0
+    if not listed and getattr(value, "shape", None) != (3,):
+        return checked_poses(value, "pose", 4, 4, mend="An SE3 serves, too, or a place (3,).")
+    out = np.eye(4)
+    out[:3, 3] = lengths("pose", value, 3)
+    return out
+
+
 def checked_poses(value: Any, name: str, *shape: int | None, mend: str = "") -> Floats:
     """Poses of a shape (..., 4, 4), from an array or an `SE3`.
 

@@ -14,7 +14,7 @@ from ulna.errors import UnknownName
 from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.content import Content, Lines
-from ulna.viewer.node import Node, Snapshot, check_even, check_name, checked_pose
+from ulna.viewer.node import Node, Snapshot, check_even, check_name, standing
 from ulna.viewer.surface import Surface, colour
 from ulna.viewer.tessellate import axes
 
@@ -165,7 +165,7 @@ class Scene:
             ShapeError, NonFiniteError: `pose` is no pose.
         """
         check_name(name)
-        matrix = np.eye(4) if pose is None else checked_pose(pose)
+        matrix = np.eye(4) if pose is None else standing(pose)
         node = Node(name, tuple(surfaces), content, shadow, through)
         with self._lock:
             if node.group and node.group not in self._nodes:
@@ -219,7 +219,7 @@ class Scene:
 
     def set_pose(self, name: str, pose: ArrayLike) -> None:
         """Write the pose (4, 4) of one node in its group."""
-        self.set_poses(checked_pose(pose), self.row(name))
+        self.set_poses(standing(pose), self.row(name))
 
     def pose(self, name: str) -> Floats:
         """The pose (4, 4) of a node in its group."""

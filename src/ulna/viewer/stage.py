@@ -20,7 +20,7 @@ from ulna.viewer.figure import Figure, Ghosts
 from ulna.viewer.handles import Crowd, Handle
 from ulna.viewer.links import Showing
 from ulna.viewer.meshes import Detail, load_mesh
-from ulna.viewer.node import checked_pose, checked_poses
+from ulna.viewer.node import checked_poses, standing
 from ulna.viewer.progress import progress
 from ulna.viewer.robot_handle import RobotHandle
 from ulna.viewer.show import configuration
@@ -32,8 +32,9 @@ class Stage(Drawing):
     """A scene to put things into.
 
     Every method that adds takes `name` (`table/leg` puts it into the group `table`; a new name when not given, and one
-    that is taken is replaced), `pose` (T_group_thing, an array (4, 4) or an `SE3`), `color` (red, green, blue from 0
-    to 1) and `opacity`, and gives a handle to assign to. Wrong input raises before anything is added.
+    that is taken is replaced), `pose` (T_group_thing, an array (4, 4) or an `SE3`; or the place (3,) where it stands
+    unturned), `color` (red, green, blue from 0 to 1) and `opacity`, and gives a handle to assign to. Wrong input raises
+    before anything is added.
     """
 
     def add(
@@ -235,7 +236,7 @@ class Stage(Drawing):
         """
         rgba = None if color is None else colour(color)
         share("opacity", opacity)
-        stand = np.eye(4) if pose is None else checked_pose(pose)
+        stand = np.eye(4) if pose is None else standing(pose)
         places = None if bases is None else checked_poses(bases, "bases", None, 4, 4)
         node = self._name(name, f"{checked_robot(robot).name} fleet")
         out = GhostsHandle(Ghosts(self.scene, robot, q, node, rgba, show, places))

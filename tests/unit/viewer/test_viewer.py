@@ -512,3 +512,15 @@ def test_controls_without_a_page_keep_their_values(viewer: Viewer) -> None:
             mistake()
     with pytest.raises(UnknownName, match="'a'"):
         panel.select("s", ("a", "b"), "aa")
+
+
+@pytest.mark.parametrize("place", [(0.5, 0.0, 0.3), [0.5, 0.0, 0.3], np.array([0.5, 0.0, 0.3])], ids=type)
+def test_a_place_serves_as_a_pose(place) -> None:
+    viewer = Viewer(page=False)
+    box = viewer.box((0.1, 0.2, 0.3), pose=place)
+    np.testing.assert_array_equal(box.pose, ulna.SE3.trans(0.5, 0.0, 0.3).matrix())
+    box.pose = ulna.SE3.rx(0.4)
+    box.pose = place
+    np.testing.assert_array_equal(box.pose, ulna.SE3.trans(0.5, 0.0, 0.3).matrix())
+    arm = viewer.add(ulna.load("ur5", visuals="simple"), pose=place)
+    np.testing.assert_array_equal(arm.pose[:3, 3], place)
