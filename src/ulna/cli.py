@@ -169,11 +169,14 @@ def _show(chosen: argparse.Namespace) -> None:
     from ulna.loading import load
     from ulna.viewer.film import check_film
     from ulna.viewer.links import checked_showing
+    from ulna.viewer.png import checked_picture
     from ulna.viewer.screen import somebody_can_look
     from ulna.viewer.show import configuration, show
     from ulna.viewer.theme import theme_of
 
     what, theme = checked_showing(chosen.show), theme_of(chosen.theme)
+    if chosen.output:
+        checked_picture(chosen.output)
     if chosen.film:
         check_film(chosen.film)
     robot = load(chosen.name)

@@ -144,6 +144,7 @@ def test_the_cache_is_told_about_and_cleared(
         (["show", "panda", "--theme", "drak"], "'dark'"),
         (["show", "panda", "--show", "visuals"], "'visual'"),
         (["show", "panda", "--film", "a.avi"], ".gif"),
+        (["show", "panda", "--output", "a.bmp"], ".png"),
         (["show", "panda", "--headless", "--output", "/dev/null/a.png"], "a.png"),
     ],
 )

@@ -11,7 +11,7 @@ from ulna.errors import UnknownName
 from ulna.geometry import Capsule, Cylinder, Mesh
 from ulna.viewer import decimate, mesh_store, meshes
 from ulna.viewer.decimate import decimated, distances
-from ulna.viewer.meshes import load_mesh
+from ulna.viewer.meshes import Detail, load_mesh
 from ulna.viewer.smooth import smooth, weld
 from ulna.viewer.surface import Surface
 from ulna.viewer.tessellate import tessellate, tube
@@ -137,7 +137,8 @@ def test_detail_is_what_is_asked_for(knot_file: str) -> None:
     with pytest.raises(UnknownName, match="full"):
         load_mesh(knot_file, detail="ful")  # type: ignore[arg-type]
     viewer = ulna.Viewer(page=False)
-    for detail, count in (("full", whole), ("seen", seen)):
+    levels: tuple[tuple[Detail, int], ...] = (("full", whole), ("seen", seen))
+    for detail, count in levels:
         for thing in (knot_file, Mesh(knot_file)):
             handle = viewer.add(thing, detail=detail)
             assert sum(len(s.triangles) for s in viewer.scene.node(handle.name).surfaces) == count
