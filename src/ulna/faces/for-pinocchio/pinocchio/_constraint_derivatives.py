@@ -72,6 +72,7 @@ class Derived:
         self.model, self.impact, n, m = model, solved.impact, model.nv, len(solved.forces)
         self.told = np.zeros(1)
         self.given = (*solved.kept, solved.a, solved.forces, solved.numbers, self.told)
+        watch = model.watched("numbers")  # before the engine: see `run`
         self.engine = engine = data.attach(model)
         shapes = solved.shapes
         sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(self.given)}
@@ -88,7 +89,7 @@ class Derived:
         else:
             self.own |= {name: np.zeros((m, n)) for name in ("dlambda_dtau", "dac_da")}
             targets += [data._blocks["ddq_dtau"], self.own["dlambda_dtau"], self.own["dac_da"]]
-        self.step = kernel.into(*targets, watch=model.watched("numbers"), otherwise=refuse)
+        self.step = kernel.into(*targets, watch=watch, otherwise=refuse)
         self.by_q, self.by_v = ((x[:n], x[n:]) for x in (self.found[:, :n], self.found[:, n:]))
 
     def fill(self, data: Data, told: float) -> Any:

@@ -88,6 +88,7 @@ def of_ties(model: Model, data: Data, ties: Ties, name: str, q: Any) -> Floats:
 
 
 def _bind(model: Model, data: Data, ties: Ties, name: str, rows: int) -> Any:
+    watch = model.watched("places" if name == "jacobian" else "numbers")  # before the engine: see `run`
     engine, shapes = data.attach(model), ties.shapes
     if name == "jacobian":
         kernel, targets = jacobian_kernel(engine, shapes, model.nq), [np.zeros((rows, model.nv))]
@@ -95,7 +96,6 @@ def _bind(model: Model, data: Data, ties: Ties, name: str, rows: int) -> Any:
         build, sizes = with_mass(_delassus(shapes)), sizes_of(shapes)
         kernel = engine.made(("constraint delassus", shapes), build, q=(model.nq,), **sizes)
         targets = [np.zeros((rows, rows)), data.target("M"), data.target("own q")]
-    watch = model.watched("places" if name == "jacobian" else "numbers")
     return kernel.into(*targets, returns=(0,), watch=watch, otherwise=refuse)
 
 

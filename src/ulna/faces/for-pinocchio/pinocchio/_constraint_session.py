@@ -123,6 +123,7 @@ class Session:
         self.datas, self.live, self.report = datas, ties.live, np.zeros(3)
         self.solved = solved = Solved(model, ties, impact)
         self.forces = np.zeros(len(solved.forces))
+        watch = model.watched("numbers")  # before the engine: see `run`
         engine = data.attach(model)
         self.left = Left(engine, datas, shapes, *solved.kept[:4])
         given = (solved.a,) if impact else (solved.a, solved.a)
@@ -135,7 +136,6 @@ class Session:
         own = [self.forces, self.report, *solved.kept, solved.a, solved.forces, solved.numbers]
         told = [known._views["contact_force"]._v for known in datas]
         targets = [*(data.target(name) for name in self.algorithm.targets), *own, *told, *where]
-        watch = model.watched("numbers")
         self.step = kernel.into(*targets, returns=(int(not impact),), watch=watch, otherwise=refuse)
 
     def run(self, *state: Any) -> Any:
