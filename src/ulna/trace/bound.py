@@ -59,14 +59,16 @@ class SlowBound(Bound):
 
 @final
 class _Through:
-    """The general way into a kernel with fixed targets."""
+    """The general way into a kernel with fixed targets and last inputs."""
 
-    def __init__(self, general: General, targets: tuple[Array, ...], returns: tuple[int, ...]) -> None:
-        self.general, self.targets, self.returns = general, targets, returns
+    def __init__(
+        self, general: General, targets: tuple[Array, ...], returns: tuple[int, ...], given: tuple[Array, ...]
+    ) -> None:
+        self.general, self.targets, self.returns, self.given = general, targets, returns, given
         self._out = targets[0] if len(targets) == 1 else targets
 
     def __call__(self, *args: Any) -> Any:
-        self.general(*args, out=self._out)
+        self.general(*args, *self.given, out=self._out)
         copies = tuple(
             self.targets[k].copy() if self.targets[k].ndim else self.targets[k][()] for k in self.returns
         )
@@ -75,6 +77,7 @@ class _Through:
     def fits(self, args: tuple[Any, ...]) -> bool:
         """Whether the arguments are what the fast door takes."""
         ports, dtype = self.general.function.inputs, self.general.dtype
+        ports = ports[: len(ports) - len(self.given)]
         return len(args) == len(ports) and all(
             (type(a) is np.ndarray and a.dtype is dtype and a.shape == p.shape and _is_readable(a))
             or (p.shape == () and dtype == np.float64 and type(a) in (float, np.float64))
@@ -109,22 +112,24 @@ def bind(
     returns: Sequence[int],
     watch: _Pairs,
     otherwise: Callable[..., Any] | None,
+    given: Sequence[Array] = (),
 ) -> Bound:
     """Makes what `KernelBase.into` returns; `work` is the address of the kernel's code, where there is any."""
-    chosen, pairs = tuple(targets), tuple((live, kept) for live, kept in watch)
+    chosen, told, pairs = tuple(targets), tuple(given), tuple((live, kept) for live, kept in watch)
     numbers = tuple(int(k) for k in returns)
     _check_targets(general, chosen)
+    _check_given(general, told)
     _check_pairs(pairs)
     if pairs and otherwise is None:
         raise InputError("`watch` is given without `otherwise`; expected a function for when it differs.")
     for k in numbers:
         if not 0 <= k < len(chosen):
             raise InputError(f"`returns` names output {k}; expected 0 to {len(chosen) - 1}.")
-    through = _Through(general, chosen, numbers)
+    through = _Through(general, chosen, numbers, told)
     kind = _type() if work is not None else None
     if kind is None or work is None:
         return SlowBound(kernel, chosen, through, pairs, otherwise)
-    plan = native.Plan(general.function, general.element, work, chosen, pairs, numbers)
+    plan = native.Plan(general.function, general.element, work, chosen, pairs, numbers, told)
     slow = through if otherwise is None else otherwise
     instance = native.make_bound(kind, plan, slow)
     instance.__dict__.update(kernel=kernel, targets=chosen)
@@ -151,6 +156,17 @@ def _check_targets(general: General, targets: tuple[Any, ...]) -> None:
     for k, target in enumerate(targets):
         if any(np.may_share_memory(target, other) for other in targets[:k]):
             raise InputError("Arrays given to into() share memory; expected one of its own for each output.")
+
+
+def _check_given(general: General, given: tuple[Any, ...]) -> None:
+    ports, dtype = general.function.inputs, general.dtype
+    if len(given) > len(ports):
+        raise InputError(f"into() was given {len(given)} inputs; {general.function.name} has {len(ports)}.")
+    for array, port in zip(given, ports[len(ports) - len(given) :], strict=True):
+        if type(array) is not np.ndarray or array.dtype != dtype or not _is_readable(array):
+            raise InputError(f"`given` holds no C-contiguous array of {dtype} for `{port.name}`.")
+        if array.shape != port.shape:
+            raise ShapeError(port.name, array.shape, str(port.shape))
 
 
 def _check_pairs(pairs: tuple[tuple[Any, Any], ...]) -> None:

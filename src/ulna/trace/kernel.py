@@ -84,6 +84,7 @@ class KernelBase:
         returns: Sequence[int] = (),
         watch: Sequence[tuple[Array, Array]] = (),
         otherwise: Callable[..., Any] | None = None,
+        given: Sequence[Array] = (),
     ) -> Any:
         """A callable of the inputs that writes the outputs into arrays chosen once: where nanoseconds count.
 
@@ -96,6 +97,7 @@ class KernelBase:
             otherwise: Called with the arguments, and its result returned, where these are not exactly arrays of the
                 right type and shape, or what is watched differs. Without it, arguments are converted as the kernel
                 does, and one sample is computed. It must not hold the bound kernel: such a ring is never freed.
+            given: Arrays that are the last inputs, read at every call as they then are; calls are told the others.
 
         Returns:
             A `Bound` kernel. It is called with positional arguments, holds the GIL while it works, and cannot be
@@ -107,7 +109,7 @@ class KernelBase:
             ShapeError: If an array has another shape than its output.
             DtypeError: If an array has another type than the kernel.
         """
-        return bound.bind(self, self._general, self._work, targets, returns, watch, otherwise)
+        return bound.bind(self, self._general, self._work, targets, returns, watch, otherwise, given)
 
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture; written to `path` when one is given."""

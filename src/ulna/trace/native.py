@@ -151,9 +151,10 @@ class Plan:
         targets: Sequence[AnyArray] = (),
         watched: Sequence[tuple[AnyArray, AnyArray]] = (),
         returned: Sequence[int] = (),
+        given: Sequence[AnyArray] = (),
     ) -> None:
-        self._kept: list[Any] = [targets, watched]
-        places = [t.__array_interface__["data"][0] for t in targets]
+        self._kept: list[Any] = [targets, watched, given]
+        before, places = ([x.__array_interface__["data"][0] for x in xs] for xs in (given, targets))
         ports = [self._port(p, element == "double") for p in f.inputs], [self._port(p) for p in f.outputs]
         copied = [word for k in returned for word in (*ports[1][k][:2], places[k], targets[k].nbytes)]
         pairs = [
@@ -162,12 +163,12 @@ class Plan:
             for word in (*(x.__array_interface__["data"][0] for x in (live, kept)), live.nbytes // 8)
         ]
         words = {
-            "inputs": len(f.inputs),
-            "outputs": len(f.outputs),
+            "inputs": len(f.inputs) - len(given),
+            "outputs": len(given) + len(f.outputs),  # inputs that lie where they always do stand before them
             "work": work,
             "ports_in": self._table([word for port in ports[0] for word in port]),
             "ports_out": self._table([word for port in ports[1] for word in port]),
-            "targets": self._table(places),
+            "targets": self._table([*before, *places]),
             "watches": len(watched),
             "watched": self._table(pairs),
             "returns": len(returned),

@@ -337,3 +337,35 @@ def test_without_the_fast_door_everything_is_the_same(tmp_path):
         capture_output=True, text=True, env=env, timeout=300, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-3000:]
+
+
+# given= -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_given_inputs_are_read_as_they_are_at_the_call(kernel, targets, monkeypatch, slow):
+    if slow:
+        monkeypatch.setattr("ulna.trace.bound._type", lambda: None)
+    v = V.copy()
+    bound = kernel.into(*targets, returns=(1,), given=(v,))
+    for factor in (1.0, 3.0):
+        v *= factor
+        assert bound(Q) == kernel(Q, v)[1]
+        assert _same(targets, kernel(Q, v))
+    assert bound([0.1, -0.7, 1.3]) == kernel(Q, v)[1]  # converted
+    exact = kernel.into(*targets, given=(v,), otherwise=_refused)
+    assert exact(Q) is None
+    assert exact(Q, V) == exact() == exact(list(Q)) == "refused"
+
+
+def test_given_inputs_are_kept_alive_and_checked(kernel, targets):
+    bound = kernel.into(*targets, returns=(1,), given=(V + 0.0,))
+    gc.collect()
+    assert bound(Q) == kernel(Q, V)[1]
+    for wrong in (np.zeros(6)[::2], [0.0, 0.0, 0.0], np.zeros(3, np.float32)):
+        with pytest.raises(InputError, match="`v`"):
+            kernel.into(*targets, given=(wrong,))
+    with pytest.raises(ShapeError):
+        kernel.into(*targets, given=(np.zeros(4),))
+    with pytest.raises(InputError, match="3 inputs"):
+        kernel.into(*targets, given=(Q, Q, V))
