@@ -7,21 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import index, vector
+from pinocchio._arrays import index
 from pinocchio._data import Data, engine_for
 from pinocchio._enums import ReferenceFrame, reference_of
 from pinocchio._kinematics import (
     LOCAL,
+    PLACED,
     at_frame,
     at_joint,
-    forwardKinematics,
     split,
     updateFramePlacement,
     updateFramePlacements,
 )
 from pinocchio._late_fields import OV, OWN, rows, stacked
 from pinocchio._model import Model
-from pinocchio._runs import Algorithm, Scratch, refuse, run
+from pinocchio._runs import Algorithm, Scratch, refuse, run, run_at
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
 from ulna.model import Frame
@@ -67,6 +67,9 @@ COLUMNS = ("J", "oMi", "places q", "jacobians q")
 RATES = ("dJ", *COLUMNS, "rates q", "rates v", "v", "speeds q", "speeds v")
 _J = Algorithm("columns", "q", COLUMNS, columns, (0,), on="places", late=OWN)
 _DJ = Algorithm("joint_rates", "qv", RATES, rates, (0,), on="places", late=OWN | OV)
+_HERE_J = Algorithm("jacobian_here", "q", (), refuse, (0,), on="places", late=OWN)
+_PLACED_J = Algorithm("jacobian_placed", "q", PLACED, refuse, (0,), on="places", late=OWN)
+"""Of a joint or frame; not in LOCAL all joints are placed, too."""
 
 
 def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
@@ -97,10 +100,15 @@ def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: A
 
 def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Floats:
     """The Jacobian (6, nv) of a joint in LOCAL."""
+    place = (joint_id, LOCAL, "joint at q")
+    try:
+        found = data._run_at[place][0](q) if data._model is model else NotImplemented
+    except (KeyError, TypeError):
+        found = NotImplemented
+    if found is not NotImplemented:
+        return found
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-    q = vector(q, model.nq, "q")
-    data.moved(data.attach(model), q)
-    return _jacobian(model, data, "local", ("joint", joint), at_joint(joint))(q)
+    return _at(model, data, place, None, at_joint(joint), q)
 
 
 def getFrameJacobian(
@@ -166,13 +174,34 @@ def computeFrameJacobian(
     model: Model, data: Data, q: Any, frame_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
     """The Jacobian (6, nv) of a frame at q."""
-    key, _ = at_frame(model, (frame_id,))
-    reference, q = reference_of(reference_frame), vector(q, model.nq, "q")
-    if reference == "local":
-        data.moved(data.attach(model), q)
-    else:
-        forwardKinematics(model, data, q)
-    return _jacobian(model, data, reference, key, None)(q)
+    place = (frame_id, reference_frame, "at q")
+    try:
+        step, told = data._run_at[place]
+    except (KeyError, TypeError):
+        step = told = refuse
+    if told is reference_frame and data._model is model:  # 0 equals WORLD, and is refused
+        found = step(q)
+        if found is not NotImplemented:
+            return found
+    return _at(model, data, place, at_frame(model, (frame_id,))[0], None, q)
+
+
+def _at(
+    model: Model, data: Data, place: tuple[Any, ...], key: int | None, given: Frame | None, q: Any
+) -> Floats:
+    """The Jacobian at q of a frame in a reference, the second of `place`, computed and bound for the next time."""
+    reference = reference_of(place[1])
+
+    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+        frame = given or frames[key]
+
+        def run(q: Array) -> tuple[Array, ...]:
+            J = algorithms.frame_jacobian(tower, q, frame, reference)
+            return (J,) if reference == "local" else (J, stacked(algorithms.joint_poses(tower, q)), q)
+
+        return run
+
+    return run_at(model, data, _HERE_J if reference == "local" else _PLACED_J, place, key, build, q)
 
 
 def _jacobian(model: Model, data: Data, reference: Reference, key: Any, given: Frame | None) -> Any:

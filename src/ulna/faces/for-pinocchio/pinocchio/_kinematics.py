@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from pinocchio._arrays import index
 from pinocchio._data import Data, engine_for, frames_fit
 from pinocchio._enums import ReferenceFrame, reference_of
+from pinocchio._frame import changes
 from pinocchio._keywords import by_name
 from pinocchio._late_fields import OA, OV, OWN, rows, stacked
 from pinocchio._model import Model
-from pinocchio._runs import Algorithm, Scratch, run
+from pinocchio._runs import Algorithm, Scratch, refuse, run
 from pinocchio._se3 import SE3
 from pinocchio._vectors import Motion
 from ulna import algorithms, spatial
@@ -41,6 +43,8 @@ __all__ = [
 
 LOCAL = ReferenceFrame.LOCAL
 _HERE = np.eye(4)
+_new = object.__new__
+Asked = TypeVar("Asked", bound=Callable[..., Motion])
 
 
 def _run0(model: TowerModel) -> Any:
@@ -65,13 +69,13 @@ def _run_frames(model: TowerModel, frames: Sequence[Frame]) -> Any:
     return lambda q: (*first(q), stacked(algorithms.frame_poses(model, q, frames)))
 
 
-_PLACED = ("oMi", "places q")
-_MOVED = (*_PLACED, "v", "speeds q", "speeds v")
+PLACED = ("oMi", "places q")
+_MOVED = (*PLACED, "v", "speeds q", "speeds v")
 _GAINED = ("a", "gains q", "gains v", "gains a")
-_FK = Algorithm("fk", "q", _PLACED, _run0, on="places", late=OWN)
+_FK = Algorithm("fk", "q", PLACED, _run0, on="places", late=OWN)
 _FK1 = Algorithm("fk1", "qv", _MOVED, _run1, on="places", late=OWN | OV)
 _FK2 = Algorithm("fk2", "qva", (*_MOVED, *_GAINED), _run2, on="places", late=OWN | OV | OA)
-_FRAMES = Algorithm("frames", "q", (*_PLACED, "oMf"), _run_frames, on="frames", late=OWN)
+_FRAMES = Algorithm("frames", "q", (*PLACED, "oMf"), _run_frames, on="frames", late=OWN)
 
 
 def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = None) -> None:
@@ -162,75 +166,132 @@ def split(rest: tuple[Any, ...], rf: Any) -> tuple[tuple[Any, ...], Reference]:
     return rest, reference_of(LOCAL if rf is None else rf)
 
 
+def _quick(kind: str) -> Callable[[Asked], Asked]:
+    """Answers what was asked for before with one native call, and leaves all else to the function."""
+
+    def decorate(function: Any) -> Any:
+        @functools.wraps(function)
+        def asked(
+            model: Model, data: Data, place: Any = None, told: Any = None, *rest: Any, **named: Any
+        ) -> Motion:
+            if rest or named:
+                given = (x for x in (place, told) if x is not None)
+                return function(model, data, *given, *rest, **named)
+            if told is None:
+                told = LOCAL
+            try:
+                step, arrays, known = data._run_at[place, told, kind]
+            except (KeyError, TypeError):
+                step, arrays, known = refuse, (), None
+            if known is told and data._model is model:  # known, for 0 equals WORLD, and is refused
+                found = step(*arrays)
+                if found is not NotImplemented:
+                    motion = _new(Motion)
+                    motion._v = found
+                    return motion
+            return function(model, data, place, told)
+
+        return asked
+
+    return decorate
+
+
+@_quick("joint velocity")
 def getVelocity(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
     """The velocity of a joint, after forwardKinematics with v."""
     return _joint_motion(model, data, joint_id, reference_frame, "velocity")
 
 
+@_quick("joint acceleration")
 def getAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
     """The spatial acceleration of a joint, after forwardKinematics with v and a."""
     return _joint_motion(model, data, joint_id, reference_frame, "acceleration")
 
 
+@_quick("joint classical")
 def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
     """The acceleration of the point at a joint's origin, after forwardKinematics with v and a."""
     return _joint_motion(model, data, joint_id, reference_frame, "classical")
 
 
-def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -> Motion:
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-    return _motion(model, data, kind, reference_of(rf), joint, _HERE)
-
-
+@_quick("velocity")
 @by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
-def getFrameVelocity(model: Model, data: Data, *place: Any, reference_frame: Any = None) -> Motion:
+def getFrameVelocity(
+    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+) -> Motion:
     """The velocity of a frame (its index, or a joint's and a placement), after forwardKinematics with v."""
-    return _frame_motion(model, data, place, reference_frame, "velocity")
+    return _frame_motion(model, data, frame_id, placement, reference_frame, "velocity")
 
 
+@_quick("acceleration")
 @by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
-def getFrameAcceleration(model: Model, data: Data, *place: Any, reference_frame: Any = None) -> Motion:
+def getFrameAcceleration(
+    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+) -> Motion:
     """The spatial acceleration of a frame, after forwardKinematics with v and a; see `getFrameVelocity`."""
-    return _frame_motion(model, data, place, reference_frame, "acceleration")
+    return _frame_motion(model, data, frame_id, placement, reference_frame, "acceleration")
 
 
+@_quick("classical")
 @by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
 def getFrameClassicalAcceleration(
-    model: Model, data: Data, *place: Any, reference_frame: Any = None
+    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
 ) -> Motion:
     """The acceleration of the point at a frame's origin; see `getFrameAcceleration`."""
-    return _frame_motion(model, data, place, reference_frame, "classical")
+    return _frame_motion(model, data, frame_id, placement, reference_frame, "classical")
 
 
-def _frame_motion(model: Model, data: Data, place: Any, rf: Any, kind: str) -> Motion:
-    place, reference = split(place, rf)
-    key, given = at_frame(model, place)
+def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -> Motion:
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    return _motion(model, data, kind, reference_of(rf), joint, _HERE, (joint_id, rf, f"joint {kind}"))
+
+
+def _frame_motion(model: Model, data: Data, frame_id: int, placement: Any, rf: Any, kind: str) -> Motion:
+    where, reference = split(tuple(x for x in (frame_id, placement) if x is not None), rf)
+    key, given = at_frame(model, where)
     if given is not None:
-        return _motion(model, data, kind, reference, key[0], place[1]._m)
-    frame = model.frames[key]
-    return _motion(model, data, kind, reference, frame.parentJoint, frame.placement._m)
+        return _motion(model, data, kind, reference, key[0], where[1]._m)
+    frame, told = model.frames[key], (LOCAL if rf is None else rf) if placement is None else placement
+    return _motion(
+        model, data, kind, reference, frame.parentJoint, frame.placement._m, (frame_id, told, kind)
+    )
 
 
 def _motion(
-    model: Model, data: Data, kind: str, reference: Reference, joint: int, placement: Floats
+    model: Model,
+    data: Data,
+    kind: str,
+    reference: Reference,
+    joint: int,
+    placement: Floats,
+    place: Any = None,
 ) -> Motion:
-    """The motion of a frame out of what the Data holds of its joint."""
+    """The motion of a frame out of what the Data holds of its joint; bound at `place` for the next time."""
+    watch = [(changes, changes.copy())]  # joints and frames
     if data._layout is not model._layout:
         engine_for(model, data)
     if kind == "velocity":
         data.require(data._qv, "forwardKinematics(model, data, q, v)")
     else:
         data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
-    v, a = data.v[joint]._v, data.a[joint]._v
-    M = np.ascontiguousarray(placement)
-    return Motion._of(_seen_from(kind, reference)(data._blocks["oMi"][joint], M, v, a))
+    step, arrays, _ = data._run_at.get(place, (refuse, (), None))  # what was late may be there now
+    found = step(*arrays) if data._model is model else NotImplemented
+    if found is NotImplemented:
+        fields = ("v",) if kind == "velocity" else ("v", "a")
+        arrays = [np.ascontiguousarray(placement), *(data._blocks[x][joint] for x in ("oMi", *fields))]
+        kernel = _seen_from(kind, reference)
+        if place is not None and data._model is model:
+            watch += [(data.mark_of(field), np.zeros(())) for field in fields]
+            data._run_at[place] = Scratch(kernel, watch).call, arrays, place[1]
+        found = kernel(*arrays)
+    return Motion._of(found)
 
 
 @cache
 def _seen_from(kind: str, reference: Reference) -> Any:
     """The compiled motion of a frame at a placement in its joint's frame, in a reference."""
 
-    def run(oMi: Array, placement: Array, v: Array, a: Array) -> Array:
+    def run(placement: Array, oMi: Array, v: Array, a: Array | None = None) -> Array:
         T, M = (spatial.SE3(m[:3, :3], m[:3, 3]) for m in (oMi, placement))
         into = M.inverse()
         if reference == "world":
@@ -240,9 +301,11 @@ def _seen_from(kind: str, reference: Reference) -> Any:
         velocity = into.act(spatial.Motion(v[:3], v[3:]))
         if kind == "velocity":
             return velocity.vector()
+        assert a is not None
         gain = into.act(spatial.Motion(a[:3], a[3:]))
         if kind == "classical":
             gain = spatial.Motion(gain.linear + cross(velocity.angular, velocity.linear), gain.angular)
         return gain.vector()
 
-    return Scratch(compile_function(run, oMi=(4, 4), placement=(4, 4), v=(6,), a=(6,))).call
+    motions: dict[str, Any] = {"v": (6,)} if kind == "velocity" else {"v": (6,), "a": (6,)}
+    return compile_function(run, placement=(4, 4), oMi=(4, 4), **motions)

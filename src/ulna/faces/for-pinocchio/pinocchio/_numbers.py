@@ -75,7 +75,18 @@ def _noticed(name: str) -> Any:
     return method
 
 
-for _name in ("append", "extend", "insert", "pop", "remove", "clear", "reverse", "sort", "__delitem__"):
+for _name in (
+    "append",
+    "extend",
+    "insert",
+    "pop",
+    "remove",
+    "clear",
+    "reverse",
+    "sort",
+    "__delitem__",
+    "__iadd__",
+):
     setattr(Frames, _name, _noticed(_name))
 
 
@@ -89,9 +100,11 @@ class Numbers:
     _arrays: dict[str, Floats]
 
     _engines: dict[bytes, Engine]
+    _heard: int
+    _places: tuple[tuple[str, int], ...]
 
     def _begin(self) -> None:
-        self._frames = Frames()
+        self._frames, self._heard, self._places = Frames(), -1, ()
         self._version = np.zeros(1, np.int64)
         self._rows = Rows("_m"), Rows("_p"), Rows("_m")
 
@@ -163,7 +176,10 @@ class Numbers:
             live += [changes, *self._rows[2].parts()]
         return [(block, block.copy()) for block in live]
 
-    def frame_state(self) -> tuple[int, bytes]:
-        """What changes when a frame does."""
-        self._rows[2].adopt([frame._placement for frame in self._frames])
-        return int(changes[0]), b"".join(part.tobytes() for part in self._rows[2].parts())
+    def frame_state(self) -> tuple[Any, bytes]:
+        """What changes when a frame of this model does."""
+        count = int(changes[0])
+        if count != self._heard:
+            self._heard, self._places = count, tuple((f.name, f.parentJoint) for f in self._frames)
+            self._rows[2].adopt([frame._placement for frame in self._frames])
+        return self._places, b"".join(part.tobytes() for part in self._rows[2].parts())

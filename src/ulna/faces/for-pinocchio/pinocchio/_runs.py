@@ -81,18 +81,49 @@ def run(model: Model, data: Data, algorithm: Algorithm, *args: Any) -> Any:
         InputError: the Data does not fit the model.
         ShapeError: an argument has another size.
     """
-    given = [
-        exact(x, model.nq if letter == "q" else model.nv, _ARGUMENTS[letter])
-        for letter, x in zip(algorithm.inputs, args, strict=True)
-    ]
+    given = _converted(model, algorithm, args)
     found = getattr(data._run, algorithm.name)(*given) if data._model is model else NotImplemented
     if found is not NotImplemented:
         return found
     watch = model.watched(algorithm.on)  # before the engine: another thread may change a number meanwhile
     engine = data.attach(model)
-    bound = _bind(model, data, engine, algorithm, watch)
+    bound = _bind(model, data, engine, algorithm, watch, algorithm.build)
     found = bound(*given)
     setattr(data._run, algorithm.name, bound)
+    data.knows(algorithm)
+    return found
+
+
+def _converted(model: Model, algorithm: Algorithm, args: tuple[Any, ...]) -> list[Floats]:
+    return [
+        exact(x, model.nq if letter == "q" else model.nv, _ARGUMENTS[letter])
+        for letter, x in zip(algorithm.inputs, args, strict=True)
+    ]
+
+
+def run_at(
+    model: Model,
+    data: Data,
+    algorithm: Algorithm,
+    place: tuple[Any, ...],
+    frame: int | None,
+    build: Any,
+    q: Any,
+) -> Any:
+    """Runs and binds what `build(model, frames)` makes, whose first output is returned and lies in no field of a Data.
+
+    It is bound at `place` in `data._run_at`, with the reference that is second there. `frame` is what it is of,
+    None where that is no frame of the model.
+    """
+    given = _converted(model, algorithm, (q,))
+    found = data._run_at.get(place, (refuse,))[0](*given) if data._model is model else NotImplemented
+    if found is not NotImplemented:
+        return found
+    watch = model.watched(algorithm.on) + ([] if frame is None else model.watched("frame", frame))
+    engine = data.attach(model)
+    bound = _bind(model, data, engine, algorithm, watch, build, place)
+    found = bound(*given)
+    data._run_at[place] = bound, place[1]
     data.knows(algorithm)
     return found
 
@@ -120,12 +151,20 @@ def kept_by(algorithm: Algorithm) -> dict[str, str]:
     return kept
 
 
-def _bind(model: Model, data: Data, engine: Engine, algorithm: Algorithm, watch: Any) -> Any:
+def _bind(
+    model: Model,
+    data: Data,
+    engine: Engine,
+    algorithm: Algorithm,
+    watch: Any,
+    build: Any,
+    place: tuple[Any, ...] = (),
+) -> Any:
     shapes: dict[str, Any] = {_ARGUMENTS[x]: (model.nq if x == "q" else model.nv,) for x in algorithm.inputs}
     where, kept, marks = traces(data, algorithm)
 
-    def build(*models: Any) -> Any:
-        results = algorithm.build(*models)
+    def built(*models: Any) -> Any:
+        results = build(*models)
 
         def whole(*given: Any) -> tuple[Any, ...]:
             found = results(*given)
@@ -134,9 +173,10 @@ def _bind(model: Model, data: Data, engine: Engine, algorithm: Algorithm, watch:
         whole.__name__ = algorithm.title or algorithm.name
         return whole
 
-    make = engine.of_frame if algorithm.on == "frames" else engine.made
-    kernel = make(("run", algorithm.name), build, **shapes)
-    targets = [*(data.target(name) for name in algorithm.targets), *where]
+    make = engine.of_frame if place or algorithm.on == "frames" else engine.made
+    kernel = make(("run", algorithm.name, *place), built, **shapes)
+    own = [np.zeros(kernel.function.outputs[0].shape)] if place else []
+    targets = [*own, *(data.target(name) for name in algorithm.targets), *where]
     return kernel.into(*targets, returns=algorithm.returns, watch=watch, otherwise=refuse)
 
 
