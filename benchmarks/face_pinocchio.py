@@ -21,13 +21,19 @@ SPAN = 2e-4  # of each measurement [s]: short, so that few are interrupted where
 CALLS = {
     "forwardKinematics, oMi[-1] read": "pin.forwardKinematics(m, d, q); d.oMi[end].translation",
     "forwardKinematics(q, v, a)": "pin.forwardKinematics(m, d, q, v, a)",
+    "getFrameVelocity": "pin.getFrameVelocity(m, d, last, pin.LOCAL)",
+    "getFrameAcceleration": "pin.getFrameAcceleration(m, d, last, pin.LOCAL)",
     "framesForwardKinematics": "pin.framesForwardKinematics(m, d, q)",
     "computeJointJacobians": "pin.computeJointJacobians(m, d, q)",
     "getJointJacobian": "pin.getJointJacobian(m, d, end, pin.LOCAL)",
     "getFrameJacobian": "pin.getFrameJacobian(m, d, last, pin.LOCAL)",
+    "computeJointJacobian": "pin.computeJointJacobian(m, d, q, end)",
+    "computeFrameJacobian": "pin.computeFrameJacobian(m, d, q, last, pin.LOCAL_WORLD_ALIGNED)",
     "rnea": "pin.rnea(m, d, q, v, a)",
+    "rnea with forces": "pin.rnea(m, d, q, v, a, fext)",
     "crba": "pin.crba(m, d, q)",
     "aba": "pin.aba(m, d, q, v, tau)",
+    "aba with forces": "pin.aba(m, d, q, v, tau, fext)",
     "nonLinearEffects": "pin.nonLinearEffects(m, d, q, v)",
     "computeGeneralizedGravity": "pin.computeGeneralizedGravity(m, d, q)",
     "computeCoriolisMatrix": "pin.computeCoriolisMatrix(m, d, q, v)",
@@ -41,6 +47,11 @@ CALLS = {
     "computeKineticEnergy": "pin.computeKineticEnergy(m, d, q, v)",
     "integrate": "pin.integrate(m, q, v)",
     "difference": "pin.difference(m, q, k)",
+    "randomConfiguration": "pin.randomConfiguration(m, low, high)",
+    "LieGroup.integrate": "group.integrate(q, v)",
+    "LieGroup.difference": "group.difference(q, k)",
+    "createData": "m.createData()",
+    "model.copy": "m.copy()",
     "log6(SE3)": "pin.log6(M)",
     "SE3 * SE3": "M * M",
     "oMi[-1].translation alone": "d.oMi[end].translation",
@@ -59,7 +70,12 @@ def worker(urdf: str, floating: bool) -> None:
     v, a, tau = rng.normal(size=(3, m.nv))
     d, M = m.createData(), pin.SE3.Random()
     names: dict[str, Any] = {"pin": pin, "m": m, "d": d, "q": q, "k": k, "v": v, "a": a, "tau": tau, "M": M}
+    fext = pin.StdVec_Force()
+    fext.extend([pin.Force.Random() for _ in range(m.njoints)])
+    low, high = np.full(m.nq, -1.0), np.ones(m.nq)
+    names |= {"fext": fext, "group": pin.lieGroup(m), "low": low, "high": high}
     names |= {"end": m.njoints - 1, "last": m.nframes - 1, "clock": time.perf_counter}
+    pin.forwardKinematics(m, d, q, v, a)
     pin.framesForwardKinematics(m, d, q)
     pin.computeJointJacobians(m, d, q)
     loops = {}
@@ -67,7 +83,7 @@ def worker(urdf: str, floating: bool) -> None:
         exec(f"def loop(n):\n start = clock()\n for _ in range(n): {call}\n return clock() - start", names)
         loops[title] = names["loop"]
         loops[title](20)
-    counts = {title: min(max(int(SPAN * 20 / loop(20)), 40), 2000) for title, loop in loops.items()}
+    counts = {title: min(max(int(SPAN * 20 / loop(20)), 2), 2000) for title, loop in loops.items()}
     for _ in sys.stdin:
         next(iter(loops.values()))(1000)  # awake again
         found = {title: loop(counts[title]) / counts[title] * 1e6 for title, loop in loops.items()}
