@@ -13,7 +13,7 @@ from ulna.errors import InputError
 from ulna.robot import Robot
 from ulna.sim.dynamic import Plant, check_friction
 from ulna.sim.inputs import checked_robot, flag, numbers, one_of, words
-from ulna.sim.kinematic import kinematic_step
+from ulna.sim.kinematic import moved_within_limits
 from ulna.sim.recording import Recording
 from ulna.typing import ArrayLike, Floats
 
@@ -219,7 +219,7 @@ class Body:
         if self._limits == "none":
             self._q = np.asarray(self.robot.integrate(self._q, dt * speed))
         else:
-            before, self._q = self._q, kinematic_step(self.robot, self._q, speed, dt)
+            before, self._q = self._q, moved_within_limits(self.robot, self._q, speed, dt)
             speed = np.asarray(self.robot.difference(before, self._q)) / dt
         self._moving = speed
 

@@ -62,11 +62,16 @@ def kinematic_step(robot: Any, q: ArrayLike, v: ArrayLike, dt: float) -> Floats:
     """
     model = checked_robot(robot).model
     start, velocity = numbers("q", q, model.nq), numbers("v", v, model.nv)
-    number("dt", dt, "a finite time [s]")
+    return moved_within_limits(robot, start, velocity, number("dt", dt, "a finite time [s]"))
+
+
+def moved_within_limits(robot: Any, q: Floats, v: Floats, dt: float) -> Floats:
+    """As `kinematic_step`, for numbers that are known to fit."""
+    model = robot.model
     lower, upper = model.lower_position, model.upper_position
     if _adds(model):
-        return held_step(model.nq)(start, velocity, dt, lower, upper)[0]
-    return np.clip(robot.integrate(start, dt * velocity), lower, upper)
+        return held_step(model.nq)(q, v, dt, lower, upper)[0]
+    return np.clip(robot.integrate(q, dt * v), lower, upper)
 
 
 @lru_cache(maxsize=256)
