@@ -22,6 +22,7 @@ from pinocchio._late_fields import (
     OH,
     OV,
     OWN,
+    UNDER_FORCES,
     split_forces,
 )
 from pinocchio._masses import about_origin, as_one_body
@@ -54,8 +55,8 @@ __all__ = [
 ]
 
 
-def external(fext: Any, count: int) -> Floats:
-    """Forces on the joints, the universe left out, as one array (njoints - 1, 6).
+def checked(fext: Any, count: int) -> list[Floats]:
+    """Forces on the joints, the universe included, each (6,).
 
     Raises:
         InputError: there are not as many as joints.
@@ -64,8 +65,12 @@ def external(fext: Any, count: int) -> Floats:
         raise InputError(
             f"`fext` holds {len(fext)} forces; expected {count}, one for each joint, the universe included."
         )
-    forces = [f.vector if isinstance(f, Force) else vector(f, 6, "fext") for f in fext]
-    return np.array(forces[1:], dtype=float).reshape(count - 1, 6)
+    return [f.vector if isinstance(f, Force) else vector(f, 6, "fext") for f in fext]
+
+
+def external(fext: Any, count: int) -> Floats:
+    """The same, the universe left out, as one array (njoints - 1, 6)."""
+    return np.array(checked(fext, count)[1:], dtype=float).reshape(count - 1, 6)
 
 
 def under_forces(engine: Engine, algorithm: Callable[..., Any], *arrays: Floats) -> Any:
@@ -79,7 +84,7 @@ def under_forces(engine: Engine, algorithm: Callable[..., Any], *arrays: Floats)
 
 
 def _inverse(model: TowerModel) -> Any:
-    return lambda q, v, a: algorithms.inverse_dynamics(model, q, v, a)
+    return lambda q, v, a, *F: algorithms.inverse_dynamics(model, q, v, a, *map(split_forces, F))
 
 
 def _bias(model: TowerModel) -> Any:
@@ -94,6 +99,14 @@ def _forward(model: TowerModel) -> Any:
     def run(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
         ddq = algorithms.forward_dynamics(model, q, v, tau)
         return ddq, ddq
+
+    return run
+
+
+def _forward_under(model: TowerModel) -> Any:
+    def run(q: Array, v: Array, tau: Array, F: Array) -> tuple[Array, ...]:
+        ddq = algorithms.forward_dynamics(model, q, v, tau, split_forces(F))
+        return ddq, ddq, q, v, ddq
 
     return run
 
@@ -122,9 +135,18 @@ def _coriolis(model: TowerModel) -> Any:
 
 
 _RNEA = Algorithm("rnea", "qva", ("tau",), _inverse, (0,), late=OWN | BODIES)
+_RNEA_UNDER = Algorithm("rnea_under", "qvaf", ("tau",), _inverse, (0,), late=OWN | UNDER_FORCES)
 _NLE = Algorithm("nle", "qv", ("nle",), _bias, (0,), late=OWN | BODIES)
 _GRAVITY = Algorithm("gravity", "q", ("g",), _gravity, (0,), late=OWN | FELT)
 _ABA = Algorithm("aba", "qvt", ("ddq", "aba a"), with_mass(_forward), (0,), late=OWN | BODIES | GAINS)
+_ABA_UNDER = Algorithm(
+    "aba_under",
+    "qvtf",
+    ("ddq", "aba_under a", "aba q", "aba v", "aba a"),
+    with_mass(_forward_under),
+    (0,),
+    late=OWN | UNDER_FORCES | GAINS,
+)
 _CRBA = Algorithm("crba", "q", ("M",), _mass, (0,), late=OWN)
 _CRBA_WORLD = Algorithm(
     "crba_world", "q", ("M", "Ag", "com[0]", *COLUMNS), _mass_in_world, (0,), late=OWN | CENTRES
@@ -159,10 +181,12 @@ def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> 
         if tau is NotImplemented:
             tau = run(model, data, _RNEA, q, v, a)
         return tau
-    F, engine = external(fext, model.njoints), data.attach(model)
-    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
-    data.tau = tau = under_forces(engine, algorithms.inverse_dynamics, *state, F)
-    felt(data, engine, *state, F)
+    try:
+        tau = data._run.rnea_under(q, v, a, *[f._v for f in fext]) if data._model is model else NotImplemented
+    except (AttributeError, TypeError):  # no forces
+        tau = NotImplemented
+    if tau is NotImplemented:
+        tau = run(model, data, _RNEA_UNDER, q, v, a, *checked(fext, model.njoints))
     return tau
 
 
@@ -226,12 +250,16 @@ def aba(
         if found is NotImplemented:
             found = run(model, data, _ABA, q, v, tau)
     else:
-        F, engine = external(fext, model.njoints), data.attach(model)
-        q, v, tau = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(tau, model.nv, "tau")
-        data.ddq = found = under_forces(engine, algorithms.forward_dynamics, q, v, tau, F)
-        data._of_forward = q, v, found
-        felt(data, engine, q, v, found, F)
-        data.leave(GAINS["a"], tuple(GAINS), engine, q.copy(), v.copy(), found.copy())
+        try:
+            found = (
+                data._run.aba_under(q, v, tau, *[f._v for f in fext])
+                if data._model is model
+                else NotImplemented
+            )
+        except (AttributeError, TypeError):  # no forces
+            found = NotImplemented
+        if found is NotImplemented:
+            found = run(model, data, _ABA_UNDER, q, v, tau, *checked(fext, model.njoints))
     if convention is _WORLD:
         computeJointJacobians(model, data, q)
     return found

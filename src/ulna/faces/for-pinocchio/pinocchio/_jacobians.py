@@ -186,9 +186,7 @@ def computeFrameJacobian(
     return _at(model, data, place, at_frame(model, (frame_id,))[0], None, q)
 
 
-def _at(
-    model: Model, data: Data, place: tuple[Any, ...], key: int | None, given: Frame | None, q: Any
-) -> Floats:
+def _at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: Frame | None, q: Any) -> Floats:
     """The Jacobian at q of a frame in a reference, the second of `place`, computed and bound for the next time."""
     reference = reference_of(place[1])
 

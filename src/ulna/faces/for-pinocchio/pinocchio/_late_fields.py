@@ -26,7 +26,7 @@ class Late:
     """How fields are computed when they are read.
 
     Attributes:
-        inputs: A letter for each input: q, v, a.
+        inputs: A letter for each input: q, v, a, f.
         fill: Called with a Data, kernels, the fields to write, and the inputs; forces on the joints may follow.
     """
 
@@ -51,12 +51,13 @@ def split_forces(F: Array) -> list[spatial.Force | None]:
 
 def _compiled(inputs: str, of: Callable[..., dict[str, Any]], sums: bool = False) -> Late:
     """Fields that `of(tower, *inputs, forces)` tells; of `sums` the universe's are there before."""
+    motion = inputs.rstrip("f")
 
     def fill(data: Data, engine: Engine, fields: tuple[str, ...], *state: Floats) -> None:
         def build(tower: TowerModel) -> Any:
             def run(*given: Array) -> tuple[Array, ...]:
-                forces = split_forces(given[-1]) if len(given) > len(inputs) else None
-                found = of(tower, *given[: len(inputs)], forces)
+                forces = split_forces(given[-1]) if len(given) > len(motion) else None
+                found = of(tower, *given[: len(motion)], forces)
                 return tuple(found[field]() for field in fields)
 
             return run
@@ -202,6 +203,8 @@ FELT_BY_ALL = {**FELT, "f": _compiled("qva", _bodies, sums=True)}
 """The same, where `f[0]` is there before."""
 BODIES = {**SPEEDS, **dict.fromkeys(("h", "oh"), _BODIES), **FELT}
 """The same, with velocities and momenta."""
+UNDER_FORCES = dict.fromkeys(BODIES, _compiled("qvaf", _bodies))
+"""The same, where forces act on the joints."""
 _TOTALS = _compiled("qva", _totals, sums=True)
 MOMENTA = {"h": _TOTALS}
 RATES_OF_MOMENTA = dict.fromkeys(("h", "f"), _TOTALS)

@@ -34,7 +34,7 @@ class Algorithm:
 
     Attributes:
         name: Its name, an attribute of `Runs`.
-        inputs: A letter for each input: q, v, a, t (torques).
+        inputs: A letter for each input: q, v, a, t (torques), and at the end f (a force for every joint).
         targets: The arrays of a Data that its outputs go into; see `Data.target`.
         build: Makes of the tower's model (and its frames, where `on` says so) a function of the inputs.
         returns: Numbers of outputs that are returned, as copies.
@@ -95,10 +95,15 @@ def run(model: Model, data: Data, algorithm: Algorithm, *args: Any) -> Any:
 
 
 def _converted(model: Model, algorithm: Algorithm, args: tuple[Any, ...]) -> list[Floats]:
-    return [
-        exact(x, model.nq if letter == "q" else model.nv, _ARGUMENTS[letter])
-        for letter, x in zip(algorithm.inputs, args, strict=True)
-    ]
+    return [exact(x, size, name) for (name, size), x in zip(_sizes(model, algorithm), args, strict=True)]
+
+
+def _sizes(model: Model, algorithm: Algorithm) -> list[tuple[str, int]]:
+    """Names and sizes of the arguments; forces are one for each joint, the universe included."""
+    letters = algorithm.inputs.rstrip("f")
+    forces = range(model.njoints if letters != algorithm.inputs else 0)
+    states = [(_ARGUMENTS[letter], model.nq if letter == "q" else model.nv) for letter in letters]
+    return [*states, *((f"fext[{k}]", 6) for k in forces)]
 
 
 def run_at(
@@ -160,13 +165,16 @@ def _bind(
     build: Any,
     place: tuple[Any, ...] = (),
 ) -> Any:
-    shapes: dict[str, Any] = {_ARGUMENTS[x]: (model.nq if x == "q" else model.nv,) for x in algorithm.inputs}
+    shapes: dict[str, Any] = {name: (size,) for name, size in _sizes(model, algorithm)}
     where, kept, marks = traces(data, algorithm)
 
     def built(*models: Any) -> Any:
         results = build(*models)
 
         def whole(*given: Any) -> tuple[Any, ...]:
+            if "f" in algorithm.inputs:
+                states = len(algorithm.inputs) - 1
+                given = (*given[:states], np.stack(given[states:])[1:])
             found = results(*given)
             return (*(found if isinstance(found, tuple) else (found,)), *(given[k] for k in kept), *marks)
 

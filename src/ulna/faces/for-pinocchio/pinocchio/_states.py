@@ -78,7 +78,9 @@ class States:
         """Where an algorithm writes: the array of that name, of the joints but the universe, of the whole robot."""
         found = self._tails.get(name, self._heads.get(name, self._blocks.get(name)))
         if found is None:  # of a state: "rnea q"
-            size = self._model.nq if name[-1] == "q" else self._model.nv
+            size: Any = self._model.nq if name[-1] == "q" else self._model.nv
+            if name[-1] == "f":
+                size = self._model.njoints - 1, 6
             found = self._blocks[name] = np.zeros(size)
         return found
 
