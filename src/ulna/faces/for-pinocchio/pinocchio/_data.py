@@ -184,6 +184,7 @@ class Data(Saved, States):
         self._marked = np.frombuffer(self._marks)
         self._waiting: dict[str, Waiting] = {}
         self._run = Runs()
+        self._told: dict[int, Engine] = {}
         self._run_at: dict[Any, Any] = {}  # what makes Jacobians of frames, by index and reference
         self._ties: list[Any] = []
         self.oMi: StdVec[SE3] = views(SE3, blocks["oMi"])

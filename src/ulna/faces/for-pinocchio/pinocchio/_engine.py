@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Container, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
+from pinocchio._told import Told, pose_of, with_numbers
 from ulna import kernels, spatial
 from ulna.algorithms.constrained_factors import joined
 from ulna.errors import InputError
@@ -16,6 +19,7 @@ from ulna.model import Frame, Joint, Limits, Link, Mimic
 from ulna.model import Model as TowerModel
 from ulna.model.joints.axes import constant, snap_pose
 from ulna.trace import compile as compile_function
+from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:
     from pinocchio._model import Model
@@ -23,63 +27,179 @@ if TYPE_CHECKING:
 WORLD_LINK = "universe"
 MAKING = threading.RLock()
 """Held while something is compiled, so that threads that want the same wait for it instead of compiling it, too."""
+_PATIENCE = 3
+"""How many times frames move before kernels take their placements as inputs."""
 
 
 @final
 class Engine:
-    """A model of the tower with the numbers of one moment, and what is compiled for it."""
+    """A model of the tower, and what is compiled for it; some of its numbers may be inputs of all kernels.
 
-    def __init__(self, source: Model) -> None:
-        self.source = source
-        self.model = tower_model(source)
+    Attributes:
+        source: The face's model.
+        names: Which numbers are inputs, out of `NAMES`; the others are constants.
+        numbers: Those of one moment, block by block.
+        live: Where they lie in the face's model.
+        kernels: What is compiled, shared by all engines that differ in `numbers` alone.
+    """
+
+    def __init__(self, source: Model, names: tuple[str, ...] = ()) -> None:
+        self.source, self.names = source, names
+        self._base = tower_model(source)
+        self.live = tuple(block for name in names for block in source.part(name))
+        self.numbers = tuple(block.copy() for block in self.live)
         self.kernels: dict[Any, Any] = {}
-        self.of_frames: dict[Any, Any] = {}
-        self._frame_state: Any = None
-        self._frames: tuple[Frame, ...] = ()
+        self._seen = _Seen()
 
-    def kernel(self, name: str, **options: Any) -> Any:
-        """The tower's kernel of that name."""
-        if not options:
-            return self.plain(name)
-        key = (name, *options.items())
-        return _once(self.kernels, key, lambda: kernels.kernel(self.model, name, **options))
+    def at(self, numbers: tuple[Floats, ...]) -> Engine:
+        """The same kernels, told other numbers."""
+        found = copy.copy(self)
+        found.numbers = numbers
+        return found
+
+    @property
+    def model(self) -> TowerModel:
+        """The tower's model of these numbers."""
+        return with_numbers(self._base, self._named(self.numbers)) if self.names else self._base
+
+    @property
+    def gravity(self) -> Array:
+        """The acceleration of free fall (3,)."""
+        return self._named(self.numbers).get("gravity", self._base.gravity)[:3]
 
     def plain(self, name: str) -> Any:
         """The tower's kernel of that name, without options."""
-        return _once(self.kernels, name, lambda: kernels.kernel(self.model, name))
+        return self.kernel(name)
 
-    def made(self, key: Any, build: Any, /, **shapes: Any) -> Any:
-        """The compiled `build(model)`, a function of arrays of these shapes; made once."""
-        return _once(self.kernels, key, lambda: compile_function(build(self.model), **shapes))
+    def kernel(self, name: str, **options: Any) -> Any:
+        """The tower's kernel of that name."""
+        key = (name, *options.items())
+        if not self.names:
+            return _once(self.kernels, key, lambda: kernels.kernel(self._base, name, **options))
+        ports = _once(self.kernels, ("ports", *key), lambda: self._ports(name, options))
+        recipe = kernels.RECIPES[name]
+        chosen = {**recipe.options, **options}
+        return self.made(key, lambda tower: recipe.build(tower, **chosen), **ports)
+
+    def _ports(self, name: str, options: dict[str, Any]) -> dict[str, Any]:
+        return {port.name: port.shape for port in kernels.function(self._base, name, **options).inputs}
+
+    def made(self, key: Any, build: Any, kept: Any = (), /, **shapes: Any) -> Any:
+        """The compiled `build(model)`, a function of arrays of these shapes; made once.
+
+        It returns numbers of the names in `kept`, too.
+        """
+        kernel = _once(self.kernels, key, lambda: self._compiled(build, kept, shapes))
+        return Told(kernel, self.numbers) if self.names else kernel
+
+    def _compiled(self, build: Any, kept: Any, shapes: dict[str, Any], frames: Any = ()) -> Any:
+        """A kernel of inputs of these shapes, then numbers, then placements of frames."""
+        if not self.names and not frames:
+            return compile_function(build(self._base), **shapes)
+        count, blocks = len(shapes), len(self.numbers)
+
+        def told(*given: Any) -> Any:
+            numbers = self._named(given[count : count + blocks])
+            tower = with_numbers(self._base, numbers)
+            seen = (placed(frames, np.concatenate(given[count + blocks :])),) if frames else ()
+            found = build(tower, *seen)(*given[:count])
+            also = self.at(given[count : count + blocks]).among(kept)
+            return (*found, *also) if isinstance(found, tuple) else (found, *also) if also else found
+
+        told.__name__ = build.__name__
+        inputs = (*self.numbers, *(self.source.part("frames") if frames else ()))
+        sizes: dict[str, Any] = {f"number{k}": x.shape for k, x in enumerate(inputs)}
+        return compile_function(told, **shapes, **sizes)
+
+    def _blocks(self) -> list[str]:
+        """The name of each block of numbers."""
+        return [name for name in self.names for _ in self.source.part(name)]
+
+    def _named(self, blocks: tuple[Array, ...]) -> dict[str, Array]:
+        """Numbers by name."""
+        found: dict[str, list[Array]] = {}
+        for name, block in zip(self._blocks(), blocks, strict=True):
+            found.setdefault(name, []).append(block)
+        return {name: np.concatenate(parts) for name, parts in found.items()}
+
+    def living(self, kernel: Any) -> Any:
+        """A kernel made here that, bound, reads the numbers where the face's model has them, at every call."""
+        if not isinstance(kernel, Told):
+            return kernel
+        return Told(kernel.kernel, (*self.live, *self.source.part("frames"))[: len(kernel.numbers)])
+
+    def copied(self) -> Engine:
+        """These kernels, told the same numbers, which may change apart."""
+        return self.at(tuple(x.copy() for x in self.numbers)) if self.names else self
+
+    def among(self, names: Container[str]) -> list[Floats]:
+        """The blocks of numbers of some names."""
+        return [x for name, x in zip(self._blocks(), self.numbers, strict=True) if name in names]
+
+    @cached_property
+    def fixed(self) -> Engine:
+        """One for kernels that depend on the kinds of joints alone."""
+        return _once(self.kernels, "fixed", lambda: Engine(self.source)) if self.names else self
 
     @cached_property
     def joined(self) -> bytes:
         """Where the mass matrix may have entries, a byte for each."""
-        return joined(self.model).astype(bool).tobytes()
+        return joined(self._base).astype(bool).tobytes()
 
-    def frames(self) -> tuple[Frame, ...]:
-        """The frames as they are now; what was compiled for other frames is forgotten."""
-        state = self.source.frame_state()
-        if state != self._frame_state:
-            self._frame_state = state
-            self.of_frames = {}
-            self._frames = tuple(
-                Frame(
-                    f"{i}:{f.name}",
-                    f.parentJoint - 1,
-                    snap_pose(f.placement._pose()),
-                    "user",
-                    "",
-                    spatial.SE3.identity(),
-                )
-                for i, f in enumerate(self.source.frames)
+    def of_frame(self, key: Any, build: Any, kept: Any = (), /, **shapes: Any) -> Any:
+        """The same as `made` for a function that depends on frames: the compiled `build(model, frames)`."""
+        seen = self._seen
+        seen.look(self.source)
+        frames, known = seen.frames, seen.kernels
+        if seen.vary:
+            kernel = _once(known, key, lambda: self._compiled(build, kept, shapes, frames))
+            return Told(kernel, (*self.numbers, *(x.copy() for x in self.source.part("frames"))))
+
+        def fixed(tower: TowerModel) -> Any:
+            return build(tower, frames)
+
+        kernel = _once(known, key, lambda: self._compiled(fixed, kept, shapes))
+        return Told(kernel, self.numbers) if self.names else kernel
+
+
+class _Seen:
+    """The frames as kernels know them: by their numbers or, where these change again and again, without them."""
+
+    def __init__(self) -> None:
+        self.kernels: dict[Any, Any] = {}
+        self.frames: tuple[Frame, ...] = ()
+        self.vary = False
+        self._state: Any = None
+        self._changes = 0
+
+    def look(self, source: Model) -> None:
+        """Takes up the frames as they are now; what was compiled for other frames is forgotten."""
+        state = source.frame_state()
+        if state == self._state:
+            return
+        moved = self._state is not None and state[0] == self._state[0]
+        self._state = state
+        self._changes = self._changes + 1 if moved else 0
+        if self._changes > _PATIENCE:
+            return
+        self.vary = self._changes == _PATIENCE
+        self.kernels = {}
+        self.frames = tuple(
+            Frame(
+                f"{i}:{f.name}",
+                f.parentJoint - 1,
+                snap_pose(f.placement._pose()),
+                "user",
+                "",
+                spatial.SE3.identity(),
             )
-        return self._frames
+            for i, f in enumerate(source.frames)
+        )
 
-    def of_frame(self, key: Any, build: Any, /, **shapes: Any) -> Any:
-        """The same for a function that depends on frames: the compiled `build(model, frames)`."""
-        frames = self.frames()
-        return _once(self.of_frames, key, lambda: compile_function(build(self.model, frames), **shapes))
+
+def placed(frames: Sequence[Frame], places: Array) -> tuple[Frame, ...]:
+    """Frames at other places, (n, 4, 4)."""
+    return tuple(replace(frame, placement=pose_of(T)) for frame, T in zip(frames, places, strict=True))
 
 
 def _once(known: dict[Any, Any], key: Any, make: Callable[[], Any]) -> Any:

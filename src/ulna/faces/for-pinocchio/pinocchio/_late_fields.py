@@ -69,7 +69,7 @@ def _compiled(inputs: str, of: Callable[..., dict[str, Any]], sums: bool = False
             if field in BODIES and not sums:
                 data._blocks[field][0] = 0.0
             if field in ("a_gf", "oa_gf"):
-                data._blocks[field][0, :3] = -np.asarray(engine.model.gravity)
+                data._blocks[field][0, :3] = -engine.gravity
 
     return Late(inputs, fill)
 

@@ -14,6 +14,7 @@ from pinocchio._arrays import StdVec
 from pinocchio._engine import MAKING, Engine
 from pinocchio._frame import Frame, changes
 from pinocchio._runs import refuse
+from pinocchio._told import NAMES
 from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
     from pinocchio._vectors import Motion
 
 _ROWS = 64  # in a block
-_KEPT = 8  # how many states of a model keep their kernels
+_KEPT = 3
+"""How many states of a model have kernels of their own; what differs among more is an input of kernels."""
 
 
 @final
@@ -99,7 +101,8 @@ class Numbers:
     _gravity: Motion
     _arrays: dict[str, Floats]
 
-    _engines: dict[bytes, Engine]
+    _engines: dict[tuple[bytes, ...], Engine]
+    _telling: Engine | None
     _heard: int
     _places: tuple[tuple[str, int], ...]
 
@@ -124,8 +127,8 @@ class Numbers:
         self._version[0] += 1
         for rows, owners in zip(self._rows, (self._placements, self._inertias), strict=False):
             rows.adopt(owners)
-        self._engines = {}
-        self._bits, self._newest = b"", None
+        self._engines, self._telling = {}, None
+        self._bits, self._newest = (), None
         self._integrate = self._difference = refuse
         self._frames_changed()
 
@@ -133,37 +136,59 @@ class Numbers:
         changes[0] += 1  # also when joints are added
         self._rows[2].adopt([frame._placement for frame in self._frames])
 
-    def _live(self, on: Literal["places", "numbers"]) -> list[Array]:
-        """The blocks that all kernels depend on, or those of placements alone."""
-        places = [self._version, *self._rows[0].parts()]
-        if on == "places":
-            return places
-        return [*places, *self._rows[1].parts(), self._gravity._v, self._arrays["armature"]]
+    def part(self, name: str) -> list[Floats]:
+        """The blocks in which numbers of that name, one of `NAMES` or "frames", lie."""
+        if name == "gravity":
+            return [self._gravity._v]
+        if name == "armature":
+            return [self._arrays["armature"]]
+        return self._rows[("placements", "inertias", "frames").index(name)].parts()
 
     def engine(self) -> Engine:
-        """The tower's model of the present numbers, and its kernels; made anew when a number has changed."""
-        bits = b"".join(block.tobytes() for block in self._live("numbers"))
+        """The tower's model of the present numbers, and its kernels.
+
+        They are made anew when a number has changed, but not again and again: then they take such numbers as inputs.
+        """
+        bits = tuple(b"".join(block.tobytes() for block in self.part(name)) for name in NAMES)
         if bits == self._bits and self._newest is not None:
             return self._newest
         with MAKING:
-            found = self._engines.get(bits)
-            if found is None:
-                found = Engine(self)  # type: ignore[arg-type]
-                if len(self._engines) >= _KEPT:
-                    del self._engines[next(iter(self._engines))]
-                self._engines[bits] = found
+            found = self._engines.get(bits) or self._engine_of(bits)
             self._bits, self._newest = bits, found
         return found
 
+    def _engine_of(self, bits: tuple[bytes, ...]) -> Engine:
+        """That of a state that has none of its own."""
+        telling, names = self._telling, ()
+        if telling is None:
+            if len(self._engines) < _KEPT:
+                found = self._engines[bits] = Engine(self)  # type: ignore[arg-type]
+                return found
+            known = [*self._engines, bits]
+        else:
+            names, known = telling.names, [self._bits, bits]
+        more = {name for name, *states in zip(NAMES, *known, strict=True) if len({*states}) > 1}
+        if telling is None or not more <= {*names}:
+            self._engines = {}
+            chosen = tuple(name for name in NAMES if name in {*names, *more})
+            telling = self._telling = Engine(self, chosen)  # type: ignore[arg-type]
+        return telling.at(tuple(block.copy() for block in telling.live))
+
     def shape(self) -> Engine:
         """Kernels that depend on the kinds of joints alone, not on any number."""
-        return self._newest or self.engine()
+        return (self._newest or self.engine()).fixed
 
-    def watched(self, on: Literal["shape", "places", "numbers", "frame", "frames"], frame: Any = None) -> Any:
+    def watched(
+        self,
+        on: Literal["shape", "places", "numbers", "frame", "frames"],
+        frame: Any = None,
+        told: bool = False,
+    ) -> Any:
         """Pairs of what kernels depend on, live and as it is now: kinds of joints, with placements, with all numbers.
 
-        Or the kinds and one frame; or placements and all frames.
+        Or the kinds and one frame; or placements and all frames. What kernels are `told` at every call is left out.
         """
+        names = self._telling.names if told and self._telling else ()
         if on in ("frame", "frames"):
             self.frame_state()
         if on == "shape":
@@ -171,9 +196,10 @@ class Numbers:
         elif on == "frame":
             live = [changes, self.frames[frame].placement._m]
         else:
-            live = self._live("numbers" if on == "numbers" else "places")
+            which = NAMES if on == "numbers" else ("placements",)
+            live = [self._version, *(x for name in which if name not in names for x in self.part(name))]
         if on == "frames":
-            live += [changes, *self._rows[2].parts()]
+            live += [changes, *self.part("frames")]
         return [(block, block.copy()) for block in live]
 
     def frame_state(self) -> tuple[Any, bytes]:

@@ -85,7 +85,9 @@ def run(model: Model, data: Data, algorithm: Algorithm, *args: Any) -> Any:
     found = getattr(data._run, algorithm.name)(*given) if data._model is model else NotImplemented
     if found is not NotImplemented:
         return found
-    watch = model.watched(algorithm.on)  # before the engine: another thread may change a number meanwhile
+    watch = model.watched(
+        algorithm.on, told=True
+    )  # before the engine: another thread may change a number meanwhile
     engine = data.attach(model)
     bound = _bind(model, data, engine, algorithm, watch, algorithm.build)
     found = bound(*given)
@@ -124,7 +126,7 @@ def run_at(
     found = data._run_at.get(place, (refuse,))[0](*given) if data._model is model else NotImplemented
     if found is not NotImplemented:
         return found
-    watch = model.watched(algorithm.on) + ([] if frame is None else model.watched("frame", frame))
+    watch = model.watched(algorithm.on, told=True) + ([] if frame is None else model.watched("frame", frame))
     engine = data.attach(model)
     bound = _bind(model, data, engine, algorithm, watch, build, place)
     found = bound(*given)
@@ -181,10 +183,12 @@ def _bind(
         whole.__name__ = algorithm.title or algorithm.name
         return whole
 
+    built.__name__ = algorithm.title or algorithm.name
     make = engine.of_frame if place or algorithm.on == "frames" else engine.made
-    kernel = make(("run", algorithm.name, *place), built, **shapes)
+    numbers, told = data.keeps(engine, algorithm)
+    kernel = engine.living(make(("run", algorithm.name, *place), built, numbers, **shapes))
     own = [np.zeros(kernel.function.outputs[0].shape)] if place else []
-    targets = [*own, *(data.target(name) for name in algorithm.targets), *where]
+    targets = [*own, *(data.target(name) for name in algorithm.targets), *where, *told]
     return kernel.into(*targets, returns=algorithm.returns, watch=watch, otherwise=refuse)
 
 

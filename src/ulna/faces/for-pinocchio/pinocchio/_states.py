@@ -6,12 +6,14 @@ Every field has a mark: 0 where it is filled, the number of the algorithm that l
 
 from __future__ import annotations
 
+from collections.abc import Container
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from pinocchio._late_fields import FILLED_BY, OWN
 from pinocchio._runs import ALGORITHMS, Algorithm, Runs, kept_by
+from pinocchio._told import NAMES
 from ulna.errors import InputError
 from ulna.typing import Floats
 
@@ -61,6 +63,7 @@ class States:
     _model: Model
     _engine: Engine | None
     _run: Runs
+    _told: dict[int, Engine]
     _run_at: dict[Any, Any]
     _ties: list[Any]
     _known: set[str]
@@ -95,20 +98,35 @@ class States:
         Raises:
             InputError: see `engine_for`.
         """
-        engine = engine_for(model, self)
-        if engine is not self._engine or model is not self._model:
-            self._hold()
-            self._run, self._run_at, self._ties = Runs(), {}, []
-            self._engine, self._model = engine, model
+        engine, before = engine_for(model, self), self._engine
+        if engine is not before or model is not self._model:
+            told = before is not None and engine.kernels is before.kernels  # other numbers alone
+            self._hold(self._told if told else ())
+            if not told:
+                self._run, self._run_at, self._told = Runs(), {}, {}
+            self._engine, self._model, self._ties = engine, model, []
         return engine
 
-    def _hold(self) -> None:
-        """What is left to be computed stays of the kernels and the state that it was left of."""
+    def _hold(self, but: Container[int]) -> None:
+        """What is left to be computed stays of the kernels and the state it was left of; not of algorithms in `but`."""
         for field, slot in self.slots.items():
-            number = self._marks[slot]
-            if number > 0.0 and (late := ALGORITHMS[int(number) - 1].late.get(field)):
-                fields = self._left_by(number, late)
-                self.leave(late, fields, self._engine, *(x.copy() for x in self._state_of(number, late)))
+            number = int(self._marks[slot])
+            if number > 0 and number not in but and (late := ALGORITHMS[number - 1].late.get(field)):
+                engine = self._engine_of(number)
+                state = (x.copy() for x in self._state_of(number, late))
+                self.leave(late, self._left_by(number, late), engine and engine.copied(), *state)
+
+    def keeps(self, engine: Engine, algorithm: Algorithm) -> tuple[tuple[str, ...], list[Floats]]:
+        """The names of the numbers that an algorithm is told at every call, and where it keeps them for late fields."""
+        kept = () if not algorithm.late else NAMES if algorithm.on == "numbers" else NAMES[:1]
+        if engine.names and algorithm.number not in self._told:
+            self._told[algorithm.number] = engine.copied()
+        told = self._told.get(algorithm.number, engine)
+        return kept, told.among(kept)
+
+    def _engine_of(self, number: int) -> Engine | None:
+        """The kernels, and the numbers, that an algorithm left late fields of."""
+        return self._told.get(number, self._engine)
 
     def _left_by(self, number: float, late: Late) -> tuple[str, ...]:
         """The fields that an algorithm left to be computed together."""
@@ -169,7 +187,8 @@ class States:
                     f"`data.{field}` is not what it was before {algorithm.title}, which leaves an intermediate step "
                     f"there in Pinocchio, and nothing here. Call {FILLED_BY[field]} first."
                 )
-            engine, state, fields = self._engine, self._state_of(number, late), self._left_by(number, late)
+            engine, fields = self._engine_of(int(number)), self._left_by(number, late)
+            state = self._state_of(number, late)
         late.fill(self, engine, fields, *state)
         for one in fields:
             self._marks[self.slots[one]] = 0.0
