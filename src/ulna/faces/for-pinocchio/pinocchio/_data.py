@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import copy
 from array import array
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from pinocchio._arrays import StdVec, views
+from pinocchio._blocks import CENTRES, FORCES, MATRICES, MOTIONS, Blocks
 from pinocchio._inertia import Inertia
 from pinocchio._runs import ALGORITHMS, Runs
 from pinocchio._saved import Saved
 from pinocchio._se3 import SE3
-from pinocchio._states import STATES, States, Waiting, engine_for, frames_fit
+from pinocchio._states import States, Waiting, engine_for, frames_fit
 from pinocchio._vectors import Force, Motion
 from ulna.typing import Floats
 
@@ -41,51 +43,30 @@ class _PerJoint(StdVec[Any]):
         return (self[i] for i in range(len(self)))
 
 
-_MATRICES = {
-    "M": "vv",
-    "Minv": "vv",
-    "C": "vv",
-    "J": "6v",
-    "dJ": "6v",
-    "Ag": "6v",
-    "dAg": "6v",
-    "Jcom": "3v",
-    "tau": "v",
-    "nle": "v",
-    "g": "v",
-    "ddq": "v",
-    "dtau_dq": "vv",
-    "dtau_dv": "vv",
-    "ddq_dq": "vv",
-    "ddq_dv": "vv",
-    "ddq_dtau": "vv",
-    "dHdq": "6v",
-    "dFdq": "6v",
-    "dFdv": "6v",
-    "dFda": "6v",
-    "kineticEnergyRegressor": "p",
-    "potentialEnergyRegressor": "p",
-    "jointTorqueRegressor": "vp",
-    "staticRegressor": "3s",
-    "bodyRegressor": "6t",
-    "dq_after": "v",
-    "osim": "00",
-    "lambda_c": "0",
-    "impulse_c": "0",
-    "dlambda_dq": "00",
-    "dlambda_dv": "00",
-    "dlambda_dtau": "00",
-    "dac_da": "00",
-}
-"""Those of constraints are empty until an algorithm knows how many rows there are."""
-_POSES = ("oMi", "liMi")
-_FORCES = ("f", "h", "of", "oh")
-_MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
-_CENTRES = ("com", "vcom", "acom")
 _KEPT = ("kinetic_energy", "potential_energy", "mechanical_energy")
 _WHOLE = {"hg": Force, "dhg": Force, "Ig": Inertia}
-_LISTS = ("liMi", *_MOTIONS, *_FORCES, *_CENTRES, "mass")
-_FIELDS = (*_MATRICES, *_WHOLE, *_LISTS)
+_LISTS = ("liMi", *MOTIONS, *FORCES, *CENTRES, "mass")
+_FIELDS = (*MATRICES, *_WHOLE, *_LISTS)
+
+
+@final
+class _Lists(dict[str, Any]):
+    """The fields with an entry for each joint, and those that are one Motion, Force or Inertia, made when asked for."""
+
+    def __init__(self, data: Data) -> None:
+        self._data = data
+
+    def __missing__(self, name: str) -> Any:
+        data = self._data
+        if name == "mass":
+            made = _PerJoint(data, name, [-1.0] * data._blocks["com"].shape[0])
+        elif name in CENTRES:
+            made = _PerJoint(data, name, data._blocks[name])
+        elif name in _WHOLE:
+            made = _WHOLE[name]._of(data._blocks[name])
+        else:
+            made = views(SE3 if name == "liMi" else Force if name in FORCES else Motion, data._blocks[name])
+        return self.setdefault(name, made)  # another thread may have made it meanwhile
 
 
 @final
@@ -142,34 +123,7 @@ class Data(Saved, States):
         self._model = model
         self._layout = model._layout
         self.nframes = model.nframes
-        nj, nv, np_ = model.njoints, model.nv, model.njoints - 1
-        sizes = {
-            "6": 6,
-            "3": 3,
-            "v": nv,
-            "p": 10 * np_,
-            "s": 4 * np_,
-            "t": 10,
-            "0": 0,
-            "q": model.nq,
-            "a": nv,
-        }
-        self._blocks: dict[str, Floats] = {k: np.zeros([sizes[c] for c in s]) for k, s in _MATRICES.items()}
-        for name in (*_POSES, "oMf"):
-            self._blocks[name] = np.tile(np.eye(4), (model.nframes if name == "oMf" else nj, 1, 1))
-        for name in (*_MOTIONS, *_FORCES):
-            self._blocks[name] = np.zeros((nj, 6))
-        for name in _CENTRES:
-            self._blocks[name] = np.zeros((nj, 3))
-        for name, inputs in STATES.items():
-            self._blocks |= {f"{name} {x}": np.zeros(sizes[x]) for x in inputs}
-        self._blocks |= {"hg": np.zeros(6), "dhg": np.zeros(6), "Ig": np.zeros(13)}
-        self._blocks |= {
-            "energy K": np.zeros(()),
-            "energy P": np.zeros(()),
-            "gravity by q": np.zeros((nv, nv)),
-        }
-        self._blocks["a_gf"][0] = -model.gravity.vector
+        self._blocks = Blocks(model)
         self._known: set[str] = set()
         self._begin()
         self.kinetic_energy = self.potential_energy = self.mechanical_energy = 0.0
@@ -179,7 +133,6 @@ class Data(Saved, States):
 
     def _begin(self) -> None:
         """What belongs to these very arrays."""
-        blocks = self._blocks
         self._marks = array("d", bytes(8 * len(_FIELDS)))
         self._marked = np.frombuffer(self._marks)
         self._waiting: dict[str, Waiting] = {}
@@ -187,17 +140,19 @@ class Data(Saved, States):
         self._told: dict[int, Engine] = {}
         self._run_at: dict[Any, Any] = {}  # what makes Jacobians of frames, by index and reference
         self._ties: list[Any] = []
-        self.oMi: StdVec[SE3] = views(SE3, blocks["oMi"])
-        self.oMf: StdVec[SE3] = views(SE3, blocks["oMf"])
-        self._lists: dict[str, Any] = {name: cls._of(blocks[name]) for name, cls in _WHOLE.items()}
-        self._lists["liMi"] = views(SE3, blocks["liMi"])
-        self._lists |= {n: views(Motion, blocks[n]) for n in _MOTIONS}
-        self._lists |= {n: views(Force, blocks[n]) for n in _FORCES}
-        self._lists |= {n: _PerJoint(self, n, blocks[n]) for n in _CENTRES}
-        self._lists["mass"] = _PerJoint(self, "mass", [-1.0] * len(blocks["com"]))
-        per_joint = ("oMi", *_LISTS[:-1])
-        self._tails = {n: blocks[n][1:] for n in per_joint}
-        self._heads = {f"{n}[0]": blocks[n][0] for n in per_joint}
+        self._lists = _Lists(self)
+        self.__dict__.pop("oMi", None)
+        self.__dict__.pop("oMf", None)
+
+    @cached_property
+    def oMi(self) -> StdVec[SE3]:
+        """For each joint its placement in the world, live references."""
+        return views(SE3, self._blocks["oMi"])
+
+    @cached_property
+    def oMf(self) -> StdVec[SE3]:
+        """For each frame its placement in the world, live references."""
+        return views(SE3, self._blocks["oMf"])
 
     @property
     def joints(self) -> StdVec[Any]:
@@ -214,7 +169,7 @@ class Data(Saved, States):
         self.settle()
         out = object.__new__(Data)
         out.__dict__.update(self.__dict__)
-        out._blocks = {k: b.copy() for k, b in self._blocks.items()}
+        out._blocks = self._blocks.copied()
         out._known = set(self._known)
         out._bound = self._bound and self._bound.copied()
         out._begin()
@@ -231,12 +186,12 @@ class Data(Saved, States):
             name: ALGORITHMS[int(self._marks[k]) - 1].name for name, k in self.slots.items() if self._marks[k]
         }
         mass = list(list.__iter__(self._lists["mass"]))
-        return {"model": self._model, "blocks": self._blocks, "mass": mass, "spoilt": spoilt, **told}
+        return {"model": self._model, "blocks": self._blocks.whole(), "mass": mass, "spoilt": spoilt, **told}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         told = dict(state)
         self.__init__(told.pop("model"))
-        self._blocks = told.pop("blocks")
+        self._blocks.update(told.pop("blocks"))
         self._begin()
         list.__setitem__(self._lists["mass"], slice(None), told.pop("mass"))
         for algorithm in ALGORITHMS:
@@ -286,7 +241,7 @@ def _block(name: str) -> property:
 
 def _entries(name: str) -> property:
     slot = Data.slots[name]
-    if name in (*_CENTRES, "mass"):  # which know of themselves what is to be computed
+    if name in (*CENTRES, "mass"):  # which know of themselves what is to be computed
         return property(lambda self: self._lists[name], doc=f"`{name}` of what every joint moves, live.")
 
     def get(self: Data) -> Any:
@@ -298,7 +253,7 @@ def _entries(name: str) -> property:
 
 
 Data.slots = {name: k for k, name in enumerate(_FIELDS)}
-for _name in _MATRICES:
+for _name in MATRICES:
     setattr(Data, _name, _block(_name))
 for _name in (*_WHOLE, *_LISTS):
     setattr(Data, _name, _entries(_name))

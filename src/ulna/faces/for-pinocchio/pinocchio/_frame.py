@@ -111,12 +111,16 @@ class Frame(Placed):
 
     def copy(self) -> Frame:
         """One of its own."""
-        return Frame(self)
+        out = object.__new__(Frame)
+        out._name, out._type = self._name, self._type
+        out._parent_joint, out._parent_frame = self._parent_joint, self._parent_frame
+        out._placement, out._inertia = self._placement.copy(), self._inertia.copy()
+        return out
 
     __copy__ = cast = copy
 
     def __deepcopy__(self, memo: Any) -> Frame:
-        return Frame(self)
+        return self.copy()
 
     def __reduce__(self) -> Any:
         return Frame, self._parts()

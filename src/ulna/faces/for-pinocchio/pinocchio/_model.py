@@ -220,7 +220,9 @@ class Model(Saved, Supports, Building):
 
     def copy(self) -> Model:
         """One of its own."""
-        return Model(self)
+        out = object.__new__(Model)
+        out.__setstate__(self.__getstate__())
+        return out
 
     __copy__ = cast = copy
 

@@ -65,13 +65,8 @@ class Algorithm:
 class Runs:
     """The algorithms bound to one Data, for one model and the numbers it had; `refuse` where none is bound yet."""
 
-    def __init__(self) -> None:
-        for algorithm in ALGORITHMS:
-            setattr(self, algorithm.name, refuse)
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Callable[..., Any]: ...
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        return refuse
 
 
 def run(model: Model, data: Data, algorithm: Algorithm, *args: Any) -> Any:

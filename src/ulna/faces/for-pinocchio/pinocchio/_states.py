@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Container
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-import numpy as np
-
+from pinocchio._blocks import PER_JOINT, Blocks
 from pinocchio._late_fields import FILLED_BY, OWN
 from pinocchio._runs import ALGORITHMS, Algorithm, Runs, kept_by
 from pinocchio._told import NAMES
@@ -53,9 +52,7 @@ class States:
     slots: ClassVar[dict[str, int]]
     """Where the mark of a field is."""
 
-    _blocks: dict[str, Floats]
-    _tails: dict[str, Floats]
-    _heads: dict[str, Floats]
+    _blocks: Blocks
     _marks: Any
     _marked: Floats
     _waiting: dict[str, Waiting]
@@ -79,13 +76,9 @@ class States:
 
     def target(self, name: str) -> Floats:
         """Where an algorithm writes: the array of that name, of the joints but the universe, of the whole robot."""
-        found = self._tails.get(name, self._heads.get(name, self._blocks.get(name)))
-        if found is None:  # of a state: "rnea q"
-            size: Any = self._model.nq if name[-1] == "q" else self._model.nv
-            if name[-1] == "f":
-                size = self._model.njoints - 1, 6
-            found = self._blocks[name] = np.zeros(size)
-        return found
+        if name in PER_JOINT:
+            return self._blocks[name][1:]
+        return self._blocks[name[:-3]][0] if name.endswith("[0]") else self._blocks[name]
 
     def mark_of(self, field: str) -> Floats:
         """Where the mark of a field is written."""
