@@ -43,13 +43,13 @@ class Engine:
         kernels: What is compiled, shared by all engines that differ in `numbers` alone.
     """
 
-    def __init__(self, source: Model, names: tuple[str, ...] = ()) -> None:
+    def __init__(self, source: Model, names: tuple[str, ...] = (), before: Engine | None = None) -> None:
         self.source, self.names = source, names
         self._base = tower_model(source)
         self.live = tuple(block for name in names for block in source.part(name))
         self.numbers = tuple(block.copy() for block in self.live)
         self.kernels: dict[Any, Any] = {}
-        self._seen = _Seen()
+        self._seen = _Seen(before and before._seen)
 
     def at(self, numbers: tuple[Floats, ...]) -> Engine:
         """The same kernels, told other numbers."""
@@ -165,24 +165,24 @@ class Engine:
 class _Seen:
     """The frames as kernels know them: by their numbers or, where these change again and again, without them."""
 
-    def __init__(self) -> None:
+    def __init__(self, before: _Seen | None) -> None:
         self.kernels: dict[Any, Any] = {}
         self.frames: tuple[Frame, ...] = ()
         self.vary = False
-        self._state: Any = None
-        self._changes = 0
+        self._state: Any = before and before._state
+        self._changes = before._changes if before else 0
 
     def look(self, source: Model) -> None:
         """Takes up the frames as they are now; what was compiled for other frames is forgotten."""
         state = source.frame_state()
-        if state == self._state:
+        if state != self._state:
+            moved = self._state is not None and state[0] == self._state[0]
+            self._state, self._changes = state, self._changes + 1 if moved else 0
+        elif self.frames:
             return
-        moved = self._state is not None and state[0] == self._state[0]
-        self._state = state
-        self._changes = self._changes + 1 if moved else 0
-        if self._changes > _PATIENCE:
+        if self.vary and self._changes > _PATIENCE:
             return
-        self.vary = self._changes == _PATIENCE
+        self.vary = self._changes >= _PATIENCE
         self.kernels = {}
         self.frames = tuple(
             Frame(

@@ -162,7 +162,7 @@ class Numbers:
         telling, names = self._telling, ()
         if telling is None:
             if len(self._engines) < _KEPT:
-                found = self._engines[bits] = Engine(self)  # type: ignore[arg-type]
+                found = self._engines[bits] = Engine(self, (), self._newest)  # type: ignore[arg-type]
                 return found
             known = [*self._engines, bits]
         else:
@@ -171,24 +171,18 @@ class Numbers:
         if telling is None or not more <= {*names}:
             self._engines = {}
             chosen = tuple(name for name in NAMES if name in {*names, *more})
-            telling = self._telling = Engine(self, chosen)  # type: ignore[arg-type]
+            telling = self._telling = Engine(self, chosen, self._newest)  # type: ignore[arg-type]
         return telling.at(tuple(block.copy() for block in telling.live))
 
     def shape(self) -> Engine:
         """Kernels that depend on the kinds of joints alone, not on any number."""
         return (self._newest or self.engine()).fixed
 
-    def watched(
-        self,
-        on: Literal["shape", "places", "numbers", "frame", "frames"],
-        frame: Any = None,
-        told: bool = False,
-    ) -> Any:
+    def watched(self, on: Literal["shape", "places", "numbers", "frame", "frames"], frame: Any = None) -> Any:
         """Pairs of what kernels depend on, live and as it is now: kinds of joints, with placements, with all numbers.
 
-        Or the kinds and one frame; or placements and all frames. What kernels are `told` at every call is left out.
+        Or the kinds and one frame; or placements and all frames.
         """
-        names = self._telling.names if told and self._telling else ()
         if on in ("frame", "frames"):
             self.frame_state()
         if on == "shape":
@@ -197,7 +191,7 @@ class Numbers:
             live = [changes, self.frames[frame].placement._m]
         else:
             which = NAMES if on == "numbers" else ("placements",)
-            live = [self._version, *(x for name in which if name not in names for x in self.part(name))]
+            live = [self._version, *(x for name in which for x in self.part(name))]
         if on == "frames":
             live += [changes, *self.part("frames")]
         return [(block, block.copy()) for block in live]

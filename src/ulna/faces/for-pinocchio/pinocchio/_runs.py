@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, final
 import numpy as np
 
 from pinocchio._arrays import exact
+from pinocchio._told import unread
 from ulna.typing import Floats
 
 if TYPE_CHECKING:
@@ -80,9 +81,7 @@ def run(model: Model, data: Data, algorithm: Algorithm, *args: Any) -> Any:
     found = getattr(data._run, algorithm.name)(*given) if data._model is model else NotImplemented
     if found is not NotImplemented:
         return found
-    watch = model.watched(
-        algorithm.on, told=True
-    )  # before the engine: another thread may change a number meanwhile
+    watch = model.watched(algorithm.on)  # before the engine: another thread may change a number meanwhile
     engine = data.attach(model)
     bound = _bind(model, data, engine, algorithm, watch, algorithm.build)
     found = bound(*given)
@@ -121,7 +120,7 @@ def run_at(
     found = data._run_at.get(place, (refuse,))[0](*given) if data._model is model else NotImplemented
     if found is not NotImplemented:
         return found
-    watch = model.watched(algorithm.on, told=True) + ([] if frame is None else model.watched("frame", frame))
+    watch = model.watched(algorithm.on) + ([] if frame is None else model.watched("frame", frame))
     engine = data.attach(model)
     bound = _bind(model, data, engine, algorithm, watch, build, place)
     found = bound(*given)
@@ -184,7 +183,7 @@ def _bind(
     kernel = engine.living(make(("run", algorithm.name, *place), built, numbers, **shapes))
     own = [np.zeros(kernel.function.outputs[0].shape)] if place else []
     targets = [*own, *(data.target(name) for name in algorithm.targets), *where, *told]
-    return kernel.into(*targets, returns=algorithm.returns, watch=watch, otherwise=refuse)
+    return kernel.into(*targets, returns=algorithm.returns, watch=unread(kernel, watch), otherwise=refuse)
 
 
 @final

@@ -35,6 +35,12 @@ class Told:
         return self.kernel.into(*targets, given=self.numbers, **options)
 
 
+def unread(kernel: Any, watch: list[tuple[Array, Array]]) -> list[tuple[Array, Array]]:
+    """Of what is watched, what a kernel does not read at every call."""
+    read = kernel.numbers if isinstance(kernel, Told) else ()
+    return [pair for pair in watch if not any(np.may_share_memory(pair[0], x) for x in read)]
+
+
 def with_numbers(model: TowerModel, told: Mapping[str, Array]) -> TowerModel:
     """The tower's model with some of its numbers told anew, traced or not, as the face stores them."""
     if "placements" in told:
