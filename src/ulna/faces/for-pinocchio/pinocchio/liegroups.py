@@ -6,15 +6,18 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._arrays import vector
+from pinocchio._arrays import exact, vector
 from pinocchio._enums import ArgumentPosition
 from pinocchio._joints import JointModel
 from pinocchio._model import Model
+from pinocchio._runs import Scratch, refuse
 from pinocchio._vectors import generator
 from ulna.errors import InputError
 from ulna.model import Circle, Composite, FreeFlyer, JointKind, PlanarCircle, Prismatic, Spherical
+from ulna.trace import compile as compile_function
 from ulna.typing import Floats
 
+_kernels: dict[tuple[str, str], Any] = {}
 _Block = tuple[str, tuple[JointKind, ...]]
 
 
@@ -24,6 +27,8 @@ class LieGroup:
 
     def __init__(self, blocks: tuple[_Block, ...] = ()) -> None:
         self._blocks = blocks
+        self._name = " x ".join(name for name, _ in blocks)
+        self._integrate = self._difference = self._squared_distance = refuse
         kinds = tuple(kind for _, part in blocks for kind in part)
         self._kind: JointKind | None = None
         if kinds:
@@ -32,7 +37,7 @@ class LieGroup:
     @property
     def name(self) -> str:
         """Its name, such as "SE(3) x R^1"."""
-        return " x ".join(name for name, _ in self._blocks)
+        return self._name
 
     @property
     def nq(self) -> int:
@@ -51,11 +56,13 @@ class LieGroup:
 
     def integrate(self, q: Any, v: Any) -> Floats:
         """The point reached from q with v."""
-        return np.array(self._own.integrate(vector(q, self.nq, "q"), vector(v, self.nv, "v")))
+        found = self._integrate(q, v)
+        return self._bound("integrate", q=q, v=v) if found is NotImplemented else found
 
     def difference(self, q0: Any, q1: Any) -> Floats:
         """The tangent vector that leads from q0 to q1."""
-        return np.array(self._own.difference(vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1")))
+        found = self._difference(q0, q1)
+        return self._bound("difference", q0=q0, q1=q1) if found is NotImplemented else found
 
     def interpolate(self, q0: Any, q1: Any, u: float) -> Floats:
         """The point a part u of the way from q0 to q1."""
@@ -63,7 +70,8 @@ class LieGroup:
 
     def squaredDistance(self, q0: Any, q1: Any) -> float:
         """The squared length of the difference."""
-        return float(self._own.squared_distance(vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1")))
+        found = self._squared_distance(q0, q1)
+        return float(self._bound("squared_distance", q0=q0, q1=q1) if found is NotImplemented else found)
 
     def distance(self, q0: Any, q1: Any) -> float:
         """The length of the difference."""
@@ -115,6 +123,20 @@ class LieGroup:
     def tangentMapTransposeProduct(self, q: Any, mat_in: Any) -> Floats:
         """`tangentMap` transposed times a matrix (nq, n)."""
         return self.tangentMap(q).T @ np.asarray(mat_in, dtype=float)
+
+    def _bound(self, name: str, **points: Any) -> Any:
+        """What the kind's function of that name says, which is bound where it does not apply."""
+        sizes = {key: self.nv if key == "v" else self.nq for key in points}
+        given = [exact(x, sizes[key], key) for key, x in points.items()]
+        key = self._name, name
+        if key not in _kernels:
+            shapes: dict[str, Any] = {key: (size,) for key, size in sizes.items()}
+            _kernels[key] = Scratch(compile_function(getattr(self._own, name), **shapes)).call
+        setattr(self, f"_{name}", _kernels[key])
+        return _kernels[key](*given)
+
+    def __reduce__(self) -> Any:
+        return LieGroup, (self._blocks,)
 
     @property
     def _own(self) -> JointKind:
