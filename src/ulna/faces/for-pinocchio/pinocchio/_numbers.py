@@ -161,6 +161,7 @@ class Numbers:
         """That of a state that has none of its own."""
         telling, names = self._telling, ()
         if telling is None:
+            self._engines = {state: engine for state, engine in self._engines.items() if engine.kernels}
             if len(self._engines) < _KEPT:
                 found = self._engines[bits] = Engine(self, (), self._newest)  # type: ignore[arg-type]
                 return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, final
 
@@ -30,9 +30,9 @@ class Told:
         """Evaluates the kernel."""
         return self.kernel(*args, *self.numbers, **options)
 
-    def into(self, *targets: Floats, **options: Any) -> Any:
+    def into(self, *targets: Floats, given: Sequence[Floats] = (), **options: Any) -> Any:
         """The kernel bound to arrays; see `KernelBase.into`."""
-        return self.kernel.into(*targets, given=self.numbers, **options)
+        return self.kernel.into(*targets, given=(*given, *self.numbers), **options)
 
 
 def unread(kernel: Any, watch: list[tuple[Array, Array]]) -> list[tuple[Array, Array]]:
