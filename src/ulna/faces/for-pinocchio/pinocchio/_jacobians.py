@@ -87,11 +87,11 @@ def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: A
     """The Jacobian (6, nv) of a joint, after computeJointJacobians."""
     place = (joint_id, reference_frame, "joint")
     try:
-        step, J, T, told = data._run_at[place]
+        step, told = data._run_at[place]
     except (KeyError, TypeError):
-        step = J = T = told = refuse
+        step = told = refuse
     if told is reference_frame and data._model is model:  # 0 equals WORLD, and is refused
-        found = step(J, T)
+        found = step()
         if found is not NotImplemented:
             return found
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
@@ -127,11 +127,11 @@ def getFrameJacobian(
         placement, reference_frame = reference_frame, None
     if reference_frame is None:
         try:
-            step, J, T, told = data._run_at[frame_id, placement]
+            step, told = data._run_at[frame_id, placement]
         except (KeyError, TypeError):
-            step = J = T = told = refuse
+            step = told = refuse
         if told is placement and data._model is model:  # 0 equals WORLD, and is refused
-            found = step(J, T)
+            found = step()
             if found is not NotImplemented:
                 return found
         if isinstance(placement, ReferenceFrame):
@@ -164,10 +164,11 @@ def _bind_at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: 
     kernel = engine.of_frame(("J of", key, reference), build, J=(6, model.nv), T=(4, 4))
     joint = model.frames[key].parentJoint if given is None else given.joint + 1
     placed = data._blocks["oMf"][key] if given is None else np.empty((4, 4))
-    step = Scratch(kernel, model.watched("shape" if given is not None else "frame", key), placed).call
-    J, T = data._blocks["J"], data._blocks["oMi"][joint]
-    data._run_at[place] = (step, J, T, place[1])
-    return step(J, T)
+    read = data._blocks["J"], data._blocks["oMi"][joint]
+    watch = model.watched("shape" if given is not None else "frame", key)
+    step = Scratch(kernel, watch, [placed], read).call
+    data._run_at[place] = step, place[1]
+    return step()
 
 
 def computeFrameJacobian(

@@ -180,11 +180,11 @@ def _quick(kind: str) -> Callable[[Asked], Asked]:
             if told is None:
                 told = LOCAL
             try:
-                step, arrays, known = data._run_at[place, told, kind]
+                step, known = data._run_at[place, told, kind]
             except (KeyError, TypeError):
-                step, arrays, known = refuse, (), None
-            if known is told and data._model is model:  # known, for 0 equals WORLD, and is refused
-                found = step(*arrays)
+                step, known = refuse, None
+            if known is told and data._model is model:  # 0 equals WORLD, and is refused
+                found = step()
                 if found is not NotImplemented:
                     motion = _new(Motion)
                     motion._v = found
@@ -274,15 +274,15 @@ def _motion(
         data.require(data._qv, "forwardKinematics(model, data, q, v)")
     else:
         data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
-    step, arrays, _ = data._run_at.get(place, (refuse, (), None))  # what was late may be there now
-    found = step(*arrays) if data._model is model else NotImplemented
+    step = data._run_at.get(place, (refuse,))[0] if data._model is model else refuse
+    found = step()  # what was late may be there now
     if found is NotImplemented:
         fields = ("v",) if kind == "velocity" else ("v", "a")
         arrays = [np.ascontiguousarray(placement), *(data._blocks[x][joint] for x in ("oMi", *fields))]
         kernel = _seen_from(kind, reference)
         if place is not None and data._model is model:
             watch += [(data.mark_of(field), np.zeros(())) for field in fields]
-            data._run_at[place] = Scratch(kernel, watch).call, arrays, place[1]
+            data._run_at[place] = Scratch(kernel, watch, given=arrays).call, place[1]
         found = kernel(*arrays)
     return Motion._of(found)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, final
 
@@ -188,8 +188,14 @@ def _bind(
 
 @final
 class Scratch:
-    """A kernel of whose first output every call returns a copy, and which refuses what is not exactly its argument."""
+    """A kernel of whose first output every call returns a copy, and which refuses what is not exactly its argument.
 
-    def __init__(self, kernel: Any, watch: Any = (), *others: Floats) -> None:
+    It reads its last inputs from `given`, arrays that stay, and writes its other outputs into `others`.
+    """
+
+    def __init__(
+        self, kernel: Any, watch: Any = (), others: Sequence[Floats] = (), given: Sequence[Floats] = ()
+    ) -> None:
         self.result: Floats = np.zeros(kernel.function.outputs[0].shape)
-        self.call = kernel.into(self.result, *others, returns=(0,), watch=watch, otherwise=refuse)
+        targets = self.result, *others
+        self.call = kernel.into(*targets, returns=(0,), watch=watch, otherwise=refuse, given=given)
