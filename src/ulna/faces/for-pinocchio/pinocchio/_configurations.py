@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,12 @@ from pinocchio._model import Model
 from pinocchio._runs import Scratch
 from pinocchio._vectors import generator
 from ulna import algorithms
+from ulna.algorithms.tree import blank
 from ulna.errors import InputError
-from ulna.typing import Floats
+from ulna.model import Model as TowerModel
+from ulna.model.joints.base import Coordinate
+from ulna.numeric import less, minimum, where
+from ulna.typing import Array, Floats
 
 __all__ = [
     "compactTangentMap",
@@ -45,19 +50,54 @@ def neutral(model: Model) -> Floats:
 
 def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any = None) -> Floats:
     """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m."""
-    given = (
-        ("lowerPositionLimit", "lower_bound", lower_bound),
-        ("upperPositionLimit", "upper_bound", upper_bound),
-    )
-    low, high = (
-        model._arrays[own] if value is None else vector(value, model.nq, name) for own, name, value in given
-    )
-    if not (low <= high).all():
+    low = model.lowerPositionLimit if lower_bound is None else lower_bound
+    high = model.upperPositionLimit if upper_bound is None else upper_bound
+    draws = generator()
+    parts = draws.random(model.nq)
+    normal = parts if model.nq == model.nv else draws.standard_normal(model.nq)  # none is a quaternion's
+    found = model._random(parts, normal, low, high)
+    if found is NotImplemented:
+        low, high = exact(low, model.nq, "lower_bound"), exact(high, model.nq, "upper_bound")
+        found = model._random(parts, normal, low, high)
+    if found is NotImplemented:
+        shapes = dict.fromkeys(("parts", "normal", "low", "high"), (model.nq,))
+        kernel = model.shape().made("random", _within, **shapes)
+        model._random = Scratch(kernel, others=[model._narrowest]).call
+        found = model._random(parts, normal, low, high)
+    if not model._narrowest[()] >= 0.0:
         raise InputError(
             "randomConfiguration: a lower limit is above the upper one; expected lower_bound <= upper_bound."
         )
-    ends = np.where(low <= -FREE, -np.inf, low), np.where(high >= FREE, np.inf, high)
-    return algorithms.random(model.shape().model, generator(), (), *ends)
+    return found
+
+
+def _within(model: TowerModel) -> Any:
+    """What evenly drawn parts in [0, 1] make within limits, and the narrowest of these.
+
+    Normal deviates, scaled to unit length, are even over all rotations.
+    """
+
+    def run(parts: Array, normal: Array, low: Array, high: Array) -> tuple[Array, Array]:
+        q = blank((model.nq,), parts)
+        for joint in model.joints:
+            for k, c in enumerate(() if joint.mimic else joint.kind.coordinates, start=joint.idx_q):
+                q[k] = normal[k] if c.unit == "" else _drawn(c, parts[k], low[k], high[k])
+        return normalized(q), functools.reduce(minimum, high - low, np.inf)
+
+    def normalized(q: Array) -> Array:
+        unit = algorithms.normalize(model, q)
+        free = [c.unit == "" for j in model.joints if not j.mimic for c in j.kind.coordinates]
+        return np.where(free, unit, q)
+
+    return run
+
+
+def _drawn(c: Coordinate, part: Any, low: Any, high: Any) -> Any:
+    """A part of the way from one limit to the other; where one is missing, from an interval of the usual width."""
+    bounded_below, bounded_above, width = less(-FREE, low), less(high, FREE), c.high - c.low
+    first = where(bounded_below, low, where(bounded_above, high - width, c.low))
+    last = where(bounded_above, high, where(bounded_below, low + width, c.high))
+    return first + (last - first) * part
 
 
 def integrate(model: Model, q: Any, v: Any) -> Floats:

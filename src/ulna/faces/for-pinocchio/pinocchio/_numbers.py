@@ -129,7 +129,8 @@ class Numbers:
             rows.adopt(owners)
         self._engines, self._telling = {}, None
         self._bits, self._newest = (), None
-        self._integrate = self._difference = refuse
+        self._integrate = self._difference = self._random = refuse
+        self._narrowest = np.zeros(())
         self._frames_changed()
 
     def _frames_changed(self) -> None:
