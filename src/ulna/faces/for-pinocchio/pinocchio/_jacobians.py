@@ -22,6 +22,7 @@ from pinocchio._kinematics import (
 from pinocchio._late_fields import OV, OWN, rows, stacked
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, Scratch, refuse, run, run_at
+from pinocchio._told import unread
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
 from ulna.model import Frame
@@ -146,6 +147,7 @@ def _bind_at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: 
     """The Jacobian of a frame in a reference, the second of `place`, computed and bound for the next time."""
     reference = reference_of(place[1])
     q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
+    watch = model.watched("shape" if given is not None else "frame", key)  # before the engine: see `run`
     engine = data.attach(model)
     if model.nvExtended != model.nv:  # columns of mimic joints are not told apart in `data.J`
         return _jacobian(model, data, reference, key, given)(q)
@@ -161,12 +163,11 @@ def _bind_at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: 
 
         return run
 
-    kernel = engine.of_frame(("J of", key, reference), build, J=(6, model.nv), T=(4, 4))
+    kernel = engine.living(engine.of_frame(("J of", key, reference), build, J=(6, model.nv), T=(4, 4)))
     joint = model.frames[key].parentJoint if given is None else given.joint + 1
     placed = data._blocks["oMf"][key] if given is None else np.empty((4, 4))
     read = data._blocks["J"], data._blocks["oMi"][joint]
-    watch = model.watched("shape" if given is not None else "frame", key)
-    step = Scratch(kernel, watch, [placed], read).call
+    step = Scratch(kernel, unread(kernel, watch), [placed], read).call
     data._run_at[place] = step, place[1]
     return step()
 
