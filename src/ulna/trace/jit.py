@@ -165,16 +165,20 @@ def _optimised(ir: str, has_loops: bool) -> Any:
     options.loop_vectorization = False  # lanes are explicit
     options.slp_vectorization = False
     builder = llvm.create_pass_builder(_machine(), options)
-    if has_loops:
-        passes = builder.getModulePassManager()
-    else:
-        passes = llvm.create_new_module_pass_manager()
-        passes.add_always_inliner_pass()
-        passes.add_global_dead_code_eliminate_pass()
-        passes.add_simplify_cfg_pass()
-        passes.add_instruction_combine_pass()
+    passes = builder.getModulePassManager() if has_loops else _inlining()
     passes.run(module, builder)
     return module
+
+
+@cache
+def _inlining() -> Any:
+    """Inlining and what follows; made once, for llvmlite gives a manager's memory, some 9 kB, never back."""
+    passes = _llvm().create_new_module_pass_manager()
+    passes.add_always_inliner_pass()
+    passes.add_global_dead_code_eliminate_pass()
+    passes.add_simplify_cfg_pass()
+    passes.add_instruction_combine_pass()
+    return passes
 
 
 def assembly(f: Function, ir: str) -> str:
