@@ -17,10 +17,12 @@ from pinocchio._keywords import by_name
 from pinocchio._late_fields import OA, OV, OWN, rows, stacked
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, Scratch, refuse, run
-from pinocchio._se3 import SE3
+from pinocchio._se3 import SE3, compiled
+from pinocchio._told import unread
 from pinocchio._vectors import Motion
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
+from ulna.errors import InputError
 from ulna.model import Frame
 from ulna.model import Model as TowerModel
 from ulna.numeric import cross
@@ -81,6 +83,10 @@ _FRAMES = Algorithm("frames", "q", (*PLACED, "oMf"), _run_frames, on="frames", l
 def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = None) -> None:
     """Fills `data.oMi` and `data.liMi`; with v and a also `data.v` and `data.a`."""
     if v is None:
+        if a is not None:
+            raise InputError(
+                "forwardKinematics was given accelerations without velocities; expected both, or q alone."
+            )
         step = data._run.fk
         if data._model is not model or step(q) is NotImplemented:
             run(model, data, _FK, q)
@@ -115,20 +121,35 @@ def _carried(model: TowerModel, frames: Sequence[Frame]) -> Any:
 
 def updateFramePlacements(model: Model, data: Data) -> None:
     """Fills `data.oMf` from `data.oMi`."""
-    frames_fit(model, data)
-    data.require(data._q, "forwardKinematics(model, data, q)")
-    kernel = engine_for(model, data).of_frame("carried", _carried, oMi=(model.njoints, 4, 4))
-    data._blocks["oMf"][...] = kernel(data._blocks["oMi"])
+    step = data._run_at.get("carried", refuse)
+    if data._model is not model or step() is NotImplemented:
+        frames_fit(model, data)
+        data.require(data._q, "forwardKinematics(model, data, q)")
+        watch = model.watched("frames")  # before the engine: see `run`
+        engine = data.attach(model)
+        kernel = engine.living(engine.of_frame("carried", _carried, oMi=(model.njoints, 4, 4)))
+        oMi, oMf = data._blocks["oMi"], data._blocks["oMf"]
+        step = kernel.into(oMf, watch=unread(kernel, watch), otherwise=refuse, given=[oMi])
+        data._run_at["carried"] = step
+        step()
 
 
 def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
     """Fills `data.oMf[frame_id]` from `data.oMi`, and returns a copy."""
-    frames_fit(model, data)
-    place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")
-    data.require(data._q, "forwardKinematics(model, data, q)")
-    frame = model.frames[place]
-    np.matmul(data._blocks["oMi"][frame.parentJoint], frame.placement._m, out=data._blocks["oMf"][place])
-    return data.oMf[place].copy()
+    step = data._run_at.get(("carried", frame_id), refuse)
+    found = step() if data._model is model else NotImplemented
+    if found is NotImplemented:
+        frames_fit(model, data)
+        place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")
+        data.require(data._q, "forwardKinematics(model, data, q)")
+        data.attach(model)
+        watch, frame = [(changes, changes.copy())], model.frames[place]
+        given = data._blocks["oMi"][frame.parentJoint], frame.placement._m
+        into = data._blocks["oMf"][place]
+        step = compiled("product").into(into, returns=(0,), watch=watch, otherwise=refuse, given=given)
+        data._run_at["carried", frame_id] = step
+        found = step()
+    return SE3._of(found)
 
 
 def updateGlobalPlacements(model: Model, data: Data) -> None:

@@ -21,17 +21,31 @@ def _pose(m: Array) -> spatial.SE3:
     return spatial.SE3(m[:3, :3], m[:3, 3])
 
 
-_FUNCTIONS: dict[str, Any] = {
-    "product": lambda a, b: (_pose(a) @ _pose(b)).matrix(),
-    "quotient": lambda a, b: (_pose(a).inverse() @ _pose(b)).matrix(),
-    "inverse": lambda a: _pose(a).inverse().matrix(),
+def _turned(quat: Array) -> Array:
+    return spatial.quat_xyzw_to_matrix(spatial.quat_normalize(quat))
+
+
+_M, _V = (4, 4), (6,)
+_FUNCTIONS: dict[str, tuple[Any, ...]] = {
+    "product": (lambda a, b: (_pose(a) @ _pose(b)).matrix(), _M, _M),
+    "quotient": (lambda a, b: (_pose(a).inverse() @ _pose(b)).matrix(), _M, _M),
+    "inverse": (lambda a: _pose(a).inverse().matrix(), _M),
+    "action": (lambda a: _pose(a).adjoint(), _M),
+    "action back": (lambda a: _pose(a).inverse().adjoint(), _M),
+    "dual action": (lambda a: _pose(a).dual_adjoint(), _M),
+    "Motion": (lambda a, v: _pose(a).act(spatial.Motion(v[:3], v[3:])).vector(), _M, _V),
+    "Motion back": (lambda a, v: _pose(a).act_inverse(spatial.Motion(v[:3], v[3:])).vector(), _M, _V),
+    "Force": (lambda a, f: _pose(a).act(spatial.Force(f[:3], f[3:])).vector(), _M, _V),
+    "Force back": (lambda a, f: _pose(a).act_inverse(spatial.Force(f[:3], f[3:])).vector(), _M, _V),
+    "placed": (lambda x: spatial.SE3(_turned(x[3:]), x[:3]).matrix(), (7,)),
 }
 
 
 @cache
-def _compiled(name: str) -> Any:
-    function = _FUNCTIONS[name]
-    shapes: dict[str, Any] = {"a": (4, 4)} if name == "inverse" else {"a": (4, 4), "b": (4, 4)}
+def compiled(name: str) -> Any:
+    """The compiled function of that name, of placements (4, 4)."""
+    function, *sizes = _FUNCTIONS[name]
+    shapes: dict[str, Any] = {f"x{k}": size for k, size in enumerate(sizes)}
     return compile_function(function, **shapes)
 
 
@@ -68,6 +82,10 @@ class SE3:
 
     def _pose(self) -> spatial.SE3:
         return _pose(self._m)
+
+    def _carried(self, name: str, values: Floats) -> Floats:
+        """What a function of `compiled` makes of six numbers."""
+        return compiled(name)(self._m, values)
 
     @staticmethod
     def Identity() -> SE3:
@@ -115,17 +133,17 @@ class SE3:
     @property
     def action(self) -> Floats:
         """The 6x6 matrix that carries motions along."""
-        return self._pose().adjoint()
+        return compiled("action")(self._m)
 
     @property
     def actionInverse(self) -> Floats:
         """The 6x6 matrix that carries motions back."""
-        return self._pose().inverse().adjoint()
+        return compiled("action back")(self._m)
 
     @property
     def dualAction(self) -> Floats:
         """The 6x6 matrix that carries forces along."""
-        return self._pose().dual_adjoint()
+        return compiled("dual action")(self._m)
 
     def toActionMatrix(self) -> Floats:
         """See `action`."""
@@ -141,14 +159,14 @@ class SE3:
 
     def inverse(self) -> SE3:
         """The displacement back."""
-        return SE3._of(_compiled("inverse")(self._m))
+        return SE3._of(compiled("inverse")(self._m))
 
     __invert__ = inverse
 
     def act(self, item: Any) -> Any:
         """What `item` is after the displacement: SE3, Motion, Force, Inertia, or a point (3,), or points (3, N)."""
         if isinstance(item, SE3):
-            return SE3._of(_compiled("product")(self._m, item._m))
+            return SE3._of(compiled("product")(self._m, item._m))
         if hasattr(item, "se3Action"):
             return item.se3Action(self)
         return self._point(item, self._m[:3, :3], self._m[:3, 3])
@@ -156,7 +174,7 @@ class SE3:
     def actInv(self, item: Any) -> Any:
         """What `item` was before the displacement; see `act`."""
         if isinstance(item, SE3):
-            return SE3._of(_compiled("quotient")(self._m, item._m))
+            return SE3._of(compiled("quotient")(self._m, item._m))
         if hasattr(item, "se3ActionInverse"):
             return item.se3ActionInverse(self)
         back = self.inverse()
@@ -220,7 +238,11 @@ class SE3:
 def XYZQUATToSE3(xyzquat: Any) -> SE3:
     """The placement of a position and a quaternion xyzw in one array (7,)."""
     given = vector(xyzquat, 7, "xyzquat")
-    return SE3._of(np.array(spatial.SE3.from_quat_xyzw(given[3:], given[:3]).matrix()))
+    if not given[3:].any():
+        raise InputError(
+            "XYZQUATToSE3 was given a quaternion (x, y, z, w) that is all zero; expected unit length."
+        )
+    return SE3._of(compiled("placed")(given))
 
 
 def SE3ToXYZQUAT(M: SE3) -> Floats:

@@ -136,11 +136,11 @@ class _Six:
 
     def se3Action(self, M: SE3) -> Self:
         """It, carried along by M."""
-        return self._from(M._pose().act(self._value()))
+        return self._of(M._carried(type(self).__name__, self._v))
 
     def se3ActionInverse(self, M: SE3) -> Self:
         """It, carried along by the inverse of M."""
-        return self._from(M._pose().act_inverse(self._value()))
+        return self._of(M._carried(f"{type(self).__name__} back", self._v))
 
     def _value(self) -> Any:
         return self._tower(self._v[:3], self._v[3:])

@@ -19,7 +19,7 @@ from ulna.typing import Floats
 @by_name("roll pitch yaw", "rpy")
 def rpyToMatrix(*rpy: Any) -> Floats:
     """The rotation matrix (3, 3) of roll, pitch, yaw [rad]: three numbers, or an array (3,)."""
-    return np.array(spatial.rpy_to_matrix(vector(rpy if len(rpy) == 3 else rpy[0], 3, "rpy")))
+    return _to_matrix()(vector(rpy if len(rpy) == 3 else rpy[0], 3, "rpy"))
 
 
 def matrixToRpy(R: Any) -> Floats:
@@ -30,6 +30,11 @@ def matrixToRpy(R: Any) -> Floats:
 @cache
 def _of_matrix() -> Any:
     return compile_function(spatial.matrix_to_rpy, R=(3, 3))
+
+
+@cache
+def _to_matrix() -> Any:
+    return compile_function(spatial.rpy_to_matrix, rpy=(3,))
 
 
 def rotate(axis: str, angle: float) -> Floats:
