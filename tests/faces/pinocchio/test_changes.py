@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -46,8 +47,6 @@ def _answers(pin: Any, model: Any, data: Any, q: Any) -> list[Any]:
 
 
 def test_nothing_is_compiled_once_numbers_keep_changing(pin: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    import pinocchio._engine as engine
-
     model = pin.buildSampleModelManipulator()
     data, q = model.createData(), np.linspace(0.1, 0.6, 6)
     for k in range(6):
@@ -55,8 +54,8 @@ def test_nothing_is_compiled_once_numbers_keep_changing(pin: Any, monkeypatch: p
         _answers(pin, model, data, q)
     other = model.copy()
     with monkeypatch.context() as patch:
-        patch.setattr(engine, "compile_function", None)
-        patch.setattr(engine, "tower_model", None)
+        patch.setattr(pin._engine, "compile_function", None)
+        patch.setattr(pin._engine, "tower_model", None)
         for k in range(6, 40):
             _changed(model, k)
             found = _answers(pin, model, data, q)
@@ -83,6 +82,26 @@ def test_changed_numbers_are_read_by_native_calls_alone(pin: Any, monkeypatch: p
     np.testing.assert_allclose(tau, pin.rnea(other, wanted, q, q, q), rtol=1e-12)
     pin.framesForwardKinematics(other, wanted, q)
     np.testing.assert_allclose(data.oMf[-1].homogeneous, wanted.oMf[-1].homogeneous, atol=1e-12)
+
+
+def test_two_thousand_changes_take_no_memory(pin: Any) -> None:
+    if not os.path.exists("/proc/self/statm"):
+        pytest.skip("no /proc here")
+
+    def resident() -> int:
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), np.linspace(0.1, 0.6, 6)
+    for k in range(200):
+        _changed(model, k)
+        _answers(pin, model, data, q)
+    start = resident()
+    for k in range(2000):
+        _changed(model, k)
+        _answers(pin, model, data, q)
+    assert resident() - start < 2**20
 
 
 def test_what_is_read_late_is_of_the_numbers_of_its_call(pin: Any) -> None:

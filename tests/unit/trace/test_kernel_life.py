@@ -155,21 +155,32 @@ def test_single_calls_neither_leak_memory_nor_references(kernel):
     assert grown < 20_000
 
 
-def test_a_hundred_thousand_calls_do_not_grow_the_process(kernel):
-    pytest.importorskip("resource")
-
-    def resident() -> int:
-        with open("/proc/self/statm") as file:
-            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-
+def _resident() -> int:
+    """Memory of this process [byte]."""
     if not os.path.exists("/proc/self/statm"):
         pytest.skip("no /proc here")
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def test_a_hundred_thousand_calls_do_not_grow_the_process(kernel):
     for _ in range(20_000):
         kernel(Q, V)
-    start = resident()
+    start = _resident()
     for _ in range(100_000):
         kernel(Q, V)
-    assert resident() - start < 4 * 2**20
+    assert _resident() - start < 4 * 2**20
+
+
+def test_code_of_kernels_that_are_let_go_is_given_back(monkeypatch):
+    monkeypatch.setenv("ULNA_CACHE", "0")
+    starts = []
+    for k in range(130):
+        if k in (30, 129):
+            gc.collect()
+            starts.append(_resident())
+        compile(lambda x, k=k: np.sin(x) * (k + 2.5), x=(6,))
+    assert starts[1] - starts[0] < 100 * 6 * 2**10  # once it was 12 kB for each
 
 
 def test_kernels_that_come_and_go_leave_nothing_behind():
