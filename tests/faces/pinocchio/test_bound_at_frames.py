@@ -1,0 +1,137 @@
+"""Calls for one frame are bound to a Data once, and see every change of the frame, the model and the Data's contents."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+
+REFERENCES = ("LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED")
+
+
+@pytest.fixture(scope="module")
+def pin() -> Iterator[Any]:
+    with worn("pinocchio"):
+        import pinocchio
+
+        yield pinocchio
+
+
+@pytest.fixture
+def model(pin: Any) -> Any:
+    return pin.buildSampleModelManipulator()
+
+
+def _asked(pin: Any, model: Any, data: Any, q: Any) -> list[Any]:
+    frame, joint = model.nframes - 1, model.njoints - 1
+    found = []
+    for name in REFERENCES:
+        reference = getattr(pin, name)
+        found += [pin.computeFrameJacobian(model, data, q, frame, reference)]
+        pin.forwardKinematics(model, data, q, q, q)
+        found += [
+            ask(model, data, at, reference).vector
+            for at, asks in (
+                (frame, (pin.getFrameVelocity, pin.getFrameAcceleration, pin.getFrameClassicalAcceleration)),
+                (joint, (pin.getVelocity, pin.getAcceleration, pin.getClassicalAcceleration)),
+            )
+            for ask in asks
+        ]
+    found += [pin.computeJointJacobian(model, data, q, joint)]
+    found += [pin.updateFramePlacement(model, data, frame).homogeneous]
+    pin.updateFramePlacements(model, data)
+    return [*found, data.oMf[frame].homogeneous]
+
+
+@pytest.mark.parametrize("change", ["placement", "parent", "joint", "nothing"])
+def test_a_bound_call_sees_every_change(pin: Any, model: Any, change: str) -> None:
+    data, q, frame = model.createData(), np.linspace(0.1, 0.6, 6), model.frames[model.nframes - 1]
+    for k in range(4):
+        found = _asked(pin, model, data, q + k)
+        fresh = _asked(pin, model.copy(), model.createData(), q + k)
+        for own, other in zip(found, fresh, strict=True):
+            np.testing.assert_allclose(own, other, atol=1e-12)
+        if change == "placement":
+            frame.placement.translation[0] += 0.1
+        elif change == "parent":
+            frame.parentJoint = 1 + k
+        elif change == "joint":
+            model.jointPlacements[2].translation[1] += 0.1
+
+
+def test_a_velocity_that_is_computed_late_is_that_of_the_last_call(pin: Any, model: Any) -> None:
+    data, q, frame = model.createData(), np.linspace(0.1, 0.6, 6), model.nframes - 1
+    for k in range(3):
+        pin.rnea(model, data, q, k * q, q)
+        pin.forwardKinematics(model, data, q)
+        slow = pin.getFrameVelocity(model, data, frame, pin.LOCAL)
+        pin.forwardKinematics(model, data, q, k * q)
+        assert slow.isApprox(pin.getFrameVelocity(model, data, frame, pin.LOCAL))
+
+
+def test_references_are_told_by_their_names_when_bound_too(pin: Any, model: Any) -> None:
+    data, q = model.createData(), np.zeros(6)
+    for _ in range(2):
+        pin.computeFrameJacobian(model, data, q, 3, pin.WORLD)
+        with pytest.raises(Exception, match="reference frame is 0"):
+            pin.computeFrameJacobian(model, data, q, 3, 0)
+
+
+def test_copying_a_model_compiles_nothing(pin: Any, model: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    data, q = model.createData(), np.linspace(0.1, 0.6, 6)
+    _asked(pin, model, data, q)
+    model.copy()
+    monkeypatch.setattr(pin._engine, "compile_function", None)
+    _asked(pin, model, data, q)
+
+
+@pytest.mark.parametrize("robot", ["fixed", "floating"])
+def test_forces_are_read_where_they_lie(pin: Any, robot: str) -> None:
+    model = pin.buildSampleModelManipulator() if robot == "fixed" else pin.buildSampleModelHumanoid()
+    data, q = model.createData(), pin.neutral(model)
+    v, a = np.linspace(-1.0, 1.0, model.nv), np.linspace(2.0, 1.0, model.nv)
+    forces = pin.StdVec_Force()
+    forces.extend([pin.Force(np.arange(6.0) + k) for k in range(model.njoints)])
+    for _ in range(3):
+        tau = pin.rnea(model, data, q, v, a, forces)
+        pin.computeJointJacobians(model, data, q)
+        bare = pin.rnea(model, data, q, v, a)
+        for k in range(1, model.njoints):
+            bare -= pin.getJointJacobian(model, data, k, pin.LOCAL).T @ forces[k].vector
+        np.testing.assert_allclose(tau, bare, atol=1e-9)
+        np.testing.assert_allclose(pin.aba(model, data, q, v, tau, forces), a, atol=1e-8)
+        np.testing.assert_allclose(
+            pin.aba(model, data, list(q), v, tau, [f.vector for f in forces]), a, atol=1e-8
+        )
+        forces[1].linear[0] += 1.0
+    with pytest.raises(Exception, match="expected"):
+        pin.rnea(model, data, q, v, a, forces[:-1])
+
+
+def test_random_configurations_lie_evenly_within_limits(pin: Any, model: Any) -> None:
+    pin.seed(0)
+    low, high = (
+        np.array([0.0, -np.inf, -1.0, -np.inf, 2.0, 0.0]),
+        np.array([1.0, 1.0, np.inf, np.inf, 2.0, 4.0]),
+    )
+    drawn = np.array([pin.randomConfiguration(model, low, high) for _ in range(2000)])
+    first = np.array([0.0, 1.0 - 2.0 * np.pi, -1.0, -np.pi, 2.0, 0.0])
+    last = np.array([1.0, 1.0, 2.0 * np.pi - 1.0, np.pi, 2.0, 4.0])
+    assert (first <= drawn).all() and (drawn <= last).all()
+    np.testing.assert_allclose(drawn.mean(axis=0), (first + last) / 2.0, atol=0.05 * (last - first).max())
+    turned = pin.buildSampleModelHumanoid()
+    quats = np.array(
+        [
+            pin.randomConfiguration(turned, np.full(turned.nq, -1.0), np.ones(turned.nq))[3:7]
+            for _ in range(2000)
+        ]
+    )
+    np.testing.assert_allclose(np.linalg.norm(quats, axis=1), 1.0, atol=1e-14)
+    np.testing.assert_allclose(quats.T @ quats / 2000, np.eye(4) / 4.0, atol=0.02)
+    for bad in (np.full(6, -1.0), np.full(6, np.nan)):
+        with pytest.raises(Exception, match="lower limit is above"):
+            pin.randomConfiguration(model, np.zeros(6), bad)
