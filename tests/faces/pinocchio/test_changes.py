@@ -23,7 +23,7 @@ def test_after_many_changes_answers_are_pinocchios(tmp_path: Path) -> None:
             np.testing.assert_allclose(own[name], values, rtol=0, atol=1e-9 * scale, err_msg=name)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
     with worn("pinocchio"):
         import pinocchio
