@@ -69,7 +69,9 @@ class Engine:
 
     def plain(self, name: str) -> Any:
         """The tower's kernel of that name, without options."""
-        return self.kernel(name)
+        if self.names:
+            return self.kernel(name)
+        return _once(self.kernels, name, lambda: kernels.kernel(self._base, name))
 
     def kernel(self, name: str, **options: Any) -> Any:
         """The tower's kernel of that name."""
