@@ -8,7 +8,7 @@ import numpy as np
 
 from pinocchio._arrays import vector
 from pinocchio._data import Data
-from pinocchio._dynamics import external, rnea, under_forces
+from pinocchio._dynamics import external, rnea, run_under, under_forces
 from pinocchio._jacobians import (
     COLUMNS,
     RATES,
@@ -16,7 +16,20 @@ from pinocchio._jacobians import (
     computeJointJacobians,
     rates,
 )
-from pinocchio._late_fields import BODIES, CENTRES, IN_WORLD, OA, OV, OWN, SLOPES, rows
+from pinocchio._late_fields import (
+    BODIES,
+    CENTRES,
+    IN_WORLD,
+    OA,
+    OV,
+    OWN,
+    SLOPES,
+    SLOPES_UNDER_FORCES,
+    UNDER_FORCES,
+    Late,
+    rows,
+    split_forces,
+)
 from pinocchio._masses import about_origin, as_one_body
 from pinocchio._model import Model
 from pinocchio._runs import Algorithm, refuse, run
@@ -36,12 +49,13 @@ __all__ = [
 
 
 def _inverse(model: TowerModel) -> Any:
-    def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
-        found = algorithms.inverse_dynamics_derivatives(model, q, v, a)
+    def run(q: Array, v: Array, a: Array, *F: Array) -> tuple[Array, ...]:
+        forces = [split_forces(x) for x in F]
+        found = algorithms.inverse_dynamics_derivatives(model, q, v, a, *forces)
         gains = rows(algorithms.joint_accelerations(model, q, v, a))
         return (
             *found,
-            algorithms.inverse_dynamics(model, q, v, a),
+            algorithms.inverse_dynamics(model, q, v, a, *forces),
             q,
             v,
             a,
@@ -56,9 +70,10 @@ def _inverse(model: TowerModel) -> Any:
 
 
 def _forward(model: TowerModel) -> Any:
-    def run(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
-        by_q, by_v, by_tau = algorithms.forward_dynamics_derivatives(model, q, v, tau)
-        ddq = algorithms.forward_dynamics(model, q, v, tau)
+    def run(q: Array, v: Array, tau: Array, *F: Array) -> tuple[Array, ...]:
+        forces = [split_forces(x) for x in F]
+        by_q, by_v, by_tau = algorithms.forward_dynamics_derivatives(model, q, v, tau, *forces)
+        ddq = algorithms.forward_dynamics(model, q, v, tau, *forces)
         return by_q, by_v, by_tau, by_tau, ddq, ddq, *rates(model)(q, v)
 
     return run
@@ -91,26 +106,39 @@ _STEPS = ("dFda", "dFdq", "dFdv")
 _STATE = ("derivatives q", "derivatives v", "derivatives a")
 _GAINED = ("a", "gains q", "gains v", "gains a")
 _IN_WORLD = {name: late for name, late in BODIES.items() if name in ("oa_gf", "of", "oh")}
-_RNEA = Algorithm(
-    "rnea_derivatives",
-    "qva",
-    ("dtau_dq", "dtau_dv", "M", "tau", *_STATE, *_GAINED, *RATES),
-    _inverse,
-    (0, 1, 2),
-    late=OWN | OV | OA | _IN_WORLD,
-    spoils=_STEPS,
-    title="computeRNEADerivatives",
-)
-_ABA = Algorithm(
-    "aba_derivatives",
-    "qvt",
-    ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq", "aba_derivatives a", *RATES),
-    with_mass(_forward),
-    (0, 1, 2),
-    late=OWN | OV | OA | _IN_WORLD | SLOPES,
-    spoils=_STEPS,
-    title="computeABADerivatives",
-)
+_UNDER = {name: UNDER_FORCES[name] for name in _IN_WORLD}
+
+
+def _of_rnea(name: str, inputs: str, in_world: dict[str, Late]) -> Algorithm:
+    return Algorithm(
+        name,
+        inputs,
+        ("dtau_dq", "dtau_dv", "M", "tau", *_STATE, *_GAINED, *RATES),
+        _inverse,
+        (0, 1, 2),
+        late=OWN | OV | OA | in_world,
+        spoils=_STEPS,
+        title="computeRNEADerivatives",
+    )
+
+
+def _of_aba(name: str, inputs: str, late: dict[str, Late]) -> Algorithm:
+    return Algorithm(
+        name,
+        inputs,
+        ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq", f"{name} a", *RATES),
+        with_mass(_forward),
+        (0, 1, 2),
+        late=OWN | OV | OA | late,
+        spoils=_STEPS,
+        title="computeABADerivatives",
+    )
+
+
+_RNEA = _of_rnea("rnea_derivatives", "qva", _IN_WORLD)
+_RNEA_UNDER = _of_rnea("rnea_derivatives_under", "qvaf", _UNDER)
+_ABA = _of_aba("aba_derivatives", "qvt", _IN_WORLD | SLOPES)
+_ABA_UNDER = _of_aba("aba_derivatives_under", "qvtf", _UNDER | SLOPES_UNDER_FORCES)
 _WEIGHT = Algorithm(
     "gravity_derivatives",
     "q",
@@ -150,14 +178,7 @@ def computeRNEADerivatives(
         if found is NotImplemented:
             found = run(model, data, _RNEA, q, v, a)
         return found
-    F, engine = external(fext, model.njoints), data.attach(model)
-    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
-    found = under_forces(engine, algorithms.inverse_dynamics_derivatives, *state, F)
-    computeRNEADerivatives(model, data, *state)
-    data.dtau_dq, data.dtau_dv, data.M = found
-    data.tau = under_forces(engine, algorithms.inverse_dynamics, *state, F)
-    data.leave(BODIES["of"], ("of",), engine, *(x.copy() for x in state), F)
-    return found
+    return run_under(model, data, _RNEA_UNDER, q, v, a, fext)
 
 
 def computeABADerivatives(
@@ -177,17 +198,7 @@ def computeABADerivatives(
         if found is NotImplemented:
             found = run(model, data, _ABA, q, v, tau)
         return found
-    F, engine = external(fext, model.njoints), data.attach(model)
-    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(tau, model.nv, "tau")
-    found = under_forces(engine, algorithms.forward_dynamics_derivatives, *state, F)
-    ddq = under_forces(engine, algorithms.forward_dynamics, *state, F)
-    computeABADerivatives(model, data, *state)
-    data.ddq_dq, data.ddq_dv, data.ddq_dtau, data.Minv, data.ddq = *found, found[2], ddq
-    moved = state[0].copy(), state[1].copy(), ddq.copy()
-    data.leave(OA["oa"], ("oa",), engine, *moved)
-    data.leave(BODIES["of"], tuple(_IN_WORLD), engine, *moved, F)
-    data.leave(SLOPES["dtau_dq"], tuple(SLOPES), engine, *moved, F)
-    return tuple(found)
+    return run_under(model, data, _ABA_UNDER, q, v, tau, fext)
 
 
 def computeGeneralizedGravityDerivatives(model: Model, data: Data, q: Any) -> Floats:

@@ -181,19 +181,19 @@ def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> 
         if tau is NotImplemented:
             tau = run(model, data, _RNEA, q, v, a)
         return tau
+    return run_under(model, data, _RNEA_UNDER, q, v, a, fext)
+
+
+def run_under(model: Model, data: Data, algorithm: Algorithm, q: Any, v: Any, third: Any, fext: Any) -> Any:
+    """Runs an algorithm under forces on the joints, each read where it lies."""
+    step = getattr(data._run, algorithm.name)
     try:
-        tau = data._run.rnea_under(q, v, a, *[f._v for f in fext]) if data._model is model else NotImplemented
+        found = step(q, v, third, *[f._v for f in fext]) if data._model is model else NotImplemented
     except (AttributeError, TypeError):  # no forces
-        tau = NotImplemented
-    if tau is NotImplemented:
-        tau = run(model, data, _RNEA_UNDER, q, v, a, *checked(fext, model.njoints))
-    return tau
-
-
-def felt(data: Data, engine: Engine, q: Floats, v: Floats, a: Floats, F: Floats) -> None:
-    """Leaves to be computed what a motion under forces makes of every body."""
-    data.moved(engine, q, v)
-    data.leave(BODIES["f"], tuple(BODIES), engine, q.copy(), v.copy(), a.copy(), F)
+        found = NotImplemented
+    if found is NotImplemented:
+        found = run(model, data, algorithm, q, v, third, *checked(fext, model.njoints))
+    return found
 
 
 def nonLinearEffects(model: Model, data: Data, q: Any, v: Any) -> Floats:
@@ -250,16 +250,7 @@ def aba(
         if found is NotImplemented:
             found = run(model, data, _ABA, q, v, tau)
     else:
-        try:
-            found = (
-                data._run.aba_under(q, v, tau, *[f._v for f in fext])
-                if data._model is model
-                else NotImplemented
-            )
-        except (AttributeError, TypeError):  # no forces
-            found = NotImplemented
-        if found is NotImplemented:
-            found = run(model, data, _ABA_UNDER, q, v, tau, *checked(fext, model.njoints))
+        found = run_under(model, data, _ABA_UNDER, q, v, tau, fext)
     if convention is _WORLD:
         computeJointJacobians(model, data, q)
     return found

@@ -211,6 +211,7 @@ RATES_OF_MOMENTA = dict.fromkeys(("h", "f"), _TOTALS)
 """Momenta and their rates of all that each joint moves."""
 IN_WORLD = dict.fromkeys(("oh", "of"), _TOTALS)
 SLOPES = dict.fromkeys(("dtau_dq", "dtau_dv"), _compiled("qva", _slopes))
+SLOPES_UNDER_FORCES = dict.fromkeys(SLOPES, _compiled("qvaf", _slopes))
 MAP = {"Ag": _compiled("q", _map)}
 MINV = {"Minv": _compiled("q", _inverse_mass)}
 MASSES = {"mass": Late("", _masses)}
