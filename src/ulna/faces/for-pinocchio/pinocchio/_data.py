@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 from array import array
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -67,6 +66,21 @@ class _Lists(dict[str, Any]):
         else:
             made = views(SE3 if name == "liMi" else Force if name in FORCES else Motion, data._blocks[name])
         return self.setdefault(name, made)  # another thread may have made it meanwhile
+
+
+@final
+class _Placements:
+    """References to placements, made when asked for; then an attribute as quick as others, which `__dict__` is not."""
+
+    def __init__(self, name: str, doc: str) -> None:
+        self._name, self.__doc__ = name, doc
+
+    def __get__(self, data: Data | None, _: type) -> Any:
+        if data is None:
+            return self
+        found = views(SE3, data._blocks[self._name])
+        setattr(data, self._name, found)
+        return found
 
 
 @final
@@ -141,18 +155,9 @@ class Data(Saved, States):
         self._run_at: dict[Any, Any] = {}  # what makes Jacobians of frames, by index and reference
         self._ties: list[Any] = []
         self._lists = _Lists(self)
-        self.__dict__.pop("oMi", None)
-        self.__dict__.pop("oMf", None)
 
-    @cached_property
-    def oMi(self) -> StdVec[SE3]:
-        """For each joint its placement in the world, live references."""
-        return views(SE3, self._blocks["oMi"])
-
-    @cached_property
-    def oMf(self) -> StdVec[SE3]:
-        """For each frame its placement in the world, live references."""
-        return views(SE3, self._blocks["oMf"])
+    oMi = _Placements("oMi", "For each joint its placement in the world, live references.")
+    oMf = _Placements("oMf", "For each frame its placement in the world, live references.")
 
     @property
     def joints(self) -> StdVec[Any]:
@@ -168,7 +173,7 @@ class Data(Saved, States):
     def __deepcopy__(self, memo: Any) -> Data:
         self.settle()
         out = object.__new__(Data)
-        out.__dict__.update(self.__dict__)
+        out.__dict__.update({k: x for k, x in self.__dict__.items() if k not in ("oMi", "oMf")})
         out._blocks = self._blocks.copied()
         out._known = set(self._known)
         out._bound = self._bound and self._bound.copied()
