@@ -39,9 +39,11 @@
       if (page.ulnaSoftware && !gl.ulna) sparing(gl);
       const meshes = [];
       scene.traverse(o => { if (o.isMesh) meshes.push(o); });
-      // viser says that a mesh throws a shadow after its first frame, and asks for no other
-      if (!meshes.every(mesh => met.has(mesh))) frames();
-      meshes.forEach(mesh => met.add(mesh));
+      // viser says that a mesh throws a shadow after its first frame, and asks for no other; what is dragged throws none,
+      // and is made anew in many a frame
+      const lit = meshes.filter(mesh => mesh.material.isMeshStandardMaterial);
+      if (!lit.every(mesh => met.has(mesh))) frames();
+      lit.forEach(mesh => met.add(mesh));
       const few = page.ulnaSoftware && camera === page.camera && !rests();
       since++;
       const heavy = meshes.filter(mesh => mesh.geometry.userData.level);
