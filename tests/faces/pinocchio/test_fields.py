@@ -34,7 +34,7 @@ TRUER = {
 """Where the truth is not what Pinocchio leaves: fields, and what the calls have in their names."""
 ELSEWHERE = {
     "oa lambda_c": "lcaba",  # there with gravity; none
-    "impulse_c": "initConstraintDynamics",  # there left as it was
+    "impulse_c": "onstraintDynamics",  # there, without an impact, whatever the memory held
     "joints": "Jacobian(",  # there along one branch alone
     "J dJ C oMf": "mimic",  # there columns of mimic joints are apart
 }
