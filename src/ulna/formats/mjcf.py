@@ -30,6 +30,7 @@ from ulna.formats.mjcf_parse import (
     FREE,
     HINGE,
     SLIDE,
+    CompiledMjcf,
     fresh,
     names_of,
     pose_of,
@@ -43,6 +44,9 @@ from ulna.spatial import SE3, Inertia
 
 SAME_JOINTS = 2
 """mjEQ_JOINT of mjtEq."""
+
+NO_GRAVITY = 1 << 7
+"""mjDSBL_GRAVITY of mjtDisableBit."""
 
 JOINT_TRANSMISSIONS = (0, 1)
 """mjTRN_JOINT and mjTRN_JOINTINPARENT of mjtTrn."""
@@ -80,22 +84,21 @@ def mjcf_builder(source: str | os.PathLike[str], *, root: Root = None, mimic: bo
 
     Warns (ModelWarning) once about all that has no place in a model.
     """
-    compiled, spec = read_mjcf(source)
-    return _Reading(compiled, spec, text_or_file(source)[1]).builder(root_kind(root), mimic)
+    return _Reading(read_mjcf(source), text_or_file(source)[1]).builder(root_kind(root), mimic)
 
 
 class _Reading:
     """One compiled file on its way into a builder."""
 
-    def __init__(self, compiled: Any, spec: Any, file: str | None) -> None:
-        self._m, self._file = compiled, file
-        self._shapes = Shapes(compiled, spec, file)
-        self._links, self._joints = names_of(compiled)
+    def __init__(self, compiled: CompiledMjcf, file: str | None) -> None:
+        self._m, self._file = compiled.model, file
+        self._shapes = Shapes(compiled.model, compiled.mesh_folder, file)
+        self._links, self._joints = names_of(compiled.model)
 
     def builder(self, root: JointKind | None, mimic: bool) -> ModelBuilder:
         m = self._m
         builder = ModelBuilder(re.sub(r"\0.*", "", m.names.decode(), flags=re.S) or "mjcf", source=self._file)
-        builder.gravity = np.array(m.opt.gravity)
+        builder.gravity = np.zeros(3) if m.opt.disableflags & NO_GRAVITY else np.array(m.opt.gravity)
         if root is not None:
             builder.root_joint(root)
         followed = self._followed() if mimic else {}

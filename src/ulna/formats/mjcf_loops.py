@@ -28,7 +28,7 @@ def loops_from_mjcf(source: str | os.PathLike[str]) -> tuple[PointLoop | FrameLo
         MissingExtra: the package mujoco is not installed.
         FormatError: the file is missing or broken; says where and what mends it.
     """
-    m, _ = read_mjcf(source)
+    m = read_mjcf(source).model
     links, _ = names_of(m)
     kinds = (CONNECT, WELD)
     return tuple(_loop(m, links, e) for e in range(m.neq) if m.eq_type[e] in kinds and m.eq_active0[e])

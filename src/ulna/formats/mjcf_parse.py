@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,8 +18,24 @@ FREE, BALL, SLIDE, HINGE = range(4)
 """mjtJoint."""
 
 
-def read_mjcf(source: str | os.PathLike[str]) -> Any:
-    """The compiled `mujoco.MjModel` and its `MjSpec`, of a file or of text (from "<").
+@dataclass(frozen=True)
+class CompiledMjcf:
+    """What MuJoCo's compiler makes of a file.
+
+    Attributes:
+        model: the `mujoco.MjModel`.
+        mesh_folder: the folder of the meshes, as the file writes it, seen from the file.
+        lines: for the kinds "body", "joint", "tendon", "equality" and "actuator" the lines of the file on which the
+            elements start, by their index in the model; empty for files that include others.
+    """
+
+    model: Any
+    mesh_folder: str
+    lines: Mapping[str, Mapping[int, int]]
+
+
+def read_mjcf(source: str | os.PathLike[str]) -> CompiledMjcf:
+    """What MuJoCo's compiler makes of a file or of text (from "<").
 
     MuJoCo reads the files that it includes, and its meshes, from disk.
 
@@ -26,8 +44,8 @@ def read_mjcf(source: str | os.PathLike[str]) -> Any:
         FormatError: the file is missing or broken; says where and what mends it.
     """
     text, file = text_or_file(source)
-    if file is not None:
-        read_file(file)  # our messages for what is missing, too large or a folder
+    # Read here too, for our messages about what is missing, too large or a folder.
+    written = text.encode() if file is None else read_file(file)
     try:
         import mujoco
     except ImportError as error:
@@ -35,9 +53,26 @@ def read_mjcf(source: str | os.PathLike[str]) -> Any:
     library: Any = mujoco  # its parts come from a compiled module without annotations
     try:
         spec = library.MjSpec.from_string(text) if file is None else library.MjSpec.from_file(file)
-        return spec.compile(), spec
+        compiled = spec.compile()
     except ValueError as error:
         raise _refusal(error, file) from error
+    spread = b"<include" in written or b"<attach" in written
+    return CompiledMjcf(compiled, spec.meshdir or "", {} if spread else _lines_of(spec))
+
+
+def _lines_of(spec: Any) -> dict[str, dict[int, int]]:
+    parts = {
+        "body": spec.bodies,
+        "joint": spec.joints,
+        "tendon": spec.tendons,
+        "equality": spec.equalities,
+        "actuator": spec.actuators,
+    }
+    lines: dict[str, dict[int, int]] = {}
+    for kind, elements in parts.items():
+        found = ((element.id, re.match(r"line (\d+)", element.info)) for element in elements)
+        lines[kind] = {index: int(line[1]) for index, line in found if line and index >= 0}
+    return lines
 
 
 def text_or_file(source: str | os.PathLike[str]) -> tuple[str, str | None]:

@@ -22,10 +22,10 @@ NO_COLOUR = (0.5, 0.5, 0.5, 1.0)
 class Shapes:
     """Geoms of one file; `left` counts those that have no shape here."""
 
-    def __init__(self, compiled: Any, spec: Any, file: str | None) -> None:
+    def __init__(self, compiled: Any, mesh_folder: str, file: str | None) -> None:
         self._m = compiled
         folder = os.path.dirname(os.path.abspath(file)) if file else os.getcwd()
-        self._folder = os.path.join(folder, spec.meshdir or "")
+        self._folder = os.path.join(folder, mesh_folder)
         self.left: dict[str, int] = {}
 
     def of_body(self, body: int) -> tuple[tuple[Geometry, ...], tuple[Geometry, ...]]:

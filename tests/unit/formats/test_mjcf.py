@@ -163,6 +163,14 @@ def test_a_free_joint_is_a_free_flyer() -> None:
     np.testing.assert_array_equal(robot.configurations["qpos0"], (1, 2, 3, 0, 0, 0, 1))
 
 
+def test_gravity_can_be_disabled() -> None:
+    text = """<mujoco><option><flag gravity="disable"/></option><worldbody><body name="b"><joint axis="0 1 0"/>
+    <geom size="0.1" pos="0.3 0 0" mass="1"/></body></worldbody></mujoco>"""
+    robot = ulna.load(text)
+    np.testing.assert_array_equal(robot.gravity_forces([0.2]), [0.0])
+    assert ulna.load(text.replace("disable", "enable")).gravity_forces([0.2])[0] < -1.0
+
+
 def test_what_is_left_out_is_said() -> None:
     text = """
     <mujoco><worldbody><body name="a" gravcomp="1"><joint name="j" stiffness="3"/><geom size="0.1"/><site name="s"/></body>
