@@ -12,6 +12,7 @@ from typing import Any, final
 
 from ulna.errors import FormatError, InputError
 from ulna.faces.shelves import SHELVES, modules
+from ulna.files import read_regular
 
 
 @final
@@ -43,11 +44,13 @@ def examine(path: str | Path) -> list[Finding]:
     """
     file = Path(path)
     try:
-        tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
+        tree = ast.parse(read_regular(file), str(file))
     except OSError as error:
         raise InputError(f"{file} cannot be read: {error.strerror}.") from None
-    except SyntaxError as error:
-        raise FormatError(f"not Python: {error.msg}", file=str(file), line=error.lineno) from None
+    except (SyntaxError, ValueError) as error:
+        # ValueError: null characters
+        words, line = getattr(error, "msg", None) or str(error), getattr(error, "lineno", None)
+        raise FormatError(f"not Python: {words}", file=str(file), line=line) from None
     shelf_of = {module: shelf for shelf in SHELVES for module in modules(shelf)}
     used: dict[str, int] = {}
     for line, name in sorted(_used(tree, frozenset(shelf_of))):

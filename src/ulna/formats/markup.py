@@ -11,6 +11,7 @@ from typing import Any
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 from ulna.errors import FormatError
+from ulna.files import read_regular
 from ulna.formats.node import Node, short
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -26,8 +27,7 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
             raise FormatError("this is a folder, not a file.", file=str(where))
         if size > MAX_BYTES:
             raise _too_large(str(where))
-        with open(where, "rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
+        data = read_regular(where, MAX_BYTES + 1)
     except FormatError:  # which is a ValueError, too
         raise
     except (FileNotFoundError, NotADirectoryError):

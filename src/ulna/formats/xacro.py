@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import threading
 import warnings
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TextIO
 
 from ulna.errors import FormatError, MissingExtra
+from ulna.files import open_regular
 from ulna.formats.markup import read_file
 from ulna.formats.resolve import Resolver
 
@@ -39,10 +41,11 @@ def expand_xacro(
     read_file(path)
     file = str(path)
     try:
-        import xacro
+        import xacro as library
         from xacro import substitution_args
     except ImportError:
         raise MissingExtra("xacro", "xacro", f"Expanding {file!r}") from None
+    xacro: Any = library
     packages = resolver or Resolver(path)
     mappings = {name: str(value) for name, value in (arguments or {}).items()}
 
@@ -60,6 +63,7 @@ def expand_xacro(
         original = substitution_args._eval_find
         # Its own search needs a ROS 2 installation. Ours also knows the folders above the file.
         substitution_args._eval_find = find
+        xacro.open = _open_text  # its includes and tables
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
@@ -71,6 +75,12 @@ def expand_xacro(
             raise _refusal(error, file) from error
         finally:
             substitution_args._eval_find = original
+            del xacro.open
+
+
+def _open_text(path: str) -> TextIO:
+    """As `open(path)`, for regular files only."""
+    return io.TextIOWrapper(open_regular(path))
 
 
 def _refusal(error: Exception, file: str) -> FormatError:

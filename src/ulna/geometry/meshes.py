@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 import warnings
-from typing import Any, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
 from ulna.errors import InputError, MissingExtra
+from ulna.files import open_regular, refuse_special
 from ulna.typing import Array, Floats
 
 
@@ -32,24 +34,11 @@ def read_pieces(path: str) -> tuple[Piece, ...]:
         InputError: The file cannot be opened, cannot be read as a mesh, or holds no triangles.
     """
     try:
-        os.stat(path)
+        file = open_regular(path)
     except OSError as error:
         raise InputError(f"Cannot open the mesh file {path!r}: {error.strerror or error}.") from error
-    try:
-        import trimesh
-    except ImportError as error:
-        raise MissingExtra("trimesh", "mesh", "Reading mesh files") from error
-    if path.lower().endswith(".dae"):
-        try:
-            import collada  # noqa: F401
-        except ImportError as error:
-            raise MissingExtra("pycollada", "mesh", "Reading mesh files") from error
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # trimesh and pycollada warn about numpy and about odd files
-            scene: Any = trimesh.load(path, force="scene", process=False)
-    except Exception as error:  # any of a dozen parsers underneath
-        raise InputError(f"Cannot read the mesh file {path!r}: {type(error).__name__}: {error}") from error
+    with file:
+        scene = _scene(file, path)
     pieces = []
     for node in scene.graph.nodes_geometry:
         transform, name = scene.graph[node]
@@ -67,6 +56,44 @@ def read_pieces(path: str) -> tuple[Piece, ...]:
     if not pieces:
         raise InputError(f"The mesh file {path!r} holds no triangles.")
     return tuple(pieces)
+
+
+def _scene(file: BinaryIO, path: str) -> Any:
+    """What trimesh makes of an open mesh file."""
+    try:
+        import trimesh
+    except ImportError as error:
+        raise MissingExtra("trimesh", "mesh", "Reading mesh files") from error
+    ending = os.path.splitext(path)[1].lower()
+    if ending == ".dae":
+        try:
+            import collada  # noqa: F401
+        except ImportError as error:
+            raise MissingExtra("pycollada", "mesh", "Reading mesh files") from error
+    library: Any = trimesh
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # trimesh and pycollada warn about numpy and about odd files
+            beside = _beside(library.resolvers.FilePathResolver)(path)
+            return library.load(file, file_type=ending[1:], resolver=beside, force="scene", process=False)
+    except Exception as error:  # any of a dozen parsers underneath
+        raise InputError(f"Cannot read the mesh file {path!r}: {type(error).__name__}: {error}") from error
+
+
+@functools.cache
+def _beside(base: Any) -> Any:
+    """The class that reads the files a mesh file names (materials, textures), regular files only."""
+
+    class Beside(base):
+        def get(self, name: str) -> bytes:
+            for candidate in (name.strip(), name.strip().lstrip("/"), os.path.split(name)[-1]):
+                refuse_special(os.path.join(self.parent, candidate))
+            return super().get(name)
+
+        def namespaced(self, namespace: str) -> Beside:
+            return Beside(os.path.join(self.parent, namespace))
+
+    return Beside
 
 
 def _metres(text: object) -> float:

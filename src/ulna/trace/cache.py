@@ -24,6 +24,8 @@ from ulna.errors import CacheWarning
 
 _MAGIC = b"ulna kernel 2\n"
 _LIMIT = 512 * 2**20  # bytes the folder may hold before the entries unused for longest go
+# no links followed; a pipe that stands in an entry's place is not waited for
+_READING = os.O_RDONLY | sum(getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY"))
 _warned: set[str] = set()
 
 
@@ -64,7 +66,7 @@ def read(name: str) -> bytes | None:
         return None
     path = place / name
     try:
-        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0))
+        descriptor = os.open(path, _READING)
     except OSError:
         return None
     try:

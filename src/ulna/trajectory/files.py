@@ -7,18 +7,22 @@ quintics that have those very states.
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ulna.errors import InputError
+from ulna.files import read_regular
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.inputs import increasing
 from ulna.trajectory.polynomial import Polynomial, hermite
 from ulna.trajectory.space import Poses, Vectors
 
 _FORMAT = "ulna trajectory 1"
+_MOST_POWERS = 64
+"""Polynomials of more coefficients are refused: a file with millions would be compiled for hours."""
 
 
 def save(trajectory: Trajectory, path: str | Path, rate: float | None = None) -> None:
@@ -63,28 +67,55 @@ def load(path: str | Path) -> Polynomial:
     source = Path(path)
     if source.suffix not in (".npz", ".csv"):
         raise InputError(f"`path` is {str(path)!r}; expected a file name that ends in .npz or .csv.")
-    if not source.is_file():
-        raise InputError(f"There is no file {str(path)!r}.")
-    return _from_npz(source) if source.suffix == ".npz" else _from_csv(source)
-
-
-def _from_npz(source: Path) -> Polynomial:
     try:
-        with np.load(source, allow_pickle=False) as data:
-            found: dict[str, Any] = dict(data)
-    except (ValueError, OSError) as error:
+        data = read_regular(source)
+    except FileNotFoundError:
+        raise InputError(f"There is no file {str(path)!r}.") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"The file {str(path)!r} cannot be read: {reason}.") from None
+    return _from_npz(data, source) if source.suffix == ".npz" else _from_csv(data, source)
+
+
+def _from_npz(data: bytes, source: Path) -> Polynomial:
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as content:
+            found: dict[str, Any] = dict(content)
+    except Exception as error:  # zipfile, zlib and NumPy each raise their own kinds
         raise InputError(f"{source} is no .npz file: {error}") from None
-    if not {"times", "coefficients", "names", "kind"} <= found.keys() or found["kind"][0] != _FORMAT:
+    if not _is_ours(found):
         raise InputError(f"{source} holds {sorted(found)}; expected a trajectory that `save` wrote.")
     space = Vectors(tuple(str(n) for n in found["names"]))
-    return Polynomial.of(found["times"], found["coefficients"], str(found["kind"][1]), space)
+    try:
+        made = Polynomial.of(found["times"], found["coefficients"], str(found["kind"][1]), space)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+    if made.coefficients.shape[2] != space.n or made.coefficients.shape[1] > _MOST_POWERS:
+        raise InputError(
+            f"{source} holds coefficients of shape {made.coefficients.shape} and {space.n} names; "
+            f"expected (k, d + 1, {space.n}), with d + 1 at most {_MOST_POWERS}."
+        )
+    return made
 
 
-def _from_csv(source: Path) -> Polynomial:
+def _is_ours(found: dict[str, Any]) -> bool:
+    """Whether all that `save` writes is there, with the names as text."""
+    if not {"times", "coefficients", "names", "kind"} <= found.keys():
+        return False
+    names, kind = found["names"], found["kind"]
+    if names.dtype.kind != "U" or names.ndim != 1 or kind.dtype.kind != "U" or kind.shape != (2,):
+        return False
+    return str(kind[0]) == _FORMAT
+
+
+def _from_csv(data: bytes, source: Path) -> Polynomial:
     import csv
 
-    with source.open(encoding="utf-8", newline="") as file:
-        head, *rows = [row for row in csv.reader(file) if row] or [[]]
+    try:
+        lines = io.StringIO(data.decode("utf-8-sig"), newline="")
+        head, *rows = [row for row in csv.reader(lines) if row] or [[]]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{source} is no table: {error}.") from None
     if not head or head[0] != "t" or len(rows) < 2:
         raise InputError(
             f"{source} has no head line that begins with 't', and at least two rows; nothing was read."
@@ -106,6 +137,8 @@ def _from_csv(source: Path) -> Polynomial:
         raise InputError(
             f"{source} holds nan or inf in row {int(np.argwhere(~np.isfinite(table))[0][0]) + 2}."
         )
+    if not n:
+        raise InputError(f"{source} has no columns of positions.")
     t = increasing("t", table[:, 0], len(table))
     q, v = table[:, 1 : n + 1], table[:, n + 1 : 2 * n + 1]
     return hermite(t, q, v, table[:, 2 * n + 1 :] if with_a else None, "table", Vectors(tuple(names)))

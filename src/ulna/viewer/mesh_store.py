@@ -8,6 +8,7 @@ import re
 
 import numpy as np
 
+from ulna.files import read_regular
 from ulna.trace import cache
 from ulna.viewer.surface import Surface, Texture
 
@@ -21,8 +22,7 @@ def entry(path: str, bound: float = 0.0) -> str:
     """The name under which what a mesh file holds is kept: it changes with the content of all files that it names, and
     with how far surfaces may be from it, in its own units.
     """
-    with open(path, "rb") as file:
-        content = file.read()
+    content = read_regular(path)
     parts: list[str | bytes] = [_FORMAT, f"{bound:.6g}", os.path.splitext(path)[1].lower(), content]
     _add_others(os.path.dirname(path), content, parts)
     return cache.key(*parts)
@@ -37,8 +37,7 @@ def _add_others(folder: str, content: bytes, parts: list[str | bytes], depth: in
     for name in sorted(names):
         other = os.path.join(folder, os.fsdecode(name).replace("\\", "/"))
         if "\0" not in other and os.path.isfile(other):
-            with open(other, "rb") as file:
-                content = file.read()
+            content = read_regular(other)
             parts += [name, content]
             if depth == 0 and other.lower().endswith(".mtl"):
                 _add_others(folder, content, parts, 1)

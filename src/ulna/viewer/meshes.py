@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ulna.errors import InputError
+from ulna.files import refuse_special
 from ulna.geometry.meshes import read_pieces
 from ulna.sim.inputs import one_of
 from ulna.typing import Array, Floats
@@ -52,6 +53,7 @@ def load_mesh(
     """
     check_detail(detail)
     try:
+        refuse_special(path)
         stamp = os.stat(path).st_mtime_ns
     except OSError as error:
         raise InputError(f"Cannot open the mesh file {path!r}: {error.strerror or error}.") from error

@@ -82,6 +82,23 @@ def test_broken_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "t.npz").write_bytes(b"nothing")
     with pytest.raises(InputError, match=r"no \.npz"):
         trajectory.load(tmp_path / "t.npz")
+    (tmp_path / "latin.csv").write_bytes("t,q0,v_q0\n0,1,ä".encode("latin-1"))
+    with pytest.raises(InputError, match="no table"):
+        trajectory.load(tmp_path / "latin.csv")
+    (tmp_path / "bare.csv").write_text("t\n0\n1\n")
+    with pytest.raises(InputError, match="no columns of positions"):
+        trajectory.load(tmp_path / "bare.csv")
+    trajectory.quintic(0.0, 1.0, 1.0).save(tmp_path / "good.npz")
+    content = (tmp_path / "good.npz").read_bytes()
+    (tmp_path / "cut.npz").write_bytes(content[:-30])
+    with pytest.raises(InputError, match=r"no \.npz"):
+        trajectory.load(tmp_path / "cut.npz")
+    with np.load(tmp_path / "good.npz") as kept:
+        arrays = dict(kept)
+    for changed in ({"names": np.array(["a", "b"])}, {"names": np.zeros(1)}, {"kind": np.array("x")}):
+        np.savez(tmp_path / "changed.npz", **{**arrays, **changed})  # type: ignore[arg-type]
+        with pytest.raises(InputError, match="holds"):
+            trajectory.load(tmp_path / "changed.npz")
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
     with pytest.raises(InputError, match="expected a trajectory"):
         trajectory.load(tmp_path / "other.npz")

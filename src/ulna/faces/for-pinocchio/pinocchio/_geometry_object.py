@@ -15,6 +15,7 @@ from pinocchio._materials import GeometryNoMaterial, PhysicsMaterial
 from pinocchio._saved import Saved
 from pinocchio._se3 import SE3, Placed
 from ulna.errors import InputError, MissingExtra
+from ulna.files import special_kind
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.spatial import SE3 as Pose
 from ulna.typing import Floats
@@ -217,9 +218,10 @@ def _of_coal(name: str, shape: Shape) -> Any:
     from ulna.collision.narrow import coal, geometry_of
     from ulna.collision.solids import obstacle_solids
 
-    if isinstance(shape, Mesh) and shape.path is not None and not shape.missing:
+    named = shape.path if isinstance(shape, Mesh) and not shape.missing else None
+    if isinstance(shape, Mesh) and named is not None and not special_kind(named):
         with contextlib.suppress(ValueError):  # a format that coal's reader does not know
-            mesh = coal().MeshLoader().load(shape.path, np.array(shape.scale))
+            mesh = coal().MeshLoader().load(named, np.array(shape.scale))
             if not isinstance(shape, ConvexMesh):
                 return mesh
             mesh.buildConvexRepresentation(False)

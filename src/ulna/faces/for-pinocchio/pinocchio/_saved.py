@@ -21,6 +21,7 @@ import numpy as np
 from pinocchio._arrays import StdVec
 from pinocchio._keywords import by_name
 from ulna.errors import FormatError, InputError
+from ulna.files import read_regular
 
 _SIGN = b"ulna pinocchio 1\n"
 _MEND = "Files of other programs are not read: they belong to the classes of their version. Use URDF between both."
@@ -103,7 +104,7 @@ class Saved:
 
 def _read(filename: Any) -> bytes:
     try:
-        return Path(os.fspath(filename)).read_bytes()
+        return read_regular(os.fspath(filename))
     except OSError as error:
         raise FormatError(f"The file cannot be read: {error.strerror}.", file=str(filename)) from None
 
