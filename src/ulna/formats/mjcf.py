@@ -7,9 +7,12 @@
     free joint, quaternions wxyz                    | FreeFlyer, quaternions xyzw, velocity in the body's frame
     hinge without a range                           | Revolute without limits: an angle that counts turns
     equality of two joints, linear                  | mimic joint
-    keyframes, sites, excluded pairs                | configurations, frames, disabled pairs
+    keyframes, sites                                | configurations, frames
+    exclusions, masks and pairs of contacts          | collision shapes and disabled pairs (`mjcf_contacts`)
+    flags of <option>                                | what they disable is left out (`mjcf_switches`)
+    actuators                                       | effort limits, armature, damping (`mjcf_drives`)
     rest position, where it is not neutral           | the configuration "qpos0"
-    tendons, springs, closed loops, plugins ...     | not in a model; a warning names them
+    tendons, springs, closed loops, plugins ...     | not in a model; a warning names them (`mjcf_omitted`)
 
 Source: MuJoCo documentation, "XML reference" and "Computation", kinematics of joints.
 """
@@ -18,13 +21,15 @@ from __future__ import annotations
 
 import os
 import re
-import warnings
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from ulna.errors import FormatError, InputError, ModelError, ModelWarning, UnknownName
+from ulna.errors import FormatError, InputError, ModelError, UnknownName
+from ulna.formats.mjcf_contacts import contacts
+from ulna.formats.mjcf_couplings import couplings
+from ulna.formats.mjcf_drives import Drives
+from ulna.formats.mjcf_omitted import Audit
 from ulna.formats.mjcf_parse import (
     BALL,
     FREE,
@@ -38,18 +43,11 @@ from ulna.formats.mjcf_parse import (
     text_or_file,
 )
 from ulna.formats.mjcf_shapes import Shapes
+from ulna.formats.mjcf_switches import Switches
+from ulna.formats.omitted import warn_of_omissions
 from ulna.formats.root import root_kind
 from ulna.model import Fixed, FreeFlyer, JointKind, Model, ModelBuilder, Prismatic, Revolute, Spherical
 from ulna.spatial import SE3, Inertia
-
-SAME_JOINTS = 2
-"""mjEQ_JOINT of mjtEq."""
-
-NO_GRAVITY = 1 << 7
-"""mjDSBL_GRAVITY of mjtDisableBit."""
-
-JOINT_TRANSMISSIONS = (0, 1)
-"""mjTRN_JOINT and mjTRN_JOINTINPARENT of mjtTrn."""
 
 Root = str | JointKind | None
 
@@ -91,27 +89,32 @@ class _Reading:
     """One compiled file on its way into a builder."""
 
     def __init__(self, compiled: CompiledMjcf, file: str | None) -> None:
-        self._m, self._file = compiled.model, file
-        self._shapes = Shapes(compiled.model, compiled.mesh_folder, file)
+        self._m, self._compiled, self._file = compiled.model, compiled, file
+        self._switches = Switches.of(compiled.model)
+        self._drives = Drives(compiled.model, self._switches)
+        self._joined = couplings(compiled.model, self._switches.equalities)
+        self._touching = contacts(compiled.model, self._switches)
+        self._shapes = Shapes(compiled.model, compiled.mesh_folder, file, self._touching.geoms)
         self._links, self._joints = names_of(compiled.model)
 
     def builder(self, root: JointKind | None, mimic: bool) -> ModelBuilder:
         m = self._m
         builder = ModelBuilder(re.sub(r"\0.*", "", m.names.decode(), flags=re.S) or "mjcf", source=self._file)
-        builder.gravity = np.zeros(3) if m.opt.disableflags & NO_GRAVITY else np.array(m.opt.gravity)
+        builder.gravity = np.array(m.opt.gravity) if self._switches.gravity else np.zeros(3)
         if root is not None:
             builder.root_joint(root)
-        followed = self._followed() if mimic else {}
         for body in range(m.nbody):
             visuals, collisions = self._shapes.of_body(body)
-            inertia = self._inertia(body) if body and m.body_mass[body] > 0.0 else None
+            heavy = body and (m.body_mass[body] > 0.0 or np.any(m.body_inertia[body]))
+            inertia = self._inertia(body) if heavy else None
             builder.add_link(self._links[body], inertia, visuals, collisions)
         for body in range(1, m.nbody):
-            self._hang(builder, body, followed)
+            self._hang(builder, body, mimic)
         self._add_frames(builder)
         self._add_configurations(builder)
         self._disable_pairs(builder)
-        self._report()
+        audit = Audit(self._compiled, self._switches, self._drives, self._joined, self._touching)
+        warn_of_omissions(audit.omissions(self._shapes.left), self._file, stacklevel=4)
         return builder
 
     def _inertia(self, body: int) -> Inertia:
@@ -121,7 +124,7 @@ class _Reading:
         matrix = R @ np.diag(m.body_inertia[body]) @ R.T
         return Inertia(float(m.body_mass[body]), frame.translation, (matrix + matrix.T) / 2.0)
 
-    def _hang(self, builder: ModelBuilder, body: int, followed: dict[int, tuple[str, float, float]]) -> None:
+    def _hang(self, builder: ModelBuilder, body: int, mimic: bool) -> None:
         """Joins a body with its parent: by a fixed joint, or by its joints in a row."""
         m = self._m
         parent, child = self._links[m.body_parentid[body]], self._links[body]
@@ -146,7 +149,7 @@ class _Reading:
                 where,
                 offset=offset,
                 **self._bounds(j),
-                mimic=followed.get(j),
+                mimic=self._followed(j) if mimic else None,
             )
             parent, place = below, SE3.identity()
 
@@ -167,52 +170,26 @@ class _Reading:
 
     def _bounds(self, j: int) -> dict[str, Any]:
         """Limits and losses of a joint, as `add_joint` takes them."""
-        m = self._m
-        dof = slice(
-            int(m.jnt_dofadr[j]), int(m.jnt_dofadr[j]) + {FREE: 6, BALL: 3}.get(int(m.jnt_type[j]), 1)
-        )
+        m, drives = self._m, self._drives
         found: dict[str, Any] = {
-            "damping": m.dof_damping[dof],
-            "friction": m.dof_frictionloss[dof],
-            "armature": m.dof_armature[dof],
+            "damping": drives.damping(j),
+            "friction": drives.friction(j),
+            "armature": drives.armature(j),
         }
-        if m.jnt_type[j] in (SLIDE, HINGE):
-            if m.jnt_limited[j]:
+        if drives.scalar_joint(j):
+            if m.jnt_limited[j] and self._switches.limits:
                 found["lower"], found["upper"] = (float(x) for x in m.jnt_range[j])
-            effort = self._effort(j)
+            effort = max(abs(x) for x in drives.force_range(j))
             if effort < np.inf:
                 found["effort"] = effort
         return found
 
-    def _effort(self, j: int) -> float:
-        """The largest force or torque of a joint [N, N m]: of the joint itself, and of its actuators."""
-        m = self._m
-        own = float(np.abs(m.jnt_actfrcrange[j]).max()) if m.jnt_actfrclimited[j] else np.inf
-        driven = [
-            float(np.abs(m.actuator_forcerange[a]).max() * abs(m.actuator_gear[a, 0]))
-            if m.actuator_forcelimited[a]
-            else np.inf
-            for a in range(m.nu)
-            if m.actuator_trntype[a] in JOINT_TRANSMISSIONS and m.actuator_trnid[a, 0] == j
-        ]
-        return min(own, sum(driven) if driven else np.inf)
-
-    def _followed(self) -> dict[int, tuple[str, float, float]]:
-        """Who follows whom: q1 - r1 = c0 + c1 (q2 - r2), with the rest positions r."""
-        m, out = self._m, {}
-        for e in self._couplings():
-            one, two, (c0, c1) = int(m.eq_obj1id[e]), int(m.eq_obj2id[e]), m.eq_data[e, :2]
-            r1, r2 = (float(m.qpos0[m.jnt_qposadr[j]]) for j in (one, two))
-            out[one] = (self._joints[two], float(c1), float(c0 + r1 - c1 * r2))
-        return out
-
-    def _couplings(self) -> Iterator[int]:
-        """Equalities that make a mimic joint: of two joints, linear, active."""
-        m = self._m
-        for e in range(m.neq):
-            linear = m.eq_type[e] == SAME_JOINTS and not np.any(m.eq_data[e, 2:5]) and m.eq_data[e, 1]
-            if linear and m.eq_obj2id[e] >= 0 and m.eq_active0[e]:
-                yield e
+    def _followed(self, j: int) -> tuple[str, float, float] | None:
+        """Whom a joint follows, as `add_joint` takes it."""
+        if j not in self._joined.followed:
+            return None
+        leader, multiplier, offset = self._joined.followed[j]
+        return self._joints[leader], multiplier, offset
 
     def _add_frames(self, builder: ModelBuilder) -> None:
         m = self._m
@@ -243,24 +220,5 @@ class _Reading:
         return q
 
     def _disable_pairs(self, builder: ModelBuilder) -> None:
-        for signature in self._m.exclude_signature:
-            one, two = int(signature) >> 16, int(signature) & 0xFFFF
-            if one != two:
-                builder.disable_pair(self._links[one], self._links[two])
-
-    def _report(self) -> None:
-        """Warns of what the file has and a model has not."""
-        m = self._m
-        others = m.neq - sum(1 for _ in self._couplings())
-        left = {
-            "springs of joints": int(np.count_nonzero(m.jnt_stiffness)),
-            "tendons": int(m.ntendon),
-            "equalities (closed loops: ulna.formats.mjcf_loops.loops_from_mjcf)": int(others),
-            "bodies with compensated gravity": int(np.count_nonzero(m.body_gravcomp)),
-            "plugins": int(m.nplugin),
-            **self._shapes.left,
-        }
-        words = [f"{count} {what}" for what, count in left.items() if count]
-        if words:
-            text = f"{self._file or '<string>'}: left out, because a model has no place for them: "
-            warnings.warn(text + ", ".join(words) + ".", ModelWarning, stacklevel=2)
+        for one, two in self._touching.disabled:
+            builder.disable_pair(self._links[one], self._links[two])

@@ -6,6 +6,7 @@ import os
 from typing import Any
 
 from ulna.formats.mjcf_parse import names_of, pose_of, read_mjcf
+from ulna.formats.mjcf_switches import Switches
 from ulna.model import FrameLoop, PointLoop
 from ulna.spatial import SE3
 from ulna.typing import Floats
@@ -19,6 +20,8 @@ SITE = 6
 def loops_from_mjcf(source: str | os.PathLike[str]) -> tuple[PointLoop | FrameLoop, ...]:
     """The constraints that close the loops of an MJCF file or text, those that are active when it starts.
 
+    There are none where the file disables equalities.
+
         robot = ulna.load("four_bar.xml")
         a = robot.constrained_dynamics(q, v, tau, loops_from_mjcf("four_bar.xml"))
 
@@ -30,6 +33,8 @@ def loops_from_mjcf(source: str | os.PathLike[str]) -> tuple[PointLoop | FrameLo
     """
     m = read_mjcf(source).model
     links, _ = names_of(m)
+    if not Switches.of(m).equalities:
+        return ()
     kinds = (CONNECT, WELD)
     return tuple(_loop(m, links, e) for e in range(m.neq) if m.eq_type[e] in kinds and m.eq_active0[e])
 

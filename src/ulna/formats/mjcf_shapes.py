@@ -20,10 +20,17 @@ NO_COLOUR = (0.5, 0.5, 0.5, 1.0)
 
 
 class Shapes:
-    """Geoms of one file; `left` counts those that have no shape here."""
+    """Geoms of one file; `left` counts those that have no shape here.
 
-    def __init__(self, compiled: Any, mesh_folder: str, file: str | None) -> None:
-        self._m = compiled
+    Args:
+        compiled: the `mujoco.MjModel`.
+        mesh_folder: the folder of the meshes, seen from the file.
+        file: the name of the file; None for text.
+        touching: indices of the geoms that can touch something.
+    """
+
+    def __init__(self, compiled: Any, mesh_folder: str, file: str | None, touching: frozenset[int]) -> None:
+        self._m, self._touching = compiled, touching
         folder = os.path.dirname(os.path.abspath(file)) if file else os.getcwd()
         self._folder = os.path.join(folder, mesh_folder)
         self.left: dict[str, int] = {}
@@ -34,12 +41,11 @@ class Shapes:
         drawn: list[Geometry] = []
         hard: list[Geometry] = []
         for g in range(int(m.body_geomadr[body]), int(m.body_geomadr[body] + m.body_geomnum[body])):
-            found = self._geometry(g)
-            if found is None:
-                continue
-            if m.geom_group[g] in DRAWN_GROUPS:
+            visible, touching = m.geom_group[g] in DRAWN_GROUPS, g in self._touching
+            found = self._geometry(g) if visible or touching else None
+            if found is not None and visible:
                 drawn.append(found)
-            if m.geom_contype[g] or m.geom_conaffinity[g]:
+            if found is not None and touching:
                 hard.append(found)
         return tuple(drawn), tuple(hard)
 

@@ -1,0 +1,106 @@
+"""Which bodies of a compiled MJCF file may touch: its masks, exclusions, pairs and flags as pairs of links.
+
+Source: MuJoCo documentation, "Computation", collision detection: the selection of pairs of geoms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ulna.formats.mjcf_switches import Switches
+
+Masks = tuple[tuple[int, int], ...]
+"""contype and conaffinity of the geoms of a body, each pair of numbers once."""
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """The selection of contacts of a file.
+
+    Attributes:
+        geoms: indices of the geoms that can touch something.
+        disabled: pairs of bodies, by index, that never touch.
+        mixed: pairs of bodies of which some geoms may touch and others not.
+    """
+
+    geoms: frozenset[int]
+    disabled: tuple[tuple[int, int], ...]
+    mixed: tuple[tuple[int, int], ...]
+
+
+def contacts(m: Any, switches: Switches) -> Contacts:
+    """What may touch what in a compiled model."""
+    paired = {int(g) for ends in (m.pair_geom1, m.pair_geom2) for g in ends}
+    geoms = [g for g in range(m.ngeom) if m.geom_contype[g] or m.geom_conaffinity[g] or g in paired]
+    if not switches.contacts:
+        return Contacts(frozenset(), (), ())
+    excluded = {(one, two) for one, two in map(_bodies, m.exclude_signature) if one != two}
+    chosen = _chosen(m)
+    masks = _masks(m, geoms)
+    disabled, mixed = set(excluded), []
+    bodies = sorted(masks)
+    alike = len({mask for of_body in masks.values() for mask in of_body}) == 1
+    for k, one in enumerate(bodies):
+        # Where all masks are equal, and that is nearly always, only neighbours need a look.
+        others = bodies[k + 1 :]
+        if alike and _meet(masks[one][0], masks[one][0]):
+            others = [
+                b for b in others if m.body_weldid[m.body_parentid[m.body_weldid[b]]] == m.body_weldid[one]
+            ]
+        for two in others:
+            if (one, two) in excluded or m.body_weldid[one] == m.body_weldid[two]:
+                continue
+            allowed = {_meet(a, b) for a in masks[one] for b in masks[two]}
+            if allowed == {False} or _filtered(m, one, two, switches):
+                disabled.add((one, two))
+            elif len(allowed) == 2:
+                mixed.append((one, two))
+    partly = [pair for pair, every in sorted(chosen.items()) if pair in disabled and not every]
+    return Contacts(frozenset(geoms), tuple(sorted(disabled.difference(chosen))), (*mixed, *partly))
+
+
+def _chosen(m: Any) -> dict[tuple[int, int], bool]:
+    """The pairs of bodies of which <pair> names geoms, and whether it names all their geoms that can touch."""
+    named: dict[tuple[int, int], set[tuple[int, int]]] = {}
+    for ends in zip(m.pair_geom1, m.pair_geom2, strict=True):
+        one, two = sorted((int(g) for g in ends), key=lambda g: int(m.geom_bodyid[g]))
+        named.setdefault((int(m.geom_bodyid[one]), int(m.geom_bodyid[two])), set()).add((one, two))
+    paired = {int(g) for ends in (m.pair_geom1, m.pair_geom2) for g in ends}
+    touching = (m.geom_contype != 0) | (m.geom_conaffinity != 0)
+    touching[list(paired)] = True
+    count = np.bincount(m.geom_bodyid[touching], minlength=m.nbody)
+    return {(a, b): len(pairs) == count[a] * count[b] for (a, b), pairs in named.items()}
+
+
+def _masks(m: Any, geoms: list[int]) -> dict[int, Masks]:
+    found: dict[int, dict[tuple[int, int], None]] = {}
+    for g in geoms:
+        mask = (int(m.geom_contype[g]), int(m.geom_conaffinity[g]))
+        found.setdefault(int(m.geom_bodyid[g]), {})[mask] = None
+    return {body: tuple(masks) for body, masks in found.items()}
+
+
+def _meet(one: tuple[int, int], two: tuple[int, int]) -> bool:
+    return bool(one[0] & two[1] or two[0] & one[1])
+
+
+def _filtered(m: Any, one: int, two: int, switches: Switches) -> bool:
+    """Whether two bodies do not touch because one carries the other, by more than one joint.
+
+    Links joined by one joint are left out of the checks of collision in any case.
+    """
+    if not switches.filtered_parents:
+        return False
+    a, b = int(m.body_weldid[one]), int(m.body_weldid[two])
+    for child, other in ((a, b), (b, a)):
+        if child and other and m.body_weldid[m.body_parentid[child]] == other and m.body_jntnum[child] > 1:
+            return True
+    return False
+
+
+def _bodies(signature: Any) -> tuple[int, int]:
+    one, two = int(signature) >> 16, int(signature) & 0xFFFF
+    return (one, two) if one < two else (two, one)

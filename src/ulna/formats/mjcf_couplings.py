@@ -1,0 +1,85 @@
+"""The equalities of joints in a compiled MJCF file as mimic joints: who follows whom, and which equalities are left.
+
+Every equality q1 - r1 = c0 + c1 (q2 - r2), with the rest positions r, is an edge between two joints. The edges of a
+spanning forest become mimic joints, turned round where that is needed; an edge more is either true already or not.
+
+Source: MuJoCo documentation, "XML reference", equality/joint.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+SAME_JOINTS = 2
+"""mjEQ_JOINT of mjtEq."""
+
+Relation = tuple[float, float]
+"""(multiplier, offset): q = multiplier q_other + offset."""
+
+
+@dataclass(frozen=True)
+class Couplings:
+    """How the joints of a file follow one another.
+
+    Attributes:
+        followed: for each joint that follows another, by index: the index of that one, multiplier, offset.
+        kept: indices of the equalities that these relations keep.
+    """
+
+    followed: dict[int, tuple[int, float, float]]
+    kept: frozenset[int]
+
+
+def couplings(m: Any, equalities_on: bool = True) -> Couplings:
+    """The couplings of a compiled model, those that are active when it starts."""
+    edges = {e: _edge(m, e) for e in range(m.neq) if _is_linear(m, e)} if equalities_on else {}
+    neighbours: dict[int, list[tuple[int, int, Relation]]] = {}
+    for e, (one, two, relation) in edges.items():
+        neighbours.setdefault(one, []).append((e, two, _inverse(relation)))
+        neighbours.setdefault(two, []).append((e, one, relation))
+    followers = {one for one, _, _ in edges.values()}
+    order = [*(j for j in neighbours if j not in followers), *neighbours]
+    from_root: dict[int, Relation] = {}
+    followed: dict[int, tuple[int, float, float]] = {}
+    for root in order:
+        if root in from_root:
+            continue
+        from_root[root] = (1.0, 0.0)
+        waiting = [root]
+        while waiting:
+            leader = waiting.pop()
+            for _, other, relation in neighbours[leader]:
+                if other not in from_root:
+                    from_root[other] = _after(relation, from_root[leader])
+                    followed[other] = (leader, *relation)
+                    waiting.append(other)
+    kept = {e for e, (one, two, r) in edges.items() if _same(from_root[one], _after(r, from_root[two]))}
+    return Couplings(followed, frozenset(kept))
+
+
+def _is_linear(m: Any, e: int) -> bool:
+    line = m.eq_type[e] == SAME_JOINTS and not np.any(m.eq_data[e, 2:5]) and m.eq_data[e, 1] != 0.0
+    return bool(line and m.eq_obj2id[e] >= 0 and m.eq_obj1id[e] != m.eq_obj2id[e] and m.eq_active0[e])
+
+
+def _edge(m: Any, e: int) -> tuple[int, int, Relation]:
+    one, two = int(m.eq_obj1id[e]), int(m.eq_obj2id[e])
+    c0, c1 = (float(c) for c in m.eq_data[e, :2])
+    r1, r2 = (float(m.qpos0[m.jnt_qposadr[j]]) for j in (one, two))
+    return one, two, (c1, c0 + r1 - c1 * r2)
+
+
+def _inverse(relation: Relation) -> Relation:
+    k, d = relation
+    return 1.0 / k, -d / k
+
+
+def _after(outer: Relation, inner: Relation) -> Relation:
+    return outer[0] * inner[0], outer[0] * inner[1] + outer[1]
+
+
+def _same(one: Relation, two: Relation) -> bool:
+    return bool(np.allclose(one, two, rtol=1e-9, atol=1e-12))
