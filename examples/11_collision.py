@@ -4,7 +4,7 @@ You should see the arm over a table with a box: the nearest pair with its distan
 exact shapes and by covering spheres (which never say free where the shapes touch), and when a straight motion
 through the box first touches it.
 
-Needs: pip install 'ulna[collision]'
+Needs: pip install '.[collision]' in Ulna's folder
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ lowering take, and how near to its place it is put down; then that every leg is 
     python examples/17_pick_and_place.py --show            # in the viewer
     python examples/17_pick_and_place.py --film pick.mp4    # as a film, or .gif
 
-Needs: pip install 'ulna[collision]', for --show 'ulna[viewer]', for --film 'ulna[film]'
+Needs: pip install '.[collision]' in Ulna's folder, for --show '.[viewer]', for --film '.[film]'
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 You should see that without rows of obstacles the arm goes 67 mm deep into the ball, and with them passes it at 20 mm;
 that it leans away from a ball thrown slowly at it, and comes back; and that it folds without touching itself.
 
-Needs: pip install 'ulna[collision,qp]'
+Needs: pip install '.[collision,qp]' in Ulna's folder
 """
 
 from __future__ import annotations

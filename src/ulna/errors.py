@@ -24,6 +24,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+from ulna.extras import install_command
+
 
 class UlnaError(Exception):
     """Base of every exception that Ulna raises on purpose."""
@@ -133,9 +135,8 @@ class MissingExtra(UlnaError, ImportError):
 
     def __init__(self, package: str, extra: str, purpose: str) -> None:
         self.package, self.extra, self.purpose = package, extra, purpose
-        super().__init__(
-            f"{purpose} needs the package {package!r}. Install it with: pip install 'ulna[{extra}]'"
-        )
+        command = install_command(extra, package)
+        super().__init__(f"{purpose} needs the package {package!r}. Install it with: {command}")
 
 
 class TraceError(UlnaError, TypeError):

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from ulna.errors import InputError, MissingExtra, ViewerError
+from ulna.extras import install_command
 from ulna.typing import Array
 from ulna.viewer import client, guard
 
@@ -95,7 +96,7 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
         stop(server)
         raise ViewerError(
             f"viser {viser.__version__} opens its socket in a way that cannot be guarded against other web "
-            "pages. Install a version that can: pip install 'ulna[viewer]'"
+            f"pages. Install a version that can: {install_command('viewer', 'viser')}"
         )
     from viser import _messages
 

@@ -13,6 +13,7 @@ import warnings
 import numpy as np
 
 from ulna.errors import UlnaWarning
+from ulna.extras import install_command
 from ulna.typing import Array
 from ulna.viewer.surface import linear_from_srgb
 
@@ -58,7 +59,8 @@ def _pyramid(image: bytes) -> tuple[Array, ...]:
         decoded = np.asarray(Image.open(io.BytesIO(image)).convert("RGB"))
     except ImportError:
         warnings.warn(
-            "Textures are drawn in their mean colour: they need the package 'pillow', which ulna[film] brings.",
+            "Textures are drawn in their mean colour: they need the package 'pillow'. Install it with: "
+            + install_command("film", "pillow"),
             UlnaWarning,
             stacklevel=6,
         )

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ulna.errors import UlnaWarning
+from ulna.extras import install_command
 from ulna.typing import Array
 from ulna.viewer.camera import Camera
 from ulna.viewer.content import Text
@@ -32,7 +33,8 @@ def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> A
         from PIL import Image, ImageDraw
     except ImportError:
         warnings.warn(
-            "Words are left out of the picture: they need the package 'pillow', which ulna[film] brings.",
+            "Words are left out of the picture: they need the package 'pillow'. Install it with: "
+            + install_command("film", "pillow"),
             UlnaWarning,
             stacklevel=3,
         )

@@ -224,7 +224,7 @@ def test_coal_that_is_not_there(monkeypatch: pytest.MonkeyPatch, robot: ulna.Rob
         return true_import(name, *args, **kwargs)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(MissingExtra, match=r"ulna\[collision\]"):
+    with pytest.raises(MissingExtra, match=r"pip install .*'coal>="):
         Checker(robot.model)
 
 

@@ -242,5 +242,5 @@ def test_a_missing_file_has_our_message(tmp_path: Path) -> None:
 
 def test_without_mujoco_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(MissingExtra, match=r"ulna\[mjcf\]"):
+    with pytest.raises(MissingExtra, match=r"pip install .*'mujoco>="):
         ulna.load(ARM)

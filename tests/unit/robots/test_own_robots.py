@@ -138,7 +138,9 @@ def test_cad_visuals(name):
 def test_without_the_meshes(monkeypatch):
     monkeypatch.setattr(example_robot_data, "share_folder", lambda: None)
     assert build_own("panda") == build_own("panda", visuals="simple")
-    with pytest.raises(MissingExtra, match=r"CAD meshes for 'ur5' needs .* pip install 'ulna\[robots\]'"):
+    with pytest.raises(
+        MissingExtra, match=r"CAD meshes for 'ur5' needs .* pip install 'example-robot-data>="
+    ):
         build_own("ur5", visuals="cad")
 
 

@@ -475,7 +475,9 @@ def test_dask():
 def test_without_dask_the_extra_is_named(double, monkeypatch):
     monkeypatch.setitem(sys.modules, "dask", None)
     monkeypatch.setitem(sys.modules, "dask.array", None)
-    with pytest.raises(ImportError, match=r"Dask arrays needs the package 'dask'.*ulna\[cluster\]"):
+    with pytest.raises(
+        ImportError, match=r"Dask arrays needs the package 'dask'.*pip install .*'dask\[array\]>="
+    ):
         double.dask(np.zeros(3))
 
 

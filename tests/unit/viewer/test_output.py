@@ -120,7 +120,7 @@ def test_what_is_no_film_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     with pytest.raises(InputError, match="at least one"):
         write_film(tmp_path / "a.gif", [], 25.0)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(MissingExtra, match=r"ulna\[film\]"):
+    with pytest.raises(MissingExtra, match=r"pip install .*'imageio-ffmpeg>="):
         write_film(tmp_path / "a.mp4", pictures(1), 25.0)
 
 

@@ -157,7 +157,7 @@ def test_without_viser_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> No
     import sys
 
     monkeypatch.setitem(sys.modules, "viser", None)
-    with pytest.raises(MissingExtra, match=r"ulna\[viewer\]"):
+    with pytest.raises(MissingExtra, match=r"pip install .*'viser<"):
         Page(Scene(), port=0)
 
 

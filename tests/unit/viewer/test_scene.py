@@ -242,7 +242,7 @@ def test_without_the_mesh_reader_the_extra_is_named_once(tmp_path, monkeypatch: 
     (tmp_path / "b.stl").write_text("")
     monkeypatch.setitem(sys.modules, "trimesh", None)
     visuals = [Geometry(n, Mesh(str(tmp_path / n))) for n in ("a.stl", "b.stl")]
-    with pytest.warns(ModelWarning, match=r"ulna\[mesh\]") as said:
+    with pytest.warns(ModelWarning, match=r"pip install .*trimesh>=") as said:
         assert link_surfaces(visuals) == ()
     assert len({str(w.message) for w in said}) == 1
 

@@ -37,8 +37,11 @@ def _installed() -> ModuleSpec | None:
 
 _spec = _installed()
 if _spec is None or _spec.loader is None:
+    from ulna.extras import install_command
+
     raise ModuleNotFoundError(
-        'spatialmath is not installed; it comes with: pip install "ulna[toolbox]"', name=__name__
+        f"spatialmath is not installed; it comes with: {install_command('toolbox', 'spatialmath-python')}",
+        name=__name__,
     )
 _itself = importlib.util.module_from_spec(_spec)
 sys.modules[__name__] = _itself  # what `import spatialmath` gives

@@ -297,7 +297,7 @@ def test_rows_need_daqp_only_where_they_matter(panda: ulna.Robot, q, goal, monke
     ik.velocity(q, DT, goal)
     low = goal.copy()
     low[2, 3] -= 1.0
-    with pytest.raises(MissingExtra, match=r"ulna\[qp\]"):
+    with pytest.raises(MissingExtra, match=r"pip install .*'daqp>="):
         ik.velocity(q, DT, low, panda_hand_plane=[0.0, 0.0, 1.0, height])
 
 
