@@ -21,6 +21,7 @@ from ulna.errors import InputError, UnknownName
 from ulna.model import Frame, Model
 from ulna.recipes import constraints, dynamics, operational
 from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, Q, Recipe, Size, frame_of, on_model
+from ulna.recipes.mass import MASS_PARAMETERS, WithMass, check_mass
 from ulna.trace import Function, compile, element_of, trace
 from ulna.typing import Array
 
@@ -263,13 +264,15 @@ def kernel(
     Raises:
         UnknownName: For an unknown kernel, parameter, option, frame or reference; names the nearest.
     """
-    _, chosen = _choose(name, options)
+    recipe, chosen = _choose(name, options)
     told = _told(model, parameters)
     key = (model.fingerprint, name, element_of(dtype).name, checked, told, tuple(chosen.items()))
     with _lock:
         found = _made.get(key)
         if found is None:
             unit = _quaternions(model, name) if checked else ()
+            if isinstance(recipe.build, WithMass) and not MASS_PARAMETERS & set(told):
+                check_mass(model, element_of(dtype).name)
             traced = function(model, name, parameters=told, **chosen)
             found = _made[key] = compile(traced, dtype=dtype, checked=checked, unit_entries=unit)
             _recent.append(found)

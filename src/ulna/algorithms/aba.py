@@ -27,7 +27,7 @@ import numpy as np
 from ulna.algorithms.articulated import Articulated
 from ulna.algorithms.crba import columns_of
 from ulna.algorithms.external import External, batches
-from ulna.algorithms.factors import is_zero
+from ulna.algorithms.factors import inverted, is_zero
 from ulna.algorithms.lumps import felt, turning_axis
 from ulna.algorithms.rnea import less_external, rates, wrench
 from ulna.algorithms.tidy import tidy
@@ -60,6 +60,7 @@ def aba(model: Model, q: Array, v: Array, tau: Array, external: External = None)
 
     Raises:
         InputError: the model has mimic joints; `forward_dynamics` takes them.
+        ZeroPivot: A motion moves no inertia, whatever the inputs.
     """
     if any(joint.mimic is not None for joint in model.joints):
         raise InputError(
@@ -77,7 +78,7 @@ def aba(model: Model, q: Array, v: Array, tau: Array, external: External = None)
         inertia, force = inertias[i], forces[i]
         for k, s in columns_of(step):
             u = inertia.apply(s)
-            reciprocal = 1.0 / (s.dot(u) + model.armature[k])
+            reciprocal = inverted(s.dot(u) + model.armature[k], k)
             g = (tau[..., k] - s.dot(force)) * reciprocal
             passed[i].append(_Column(k, s, u, reciprocal, g))
             inertia, force = inertia.less(u, reciprocal, s, is_zero(model.armature[k])), force + u * g

@@ -21,9 +21,21 @@ from typing import Any
 
 import numpy as np
 
+from ulna.errors import ModelError
 from ulna.linalg import reciprocal_above
 from ulna.numeric import matrix
 from ulna.typing import Array
+
+
+class ZeroPivot(ModelError):
+    """A motion moves no inertia, whatever the inputs: a matrix that depends on nothing there cannot be inverted."""
+
+    def __init__(self, index: int) -> None:
+        self.index = index
+        super().__init__(
+            f"Entry {index} of v moves no inertia, and its drive has no armature, so that forces accelerate it without "
+            "bound. Lock the joint, or give it inertia or armature."
+        )
 
 
 class Factors:
@@ -36,7 +48,11 @@ class Factors:
     """
 
     def __init__(self, M: Array, floors: Sequence[Any] | None = None) -> None:
-        """Factors `M`; a pivot that is not above its floor has a reciprocal of zero, and its entry of solutions too."""
+        """Factors `M`; a pivot that is not above its floor has a reciprocal of zero, and its entry of solutions too.
+
+        Raises:
+            ZeroPivot: without floors, a pivot is zero whatever the inputs.
+        """
         n = M.shape[-1]
         rows = [[M[..., i, j] for j in range(i + 1)] for i in range(n)]
         self.lower: list[dict[int, Any]] = [{} for _ in range(n)]
@@ -44,7 +60,7 @@ class Factors:
         self.reciprocals: list[Any] = [None] * n
         for k in reversed(range(n)):
             self.pivots[k] = pivot = rows[k][k]
-            self.reciprocals[k] = 1.0 / pivot if floors is None else reciprocal_above(pivot, floors[k])
+            self.reciprocals[k] = inverted(pivot, k) if floors is None else reciprocal_above(pivot, floors[k])
             filled = [j for j in range(k) if not is_zero(rows[k][j])]
             self.lower[k] = {j: rows[k][j] * self.reciprocals[k] for j in filled}
             for i in filled:
@@ -116,5 +132,16 @@ class Factors:
 def is_zero(x: Any) -> bool:
     """Whether a number, every number of a batch, or a traced number that depends on nothing, is zero."""
     if isinstance(x, np.ndarray):
-        return x.dtype != object and not x.any()
+        return all(map(is_zero, x.flat)) if x.dtype == object else not x.any()
     return getattr(x, "_known_", x if isinstance(x, (int, float)) else None) == 0.0
+
+
+def inverted(pivot: Any, index: int) -> Any:
+    """1 / pivot, the inertia that entry `index` of v moves while what is beyond it gives way.
+
+    Raises:
+        ZeroPivot: it is zero whatever the inputs.
+    """
+    if is_zero(pivot):
+        raise ZeroPivot(index)
+    return 1.0 / pivot

@@ -6,9 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ulna.errors import InputError, ModelError
+from ulna.errors import InputError
 from ulna.model import Frame, Model
-from ulna.numeric import is_symbolic
 
 Size = str | tuple[int | str, ...]
 Arguments = tuple[tuple[str, Size], ...]
@@ -48,41 +47,6 @@ def frame_of(model: Model, name: str | None) -> Frame:
     if name is not None and not isinstance(name, str):
         raise InputError(f"`frame` is {name!r}; expected the name of one frame, or None for the tool.")
     return model.frame(model.tool if name is None else name)
-
-
-def with_mass(build: Callable[..., Callable[..., Any]]) -> Callable[..., Callable[..., Any]]:
-    """A recipe that divides by the mass each joint moves, and refuses a model with a joint that moves none.
-
-    Raises:
-        ModelError: If a joint moves no mass and its drive has none; names such joints.
-    """
-
-    def checked(model: Model, **options: Any) -> Callable[..., Any]:
-        idle = _joints_without_mass(model)
-        if idle:
-            named = ", ".join(map(repr, idle))
-            raise ModelError(
-                f"Forces would accelerate {named} of {model.name!r} without bound: nothing they move has mass, and "
-                f"their drives have no armature. Lock them (robot.lock([{named}])), give their links inertia, or give "
-                "them armature (robot.with_parameters({'armature': ...}))."
-            )
-        return build(model, **options)
-
-    return checked
-
-
-def _joints_without_mass(model: Model) -> list[str]:
-    masses = [inertia.mass for inertia in model.inertias]
-    if is_symbolic(*masses, model.armature):  # told when the kernel is called
-        return []
-    idle = []
-    for joint in (j for j in model.joints if j.mimic is None):
-        movers = [k for k, j in enumerate(model.joints) if j.idx_v == joint.idx_v]  # itself and its followers
-        moved = {i for k in movers for i in model.subtree(k)}
-        drive = model.armature[joint.idx_v : joint.idx_v + joint.nv]
-        if not any(masses[i] for i in moved) and not drive.any():
-            idle.append(joint.name)
-    return idle
 
 
 def on_model(function: Callable[..., Any]) -> Callable[..., Callable[..., Any]]:

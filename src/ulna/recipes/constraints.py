@@ -9,8 +9,9 @@ from ulna import algorithms
 from ulna.algorithms import Proximal, Stabilisation
 from ulna.model import Model
 from ulna.model.constraint import bonds
-from ulna.recipes.base import QV, QVTAU, Arguments, Q, Recipe, with_mass
+from ulna.recipes.base import QV, QVTAU, Arguments, Q, Recipe
 from ulna.recipes.dynamics import FORCES, law_of, wrenches
+from ulna.recipes.mass import with_mass
 from ulna.typing import Array
 
 _BOUND = {"constraints": ()}

@@ -8,7 +8,8 @@ from typing import Any
 from ulna import algorithms
 from ulna.algorithms import Friction
 from ulna.model import Model
-from ulna.recipes.base import QV, QVA, QVTAU, Arguments, Q, Recipe, on_model, with_mass
+from ulna.recipes.base import QV, QVA, QVTAU, Arguments, Q, Recipe, on_model
+from ulna.recipes.mass import with_mass
 from ulna.typing import Array
 
 FORCES = {"forces": (), "reference": "local_world_aligned"}

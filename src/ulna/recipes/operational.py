@@ -7,7 +7,8 @@ from typing import Any
 
 from ulna import algorithms
 from ulna.model import Model
-from ulna.recipes.base import IN_FRAME, QV, QVTAU, Q, Recipe, frame_of, with_mass
+from ulna.recipes.base import IN_FRAME, QV, QVTAU, Q, Recipe, frame_of
+from ulna.recipes.mass import with_mass
 
 _TASK = {**IN_FRAME, "representation": None, "damping": 0.0}
 

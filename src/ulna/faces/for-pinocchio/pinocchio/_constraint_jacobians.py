@@ -18,7 +18,7 @@ from pinocchio._proximal import damping_of
 from pinocchio._runs import refuse
 from ulna import algorithms
 from ulna.model import Model as TowerModel
-from ulna.recipes.base import with_mass
+from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
 
 __all__ = [

@@ -21,7 +21,7 @@ from ulna.algorithms.constrained_dynamics_damped import Damped, damped_dynamics,
 from ulna.algorithms.constraint_twists import constraint_twists
 from ulna.errors import InputError
 from ulna.model import Model as TowerModel
-from ulna.recipes.base import with_mass
+from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:

@@ -35,7 +35,7 @@ from pinocchio._model import Model
 from pinocchio._runs import Algorithm, refuse, run
 from ulna import algorithms
 from ulna.model import Model as TowerModel
-from ulna.recipes.base import with_mass
+from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
 
 __all__ = [

@@ -32,7 +32,7 @@ from pinocchio._vectors import Force
 from ulna import algorithms
 from ulna.errors import InputError
 from ulna.model import Model as TowerModel
-from ulna.recipes.base import with_mass
+from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ulna import algorithms, spatial
 from ulna.model import Model as TowerModel
-from ulna.recipes.base import with_mass
+from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:

@@ -1,0 +1,193 @@
+"""Which models have accelerations: a recipe that inverts the mass matrix refuses or warns of the others, by name."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna import algorithms
+from ulna.algorithms import conditioning
+from ulna.algorithms.conditioning import Conditioning
+from ulna.algorithms.factors import ZeroPivot
+from ulna.errors import ModelError, ModelWarning
+from ulna.model import Model
+from ulna.numeric import is_symbolic
+
+MASS_PARAMETERS = frozenset({"placement", "shift", "offset", "inertia", "armature"})
+"""Parameters of a model (see `ulna.model.parameters`) that the inverse of its mass matrix depends on."""
+_LEAST_DIGITS = {"float64": 4, "float32": 2}
+"""Decimal digits of accelerations below which a warning is due."""
+
+
+@dataclass(frozen=True)
+class WithMass:
+    """A recipe that inverts the mass matrix; see `with_mass`."""
+
+    build: Callable[..., Callable[..., Any]]
+
+    def __call__(self, model: Model, **options: Any) -> Callable[..., Any]:
+        """The function of arrays, for a model whose mass matrix can be inverted."""
+        check_mass(model)
+        function = self.build(model, **options)
+
+        def run(*arrays: Any) -> Any:
+            try:
+                return function(*arrays)
+            except ZeroPivot as error:
+                raise _refusal(model, [error.index]) from None
+
+        return run
+
+
+def with_mass(build: Callable[..., Callable[..., Any]]) -> WithMass:
+    """A recipe that divides by the inertia each joint moves, and refuses a model where some motion has none.
+
+    Raises:
+        ModelError: If a joint, or a motion of several, moves no inertia and its drives have none; names such joints.
+    """
+    return WithMass(build)
+
+
+def check_mass(model: Model, dtype: str = "float64") -> None:
+    """Refuses a model some motion of which moves no inertia, and warns once of one that is close to that.
+
+    Args:
+        model: The model. Where it is large, or what the mass matrix depends on is traced, only masses are looked at.
+        dtype: The type to compute in, "float64" or "float32".
+
+    Raises:
+        ModelError: If a motion moves no inertia; names the joints.
+    """
+    masses = [inertia.mass for inertia in model.inertias]
+    if is_symbolic(*masses, model.armature):  # given when the kernel is called
+        return
+    idle = _joints_without_mass(model, masses)
+    if idle:
+        raise _refusal(model, idle)
+    if _is_known(model) and model.nv <= conditioning.LARGEST:
+        found = _worst(model)
+        if found.everywhere.loose:
+            raise _refusal(model, found.everywhere.loose)
+        _warn(model, found, dtype)
+
+
+def _is_known(model: Model) -> bool:
+    """Whether none of the model's numbers is traced."""
+    try:
+        return bool(model.fingerprint)
+    except TypeError:  # TraceError, too
+        return False
+
+
+class _Found(NamedTuple):
+    everywhere: Conditioning
+    """Where every joint is at a generic position."""
+    worst: Conditioning
+    place: str
+    """At which configuration that is."""
+
+
+@lru_cache(maxsize=32)
+def _worst(model: Model) -> _Found:
+    """The conditioning at the neutral, the named, and a drawn configuration."""
+    drawn = np.random.default_rng(0).uniform(-1.0, 1.0, model.nv)
+    generic = conditioning.conditioning(model, algorithms.integrate(model, model.neutral, drawn))
+    found = [(generic, "")]
+    if not generic.loose:
+        places = {"the neutral configuration": model.neutral}
+        places |= {f"the configuration {name!r}": q for name, q in list(model.configurations.items())[:8]}
+        found += [(conditioning.conditioning(model, q), f" at {place}") for place, q in places.items()]
+    worst, place = max(found, key=lambda pair: pair[0].kappa)
+    return _Found(generic, worst, "" if worst.kappa < 100.0 * generic.kappa else place)
+
+
+_warned: set[tuple[str, str]] = set()
+
+
+def _warn(model: Model, found: _Found, dtype: str) -> None:
+    digits = -np.log10(np.finfo(dtype).eps) - np.log10(found.worst.kappa)
+    if digits >= _LEAST_DIGITS[dtype] or (model.fingerprint, dtype) in _warned:
+        return
+    _warned.add((model.fingerprint, dtype))
+    named = _listed(model, found.worst.weak)
+    size = (
+        f"has the condition number {found.worst.kappa:.1e}" if found.worst.kappa < np.inf else "is singular"
+    )
+    left = (
+        f"about {digits:.0f} digits of them are right" if digits >= 1.0 else "none of their digits are right"
+    )
+    better = ", compute in float64" if dtype == "float32" else ""
+    warnings.warn(
+        f"The mass matrix of {model.name!r} {size}{found.place}: {named} can move almost without inertia. "
+        f"Accelerations, its inverse and derivatives are computed, but there {left} in {dtype}. Give their links "
+        f"inertia, give them armature (robot.with_parameters({{'armature': ...}})), lock them (robot.lock([{named}]))"
+        f"{better}; robot.mass_matrix and robot.inverse_dynamics are not affected.",
+        ModelWarning,
+        stacklevel=2,
+    )
+
+
+def _refusal(model: Model, entries: Iterable[int]) -> ModelError:
+    entries = list(entries)
+    named = _listed(model, entries)
+    loose = [joint for joint in model.joints if joint.mimic is None and joint.name in _names(model, entries)]
+    masses = [inertia.mass for inertia in model.inertias]
+    heavy = not is_symbolic(*masses) and any(masses[i] for joint in loose for i in _moved(model, joint))
+    if not heavy:
+        cause = "nothing they move has mass, and their drives have no armature"
+    elif len(loose) == 1:
+        cause = (
+            "what it moves has mass but no inertia about its axis (the centre of mass is on the axis, and the "
+            "rotational inertia about it is zero), and its drive has no armature"
+        )
+    else:
+        cause = (
+            "what they move has mass, but they can move, together or alone, so that no inertia is felt (point masses "
+            "on the axes, or joints on one axis with nothing between them), and their drives have no armature"
+        )
+    return ModelError(
+        f"Forces would accelerate {named} of {model.name!r} without bound: {cause}. Lock them (robot.lock([{named}])), "
+        "give their links inertia, or give them armature (robot.with_parameters({'armature': ...}))."
+    )
+
+
+def _names(model: Model, entries: Iterable[int]) -> list[str]:
+    wanted = set(entries)
+    return [
+        joint.name
+        for joint in model.joints
+        if joint.mimic is None and wanted & set(range(joint.idx_v, joint.idx_v + joint.nv))
+    ]
+
+
+def _listed(model: Model, entries: Iterable[int]) -> str:
+    return ", ".join(map(repr, _names(model, entries)))
+
+
+def _moved(model: Model, joint: Any) -> set[int]:
+    """The bodies that a joint and its followers move."""
+    movers = [k for k, j in enumerate(model.joints) if j.idx_v == joint.idx_v]
+    return {i for k in movers for i in model.subtree(k)}
+
+
+def _joints_without_mass(model: Model, masses: list[Any]) -> list[int]:
+    """Entries of v that move neither mass nor inertia and have no armature."""
+    heavy = [bool(mass) or bool(body.inertia.any()) for mass, body in zip(masses, model.inertias, strict=True)]
+    for i in reversed(range(len(heavy))):
+        parent = model.joints[i].parent
+        if parent >= 0:
+            heavy[parent] = heavy[parent] or heavy[i]
+    felt = np.asarray(model.armature) != 0.0
+    for joint, carries in zip(model.joints, heavy, strict=True):
+        felt[joint.idx_v : joint.idx_v + joint.kind.nv] |= carries
+    idle = []
+    for joint in (j for j in model.joints if j.mimic is None):
+        entries = range(joint.idx_v, joint.idx_v + joint.nv)
+        if entries and not any(felt[k] for k in entries):
+            idle.append(joint.idx_v)
+    return idle
