@@ -177,7 +177,9 @@ def _moved(model: Model, joint: Any) -> set[int]:
 
 def _joints_without_mass(model: Model, masses: list[Any]) -> list[int]:
     """Entries of v that move neither mass nor inertia and have no armature."""
-    heavy = [bool(mass) or bool(body.inertia.any()) for mass, body in zip(masses, model.inertias, strict=True)]
+    heavy = [
+        bool(mass) or bool(body.inertia.any()) for mass, body in zip(masses, model.inertias, strict=True)
+    ]
     for i in reversed(range(len(heavy))):
         parent = model.joints[i].parent
         if parent >= 0:
