@@ -10,7 +10,7 @@ import numpy as np
 
 from ulna.errors import DtypeError, InputError, ShapeError
 from ulna.trace import native
-from ulna.trace.general import General, is_exact
+from ulna.trace.general import General
 from ulna.typing import Array
 
 _Pairs = Sequence[tuple[Array, Array]]
@@ -48,7 +48,8 @@ class SlowBound(Bound):
         self, kernel: Any, targets: tuple[Array, ...], through: _Through, pairs: _Pairs, slow: Any
     ) -> None:
         self.kernel, self.targets = kernel, targets
-        self._through, self._pairs, self._slow = through, pairs, slow
+        self._through, self._slow = through, slow
+        self._pairs = tuple((live, kept, _form(live), _form(kept)) for live, kept in pairs)
 
     def __call__(self, *args: Any) -> Any:
         """Evaluates the kernel; see `KernelBase.into`."""
@@ -68,11 +69,23 @@ class _Through:
         self._out = targets[0] if len(targets) == 1 else targets
 
     def __call__(self, *args: Any) -> Any:
+        self.check()
         self.general(*args, *self.given, out=self._out)
         copies = tuple(
             self.targets[k].copy() if self.targets[k].ndim else self.targets[k][()] for k in self.returns
         )
         return copies[0] if len(copies) == 1 else copies or None
+
+    def check(self) -> None:
+        """Refuses bound arrays that were changed in place: resized, made read-only, given another shape or type."""
+        try:
+            _check_targets(self.general, self.targets)
+            _check_given(self.general, self.given)
+        except InputError as error:
+            error.args = (
+                f"{error} The array was changed after into(); restore it, or bind the kernel anew.",
+            )
+            raise
 
     def fits(self, args: tuple[Any, ...]) -> bool:
         """Whether the arguments are what the fast door takes."""
@@ -85,12 +98,32 @@ class _Through:
         )
 
 
+@final
+class _Otherwise:
+    """What is called instead of a bound kernel, once its arrays are known to be intact."""
+
+    def __init__(self, through: _Through, function: Callable[..., Any]) -> None:
+        self._through, self._function = through, function
+
+    def __call__(self, *args: Any, **named: Any) -> Any:
+        self._through.check()
+        return self._function(*args, **named)
+
+
 def _is_readable(array: Array) -> bool:
     return array.flags.c_contiguous and array.flags.aligned
 
 
-def _same(pairs: _Pairs) -> bool:
-    return all(live.tobytes() == kept.tobytes() for live, kept in pairs)
+def _form(array: Array) -> tuple[Any, ...]:
+    """What of an array must stay for compiled code to go on reading it."""
+    return array.shape, array.dtype, _is_readable(array)
+
+
+def _same(pairs: Sequence[tuple[Any, ...]]) -> bool:
+    return all(
+        _form(live) == live_form and _form(kept) == kept_form and live.tobytes() == kept.tobytes()
+        for live, kept, live_form, kept_form in pairs
+    )
 
 
 _lock = threading.Lock()
@@ -126,11 +159,11 @@ def bind(
         if not 0 <= k < len(chosen):
             raise InputError(f"`returns` names output {k}; expected 0 to {len(chosen) - 1}.")
     through = _Through(general, chosen, numbers, told)
+    slow = through if otherwise is None else _Otherwise(through, otherwise)
     kind = _type() if work is not None else None
     if kind is None or work is None:
-        return SlowBound(kernel, chosen, through, pairs, otherwise)
+        return SlowBound(kernel, chosen, through, pairs, None if otherwise is None else slow)
     plan = native.Plan(general.function, general.element, work, chosen, pairs, numbers, told)
-    slow = through if otherwise is None else otherwise
     instance = native.make_bound(kind, plan, slow)
     instance.__dict__.update(kernel=kernel, targets=chosen)
     native.keep(instance, kernel, plan, slow)
@@ -142,17 +175,16 @@ def _check_targets(general: General, targets: tuple[Any, ...]) -> None:
     if len(targets) != len(f.outputs):
         raise InputError(f"into() was given {len(targets)} arrays; {f.name} has {len(f.outputs)} outputs.")
     for target, port in zip(targets, f.outputs, strict=True):
-        if is_exact(target, port.shape, dtype):
-            continue
         if type(target) is not np.ndarray:
             raise InputError(f"into() was given a {type(target).__name__}; expected NumPy arrays.")
         if target.dtype != dtype:
             raise DtypeError(port.name, str(target.dtype), f"{dtype}, which {f.name} computes in")
         if target.shape != port.shape:
             raise ShapeError(port.name, target.shape, str(port.shape))
-        raise InputError(
-            f"The array for `{port.name}` is read-only or has gaps; expected C-contiguous and writeable."
-        )
+        if not target.flags.carray:
+            raise InputError(
+                f"The array for `{port.name}` is read-only or has gaps; expected C-contiguous and writeable."
+            )
     for k, target in enumerate(targets):
         if any(np.may_share_memory(target, other) for other in targets[:k]):
             raise InputError("Arrays given to into() share memory; expected one of its own for each output.")
@@ -172,7 +204,7 @@ def _check_given(general: General, given: tuple[Any, ...]) -> None:
 def _check_pairs(pairs: tuple[tuple[Any, Any], ...]) -> None:
     for pair in pairs:
         for x in pair:
-            if type(x) is not np.ndarray or not x.flags.c_contiguous or x.nbytes % 8 or x.dtype.hasobject:
+            if type(x) is not np.ndarray or not _is_readable(x) or x.nbytes % 8 or x.dtype.hasobject:
                 raise InputError(
                     "`watch` holds something else; expected C-contiguous arrays of whole 8-byte words."
                 )

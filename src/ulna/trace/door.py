@@ -2,6 +2,8 @@
 
 One piece of code serves all kernels: it reads what it must know of a kernel from a table of words, its plan. As in
 `entry`, what is not exactly an array of the right type and shape goes to a Python callable, which converts or refuses.
+Bound arrays are examined like arguments at every call: `resize(refcheck=False)`, `setflags`, `__setstate__` and the
+setters of shape and dtype change an array in place, and NumPy refuses none of them while a buffer is exported.
 """
 
 from __future__ import annotations
@@ -23,16 +25,18 @@ from ulna.trace.layout import (
 )
 
 FIELDS = (
-    "inputs", "outputs", "work",  # how many, and the kernel's code
-    "ports_in", "ports_out",  # tables of PORT words: axes, lengths, whether a float may stand for the array
-    "targets",  # a table of pointers to the data of bound arrays
-    "watches", "watched",  # how many, and a table of WATCH words: a pointer, a pointer, how many words to compare
-    "returns", "returned",  # how many, and a table of RETURN words: axes, lengths, pointer to the data, bytes
-    "array_type", "descriptor", "number", "float_type", "float64_type", "tuple_type", "out", "none",
+    "inputs", "givens", "outputs", "work",  # how many, and the kernel's code
+    # tables of PORT words: axes, lengths, whether a float may stand for the array, the array's descriptor
+    "ports_in", "ports_given", "ports_out",
+    "given_arrays", "targets",  # tables of bound arrays
+    "watches", "watched",  # how many, and a table of WATCH words: array, array, words to compare, a port for each
+    "returns", "returned",  # how many, and a table of RETURN words: axes, lengths, number of the pointer, bytes
+    "array_type", "number", "float_type", "float64_type", "tuple_type", "out", "none",
     "array_new", "array_return", "tuple_new", "own", "call",
 )  # fmt: skip
 """The words of a plan."""
-PORT, WATCH, RETURN = 3, 3, 4
+PORT, RETURN = 4, 4
+WATCH = 3 + 2 * PORT
 
 
 def _word(name: str, kind: str = "ptr") -> str:
@@ -73,7 +77,7 @@ fields:
 {_at("ndim", "object", NDIM, "i32")}
 {_at("flags", "object", FLAGS, "i32")}
 {_at("axes", "port", 0, "i64")}
-{_word("descriptor")}
+{_at("descriptor", "port", 3 * WORD)}
   %descr.ok = icmp eq ptr %descr, %descriptor
   %axes.32 = trunc i64 %axes to i32
   %ndim.ok = icmp eq i32 %ndim, %axes.32
@@ -136,11 +140,13 @@ _HEAD = f"""(ptr %self, ptr %args, i64 %flagged, ptr %keywords) nounwind {{
 entry:
 {_at("plan", "self", PLAN)}
 {_word("inputs", "i64")}
+{_word("givens", "i64")}
 {_word("outputs", "i64")}
 {_word("ports_in")}
   %count = and i64 %flagged, 9223372036854775807
   %count.ok = icmp eq i64 %count, %inputs
-  %total = add nuw i64 %inputs, %outputs
+  %read = add nuw i64 %inputs, %givens
+  %total = add nuw i64 %read, %outputs
   %pointers = alloca ptr, i64 %total"""
 _SLOW = f"""slow:
 {_word("call")}
@@ -201,6 +207,7 @@ answer:
 
 _BOUND = f"""
 ; A kernel bound to arrays: compares what is watched, writes into the arrays, returns copies of some of them.
+; Nothing of Python runs between the examination of the arrays and their last use.
 define ptr @bound{_HEAD}
   %plain = icmp eq ptr %keywords, null
   %begin = and i1 %plain, %count.ok
@@ -214,33 +221,36 @@ watch.from:
 watch:
   %w = phi i64 [ 0, %watch.from ], [ %w.next, %compared ]
   %w.more = icmp ult i64 %w, %watches
-  br i1 %w.more, label %compare, label %targets.from
+  br i1 %w.more, label %compare, label %given.from
 compare:
   %w.at = mul nuw i64 %w, {WATCH * WORD}
   %pair = getelementptr i8, ptr %watched, i64 %w.at
-{_at("live", "pair", 0)}
-{_at("kept", "pair", WORD)}
+{_at("live.array", "pair", 0)}
+{_at("kept.array", "pair", WORD)}
 {_at("words", "pair", 2 * WORD, "i64")}
+  %live.port = getelementptr i8, ptr %pair, i64 {3 * WORD}
+  %kept.port = getelementptr i8, ptr %pair, i64 {(3 + PORT) * WORD}
+  %live = call ptr @take(ptr %plan, ptr %live.port, ptr %live.array, i32 {READABLE})
+  %live.bad = icmp eq ptr %live, null
+  br i1 %live.bad, label %slow, label %other
+other:
+  %kept = call ptr @take(ptr %plan, ptr %kept.port, ptr %kept.array, i32 {READABLE})
+  %kept.bad = icmp eq ptr %kept, null
+  br i1 %kept.bad, label %slow, label %both
+both:
   %differ = call i1 @differ(ptr %live, ptr %kept, i64 %words)
   %w.next = add nuw i64 %w, 1
   br i1 %differ, label %slow, label %compared
 compared:
   br label %watch
-targets.from:
+given.from:
+{_word("ports_given")}
+{_word("given_arrays")}
+{_collect("ports_given", "givens", "given_arrays", READABLE, "given", "target.from", "%inputs")}
+target.from:
+{_word("ports_out")}
 {_word("targets")}
-  br label %target
-target:
-  %t = phi i64 [ 0, %targets.from ], [ %t.next, %target.one ]
-  %t.more = icmp ult i64 %t, %outputs
-  br i1 %t.more, label %target.one, label %run
-target.one:
-  %target.p = getelementptr ptr, ptr %targets, i64 %t
-  %target.data = load ptr, ptr %target.p
-  %t.place = add nuw i64 %t, %inputs
-  %t.to = getelementptr ptr, ptr %pointers, i64 %t.place
-  store ptr %target.data, ptr %t.to
-  %t.next = add nuw i64 %t, 1
-  br label %target
+{_collect("ports_out", "outputs", "targets", WRITEABLE, "target", "run", "%read")}
 run:
 {_word("work")}
 {_word("returns", "i64")}
@@ -257,7 +267,7 @@ nothing:
   call void %own(ptr %none)
   ret ptr %none
 single:
-  %one = call ptr @copied(ptr %plan, ptr %returned)
+  %one = call ptr @copied(ptr %plan, ptr %returned, ptr %pointers)
   ret ptr %one
 several:
 {_word("tuple_new")}
@@ -268,7 +278,7 @@ item:
   %r = phi i64 [ 0, %several ], [ %r.next, %item ]
   %r.at = mul nuw i64 %r, {RETURN * WORD}
   %r.source = getelementptr i8, ptr %returned, i64 %r.at
-  %r.copy = call ptr @copied(ptr %plan, ptr %r.source)
+  %r.copy = call ptr @copied(ptr %plan, ptr %r.source, ptr %pointers)
   %r.place = getelementptr i8, ptr %tuple, i64 {TUPLE_ITEMS}
   %r.to = getelementptr ptr, ptr %r.place, i64 %r
   store ptr %r.copy, ptr %r.to
@@ -327,11 +337,13 @@ declare i64 @llvm.vector.reduce.or.v8i64(<8 x i64>)
 
 _COPIED = f"""
 ; A new array with what lies in a bound one, a NumPy scalar where it has no axes; null without memory.
-define internal ptr @copied(ptr %plan, ptr %source) nounwind {{
+define internal ptr @copied(ptr %plan, ptr %source, ptr %pointers) nounwind {{
 entry:
 {_at("axes", "source", 0, "i64")}
 {_at("lengths", "source", WORD)}
-{_at("from", "source", 2 * WORD)}
+{_at("place", "source", 2 * WORD, "i64")}
+  %from.p = getelementptr ptr, ptr %pointers, i64 %place
+  %from = load ptr, ptr %from.p
 {_at("bytes", "source", 3 * WORD, "i64")}
 {_word("array_type")}
 {_word("array_new")}

@@ -90,13 +90,15 @@ class KernelBase:
 
         Args:
             *targets: An array for each output, of its shape and of the kernel's type, C-contiguous and writeable. They
-                are kept alive, and may be inputs of the calls.
+                are kept alive, and may be inputs of the calls. Every call examines them, at 1 to 2 ns each:
+                one that was resized, made read-only or given another shape or type since is refused.
             returns: Numbers of the outputs of which every call returns a copy: one as it is, several in a tuple, in
                 this order. Without any, calls return None.
             watch: Pairs of arrays of whole 8-byte words. A call works while both of each pair hold the same bits.
             otherwise: Called with the arguments, and its result returned, where these are not exactly arrays of the
-                right type and shape, or what is watched differs. Without it, arguments are converted as the kernel
-                does, and one sample is computed. It must not hold the bound kernel: such a ring is never freed.
+                right type and shape, or what is watched differs or has another shape or type than at first. Without it,
+                arguments are converted as the kernel does, and one sample is computed. It must not hold the bound
+                kernel: such a ring is never freed.
             given: Arrays that are the last inputs, read at every call as they then are; calls are told the others.
 
         Returns:
@@ -107,7 +109,7 @@ class KernelBase:
             InputError: If there are not as many arrays as outputs, or they share memory, cannot be written to or
                 compared, or `watch` is given without `otherwise`.
             ShapeError: If an array has another shape than its output.
-            DtypeError: If an array has another type than the kernel.
+            DtypeError: If an array has another type than the kernel. All three come at once, and from later calls.
         """
         return bound.bind(self, self._general, self._work, targets, returns, watch, otherwise, given)
 

@@ -153,38 +153,47 @@ class Plan:
         returned: Sequence[int] = (),
         given: Sequence[AnyArray] = (),
     ) -> None:
-        self._kept: list[Any] = [targets, watched, given]
-        before, places = ([x.__array_interface__["data"][0] for x in xs] for xs in (given, targets))
-        ports = [self._port(p, element == "double") for p in f.inputs], [self._port(p) for p in f.outputs]
-        copied = [word for k in returned for word in (*ports[1][k][:2], places[k], targets[k].nbytes)]
+        self._kept: list[Any] = [tuple(targets), tuple(watched), tuple(given)]
+        number, first = element == "double", len(f.inputs)
+        inputs = [self._port(p.shape, layout.NUMPY_TYPE[element], number) for p in f.inputs]
+        outputs = [self._port(p.shape, layout.NUMPY_TYPE[element]) for p in f.outputs]
         pairs = [
-            word
+            (id(live), id(kept), live.nbytes // 8, *self._array_port(live), *self._array_port(kept))
             for live, kept in watched
-            for word in (*(x.__array_interface__["data"][0] for x in (live, kept)), live.nbytes // 8)
         ]
         words = {
-            "inputs": len(f.inputs) - len(given),
-            "outputs": len(given) + len(f.outputs),  # inputs that lie where they always do stand before them
+            "inputs": first - len(given),
+            "givens": len(given),
+            "outputs": len(f.outputs),
             "work": work,
-            "ports_in": self._table([word for port in ports[0] for word in port]),
-            "ports_out": self._table([word for port in ports[1] for word in port]),
-            "targets": self._table([*before, *places]),
+            "ports_in": self._table(inputs),
+            "ports_given": self._table([self._array_port(x) for x in given]),
+            "ports_out": self._table([self._array_port(x) for x in targets] or outputs),
+            "given_arrays": self._table([[id(x) for x in given]]),
+            "targets": self._table([[id(x) for x in targets]]),
             "watches": len(watched),
             "watched": self._table(pairs),
             "returns": len(returned),
-            "returned": self._table(copied),
-            "descriptor": id(layout.NUMPY_TYPE[element]),
+            "returned": self._table([(*outputs[k][:2], first + k, targets[k].nbytes) for k in returned]),
             "number": TYPE_NUMBER[element],
             **_common_words(),
         }
-        self.address = self._table([words[field] for field in FIELDS])
+        self.address = self._table([[words[field] for field in FIELDS]])
 
-    def _port(self, port: Port, may_be_number: bool = False) -> tuple[int, int, int]:
-        return len(port.shape), self._table(port.shape), int(may_be_number and not port.shape)
+    def _port(
+        self, shape: tuple[int, ...], dtype: np.dtype[Any], may_be_number: bool = False
+    ) -> tuple[int, int, int, int]:
+        """What `take` compares an array with."""
+        self._kept.append(dtype)
+        return len(shape), self._table([shape]), int(may_be_number and not shape), id(dtype)
 
-    def _table(self, words: Sequence[int]) -> int:
+    def _array_port(self, array: AnyArray) -> tuple[int, int, int, int]:
+        """The port that takes an array as it is now."""
+        return self._port(array.shape, array.dtype)
+
+    def _table(self, rows: Sequence[Sequence[int]]) -> int:
         """The address of some words in memory."""
-        block = array("Q", words)
+        block = array("Q", [word for row in rows for word in row])
         self._kept.append(block)
         return block.buffer_info()[0]
 
