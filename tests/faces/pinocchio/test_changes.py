@@ -54,8 +54,8 @@ def test_nothing_is_compiled_once_numbers_keep_changing(pin: Any, monkeypatch: p
         _answers(pin, model, data, q)
     other = model.copy()
     with monkeypatch.context() as patch:
-        patch.setattr(pin._engine, "compile_function", None)
-        patch.setattr(pin._engine, "tower_model", None)
+        patch.setattr(pin._model.kernels, "compile_function", None)
+        patch.setattr(pin._model.kernels, "tower_model", None)
         for k in range(6, 40):
             _changed(model, k)
             found = _answers(pin, model, data, q)
@@ -70,8 +70,8 @@ def test_changed_numbers_are_read_by_native_calls_alone(pin: Any, monkeypatch: p
     for k in range(6):
         _changed(model, k)
         _answers(pin, model, data, q)
-    monkeypatch.setattr(pin._dynamics, "run", None)
-    monkeypatch.setattr(pin._kinematics, "run", None)
+    monkeypatch.setattr(pin._algorithms.dynamics, "run", None)
+    monkeypatch.setattr(pin._algorithms.kinematics, "run", None)
     for k in range(6, 12):
         _changed(model, k)
         tau = pin.rnea(model, data, q, q, q)

@@ -71,6 +71,33 @@ def test_everything_comes_back_to_the_last_bit(pin: Any, tmp_path: Path) -> None
         assert pickle.loads(pickle.dumps(thing)) == thing
 
 
+FORMER = {
+    "_arrays": "StdVec_SE3",
+    "_constraints": "RigidConstraintModel",
+    "_data": "Data",
+    "_enums": "ReferenceFrame",
+    "_geometry": "GeometryModel",
+    "_geometry_object": "GeometryObject",
+    "_inertia": "Inertia",
+    "_joints": "JointModelRX",
+    "_model": "Model",
+    "_package": "LogLevel",
+    "_se3": "SE3",
+    "_vectors": "Motion",
+}
+"""A class of each of some modules that are no longer there."""
+
+
+@pytest.mark.parametrize("module", FORMER)
+def test_pickles_that_name_former_modules_are_read(pin: Any, module: str) -> None:
+    name = FORMER[module]
+    cls = getattr(pin, name)
+    stream = f"cpinocchio.{module}\n{cls.__name__}\n.".encode()
+    assert pickle.loads(stream) is cls
+    with pytest.raises(AttributeError):
+        pickle.loads(f"cpinocchio.{module}\nNoSuchClass\n.".encode())
+
+
 def test_a_model_that_was_loaded_computes(pin: Any) -> None:
     model = _things(pin)[0]
     twin = pin.Model()

@@ -239,14 +239,15 @@ def test_data_is_let_go(pin: Any, model: Any) -> None:
 
 
 def test_arguments_to_be_converted_bind_nothing_anew(pin: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    from pinocchio import _configurations, _runs
+    from pinocchio._algorithms import configurations
+    from pinocchio._data import binding
 
     model = pin.buildSampleModelManipulator()
     data = model.createData()
     q = np.linspace(0.1, 0.6, 6)
     wanted = pin.rnea(model, data, q, q, q), pin.integrate(model, q, q)
-    monkeypatch.setattr(_runs, "_bind", None)
-    monkeypatch.setattr(_configurations, "Scratch", None)
+    monkeypatch.setattr(binding, "_bind", None)
+    monkeypatch.setattr(configurations, "Scratch", None)
     for given in (np.tile(q[:, None], 3)[:, 1], list(q), q.reshape(-1, 1)):
         assert np.array_equal(pin.rnea(model, data, given, given, given), wanted[0])
         assert np.array_equal(pin.integrate(model, given, given), wanted[1])

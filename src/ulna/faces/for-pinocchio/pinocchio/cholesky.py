@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import numbers
-from pinocchio._data import Data
-from pinocchio._factored import Factored, kernels_for, without_factors
-from pinocchio._model import Model
+from pinocchio._constraints.factorization import Factored, kernels_for, without_factors
+from pinocchio._containers.arrays import numbers
+from pinocchio._data.data import Data
+from pinocchio._model.model import Model
 from ulna.typing import Floats
 
 __all__ = ["computeMinv", "decompose", "solve"]

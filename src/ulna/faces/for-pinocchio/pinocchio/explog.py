@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import matrix, numbers, vector
-from pinocchio._keywords import by_name
-from pinocchio._rotations import Quaternion
-from pinocchio._se3 import SE3
-from pinocchio._vectors import Motion
+from pinocchio._containers.arrays import matrix, numbers, vector
+from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.motion_force import Motion
+from pinocchio._spatial.rotations import Quaternion
+from pinocchio._spatial.se3 import SE3
 from ulna import spatial
 from ulna.errors import ShapeError
 from ulna.trace import compile as compile_function

@@ -6,12 +6,12 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._arrays import exact, vector
-from pinocchio._enums import ArgumentPosition
-from pinocchio._joints import JointModel
-from pinocchio._model import Model
-from pinocchio._runs import Scratch, refuse
-from pinocchio._vectors import generator
+from pinocchio._containers.arrays import exact, vector
+from pinocchio._containers.enums import ArgumentPosition
+from pinocchio._data.binding import Scratch, refuse
+from pinocchio._model.joint_kinds import JointModel
+from pinocchio._model.model import Model
+from pinocchio._spatial.motion_force import generator
 from ulna.errors import InputError
 from ulna.model import Circle, Composite, FreeFlyer, JointKind, PlanarCircle, Prismatic, Spherical
 from ulna.trace import compile as compile_function

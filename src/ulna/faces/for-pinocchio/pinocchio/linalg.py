@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import numbers
+from pinocchio._containers.arrays import numbers
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 

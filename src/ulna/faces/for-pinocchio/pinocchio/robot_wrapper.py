@@ -6,13 +6,14 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-import pinocchio as pin
-from pinocchio._geometry import GeometryModel
-from pinocchio._mjcf import buildModelsFromMJCF
-from pinocchio._model import Model
-from pinocchio._vectors import Force
-from pinocchio._wrapped_kinematics import Kinematic
-from pinocchio._wrapped_viewer import Viewed
+from pinocchio._algorithms import center_of_mass, configurations, dynamics
+from pinocchio._geometry.geometry_model import GeometryModel
+from pinocchio._model import reduction
+from pinocchio._model.model import Model
+from pinocchio._parsers.mjcf import buildModelsFromMJCF
+from pinocchio._robot_wrapper.kinematics import Kinematic
+from pinocchio._robot_wrapper.viewer import Viewed
+from pinocchio._spatial.motion_force import Force
 from pinocchio.shortcuts import buildModelsFromUrdf, createDatas
 from ulna.errors import InputError, UnknownName
 from ulna.typing import Floats
@@ -46,7 +47,7 @@ class RobotWrapper(Kinematic, Viewed):
         self.rebuildData()
         self.v0 = np.zeros(self.nv)
         """No velocity (nv,)."""
-        self.q0 = pin.neutral(self.model)
+        self.q0 = configurations.neutral(self.model)
         """The neutral configuration (nq,)."""
 
     @staticmethod
@@ -136,9 +137,9 @@ class RobotWrapper(Kinematic, Viewed):
         Without q, that of the data's present state.
         """
         if q is None:
-            return pin.centerOfMass(self.model, self.data)
+            return center_of_mass.centerOfMass(self.model, self.data)
         state = [x for x in (q, v, a) if x is not None]
-        pin.centerOfMass(self.model, self.data, *state)
+        center_of_mass.centerOfMass(self.model, self.data, *state)
         found = (self.data.com[0], self.data.vcom[0], self.data.acom[0])[: len(state)]
         return found[0] if len(found) == 1 else found
 
@@ -152,50 +153,50 @@ class RobotWrapper(Kinematic, Viewed):
 
     def Jcom(self, q: Any) -> Floats:
         """The Jacobian of the centre of mass (3, nv)."""
-        return pin.jacobianCenterOfMass(self.model, self.data, q)
+        return center_of_mass.jacobianCenterOfMass(self.model, self.data, q)
 
     def centroidalMomentum(self, q: Any, v: Any) -> Force:
         """The momentum about the centre of mass."""
-        return pin.computeCentroidalMomentum(self.model, self.data, q, v)
+        return center_of_mass.computeCentroidalMomentum(self.model, self.data, q, v)
 
     def centroidalMap(self, q: Any) -> Floats:
         """The matrix (6, nv) from velocities to the momentum about the centre of mass."""
-        return pin.computeCentroidalMap(self.model, self.data, q)
+        return center_of_mass.computeCentroidalMap(self.model, self.data, q)
 
     def centroidal(self, q: Any, v: Any) -> tuple[Any, Any, Any]:
         """The momentum about the centre of mass, its matrix, and the inertia of the whole as one body."""
-        pin.ccrba(self.model, self.data, q, v)
+        center_of_mass.ccrba(self.model, self.data, q, v)
         return self.data.hg, self.data.Ag, self.data.Ig
 
     def centroidalMomentumVariation(self, q: Any, v: Any, a: Any) -> Force:
         """The time derivative of the momentum about the centre of mass."""
-        return pin.computeCentroidalMomentumTimeVariation(self.model, self.data, q, v, a)
+        return center_of_mass.computeCentroidalMomentumTimeVariation(self.model, self.data, q, v, a)
 
     # dynamics -------------------------------------------------------------------------------------------
 
     def mass(self, q: Any) -> Floats:
         """The mass matrix (nv, nv)."""
-        return pin.crba(self.model, self.data, q)
+        return dynamics.crba(self.model, self.data, q)
 
     def nle(self, q: Any, v: Any) -> Floats:
         """Coriolis, centrifugal and gravity torques (nv,)."""
-        return pin.nonLinearEffects(self.model, self.data, q, v)
+        return dynamics.nonLinearEffects(self.model, self.data, q, v)
 
     bias = biais = nle
     """Historic names of `nle`."""
 
     def gravity(self, q: Any) -> Floats:
         """Gravity torques (nv,)."""
-        return pin.computeGeneralizedGravity(self.model, self.data, q)
+        return dynamics.computeGeneralizedGravity(self.model, self.data, q)
 
     def buildReducedRobot(
         self, list_of_joints_to_lock: Any, reference_configuration: Any = None
     ) -> RobotWrapper:
         """The robot with some joints, by names or indices, locked as in a configuration; the neutral one else."""
         locked = [self.index(j) if isinstance(j, str) else self._joint(j) for j in list_of_joints_to_lock]
-        q = pin.neutral(self.model) if reference_configuration is None else reference_configuration
+        q = configurations.neutral(self.model) if reference_configuration is None else reference_configuration
         geometries = [g for g in (self.visual_model, self.collision_model) if g is not None]
-        model, reduced = pin.buildReducedModel(self.model, geometries, locked, q)
+        model, reduced = reduction.buildReducedModel(self.model, geometries, locked, q)
         left = iter(reduced)
         visual = None if self.visual_model is None else next(left)
         collision = None if self.collision_model is None else next(left)

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._arrays import matrix, vector
-from pinocchio._keywords import by_name
-from pinocchio._vectors import skew
+from pinocchio._containers.arrays import matrix, vector
+from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.motion_force import skew
 from ulna import spatial
 from ulna.errors import UnknownName
 from ulna.trace import compile as compile_function

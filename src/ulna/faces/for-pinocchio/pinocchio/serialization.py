@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pinocchio._saved import Saved
+from pinocchio._containers.files import Saved
 from ulna.errors import InputError
 
 __all__ = ["StaticBuffer", "StreamBuffer", "buffer_copy", "loadFromBinary", "saveToBinary"]

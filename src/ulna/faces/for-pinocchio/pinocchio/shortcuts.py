@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from pinocchio._enums import GeometryType
-from pinocchio._geometry_urdf import geometries_of_links, geometry_model_of
-from pinocchio._mjcf import buildModelFromMJCF, buildModelsFromMJCF
+from pinocchio._containers.enums import GeometryType
+from pinocchio._parsers.geometry_urdf import geometries_of_links, geometry_model_of
+from pinocchio._parsers.mjcf import buildModelFromMJCF, buildModelsFromMJCF
+from pinocchio._parsers.urdf import buildModelFromUrdf
 
 __all__ = ["buildModelFromMJCFAndRootJoint", "buildModelsFromMJCF", "buildModelsFromUrdf", "createDatas"]
 
@@ -38,8 +39,6 @@ def buildModelsFromUrdf(
     Raises:
         FormatError: The file is missing or broken. A missing mesh only warns.
     """
-    from pinocchio import buildModelFromUrdf
-
     named = {} if root_joint_name is None else {"root_joint_name": root_joint_name}
     model = buildModelFromUrdf(filename, *(() if root_joint is None else (root_joint,)), mimic=mimic, **named)
     kinds: Any = (GeometryType.COLLISION, GeometryType.VISUAL) if geometry_types is None else geometry_types

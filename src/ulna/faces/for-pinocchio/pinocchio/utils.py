@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._se3 import SE3ToXYZQUAT as se3ToXYZQUAT
-from pinocchio._se3 import XYZQUATToSE3 as XYZQUATToSe3
-from pinocchio._vectors import generator, skew
+from pinocchio._spatial.motion_force import generator, skew
+from pinocchio._spatial.se3 import SE3ToXYZQUAT as se3ToXYZQUAT
+from pinocchio._spatial.se3 import XYZQUATToSE3 as XYZQUATToSe3
 from pinocchio.rpy import matrixToRpy, rotate, rpyToMatrix
 from ulna.typing import Floats
 

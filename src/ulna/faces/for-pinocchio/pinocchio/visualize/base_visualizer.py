@@ -11,10 +11,16 @@ import numpy as np
 from gepetto.corbaserver.client import Client, opened
 from gepetto.corbaserver.gui import Gui
 
-from pinocchio._enums import GeometryType
-from pinocchio._geometry import GeometryData, GeometryModel, GeometryObject, updateGeometryPlacements
-from pinocchio._kinematics import forwardKinematics
-from pinocchio._model import Model
+from pinocchio._algorithms.configurations import neutral
+from pinocchio._algorithms.kinematics import forwardKinematics
+from pinocchio._containers.enums import GeometryType
+from pinocchio._geometry.geometry_model import (
+    GeometryData,
+    GeometryModel,
+    GeometryObject,
+    updateGeometryPlacements,
+)
+from pinocchio._model.model import Model
 from pinocchio.visualize.figures import surfaces_of
 from pinocchio.visualize.motion_pictures import MotionPictures
 from ulna.errors import InputError, UnknownName
@@ -157,8 +163,6 @@ class BaseVisualizer(MotionPictures, abc.ABC):
             self.display(np.array(self._neutral()) if self._q is None else self._q)
 
     def _neutral(self) -> Any:
-        from pinocchio import neutral
-
         return neutral(self.model)
 
     def _group(self, kind: GeometryType) -> str:

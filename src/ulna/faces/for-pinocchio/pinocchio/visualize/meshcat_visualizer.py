@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._rotations import Quaternion
+from pinocchio._spatial.rotations import Quaternion
 from pinocchio.visualize.camera import CameraVisualizer
 from ulna.errors import ShapeError
 from ulna.geometry import Box, Cylinder, Ellipsoid, Shape, Sphere

@@ -10,7 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._model import Model
+from pinocchio._algorithms.kinematics import getFrameVelocity
+from pinocchio._containers.enums import LOCAL_WORLD_ALIGNED
+from pinocchio._model.model import Model
 from ulna.viewer.screen import somebody_can_look
 
 
@@ -67,8 +69,6 @@ class MotionPictures(abc.ABC):
         self, frame_id: int, v_scale: float = 0.2, color: Sequence[float] | None = None
     ) -> None:
         """Draws an arrow along the velocity of a frame's origin, after forwardKinematics with v."""
-        from pinocchio import LOCAL_WORLD_ALIGNED, getFrameVelocity
-
         v = getFrameVelocity(self.model, self.data, frame_id, LOCAL_WORLD_ALIGNED).linear
         start = self._frame_pose(frame_id)[:3, 3]
         name = f"{self._root}/velocities/{frame_id}"

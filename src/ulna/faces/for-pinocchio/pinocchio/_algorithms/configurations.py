@@ -1,0 +1,224 @@
+"""The space of configurations: neutral, random, integrate, difference and their derivatives."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from pinocchio._containers.arrays import StdVec, exact, vector
+from pinocchio._containers.enums import ArgumentPosition
+from pinocchio._data.binding import Scratch
+from pinocchio._model.building import FREE
+from pinocchio._model.model import Model
+from pinocchio._spatial.motion_force import generator
+from ulna import algorithms
+from ulna.algorithms.tree import blank
+from ulna.errors import InputError
+from ulna.model import Model as TowerModel
+from ulna.model.joints.base import Coordinate
+from ulna.numeric import less, minimum, where
+from ulna.typing import Array, Floats
+
+__all__ = [
+    "compactTangentMap",
+    "dDifference",
+    "dIntegrate",
+    "dIntegrateTransport",
+    "difference",
+    "distance",
+    "getTangentToConfigurationSparsitySegment",
+    "integrate",
+    "interpolate",
+    "isNormalized",
+    "isSameConfiguration",
+    "neutral",
+    "normalize",
+    "randomConfiguration",
+    "squaredDistance",
+    "tangentMap",
+    "tangentMapProduct",
+    "tangentMapTransposeProduct",
+]
+
+
+def neutral(model: Model) -> Floats:
+    """The configuration (nq,) in which nothing is turned or slid."""
+    return np.array(algorithms.neutral(model.shape().model))
+
+
+def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any = None) -> Floats:
+    """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m."""
+    low = model.lowerPositionLimit if lower_bound is None else lower_bound
+    high = model.upperPositionLimit if upper_bound is None else upper_bound
+    draws = generator()
+    parts = draws.random(model.nq)
+    normal = parts if model.nq == model.nv else draws.standard_normal(model.nq)  # none is a quaternion's
+    found = model._random(parts, normal, low, high)
+    if found is NotImplemented:
+        low, high = exact(low, model.nq, "lower_bound"), exact(high, model.nq, "upper_bound")
+        found = model._random(parts, normal, low, high)
+    if found is NotImplemented:
+        shapes = dict.fromkeys(("parts", "normal", "low", "high"), (model.nq,))
+        kernel = model.shape().made("random", _within, **shapes)
+        model._random = Scratch(kernel, others=[model._narrowest]).call
+        found = model._random(parts, normal, low, high)
+    if not model._narrowest[()] >= 0.0:
+        raise InputError(
+            "randomConfiguration: a lower limit is above the upper one; expected lower_bound <= upper_bound."
+        )
+    return found
+
+
+def _within(model: TowerModel) -> Any:
+    """What evenly drawn parts in [0, 1] make within limits, and the narrowest of these.
+
+    Normal deviates, scaled to unit length, are even over all rotations.
+    """
+
+    def run(parts: Array, normal: Array, low: Array, high: Array) -> tuple[Array, Array]:
+        q = blank((model.nq,), parts)
+        for joint in model.joints:
+            for k, c in enumerate(() if joint.mimic else joint.kind.coordinates, start=joint.idx_q):
+                q[k] = normal[k] if c.unit == "" else _drawn(c, parts[k], low[k], high[k])
+        return normalized(q), functools.reduce(minimum, high - low, np.inf)
+
+    def normalized(q: Array) -> Array:
+        unit = algorithms.normalize(model, q)
+        free = [c.unit == "" for j in model.joints if not j.mimic for c in j.kind.coordinates]
+        return np.where(free, unit, q)
+
+    return run
+
+
+def _drawn(c: Coordinate, part: Any, low: Any, high: Any) -> Any:
+    """A part of the way from one limit to the other; where one is missing, from an interval of the usual width."""
+    bounded_below, bounded_above, width = less(-FREE, low), less(high, FREE), c.high - c.low
+    first = where(bounded_below, low, where(bounded_above, high - width, c.low))
+    last = where(bounded_above, high, where(bounded_below, low + width, c.high))
+    return first + (last - first) * part
+
+
+def integrate(model: Model, q: Any, v: Any) -> Floats:
+    """The configuration (nq,) reached from q in one second with v."""
+    found = model._integrate(q, v)
+    if found is NotImplemented:
+        found = _bound(model, "integrate", exact(q, model.nq, "q"), exact(v, model.nv, "v"))
+    return found
+
+
+def difference(model: Model, q1: Any, q2: Any) -> Floats:
+    """The velocity (nv,) that leads from q1 to q2 in one second."""
+    found = model._difference(q1, q2)
+    if found is NotImplemented:
+        found = _bound(model, "difference", exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2"))
+    return found
+
+
+def _bound(model: Model, name: str, *state: Floats) -> Floats:
+    """What the bound `integrate` or `difference` of a model says, which is bound where it does not apply."""
+    found = getattr(model, f"_{name}")(*state)
+    if found is NotImplemented:
+        setattr(model, f"_{name}", Scratch(model.shape().plain(name)).call)
+        found = getattr(model, f"_{name}")(*state)
+    return found
+
+
+def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
+    """The configuration (nq,) a part `alpha` of the way from q1 to q2."""
+    return model.shape().plain("interpolate")(*_pair(model, q1, q2), np.float64(alpha))
+
+
+def distance(model: Model, q1: Any, q2: Any) -> float:
+    """The length of the difference."""
+    return float(model.shape().plain("distance")(*_pair(model, q1, q2)))
+
+
+def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
+    """For each joint, the squared length of its part of the difference."""
+    d = difference(model, q1, q2)
+    joints = [j for j in model.joints[1:] if not j.mimic]
+    return np.array([float(d[j.idx_v : j.idx_v + j.nv] @ d[j.idx_v : j.idx_v + j.nv]) for j in joints])
+
+
+def normalize(model: Model, q: Any) -> Floats:
+    """The same configuration with quaternions, and pairs of cosine and sine, of unit length."""
+    return model.shape().plain("normalize")(vector(q, model.nq, "q"))
+
+
+def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
+    """Whether they are."""
+    given = vector(q, model.nq, "q")
+    return bool(np.abs(normalize(model, given) - given).max(initial=0.0) <= prec)
+
+
+def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float = 1e-12) -> bool:
+    """Whether two configurations are the same place."""
+    return bool(algorithms.is_same(model.shape().model, *_pair(model, q1, q2), tolerance=prec))
+
+
+def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> Any:
+    """The derivatives (nv, nv) of `integrate` by q and v; one of them for ARG0 or ARG1."""
+    both = model.shape().plain("integrate_derivatives")(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    return _chosen(both, argument_position)
+
+
+def dDifference(model: Model, q1: Any, q2: Any, argument_position: Any = None) -> Any:
+    """The derivatives (nv, nv) of `difference` by q1 and q2; one of them for ARG0 or ARG1."""
+    both = model.shape().plain("difference_derivatives")(*_pair(model, q1, q2))
+    return _chosen(both, argument_position)
+
+
+def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_position: Any) -> Floats:
+    """A matrix (nv, n) at integrate(q, v), carried by the derivative of `integrate`."""
+    return dIntegrate(model, q, v, argument_position) @ np.asarray(Jin, dtype=float)
+
+
+def tangentMap(model: Model, q: Any) -> Floats:
+    """The matrix (nq, nv) from velocities to the rates of the entries of q."""
+    kernel = model.shape().made("tangent map", _tangent_map, q=(model.nq,))
+    return kernel(vector(q, model.nq, "q"))
+
+
+def _tangent_map(model: Any) -> Any:
+    units = np.eye(model.nv)
+    return lambda q: np.stack([algorithms.coordinate_rates(model, q, unit) for unit in units], axis=-1)
+
+
+def tangentMapProduct(model: Model, q: Any, mat_in: Any) -> Floats:
+    """`tangentMap` times a vector (nv,) or a matrix (nv, n)."""
+    return tangentMap(model, q) @ np.asarray(mat_in, dtype=float)
+
+
+def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
+    """`tangentMap` transposed times a vector (nq,) or a matrix (nq, n)."""
+    return tangentMap(model, q).T @ np.asarray(mat_in, dtype=float)
+
+
+def compactTangentMap(model: Model, q: Any) -> Floats:
+    """`tangentMap` without its zeros (nq, widest joint): row i begins at the velocity that segment i names."""
+    whole = tangentMap(model, q)
+    out = np.zeros((model.nq, max((j.nv for j in model.joints), default=0)))
+    for i, (size, start) in enumerate(zip(*getTangentToConfigurationSparsitySegment(model), strict=True)):
+        out[i, :size] = whole[i, start : start + size]
+    return out
+
+
+def getTangentToConfigurationSparsitySegment(model: Model) -> tuple[StdVec[int], StdVec[int]]:
+    """For each entry of q, how many velocities its joint has, and where they begin."""
+    joints = sorted((j for j in model.joints[1:] if not j.mimic), key=lambda j: j.idx_q)
+    rows = [j for j in joints for _ in range(j.nq)]
+    return StdVec(j.nv for j in rows), StdVec(j.idx_v for j in rows)
+
+
+def _pair(model: Model, q1: Any, q2: Any) -> tuple[Floats, Floats]:
+    return vector(q1, model.nq, "q1"), vector(q2, model.nq, "q2")
+
+
+def _chosen(both: Any, position: Any) -> Any:
+    if position is None:
+        return both
+    if position not in (ArgumentPosition.ARG0, ArgumentPosition.ARG1):
+        raise InputError(f"The argument is {position!r}; expected ARG0 or ARG1.")
+    return both[int(position)]

@@ -1,0 +1,332 @@
+"""Placements, velocities and accelerations of joints and frames."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, TypeVar
+
+import numpy as np
+
+from pinocchio._containers.arrays import index
+from pinocchio._containers.enums import ReferenceFrame, reference_of
+from pinocchio._containers.keywords import by_name
+from pinocchio._data.binding import Algorithm, Scratch, refuse, run
+from pinocchio._data.data import Data, engine_for, frames_fit
+from pinocchio._data.deferred_fields import OA, OV, OWN, rows, stacked
+from pinocchio._model.frame import changes
+from pinocchio._model.kernel_parameters import unread
+from pinocchio._model.model import Model
+from pinocchio._spatial.motion_force import Motion
+from pinocchio._spatial.se3 import SE3, compiled
+from ulna import algorithms, spatial
+from ulna.algorithms.references import Reference
+from ulna.errors import InputError
+from ulna.model import Frame
+from ulna.model import Model as TowerModel
+from ulna.numeric import cross
+from ulna.trace import compile as compile_function
+from ulna.typing import Array, Floats
+
+__all__ = [
+    "forwardKinematics",
+    "framesForwardKinematics",
+    "getAcceleration",
+    "getClassicalAcceleration",
+    "getFrameAcceleration",
+    "getFrameClassicalAcceleration",
+    "getFrameVelocity",
+    "getVelocity",
+    "updateFramePlacement",
+    "updateFramePlacements",
+    "updateGlobalPlacements",
+]
+
+LOCAL = ReferenceFrame.LOCAL
+_HERE = np.eye(4)
+_new = object.__new__
+Asked = TypeVar("Asked", bound=Callable[..., Motion])
+
+
+def _run0(model: TowerModel) -> Any:
+    return lambda q: (stacked(algorithms.joint_poses(model, q)), q)
+
+
+def _run1(model: TowerModel) -> Any:
+    def run(q: Array, v: Array) -> tuple[Array, ...]:
+        places = stacked(algorithms.joint_poses(model, q))
+        return places, q, rows(algorithms.joint_velocities(model, q, v)), q, v
+
+    return run
+
+
+def _run2(model: TowerModel) -> Any:
+    first = _run1(model)
+    return lambda q, v, a: (*first(q, v), rows(algorithms.joint_accelerations(model, q, v, a)), q, v, a)
+
+
+def _run_frames(model: TowerModel, frames: Sequence[Frame]) -> Any:
+    first = _run0(model)
+    return lambda q: (*first(q), stacked(algorithms.frame_poses(model, q, frames)))
+
+
+PLACED = ("oMi", "places q")
+_MOVED = (*PLACED, "v", "speeds q", "speeds v")
+_GAINED = ("a", "gains q", "gains v", "gains a")
+_FK = Algorithm("fk", "q", PLACED, _run0, on="places", late=OWN)
+_FK1 = Algorithm("fk1", "qv", _MOVED, _run1, on="places", late=OWN | OV)
+_FK2 = Algorithm("fk2", "qva", (*_MOVED, *_GAINED), _run2, on="places", late=OWN | OV | OA)
+_FRAMES = Algorithm("frames", "q", (*PLACED, "oMf"), _run_frames, on="frames", late=OWN)
+
+
+def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = None) -> None:
+    """Fills `data.oMi` and `data.liMi`; with v and a also `data.v` and `data.a`."""
+    if v is None:
+        if a is not None:
+            raise InputError(
+                "forwardKinematics was given accelerations without velocities; expected both, or q alone."
+            )
+        step = data._run.fk
+        if data._model is not model or step(q) is NotImplemented:
+            run(model, data, _FK, q)
+    elif a is None:
+        step = data._run.fk1
+        if data._model is not model or step(q, v) is NotImplemented:
+            run(model, data, _FK1, q, v)
+    else:
+        step = data._run.fk2
+        if data._model is not model or step(q, v, a) is NotImplemented:
+            run(model, data, _FK2, q, v, a)
+
+
+def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
+    """Fills `data.oMi`, `data.liMi` and `data.oMf`."""
+    step = data._run.frames
+    if data._model is not model or step(q) is NotImplemented:
+        frames_fit(model, data)
+        run(model, data, _FRAMES, q)
+
+
+def _carried(model: TowerModel, frames: Sequence[Frame]) -> Any:
+    def run(oMi: Array) -> Array:
+        found = []
+        for frame in frames:
+            T = oMi[frame.joint + 1]
+            found.append(spatial.SE3(T[:3, :3], T[:3, 3]) @ frame.placement)
+        return stacked(found)
+
+    return run
+
+
+def updateFramePlacements(model: Model, data: Data) -> None:
+    """Fills `data.oMf` from `data.oMi`."""
+    step = data._run_at.get("carried", refuse)
+    if data._model is not model or step() is NotImplemented:
+        frames_fit(model, data)
+        data.require(data._q, "forwardKinematics(model, data, q)")
+        watch = model.watched("frames")  # before the engine: see `run`
+        engine = data.attach(model)
+        kernel = engine.living(engine.of_frame("carried", _carried, oMi=(model.njoints, 4, 4)))
+        oMi, oMf = data._blocks["oMi"], data._blocks["oMf"]
+        step = kernel.into(oMf, watch=unread(kernel, watch), otherwise=refuse, given=[oMi])
+        data._run_at["carried"] = step
+        step()
+
+
+def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
+    """Fills `data.oMf[frame_id]` from `data.oMi`, and returns a copy."""
+    step = data._run_at.get(("carried", frame_id), refuse)
+    found = step() if data._model is model else NotImplemented
+    if found is NotImplemented:
+        frames_fit(model, data)
+        place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")
+        data.require(data._q, "forwardKinematics(model, data, q)")
+        data.attach(model)
+        watch, frame = [(changes, changes.copy())], model.frames[place]
+        given = data._blocks["oMi"][frame.parentJoint], frame.placement._m
+        into = data._blocks["oMf"][place]
+        step = compiled("product").into(into, returns=(0,), watch=watch, otherwise=refuse, given=given)
+        data._run_at["carried", frame_id] = step
+        found = step()
+    return SE3._of(found)
+
+
+def updateGlobalPlacements(model: Model, data: Data) -> None:
+    """Fills `data.oMi` from `data.liMi`."""
+    blocks = data._blocks
+    data.read("liMi")
+    for i in range(1, model.njoints):
+        np.matmul(blocks["oMi"][model.parents[i]], blocks["liMi"][i], out=blocks["oMi"][i])
+
+
+# velocities and accelerations ---------------------------------------------------------------------------
+
+
+def at_joint(joint: int) -> Frame:
+    """The frame of a joint, for the tower."""
+    return Frame("", joint - 1, spatial.SE3.identity(), "user", "", spatial.SE3.identity())
+
+
+def at_frame(model: Model, place: Any) -> tuple[Any, Any]:
+    """A key and the tower's frame of an index of a frame, or of (index of a joint, placement)."""
+    if len(place) == 1:
+        return index(place[0], model.nframes, "frame", "model.getFrameId(name) gives one."), None
+    joint, M = place
+    joint = index(joint, model.njoints, "joint", "model.getJointId(name) gives one.")
+    given = Frame("", joint - 1, M._pose(), "user", "", spatial.SE3.identity())
+    return (joint, M._m.tobytes()), given
+
+
+def split(rest: tuple[Any, ...], rf: Any) -> tuple[tuple[Any, ...], Reference]:
+    """(index) or (joint, placement), and the reference, out of what stands before and by name."""
+    if len(rest) > 1 and isinstance(rest[-1], ReferenceFrame):
+        rest, rf = rest[:-1], rest[-1]
+    elif len(rest) > 1 and not isinstance(rest[-1], SE3):
+        reference_of(rest[-1])
+    return rest, reference_of(LOCAL if rf is None else rf)
+
+
+def _quick(kind: str) -> Callable[[Asked], Asked]:
+    """Answers what was asked for before with one native call, and leaves all else to the function."""
+
+    def decorate(function: Any) -> Any:
+        @functools.wraps(function)
+        def asked(
+            model: Model, data: Data, place: Any = None, told: Any = None, *rest: Any, **named: Any
+        ) -> Motion:
+            if rest or named:
+                given = (x for x in (place, told) if x is not None)
+                return function(model, data, *given, *rest, **named)
+            if told is None:
+                told = LOCAL
+            try:
+                step, known = data._run_at[place, told, kind]
+            except (KeyError, TypeError):
+                step, known = refuse, None
+            if known is told and data._model is model:  # 0 equals WORLD, and is refused
+                found = step()
+                if found is not NotImplemented:
+                    motion = _new(Motion)
+                    motion._v = found
+                    return motion
+            return function(model, data, place, told)
+
+        return asked
+
+    return decorate
+
+
+@_quick("joint velocity")
+def getVelocity(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
+    """The velocity of a joint, after forwardKinematics with v."""
+    return _joint_motion(model, data, joint_id, reference_frame, "velocity")
+
+
+@_quick("joint acceleration")
+def getAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
+    """The spatial acceleration of a joint, after forwardKinematics with v and a."""
+    return _joint_motion(model, data, joint_id, reference_frame, "acceleration")
+
+
+@_quick("joint classical")
+def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
+    """The acceleration of the point at a joint's origin, after forwardKinematics with v and a."""
+    return _joint_motion(model, data, joint_id, reference_frame, "classical")
+
+
+@_quick("velocity")
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+def getFrameVelocity(
+    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+) -> Motion:
+    """The velocity of a frame (its index, or a joint's and a placement), after forwardKinematics with v."""
+    return _frame_motion(model, data, frame_id, placement, reference_frame, "velocity")
+
+
+@_quick("acceleration")
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+def getFrameAcceleration(
+    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+) -> Motion:
+    """The spatial acceleration of a frame, after forwardKinematics with v and a; see `getFrameVelocity`."""
+    return _frame_motion(model, data, frame_id, placement, reference_frame, "acceleration")
+
+
+@_quick("classical")
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+def getFrameClassicalAcceleration(
+    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+) -> Motion:
+    """The acceleration of the point at a frame's origin; see `getFrameAcceleration`."""
+    return _frame_motion(model, data, frame_id, placement, reference_frame, "classical")
+
+
+def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -> Motion:
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    return _motion(model, data, kind, reference_of(rf), joint, _HERE, (joint_id, rf, f"joint {kind}"))
+
+
+def _frame_motion(model: Model, data: Data, frame_id: int, placement: Any, rf: Any, kind: str) -> Motion:
+    where, reference = split(tuple(x for x in (frame_id, placement) if x is not None), rf)
+    key, given = at_frame(model, where)
+    if given is not None:
+        return _motion(model, data, kind, reference, key[0], where[1]._m)
+    frame, told = model.frames[key], (LOCAL if rf is None else rf) if placement is None else placement
+    return _motion(
+        model, data, kind, reference, frame.parentJoint, frame.placement._m, (frame_id, told, kind)
+    )
+
+
+def _motion(
+    model: Model,
+    data: Data,
+    kind: str,
+    reference: Reference,
+    joint: int,
+    placement: Floats,
+    place: Any = None,
+) -> Motion:
+    """The motion of a frame out of what the Data holds of its joint; bound at `place` for the next time."""
+    watch = [(changes, changes.copy())]  # joints and frames
+    if data._layout is not model._layout:
+        engine_for(model, data)
+    if kind == "velocity":
+        data.require(data._qv, "forwardKinematics(model, data, q, v)")
+    else:
+        data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
+    step = data._run_at.get(place, (refuse,))[0] if data._model is model else refuse
+    found = step()  # what was late may be there now
+    if found is NotImplemented:
+        fields = ("v",) if kind == "velocity" else ("v", "a")
+        arrays = [np.ascontiguousarray(placement), *(data._blocks[x][joint] for x in ("oMi", *fields))]
+        kernel = _seen_from(kind, reference)
+        if place is not None and data._model is model:
+            watch += [(data.mark_of(field), np.zeros(())) for field in fields]
+            data._run_at[place] = Scratch(kernel, watch, given=arrays).call, place[1]
+        found = kernel(*arrays)
+    return Motion._of(found)
+
+
+@cache
+def _seen_from(kind: str, reference: Reference) -> Any:
+    """The compiled motion of a frame at a placement in its joint's frame, in a reference."""
+
+    def run(placement: Array, oMi: Array, v: Array, a: Array | None = None) -> Array:
+        T, M = (spatial.SE3(m[:3, :3], m[:3, 3]) for m in (oMi, placement))
+        into = M.inverse()
+        if reference == "world":
+            into = T
+        elif reference == "local_world_aligned":
+            into = spatial.SE3.from_rotation(T.rotation @ M.rotation, np.zeros(3)) @ into
+        velocity = into.act(spatial.Motion(v[:3], v[3:]))
+        if kind == "velocity":
+            return velocity.vector()
+        assert a is not None
+        gain = into.act(spatial.Motion(a[:3], a[3:]))
+        if kind == "classical":
+            gain = spatial.Motion(gain.linear + cross(velocity.angular, velocity.linear), gain.angular)
+        return gain.vector()
+
+    motions: dict[str, Any] = {"v": (6,)} if kind == "velocity" else {"v": (6,), "a": (6,)}
+    return compile_function(run, placement=(4, 4), oMi=(4, 4), **motions)

@@ -1,0 +1,124 @@
+"""Derivatives of velocities and accelerations of joints, frames, points and the centre of mass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
+from pinocchio._algorithms.kinematics import at_frame, at_joint, forwardKinematics, updateFramePlacement
+from pinocchio._containers.arrays import index
+from pinocchio._containers.enums import ReferenceFrame, reference_of
+from pinocchio._containers.keywords import by_name
+from pinocchio._data.data import Data, engine_for
+from pinocchio._model.model import Model
+from ulna import algorithms
+from ulna.model import Frame
+from ulna.model import Model as TowerModel
+from ulna.typing import Floats
+
+__all__ = [
+    "computeForwardKinematicsDerivatives",
+    "getCenterOfMassVelocityDerivatives",
+    "getFrameAccelerationDerivatives",
+    "getFrameVelocityDerivatives",
+    "getJointAccelerationDerivatives",
+    "getJointVelocityDerivatives",
+    "getPointClassicAccelerationDerivatives",
+    "getPointVelocityDerivatives",
+]
+
+
+def computeForwardKinematicsDerivatives(model: Model, data: Data, q: Any, v: Any, a: Any = None) -> None:
+    """Prepares the derivatives of velocities and accelerations of joints and frames."""
+    a = np.zeros(model.nv) if a is None else a
+    forwardKinematics(model, data, q, v, a)
+    computeJointJacobiansTimeVariation(model, data, q, v)
+
+
+def getJointVelocityDerivatives(
+    model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
+) -> tuple[Floats, Floats]:
+    """Derivatives of a joint's velocity by q and v, (6, nv) each."""
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, False)
+
+
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+def getFrameVelocityDerivatives(
+    model: Model, data: Data, *place: Any, reference_frame: Any = None
+) -> tuple[Floats, Floats]:
+    """Derivatives of a frame's velocity (its index, or a joint's and a placement) by q and v, (6, nv) each."""
+    *where, rf = place if reference_frame is None else (*place, reference_frame)
+    key, given = at_frame(model, tuple(where))
+    return _motions(model, data, key, given, rf, False)
+
+
+def getJointAccelerationDerivatives(
+    model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
+) -> tuple[Floats, ...]:
+    """Derivatives of a joint's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, True)
+
+
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+def getFrameAccelerationDerivatives(
+    model: Model, data: Data, *place: Any, reference_frame: Any = None
+) -> tuple[Floats, ...]:
+    """Derivatives of a frame's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
+    *where, rf = place if reference_frame is None else (*place, reference_frame)
+    key, given = at_frame(model, tuple(where))
+    return _motions(model, data, key, given, rf, True)
+
+
+def _motions(model: Model, data: Data, key: Any, given: Frame | None, rf: Any, with_a: bool) -> Any:
+    reference = reference_of(rf)
+    state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
+
+    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+        frame = frames[key] if given is None else given
+
+        return lambda q, v, a: algorithms.motion_derivatives(tower, q, v, a, frame, reference)
+
+    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
+    kernel = engine_for(model, data).of_frame(("derivatives", key, reference), build, **shapes)
+    V_q, V_v, *of_a = kernel(*state)
+    if given is None:
+        updateFramePlacement(model, data, key)
+    return (V_q, *of_a) if with_a else (V_q, V_v)
+
+
+def getPointVelocityDerivatives(
+    model: Model, data: Data, joint_id: int, placement: Any, reference_frame: ReferenceFrame
+) -> tuple[Floats, Floats]:
+    """Derivatives of the velocity of a point on a joint by q and v, (3, nv) each, in LOCAL or LOCAL_WORLD_ALIGNED."""
+    return _point(model, data, joint_id, placement, reference_frame)[:2]
+
+
+def getPointClassicAccelerationDerivatives(
+    model: Model, data: Data, joint_id: int, placement: Any, reference_frame: ReferenceFrame
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Derivatives of that velocity by q, and of the point's acceleration by q, v and a, (3, nv) each."""
+    u_q, _, *rest = _point(model, data, joint_id, placement, reference_frame)
+    return (u_q, *rest)
+
+
+def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> Any:
+    key, frame = at_frame(model, (joint_id, placement))
+    state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
+    reference: Any = reference_of(rf)
+
+    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+        return lambda q, v, a: algorithms.point_derivatives(tower, q, v, a, frame, reference)
+
+    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
+    return engine_for(model, data).of_frame(("point", key, reference), build, **shapes)(*state)
+
+
+def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
+    """The derivative (3, nv) of the velocity of the centre of mass by q."""
+    q, v = data.require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
+    return engine_for(model, data).kernel("com_velocity_derivatives")(q, v)[0]

@@ -1,0 +1,311 @@
+"""Constraints that tell where their second frame is, seen from the first: anchors of points and frames, contacts."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, final
+
+import numpy as np
+
+from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
+from pinocchio._constraints.frame_pair import ContactType, Pair
+from pinocchio._constraints.kernels import bonds_of
+from pinocchio._constraints.rigid_constraint import RigidConstraintModel
+from pinocchio._containers.arrays import numbers, vector
+from pinocchio._containers.enums import ReferenceFrame
+from pinocchio._data.data import Data, engine_for
+from pinocchio._model.model import Model
+from pinocchio._spatial.motion_force import Motion
+from pinocchio._spatial.se3 import SE3
+from pinocchio.explog import exp6
+from ulna.algorithms.constraint_twists import constraint_seen
+from ulna.errors import InputError, ShapeError
+from ulna.model import Model as TowerModel
+from ulna.typing import Array, Floats
+
+__all__ = [
+    "FrameAnchorConstraintData",
+    "FrameAnchorConstraintModel",
+    "PointAnchorConstraintData",
+    "PointAnchorConstraintModel",
+    "PointContactConstraintData",
+    "PointContactConstraintModel",
+    "convertToRigidConstraintModel",
+]
+
+
+class _Known:
+    """What is known of such a constraint at a state, after its `calc`."""
+
+    __slots__ = (
+        "_J",
+        "c1Mc2",
+        "constraint_acceleration_error",
+        "constraint_force",
+        "constraint_position_error",
+        "constraint_velocity_error",
+        "oMc1",
+        "oMc2",
+    )
+
+    def __init__(self, constraint_model: Any) -> None:
+        m = constraint_model.residualSize()
+        self._J: Floats | None = None
+        self.oMc1, self.oMc2, self.c1Mc2 = SE3(), SE3(), SE3()
+        self.constraint_position_error = np.zeros(m)
+        self.constraint_velocity_error = np.zeros(m)
+        self.constraint_acceleration_error = np.zeros(m)
+        self.constraint_force = np.zeros(m)
+
+    def shortname(self) -> str:
+        """The name of its class."""
+        return type(self).__name__
+
+    classname = shortname
+
+
+@final
+class PointAnchorConstraintData(_Known):
+    """Of a PointAnchorConstraintModel."""
+
+    __slots__ = ()
+
+
+@final
+class FrameAnchorConstraintData(_Known):
+    """Of a FrameAnchorConstraintModel."""
+
+    __slots__ = ()
+
+
+@final
+class PointContactConstraintData(_Known):
+    """Of a PointContactConstraintModel."""
+
+    __slots__ = ()
+
+
+class _Anchor(Pair):
+    """`(model, joint1[, placement1[, joint2[, placement2]]])`: two frames, of which the second may be the world's."""
+
+    __slots__ = (
+        "_compliance",
+        "desired_constraint_acceleration",
+        "desired_constraint_offset",
+        "desired_constraint_velocity",
+        "nv",
+    )
+    _rows: ClassVar[int] = 3
+    _data: ClassVar[Any] = PointAnchorConstraintData
+
+    def __init__(self, model: Model, *places: Any, **named: Any) -> None:
+        if not isinstance(model, Model):
+            raise InputError(f"The model is {model!r}; expected a pinocchio.Model.")
+        self._attach(model, places, named)
+        self.nv = model.nv
+        self._compliance = np.zeros(self._rows)
+        self.desired_constraint_offset = np.zeros(self._rows)
+        self.desired_constraint_velocity = np.zeros(self._rows)
+        self.desired_constraint_acceleration = np.zeros(self._rows)
+
+    def residualSize(self, sel: Any = None) -> int:
+        """How many rows it has."""
+        return self._rows
+
+    def shortname(self) -> str:
+        """The name of its class."""
+        return type(self).__name__
+
+    classname = shortname
+
+    def createData(self) -> Any:
+        """What is known of it at a state; filled by `calc`."""
+        return self._data(self)
+
+    def retrieveCompliance(self, sel: Any = None) -> Floats:
+        """The compliance of its rows."""
+        return self._compliance.copy()
+
+    def setCompliance(self, vec: Any, sel: Any = None) -> None:
+        """Sets the compliance of its rows."""
+        self._compliance = vector(vec, self._rows, "vec").copy()
+
+    def set(self, constraint_data: Any) -> Any:
+        """The set that its forces belong to: any."""
+        return FullSpaceCone()
+
+    def calc(self, model: Model, data: Data, constraint_data: Any) -> None:
+        """Where the second frame is, seen from the first, its velocity and acceleration, at the last forwardKinematics.
+
+        What was not given there, velocity or acceleration, counts as zero.
+        """
+        self._fits(model, constraint_data)
+        state = _state(model, data)
+        shapes = ((self._rows, True, self.joint1_id, self.joint2_id),)
+
+        def build(tower: TowerModel) -> Any:
+            def run(q: Array, v: Array, a: Array, places: Array) -> tuple[Array, ...]:
+                return tuple(constraint_seen(tower, q, v, a, bonds_of(shapes, places)[0]))
+
+            return run
+
+        given = (*state, self._places[None])
+        sizes: dict[str, Any] = dict(zip(("q", "v", "a", "places"), (x.shape for x in given), strict=True))
+        found = engine_for(model, data).made(("constraint seen", shapes), build, **sizes)(*given)
+        place, constraint_data._J, velocity, acceleration = found
+        wanted = (
+            self.desired_constraint_offset,
+            self.desired_constraint_velocity,
+            self.desired_constraint_acceleration,
+        )
+        if self._rows == 6:  # as there, frames are told without what is desired of them
+            wanted = (0.0, 0.0, 0.0)
+        constraint_data.constraint_position_error[:] = place - wanted[0]
+        constraint_data.constraint_velocity_error[:] = velocity - wanted[1]
+        constraint_data.constraint_acceleration_error[:] = acceleration - wanted[2]
+        oMi = data._blocks["oMi"]
+        np.matmul(oMi[self.joint1_id], self._places[0], out=constraint_data.oMc1._m)
+        np.matmul(oMi[self.joint2_id], self._places[1], out=constraint_data.oMc2._m)
+        constraint_data.c1Mc2 = constraint_data.oMc1.actInv(constraint_data.oMc2)
+
+    def _fits(self, model: Model, constraint_data: Any) -> None:
+        if type(constraint_data) is not self._data:
+            raise InputError(
+                f"The data of the constraint is {constraint_data!r}; expected what its createData() gives."
+            )
+        if not max(self.joint1_id, self.joint2_id) < model.njoints or self.nv != model.nv:
+            raise InputError(
+                f"{self.shortname()} was made for a model of {self.nv} velocities, not {model.nv}."
+            )
+
+    def jacobian(self, model: Model, data: Data, constraint_data: Any) -> Floats:
+        """The Jacobian (residualSize, nv) of its velocity, after `calc`."""
+        self._fits(model, constraint_data)
+        if constraint_data._J is None:
+            raise InputError(
+                "The data of the constraint is empty. Call constraint.calc(model, data, its data) first."
+            )
+        return constraint_data._J.copy()
+
+    def jacobianMatrixProduct(self, model: Model, data: Data, constraint_data: Any, matrix: Any) -> Floats:
+        """The Jacobian times a matrix (nv, k) or a vector (nv,)."""
+        return self.jacobian(model, data, constraint_data) @ _rows_of(matrix, model.nv)
+
+    def jacobianTransposeMatrixProduct(
+        self, model: Model, data: Data, constraint_data: Any, matrix: Any
+    ) -> Floats:
+        """Its transpose times a matrix (residualSize, k) or a vector (residualSize,)."""
+        return self.jacobian(model, data, constraint_data).T @ _rows_of(matrix, self._rows)
+
+    def copy(self) -> Any:
+        """One of its own, with the same numbers."""
+        cls: Any = type(self)
+        other = cls.__new__(cls)
+        other._places = self._places.copy()
+        for k in (0, 1):
+            setattr(other, f"joint{k + 1}_placement", SE3._of(other._places[k]))
+        for kind in cls.__mro__:
+            for name in getattr(kind, "__slots__", ()):
+                value = getattr(self, name)
+                if not hasattr(other, name):
+                    setattr(other, name, value.copy() if isinstance(value, np.ndarray) else value)
+        other._gains = type(self._gains)(self._gains.Kp, self._gains.Kd)
+        return other
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: Any) -> Any:
+        return self.copy()
+
+
+@final
+class PointAnchorConstraintModel(_Anchor):
+    """A point of one body goes with a point of another: `(model, joint1[, placement1[, joint2[, placement2]]])`."""
+
+    __slots__ = ()
+
+
+@final
+class FrameAnchorConstraintModel(_Anchor):
+    """A frame of one body goes with a frame of another: `(model, joint1[, placement1[, joint2[, placement2]]])`."""
+
+    __slots__ = ()
+    _rows = 6
+    _data = FrameAnchorConstraintData
+
+
+@final
+class PointContactConstraintModel(_Anchor):
+    """Two bodies touch at a point, with friction; the third axis of the first frame is the normal of the contact."""
+
+    __slots__ = ("_friction",)
+    _data = PointContactConstraintData
+
+    def __init__(self, model: Model, *places: Any, **named: Any) -> None:
+        super().__init__(model, *places, **named)
+        self._friction = 0.5
+
+    def getFriction(self) -> float:
+        """The coefficient of friction."""
+        return self._friction
+
+    def setFriction(self, friction: float) -> None:
+        """Sets the coefficient of friction."""
+        self._friction = CoulombFrictionCone(friction).mu
+
+    def set(self, constraint_data: Any) -> CoulombFrictionCone:
+        """The cone that its forces belong to."""
+        return CoulombFrictionCone(self._friction)
+
+
+def convertToRigidConstraintModel(
+    model: Model, constraint: Any, reference_frame: Any = ReferenceFrame.LOCAL
+) -> RigidConstraintModel:
+    """The RigidConstraintModel of an anchor: of a point CONTACT_3D, of a frame CONTACT_6D."""
+    if not isinstance(constraint, (PointAnchorConstraintModel, FrameAnchorConstraintModel)):
+        raise InputError(
+            f"The constraint is {constraint!r}; expected a PointAnchorConstraintModel or a FrameAnchorConstraintModel."
+        )
+    is_frame = constraint.residualSize() == 6
+    kind = ContactType.CONTACT_6D if is_frame else ContactType.CONTACT_3D
+    ends = (
+        constraint.joint1_id,
+        constraint.joint1_placement,
+        constraint.joint2_id,
+        constraint.joint2_placement,
+    )
+    found = RigidConstraintModel(kind, model, *ends, reference_frame)
+    rest = np.zeros(6 - constraint.residualSize())
+    offset, velocity, acceleration = (
+        np.concatenate([x, rest])
+        for x in (
+            constraint.desired_constraint_offset,
+            constraint.desired_constraint_velocity,
+            constraint.desired_constraint_acceleration,
+        )
+    )
+    found.name = constraint.name
+    found.desired_contact_placement = exp6(offset) if is_frame else SE3(np.eye(3), offset[:3])
+    found.desired_contact_velocity, found.desired_contact_acceleration = (
+        Motion(velocity),
+        Motion(acceleration),
+    )
+    found.setBaumgarteCorrectorParameters(constraint.baumgarte_corrector_parameters)
+    return found
+
+
+def _state(model: Model, data: Data) -> tuple[Floats, Floats, Floats]:
+    """The state of the last kinematics; what was not given is zero."""
+    q = data.require(data._q, "forwardKinematics(model, data, q)")
+    v = a = np.zeros(model.nv)
+    if data._qv is not None and np.array_equal(data._qv[0], q):
+        v = data._qv[1]
+        if data._qva is not None and all(map(np.array_equal, data._qva, (q, v))):
+            a = data._qva[2]
+    return q, v, a
+
+
+def _rows_of(given: Any, rows: int) -> Floats:
+    found = numbers(given, "matrix")
+    if found.ndim not in (1, 2) or found.shape[0] != rows:
+        raise ShapeError("matrix", found.shape, f"({rows},) or ({rows}, k)")
+    return found

@@ -1,0 +1,215 @@
+"""The decomposition of mass matrix and constraints: K = [[-mu, J], [J^T, M]] = U D U^T."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio._constraints.bound_dynamics import known_ties
+from pinocchio._constraints.delassus import DelassusOperatorCholeskyExpression, diagonal, raised
+from pinocchio._constraints.factorization import Factored, Kernels, kernels_for, without_factors
+from pinocchio._constraints.jacobians import getConstraintsJacobian, of_ties
+from pinocchio._constraints.kernels import factor_kernels, jacobian_kernel
+from pinocchio._containers.arrays import numbers
+from pinocchio._data.data import Data, engine_for
+from pinocchio._model.model import Model
+from ulna.errors import InputError, ShapeError
+from ulna.typing import Floats
+
+__all__ = ["ConstraintCholeskyDecomposition", "ContactCholeskyDecomposition"]
+
+
+class ConstraintCholeskyDecomposition:
+    """`ConstraintCholeskyDecomposition([model, data[, constraints, datas]])`, filled by `compute`."""
+
+    __slots__ = ("_J", "_M", "_factored", "_mu", "_ties")
+
+    def __init__(self, model: Any = None, data: Any = None, models: Any = (), datas: Any = ()) -> None:
+        self._make_room(0, 0)
+        if model is not None:
+            self.rebuild(model, data, models, datas)
+
+    def _make_room(self, m: int, n: int) -> None:
+        self._M, self._J, self._mu = np.zeros((n, n)), np.zeros((m, n)), np.zeros(m)
+        self._factored: Factored | None = None
+        self._ties: Any = None
+
+    def _hold(self, kernels: Kernels, M: Floats, J: Floats, mu: Any) -> ConstraintCholeskyDecomposition:
+        """Decomposes these matrices, of which M is copied."""
+        factored = self._factored
+        if factored is None or factored.kernels is not kernels:
+            self._make_room(*J.shape)
+            self._factored = factored = Factored(kernels)
+        self._M[...], self._J = M, J
+        self.updateDamping(mu)
+        return self
+
+    def rebuild(self, model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> None:
+        """Makes room for constraints; the matrices are zero until `compute`."""
+        engine_for(model, data)
+        self._make_room(sum(one.residualSize() for one in constraint_models), model.nv)
+
+    def compute(
+        self, model: Model, data: Data, contact_models: Any, contact_datas: Any, mu: Any = 0.0
+    ) -> None:
+        """Decomposes, with `data.M` of crba, and the Jacobians at the last configuration.
+
+        Args:
+            model: The model.
+            data: Its data, after crba and kinematics.
+            contact_models: The constraints.
+            contact_datas: Their data.
+            mu: Damping: one number, or one for each row.
+        """
+        M = data._blocks["M"]
+        ties = known_ties(model, data, contact_models, contact_datas)
+        if ties is not None and ties is self._ties and self._factored is not None:
+            self._hold(self._factored.kernels, M, of_ties(model, data, ties, "jacobian", data._q), mu)
+        else:
+            J = getConstraintsJacobian(model, data, contact_models, contact_datas)
+            ties = known_ties(model, data, contact_models, contact_datas)
+            engine = engine_for(model, data)
+            kernels = (
+                kernels_for(engine, np.ones(J.shape)) if ties is None else factor_kernels(engine, ties.shapes)
+            )
+            self._hold(kernels, M, J, mu)
+            self._ties = ties
+        if not self._filled().unique and not M.any():
+            raise without_factors(M, self._J)
+
+    def size(self) -> int:
+        """Rows of K: those of the constraints, and nv."""
+        return len(self._J) + len(self._M)
+
+    def constraintDim(self) -> int:
+        """How many rows belong to constraints."""
+        return len(self._J)
+
+    def matrix(self) -> Floats:
+        """K, constraints first."""
+        m, size = self._J.shape[0], self.size()
+        out = np.zeros((size, size))
+        out[:m, m:], out[m:, :m], out[m:, m:] = self._J, self._J.T, self._M
+        out.reshape(-1)[: m * size : size + 1] = -self._mu
+        return out
+
+    def _filled(self) -> Factored:
+        """The factors.
+
+        Raises:
+            InputError: nothing has been decomposed yet.
+        """
+        if self._factored is None:
+            raise InputError(
+                "The decomposition is empty; call compute(model, data, constraints, datas) first."
+            )
+        return self._factored
+
+    def _decomposed(self) -> Factored:
+        """The factors, when they are unique.
+
+        Raises:
+            InputError: there is nothing to decompose yet, or the constraints depend on each other.
+        """
+        factored = self._factored
+        if factored is None or not factored.unique:
+            self._filled()
+            raise without_factors(self._M, self._J)
+        return factored
+
+    @property
+    def U(self) -> Floats:
+        """The unit upper triangular factor."""
+        return self._decomposed().upper()
+
+    @property
+    def D(self) -> Floats:
+        """The diagonal; below zero for constraints."""
+        return self._decomposed().D.copy()
+
+    @property
+    def Dinv(self) -> Floats:
+        """1 / D."""
+        return self._decomposed().r.copy()
+
+    def inverse(self) -> Floats:
+        """The inverse of K."""
+        return self._decomposed().inverse(self._J, self._mu)
+
+    def solve(self, matrix: Any) -> Floats:
+        """x with K x = matrix, which is (size,) or (size, k)."""
+        given = numbers(matrix, "matrix")
+        if given.ndim not in (1, 2) or len(given) != self.size():
+            raise ShapeError("matrix", given.shape, f"({self.size()},) or ({self.size()}, k)")
+        return self._decomposed().solve(given)
+
+    def getDamping(self) -> Floats:
+        """The damping, a diagonal matrix."""
+        return np.diag(self._mu)
+
+    def updateDamping(self, mu: Any) -> None:
+        """Sets the damping: one number, or one for each row of the constraints."""
+        if type(mu) is float and mu >= 0.0:
+            self._mu.fill(mu)
+        else:
+            self._mu[...] = diagonal(mu, len(self._mu), "mu")
+        if self._factored is not None:
+            self._factored.factor(self._M, self._J, self._mu)
+
+    def getInverseMassMatrix(self) -> Floats:
+        """M^-1."""
+        return self._filled().inverse_mass()
+
+    def getMassMatrixChoeslkyDecomposition(self, model: Any = None, data: Any = None) -> Any:
+        """The decomposition of the mass matrix alone."""
+        kernels = self._filled().kernels.of_mass
+        return ConstraintCholeskyDecomposition()._hold(kernels, self._M, self._J[:0], 0.0)
+
+    def getInverseOperationalSpaceInertiaMatrix(self, enforce_symmetry: bool = False) -> Floats:
+        """J M^-1 J^T + mu."""
+        return raised(self._filled().G, self._mu)
+
+    def getOperationalSpaceInertiaMatrix(self) -> Floats:
+        """The inverse of the same."""
+        return -self._decomposed().yielding(self._mu)
+
+    def getDelassusOperatorCholeskyExpression(self) -> DelassusOperatorCholeskyExpression:
+        """The Delassus operator of the constraints."""
+        return DelassusOperatorCholeskyExpression(self)
+
+    getDelassusCholeskyExpression = getDelassusOperatorCholeskyExpression
+
+    def copy(self) -> ConstraintCholeskyDecomposition:
+        """One of its own, with the same numbers."""
+        found = ConstraintCholeskyDecomposition()
+        if self._factored is not None:
+            return found._hold(self._factored.kernels, self._M, self._J.copy(), self._mu)
+        found._make_room(*self._J.shape)
+        return found
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: Any) -> ConstraintCholeskyDecomposition:
+        return self.copy()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ConstraintCholeskyDecomposition) and np.array_equal(
+            self.matrix(), other.matrix()
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+ContactCholeskyDecomposition = ConstraintCholeskyDecomposition
+
+
+def cholesky_of(data: Data) -> ConstraintCholeskyDecomposition:
+    """That of the last constraintDynamics or impulseDynamics with constraints; empty when there was none."""
+    solved, engine = data._bound, data.attach(data._model)
+    found = data._run_at.setdefault("constraints", ConstraintCholeskyDecomposition())
+    if solved is None:
+        return found
+    q, _, places, _, _ = solved.kept
+    M, J = engine.plain("mass_matrix")(q), jacobian_kernel(engine, solved.shapes, len(q))(q, *places)
+    return found._hold(factor_kernels(engine, solved.shapes), M, J, float(solved.numbers[0]))

@@ -1,0 +1,77 @@
+"""What is known of constraints at a state: computed when it is read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._constraints.kernels import bonds_of
+from pinocchio._constraints.rigid_constraint import RigidConstraintData
+from pinocchio._data.deferred_fields import stacked
+from ulna import algorithms
+from ulna.algorithms.constraint_twists import constraint_twists, frame_of
+from ulna.model import Model as TowerModel
+from ulna.typing import Array, Floats
+
+
+@final
+class Left:
+    """Placements, velocities and errors of constraints, left to be computed when they are read."""
+
+    def __init__(
+        self, engine: Any, datas: Sequence[RigidConstraintData], shapes: Any, *state: Floats
+    ) -> None:
+        """`state`: q, v, placements and gains, arrays of its own."""
+        self.engine, self.datas, self.shapes, self.state = engine, datas, shapes, state
+
+    def fill(self) -> None:
+        """Computes them, and writes them into the data of the constraints that still wait for them."""
+        sizes: dict[str, Any] = dict(
+            zip(("q", "v", "places", "gains"), (x.shape for x in self.state), strict=True)
+        )
+        kernel = self.engine.made(("constraint state", self.shapes), _state(self.shapes), **sizes)
+        found = kernel(*self.state)
+        for k, known in enumerate(self.datas):
+            if known._due is self:
+                known._due = None
+                for block, rows in zip(known._blocks.values(), found, strict=True):
+                    block[...] = rows[k]
+
+
+def _state(shapes: Any) -> Any:
+    def build(tower: TowerModel) -> Any:
+        def run(q: Array, v: Array, places: Array, gains: Array) -> tuple[Array, ...]:
+            bonds = bonds_of(shapes, places)
+            twists = constraint_twists(tower, q, v, [bond._replace(local=True) for bond in bonds])
+            poses, speeds, errors = [], [], []
+            start = 0
+            for k, bond in enumerate(bonds):
+                assert bond.second is not None
+                first, second = frame_of(bond.first), frame_of(bond.second)
+                T1, T2 = (algorithms.frame_pose(tower, q, frame) for frame in (first, second))
+                poses.append((T1, T2, T1.inverse() @ T2))
+                speeds.append(
+                    [
+                        algorithms.frame_velocity(tower, q, v, frame, "local").vector()
+                        for frame in (first, second)
+                    ]
+                )
+                rows = slice(start, start + bond.size)
+                rest = np.zeros(6 - bond.size)
+                e, c = (np.concatenate([x[rows], rest]) for x in (twists.error, twists.velocity))
+                pull = -(gains[k, 0] * e + gains[k, 1] * c)
+                if not bond.local:
+                    pull = np.concatenate([T1.rotation @ pull[:3], T1.rotation @ pull[3:]])
+                errors.append((e, c, pull))
+                start += bond.size
+            return (
+                *(stacked([p[i] for p in poses]) for i in range(3)),
+                *(np.stack([s[i] for s in speeds]) for i in range(2)),
+                *(np.stack([e[i] for e in errors]) for i in range(3)),
+            )
+
+        return run
+
+    return build

@@ -1,0 +1,224 @@
+"""Delassus operators: the matrix by which constraint forces accelerate constraints, and what is solved with it."""
+
+from __future__ import annotations
+
+from functools import lru_cache, reduce
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import numbers, vector
+from ulna import linalg, numeric
+from ulna.algorithms.constrained_dynamics_damped import damped_factors
+from ulna.algorithms.factors import Factors
+from ulna.errors import InputError, ShapeError
+from ulna.trace import compile as compile_function
+from ulna.typing import Array, Floats
+
+if TYPE_CHECKING:
+    from pinocchio._constraints.cholesky import ConstraintCholeskyDecomposition
+
+__all__ = [
+    "DelassusCholeskyExpression",
+    "DelassusOperatorCholeskyExpression",
+    "DelassusOperatorDense",
+    "DelassusOperatorSparse",
+]
+
+
+def diagonal(value: Any, size: int, name: str) -> Floats:
+    """One number, or one for each row, as a vector (size,) of numbers that are not below zero.
+
+    Raises:
+        InputError: one of them is.
+    """
+    given = numbers(value, name)
+    found = np.full(size, float(given)) if given.ndim == 0 else vector(value, size, name).copy()
+    if not (found >= 0.0).all():
+        raise InputError(f"`{name}` is {value!r}; expected numbers that are not below zero.")
+    return found
+
+
+def raised(G: Floats, by: Any) -> Floats:
+    """A matrix with something added to its diagonal."""
+    out = G.copy()
+    out.reshape(-1)[:: len(out) + 1] += by
+    return out
+
+
+_ROWS = 24
+"""Larger matrices are left to LAPACK."""
+
+
+@lru_cache(_ROWS)
+def _solver(size: int) -> Any:
+    """G, what is added to its diagonal, b: x, and what is above zero where it is the only one."""
+
+    def run(G: Array, compliance: Array, damping: Array, b: Array) -> tuple[Any, Any]:
+        factors = damped_factors(G, compliance + damping)
+        return numeric.vector(*factors.solve(list(b))), reduce(numeric.minimum, factors.reciprocals)
+
+    return compile_function(run, G=(size, size), compliance=size, damping=size, b=size)
+
+
+@lru_cache(_ROWS)
+def _inverter(size: int) -> Any:
+    """G, what is added to its diagonal: the inverse, and what is above zero where there is one."""
+
+    def run(G: Array, mu: Any) -> tuple[Any, Any]:
+        factors = damped_factors(G, numeric.vector(*[mu] * size))
+        return factors.inverse(), reduce(numeric.minimum, factors.reciprocals)
+
+    return compile_function(run, G=(size, size), mu=())
+
+
+@lru_cache(_ROWS)
+def _inertial(size: int) -> Any:
+    """G and an inertia: `with_inertia`."""
+
+    def run(G: Array, mu: Any) -> Array:
+        factors = Factors(np.eye(size) + mu * G)
+        return numeric.matrix([factors.solve(column) for column in G])
+
+    return compile_function(run, G=(size, size), mu=())
+
+
+def with_inertia(G: Floats, mu: float) -> Floats:
+    """(1 + mu G)^-1 G of a symmetric semidefinite matrix."""
+    if 0 < len(G) <= _ROWS:
+        return _inertial(len(G))(G, mu)
+    return linalg.solve(np.eye(len(G)) + mu * G, G)
+
+
+def damped_inverse(G: Floats, mu: float) -> Floats:
+    """(G + mu 1)^-1 of a symmetric semidefinite matrix.
+
+    Raises:
+        InputError: it is singular.
+    """
+    if not 0 < len(G) <= _ROWS:
+        return linalg.inverse(raised(G, mu))
+    found, unique = _inverter(len(G))(G, mu)
+    if not unique > 0.0:
+        raise InputError(
+            f"The {len(G)} rows of the constraints depend on each other: their Delassus matrix has no inverse. Leave "
+            "some out, or give a damping mu such as 1e-8."
+        )
+    return found
+
+
+class _Operator:
+    """A matrix G with a compliance and a damping on its diagonal."""
+
+    __slots__ = ("_G", "_compliance", "_damping")
+
+    def _hold(self, G: Floats) -> None:
+        if G.ndim != 2 or G.shape[0] != G.shape[1]:
+            raise ShapeError("matrix", G.shape, "(n, n)")
+        self._G = G
+        self._compliance = self._damping = np.zeros(len(G))
+
+    def size(self) -> int:
+        """How many rows it has."""
+        return len(self._G)
+
+    rows = cols = size
+
+    def matrix(self, enforce_symmetry: bool = False, with_damping: bool = True) -> Any:
+        """G with its compliance, and its damping if that is asked for; it is always symmetric."""
+        return raised(self._G, self._compliance + self._damping if with_damping else self._compliance)
+
+    def inverse(self) -> Any:
+        """The inverse of the matrix with compliance and damping."""
+        G = _Operator.matrix(self)
+        if 0 < len(G) <= _ROWS:
+            found, unique = _inverter(len(G))(G, 0.0)
+            if unique > 0.0:
+                return found
+        return linalg.inverse(G)
+
+    def solve(self, mat: Any) -> Floats:
+        """x with (G + compliance + damping) x = mat, which is (n,) or (n, k)."""
+        given = mat if type(mat) is np.ndarray else numbers(mat, "mat")
+        if given.ndim not in (1, 2) or len(given) != len(self._G):
+            raise ShapeError("mat", given.shape, f"({self.size()},) or ({self.size()}, k)")
+        if given.ndim == 1 and 0 < len(given) <= _ROWS:
+            found, unique = _solver(len(given))(self._G, self._compliance, self._damping, given)
+            if unique > 0.0:
+                return found
+        return linalg.solve(_Operator.matrix(self), given)
+
+    def __mul__(self, mat: Any) -> Floats:
+        return np.asarray(_Operator.matrix(self) @ numbers(mat, "mat"), dtype=float)
+
+    __matmul__ = __mul__
+
+    def getDamping(self) -> Floats:
+        """The damping (n,)."""
+        return self._damping.copy()
+
+    def getCompliance(self) -> Floats:
+        """The compliance (n,)."""
+        return self._compliance.copy()
+
+    def updateDamping(self, mu: Any) -> None:
+        """Sets the damping: one number, or one for each row."""
+        self._damping = diagonal(mu, self.size(), "mu")
+
+    def updateCompliance(self, mu: Any) -> None:
+        """Sets the compliance: one number, or one for each row."""
+        self._compliance = diagonal(mu, self.size(), "mu")
+
+
+@final
+class DelassusOperatorDense(_Operator):
+    """`DelassusOperatorDense(matrix)`: of a matrix (n, n)."""
+
+    __slots__ = ()
+
+    def __init__(self, matrix: Any) -> None:
+        self._hold(numbers(matrix, "matrix").copy())
+
+
+@final
+class DelassusOperatorSparse(_Operator):
+    """`DelassusOperatorSparse(matrix)`: of a sparse matrix of scipy; matrix and inverse are of its kind."""
+
+    __slots__ = ("_kind",)
+
+    def __init__(self, matrix: Any) -> None:
+        if not hasattr(matrix, "toarray"):
+            raise InputError(f"The matrix is {type(matrix).__name__}; expected a sparse matrix of scipy.")
+        self._kind = type(matrix)
+        self._hold(numbers(matrix.toarray(), "matrix"))
+
+    def matrix(self, enforce_symmetry: bool = False, with_damping: bool = True) -> Any:
+        """The same, sparse."""
+        return self._kind(super().matrix(enforce_symmetry, with_damping))
+
+    def inverse(self) -> Any:
+        """The inverse, sparse."""
+        return self._kind(super().inverse())
+
+
+@final
+class DelassusOperatorCholeskyExpression(_Operator):
+    """`DelassusOperatorCholeskyExpression(decomposition)`: of its constraints, with its damping."""
+
+    __slots__ = ("_of",)
+
+    def __init__(self, cholesky_decomposition: ConstraintCholeskyDecomposition) -> None:
+        self._of = cholesky_decomposition
+        self._hold(cholesky_decomposition._filled().G)
+        self._damping = cholesky_decomposition._mu
+
+    def cholesky(self) -> ConstraintCholeskyDecomposition:
+        """The decomposition."""
+        return self._of
+
+    def updateDamping(self, mu: Any) -> None:
+        """Sets the damping, that of the decomposition, too."""
+        self._of.updateDamping(mu)
+
+
+DelassusCholeskyExpression = DelassusOperatorCholeskyExpression

@@ -1,0 +1,264 @@
+"""Mass matrix and constraints as one matrix K = [[-mu, J], [J^T, M]] = U D U^T: factored and solved by native calls."""
+
+from __future__ import annotations
+
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from pinocchio._constraints.delassus import raised
+from pinocchio._data.binding import refuse
+from ulna import linalg
+from ulna.algorithms import constrained_factors
+from ulna.algorithms.factors import Factors
+from ulna.errors import InputError
+from ulna.numeric import vector
+from ulna.trace import compile as compile_function
+from ulna.typing import Array, Floats
+
+if TYPE_CHECKING:
+    from pinocchio._model.kernels import Engine
+
+_OPERATIONS = 30_000
+"""Factors that take more are not compiled as a whole; 12 dense rows on a humanoid take 20,000, and a second."""
+_ROWS = 24
+"""The dense inverse of more rows is left to LAPACK."""
+
+
+def kernels_for(engine: Engine, rows: Array) -> Kernels:
+    """What is compiled for a model, and for Jacobians with entries where `rows` (m, nv) is true."""
+    return _kernels(rows.shape[1], engine.joined, rows.astype(bool).tobytes())
+
+
+@lru_cache(64)
+def _kernels(size: int, mass: bytes, rows: bytes) -> Kernels:
+    return Kernels(*(np.frombuffer(x, bool).reshape(-1, size).astype(float) for x in (mass, rows)))
+
+
+@final
+class Kernels:
+    """What is compiled for a pattern of M and J, each when it is first used.
+
+    Attributes:
+        mass: 1 where M may have entries, else 0 (nv, nv).
+        rows: The same of J (m, nv).
+        filled: The same of U (m + nv, m + nv).
+        places: Rows and columns of U's entries above the diagonal, row by row; those of M's U are the last.
+    """
+
+    def __init__(self, mass: Floats, rows: Floats) -> None:
+        self.mass, self.rows, self.filled = mass, rows, constrained_factors.filled(mass, rows)
+        self.places = np.nonzero(np.triu(self.filled, 1))
+        self._given: dict[str, Any] = {"entries": len(self.places[0]), "r": len(self.filled)}
+
+    @cached_property
+    def of_mass(self) -> Kernels:
+        """Those for M alone."""
+        return _kernels(len(self.mass), self.mass.astype(bool).tobytes(), b"")
+
+    @cached_property
+    def are_many(self) -> bool:
+        """Whether U has more entries than are worth compiling."""
+        above = self.filled.sum(axis=0) - 1.0
+        return bool((above * (above + 2.0)).sum() > _OPERATIONS)
+
+    @cached_property
+    def factor(self) -> Any:
+        """M, J, mu (m,): entries of U, D, 1/D, the Delassus matrix, and what is above zero where they are unique."""
+
+        def run(M: Array, J: Array, mu: Array) -> tuple[Any, ...]:
+            factors, G, unique = constrained_factors.constrained_factors(M * self.mass, J * self.rows, mu)
+            entries = [factors.lower[k].get(j, 0.0) for j, k in zip(*self.places, strict=True)]
+            return vector(*entries), vector(*factors.pivots), vector(*factors.reciprocals), G, unique
+
+        return compile_function(run, M=self.mass.shape, J=self.rows.shape, mu=len(self.rows))
+
+    @cached_property
+    def upper(self) -> Any:
+        """Entries of U: U."""
+
+        def run(entries: Array) -> Array:
+            out = np.eye(len(self.filled)).astype(object)
+            out[self.places] = entries
+            return out
+
+        return compile_function(run, entries=self._given["entries"])
+
+    @cached_property
+    def seen(self) -> Any:
+        """Entries and 1/D of M, and a row of J: that row of the U of both."""
+
+        def run(entries: Array, r: Array, row: Array) -> Array:
+            found = self._factors(entries, r).inward(row)
+            return vector(*(x * reciprocal for x, reciprocal in zip(found, r, strict=True)))
+
+        return compile_function(run, **self._given, row=len(self.mass))
+
+    @cached_property
+    def solve(self) -> Any:
+        """Entries, 1/D, b: x with K x = b."""
+
+        def run(entries: Array, r: Array, b: Array) -> Array:
+            return vector(*self._factors(entries, r).solve(list(b)))
+
+        return compile_function(run, **self._given, b=len(self.filled))
+
+    @cached_property
+    def motion(self) -> Any:
+        """Entries, 1/D, torques, those that give no acceleration, and the drift: accelerations and forces."""
+
+        def run(entries: Array, r: Array, tau: Array, nle: Array, drift: Array) -> tuple[Array, Array]:
+            return constrained_factors.constrained_motion(self._factors(entries, r), tau - nle, drift)
+
+        m, n = self.rows.shape
+        return compile_function(run, **self._given, tau=n, nle=n, drift=m)
+
+    @cached_property
+    def impact(self) -> Any:
+        """Entries, 1/D, J, a velocity, and the coefficient of restitution: the velocity after it, and impulses."""
+
+        def run(entries: Array, r: Array, J: Array, v: Array, part: Any) -> tuple[Array, Array]:
+            factors = self._factors(entries, r)
+            return constrained_factors.constrained_impact(factors, J * self.rows, v, part)
+
+        return compile_function(run, **self._given, J=self.rows.shape, v=len(self.mass), part=())
+
+    @cached_property
+    def inverse_mass(self) -> Any:
+        """Entries and 1/D of M: its inverse."""
+        return compile_function(lambda entries, r: self._factors(entries, r).inverse(), **self._given)
+
+    @cached_property
+    def yielding(self) -> Any:
+        """Entries, 1/D: the first corner of K^-1, the opposite of the inverse of the damped Delassus matrix."""
+        m = len(self.rows)
+
+        def run(entries: Array, r: Array) -> Array:
+            factors = self._factors(entries, r)
+            return Factors.of(factors.lower[:m], factors.reciprocals[:m]).inverse()
+
+        return compile_function(run, **self._given)
+
+    def _factors(self, entries: Array, r: Array) -> Factors:
+        lower: list[dict[int, Any]] = [{} for _ in r]
+        for j, k, entry in zip(*self.places, entries, strict=True):
+            lower[k][j] = entry
+        return Factors.of(lower, list(r))
+
+
+@final
+class Factored:
+    """The factors of one K, in arrays of their own.
+
+    Attributes:
+        kernels: What is compiled for its pattern.
+        entries: Of the unit upper triangle U, as `Kernels.places` says.
+        D: The diagonal (m + nv,), below zero for constraints.
+        r: 1 / D.
+        G: The Delassus matrix, without damping (m, m).
+        unique: Above zero when K has been factored, and its factors are unique ().
+        factor: Called with M, J and mu (m,), it fills them; NotImplemented where these are not exactly such arrays,
+            or what is watched has changed.
+        due: Whether it must be called before the factors are used again.
+        no_rows: J and mu where there are none.
+    """
+
+    def __init__(self, kernels: Kernels, watch: Any = ()) -> None:
+        m, n = kernels.rows.shape
+        self.kernels, self.no_rows, self.due = kernels, (np.zeros((0, n)), np.zeros(0)), False
+        self.entries, self.D, self.r = np.zeros(len(kernels.places[0])), np.zeros(m + n), np.zeros(m + n)
+        self.G, self.unique = np.zeros((m, m)), np.zeros(())
+        self.factor: Any = self._factor_rows
+        if not kernels.are_many:
+            targets = self.entries, self.D, self.r, self.G, self.unique
+            self.factor = kernels.factor.into(*targets, watch=watch, otherwise=refuse)
+
+    def _factor_rows(self, M: Floats, J: Floats, mu: Floats) -> Any:
+        """The same for many rows, each seen by a native call, and the Delassus matrix by LAPACK."""
+        m, kernels = len(J), self.kernels.of_mass
+        mass = Factored(kernels)
+        if np.shape(J) != self.kernels.rows.shape or mass.factor(M, *mass.no_rows) is NotImplemented:
+            return NotImplemented
+        self.unique[...] = 0.0
+        W = np.array([kernels.seen(mass.entries, mass.r, row) for row in J])
+        self.G[...] = (W * mass.D) @ W.T
+        try:
+            lower, d = linalg.ldl(raised(self.G, mu)[::-1, ::-1])
+        except np.linalg.LinAlgError:
+            return None
+        self.D[:] = np.concatenate([-d[::-1], mass.D])
+        self.r[:] = 1.0 / self.D
+        U = np.hstack([lower[::-1, ::-1], W])
+        above = self.kernels.places[0] < m
+        self.entries[above], self.entries[~above] = (
+            U[tuple(x[above] for x in self.kernels.places)],
+            mass.entries,
+        )
+        self.unique[...] = mass.unique and ((mu > 0.0) | (d[::-1] > 1e-12 * self.G.diagonal())).all()
+        return None
+
+    def upper(self) -> Floats:
+        """U (m + nv, m + nv)."""
+        return self.kernels.upper(self.entries)
+
+    def solve(self, b: Floats) -> Floats:
+        """x with K x = b, (m + nv,) or (m + nv, k)."""
+        if b.ndim == 1:
+            return self.kernels.solve(self.entries, self.r, b)
+        columns = [self.kernels.solve(self.entries, self.r, column) for column in np.ascontiguousarray(b.T)]
+        return np.array(columns).reshape(b.T.shape).T.copy()
+
+    def inverse_mass(self) -> Floats:
+        """M^-1 (nv, nv)."""
+        kernels = self.kernels.of_mass
+        first = len(self.entries) - len(kernels.places[0])
+        return kernels.inverse_mass(self.entries[first:], self.r[len(self.G) :])
+
+    def yielding(self, mu: Floats) -> Floats:
+        """The opposite of the inverse of the Delassus matrix with the damping mu that was factored (m, m)."""
+        if len(mu) > _ROWS:
+            return -linalg.inverse(raised(self.G, mu))
+        return self.kernels.yielding(self.entries, self.r)
+
+    def inverse(self, J: Floats, mu: Floats, joints_first: bool = False) -> Floats:
+        """K^-1 (m + nv, m + nv), in its order, or that of [[M, J^T], [J, -mu]]."""
+        Z, ZM, joints = self._last if joints_first else self._first
+        M = self.inverse_mass()
+        np.matmul(J, M, out=ZM)
+        out = Z.T @ (self.yielding(mu) @ Z)
+        own = out[joints, joints]
+        own += M
+        return out
+
+    @cached_property
+    def _first(self) -> tuple[Floats, Floats, slice]:
+        """Room for [-1, J M^-1], that of its second part, and where joints stand."""
+        m, n = self.kernels.rows.shape
+        Z = np.hstack([-np.eye(m), np.zeros((m, n))])
+        return Z, Z[:, m:], slice(m, None)
+
+    @cached_property
+    def _last(self) -> tuple[Floats, Floats, slice]:
+        """The same where joints come first."""
+        m, n = self.kernels.rows.shape
+        Z = np.hstack([np.zeros((m, n)), -np.eye(m)])
+        return Z, Z[:, :n], slice(0, n)
+
+
+def without_factors(M: Floats, J: Floats) -> InputError:
+    """Why K has none."""
+    if not (np.isfinite(M).all() and np.isfinite(J).all()):
+        return InputError(
+            "The mass matrix or the Jacobian of the constraints holds numbers that are not finite."
+        )
+    if not M.any():
+        return InputError("`data.M` holds no mass matrix yet. Call crba(model, data, q) first, or give q.")
+    if not np.linalg.eigvalsh(M)[0] > 0.0:
+        return InputError(
+            "The mass matrix in `data.M` is not positive definite; crba(model, data, q) makes it."
+        )
+    return InputError(
+        f"The {len(J)} rows of the constraints depend on each other (rank {np.linalg.matrix_rank(J)}), so that their "
+        "forces are not unique. Leave some out, or give a damping mu such as 1e-8."
+    )

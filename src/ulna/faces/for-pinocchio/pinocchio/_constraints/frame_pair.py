@@ -1,0 +1,142 @@
+"""What all constraints between two places have: the places, gains against drift, a name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import index
+from pinocchio._containers.enums import _Named
+from pinocchio._model.model import Model
+from pinocchio._spatial.se3 import SE3
+from ulna.errors import InputError
+
+__all__ = ["BaumgarteCorrectorParameters", "ConstraintSelectionType", "ContactType"]
+
+
+changes = [0]
+"""How often an attribute of any constraint was set; placements and gains are read at every call."""
+
+
+class ContactType(_Named):
+    """What a constraint holds: a point, or a frame."""
+
+    CONTACT_3D = 0
+    CONTACT_6D = 1
+    CONTACT_UNDEFINED = 2
+
+
+class ConstraintSelectionType(_Named):
+    """Which rows of a constraint: those that are active now, or all that could be."""
+
+    CURRENT = 0
+    MAXIMAL = 1
+
+
+@final
+class BaumgarteCorrectorParameters:
+    """Gains that pull a constraint together again: its error e follows e'' + Kd e' + Kp e = 0."""
+
+    __slots__ = ("_v",)
+
+    def __init__(self, Kp: float = 0.0, Kd: float = 0.0) -> None:
+        self._v = np.array([Kp, Kd], dtype=float)
+
+    @property
+    def Kp(self) -> float:
+        """The proportional gain [1/s^2]."""
+        return float(self._v[0])
+
+    @Kp.setter
+    def Kp(self, value: float) -> None:
+        self._v[0] = value
+
+    @property
+    def Kd(self) -> float:
+        """The damping gain [1/s]."""
+        return float(self._v[1])
+
+    @Kd.setter
+    def Kd(self, value: float) -> None:
+        self._v[1] = value
+
+    def __eq__(self, other: object) -> bool:
+        same = isinstance(other, BaumgarteCorrectorParameters)
+        return same and (self.Kp, self.Kd) == (other.Kp, other.Kd)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class Pair:
+    """Two placements that belong together: of a joint and of a second one, or of the world (joint 0)."""
+
+    __slots__ = (
+        "_gains",
+        "_places",
+        "joint1_id",
+        "joint1_placement",
+        "joint2_id",
+        "joint2_placement",
+        "name",
+    )
+
+    def _attach(self, model: Model, given: Sequence[Any], named: dict[str, Any]) -> None:
+        """Reads (joint, placement, joint, placement); placements may be left out, and the second joint."""
+        self.name = ""
+        joints: list[Any] = []
+        placements: dict[int, Any] = {}
+        for part in given:
+            if isinstance(part, SE3) and joints and len(joints) - 1 not in placements:
+                placements[len(joints) - 1] = part
+            elif isinstance(part, (int, np.integer)) and len(joints) < 2:
+                joints.append(part)
+            else:
+                raise InputError(
+                    f"{type(self).__name__} was given {part!r} at the place of a joint or its placement; expected "
+                    "an index of a joint and an SE3, and the same of a second joint."
+                )
+        for k, joint in enumerate(joints):
+            named.setdefault(f"joint{k + 1}_id", joint)
+        for k, placement in placements.items():
+            named.setdefault(f"joint{k + 1}_placement", placement)
+        if "joint1_id" not in named:
+            raise InputError(f"{type(self).__name__} was given no joint; model.getJointId(name) gives one.")
+        mend = "model.getJointId(name) gives one."
+        self.joint1_id = index(named.pop("joint1_id"), model.njoints, "joint", mend)
+        self.joint2_id = index(named.pop("joint2_id", 0), model.njoints, "joint", mend)
+        self._places = np.stack([SE3(named.pop(f"joint{k}_placement", 1))._m for k in (1, 2)])
+        self.joint1_placement, self.joint2_placement = (SE3._of(m) for m in self._places)
+        self._gains = BaumgarteCorrectorParameters()
+        if named:
+            raise InputError(f"{type(self).__name__} has no {', '.join(named)}.")
+        if self.joint1_id == self.joint2_id:
+            raise InputError(
+                f"{type(self).__name__} is between two places of joint {self.joint1_id}, so that it binds nothing; "
+                "give two joints, of which one may be 0, the world."
+            )
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in ("joint1_placement", "joint2_placement") and hasattr(self, name):
+            getattr(self, name)._assign(value)
+        else:
+            changes[0] += 1
+            object.__setattr__(self, name, value)
+
+    @property
+    def baumgarte_corrector_parameters(self) -> BaumgarteCorrectorParameters:
+        """The gains against drift, live."""
+        return self._gains
+
+    @baumgarte_corrector_parameters.setter
+    def baumgarte_corrector_parameters(self, gains: BaumgarteCorrectorParameters) -> None:
+        if not isinstance(gains, BaumgarteCorrectorParameters):
+            raise InputError(f"The gains are {gains!r}; expected BaumgarteCorrectorParameters(Kp, Kd).")
+        self._gains = gains
+
+    m_baumgarte_parameters = baumgarte_corrector_parameters
+
+    def setBaumgarteCorrectorParameters(self, bp: BaumgarteCorrectorParameters, sel: Any = None) -> None:
+        """Sets the gains against drift."""
+        self.baumgarte_corrector_parameters = bp

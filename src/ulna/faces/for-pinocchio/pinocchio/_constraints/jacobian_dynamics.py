@@ -1,0 +1,169 @@
+"""Dynamics under constraints that are given by their Jacobian."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._algorithms.dynamics import computeAllTerms, crba
+from pinocchio._constraints.factorization import Factored, kernels_for, without_factors
+from pinocchio._constraints.proximal_settings import damping_of
+from pinocchio._containers.arrays import exact, numbers
+from pinocchio._containers.enums import Convention
+from pinocchio._data.binding import refuse
+from pinocchio._data.data import Data
+from pinocchio._model.model import Model
+from ulna.errors import InputError, ShapeError
+from ulna.typing import Floats
+
+__all__ = [
+    "computeKKTContactDynamicMatrixInverse",
+    "forwardDynamics",
+    "getKKTContactDynamicMatrixInverse",
+]
+
+
+@final
+class Held:
+    """Dynamics under a Jacobian of so many rows, bound to a Data.
+
+    Each answers NotImplemented where an argument is not exactly an array of its size, or forces are not unique.
+    """
+
+    def __init__(self, model: Model, data: Data, rows: int) -> None:
+        self.kernels = kernels_for(data.attach(model), np.ones((rows, model.nv)))
+        self.factored = known = Factored(self.kernels, model.watched("shape"))
+        self.factor, self.entries, self.r, self.unique = known.factor, known.entries, known.r, known.unique
+        self.blocks, self.M, self.nle = data._blocks, data._blocks["M"], data._blocks["nle"]
+        self.mu, self.forces, self.impulses = np.zeros(rows), np.zeros(rows), np.zeros(rows)
+
+    def motion(self, J: Any, damping: float, tau: Any, drift: Any) -> Any:
+        """Accelerations; their forces lie in `forces`."""
+        self.mu.fill(damping)
+        if self.factor(self.M, J, self.mu) is None and self.unique:
+            return self._motion(self.entries, self.r, tau, self.nle, drift)
+        return NotImplemented
+
+    def impact(self, J: Any, damping: float, v: Any, part: float) -> Any:
+        """The velocity after an impact; its impulses lie in `impulses`."""
+        self.mu.fill(damping)
+        if self.factor(self.M, J, self.mu) is None and self.unique:
+            return self._impact(self.entries, self.r, J, v, part)
+        return NotImplemented
+
+    def inverse(self, J: Any, damping: float) -> Any:
+        """The inverse of [[M, J^T], [J, -damping 1]]."""
+        self.mu.fill(damping)
+        if self.factor(self.M, J, self.mu) is None and self.unique:
+            return self.factored.inverse(J, self.mu, joints_first=True)
+        return NotImplemented
+
+    @cached_property
+    def _motion(self) -> Any:
+        targets = self.blocks["ddq"], self.forces
+        return self.kernels.motion.into(*targets, returns=(0,), otherwise=refuse)
+
+    @cached_property
+    def _impact(self) -> Any:
+        targets = self.blocks["dq_after"], self.impulses
+        return self.kernels.impact.into(*targets, returns=(0,), otherwise=refuse)
+
+
+def _run(model: Model, data: Data, name: str, J: Any, damping: Any, *state: Any) -> tuple[Held, Any]:
+    """What a method of `Held` gives for arguments as users give them.
+
+    Raises:
+        InputError: the mass matrix and J have no factors.
+        ShapeError: J has another number of columns, or an argument another size.
+    """
+    mu = damping_of(damping) if damping else 0.0
+    held, found, known = None, NotImplemented, data._run_at
+    if data._model is model and type(J) is np.ndarray and J.ndim == 2:
+        held = known.get(len(J))
+        if held is not None:
+            found = getattr(held, name)(J, mu, *state)
+    if held is None or found is NotImplemented:
+        data.attach(model)
+        J = np.require(numbers(J, "constraint_jacobian"), float, ["C", "A"])
+        if J.ndim != 2 or J.shape[1] != model.nv:
+            raise ShapeError("constraint_jacobian", J.shape, f"(m, {model.nv})")
+        sizes = {"tau": model.nv, "constraint_drift": len(J), "v_before": model.nv}
+        given = [
+            exact(x, sizes[what], what) if what else x for x, what in zip(state, _STATE[name], strict=True)
+        ]
+        known = data._run_at
+        held = known.get(len(J))
+        if held is None or getattr(held, name)(J, mu, *given) is NotImplemented:
+            held = known[len(J)] = Held(model, data, len(J))
+        found = getattr(held, name)(J, mu, *given)
+        if found is NotImplemented:
+            raise without_factors(held.M, J)
+    data._damped = J.shape, mu
+    if "cholesky" in known:
+        known["cholesky"].due = True
+    return held, found
+
+
+_STATE = {"motion": ("tau", "constraint_drift"), "impact": ("v_before", None), "inverse": ()}
+"""What methods of `Held` take after J and its damping: names of vectors, None for a number."""
+
+
+def forwardDynamics(
+    model: Model, data: Data, *state: Any, damping: float | None = None, **named: Any
+) -> Floats:
+    """The accelerations under J a + drift = 0 (nv,); kept in `data.ddq`, the forces in `data.lambda_c`.
+
+    `forwardDynamics(model, data, q, v, tau, J, drift[, damping])`; without q and v after computeAllTerms.
+    """
+    if named:
+        names = ("q", "v", "tau", "constraint_jacobian", "constraint_drift")
+        state += tuple(named.pop(name) for name in names if name in named)
+    if named or not 3 <= len(state) <= 6:
+        raise InputError("forwardDynamics takes (model, data, [q, v,] tau, J, drift[, damping]).")
+    told: Any = state
+    if len(told) >= 5:
+        q, v, *told = told
+        computeAllTerms(model, data, q, v)
+    tau, J, drift, *more = told
+    held, a = _run(model, data, "motion", J, more[0] if more else damping, tau, drift)
+    data._blocks["lambda_c"] = held.forces
+    return a
+
+
+def impact_with_jacobian(
+    model: Model, data: Data, *state: Any, restitution_coefficient: float = 0.0, damping: float = 0.0
+) -> Floats:
+    """The velocity after an impact on what a Jacobian describes; see `impulseDynamics`."""
+    told: Any = state
+    if len(told) > 2 and np.ndim(told[2]) == 2:
+        q, *told = told
+        crba(model, data, q, Convention.WORLD)
+    if not 2 <= len(told) <= 4:
+        raise InputError(
+            "impulseDynamics takes (model, data, q, v, constraints, datas), or (model, data, [q,] v, J) with a "
+            f"Jacobian of {model.nv} columns."
+        )
+    v, J, part, mu = *told, *(restitution_coefficient, damping)[len(told) - 2 :]
+    held, after = _run(model, data, "impact", J, mu, v, float(part))
+    data._blocks["impulse_c"] = held.impulses
+    return after
+
+
+def computeKKTContactDynamicMatrixInverse(
+    model: Model, data: Data, q: Any, constraint_jacobian: Any, damping: float = 0.0
+) -> Floats:
+    """The inverse of [[M, J^T], [J, -damping 1]], (nv + m, nv + m)."""
+    crba(model, data, q, Convention.WORLD)
+    return _run(model, data, "inverse", constraint_jacobian, damping)[1]
+
+
+def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacobian: Any) -> Floats:
+    """The same with the mass matrix and the damping of the last forwardDynamics or impulseDynamics with a Jacobian."""
+    shape, damping = data.require(data._damped, "forwardDynamics or impulseDynamics with a Jacobian")
+    if np.shape(constraint_jacobian) != shape:
+        raise InputError(
+            f"The Jacobian is {np.shape(constraint_jacobian)}; that of forwardDynamics or impulseDynamics was {shape}."
+        )
+    return _run(model, data, "inverse", constraint_jacobian, damping)[1]

@@ -1,0 +1,110 @@
+"""Jacobians of constraints, and their Delassus matrices."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio._algorithms.jacobians import computeJointJacobians
+from pinocchio._constraints.bound_dynamics import Ties, known_ties, tied
+from pinocchio._constraints.delassus import damped_inverse, with_inertia
+from pinocchio._constraints.kernels import bonds_of, jacobian_kernel, sizes_of
+from pinocchio._constraints.proximal_settings import damping_of
+from pinocchio._constraints.rigid_constraint import RigidConstraintModel
+from pinocchio._containers.arrays import exact
+from pinocchio._data.binding import refuse
+from pinocchio._data.data import Data, engine_for
+from pinocchio._model.model import Model
+from ulna import algorithms
+from ulna.model import Model as TowerModel
+from ulna.recipes.mass import with_mass
+from ulna.typing import Array, Floats
+
+__all__ = [
+    "computeDampedDelassusMatrixInverse",
+    "computeDelassusMatrix",
+    "getConstraintJacobian",
+    "getConstraintsJacobian",
+]
+
+
+def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> Floats:
+    """The Jacobian (m, nv) of all constraints, at the configuration of the last kinematics or dynamics."""
+    q = data.require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
+    ties = known_ties(model, data, constraint_models, constraint_datas)
+    if ties is None:
+        engine_for(model, data)
+        if not all(isinstance(one, RigidConstraintModel) for one in constraint_models):
+            pairs = zip(constraint_models, constraint_datas, strict=True)
+            return np.vstack([one.jacobian(model, data, known) for one, known in pairs])
+        ties = tied(model, data, constraint_models, constraint_datas)
+    return of_ties(model, data, ties, "jacobian", q)
+
+
+def getConstraintJacobian(model: Model, data: Data, constraint_model: Any, constraint_data: Any) -> Floats:
+    """The Jacobian (residualSize, nv) of one constraint; see `getConstraintsJacobian`."""
+    return getConstraintsJacobian(model, data, [constraint_model], [constraint_data])
+
+
+def computeDelassusMatrix(
+    model: Model, data: Data, q: Any, contact_models: Any, contact_datas: Any, mu: float = 0.0
+) -> Floats:
+    """G = J M^-1 J^T of constraints, (m, m), along the axes of each; with an inertia mu at each, (1 + mu G)^-1 G."""
+    G = of_ties(model, data, tied(model, data, contact_models, contact_datas), "delassus", q)
+    computeJointJacobians(model, data, q)
+    return with_inertia(G, damping_of(mu)) if mu else G
+
+
+def computeDampedDelassusMatrixInverse(
+    model: Model,
+    data: Data,
+    q: Any,
+    contact_models: Any,
+    contact_datas: Any,
+    mu: float = 0.0,
+    scaled: bool = False,
+) -> Floats:
+    """The inverse of J M^-1 J^T + mu 1, (m, m); scaled, it is multiplied by mu."""
+    damping = damping_of(mu)
+    S = damped_inverse(computeDelassusMatrix(model, data, q, contact_models, contact_datas), damping)
+    return damping * S if scaled else S
+
+
+def of_ties(model: Model, data: Data, ties: Ties, name: str, q: Any) -> Floats:
+    """What `_bind` binds under a name to constraints and a Data, at q."""
+    step = ties.runs.get(name)
+    found = NotImplemented if step is None else step(q, *ties.places)
+    if found is NotImplemented:
+        q = exact(q, model.nq, "q")
+        data.attach(model)
+        ties = tied(model, data, ties.models, ties.datas)
+        rows = sum(shape[0] for shape in ties.shapes)
+        if not rows:
+            return np.zeros((0, model.nv if name == "jacobian" else 0))
+        step = ties.runs[name] = _bind(model, data, ties, name, rows)
+        found = step(q, *ties.places)
+    return found
+
+
+def _bind(model: Model, data: Data, ties: Ties, name: str, rows: int) -> Any:
+    watch = model.watched("places" if name == "jacobian" else "numbers")  # before the engine: see `run`
+    engine, shapes = data.attach(model), ties.shapes
+    if name == "jacobian":
+        kernel, targets = jacobian_kernel(engine, shapes, model.nq), [np.zeros((rows, model.nv))]
+    else:
+        build, sizes = with_mass(_delassus(shapes)), sizes_of(shapes)
+        kernel = engine.made(("constraint delassus", shapes), build, q=(model.nq,), **sizes)
+        targets = [np.zeros((rows, rows)), data.target("M"), data.target("own q")]
+    return kernel.into(*targets, returns=(0,), watch=watch, otherwise=refuse)
+
+
+def _delassus(shapes: Any) -> Any:
+    def build(tower: TowerModel) -> Any:
+        def run(q: Array, *places: Array) -> tuple[Array, ...]:
+            G = algorithms.delassus_matrix(tower, q, bonds_of(shapes, np.stack(places)))
+            return G, algorithms.mass_matrix(tower, q), q
+
+        return run
+
+    return build

@@ -1,0 +1,275 @@
+"""Constraints of single joints: dry friction, and limits of position."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._constraints.cones import BoxSet, NonNegativeOrthantCone
+from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ConstraintSelectionType
+from pinocchio._containers.arrays import index, vector
+from pinocchio._data.data import Data
+from pinocchio._model.model import Model
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+__all__ = [
+    "JointFrictionConstraintData",
+    "JointFrictionConstraintModel",
+    "JointLimitConstraintData",
+    "JointLimitConstraintModel",
+]
+
+
+class _OfJoints:
+    """Rows that are single velocities of joints, or their opposites."""
+
+    __slots__ = ("_compliance", "_gains", "_joints", "name", "nv")
+
+    def _choose(self, model: Any, joints: Any) -> None:
+        if not isinstance(model, Model):
+            raise InputError(f"The model is {model!r}; expected a pinocchio.Model.")
+        mend = "model.getJointId(name) gives one; the universe has no velocity."
+        chosen = range(1, model.njoints) if joints is None else joints
+        self._joints = [index(joint, model.njoints, "joint", mend) for joint in chosen]
+        if 0 in self._joints or len(set(self._joints)) < len(self._joints):
+            raise InputError(f"The joints are {self._joints}; expected indices from 1, each once.")
+        self.name, self.nv, self._gains = "", model.nv, BaumgarteCorrectorParameters()
+
+    def shortname(self) -> str:
+        """The name of its class."""
+        return type(self).__name__
+
+    classname = shortname
+
+    def _rows(self) -> list[tuple[int, float]]:
+        """The index of the velocity of each active row, and its sign."""
+        raise NotImplementedError
+
+    def residualSize(self, sel: Any = ConstraintSelectionType.CURRENT) -> int:
+        """How many rows it has."""
+        return len(self._rows())
+
+    def retrieveCompliance(self, sel: Any = None) -> Floats:
+        """The compliance of its rows."""
+        return self._compliance[: self.residualSize()].copy()
+
+    def setCompliance(self, vec: Any, sel: Any = None) -> None:
+        """Sets the compliance of its rows."""
+        self._compliance[: self.residualSize()] = vector(vec, self.residualSize(), "vec")
+
+    def jacobian(self, model: Model, data: Any, constraint_data: Any) -> Floats:
+        """The Jacobian (residualSize, nv): one entry of one, or minus one, in each row."""
+        if model.nv != self.nv:
+            raise InputError(
+                f"{self.shortname()} was made for a model of {self.nv} velocities, not {model.nv}."
+            )
+        rows = self._rows()
+        J = np.zeros((len(rows), self.nv))
+        for row, (k, sign) in enumerate(rows):
+            J[row, k] = sign
+        return J
+
+
+@final
+class JointFrictionConstraintData:
+    """Of a JointFrictionConstraintModel."""
+
+    __slots__ = ("friction_impulse_lower_limit", "friction_impulse_upper_limit")
+
+    def __init__(self, constraint_model: JointFrictionConstraintModel) -> None:
+        self.friction_impulse_lower_limit = constraint_model.getFrictionLowerLimit()
+        self.friction_impulse_upper_limit = constraint_model.getFrictionUpperLimit()
+
+
+@final
+class JointFrictionConstraintModel(_OfJoints):
+    """`JointFrictionConstraintModel(model[, joints[, lb, ub]])`: dry friction, between bounds (nv,), holds joints.
+
+    Without bounds they are those of the model, `lowerDryFrictionLimit` and `upperDryFrictionLimit`.
+    """
+
+    __slots__ = ("_dofs", "_lb", "_step", "_ub")
+
+    def __init__(self, model: Any, joints: Any = None, lb: Any = None, ub: Any = None) -> None:
+        self._choose(model, joints)
+        self._dofs = [
+            k
+            for j in self._joints
+            for k in range(model.joints[j].idx_v, model.joints[j].idx_v + model.joints[j].nv)
+        ]
+        lower, upper = (
+            model.lowerDryFrictionLimit if lb is None else lb,
+            model.upperDryFrictionLimit if ub is None else ub,
+        )
+        self._lb, self._ub = (vector(x, model.nv, n)[self._dofs] for x, n in ((lower, "lb"), (upper, "ub")))
+        self._step, self._compliance = 1.0, np.zeros(len(self._dofs))
+
+    def _rows(self) -> list[tuple[int, float]]:
+        return [(k, 1.0) for k in self._dofs]
+
+    def createData(self) -> JointFrictionConstraintData:
+        """What is known of it at a state."""
+        return JointFrictionConstraintData(self)
+
+    def calc(self, model: Model, data: Data, constraint_data: JointFrictionConstraintData) -> None:
+        """Fills the bounds of the impulses of a time step."""
+        constraint_data.friction_impulse_lower_limit = self._step * self._lb
+        constraint_data.friction_impulse_upper_limit = self._step * self._ub
+
+    def set(self, constraint_data: JointFrictionConstraintData) -> BoxSet:
+        """The box that its impulses belong to, after `calc`."""
+        return BoxSet(
+            constraint_data.friction_impulse_lower_limit, constraint_data.friction_impulse_upper_limit
+        )
+
+    def getActiveDofs(self) -> list[int]:
+        """The velocities it holds."""
+        return list(self._dofs)
+
+    def getActiveJoints(self) -> list[int]:
+        """The joints it holds."""
+        return list(self._joints)
+
+    def getFrictionLowerLimit(self) -> Floats:
+        """The lower bounds of the friction [N m or N]."""
+        return self._lb.copy()
+
+    def getFrictionUpperLimit(self) -> Floats:
+        """The upper bounds of the friction [N m or N]."""
+        return self._ub.copy()
+
+    def setFrictionLowerLimit(self, lb: Any) -> None:
+        """Sets the lower bounds of the friction [N m or N]."""
+        self._lb = vector(lb, len(self._dofs), "lb").copy()
+
+    def setFrictionUpperLimit(self, ub: Any) -> None:
+        """Sets the upper bounds of the friction [N m or N]."""
+        self._ub = vector(ub, len(self._dofs), "ub").copy()
+
+    def getTimeStep(self) -> float:
+        """The time step that makes impulses of friction [s]."""
+        return self._step
+
+    def setTimeStep(self, dt: float) -> None:
+        """Sets the time step that makes impulses of friction [s]."""
+        if not float(dt) > 0.0:
+            raise InputError(f"The time step is {dt!r}; expected seconds above zero.")
+        self._step = float(dt)
+
+
+@final
+class JointLimitConstraintData:
+    """Of a JointLimitConstraintModel."""
+
+    __slots__ = ("constraint_residual",)
+
+    def __init__(self, constraint_model: JointLimitConstraintModel) -> None:
+        self.constraint_residual = np.zeros(constraint_model.residualSize())
+
+
+@final
+class JointLimitConstraintModel(_OfJoints):
+    """`JointLimitConstraintModel(model[, joints[, lb, ub[, margin]]])`: joints stay within their limits.
+
+    Each finite limit is a row, the lower ones first; active are all, or, after makeSelectionFilteredByLimitProximity,
+    those nearer than their margin. Without them limits and margins are the model's.
+    """
+
+    __slots__ = ("_active", "_limits", "_margins", "_nq", "_places")
+
+    def __init__(
+        self, model: Any, joints: Any = None, lb: Any = None, ub: Any = None, margin: Any = None
+    ) -> None:
+        self._choose(model, joints)
+        for joint in self._joints:
+            if model.joints[joint].nq != model.joints[joint].nv:
+                raise InputError(
+                    f"Joint {joint}, {model.names[joint]!r}, has {model.joints[joint].nq} entries of q and "
+                    f"{model.joints[joint].nv} of v, so that limits of q are none of its motion; leave it out."
+                )
+        self._nq = model.nq
+        self._places = [
+            (model.joints[joint].idx_q + k, model.joints[joint].idx_v + k)
+            for joint in self._joints
+            for k in range(model.joints[joint].nv)
+        ]
+        self.setPositionLimitAndMargin(
+            model.lowerPositionLimit if lb is None else lb,
+            model.upperPositionLimit if ub is None else ub,
+            model.positionLimitMargin if margin is None else margin,
+        )
+
+    def setPositionLimitAndMargin(self, lb: Any, ub: Any, margin: Any) -> None:
+        """Sets limits and margins, (nq,) each; all finite limits become active."""
+        low, high, near = (vector(x, self._nq, n) for x, n in ((lb, "lb"), (ub, "ub"), (margin, "margin")))
+        rows = [(q, v, 1.0, low[q]) for q, v in self._places if np.isfinite(low[q])]
+        rows += [(q, v, -1.0, high[q]) for q, v in self._places if np.isfinite(high[q])]
+        self._limits = rows
+        self._margins = [float(near[q]) for q, *_ in rows]
+        self._compliance = np.zeros(len(rows))
+        self.makeSelectionMaximal()
+
+    def makeSelectionMaximal(self) -> None:
+        """Makes all rows active."""
+        self._active = list(range(len(self._limits)))
+
+    def makeSelectionFilteredByLimitProximity(self, q: Any) -> None:
+        """Makes those rows active whose limit is nearer to q (nq,) than its margin, or passed."""
+        q = vector(q, self._nq, "q")
+        self._active = [i for i, left in enumerate(self._left(q)) if left <= self._margins[i]]
+
+    def _left(self, q: Floats) -> list[float]:
+        """How far each limit is."""
+        return [sign * float(q[place] - limit) for place, _, sign, limit in self._limits]
+
+    def _rows(self) -> list[tuple[int, float]]:
+        return [self._limits[i][1:3] for i in self._active]
+
+    def residualSize(self, sel: Any = ConstraintSelectionType.CURRENT) -> int:
+        """How many rows are active, or (MAXIMAL) could be."""
+        return len(self._limits if sel == ConstraintSelectionType.MAXIMAL else self._active)
+
+    def lowerResidualSize(self, sel: Any = ConstraintSelectionType.CURRENT) -> int:
+        """How many of them are lower limits."""
+        chosen = range(len(self._limits)) if sel == ConstraintSelectionType.MAXIMAL else self._active
+        return sum(self._limits[i][2] > 0.0 for i in chosen)
+
+    def upperResidualSize(self, sel: Any = ConstraintSelectionType.CURRENT) -> int:
+        """How many of them are upper limits."""
+        return self.residualSize(sel) - self.lowerResidualSize(sel)
+
+    def active_idx_in_activable(self) -> list[int]:
+        """Which of all rows are active."""
+        return list(self._active)
+
+    def getActivablePositionLimit(self) -> Floats:
+        """The limits of all rows [rad or m]."""
+        return np.array([limit for *_, limit in self._limits])
+
+    def getSelectedJoints(self) -> list[int]:
+        """The joints it holds."""
+        return list(self._joints)
+
+    @property
+    def baumgarte_corrector_parameters(self) -> BaumgarteCorrectorParameters:
+        """Gains against passing the limits, live."""
+        return self._gains
+
+    def setBaumgarteCorrectorParameters(self, bp: BaumgarteCorrectorParameters, sel: Any = None) -> None:
+        """Sets them."""
+        self._gains = BaumgarteCorrectorParameters(bp.Kp, bp.Kd)
+
+    def createData(self) -> JointLimitConstraintData:
+        """What is known of it at a state."""
+        return JointLimitConstraintData(self)
+
+    def calc(self, model: Model, data: Data, constraint_data: JointLimitConstraintData) -> None:
+        """Fills how far the active limits are at the configuration of the last forwardKinematics."""
+        left = self._left(data.require(data._q, "forwardKinematics(model, data, q)"))
+        constraint_data.constraint_residual = np.array([left[i] for i in self._active])
+
+    def set(self, constraint_data: Any) -> NonNegativeOrthantCone:
+        """The set that its forces belong to: they push, and do not pull."""
+        return NonNegativeOrthantCone()

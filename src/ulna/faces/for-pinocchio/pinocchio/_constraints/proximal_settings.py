@@ -1,0 +1,106 @@
+"""How forces of constraints are found, and how that went."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import index
+from ulna.errors import InputError
+
+__all__ = ["ProximalSettings"]
+
+
+@final
+class ProximalSettings:
+    """`ProximalSettings([absolute_accuracy, [relative_accuracy,]] mu, max_iter)`.
+
+    Each round solves with `mu` added to the Delassus matrix, and takes off what that changes. The rounds end when
+    the constraints are kept to the absolute accuracy, or no force changes by more than the relative one.
+    """
+
+    __slots__ = ("_accuracies", "_limit", "_mu", "_numbers", "absolute_residual", "iter", "relative_residual")
+
+    def __init__(self, *given: Any, **named: Any) -> None:
+        names = ("absolute_accuracy", "relative_accuracy", "mu", "max_iter")
+        told: dict[str, Any] = dict(zip(names, (1e-12, 1e-12, 0.0, 1), strict=True))
+        if len(given) == 3:
+            given = (given[0], *given)
+        if "accuracy" in named:
+            told["absolute_accuracy"] = told["relative_accuracy"] = named.pop("accuracy")
+        if len(given) not in (0, 4) or set(named) - set(names):
+            raise InputError(
+                f"ProximalSettings was given {given}, {named}; expected (accuracy, mu, max_iter), or "
+                "(absolute_accuracy, relative_accuracy, mu, max_iter)."
+            )
+        told |= dict(zip(names, given, strict=False)) | named
+        self._accuracies = float(told["absolute_accuracy"]), float(told["relative_accuracy"])
+        self._mu = float(told["mu"])
+        if not (np.isfinite(self._mu) and self._mu >= 0.0):
+            raise InputError(
+                f"`mu` is {told['mu']!r}; expected a number that is not below zero, such as 1e-8."
+            )
+        if not min(self._accuracies) >= 0.0:
+            raise InputError(
+                f"The accuracies are {self._accuracies}; expected numbers that are not below zero."
+            )
+        self._limit = index(told["max_iter"], 10**9, "max_iter", "Give a whole number from 1.")
+        if self._limit < 1:
+            raise InputError("`max_iter` is 0; expected a whole number from 1.")
+        self._numbers = np.array([self._mu, self._accuracies[1], self._accuracies[0]])
+        self.iter = 0
+        self.absolute_residual = self.relative_residual = -1.0
+
+    @property
+    def absolute_accuracy(self) -> float:
+        """The largest residual of the constraints that is small enough [m/s^2, rad/s^2]."""
+        return self._accuracies[0]
+
+    @property
+    def relative_accuracy(self) -> float:
+        """The largest change of a force in a round that is small enough [N, N m]."""
+        return self._accuracies[1]
+
+    @property
+    def mu(self) -> float:
+        """What is added to the diagonal of the Delassus matrix [1/kg]."""
+        return self._mu
+
+    @property
+    def max_iter(self) -> int:
+        """How many rounds at most."""
+        return self._limit
+
+    def _report(self, rounds: Any, change: Any, residual: Any) -> None:
+        self.iter = int(rounds)
+        self.relative_residual, self.absolute_residual = float(change), float(residual)
+
+    def __repr__(self) -> str:
+        words = (*self._accuracies, self._mu)
+        return f"ProximalSettings({', '.join(f'{x:g}' for x in words)}, {self._limit})"
+
+
+def settings_of(settings: Any) -> ProximalSettings:
+    """The settings, or those that hold when none are given.
+
+    Raises:
+        InputError: it is something else.
+    """
+    if settings is None:
+        return ProximalSettings()
+    if not isinstance(settings, ProximalSettings):
+        raise InputError(f"The settings are {settings!r}; expected ProximalSettings(accuracy, mu, max_iter).")
+    return settings
+
+
+def damping_of(value: Any) -> float:
+    """A damping, checked.
+
+    Raises:
+        InputError: it is below zero, or not finite.
+    """
+    damping = float(value)
+    if not (np.isfinite(damping) and damping >= 0.0):
+        raise InputError(f"The damping is {value!r}; expected a number that is not below zero.")
+    return damping

@@ -1,0 +1,181 @@
+"""Constraints between two joints, or of a joint to the world, and what is known of them at a state."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ContactType, Pair
+from pinocchio._containers.enums import ReferenceFrame
+from pinocchio._data.data import Data
+from pinocchio._model.model import Model
+from pinocchio._spatial.motion_force import Force, Motion
+from pinocchio._spatial.se3 import SE3
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+__all__ = ["RigidConstraintData", "RigidConstraintModel"]
+
+
+@final
+class RigidConstraintModel(Pair):
+    """`RigidConstraintModel(type, model, joint1[, placement1[, joint2, placement2]][, reference_frame])`.
+
+    A point (CONTACT_3D) or a frame (CONTACT_6D) of one joint goes with one of another, or with one of the world, at
+    `joint2_placement`. Forces are written along the first frame (LOCAL) or the world's axes (LOCAL_WORLD_ALIGNED).
+    """
+
+    __slots__ = (
+        "desired_contact_acceleration",
+        "desired_contact_placement",
+        "desired_contact_velocity",
+        "reference_frame",
+        "type",
+    )
+
+    def __init__(self, *given: Any, **named: Any) -> None:
+        if len(given) == 1 and isinstance(given[0], RigidConstraintModel):
+            self._copy(given[0])
+            return
+        parts = list(given)
+        kind = parts.pop(0) if parts else named.pop("contact_type", None)
+        model = parts.pop(0) if parts else named.pop("model", None)
+        rf = parts.pop() if parts and isinstance(parts[-1], ReferenceFrame) else ReferenceFrame.LOCAL
+        self._check(kind, model)
+        self.type = ContactType(kind)
+        self.reference_frame = named.pop("reference_frame", rf)
+        if self.reference_frame not in (ReferenceFrame.LOCAL, ReferenceFrame.LOCAL_WORLD_ALIGNED):
+            raise InputError(
+                f"The reference frame is {self.reference_frame!r}; expected LOCAL or LOCAL_WORLD_ALIGNED."
+            )
+        self._attach(model, parts, named)
+        self.desired_contact_placement = SE3()
+        self.desired_contact_velocity, self.desired_contact_acceleration = Motion(), Motion()
+
+    @staticmethod
+    def _check(kind: Any, model: Any) -> None:
+        if not isinstance(kind, ContactType) or kind == ContactType.CONTACT_UNDEFINED:
+            raise InputError(
+                f"The type of contact is {kind!r}; expected ContactType.CONTACT_3D or ContactType.CONTACT_6D."
+            )
+        if not isinstance(model, Model):
+            raise InputError(f"The model is {model!r}; expected a pinocchio.Model.")
+
+    def _copy(self, other: RigidConstraintModel) -> None:
+        self._places = other._places.copy()
+        self.joint1_placement, self.joint2_placement = (SE3._of(m) for m in self._places)
+        self._gains = BaumgarteCorrectorParameters(other._gains.Kp, other._gains.Kd)
+        for name in ("name", "joint1_id", "joint2_id", "type", "reference_frame"):
+            setattr(self, name, getattr(other, name))
+        for name in ("placement", "velocity", "acceleration"):
+            setattr(self, f"desired_contact_{name}", getattr(other, f"desired_contact_{name}").copy())
+
+    def copy(self) -> RigidConstraintModel:
+        """One of its own, with the same numbers."""
+        return RigidConstraintModel(self)
+
+    cast = __copy__ = copy
+
+    def __deepcopy__(self, memo: Any) -> RigidConstraintModel:
+        return self.copy()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, RigidConstraintModel) and (
+            self._shape() == other._shape()
+            and np.array_equal(self._places, other._places)
+            and self._gains == other._gains
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def residualSize(self, sel: Any = None) -> int:
+        """How many rows it has: 3 or 6."""
+        return 6 if self.type == ContactType.CONTACT_6D else 3
+
+    size = residualSize
+
+    def _shape(self) -> tuple[int, bool, int, int]:
+        """What a kernel depends on: rows, whether they are written in local axes, the joints."""
+        local = self.reference_frame == ReferenceFrame.LOCAL
+        return self.residualSize(), local, self.joint1_id, self.joint2_id
+
+    def createData(self) -> RigidConstraintData:
+        """What is known of it at a state; filled by algorithms."""
+        return RigidConstraintData(self)
+
+    def calc(self, model: Model, data: Data, constraint_data: RigidConstraintData) -> None:
+        """Fills the placements of its frames from `data.oMi`."""
+        data.require(data._engine, "forwardKinematics(model, data, q)")
+        from pinocchio._constraints.kernels import paired
+
+        paired(model, [self], [constraint_data])
+        constraint_data._place(self, data)
+
+    def jacobian(self, model: Model, data: Data, constraint_data: RigidConstraintData) -> Floats:
+        """The Jacobian (residualSize, nv) at the configuration of the last forwardKinematics or dynamics."""
+        from pinocchio._constraints.jacobians import getConstraintJacobian
+
+        return getConstraintJacobian(model, data, self, constraint_data)
+
+
+_PLACES = ("oMc1", "oMc2", "c1Mc2")
+_MOTIONS = (
+    "contact1_velocity",
+    "contact2_velocity",
+    "contact_placement_error",
+    "contact_velocity_error",
+    "contact_acceleration_error",
+)
+
+
+@final
+class RigidConstraintData:
+    """What is known of a constraint at a state: placements, velocities, errors, its force."""
+
+    __slots__ = (
+        "_blocks",
+        "_due",
+        "_size",
+        "_views",
+    )
+
+    def __init__(self, contact_model: RigidConstraintModel) -> None:
+        if not isinstance(contact_model, RigidConstraintModel):
+            raise InputError(f"The constraint is {contact_model!r}; expected a RigidConstraintModel.")
+        self._size = contact_model.residualSize()
+        self._due: Any = None
+        self._blocks = {n: np.eye(4) for n in _PLACES} | {n: np.zeros(6) for n in _MOTIONS}
+        self._views: dict[str, Any] = {n: SE3._of(self._blocks[n]) for n in _PLACES}
+        self._views |= {n: Motion._of(self._blocks[n]) for n in _MOTIONS}
+        self._views |= {"contact_force": Force(), "contact_acceleration_desired": Motion()}
+
+    def _place(self, model: RigidConstraintModel, data: Data) -> None:
+        oMi, blocks = data._blocks["oMi"], self._blocks
+        self._due = None
+        for name, joint, place in zip(
+            _PLACES, (model.joint1_id, model.joint2_id), model._places, strict=False
+        ):
+            np.matmul(oMi[joint], place, out=blocks[name])
+        blocks["c1Mc2"][:] = self._views["oMc1"].actInv(self._views["oMc2"])._m
+
+    def __repr__(self) -> str:
+        force = self._views["contact_force"].vector.round(6).tolist()
+        return f"<RigidConstraintData of {self._size} rows, force {force}>"
+
+
+def _field(name: str) -> property:
+    def get(self: RigidConstraintData) -> Any:
+        if self._due is not None and name in _LEFT:
+            self._due.fill()
+        return self._views[name]
+
+    def put(self: RigidConstraintData, value: Any) -> None:
+        get(self)._assign(value)
+
+    return property(get, put, doc=f"`{name}` as the last algorithm left it, live.")
+
+
+_LEFT = frozenset((*_PLACES, *_MOTIONS))
+for _name in (*_PLACES, *_MOTIONS, "contact_force", "contact_acceleration_desired"):
+    setattr(RigidConstraintData, _name, _field(_name))

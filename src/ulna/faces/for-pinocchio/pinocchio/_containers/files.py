@@ -1,0 +1,228 @@
+"""Files of models, data and geometries: saveToText, saveToXML, saveToBinary, saveToString, and the way back.
+
+The formats are this face's own: JSON as text, within an element as XML, compressed as binary. Only classes of one table
+are made from a file, so that no file can run code, as a pickle can.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import json
+import os
+import zlib
+from functools import cache
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import escape, unescape
+
+import numpy as np
+
+from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.keywords import by_name
+from ulna.errors import FormatError, InputError
+from ulna.files import read_regular
+
+_SIGN = b"ulna pinocchio 1\n"
+_MEND = "Files of other programs are not read: they belong to the classes of their version. Use URDF between both."
+
+
+class Saved:
+    """What is written to files and read from them."""
+
+    def saveToString(self) -> str:
+        """Its numbers as JSON."""
+        return json.dumps(_plain(self))
+
+    def loadFromString(self, string: str) -> None:
+        """Becomes what `saveToString` wrote. FormatError where it is of another kind."""
+        self._become(string, None)
+
+    def saveToText(self, filename: Any) -> None:
+        """Writes its numbers as JSON, one object in lines."""
+        Path(os.fspath(filename)).write_text(json.dumps(_plain(self), indent=1), encoding="utf-8")
+
+    def loadFromText(self, filename: Any) -> None:
+        """Becomes what `saveToText` wrote. FormatError where the file is missing or of another kind."""
+        self._become(_read(filename).decode("utf-8", "replace"), filename)
+
+    def saveToXML(self, filename: Any, tag_name: str) -> None:
+        """Writes its numbers as one element `tag_name` with JSON in it."""
+        text = f'<?xml version="1.0"?>\n<{tag_name}>{escape(self.saveToString())}</{tag_name}>\n'
+        Path(os.fspath(filename)).write_text(text, encoding="utf-8")
+
+    def loadFromXML(self, filename: Any, tag_name: str) -> None:
+        """Becomes what `saveToXML` wrote under that name. FormatError where the file is missing or of another kind."""
+        text = _read(filename).decode("utf-8", "replace")
+        before, start, rest = text.partition(f"<{tag_name}>")
+        inner, end, _ = rest.partition(f"</{tag_name}>")
+        if not start or not end or before.strip() != '<?xml version="1.0"?>':
+            raise FormatError(
+                f"There is no element <{tag_name}> of this face.", file=str(filename), mend=_MEND
+            )
+        self._become(unescape(inner), filename)
+
+    @by_name("filename", "buffer")
+    def saveToBinary(self, filename: Any) -> None:
+        """Writes its numbers compressed, to a file or into a StreamBuffer or StaticBuffer of `serialization`."""
+        told = _SIGN + zlib.compress(self.saveToString().encode("utf-8"))
+        if hasattr(filename, "write"):
+            filename.write(told)
+        else:
+            Path(os.fspath(filename)).write_bytes(told)
+
+    @by_name("filename", "buffer")
+    def loadFromBinary(self, filename: Any) -> None:
+        """Becomes what `saveToBinary` wrote. FormatError where the file is missing or of another kind."""
+        told = filename.tobytes() if hasattr(filename, "tobytes") else _read(filename)
+        if not told.startswith(_SIGN):
+            raise FormatError(
+                "The file does not begin as a binary of this face.", file=str(filename), mend=_MEND
+            )
+        try:
+            text = zlib.decompressobj().decompress(told[len(_SIGN) :]).decode("utf-8")
+        except (zlib.error, UnicodeDecodeError) as error:
+            raise FormatError(f"The file is damaged: {error}.", file=str(filename)) from None
+        self._become(text, filename)
+
+    def _become(self, text: str, filename: Any) -> None:
+        place = None if filename is None else str(filename)
+        try:
+            made = _made(json.loads(text))
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+            raise FormatError(f"It cannot be read: {error}.", file=place, mend=_MEND) from None
+        if type(made) is not type(self):
+            raise FormatError(
+                f"It holds a {type(made).__name__}; expected a {type(self).__name__}.", file=place
+            )
+        if hasattr(self, "__setstate__"):
+            self.__setstate__(made.__getstate__())  # pyright: ignore
+        else:
+            self.__dict__.clear()
+            self.__dict__.update(made.__dict__)
+
+
+def _read(filename: Any) -> bytes:
+    try:
+        return read_regular(os.fspath(filename))
+    except OSError as error:
+        raise FormatError(f"The file cannot be read: {error.strerror}.", file=str(filename)) from None
+
+
+@cache
+def _classes() -> dict[str, type]:
+    """The classes that files may hold, by the names they have there."""
+    from pinocchio._containers import enums as _enums
+    from pinocchio._data import data as _data
+    from pinocchio._geometry import geometry_model as _geometry
+    from pinocchio._geometry import geometry_object as _geometry_object
+    from pinocchio._geometry import materials as _materials
+    from pinocchio._model import frame as _frame
+    from pinocchio._model import joint_kinds as _joints
+    from pinocchio._model import model as _model
+    from pinocchio._spatial import inertia as _inertia
+    from pinocchio._spatial import motion_force as _vectors
+    from pinocchio._spatial import se3 as _se3
+    from ulna import geometry, model, spatial
+
+    shapes = (
+        "Box",
+        "Capsule",
+        "Cone",
+        "Cylinder",
+        "Ellipsoid",
+        "Mesh",
+        "Sphere",
+        "Plane",
+        "Points",
+        "Surface",
+    )
+    found = [getattr(geometry, name) for name in shapes if hasattr(geometry, name)]
+    found.append(_geometry_object.ConvexMesh)
+    found += [k for k in vars(model).values() if isinstance(k, type) and issubclass(k, model.JointKind)]
+    found += [
+        _se3.SE3,
+        _vectors.Motion,
+        _vectors.Force,
+        _inertia.Inertia,
+        _frame.Frame,
+        _model.Model,
+        _data.Data,
+    ]
+    found += [
+        _geometry.GeometryModel,
+        _geometry.GeometryData,
+        _geometry.GeometryObject,
+        _geometry.CollisionPair,
+    ]
+    found += [_enums.FrameType, *(getattr(_materials, n) for n in _materials.__all__), _joints.JointModel]
+    found += [getattr(_joints, name) for name in _joints.__all__]
+    return {"Pose": spatial.SE3, **{cls.__name__: cls for cls in found}}
+
+
+@cache
+def _names() -> dict[type, str]:
+    return {cls: name for name, cls in _classes().items()}
+
+
+def _plain(x: Any) -> Any:
+    """A value as dictionaries, lists, numbers and texts."""
+    if x is None or type(x) in (bool, int, float, str):
+        return x
+    if isinstance(x, np.ndarray):
+        return {"#": "array", "shape": x.shape, "entries": x.ravel().tolist()}
+    if isinstance(x, dict):
+        return {"#": "dict", "items": [[_plain(k), _plain(v)] for k, v in x.items()]}
+    if isinstance(x, (np.number, np.bool_)):
+        return x.item()
+    name = _names().get(type(x))
+    if isinstance(x, (list, tuple)):
+        kind = "list" if isinstance(x, list) else name or "tuple"
+        return {"#": kind, "items": [_plain(entry) for entry in x]}
+    if name is None:
+        raise InputError(
+            f"A {type(x).__name__} that was made in memory is not written to files. Write a mesh to a file of its own, "
+            "and name it as meshPath; or use pickle, which keeps all that there is."
+        )
+    if isinstance(x, enum.Enum):
+        return {"#": name, "value": int(x.value)}
+    if dataclasses.is_dataclass(x):
+        state: Any = {f.name: getattr(x, f.name) for f in dataclasses.fields(x)}
+    elif hasattr(x, "_of"):
+        state = getattr(x, x.__slots__[0] if x.__slots__ else "_v")
+    else:
+        state = list(x.__reduce__()[1]) if name == "Frame" else x.__getstate__()
+    return {"#": name, "state": _plain(state)}
+
+
+def _made(x: Any) -> Any:
+    """What `_plain` was given."""
+    if not isinstance(x, dict):
+        return x
+    name = x["#"]
+    if name == "array":
+        return np.array(x["entries"], dtype=float if x["entries"] else None).reshape(x["shape"])
+    if name == "dict":
+        return {_made(k): _made(v) for k, v in x["items"]}
+    if name in ("list", "tuple"):
+        entries = [_made(entry) for entry in x["items"]]
+        return StdVec(entries) if name == "list" else tuple(entries)
+    cls: Any = _classes()[name]
+    if "items" in x:
+        return cls(*(_made(entry) for entry in x["items"]))
+    if "value" in x:
+        return cls(x["value"])
+    state = _made(x["state"])
+    if isinstance(state, dict) and dataclasses.is_dataclass(cls):
+        make: Any = cls
+        return make(**state)
+    if hasattr(cls, "_of"):
+        return cls._of(state)
+    if name == "Frame":
+        return cls(*state)
+    made = object.__new__(cls)
+    if hasattr(made, "__setstate__"):
+        made.__setstate__(state)
+    else:
+        made.__dict__.update(state)
+    return made

@@ -1,0 +1,264 @@
+"""Data: what algorithms write their results into; its entries are live references into arrays of one model's sizes."""
+
+from __future__ import annotations
+
+import copy
+from array import array
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import StdVec, views
+from pinocchio._containers.files import Saved
+from pinocchio._data.binding import ALGORITHMS, Runs
+from pinocchio._data.states import States, Waiting, engine_for, frames_fit
+from pinocchio._data.storage import CENTRES, FORCES, MATRICES, MOTIONS, Blocks
+from pinocchio._spatial.inertia import Inertia
+from pinocchio._spatial.motion_force import Force, Motion
+from pinocchio._spatial.se3 import SE3
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from pinocchio._model.kernels import Engine
+    from pinocchio._model.model import Model
+
+
+__all__ = ["Data", "engine_for", "frames_fit"]
+
+
+class _PerJoint(StdVec[Any]):
+    """Values of the joints, which are computed when they are read; that of the universe may be there before."""
+
+    def __init__(self, data: Data, name: str, entries: Any) -> None:
+        super().__init__(entries)
+        self._data, self._name = data, name
+
+    def __getitem__(self, key: Any) -> Any:
+        if key != 0 or self._name == "mass":
+            self._data.read(self._name)
+        return super().__getitem__(key)
+
+    def __iter__(self) -> Any:
+        return (self[i] for i in range(len(self)))
+
+
+_KEPT = ("kinetic_energy", "potential_energy", "mechanical_energy")
+_WHOLE = {"hg": Force, "dhg": Force, "Ig": Inertia}
+_LISTS = ("liMi", *MOTIONS, *FORCES, *CENTRES, "mass")
+_FIELDS = (*MATRICES, *_WHOLE, *_LISTS)
+
+
+@final
+class _Lists(dict[str, Any]):
+    """The fields with an entry for each joint, and those that are one Motion, Force or Inertia, made when asked for."""
+
+    def __init__(self, data: Data) -> None:
+        self._data = data
+
+    def __missing__(self, name: str) -> Any:
+        data = self._data
+        if name == "mass":
+            made = _PerJoint(data, name, [-1.0] * data._blocks["com"].shape[0])
+        elif name in CENTRES:
+            made = _PerJoint(data, name, data._blocks[name])
+        elif name in _WHOLE:
+            made = _WHOLE[name]._of(data._blocks[name])
+        else:
+            made = views(SE3 if name == "liMi" else Force if name in FORCES else Motion, data._blocks[name])
+        return self.setdefault(name, made)  # another thread may have made it meanwhile
+
+
+@final
+class _Placements:
+    """References to placements, made when asked for; then an attribute as quick as others, which `__dict__` is not."""
+
+    def __init__(self, name: str, doc: str) -> None:
+        self._name, self.__doc__ = name, doc
+
+    def __get__(self, data: Data | None, _: type) -> Any:
+        if data is None:
+            return self
+        found = views(SE3, data._blocks[self._name])
+        setattr(data, self._name, found)
+        return found
+
+
+@final
+class Data(Saved, States):
+    """Working memory of algorithms for one model: `model.createData()`."""
+
+    if TYPE_CHECKING:  # made below, by their names
+        M: Floats
+        Minv: Floats
+        C: Floats
+        J: Floats
+        dJ: Floats
+        Ag: Floats
+        dAg: Floats
+        Jcom: Floats
+        tau: Floats
+        nle: Floats
+        g: Floats
+        ddq: Floats
+        dtau_dq: Floats
+        dtau_dv: Floats
+        ddq_dq: Floats
+        ddq_dv: Floats
+        ddq_dtau: Floats
+        dHdq: Floats
+        dFdq: Floats
+        dFdv: Floats
+        dFda: Floats
+        kineticEnergyRegressor: Floats
+        potentialEnergyRegressor: Floats
+        jointTorqueRegressor: Floats
+        staticRegressor: Floats
+        bodyRegressor: Floats
+        liMi: StdVec[SE3]
+        v: StdVec[Motion]
+        a: StdVec[Motion]
+        a_gf: StdVec[Motion]
+        ov: StdVec[Motion]
+        oa: StdVec[Motion]
+        oa_gf: StdVec[Motion]
+        f: StdVec[Force]
+        h: StdVec[Force]
+        of: StdVec[Force]
+        oh: StdVec[Force]
+        com: StdVec[Floats]
+        vcom: StdVec[Floats]
+        acom: StdVec[Floats]
+        mass: StdVec[float]
+        hg: Force
+        dhg: Force
+        Ig: Inertia
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._layout = model._layout
+        self.nframes = model.nframes
+        self._blocks = Blocks(model)
+        self._known: set[str] = set()
+        self._begin()
+        self.kinetic_energy = self.potential_energy = self.mechanical_energy = 0.0
+        self._bound: Any = None
+        self._damped: Any = None
+        self._engine: Engine | None = None
+
+    def _begin(self) -> None:
+        """What belongs to these very arrays."""
+        self._marks = array("d", bytes(8 * len(_FIELDS)))
+        self._marked = np.frombuffer(self._marks)
+        self._waiting: dict[str, Waiting] = {}
+        self._run = Runs()
+        self._told: dict[int, Engine] = {}
+        self._run_at: dict[Any, Any] = {}  # what makes Jacobians of frames, by index and reference
+        self._ties: list[Any] = []
+        self._lists = _Lists(self)
+
+    oMi = _Placements("oMi", "For each joint its placement in the world, live references.")
+    oMf = _Placements("oMf", "For each frame its placement in the world, live references.")
+
+    @property
+    def joints(self) -> StdVec[Any]:
+        """For each joint its placement, motion subspace, velocity and bias, at the state of the last algorithm."""
+        from pinocchio._model.joint_data import states
+
+        return states(self._model, self._q_of_joints, self._qv_of_joints)
+
+    def copy(self) -> Data:
+        """One of its own, with the same numbers."""
+        return copy.deepcopy(self)
+
+    def __deepcopy__(self, memo: Any) -> Data:
+        self.settle()
+        out = object.__new__(Data)
+        out.__dict__.update({k: x for k, x in self.__dict__.items() if k not in ("oMi", "oMf")})
+        out._blocks = self._blocks.copied()
+        out._known = set(self._known)
+        out._bound = self._bound and self._bound.copied()
+        out._begin()
+        out._marked[...] = self._marked
+        list.__setitem__(out._lists["mass"], slice(None), list.__iter__(self._lists["mass"]))
+        return out
+
+    __copy__ = copy
+
+    def __getstate__(self) -> dict[str, Any]:
+        self.settle()
+        told = {name: getattr(self, name) for name in _KEPT}
+        spoilt = {
+            name: ALGORITHMS[int(self._marks[k]) - 1].name for name, k in self.slots.items() if self._marks[k]
+        }
+        mass = list(list.__iter__(self._lists["mass"]))
+        return {"model": self._model, "blocks": self._blocks.whole(), "mass": mass, "spoilt": spoilt, **told}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        told = dict(state)
+        self.__init__(told.pop("model"))
+        self._blocks.update(told.pop("blocks"))
+        self._begin()
+        list.__setitem__(self._lists["mass"], slice(None), told.pop("mass"))
+        for algorithm in ALGORITHMS:
+            for name, by in told["spoilt"].items():
+                if by == algorithm.name:
+                    self._marks[self.slots[name]] = float(algorithm.number)
+        del told["spoilt"]
+        for name, value in told.items():
+            setattr(self, name, value)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Data):
+            return NotImplemented
+        mine, theirs = self.__getstate__()["blocks"], other.__getstate__()["blocks"]
+        same = all(np.array_equal(b, theirs[n]) for n, b in mine.items() if " " not in n)
+        return same and all(getattr(self, name) == getattr(other, name) for name in _KEPT)
+
+    __hash__ = object.__hash__
+
+    @property
+    def constraint_chol(self) -> Any:
+        """The decomposition of mass matrix and constraints of the last constraintDynamics or impulseDynamics."""
+        from pinocchio._constraints.cholesky import cholesky_of
+
+        return cholesky_of(self)
+
+    contact_chol = constraint_chol
+
+    def __repr__(self) -> str:
+        return f"<Data of {self._model.name!r}: nv={self._model.nv}, {len(self.oMi)} joints, {self.nframes} frames>"
+
+
+def _block(name: str) -> property:
+    slot = Data.slots[name]
+
+    def get(self: Data) -> Floats:
+        if self._marks[slot]:
+            self.read(name)
+        return self._blocks[name]
+
+    def put(self: Data, value: Any) -> None:
+        self._blocks[name][...] = value
+        self._marks[slot] = 0.0
+
+    return property(get, put, doc=f"`{name}` as the last algorithm left it, live; assigning copies into it.")
+
+
+def _entries(name: str) -> property:
+    slot = Data.slots[name]
+    if name in (*CENTRES, "mass"):  # which know of themselves what is to be computed
+        return property(lambda self: self._lists[name], doc=f"`{name}` of what every joint moves, live.")
+
+    def get(self: Data) -> Any:
+        if self._marks[slot]:
+            self.read(name)
+        return self._lists[name]
+
+    return property(get, doc=f"`{name}` as the last algorithm left it, live references.")
+
+
+Data.slots = {name: k for k, name in enumerate(_FIELDS)}
+for _name in MATRICES:
+    setattr(Data, _name, _block(_name))
+for _name in (*_WHOLE, *_LISTS):
+    setattr(Data, _name, _entries(_name))

@@ -1,0 +1,95 @@
+"""The arrays of a Data, each made when it is first needed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from pinocchio._model.model import Model
+
+MATRICES = {
+    "M": "vv",
+    "Minv": "vv",
+    "C": "vv",
+    "J": "6v",
+    "dJ": "6v",
+    "Ag": "6v",
+    "dAg": "6v",
+    "Jcom": "3v",
+    "tau": "v",
+    "nle": "v",
+    "g": "v",
+    "ddq": "v",
+    "dtau_dq": "vv",
+    "dtau_dv": "vv",
+    "ddq_dq": "vv",
+    "ddq_dv": "vv",
+    "ddq_dtau": "vv",
+    "dHdq": "6v",
+    "dFdq": "6v",
+    "dFdv": "6v",
+    "dFda": "6v",
+    "kineticEnergyRegressor": "p",
+    "potentialEnergyRegressor": "p",
+    "jointTorqueRegressor": "vp",
+    "staticRegressor": "3s",
+    "bodyRegressor": "6t",
+    "dq_after": "v",
+    "osim": "00",
+    "lambda_c": "0",
+    "impulse_c": "0",
+    "dlambda_dq": "00",
+    "dlambda_dv": "00",
+    "dlambda_dtau": "00",
+    "dac_da": "00",
+}
+"""A letter for each size. Those of constraints are empty until an algorithm knows how many rows there are."""
+FORCES = ("f", "h", "of", "oh")
+MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
+CENTRES = ("com", "vcom", "acom")
+PER_JOINT = ("oMi", "liMi", *MOTIONS, *FORCES, *CENTRES)
+_SHAPES = {
+    **MATRICES,
+    **dict.fromkeys(("oMi", "liMi"), "n44"),
+    "oMf": "f44",
+    **dict.fromkeys((*MOTIONS, *FORCES), "n6"),
+    **dict.fromkeys(CENTRES, "n3"),
+    **{"hg": "6", "dhg": "6", "Ig": "i", "energy K": "", "energy P": "", "gravity by q": "vv"},
+}
+_OF_STATES = {"q": "q", "v": "v", "a": "v", "f": "m6"}
+
+
+@final
+class Blocks(dict[str, Floats]):
+    """The arrays by the names of fields, and of states by names such as "rnea q"."""
+
+    def __init__(self, model: Model) -> None:
+        nj, nf, nv, moving = model.njoints, model.nframes, model.nv, model.njoints - 1
+        sizes = {"n": nj, "f": nf, "m": moving, "v": nv, "q": model.nq, "p": 10 * moving, "s": 4 * moving}
+        self._sizes = sizes | {"0": 0, "3": 3, "4": 4, "6": 6, "t": 10, "i": 13}
+        self["a_gf"] = np.zeros((nj, 6))
+        self["a_gf"][0] = -model.gravity.vector
+
+    def __missing__(self, name: str) -> Floats:
+        letters = _SHAPES[name] if name in _SHAPES else _OF_STATES[name[-1]]
+        block = np.zeros([self._sizes[x] for x in letters])
+        if letters.endswith("44"):
+            block[...] = np.eye(4)
+        return self.setdefault(name, block)  # another thread may have made it meanwhile
+
+    def copied(self) -> Blocks:
+        """Arrays of their own, with the same numbers."""
+        out = Blocks.__new__(Blocks)
+        out._sizes = self._sizes
+        out.update((name, block.copy()) for name, block in self.items())
+        return out
+
+    def whole(self) -> dict[str, Floats]:
+        """All of them."""
+        for name in _SHAPES:
+            self[name]
+        return dict(self)

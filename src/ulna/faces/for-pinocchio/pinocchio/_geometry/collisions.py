@@ -1,0 +1,252 @@
+"""Collisions, distances and patches of contact of pairs of geometries, asked of coal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pinocchio._algorithms.parallel import GeometryPool
+from pinocchio._containers.arrays import StdVec, index
+from pinocchio._containers.keywords import by_name
+from pinocchio._geometry.geometry_model import (
+    CollisionPair,
+    GeometryData,
+    GeometryModel,
+    GeometryObject,
+    updateGeometryPlacements,
+)
+from ulna.collision.narrow import coal
+from ulna.errors import InputError
+
+if TYPE_CHECKING:
+    from pinocchio._data.data import Data
+    from pinocchio._model.model import Model
+
+
+class _OfTwo:
+    """What coal is asked about two geometries; made anew for coal when one was given another shape."""
+
+    def __init__(self, geometry_object1: GeometryObject, geometry_object2: GeometryObject) -> None:
+        self.of = geometry_object1, geometry_object2
+        """The two."""
+        self._shapes: tuple[Any, Any] = (None, None)
+        self._ask: Any = None
+
+    def getGeometryObject1(self) -> GeometryObject:
+        """The first geometry."""
+        return self.of[0]
+
+    def getGeometryObject2(self) -> GeometryObject:
+        """The second geometry."""
+        return self.of[1]
+
+    def run(self, tf1: Any, tf2: Any, request: Any, result: Any) -> Any:
+        """Asks coal, the geometries being at two Transform3s; fills `result`."""
+        one, two = self.of
+        first, second = one.geometry, two.geometry
+        if first is not self._shapes[0] or second is not self._shapes[1]:
+            self._shapes = first, second
+            self._ask = getattr(coal(), type(self).__name__)(first, second)
+        result.clear()
+        return self._ask(tf1, tf2, request, result)
+
+    def __call__(self, tf1: Any, tf2: Any, request: Any, result: Any) -> Any:
+        """See `run`."""
+        return self.run(tf1, tf2, request, result)
+
+
+class ComputeCollision(_OfTwo):
+    """A function that asks coal whether two geometries touch; answers how many contacts there are."""
+
+
+class ComputeDistance(_OfTwo):
+    """A function that asks coal for the distance of two geometries [m]."""
+
+
+def computeCollision(
+    geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int, collision_request: Any = None
+) -> bool:
+    """Whether the geometries of a pair touch, where `geometry_data.oMg` has them.
+
+    Raises:
+        MissingExtra: coal is not installed. `ulna.Robot.collides` answers for a whole robot, batches included.
+    """
+    found = _answers(geometry_model, geometry_data, "collision", pair_index, collision_request)
+    return any(contacts for _, contacts in found)
+
+
+def computeDistance(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> Any:
+    """The distance of the geometries of a pair, as coal's DistanceResult; see `computeCollision`."""
+    for _ in _answers(geometry_model, geometry_data, "distance", pair_index):
+        pass
+    return geometry_data.distanceResults[pair_index]
+
+
+def _answers(
+    geometry_model: GeometryModel,
+    geometry_data: GeometryData,
+    what: str,
+    pair_id: int | None = None,
+    request: Any = None,
+) -> Iterator[tuple[int, Any]]:
+    """The indices of pairs and what coal answers about them, one by one: of one pair, or of all that are active."""
+    objects, pairs = geometry_model.geometryObjects, geometry_model.collisionPairs
+    if pair_id is None:
+        chosen, at = _checked(geometry_model, geometry_data), geometry_data.placed()
+    else:
+        chosen, at = [pair_id], geometry_data.placed(_pair(geometry_model, geometry_data, pair_id))
+    functions, requests, results = (
+        getattr(geometry_data, word) for word in (f"{what}_functors", f"{what}Requests", f"{what}Results")
+    )
+    for k in chosen:
+        i, j = pairs[k].first, pairs[k].second
+        one, two = functions[k].of
+        if one is not objects[i] or two is not objects[j]:
+            functions[k] = type(functions[k])(objects[i], objects[j])
+        told = requests[k] if request is None else request
+        yield k, functions[k].run(at[i], at[j], told, results[k])
+
+
+@by_name(
+    "geometry_model geometry_data stop_at_first_collision",
+    "model data geometry_model geometry_data q stop_at_first_collision",
+    "broadphase_manager callback",
+    "broadphase_manager stop_at_first_collision",
+    "manager callback",
+    "model data broadphase_manager q stop_at_first_collision",
+    "model data broadphase_manager callback q",
+)
+def computeCollisions(*parts: Any) -> bool:
+    """Whether any active pair touches.
+
+    `(model, data, geometry_model, geometry_data, q, stop_at_first=False)`; without model, data and q placements stay as
+    they are. A broad-phase manager may stand for the geometries, `(model, data, manager, [callback,] q,
+    stop_at_first=False)` or `(manager, [callback, or stop_at_first=False])`: boxes are compared first.
+    """
+    from pinocchio._geometry.broadphase import BroadPhaseManager, by_manager
+
+    if any(isinstance(part, BroadPhaseManager) for part in parts[:3]):
+        return by_manager(*parts)
+    geometry_model, geometry_data, rest = _placed(parts)
+    hit = False
+    for _, contacts in _answers(geometry_model, geometry_data, "collision"):
+        hit |= contacts > 0
+        if hit and rest and rest[0]:
+            break
+    return hit
+
+
+@by_name("geometry_model geometry_data", "model data geometry_model geometry_data q")
+def computeDistances(*parts: Any) -> int:
+    """The pair that is nearest of the active ones: `(model, data, geometry_model, geometry_data, q)`, or without q.
+
+    With `(geometry_model, geometry_data)`, placements stay as they are. Without any pair it is their number.
+    """
+    geometry_model, geometry_data, _ = _placed(parts)
+    found = dict(_answers(geometry_model, geometry_data, "distance"))
+    return min(found, key=found.__getitem__, default=len(geometry_model.collisionPairs))
+
+
+def computeContactPatch(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> None:
+    """Fills `geometry_data.contactPatchResults` for a pair that touches; after `computeCollisions`."""
+    i, j = _pair(geometry_model, geometry_data, pair_index)
+    at, objects = geometry_data.placed((i, j)), geometry_model.geometryObjects
+    found, result = geometry_data.collisionResults[pair_index], geometry_data.contactPatchResults[pair_index]
+    result.clear()
+    if found.isCollision():
+        request = geometry_data.contactPatchRequests[pair_index]
+        coal().computeContactPatch(
+            objects[i].geometry, at[i], objects[j].geometry, at[j], found, request, result
+        )
+
+
+def computeContactPatches(geometry_model: GeometryModel, geometry_data: GeometryData) -> None:
+    """`computeContactPatch` of every active pair."""
+    for k in _checked(geometry_model, geometry_data):
+        computeContactPatch(geometry_model, geometry_data, k)
+
+
+def computeBodyRadius(model: Model, geometry_model: GeometryModel, geometry_data: GeometryData) -> None:
+    """Fills `geometry_data.radius`: how far the boxes around a joint's geometries reach from it [m]."""
+    radius = [0.0] * model.njoints
+    for g in geometry_model.geometryObjects:
+        corners = g.placement.act(box_corners(g.geometry).T)
+        radius[g.parentJoint] = max(radius[g.parentJoint], float(np.linalg.norm(corners, axis=0).max()))
+    geometry_data.radius = StdVec(radius)
+
+
+def box_corners(geometry: Any) -> Any:
+    """The corners (8, 3) of the box around a geometry of coal, along the axes of its own frame [m]."""
+    geometry.computeLocalAABB()
+    ends = np.array([geometry.aabb_local.min_, geometry.aabb_local.max_]).reshape(2, 3)
+    return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+
+
+@by_name(
+    "num_thread geometry_model geometry_data stop_at_first_collision",
+    "num_thread model data geometry_model geometry_data q stop_at_first_collision",
+    "num_thread pool q stop_at_first_collision_in_configuration stop_at_first_collision_in_batch",
+    "num_thread pool trajectories stop_at_first_collision_in_trajectory",
+)
+def computeCollisionsInParallel(num_thread: int, *parts: Any) -> Any:
+    """Collisions of one or many configurations.
+
+    Args:
+        num_thread: Not needed: coal answers Python one pair at a time. `ulna.Robot.collides` has kernels with threads.
+        parts: What `computeCollisions` takes; or a pool, and configurations in the columns of a matrix (nq, n), which
+            gives an array (n,) of answers; or a list of such matrices, which gives a list. Then whether to stop at the
+            first collision of a configuration, and of all (the rest is said not to collide).
+    """
+    pool = parts[0]
+    if not isinstance(pool, GeometryPool):
+        return computeCollisions(*parts)
+    if len(parts) < 2:
+        raise InputError(
+            "computeCollisionsInParallel needs configurations, in the columns of a matrix (nq, n)."
+        )
+    if isinstance(parts[1], (list, tuple)):
+        stop = bool(parts[2]) if len(parts) > 2 else False
+        return StdVec(_each(pool, columns, True, stop) for columns in parts[1])
+    stops = [*(bool(p) for p in parts[2:]), False, False]
+    return _each(pool, parts[1], stops[0], stops[1])
+
+
+def _each(pool: GeometryPool, columns: Any, stop_in_configuration: bool, stop_in_batch: bool) -> Any:
+    given = np.asarray(columns, dtype=float)
+    if given.ndim != 2 or given.shape[0] != pool.getModel(0).nq:
+        raise InputError(f"Configurations have shape {given.shape}; expected ({pool.getModel(0).nq}, n).")
+    hit = np.zeros(given.shape[1], dtype=bool)
+    for k, q in enumerate(given.T):
+        hit[k] = computeCollisions(*pool.asked(), q, stop_in_configuration)
+        if hit[k] and stop_in_batch:
+            break
+    return hit
+
+
+def _placed(parts: Any) -> tuple[GeometryModel, GeometryData, tuple[Any, ...]]:
+    if isinstance(parts[0], GeometryModel):
+        return parts[0], parts[1], parts[2:]
+    model: Model = parts[0]
+    data: Data = parts[1]
+    updateGeometryPlacements(model, data, parts[2], parts[3], parts[4] if len(parts) > 4 else None)
+    return parts[2], parts[3], parts[5:]
+
+
+def _checked(geometry_model: GeometryModel, geometry_data: GeometryData) -> list[int]:
+    objects, pairs = geometry_model.geometryObjects, geometry_model.collisionPairs
+    if len(pairs) != len(geometry_data.activeCollisionPairs):
+        raise InputError(
+            f"This GeometryData was made for {len(geometry_data.activeCollisionPairs)} pairs; now there are "
+            f"{len(pairs)}. Make a new one: geometry_model.createData()."
+        )
+    left_out = {i for i, g in enumerate(objects) if g.disableCollision}
+    active = [k for k, asked in enumerate(geometry_data.activeCollisionPairs) if asked]
+    return [k for k in active if left_out.isdisjoint(pairs[k])] if left_out else active
+
+
+def _pair(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> CollisionPair:
+    count = min(len(geometry_data.activeCollisionPairs), len(geometry_model.collisionPairs))
+    k = index(pair_index, count, "collision pair", "Make new data after adding pairs.")
+    return geometry_model.collisionPairs[k]

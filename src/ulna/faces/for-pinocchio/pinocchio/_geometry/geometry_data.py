@@ -1,0 +1,232 @@
+"""GeometryData: where geometries are, and what coal found about pairs of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import StdVec, index, views
+from pinocchio._containers.files import Saved
+from pinocchio._geometry.geometry_object import GeometryObject
+from pinocchio._spatial.se3 import SE3
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from pinocchio._data.data import Data
+    from pinocchio._geometry.geometry_model import GeometryModel
+    from pinocchio._model.model import Model
+
+
+@final
+class GeometryData(Saved):
+    """Where the geometries are, and what was found about pairs of them: `geometry_model.createData()`.
+
+    Requests and results are objects of coal, made when somebody looks at them.
+    """
+
+    def __init__(self, geometry_model: GeometryModel) -> None:
+        self._block = np.tile(np.eye(4), (geometry_model.ngeoms, 1, 1))
+        self.oMg: StdVec[SE3] = views(SE3, self._block)
+        """Where each geometry is in the world, live references."""
+        pairs = geometry_model.collisionPairs
+        self._objects = geometry_model.geometryObjects
+        self._pairs = StdVec(pairs)
+        self.activeCollisionPairs: StdVec[bool] = StdVec([True] * len(pairs))
+        """Whether each pair is checked."""
+        self.radius: StdVec[float] = StdVec(
+            [0.0] * (1 + max((g.parentJoint for g in self._objects), default=-1))
+        )
+        """For each joint, how far its geometries reach from it [m]; after `computeBodyRadius`."""
+        self._of_coal: dict[str, StdVec[Any]] = {}
+
+    def _made(self, name: str, make: Callable[[Any, int], Any]) -> StdVec[Any]:
+        if name not in self._of_coal:
+            from ulna.collision.narrow import coal
+
+            self._of_coal[name] = StdVec(make(coal(), k) for k in range(len(self._pairs)))
+        return self._of_coal[name]
+
+    @property
+    def collisionRequests(self) -> StdVec[Any]:
+        """For each pair what coal is asked about collisions; `security_margin` widens the pair [m]."""
+        return self._made("collisionRequests", lambda c, k: _warm(c, c.CollisionRequest()))
+
+    @property
+    def distanceRequests(self) -> StdVec[Any]:
+        """For each pair what coal is asked about distances."""
+        return self._made("distanceRequests", lambda c, k: _warm(c, c.DistanceRequest()))
+
+    @property
+    def contactPatchRequests(self) -> StdVec[Any]:
+        """For each pair what coal is asked about patches of contact."""
+        return self._made("contactPatchRequests", lambda c, k: c.ContactPatchRequest())
+
+    @property
+    def collisionResults(self) -> StdVec[Any]:
+        """What coal found about each pair that was checked."""
+        return self._made("collisionResults", lambda c, k: c.CollisionResult())
+
+    @property
+    def distanceResults(self) -> StdVec[Any]:
+        """The distance of each pair that was measured, as coal has it."""
+        return self._made("distanceResults", lambda c, k: c.DistanceResult())
+
+    @property
+    def contactPatchResults(self) -> StdVec[Any]:
+        """The patch of contact of each pair that was asked about."""
+        return self._made("contactPatchResults", lambda c, k: c.ContactPatchResult())
+
+    @property
+    def collision_functors(self) -> StdVec[Any]:
+        """For each pair a function that asks coal whether it touches."""
+        from pinocchio._geometry.collisions import ComputeCollision
+
+        return self._made("collision_functors", lambda c, k: ComputeCollision(*self._two(k)))
+
+    @property
+    def distance_functors(self) -> StdVec[Any]:
+        """For each pair a function that asks coal for its distance."""
+        from pinocchio._geometry.collisions import ComputeDistance
+
+        return self._made("distance_functors", lambda c, k: ComputeDistance(*self._two(k)))
+
+    def placed(self, geometries: Iterable[int] | None = None) -> StdVec[Any]:
+        """coal's transforms, those of all or of some geometries moved to where `oMg` has them now."""
+        if "transforms" not in self._of_coal:
+            from ulna.collision.narrow import coal
+
+            self._of_coal["transforms"] = StdVec(coal().Transform3s() for _ in self.oMg)
+        found = self._of_coal["transforms"]
+        for i in range(len(found)) if geometries is None else geometries:
+            found[i].setTransform(self._block[i, :3, :3], self._block[i, :3, 3])
+        return found
+
+    def _two(self, pair_id: int) -> list[GeometryObject]:
+        return [self._objects[i] for i in self._pairs[pair_id]]
+
+    def activateCollisionPair(self, pair_id: int) -> None:
+        """Has a pair checked."""
+        self.activeCollisionPairs[self._pair(pair_id)] = True
+
+    def deactivateCollisionPair(self, pair_id: int) -> None:
+        """Has a pair not checked."""
+        self.activeCollisionPairs[self._pair(pair_id)] = False
+
+    def activateAllCollisionPairs(self) -> None:
+        """Has every pair checked."""
+        self.activeCollisionPairs = StdVec([True] * len(self._pairs))
+
+    def deactivateAllCollisionPairs(self) -> None:
+        """Has no pair checked."""
+        self.activeCollisionPairs = StdVec([False] * len(self._pairs))
+
+    def setActiveCollisionPairs(
+        self, geometry_model: GeometryModel, collision_map: Any, upper: bool = True
+    ) -> None:
+        """Has the pairs checked that a matrix (ngeoms, ngeoms) marks above its diagonal (or below it)."""
+        marks = pair_map(geometry_model, collision_map, upper)
+        self.activeCollisionPairs = StdVec(bool(marks[min(p), max(p)]) for p in self._pairs)
+
+    def setGeometryCollisionStatus(
+        self, geom_model: GeometryModel, geom_id: int, enable_collision: bool
+    ) -> None:
+        """Has all pairs of one geometry checked, or none."""
+        index(geom_id, geom_model.ngeoms, "geometry", "getGeometryId(name) gives one.")
+        for k, pair in enumerate(self._pairs):
+            if geom_id in pair:
+                self.activeCollisionPairs[k] = bool(enable_collision)
+
+    def setSecurityMargins(
+        self,
+        geometry_model: GeometryModel,
+        security_margin_map: Any,
+        upper: bool = True,
+        sync_distance_upper_bound: bool = True,
+    ) -> None:
+        """Widens pairs by the margins [m] of a matrix (ngeoms, ngeoms) above its diagonal (or below it)."""
+        margins = pair_map(geometry_model, security_margin_map, upper)
+        for request, pair in zip(self.collisionRequests, self._pairs, strict=True):
+            request.security_margin = float(margins[min(pair), max(pair)])
+            if sync_distance_upper_bound:
+                request.distance_upper_bound = request.security_margin
+
+    def copy(self) -> GeometryData:
+        """One of its own, with the same placements and choices; requests and results begin anew."""
+        out = object.__new__(GeometryData)
+        out.__setstate__(self.__getstate__())
+        return out
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: Any) -> GeometryData:
+        return self.copy()
+
+    def __getstate__(self) -> dict[str, Any]:
+        told = {"_block": self._block.copy(), "_objects": self._objects, "_pairs": StdVec(self._pairs)}
+        return told | {
+            "activeCollisionPairs": StdVec(self.activeCollisionPairs),
+            "radius": StdVec(self.radius),
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.oMg = views(SE3, self._block)
+        self._of_coal = {}
+
+    def _pair(self, pair_id: int) -> int:
+        return index(pair_id, len(self._pairs), "collision pair", "Make new data after adding pairs.")
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, GeometryData):
+            return NotImplemented
+        return (
+            np.array_equal(self._block, other._block)
+            and self.activeCollisionPairs == other.activeCollisionPairs
+        )
+
+    __hash__ = object.__hash__
+
+    def __str__(self) -> str:
+        words = ("inactive", "active")
+        pairs = "".join(f"Pairs {k} {words[active]}\n" for k, active in enumerate(self.activeCollisionPairs))
+        told = f"Number of collision pairs = {len(self._pairs)}\n"
+        return f"{told}{pairs}Number of geometry objects = {len(self.oMg)}\n"
+
+    def __repr__(self) -> str:
+        return f"<places of {len(self.oMg)} geometries, results of {len(self._pairs)} pairs>"
+
+
+def _warm(coal: Any, request: Any) -> Any:
+    """A request whose search begins where the last one ended."""
+    request.gjk_initial_guess = coal.GJKInitialGuess.CachedGuess
+    return request
+
+
+def pair_map(geometry_model: GeometryModel, values: Any, upper: bool) -> Floats:
+    """A matrix (ngeoms, ngeoms), turned over where its lower half counts. InputError where it has another size."""
+    given, count = np.asarray(values), geometry_model.ngeoms
+    if given.shape != (count, count):
+        raise InputError(f"The map has shape {given.shape}; expected {(count, count)}.")
+    return given if upper else given.T
+
+
+def updateGeometryPlacements(
+    model: Model, data: Data, geometry_model: GeometryModel, geometry_data: GeometryData, q: Any = None
+) -> None:
+    """Fills `geometry_data.oMg` from `data.oMi`; with q, forwardKinematics comes first."""
+    if len(geometry_data.oMg) != geometry_model.ngeoms:
+        raise InputError(
+            f"This GeometryData was made for {len(geometry_data.oMg)} geometries; now there are "
+            f"{geometry_model.ngeoms}. Make a new one: geometry_model.createData()."
+        )
+    if q is not None:
+        from pinocchio._algorithms.kinematics import forwardKinematics
+
+        forwardKinematics(model, data, q)
+    objects = geometry_model.geometryObjects
+    joints = [g.parentJoint for g in objects]
+    own = np.array([g._placement._m for g in objects]).reshape(-1, 4, 4)
+    np.matmul(data._blocks["oMi"][joints], own, out=geometry_data._block)

@@ -1,0 +1,230 @@
+"""GeometryObject: one shape on a joint, with how it looks."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import dataclasses
+import os
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import NO_INDEX, index, vector
+from pinocchio._containers.files import Saved
+from pinocchio._geometry.materials import GeometryNoMaterial, PhysicsMaterial
+from pinocchio._spatial.se3 import SE3, Placed
+from ulna.errors import InputError, MissingExtra
+from ulna.files import special_kind
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
+from ulna.spatial import SE3 as Pose
+from ulna.typing import Floats
+
+_GREY = (0.9, 0.9, 0.9, 1.0)
+_WORDS = ("BOX", "SPHERE", "CYLINDER", "CAPSULE")
+_NAMES = ("mesh_path", "mesh_scale", "override_material", "mesh_color", "mesh_texture_path", "mesh_material")
+
+
+@final
+@dataclasses.dataclass(frozen=True)
+class ConvexMesh(Mesh):
+    """A mesh in a file, taken as convex."""
+
+
+@final
+class GeometryObject(Placed, Saved):
+    """One geometry on a joint.
+
+    `GeometryObject(name, parent_joint, [parent_frame,] placement, geometry, mesh_path, mesh_scale,
+    override_material, mesh_color, mesh_texture_path)`. Placement and geometry may change places, as they did.
+    """
+
+    def __init__(self, *parts: Any, **named: Any) -> None:
+        if len(parts) == 1 and isinstance(parts[0], GeometryObject):
+            self.__dict__.update(parts[0].copy().__dict__)
+            return
+        told = dict(named)
+        rest = list(parts)
+        self.name = str(told.pop("name") if "name" in told else rest.pop(0) if rest else "")
+        ints = [told.pop(key) for key in ("parent_joint", "parent_frame") if key in told]
+        while rest and hasattr(rest[0], "__index__"):
+            ints.append(rest.pop(0))
+        pair = [rest.pop(0) for _ in range(min(2, len(rest)))]
+        placement = told.pop("placement", next((x for x in pair if isinstance(x, SE3)), None))
+        geometry = told.pop("collision_geometry", next((x for x in pair if not isinstance(x, SE3)), None))
+        told |= dict(zip(_NAMES, rest, strict=False))
+        if not 1 <= len(ints) <= 2 or placement is None or geometry is None or set(told) - set(_NAMES):
+            raise InputError(
+                f"GeometryObject was given {parts}, {named}; expected a name, the index of a joint, that of a frame "
+                "(or none), a placement SE3, a geometry, and " + ", ".join(_NAMES) + "."
+            )
+        self.parentJoint = index(ints[0], NO_INDEX + 1, "joint", "model.getJointId(name) gives one.")
+        """The index of the joint it moves with."""
+        frame = ints[1] if len(ints) == 2 else NO_INDEX
+        self.parentFrame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) gives one.")
+        """The index of the frame it belongs to; 2**64 - 1 for none."""
+        self._placement = SE3(placement)
+        given = isinstance(geometry, Shape)
+        self._shape: Shape | None = geometry if given else None
+        self._coal: Any = None if given else geometry
+        self.meshPath = str(told.get("mesh_path", ""))
+        """The file of the mesh; "BOX", "SPHERE", ... for other shapes of a URDF file; else empty."""
+        self._scale = np.array(vector(told.get("mesh_scale", np.ones(3)), 3, "meshScale"))
+        self.overrideMaterial = bool(told.get("override_material", False))
+        """Whether `meshColor` hides the mesh's own colours."""
+        self._color = np.array(vector(told.get("mesh_color", _GREY), 4, "meshColor"))
+        self.meshTexturePath = str(told.get("mesh_texture_path", ""))
+        """The file of a texture; empty for none."""
+        self.meshMaterial = told.get("mesh_material", GeometryNoMaterial())
+        """How its surface shines."""
+        self.physicsMaterial = PhysicsMaterial()
+        """What it is made of."""
+        self.disableCollision = False
+        """Whether pairs of it are left out when collisions are computed."""
+
+    @property
+    def meshScale(self) -> Floats:
+        """Factors of the mesh along x, y, z, live."""
+        return self._scale
+
+    @meshScale.setter
+    def meshScale(self, value: Any) -> None:
+        self._scale[:] = vector(value, 3, "meshScale")
+
+    @property
+    def meshColor(self) -> Floats:
+        """Red, green, blue, opacity from 0 to 1, live."""
+        return self._color
+
+    @meshColor.setter
+    def meshColor(self, value: Any) -> None:
+        self._color[:] = vector(value, 4, "meshColor")
+
+    @property
+    def geometry(self) -> Any:
+        """Its shape, as an object of coal, made when it is asked for; where coal is missing, a shape of Ulna."""
+        if self._coal is None and self._shape is not None:
+            with contextlib.suppress(MissingExtra):
+                self._coal = _of_coal(self.name, self._shape)
+                if not isinstance(self._shape, Mesh):
+                    self._shape = None  # coal's object can be changed
+        return self._shape if self._coal is None else self._coal
+
+    @geometry.setter
+    def geometry(self, geometry: Any) -> None:
+        self._shape, self._coal = (geometry, None) if isinstance(geometry, Shape) else (None, geometry)
+
+    @property
+    def shape(self) -> Shape | None:
+        """Its shape as Ulna says it; None for a mesh that was made in memory."""
+        if self._drawn_from_file:
+            return self._mesh()
+        return self._shape or _shape_of(self._coal)
+
+    @property
+    def _drawn_from_file(self) -> bool:
+        """Whether `meshPath` says what it looks like: shapes and convex hulls are what they are."""
+        mesh = isinstance(self._shape, Mesh) or type(self._coal).__name__.startswith("BVH")
+        return mesh and bool(self.meshPath) and self.meshPath not in _WORDS
+
+    def _mesh(self) -> Mesh:
+        return Mesh(self.meshPath, tuple(self._scale.tolist()), missing=not os.path.isfile(self.meshPath))
+
+    def copy(self) -> GeometryObject:
+        """One of its own; the geometry itself is shared."""
+        out = object.__new__(GeometryObject)
+        out.__dict__.update(self.__dict__)
+        out._placement, out._scale, out._color = (
+            self._placement.copy(),
+            self._scale.copy(),
+            self._color.copy(),
+        )
+        out.physicsMaterial = PhysicsMaterial(self.physicsMaterial)
+        return out
+
+    __copy__ = copy
+
+    def clone(self) -> GeometryObject:
+        """One of its own, the geometry included."""
+        out = self.copy()
+        out._coal = copy.deepcopy(self._coal)
+        return out
+
+    def __deepcopy__(self, memo: Any) -> GeometryObject:
+        return self.clone()
+
+    def __getstate__(self) -> dict[str, Any]:
+        shape = self._shape or _shape_of(self._coal)
+        return {**self.__dict__, "_shape": shape, "_coal": None if shape else self._coal}
+
+    @staticmethod
+    def CreateCapsule(radius: float, length: float) -> GeometryObject:
+        """A capsule about z at the universe; `length` without its ends."""
+        return GeometryObject("", 0, SE3(), Capsule(radius, length))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, GeometryObject):
+            return NotImplemented
+        keys = (
+            *(
+                "name",
+                "parentJoint",
+                "parentFrame",
+                "placement",
+                "meshPath",
+                "meshTexturePath",
+                "meshMaterial",
+            ),
+            *("shape", "overrideMaterial", "disableCollision"),
+        )
+        return (
+            all(getattr(self, key) == getattr(other, key) for key in keys)
+            and np.array_equal(self._scale, other._scale)
+            and np.array_equal(self._color, other._color)
+            and (self.shape is not None or self._coal == other._coal)
+        )
+
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        what = self.shape
+        words = type(self._coal).__name__ if what is None else what.describe()
+        return f"<{words} {self.name!r} on joint {self.parentJoint}>"
+
+
+def _shape_of(geometry: Any) -> Shape | None:
+    """A primitive of coal as a shape of Ulna; None for others."""
+    match type(geometry).__name__:
+        case "Box":
+            x, y, z = (2.0 * float(half) for half in geometry.halfSide)
+            return Box((x, y, z))
+        case "Sphere":
+            return Sphere(geometry.radius)
+        case "Capsule":
+            return Capsule(geometry.radius, 2.0 * geometry.halfLength)
+        case "Cylinder":
+            return Cylinder(geometry.radius, 2.0 * geometry.halfLength)
+        case "Cone":
+            return Cone(geometry.radius, 2.0 * geometry.halfLength)
+        case "Ellipsoid":
+            a, b, c = (float(r) for r in geometry.radii)
+            return Ellipsoid((a, b, c))
+    return None
+
+
+def _of_coal(name: str, shape: Shape) -> Any:
+    """The object of coal for a shape; a mesh is read by coal itself, as Pinocchio has it read."""
+    from ulna.collision import Obstacle, World
+    from ulna.collision.narrow import coal, geometry_of
+    from ulna.collision.solids import obstacle_solids
+
+    named = shape.path if isinstance(shape, Mesh) and not shape.missing else None
+    if isinstance(shape, Mesh) and named is not None and not special_kind(named):
+        with contextlib.suppress(ValueError):  # a format that coal's reader does not know
+            mesh = coal().MeshLoader().load(named, np.array(shape.scale))
+            if not isinstance(shape, ConvexMesh):
+                return mesh
+            mesh.buildConvexRepresentation(False)
+            return mesh.convex
+    world = World((Obstacle(name, shape, Pose.identity()),))
+    return geometry_of(obstacle_solids(world)[0], False)

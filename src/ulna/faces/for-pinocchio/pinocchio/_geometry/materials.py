@@ -1,0 +1,100 @@
+"""Materials: how the surface of a geometry shines, and what it is made of."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import vector
+from pinocchio._containers.enums import _Named
+from ulna.typing import Floats
+
+__all__ = ["GeometryNoMaterial", "GeometryPhongMaterial", "PhysicsMaterial", "PhysicsMaterialType"]
+
+
+@final
+@dataclasses.dataclass
+class GeometryNoMaterial:
+    """Nothing is said of how it shines."""
+
+
+@final
+class GeometryPhongMaterial:
+    """`GeometryPhongMaterial(emission colour, specular colour, shininess)`: colours are red, green, blue, opacity."""
+
+    def __init__(self, *parts: Any) -> None:
+        if len(parts) == 1 and isinstance(parts[0], GeometryPhongMaterial):
+            other = parts[0]
+            parts = (other.meshEmissionColor, other.meshSpecularColor, other.meshShininess)
+        told: Any = parts or ((0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0), 0.0)
+        emission, specular, shininess = told
+        self._emission = np.array(vector(emission, 4, "meshEmissionColor"))
+        self._specular = np.array(vector(specular, 4, "meshSpecularColor"))
+        self.meshShininess = float(shininess)
+        """How sharp its highlights are, from 0 to 1."""
+
+    @property
+    def meshEmissionColor(self) -> Floats:
+        """The light it gives off by itself, live."""
+        return self._emission
+
+    @meshEmissionColor.setter
+    def meshEmissionColor(self, value: Any) -> None:
+        self._emission[:] = vector(value, 4, "meshEmissionColor")
+
+    @property
+    def meshSpecularColor(self) -> Floats:
+        """The colour of its highlights, live."""
+        return self._specular
+
+    @meshSpecularColor.setter
+    def meshSpecularColor(self, value: Any) -> None:
+        self._specular[:] = vector(value, 4, "meshSpecularColor")
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, GeometryPhongMaterial):
+            return NotImplemented
+        same = np.array_equal(self._emission, other._emission) and np.array_equal(
+            self._specular, other._specular
+        )
+        return same and self.meshShininess == other.meshShininess
+
+    __hash__ = object.__hash__
+
+
+class PhysicsMaterialType(_Named):
+    """Of what a body is made."""
+
+    ICE = 0
+    METAL = 1
+    CONCRETE = 2
+    PLASTIC = 3
+    WOOD = 4
+
+
+@final
+class PhysicsMaterial:
+    """`PhysicsMaterial(type, compliance, elasticity)`: what a body is made of."""
+
+    def __init__(self, *parts: Any) -> None:
+        if len(parts) == 1 and isinstance(parts[0], PhysicsMaterial):
+            other = parts[0]
+            parts = (other.materialType, other.compliance, other.elasticity)
+        told: Any = parts or (PhysicsMaterialType.PLASTIC, 0.0, 0.0)
+        kind, compliance, elasticity = told
+        self.materialType = PhysicsMaterialType(kind)
+        """Of what it is."""
+        self.compliance = float(compliance)
+        """How far it gives way to a force [m/N]."""
+        self.elasticity = float(elasticity)
+        """How much of an impact's speed comes back, from 0 to 1."""
+
+    def __eq__(self, other: object) -> bool:
+        return vars(self) == vars(other) if isinstance(other, PhysicsMaterial) else NotImplemented
+
+    __hash__ = object.__hash__
+
+
+ICE, METAL, CONCRETE, PLASTIC, WOOD = PhysicsMaterialType

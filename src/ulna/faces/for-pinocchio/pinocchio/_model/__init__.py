@@ -1,0 +1,9 @@
+"""The kinematic tree: joints, frames, inertias, and the kernels compiled for them."""
+
+from typing import Any
+
+from pinocchio._package.former_modules import former_class
+
+
+def __getattr__(name: str) -> Any:
+    return former_class(__name__, name)

@@ -1,0 +1,228 @@
+"""How a model is put together, and how its parts are found by their names."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pinocchio._containers.arrays import StdVec, index
+from pinocchio._containers.enums import FrameType
+from pinocchio._containers.keywords import by_name
+from pinocchio._model.frame import Frame
+from pinocchio._model.live_parameters import Numbers
+from pinocchio._spatial.inertia import Inertia
+from pinocchio._spatial.se3 import SE3
+from ulna.errors import InputError, ModelError, UnknownName
+
+if TYPE_CHECKING:
+    from pinocchio._model.joint_kinds import JointModel
+
+FREE = float(np.finfo(float).max)
+"""What limits are where there is none."""
+PER_Q = {"lowerPositionLimit": -FREE, "upperPositionLimit": FREE, "positionLimitMargin": 0.0}
+PER_V = {
+    "armature": 0.0,
+    "lowerVelocityLimit": -FREE,
+    "upperVelocityLimit": FREE,
+    "lowerEffortLimit": -FREE,
+    "upperEffortLimit": FREE,
+    "lowerDryFrictionLimit": -0.0,
+    "upperDryFrictionLimit": 0.0,
+    "damping": 0.0,
+    "rotorInertia": 0.0,
+    "rotorGearRatio": 1.0,
+}
+
+_JOINT = "parent_id joint_model joint_placement joint_name"
+_BOUNDS = "min_effort max_effort min_velocity max_velocity min_config max_config"
+
+
+class Building(Numbers):
+    """What of a Model is about adding joints and frames, and about names."""
+
+    names: StdVec[str]
+    parents: StdVec[int]
+    nq: int
+    nv: int
+    nvExtended: int
+    nbodies: int
+
+    if TYPE_CHECKING:
+
+        @property
+        def njoints(self) -> int: ...
+        @property
+        def nframes(self) -> int: ...
+
+    # names ----------------------------------------------------------------------------------------------
+
+    def getJointId(self, name: str) -> int:
+        """The index of the joint of that name. Raises UnknownName with the nearest one."""
+        if name not in self.names:
+            raise UnknownName(
+                "joint", name, self.names, "Ask existJointName(name) first where it may be missing."
+            )
+        return self.names.index(name)
+
+    def getFrameId(self, name: str, type: Any = None) -> int:
+        """The index of the frame of that name (and type). Raises UnknownName with the nearest one."""
+        wanted = self._frame_type(type)
+        for i, frame in enumerate(self.frames):
+            if frame._name == name and frame._type & wanted:
+                return i
+        mend = "Ask existFrame(name) first where it may be missing."
+        raise UnknownName("frame", name, [f.name for f in self.frames if f.type & wanted], mend)
+
+    def getBodyId(self, name: str) -> int:
+        """The index of the frame of the body of that name. Raises UnknownName with the nearest one."""
+        return self.getFrameId(name, FrameType.BODY)
+
+    def existJointName(self, name: str) -> bool:
+        """Whether there is a joint of that name."""
+        return name in self.names
+
+    def existFrame(self, name: str, type: Any = None) -> bool:
+        """Whether there is a frame of that name (and type)."""
+        wanted = self._frame_type(type)
+        return any(f.name == name and f.type & wanted for f in self.frames)
+
+    def existBodyName(self, name: str) -> bool:
+        """Whether there is a body of that name."""
+        return self.existFrame(name, FrameType.BODY)
+
+    @staticmethod
+    def _frame_type(type: Any) -> int:
+        return 31 if type is None else int(type)
+
+    # building -------------------------------------------------------------------------------------------
+
+    @by_name(
+        f"{_JOINT} max_effort max_velocity min_config max_config",
+        f"{_JOINT} {_BOUNDS} config_limit_margin min_friction max_friction damping",
+        f"{_JOINT} {_BOUNDS} min_friction max_friction damping",
+    )
+    def addJoint(
+        self, parent_id: int, joint_model: JointModel, joint_placement: SE3, joint_name: str, *limits: Any
+    ) -> int:
+        """Adds a joint; returns its index.
+
+        Args:
+            parent_id: The joint before it.
+            joint_model: Its kind.
+            joint_placement: Where it is in the frame of the joint before it.
+            joint_name: Its name, not given to another joint.
+            limits: Nothing, or (max_effort, max_velocity, min_config, max_config), or these with their least
+                values before them and (min_friction, max_friction, damping) behind; a margin of the
+                configuration may stand before the friction.
+        """
+        index(parent_id, self.njoints, "parent joint", "Parents are added before their children.")
+        if joint_name in self.names:
+            raise ModelError(f"There is a joint named {joint_name!r} already. Give another name.")
+        if joint_model.kind is None:
+            raise InputError(
+                "The universe cannot be added as a joint; expected a JointModel such as JointModelRZ()."
+            )
+        joint = joint_model.copy()
+        follows = joint.mimic is not None
+        place = (joint.idx_q, joint.idx_v) if follows else (self.nq, self.nv)
+        joint.setIndexes(self.njoints, *place, self.nvExtended)
+        told = _limits(limits)
+        for key, default in (*PER_Q.items(), *PER_V.items()):
+            size = joint.nq if key in PER_Q else joint.nv
+            own = np.full(size, default) if key not in told else np.broadcast_to(told[key], size)
+            self._arrays[key] = np.concatenate([self._arrays[key], np.asarray(own, dtype=float)])
+        self.joints.append(joint)
+        self.names.append(joint_name)
+        self.parents.append(int(parent_id))
+        self._placements.append(SE3(joint_placement))
+        self._inertias.append(Inertia())
+        self.nq, self.nv = self.nq + joint.nq, self.nv + joint.nv
+        self.nvExtended += joint.nvExtended
+        self._changed()
+        return joint.id
+
+    def make_mimic(self, followed: int, joint_id: int, scaling: float, offset: float) -> None:
+        """Makes a joint follow another; it keeps its kind and gives up its entries of q and v."""
+        source, joint = self.joints[followed], self.joints[joint_id]
+        if source.mimic is not None:  # the end of the chain is what both follow
+            followed, ratio, shift = source.mimic
+            scaling, offset = scaling * ratio, scaling * shift + offset
+            source = self.joints[followed]
+        if (source.nq, source.nv) != (1, 1) or (joint.nq, joint.nv) != (1, 1):
+            names = f"{self.names[joint_id]!r} is to follow {self.names[followed]!r}"
+            raise ModelError(f"{names}; only joints with one coordinate can follow and be followed.")
+        for key in self._arrays:
+            self._arrays[key] = np.delete(self._arrays[key], joint.idx_q if key in PER_Q else joint.idx_v)
+        joint.mimic, joint.nq, joint.nv, joint._word = (followed, scaling, offset), 0, 0, "JointModelMimic"
+        self.nq = self.nv = 0
+        for other in self.joints[1:]:
+            if other.mimic is None:
+                other.idx_q, other.idx_v = self.nq, self.nv
+                self.nq, self.nv = self.nq + other.nq, self.nv + other.nv
+        for other in self.joints[1:]:
+            if other.mimic is not None:
+                leader = self.joints[other.mimic[0]]
+                other.idx_q, other.idx_v = leader.idx_q, leader.idx_v
+        self._changed()
+
+    def addJointFrame(self, joint_id: int, frame_id: int = -1) -> int:
+        """Adds the frame of a joint; returns its index."""
+        index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
+        if frame_id < 0:
+            parent = self.parents[joint_id]
+            kinds = (FrameType.JOINT, FrameType.FIXED_JOINT)
+            frame_id = next(
+                (i for i, f in enumerate(self.frames) if f.parentJoint == parent and f.type in kinds), 0
+            )
+        return self.addFrame(Frame(self.names[joint_id], joint_id, frame_id, SE3(), FrameType.JOINT))
+
+    def addBodyFrame(
+        self, body_name: str, parentJoint: int, body_placement: SE3, previous_frame: int = -1
+    ) -> int:
+        """Adds the frame of a body; returns its index."""
+        if previous_frame < 0:
+            previous_frame = self.getFrameId(self.names[parentJoint])
+        return self.addFrame(Frame(body_name, parentJoint, previous_frame, body_placement, FrameType.BODY))
+
+    def addFrame(self, frame: Frame, append_inertia: bool = True) -> int:
+        """Adds a frame, and its inertia to the joint's body; returns its index.
+
+        A frame of the same name and type raises ModelError.
+        """
+        index(frame.parentJoint, self.njoints, "joint", f"It is the parent joint of frame {frame.name!r}.")
+        index(frame.parentFrame, self.nframes, "frame", f"It is the parent frame of frame {frame.name!r}.")
+        if self.existFrame(frame.name, frame.type):
+            raise ModelError(
+                f"There is a {frame.type.name} frame named {frame.name!r} already. Give another name."
+            )
+        self.frames.append(frame.copy())
+        if append_inertia and not frame.inertia.isZero():
+            self._inertias[frame.parentJoint] += frame.inertia.se3Action(frame.placement)
+        self._frames_changed()
+        return self.nframes - 1
+
+    def appendBodyToJoint(
+        self, joint_id: int, body_inertia: Inertia, body_placement: SE3 | None = None
+    ) -> None:
+        """Adds a body to what a joint carries, placed in the joint's frame."""
+        index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
+        M = SE3() if body_placement is None else body_placement
+        self._inertias[joint_id] += body_inertia.se3Action(M)
+        self.nbodies += 1
+
+
+def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:
+    """The limits that addJoint was told, by the names of the model's arrays."""
+    if not limits:
+        return {}
+    if len(limits) == 4:
+        effort, speed, low, high = limits
+        limits = (-np.asarray(effort), effort, -np.asarray(speed), speed, low, high)
+    names = ["lowerEffortLimit", "upperEffortLimit", "lowerVelocityLimit", "upperVelocityLimit"]
+    names += ["lowerPositionLimit", "upperPositionLimit"]
+    rest = ["lowerDryFrictionLimit", "upperDryFrictionLimit", "damping"]
+    by_count = {6: [], 9: rest, 10: ["positionLimitMargin", *rest]}
+    if len(limits) not in by_count:
+        raise InputError(f"addJoint was given {len(limits)} limits; expected 4, 9 or 10 after the name.")
+    return {key: np.atleast_1d(v) for key, v in zip(names + by_count[len(limits)], limits, strict=True)}

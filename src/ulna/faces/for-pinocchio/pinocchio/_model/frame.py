@@ -1,0 +1,139 @@
+"""Frame: a named placement on a joint."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.enums import FrameType
+from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.inertia import Inertia
+from pinocchio._spatial.se3 import SE3, Placed
+from ulna.errors import InputError
+
+changes = np.zeros(1, np.int64)
+"""How often a name or a parent of any frame was changed; placements are compared by their numbers."""
+
+
+@final
+class Frame(Placed):
+    """`Frame(name, parentJoint, parentFrame, placement, type, inertia)`; parent frame and inertia may be left out."""
+
+    __slots__ = ("_inertia", "_name", "_parent_frame", "_parent_joint", "_placement", "_type")
+
+    @by_name(
+        "name parent_joint placement type inertia",
+        "name parent_joint parent_frame placement type inertia",
+        "other",
+        "clone",
+    )
+    def __init__(self, *parts: Any) -> None:
+        if len(parts) == 1 and isinstance(parts[0], Frame):
+            parts = parts[0]._parts()
+        given = list(parts)
+        if len(given) > 2 and isinstance(given[2], SE3):
+            given.insert(2, 0)
+        if len(given) > 6:
+            raise InputError(
+                f"Frame was given {parts}; expected name, parent_joint, parent_frame (or none), placement, type, "
+                "inertia."
+            )
+        default: Any = ("", 0, 0, SE3(), FrameType.OP_FRAME, Inertia())
+        name, joint, frame, placement, type_, inertia = (*given, *default[len(given) :])
+        if not isinstance(name, str):
+            raise InputError(f"The name of a frame is {name!r}; expected a string.")
+        self._name: str = name
+        self._parent_joint = int(joint)
+        self._parent_frame = int(frame)
+        self._placement = SE3(placement)
+        self._type = FrameType(type_)
+        self._inertia = Inertia(inertia)
+
+    def _parts(self) -> tuple[Any, ...]:
+        return self.name, self.parentJoint, self.parentFrame, self.placement, self.type, self.inertia
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self._name
+
+    @name.setter
+    def name(self, name: str) -> None:
+        self._name = name
+        changes[0] += 1
+
+    @property
+    def parentJoint(self) -> int:
+        """The index of the joint it moves with."""
+        return self._parent_joint
+
+    @parentJoint.setter
+    def parentJoint(self, joint: int) -> None:
+        self._parent_joint = int(joint)
+        changes[0] += 1
+
+    @property
+    def parentFrame(self) -> int:
+        """The index of the frame before it."""
+        return self._parent_frame
+
+    @parentFrame.setter
+    def parentFrame(self, frame: int) -> None:
+        self._parent_frame = int(frame)
+
+    parent, previousFrame = parentJoint, parentFrame
+
+    @property
+    def type(self) -> FrameType:
+        """What it belongs to."""
+        return self._type
+
+    @type.setter
+    def type(self, type_: FrameType) -> None:
+        self._type = FrameType(type_)
+
+    @property
+    def inertia(self) -> Inertia:
+        """What it added to its joint's body, in its own frame."""
+        return self._inertia
+
+    @inertia.setter
+    def inertia(self, inertia: Inertia) -> None:
+        self._inertia._assign(inertia)
+
+    def _assign(self, other: Frame) -> None:
+        self._name, self._type = other.name, other.type
+        self._parent_joint, self._parent_frame = other.parentJoint, other.parentFrame
+        self._placement._assign(other.placement)
+        self._inertia._assign(other.inertia)
+        changes[0] += 1
+
+    def copy(self) -> Frame:
+        """One of its own."""
+        out = object.__new__(Frame)
+        out._name, out._type = self._name, self._type
+        out._parent_joint, out._parent_frame = self._parent_joint, self._parent_frame
+        out._placement, out._inertia = self._placement.copy(), self._inertia.copy()
+        return out
+
+    __copy__ = cast = copy
+
+    def __deepcopy__(self, memo: Any) -> Frame:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        return Frame, self._parts()
+
+    def __eq__(self, other: object) -> bool:
+        return self._parts() == other._parts() if isinstance(other, Frame) else NotImplemented
+
+    __hash__ = object.__hash__
+
+    def __str__(self) -> str:
+        return (
+            f"Frame name: {self.name} paired to (parent joint/ parent frame)({self.parentJoint}/{self.parentFrame})\n"
+            f"with relative placement wrt parent joint:\n{self.placement}containing inertia:\n{self.inertia}\n"
+        )
+
+    __repr__ = __str__

@@ -1,0 +1,161 @@
+"""JointData: what one joint does at one configuration: its placement, motion subspace, velocity and bias."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._model.joint_kinds import JointModelComposite
+from pinocchio._model.joint_model import JointModel
+from pinocchio._spatial.motion_force import Motion
+from pinocchio._spatial.se3 import SE3
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from pinocchio._model.model import Model
+
+_WORDS = (
+    *("RX", "RY", "RZ", "RUBX", "RUBY", "RUBZ", "PX", "PY", "PZ", "HX", "HY", "HZ"),
+    *(
+        "RevoluteUnaligned",
+        "RevoluteUnboundedUnalignedTpl",
+        "PrismaticUnaligned",
+        "HelicalUnaligned",
+        "Universal",
+    ),
+    *("FreeFlyer", "Planar", "Spherical", "SphericalZYX", "Translation", "Mimic", "Composite"),
+)
+
+
+class JointData:
+    """The state of one joint: `joint.createData()`, filled by `joint.calc(data, q, v)`; `data.joints` has those of all.
+
+    The terms U, Dinv and UDinv of the articulated-body recursion are not kept: that recursion is compiled as a whole.
+    """
+
+    def __init__(self, other: JointData | None = None) -> None:
+        self.M = SE3()
+        """Where the moving frame is in the fixed frame."""
+        self._columns = np.zeros((6, 1))
+        self.v = Motion()
+        """The velocity of the moving frame, told in it."""
+        self.c = Motion()
+        """The bias (dS/dt) v."""
+        self.joint_q: Floats = np.zeros(0)
+        """The joint's entries of q."""
+        self.joint_v: Floats = np.zeros(0)
+        """The joint's entries of v."""
+        self._word = type(self).__name__
+        self._kind_word = ""
+        self.joints: StdVec[JointData] = StdVec()
+        """Of a composite joint: the data of its parts."""
+        if other is not None:
+            self.__dict__.update(other.__dict__)
+
+    @property
+    def S(self) -> Floats:
+        """The motion subspace (6, nv), or (6,) for one column: the velocity is S times the rates."""
+        return self._columns[:, 0].copy() if self._columns.shape[1] == 1 else self._columns.copy()
+
+    def shortname(self) -> str:
+        """The name of its kind."""
+        return self._word
+
+    def extract(self) -> JointData:
+        """Itself."""
+        return self
+
+    def place(self, joint: JointModel, q: Any, v: Any) -> None:
+        """Fills it; see `JointModel.calc`."""
+        kind = joint.kind
+        if kind is None:
+            return
+        self.joint_q = vector(q, kind.nq, "q").copy()
+        scaling, at = 1.0, self.joint_q
+        if joint.mimic is not None:
+            _, scaling, offset = joint.mimic
+            at = scaling * at + offset
+        self.M._m[...] = kind.transform(at).matrix()
+        columns = [s.vector() for s in kind.motion_subspace(at)]
+        self._columns = scaling * np.stack([np.asarray(c, dtype=float) for c in columns], axis=1)
+        if v is not None:
+            self.joint_v = vector(v, kind.nv, "v").copy()
+            self.v._v[:] = self._columns @ self.joint_v
+            self.c._v[:] = kind.bias(at, scaling * self.joint_v).vector()
+        start = first = 0
+        parts = joint.joints if isinstance(joint, JointModelComposite) else ()
+        for part, data in zip(parts, self.joints, strict=True):
+            end, last = start + part.nq, first + part.nv
+            data.place(part, self.joint_q[start:end], None if v is None else self.joint_v[first:last])
+            start, first = end, last
+
+    def copy(self) -> JointData:
+        """One of its own, with the same numbers."""
+        out = object.__new__(type(self))
+        out.__dict__.update(self.__dict__)
+        out.M, out.v, out.c = self.M.copy(), self.v.copy(), self.c.copy()
+        out.joints = StdVec(part.copy() for part in self.joints)
+        return out
+
+    __copy__ = copy
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, JointData):
+            return NotImplemented
+        same = (self.M, self.v, self.c) == (other.M, other.v, other.c)
+        return same and all(
+            np.array_equal(getattr(self, n), getattr(other, n)) for n in ("joint_q", "joint_v", "S")
+        )
+
+    __hash__ = object.__hash__
+
+    def __str__(self) -> str:
+        if self._word == "JointDataComposite":
+            return f"{self._word} containing following models:\n" + "".join(
+                f"  {d.shortname()}\n" for d in self.joints
+            )
+        return f"{self._word}\n" + (f"  Mimicking joint data: {self._kind_word}\n" if self._kind_word else "")
+
+    __repr__ = __str__
+
+
+CLASSES: dict[str, type[JointData]] = {
+    f"JointData{word}": type(
+        f"JointData{word}",
+        (JointData,),
+        {
+            "__doc__": f"The state of a joint of the class JointModel{word.removesuffix('Tpl')}.",
+            "__module__": __name__,
+        },
+    )
+    for word in _WORDS
+}
+"""The classes of joints' data, by their names."""
+globals().update(CLASSES)
+
+
+def data_of(joint: JointModel) -> JointData:
+    """Data for a joint, at its neutral position."""
+    word = joint.shortname().replace("JointModel", "JointData")
+    cls = CLASSES.get(word) or CLASSES[f"{word}Tpl"]
+    data = cls()
+    if joint.mimic is not None:
+        data._kind_word = (joint._kind_word or type(joint).__name__).replace("JointModel", "JointData")
+    if isinstance(joint, JointModelComposite):
+        data.joints = StdVec(data_of(part) for part in joint.joints)
+    if joint.kind is not None:
+        data.place(joint, joint.kind.neutral(), np.zeros(joint.kind.nv))
+    return data
+
+
+def states(model: Model, q: Floats | None, moving: tuple[Floats, Floats] | None) -> StdVec[JointData]:
+    """The data of all joints of a model: placements at q, velocities and biases at a state that may be another one."""
+    out = StdVec(data_of(joint) for joint in model.joints)
+    for joint, data in zip(model.joints[1:], out[1:], strict=True):
+        if moving is not None:
+            joint.calc(data, *moving)
+        if q is not None:
+            joint.calc(data, q)
+    return out

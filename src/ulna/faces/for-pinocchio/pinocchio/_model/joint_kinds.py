@@ -1,0 +1,306 @@
+"""The kinds of joints by their names, made of the tower's kinds."""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+import numpy as np
+
+from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._containers.keywords import by_name
+from pinocchio._model.joint_model import NOWHERE, JointModel
+from pinocchio._spatial.se3 import SE3
+from ulna.errors import InputError, UnknownName
+from ulna.model import (
+    Circle,
+    Composite,
+    FreeFlyer,
+    Helical,
+    JointKind,
+    PlanarCircle,
+    Prismatic,
+    Revolute,
+    Spherical,
+    Translation,
+    Universal,
+)
+from ulna.model.joints.axes import Axis, unit_axis
+from ulna.spatial import SE3 as Pose
+from ulna.typing import Floats
+
+__all__ = [
+    "JointModel",
+    "JointModelComposite",
+    "JointModelFreeFlyer",
+    "JointModelHX",
+    "JointModelHY",
+    "JointModelHZ",
+    "JointModelHelicalUnaligned",
+    "JointModelMimic",
+    "JointModelPX",
+    "JointModelPY",
+    "JointModelPZ",
+    "JointModelPlanar",
+    "JointModelPrismaticUnaligned",
+    "JointModelRUBX",
+    "JointModelRUBY",
+    "JointModelRUBZ",
+    "JointModelRX",
+    "JointModelRY",
+    "JointModelRZ",
+    "JointModelRevoluteUnaligned",
+    "JointModelRevoluteUnboundedUnaligned",
+    "JointModelSpherical",
+    "JointModelSphericalZYX",
+    "JointModelTranslation",
+    "JointModelUniversal",
+]
+
+_AXES: dict[str, Axis] = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
+
+
+def _fixed_kind(word: str, kind: JointKind, doc: str, axis: Axis | None = None) -> type[JointModel]:
+    """A class of joints without parameters; those along a coordinate axis tell it."""
+
+    def __init__(self: JointModel) -> None:
+        self._be(word, kind)
+
+    members: dict[str, Any] = {"__init__": __init__, "__doc__": doc, "__module__": __name__}
+    if axis is not None:
+        members["getMotionAxis"] = _told(axis)
+    return type(word, (JointModel,), members)
+
+
+def _told(axis: Axis) -> Any:
+    def getMotionAxis(self: JointModel) -> Floats:
+        return np.array(axis)
+
+    getMotionAxis.__doc__ = "Its unit axis (3,)."
+    return getMotionAxis
+
+
+class _Unaligned(JointModel):
+    """A joint about or along any axis."""
+
+    _make: Any
+
+    @by_name("axis", "x y z")
+    def __init__(self, *axis: Any) -> None:
+        given = axis[0] if len(axis) == 1 else axis or _AXES["X"]
+        self._axis: Axis = unit_axis(vector(given, 3, "axis"))
+        self._be(type(self).__name__, type(self)._make(self._axis))
+
+    @property
+    def axis(self) -> Floats:
+        """Its unit axis (3,)."""
+        return np.array(self._axis)
+
+
+class JointModelRevoluteUnaligned(_Unaligned):
+    """Turns about an axis between limits; nq = 1."""
+
+    _make = Revolute
+
+
+class JointModelPrismaticUnaligned(_Unaligned):
+    """Slides along an axis; nq = 1."""
+
+    _make = Prismatic
+
+
+class JointModelRevoluteUnboundedUnaligned(_Unaligned):
+    """Turns about an axis without end; q is (cos, sin), nv = 1."""
+
+    _make = Circle
+
+
+class JointModelHelicalUnaligned(JointModel):
+    """A screw about an axis with a pitch [m/rad]: `(axis, pitch)`, `(x, y, z, pitch)`."""
+
+    @by_name("axis pitch", "x y z pitch")
+    def __init__(self, *parts: Any) -> None:
+        *axis, pitch = parts or (_AXES["X"], 0.0)
+        self._axis: Axis = unit_axis(vector(axis[0] if len(axis) == 1 else axis, 3, "axis"))
+        self.pitch = float(pitch)
+        """Advance per angle [m/rad]."""
+        self._be("JointModelHelicalUnaligned", Helical(self._axis, self.pitch))
+
+    @property
+    def axis(self) -> Floats:
+        """Its unit axis (3,)."""
+        return np.array(self._axis)
+
+
+class JointModelUniversal(JointModel):
+    """Turns about a first axis, then about a second one: six numbers, or two axes; nq = nv = 2."""
+
+    @by_name("axis1 axis2", "x1 y1 z1 x2 y2 z2")
+    def __init__(self, *parts: Any) -> None:
+        first, second = (
+            parts if len(parts) == 2 else (parts[:3], parts[3:]) if parts else (_AXES["X"], _AXES["Y"])
+        )
+        self._axes = tuple(unit_axis(vector(a, 3, "axis")) for a in (first, second))
+        self._be("JointModelUniversal", Universal(*self._axes))
+
+    @property
+    def axis1(self) -> Floats:
+        """The first unit axis (3,), in the fixed frame."""
+        return np.array(self._axes[0])
+
+    @property
+    def axis2(self) -> Floats:
+        """The second unit axis (3,), in the moving frame."""
+        return np.array(self._axes[1])
+
+
+def _chain(kind: JointKind, place: Pose) -> tuple[tuple[JointKind, ...], tuple[Pose, ...]]:
+    """A kind as a chain of plain ones, with their placements."""
+    if not isinstance(kind, Composite):
+        return (kind,), (place,)
+    assert kind.placements is not None  # a Composite fills them in
+    first, *others = kind.placements
+    return kind.kinds, (place @ first, *others)
+
+
+class JointModelComposite(JointModel):
+    """Several joints in a row: `()`, `(joint)`, `(joint, placement, name)`; then `addJoint(joint, placement)`."""
+
+    @by_name("joint_model joint_placement name", "size")
+    def __init__(self, *parts: Any) -> None:
+        JointModel.__init__(self)
+        self._word = "JointModelComposite"
+        self.kind: Composite | None = None
+        self.joints: StdVec[JointModel] = StdVec()
+        """The joints it is made of."""
+        self.jointPlacements: StdVec[SE3] = StdVec()
+        """Where each is in the moving frame of the one before."""
+        self._names: list[str] = []
+        if parts and isinstance(parts[0], JointModel):
+            self.addJoint(*parts)
+
+    @property
+    def njoints(self) -> int:
+        """How many joints it is made of."""
+        return len(self.joints)
+
+    @by_name("joint_model joint_placement name")
+    def addJoint(self, joint: JointModel, placement: SE3 | None = None, name: str = "") -> Self:
+        """Adds a joint, placed in the moving frame of the one before."""
+        if joint.kind is None or isinstance(joint, JointModelComposite):
+            raise InputError(
+                f"JointModelComposite.addJoint was given {joint.shortname()}; expected a plain joint."
+            )
+        place = SE3() if placement is None else placement.copy()
+        self.joints = StdVec([*self.joints, joint.copy()])
+        self.jointPlacements = StdVec([*self.jointPlacements, place])
+        self._names = [*self._names, name]
+        before = ((), ()) if self.kind is None else (self.kind.kinds, self.kind.placements or ())
+        kinds, places = _chain(joint.kind, place._pose())
+        self.kind = Composite((*before[0], *kinds), (*before[1], *places))
+        self.nq, self.nv = self.kind.nq, self.kind.nv
+        return self
+
+    def getJointId(self, joint_name: str) -> int:
+        """The place of the joint that was added under a name. Raises UnknownName with the nearest one."""
+        if joint_name not in self._names:
+            raise UnknownName("part of this joint", joint_name, [n for n in self._names if n])
+        return self._names.index(joint_name)
+
+    def __str__(self) -> str:
+        parts = "".join(f"  {joint.shortname()}\n" for joint in self.joints)
+        return f"JointModelComposite containing following models:\n{parts}"
+
+    __repr__ = __str__
+
+
+JointModelFreeFlyer = _fixed_kind(
+    "JointModelFreeFlyer", FreeFlyer(), "Moves freely; q is position and quaternion xyzw, v the body twist."
+)
+JointModelSpherical = _fixed_kind("JointModelSpherical", Spherical(), "A ball joint; q is a quaternion xyzw.")
+JointModelTranslation = _fixed_kind("JointModelTranslation", Translation(), "Slides freely in space.")
+JointModelPlanar = _fixed_kind(
+    "JointModelPlanar", PlanarCircle(), "Moves in the plane; q is (x, y, cos, sin)."
+)
+JointModelSphericalZYX = _fixed_kind(
+    "JointModelSphericalZYX",
+    Composite((Revolute(_AXES["Z"]), Revolute(_AXES["Y"]), Revolute(_AXES["X"]))),
+    "A ball joint with the angles yaw, pitch, roll.",
+)
+
+
+def _along(letter: str, make: Any, words: str, doc: str) -> type[JointModel]:
+    axis = _AXES[letter]
+    return _fixed_kind(f"JointModel{words}{letter}", make(axis), doc.format(letter.lower()), axis)
+
+
+JointModelRX, JointModelRY, JointModelRZ = (_along(c, Revolute, "R", "Turns about {}.") for c in "XYZ")
+JointModelPX, JointModelPY, JointModelPZ = (_along(c, Prismatic, "P", "Slides along {}.") for c in "XYZ")
+JointModelRUBX, JointModelRUBY, JointModelRUBZ = (
+    _along(c, Circle, "RUB", "Turns about {} without end; q is (cos, sin).") for c in "XYZ"
+)
+
+
+def _screw(letter: str) -> type[JointModel]:
+    word = f"JointModelH{letter}"
+
+    def __init__(self: Any, pitch: float = 0.0) -> None:
+        self.pitch = float(pitch)
+        self._be(word, Helical(_AXES[letter], self.pitch))
+
+    doc = f"A screw about {letter.lower()} with a pitch [m/rad]."
+    members = {
+        "__init__": __init__,
+        "__doc__": doc,
+        "__module__": __name__,
+        "getMotionAxis": _told(_AXES[letter]),
+    }
+    return type(word, (JointModel,), members)
+
+
+JointModelHX, JointModelHY, JointModelHZ = (_screw(c) for c in "XYZ")
+
+
+def along(axis: Any, aligned: tuple[Any, Any, Any], unaligned: Any) -> JointModel:
+    """The joint of an axis: that of a coordinate axis where it is exactly one."""
+    unit = unit_axis(axis)
+    for letter, make in zip("XYZ", aligned, strict=True):
+        if unit == _AXES[letter]:
+            return make()
+    return unaligned(unit)
+
+
+def revolute(axis: Any) -> JointModel:
+    """A revolute joint about an axis."""
+    return along(axis, (JointModelRX, JointModelRY, JointModelRZ), JointModelRevoluteUnaligned)
+
+
+def continuous(axis: Any) -> JointModel:
+    """A joint without end about an axis."""
+    return along(axis, (JointModelRUBX, JointModelRUBY, JointModelRUBZ), JointModelRevoluteUnboundedUnaligned)
+
+
+def prismatic(axis: Any) -> JointModel:
+    """A prismatic joint along an axis."""
+    return along(axis, (JointModelPX, JointModelPY, JointModelPZ), JointModelPrismaticUnaligned)
+
+
+class JointModelMimic(JointModel):
+    """A joint that follows another one: q = scaling * q_followed + offset.
+
+    `JointModelMimic(followed, scaling, offset)` is of the kind of what it follows; `JointModelMimic(joint, followed,
+    scaling, offset)` of its own.
+    """
+
+    @by_name("joint_model scaling offset")
+    def __init__(self, joint: JointModel, *rest: Any) -> None:
+        followed, scaling, offset = rest if rest and isinstance(rest[0], JointModel) else (joint, *rest)
+        if joint.kind is None or followed.id == NOWHERE or (followed.nq, followed.nv) != (1, 1):
+            raise InputError(
+                "JointModelMimic needs a joint, and a joint with one coordinate that is in the model already, "
+                "such as model.joints[1]."
+            )
+        self._be("JointModelMimic", joint.kind)
+        self._kind_word = joint.shortname()
+        self.nq = self.nv = 0
+        self.mimic = (int(followed.id), float(scaling), float(offset))
+        self.idx_q, self.idx_v = followed.idx_q, followed.idx_v

@@ -1,0 +1,272 @@
+"""Model: the mutable tree of joints, whose placements and inertias are live references into one array of numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._containers.enums import FrameType
+from pinocchio._containers.files import Saved
+from pinocchio._containers.named_configurations import StdMap_String_VectorXd
+from pinocchio._model.building import PER_Q, PER_V, Building
+from pinocchio._model.frame import Frame
+from pinocchio._model.joint_kinds import JointModel
+from pinocchio._model.kernels import tower_model
+from pinocchio._model.supports import Supports
+from pinocchio._spatial.inertia import Inertia
+from pinocchio._spatial.motion_force import Motion
+from pinocchio._spatial.se3 import SE3
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from pinocchio._data.data import Data
+
+
+@final
+class Model(Saved, Supports, Building):
+    """A kinematic tree. Joint 0 is the universe; every other joint follows its parent."""
+
+    if TYPE_CHECKING:  # made below, by their names
+        lowerPositionLimit: Floats
+        upperPositionLimit: Floats
+        positionLimitMargin: Floats
+        armature: Floats
+        lowerVelocityLimit: Floats
+        upperVelocityLimit: Floats
+        lowerEffortLimit: Floats
+        upperEffortLimit: Floats
+        lowerDryFrictionLimit: Floats
+        upperDryFrictionLimit: Floats
+        damping: Floats
+        rotorInertia: Floats
+        rotorGearRatio: Floats
+        velocityLimit: Floats
+        effortLimit: Floats
+        friction: Floats
+
+    gravity981: ClassVar[Floats] = np.array([0.0, 0.0, -9.81])
+
+    def __init__(self, other: Model | None = None) -> None:
+        self._begin()
+        self.name = ""
+        """The name of the model."""
+        self.names: StdVec[str] = StdVec(["universe"])
+        """Names of the joints."""
+        self.parents: StdVec[int] = StdVec([0])
+        """For each joint, the joint before it."""
+        self.joints: StdVec[JointModel] = StdVec([JointModel()])
+        """The joints."""
+        self._placements: StdVec[SE3] = StdVec([SE3()])
+        self._inertias: StdVec[Inertia] = StdVec([Inertia()])
+        self.frames = [Frame("universe", 0, 0, SE3(), FrameType.FIXED_JOINT)]
+        self._postures = StdMap_String_VectorXd()
+        self._gravity = Motion(self.gravity981, np.zeros(3))
+        self._arrays = {key: np.zeros(0) for key in (*PER_Q, *PER_V)}
+        self.nq = self.nv = self.nvExtended = 0
+        self.nbodies = 1
+        self._changed()
+        if other is not None:
+            self.__setstate__(other.__getstate__())
+
+    # sizes and the tree ---------------------------------------------------------------------------------
+
+    @property
+    def njoints(self) -> int:
+        """How many joints there are, the universe included."""
+        return len(self.names)
+
+    @property
+    def nframes(self) -> int:
+        """How many frames there are."""
+        return len(self.frames)
+
+    nqs = property(lambda self: StdVec(j.nq for j in self.joints), doc="For each joint its entries of q.")
+    nvs = property(lambda self: StdVec(j.nv for j in self.joints), doc="For each joint its entries of v.")
+    idx_qs = property(
+        lambda self: StdVec(max(j.idx_q, 0) for j in self.joints), doc="For each joint where its q begins."
+    )
+    idx_vs = property(
+        lambda self: StdVec(max(j.idx_v, 0) for j in self.joints), doc="For each joint where its v begins."
+    )
+    nvExtendeds = property(
+        lambda self: StdVec(j.nvExtended for j in self.joints), doc="Like nvs, mimic joints counted."
+    )
+    idx_vExtendeds = property(
+        lambda self: StdVec(max(j.idx_vExtended, 0) for j in self.joints),
+        doc="Like idx_vs, mimic joints counted.",
+    )
+    mimicking_joints = property(
+        lambda self: StdVec(i for i, j in enumerate(self.joints) if j.mimic), doc="Joints that follow others."
+    )
+    mimicked_joints = property(
+        lambda self: StdVec(j.mimic[0] for j in self.joints if j.mimic), doc="The joints that those follow."
+    )
+
+    @property
+    def supports(self) -> StdVec[StdVec[int]]:
+        """For each joint, the joints from the universe to it."""
+        found: StdVec[StdVec[int]] = StdVec([StdVec([0])])
+        for i in range(1, self.njoints):
+            found.append(StdVec([*found[self.parents[i]], i]))
+        return found
+
+    @property
+    def subtrees(self) -> StdVec[StdVec[int]]:
+        """For each joint, the joints it moves, itself included; the universe is not counted."""
+        found: StdVec[StdVec[int]] = StdVec(StdVec() for _ in self.names)
+        for i, support in enumerate(self.supports):
+            for j in support if i else ():
+                found[j].append(i)
+        return found
+
+    @property
+    def children(self) -> StdVec[StdVec[int]]:
+        """For each joint, the joints that follow it at once."""
+        return StdVec(StdVec(self.getChildJoints(i)) for i in range(self.njoints))
+
+    def getChildJoints(self, joint_id: int) -> list[int]:
+        """The joints that follow a joint at once."""
+        return [i for i in range(1, self.njoints) if self.parents[i] == joint_id]
+
+    # live numbers ---------------------------------------------------------------------------------------
+
+    @property
+    def jointPlacements(self) -> StdVec[SE3]:
+        """For each joint, where it is in the frame of the joint before it; live references."""
+        return self._placements
+
+    @jointPlacements.setter
+    def jointPlacements(self, values: Any) -> None:
+        self._placements[:] = values
+
+    jointPosition = jointPlacements
+    """The historic name of `jointPlacements`."""
+
+    @property
+    def inertias(self) -> StdVec[Inertia]:
+        """For each joint, all that it carries rigidly, in its frame; live references."""
+        return self._inertias
+
+    @inertias.setter
+    def inertias(self, values: Any) -> None:
+        self._inertias[:] = values
+
+    @property
+    def gravity(self) -> Motion:
+        """The acceleration of free fall, a live reference."""
+        return self._gravity
+
+    @gravity.setter
+    def gravity(self, value: Any) -> None:
+        given = np.asarray(value.vector if isinstance(value, Motion) else value, dtype=float)
+        self._gravity._assign(given if given.size == 6 else np.concatenate([given.reshape(3), np.zeros(3)]))
+
+    @property
+    def referenceConfigurations(self) -> StdMap_String_VectorXd:
+        """Named configurations; iterating gives entries with `key()` and `data()`."""
+        return self._postures
+
+    @referenceConfigurations.setter
+    def referenceConfigurations(self, values: Any) -> None:
+        self._postures = StdMap_String_VectorXd(values)
+
+    # data -----------------------------------------------------------------------------------------------
+
+    def createData(self) -> Data:
+        """What algorithms write their results into."""
+        from pinocchio._data.data import Data
+
+        return Data(self)
+
+    def check(self, data: Data | None = None) -> bool:
+        """Whether a Data fits this model."""
+        return data is None or data._layout == self._layout
+
+    def hasConfigurationLimit(self) -> StdVec[bool]:
+        """For each entry of q, whether a limit on it means something."""
+        return StdVec(x for j in self.joints if not j.mimic for x in j.hasConfigurationLimit)
+
+    def hasConfigurationLimitInTangent(self) -> StdVec[bool]:
+        """For each entry of v, whether a limit on its position means something."""
+        return StdVec(x for j in self.joints if not j.mimic for x in j.hasConfigurationLimitInTangent)
+
+    # copies and files -----------------------------------------------------------------------------------
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {
+            "name": self.name,
+            "names": list(self.names),
+            "parents": list(self.parents),
+            "joints": [j.copy() for j in self.joints],
+            "_placements": [M.copy() for M in self._placements],
+            "_inertias": [i.copy() for i in self._inertias],
+            "frames": [f.copy() for f in self.frames],
+            "referenceConfigurations": {k: q.copy() for k, q in self.referenceConfigurations.items()},
+            "_gravity": self._gravity.copy(),
+            "_arrays": {key: a.copy() for key, a in self._arrays.items()},
+            "sizes": (self.nq, self.nv, self.nvExtended, self.nbodies),
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        told = dict(state)
+        if "_version" not in self.__dict__:
+            self._begin()
+        self.nq, self.nv, self.nvExtended, self.nbodies = told.pop("sizes")
+        for key, value in told.items():
+            setattr(self, key, StdVec(value) if isinstance(value, list) else value)
+        self._changed()
+
+    def copy(self) -> Model:
+        """One of its own."""
+        out = object.__new__(Model)
+        out.__setstate__(self.__getstate__())
+        return out
+
+    __copy__ = cast = copy
+
+    def __deepcopy__(self, memo: Any) -> Model:
+        return self.copy()
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Model):
+            return NotImplemented
+        same = all(np.array_equal(a, other._arrays[key]) for key, a in self._arrays.items())
+        keys = ("name", "names", "parents", "joints", "_placements", "_inertias", "frames", "_gravity")
+        return same and all(getattr(self, key) == getattr(other, key) for key in keys)
+
+    __hash__ = object.__hash__
+
+    def __str__(self) -> str:
+        lines = [f"Nb joints = {self.njoints} (nq={self.nq},nv={self.nv})"]
+        lines += [f"  Joint {i} {name}: parent={self.parents[i]}" for i, name in enumerate(self.names)]
+        return "\n".join(lines) + "\n"
+
+    __repr__ = __str__
+
+    def ulna(self) -> Any:
+        """The tower's model of the present numbers: `ulna.Robot(model.ulna())` has all that Ulna has."""
+        return tower_model(self)
+
+
+def _array(key: str, size: str) -> property:
+    def get(self: Model) -> Floats:
+        return self._arrays[key]
+
+    def put(self: Model, value: Any) -> None:
+        self._arrays[key][:] = vector(value, getattr(self, size), key)
+
+    return property(get, put, doc=f"`{key}` of all joints, ({size},), live; assigning copies into it.")
+
+
+for _key in PER_Q:
+    setattr(Model, _key, _array(_key, "nq"))
+for _key in PER_V:
+    setattr(Model, _key, _array(_key, "nv"))
+for _old, _new in (
+    ("velocityLimit", "upperVelocityLimit"),
+    ("effortLimit", "upperEffortLimit"),
+    ("friction", "upperDryFrictionLimit"),
+):
+    setattr(Model, _old, _array(_new, "nv"))

@@ -1,0 +1,245 @@
+"""Models made of models: with joints locked, with another one appended, with a joint that mimics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, final
+
+from pinocchio._containers.arrays import index, vector
+from pinocchio._containers.enums import FrameType
+from pinocchio._containers.keywords import by_name
+from pinocchio._data.deferred_fields import own_poses
+from pinocchio._model.model import Model
+from pinocchio._spatial.se3 import SE3
+from ulna import algorithms
+from ulna.errors import InputError
+
+__all__ = [
+    "appendModel",
+    "buildReducedModel",
+    "findCommonAncestor",
+    "transformJointIntoMimic",
+]
+
+_LIMITS = ("lowerEffortLimit", "upperEffortLimit", "lowerVelocityLimit", "upperVelocityLimit")
+_LIMITS += ("lowerPositionLimit", "upperPositionLimit", "positionLimitMargin")
+_LIMITS += ("lowerDryFrictionLimit", "upperDryFrictionLimit", "damping")
+
+
+@by_name(
+    "model list_of_joints_to_lock reference_configuration",
+    "model geom_model list_of_joints_to_lock reference_configuration",
+    "model list_of_geom_models list_of_joints_to_lock reference_configuration",
+)
+def buildReducedModel(model: Model, *rest: Any) -> Any:
+    """The model with some joints locked.
+
+    Args:
+        model: The model.
+        rest: A geometry model or a list of them, if wanted; the indices of the joints to lock; a configuration (nq,).
+
+    Returns:
+        The model, or (model, geometry model), or (model, list of geometry models).
+    """
+    *geometries, locked, reference = rest
+    several = bool(geometries) and isinstance(geometries[0], (list, tuple))
+    given = list(geometries[0]) if several else geometries
+    out, moved = _locked(model, [index(i, model.njoints, "joint", _NAMES) for i in locked], reference)
+    if not given:
+        return out
+    reduced = [_moved_geometry(g, moved) for g in given]
+    return (out, reduced) if several else (out, reduced[0])
+
+
+_NAMES = "model.getJointId(name) gives one."
+
+
+def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, list[tuple[int, SE3]]]:
+    q = vector(reference, model.nq, "reference_configuration")
+    if 0 in locked:
+        raise InputError(
+            "Joint 0 is the universe, which does not move; take it off the list of joints to lock."
+        )
+    for i, joint in enumerate(model.joints):
+        if joint.mimic and i not in locked and joint.mimic[0] in locked:
+            raise InputError(f"Joint {model.names[i]!r} follows a joint that is to be locked. Lock it, too.")
+    poses = own_poses(model.engine().model, q)
+    out = Model()
+    out.name, out._gravity = model.name, model.gravity.copy()
+    out.frames.clear()
+    out._inertias[0]._assign(model.inertias[0])
+    moved: list[tuple[int, SE3]] = [(0, SE3())]  # for each old joint: the new one, and its frame there
+    for i in range(1, model.njoints):
+        carrier, M = moved[model.parents[i]]
+        if i in locked:
+            placement = M * SE3._of(poses[i - 1].copy())
+            out._inertias[carrier] += model.inertias[i].se3Action(placement)
+            moved.append((carrier, placement))
+            continue
+        new = add_like(
+            out,
+            model,
+            i,
+            carrier,
+            M * model.jointPlacements[i],
+            model.names[i],
+            {k: n for k, (n, _) in enumerate(moved)},
+        )
+        moved.append((new, SE3()))
+    for frame in model.frames:
+        carrier, M = moved[frame.parentJoint]
+        kept = frame.copy()
+        if (
+            frame.type == FrameType.JOINT and frame.parentJoint in locked
+        ):  # it carries the body, as a fixed joint
+            kept.type, kept.parentFrame = FrameType.FIXED_JOINT, out.nframes
+            kept.inertia = model.inertias[frame.parentJoint]
+        kept.parentJoint, kept.placement = carrier, M * frame.placement
+        out.frames.append(kept)
+    out.nbodies = out.njoints
+    free = [k for j in model.joints[1:] if j.id not in locked for k in range(j.idx_q, j.idx_q + j.nq)]
+    out.referenceConfigurations = {n: r[free] for n, r in model.referenceConfigurations.items()}
+    out._frames_changed()
+    return out, moved
+
+
+def add_like(
+    out: Model, model: Model, i: int, parent: int, placement: SE3, name: str, new_of: Mapping[int, int]
+) -> int:
+    """Adds to `out` a joint like joint i of `model`, with its limits, inertia and armature."""
+    joint = model.joints[i].copy()
+    rows = {
+        True: slice(joint.idx_q, joint.idx_q + joint.nq),
+        False: slice(joint.idx_v, joint.idx_v + joint.nv),
+    }
+    if joint.mimic is not None:
+        leader = new_of[joint.mimic[0]]
+        joint.mimic = (leader, *joint.mimic[1:])
+        joint.idx_q, joint.idx_v = out.joints[leader].idx_q, out.joints[leader].idx_v
+    new = out.addJoint(parent, joint, placement, name)
+    made = out.joints[new]
+    for key, values in model._arrays.items():
+        if joint.nv:
+            per_q = "osition" in key
+            at = slice(made.idx_q, made.idx_q + made.nq) if per_q else slice(made.idx_v, made.idx_v + made.nv)
+            out._arrays[key][at] = values[rows[per_q]]
+    out._inertias[new]._assign(model.inertias[i])
+    return new
+
+
+def _moved_geometry(geometry: Any, moved: list[tuple[int, SE3]]) -> Any:
+    out = geometry.copy()
+    for shape in out.geometryObjects:
+        carrier, M = moved[shape.parentJoint]
+        shape.parentJoint, shape.placement = carrier, M * shape.placement
+    return out
+
+
+@by_name("modelA modelB frame_in_modelA aMb", "modelA modelB geomModelA geomModelB frame_in_modelA aMb")
+def appendModel(modelA: Model, modelB: Model, *rest: Any) -> Any:
+    """Model B put on a frame of model A.
+
+    Args:
+        modelA: The first model; its gravity is kept.
+        modelB: The model to append. Its names must not be those of A.
+        rest: Two geometry models, if wanted; the index of the frame of A; the placement of B's world in it.
+
+    Returns:
+        The model, or (model, geometry model).
+    """
+    *geometries, frame_id, aMb = rest
+    at = index(frame_id, modelA.nframes, "frame", "model.getFrameId(name) gives one.")
+    carrier = modelA.frames[at].parentJoint
+    base = modelA.frames[at].placement * aMb
+    out = Model()
+    out._gravity = modelA.gravity.copy()
+    supports = modelA.supports
+    ours = [i for i in range(1, modelA.njoints) if i <= carrier or carrier in supports[i]]
+    after = [i for i in range(1, modelA.njoints) if i not in ours]
+    first, second = Part(out, modelA, SE3()), Part(out, modelB, base)
+    order = first.add([0, *ours])
+    second.joints[0], second.frames[0] = first.joints[carrier], first.frames[at]
+    order += second.add(range(modelB.njoints)) + first.add(after)
+    for part in (first, second):
+        part.tie_frames()
+        part.place()
+    out.nbodies = out.njoints + 2
+    out._frames_changed()
+    if not geometries:
+        return out
+    from pinocchio._geometry.geometry_model import joined
+
+    return out, joined(dict(zip((first, second), geometries, strict=True)), order)
+
+
+@final
+class Part:
+    """A model whose joints and frames another one takes up.
+
+    Attributes:
+        base: Where its universe is in the frame of the joint that carries it.
+        joints: The new index of each joint that was taken up.
+        frames: The same of frames.
+    """
+
+    def __init__(self, out: Model, model: Model, base: SE3) -> None:
+        self.out, self.model, self.base = out, model, base
+        self.joints, self.frames = {0: 0}, {0: 0}
+
+    def add(self, joints: Iterable[int]) -> list[tuple[Part, int]]:
+        """Takes up joints, each with its frames; returns them."""
+        added: list[tuple[Part, int]] = [(self, i) for i in joints]
+        out, model = self.out, self.model
+        for _, i in added:
+            parent = model.parents[i]
+            place = self.base * model.jointPlacements[i] if parent == 0 else model.jointPlacements[i]
+            if i:
+                self.joints[i] = add_like(
+                    out, model, i, self.joints[parent], place, model.names[i], self.joints
+                )
+            else:
+                out._inertias[self.joints[0]] += model.inertias[0].se3Action(self.base)
+            for k, frame in enumerate(model.frames):
+                if k and frame.parentJoint == i:
+                    kept = frame.copy()
+                    kept.parentJoint, kept.parentFrame = self.joints[i], 0
+                    kept.placement = self.base * frame.placement if i == 0 else frame.placement
+                    self.frames[k] = out.addFrame(kept, False)
+        return added
+
+    def tie_frames(self) -> None:
+        """Tells its frames which ones they hang on, once all are there; those of joints hang on the new universe."""
+        for k, new in self.frames.items():
+            frame = self.model.frames[k]
+            if k and (frame.parentFrame or frame.parentJoint == 0):
+                self.out.frames[new].parentFrame = self.frames[frame.parentFrame]
+
+    def place(self) -> None:
+        """Adds its named configurations; what else the model has is neutral there, or as another part has told."""
+        out = self.out
+        for name, posture in self.model.referenceConfigurations.items():
+            if name not in out.referenceConfigurations:
+                out.referenceConfigurations[name] = algorithms.neutral(out.shape().model)
+            q = out.referenceConfigurations[name]
+            for old, new in self.joints.items():
+                if old:
+                    own, made = self.model.joints[old], out.joints[new]
+                    q[made.idx_q : made.idx_q + made.nq] = posture[own.idx_q : own.idx_q + own.nq]
+
+
+def transformJointIntoMimic(
+    input_model: Model, index_mimicked: int, index_mimicking: int, scaling: float, offset: float
+) -> Model:
+    """The model with one joint following another: q = scaling * q_followed + offset."""
+    out = input_model.copy()
+    for i in (index_mimicked, index_mimicking):
+        index(i, out.njoints, "joint", _NAMES)
+    out.make_mimic(int(index_mimicked), int(index_mimicking), float(scaling), float(offset))
+    return out
+
+
+def findCommonAncestor(model: Model, joint1_id: int, joint2_id: int) -> tuple[int, int, int]:
+    """The last joint that two joints stand on, and where it is in both of their supports."""
+    first, second = (model.supports[index(i, model.njoints, "joint", _NAMES)] for i in (joint1_id, joint2_id))
+    shared = sum(1 for a, b in zip(first, second, strict=False) if a == b)
+    return first[shared - 1], shared - 1, shared - 1

@@ -1,0 +1,43 @@
+"""Which joints and velocities each joint of a tree stands on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio._containers.arrays import StdVec
+from ulna.typing import Floats
+
+
+class Supports:
+    """What a Model knows of its tree besides `supports`."""
+
+    joints: Any
+    supports: Any
+    nv: int
+
+    @property
+    def span_indexes_vector(self) -> StdVec[StdVec[int]]:
+        """For each joint, the entries of v that move it."""
+        spans = (sorted({k for i in support for k in self._entries(i)}) for support in self.supports)
+        return StdVec(StdVec(span) for span in spans)
+
+    def _entries(self, joint: int) -> range:
+        start, size = self.joints[joint].idx_v, self.joints[joint].nv
+        return range(start, start + size)
+
+    @property
+    def sparsity_pattern_vector(self) -> StdVec[Any]:
+        """For each joint a mask (nv,) of the entries of v that move it."""
+        masks: StdVec[Floats] = StdVec()
+        for span in self.span_indexes_vector:
+            mask = np.zeros(self.nv, dtype=bool)
+            mask[list(span)] = True
+            masks.append(mask)
+        return masks
+
+    @property
+    def mimic_joint_supports(self) -> StdVec[StdVec[int]]:
+        """For each joint, the universe and the mimic joints among its supports."""
+        return StdVec(StdVec([0, *(i for i in s[1:] if self.joints[i].mimic)]) for s in self.supports)

@@ -1,0 +1,205 @@
+"""Names of `pinocchio` that are imported when first used: read by type checkers and by `lazy_names`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pinocchio import cholesky as cholesky
+from pinocchio import liegroups as liegroups
+from pinocchio import linalg as linalg
+from pinocchio import robot_wrapper as robot_wrapper
+from pinocchio import serialization as serialization
+from pinocchio import shortcuts as shortcuts
+from pinocchio import visualize as visualize
+from pinocchio._algorithms.kinematic_regressors import (
+    computeFrameKinematicRegressor as computeFrameKinematicRegressor,
+)
+from pinocchio._algorithms.kinematic_regressors import (
+    computeJointKinematicRegressor as computeJointKinematicRegressor,
+)
+from pinocchio._algorithms.parallel import GeometryPool as GeometryPool
+from pinocchio._algorithms.parallel import ModelPool as ModelPool
+from pinocchio._algorithms.parallel import abaInParallel as abaInParallel
+from pinocchio._algorithms.parallel import rneaInParallel as rneaInParallel
+from pinocchio._algorithms.supported_inertia import (
+    computeSupportedForceByFrame as computeSupportedForceByFrame,
+)
+from pinocchio._algorithms.supported_inertia import (
+    computeSupportedInertiaByFrame as computeSupportedInertiaByFrame,
+)
+from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.named_configurations import StdMap_String_VectorXd as StdMap_String_VectorXd
+from pinocchio._geometry.broadphase import BroadPhaseManager, BroadPhaseManagerPool
+from pinocchio._geometry.broadphase import CollisionObject as CollisionObject
+from pinocchio._geometry.collision_callbacks import CollisionCallBackBase as CollisionCallBackBase
+from pinocchio._geometry.collision_callbacks import CollisionCallBackCollect as CollisionCallBackCollect
+from pinocchio._geometry.collision_callbacks import CollisionCallBackDefault as CollisionCallBackDefault
+from pinocchio._geometry.collisions import ComputeCollision as ComputeCollision
+from pinocchio._geometry.collisions import ComputeDistance as ComputeDistance
+from pinocchio._geometry.collisions import computeBodyRadius as computeBodyRadius
+from pinocchio._geometry.collisions import computeCollision as computeCollision
+from pinocchio._geometry.collisions import computeCollisions as computeCollisions
+from pinocchio._geometry.collisions import computeCollisionsInParallel as computeCollisionsInParallel
+from pinocchio._geometry.collisions import computeContactPatch as computeContactPatch
+from pinocchio._geometry.collisions import computeContactPatches as computeContactPatches
+from pinocchio._geometry.collisions import computeDistance as computeDistance
+from pinocchio._geometry.collisions import computeDistances as computeDistances
+from pinocchio._geometry.geometry_model import CollisionPair as CollisionPair
+from pinocchio._geometry.geometry_model import GeometryData as GeometryData
+from pinocchio._geometry.geometry_model import GeometryModel as GeometryModel
+from pinocchio._geometry.geometry_model import GeometryObject as GeometryObject
+from pinocchio._geometry.geometry_model import updateGeometryPlacements as updateGeometryPlacements
+from pinocchio._geometry.materials import CONCRETE as CONCRETE
+from pinocchio._geometry.materials import ICE as ICE
+from pinocchio._geometry.materials import METAL as METAL
+from pinocchio._geometry.materials import PLASTIC as PLASTIC
+from pinocchio._geometry.materials import WOOD as WOOD
+from pinocchio._geometry.materials import GeometryNoMaterial as GeometryNoMaterial
+from pinocchio._geometry.materials import GeometryPhongMaterial as GeometryPhongMaterial
+from pinocchio._geometry.materials import PhysicsMaterial as PhysicsMaterial
+from pinocchio._geometry.materials import PhysicsMaterialType as PhysicsMaterialType
+from pinocchio._model.frame import Frame
+from pinocchio._model.joint_data import JointData as JointData
+from pinocchio._package.settings import Exception as Exception
+from pinocchio._package.settings import LogLevel as LogLevel
+from pinocchio._package.settings import ScalarType as ScalarType
+from pinocchio._package.settings import omp_get_max_threads as omp_get_max_threads
+from pinocchio._package.settings import sharedMemory as sharedMemory
+from pinocchio._parsers.geometry_urdf import buildGeomFromUrdf as buildGeomFromUrdf
+from pinocchio._parsers.geometry_urdf import buildGeomFromUrdfString as buildGeomFromUrdfString
+from pinocchio._parsers.mjcf import buildGeomFromMJCF as buildGeomFromMJCF
+from pinocchio._parsers.mjcf import buildModelFromMJCF as buildModelFromMJCF
+from pinocchio._parsers.sample_geometry import (
+    buildSampleGeometryModelHumanoid as buildSampleGeometryModelHumanoid,
+)
+from pinocchio._parsers.sample_geometry import (
+    buildSampleGeometryModelManipulator as buildSampleGeometryModelManipulator,
+)
+from pinocchio._parsers.sample_models import buildSampleModelHumanoid as buildSampleModelHumanoid
+from pinocchio._parsers.sample_models import buildSampleModelHumanoidRandom as buildSampleModelHumanoidRandom
+from pinocchio._parsers.sample_models import buildSampleModelManipulator as buildSampleModelManipulator
+from pinocchio._parsers.srdf import loadReferenceConfigurations as loadReferenceConfigurations
+from pinocchio._parsers.srdf import loadReferenceConfigurationsFromXML as loadReferenceConfigurationsFromXML
+from pinocchio._parsers.srdf import loadRotorParameters as loadRotorParameters
+from pinocchio._parsers.srdf import removeCollisionPairs as removeCollisionPairs
+from pinocchio._parsers.srdf import removeCollisionPairsFromXML as removeCollisionPairsFromXML
+from pinocchio._spatial.inertia import Inertia
+from pinocchio._spatial.motion_force import Force, Motion
+from pinocchio._spatial.pseudo_inertia import LogCholeskyParameters as LogCholeskyParameters
+from pinocchio._spatial.pseudo_inertia import PseudoInertia as PseudoInertia
+from pinocchio._spatial.se3 import SE3
+from pinocchio._spatial.symmetric3 import Symmetric3
+from pinocchio.liegroups import LieGroup as LieGroup
+from pinocchio.liegroups import lieGroup as lieGroup
+from pinocchio.linalg import isOrthonormal as isOrthonormal
+from pinocchio.linalg import orthogonalization as orthogonalization
+from pinocchio.linalg import orthonormalization as orthonormalization
+from pinocchio.robot_wrapper import RobotWrapper as RobotWrapper
+from pinocchio.shortcuts import buildModelFromMJCFAndRootJoint as buildModelFromMJCFAndRootJoint
+from pinocchio.shortcuts import buildModelsFromMJCF as buildModelsFromMJCF
+from pinocchio.shortcuts import buildModelsFromUrdf as buildModelsFromUrdf
+from pinocchio.shortcuts import createDatas as createDatas
+from pinocchio.visualize import GepettoVisualizer as GepettoVisualizer
+from pinocchio.visualize import MeshcatVisualizer as MeshcatVisualizer
+from pinocchio.visualize import ViserVisualizer as ViserVisualizer
+from pinocchio.visualize import Visualizer as Visualizer
+
+coal: Any
+hppfcl: Any
+CachedMeshLoader: Any
+CollisionGeometry: Any
+CollisionResult: Any
+Contact: Any
+DistanceResult: Any
+MeshLoader: Any
+JointDataComposite = JointData
+JointDataFreeFlyer = JointData
+JointDataHX = JointData
+JointDataHY = JointData
+JointDataHZ = JointData
+JointDataHelicalUnaligned = JointData
+JointDataMimic = JointData
+JointDataPX = JointData
+JointDataPY = JointData
+JointDataPZ = JointData
+JointDataPlanar = JointData
+JointDataPrismaticUnaligned = JointData
+JointDataRUBX = JointData
+JointDataRUBY = JointData
+JointDataRUBZ = JointData
+JointDataRX = JointData
+JointDataRY = JointData
+JointDataRZ = JointData
+JointDataRevoluteUnaligned = JointData
+JointDataRevoluteUnboundedUnalignedTpl = JointData
+JointDataSpherical = JointData
+JointDataSphericalZYX = JointData
+JointDataTranslation = JointData
+JointDataUniversal = JointData
+BroadPhaseManagerPool_DynamicAABBTreeCollisionManager = BroadPhaseManagerPool
+BroadPhaseManager_DynamicAABBTreeArrayCollisionManager = BroadPhaseManager
+BroadPhaseManager_DynamicAABBTreeCollisionManager = BroadPhaseManager
+BroadPhaseManager_IntervalTreeCollisionManager = BroadPhaseManager
+BroadPhaseManager_NaiveCollisionManager = BroadPhaseManager
+BroadPhaseManager_SSaPCollisionManager = BroadPhaseManager
+BroadPhaseManager_SaPCollisionManager = BroadPhaseManager
+TreeBroadPhaseManagerPool_DynamicAABBTreeCollisionManager = BroadPhaseManagerPool
+TreeBroadPhaseManager_DynamicAABBTreeArrayCollisionManager = BroadPhaseManager
+TreeBroadPhaseManager_DynamicAABBTreeCollisionManager = BroadPhaseManager
+TreeBroadPhaseManager_IntervalTreeCollisionManager = BroadPhaseManager
+TreeBroadPhaseManager_NaiveCollisionManager = BroadPhaseManager
+TreeBroadPhaseManager_SSaPCollisionManager = BroadPhaseManager
+TreeBroadPhaseManager_SaPCollisionManager = BroadPhaseManager
+StdVec_Bool = StdVec[bool]
+StdVec_BooleanVector = StdVec[Any]
+StdVec_BroadPhaseManager_DynamicAABBTreeCollisionManager = StdVec[Any]
+StdVec_CollisionObject = StdVec[Any]
+StdVec_CollisionPair = StdVec[Any]
+StdVec_CollisionResult = StdVec[Any]
+StdVec_ComputeCollision = StdVec[Any]
+StdVec_ComputeDistance = StdVec[Any]
+StdVec_ConstraintData = StdVec[Any]
+StdVec_ConstraintModel = StdVec[Any]
+StdVec_Contact = StdVec[Any]
+StdVec_Data = StdVec[Any]
+StdVec_DistanceResult = StdVec[Any]
+StdVec_Double = StdVec[float]
+StdVec_EigenIndex = StdVec[Any]
+StdVec_EigenIndexVector = StdVec[Any]
+StdVec_Force = StdVec[Force]
+StdVec_Frame = StdVec[Frame]
+StdVec_FrameAnchorConstraintData = StdVec[Any]
+StdVec_FrameAnchorConstraintModel = StdVec[Any]
+StdVec_GeometryData = StdVec[Any]
+StdVec_GeometryModel = StdVec[Any]
+StdVec_GeometryObject = StdVec[Any]
+StdVec_Index = StdVec[int]
+StdVec_IndexVector = StdVec[Any]
+StdVec_Inertia = StdVec[Inertia]
+StdVec_JointDataVector = StdVec[Any]
+StdVec_JointFrictionConstraintData = StdVec[Any]
+StdVec_JointFrictionConstraintModel = StdVec[Any]
+StdVec_JointLimitConstraintData = StdVec[Any]
+StdVec_JointLimitConstraintModel = StdVec[Any]
+StdVec_JointModelVector = StdVec[Any]
+StdVec_Matrix6 = StdVec[Any]
+StdVec_Matrix6x = StdVec[Any]
+StdVec_MatrixXs = StdVec[Any]
+StdVec_Model = StdVec[Any]
+StdVec_Motion = StdVec[Motion]
+StdVec_PointAnchorConstraintData = StdVec[Any]
+StdVec_PointAnchorConstraintModel = StdVec[Any]
+StdVec_PointContactConstraintData = StdVec[Any]
+StdVec_PointContactConstraintModel = StdVec[Any]
+StdVec_RigidConstraintData = StdVec[Any]
+StdVec_RigidConstraintModel = StdVec[Any]
+StdVec_SE3 = StdVec[SE3]
+StdVec_Scalar = StdVec[float]
+StdVec_StdString = StdVec[str]
+StdVec_StdVec_Int = StdVec[Any]
+StdVec_Symmetric3 = StdVec[Symmetric3]
+StdVec_TreeBroadPhaseManager_DynamicAABBTreeCollisionManager = StdVec[Any]
+StdVec_Vec3s = StdVec[Any]
+StdVec_Vector3 = StdVec[Any]
+StdVec_coal_CollisionObjectPointer = StdVec[Any]
+StdVec_int = StdVec[int]

@@ -1,0 +1,47 @@
+"""Names that are imported when first used, so that `import pinocchio` loads no viewer.
+
+They are declared once, in `lazy_exports.pyi`, which type checkers read as it is:
+
+- `from MODULE import NAME as NAME` declares a name of that module, and of `pinocchio` a public submodule;
+- `NAME = BASE` declares another name of the module of BASE; every `StdVec_...` is the one class of lists;
+- `NAME: Any` declares a name of the package coal, or that package.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+_COAL = ("coal", "hppfcl")
+
+
+@cache
+def lazy_names() -> dict[str, str]:
+    """The module of each name that is imported when first used."""
+    source = Path(__file__).with_name("lazy_exports.pyi").read_text(encoding="utf-8")
+    module_of: dict[str, str] = {}
+    names: dict[str, str] = {}
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.ImportFrom):
+            module_of |= dict.fromkeys((alias.name for alias in node.names), str(node.module))
+            names |= {alias.name: str(node.module) for alias in node.names if alias.asname}
+        elif isinstance(node, ast.Assign):
+            names[ast.unparse(node.targets[0])] = module_of[ast.unparse(node.value).partition("[")[0]]
+        elif isinstance(node, ast.AnnAssign):
+            names[ast.unparse(node.target)] = "coal"
+    return names
+
+
+def load_lazy_name(name: str) -> Any:
+    """The object that a name of `lazy_names` stands for."""
+    module = lazy_names()[name]
+    if module == "coal":
+        from ulna.collision.narrow import coal
+
+        return coal() if name in _COAL else getattr(coal(), name)
+    if module == "pinocchio":
+        return importlib.import_module(f"pinocchio.{name}")
+    return getattr(importlib.import_module(module), "StdVec" if name.startswith("StdVec_") else name)

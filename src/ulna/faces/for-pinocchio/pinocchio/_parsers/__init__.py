@@ -1,0 +1,1 @@
+"""Models and geometries from files, and sample models."""

@@ -1,0 +1,138 @@
+"""Geometries of URDF files: those of links, placed on the joints of a model."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pinocchio._containers.enums import FrameType, GeometryType
+from pinocchio._geometry.geometry_model import GeometryModel, GeometryObject
+from pinocchio._geometry.geometry_object import ConvexMesh
+from pinocchio._spatial.se3 import SE3
+from ulna.errors import FormatError
+from ulna.formats.markup import parse_markup, read_file
+from ulna.geometry import Capsule, Cylinder, Geometry, Mesh
+from ulna.model import Link
+
+if TYPE_CHECKING:
+    from pinocchio._model.model import Model
+
+
+def geometries_of_links(filename: Any, package_dirs: Any, text: str | None = None) -> Mapping[str, Link]:
+    """The links of a URDF file, or text, by name, with their visuals and collisions; meshes resolved."""
+    from ulna.formats.resolve import Resolver
+    from ulna.formats.urdf import read_urdf, urdf_builder
+    from ulna.formats.urdf_parse import parse_urdf
+    from ulna.robots import example_robot_data
+
+    file = None if text is not None else os.fspath(filename)
+    folders = [package_dirs] if isinstance(package_dirs, (str, os.PathLike)) else list(package_dirs or ())
+    share = example_robot_data.share_folder()
+    resolver = Resolver(file, [*(f for f in folders if os.fspath(f)), *((share.parent,) if share else ())])
+    document = read_urdf(file) if file is not None else parse_urdf(text or "")
+    links = urdf_builder(document, resolver=resolver).build().links
+    told = _collisions_replaced((text or "").encode() if file is None else read_file(file), file)
+    return {link.name: _with_replaced(link, told[link.name]) if link.name in told else link for link in links}
+
+
+def _collisions_replaced(data: bytes, file: str | None) -> dict[str, dict[str, str]]:
+    """For links of a URDF the collisions that Pinocchio replaces, by their names: "capsule" or "convex".
+
+    Its own element says so: <collision_checking><capsule name="..."/><convex name="..."/></collision_checking>.
+    """
+    tag = "collision_checking"
+    if tag.encode() not in data:
+        return {}
+    return {
+        link.name(): {told.name(): told.tag for group in link.children(tag) for told in group.children()}
+        for link in parse_markup(data, file, "robot", "URDF").children("link")
+    }
+
+
+def _with_replaced(link: Link, told: Mapping[str, str]) -> Link:
+    def replaced(geometry: Geometry) -> Geometry:
+        match told.get(geometry.name), geometry.shape:
+            case "capsule", Cylinder(radius=radius, length=length):
+                return dataclasses.replace(geometry, shape=Capsule(radius, length))
+            case "convex", Mesh(path=path, scale=scale, missing=missing):
+                return dataclasses.replace(geometry, shape=ConvexMesh(path, scale, missing))
+        return geometry
+
+    return dataclasses.replace(link, collisions=tuple(replaced(g) for g in link.collisions))
+
+
+def geometry_model_of(
+    model: Model, links: Mapping[str, Link], kind: GeometryType, into: GeometryModel | None = None
+) -> GeometryModel:
+    """The geometries of links, placed by the frames of bodies, in their order."""
+    out = GeometryModel() if into is None else into
+    bodies = [
+        (i, f) for i, f in enumerate(model.frames) if (f.type == FrameType.BODY or i == 0) and f.name in links
+    ]
+    if not bodies and links:
+        raise FormatError("No body of the model has the name of a link of this file. Is it the same robot?")
+    for i, frame in bodies:
+        link = links[frame.name]
+        found: Iterable[Geometry] = link.visuals if kind == GeometryType.VISUAL else link.collisions
+        for k, geometry in enumerate(found):
+            shape, material = geometry.shape, geometry.material
+            placement = frame.placement * SE3(np.asarray(geometry.placement.matrix(), dtype=float))
+            named: dict[str, Any] = {"mesh_path": type(shape).__name__.upper()}
+            if isinstance(shape, Mesh):
+                named = {"mesh_path": shape.path or "", "mesh_scale": np.array(shape.scale)}
+            if material is not None and (material.rgba or material.texture) and kind == GeometryType.VISUAL:
+                named |= {"override_material": True, "mesh_texture_path": material.texture or ""}
+                if material.rgba is not None:
+                    named["mesh_color"] = np.array(material.rgba)
+            out.addGeometryObject(
+                GeometryObject(f"{frame.name}_{k}", frame.parentJoint, i, placement, shape, **named)
+            )
+    return out
+
+
+def buildGeomFromUrdf(
+    model: Model,
+    urdf_filename: Any,
+    geom_type: GeometryType,
+    geometry_model: Any = None,
+    package_dirs: Any = None,
+    mesh_loader: Any = None,
+) -> GeometryModel:
+    """The geometries that a URDF file gives the bodies of a model.
+
+    Args:
+        model: The model of the same file.
+        urdf_filename: The file.
+        geom_type: GeometryType.VISUAL or COLLISION.
+        geometry_model: One to add to. Package folders may stand here, too.
+        package_dirs: One or several folders to look for packages in. Those around the file and the installed
+            example-robot-data are looked in anyway.
+        mesh_loader: Not needed; meshes are read when somebody looks.
+
+    Raises:
+        FormatError: The file is missing, broken, or of another robot. A missing mesh only warns.
+    """
+    if geometry_model is not None and not isinstance(geometry_model, GeometryModel):
+        geometry_model, package_dirs = None, geometry_model
+    return geometry_model_of(
+        model, geometries_of_links(urdf_filename, package_dirs), geom_type, geometry_model
+    )
+
+
+def buildGeomFromUrdfString(
+    model: Model,
+    urdf_string: str,
+    geom_type: GeometryType,
+    geometry_model: Any = None,
+    package_dirs: Any = None,
+    mesh_loader: Any = None,
+) -> GeometryModel:
+    """The geometries that a URDF text gives the bodies of a model; see `buildGeomFromUrdf`."""
+    if geometry_model is not None and not isinstance(geometry_model, GeometryModel):
+        geometry_model, package_dirs = None, geometry_model
+    links = geometries_of_links(None, package_dirs, urdf_string)
+    return geometry_model_of(model, links, geom_type, geometry_model)

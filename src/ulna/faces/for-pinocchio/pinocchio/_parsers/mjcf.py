@@ -1,0 +1,214 @@
+"""MJCF to the face's Model and geometries: joints of one body are one composite joint, children in the file's order."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from pinocchio._constraints.frame_pair import ContactType
+from pinocchio._constraints.rigid_constraint import RigidConstraintModel
+from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.enums import FrameType, GeometryType, ReferenceFrame
+from pinocchio._geometry.geometry_model import GeometryModel
+from pinocchio._model import joint_kinds
+from pinocchio._model.frame import Frame
+from pinocchio._model.joint_kinds import JointModel, JointModelComposite
+from pinocchio._model.model import Model
+from pinocchio._parsers.geometry_urdf import geometry_model_of
+from pinocchio._spatial.inertia import Inertia
+from pinocchio._spatial.se3 import SE3
+from ulna.errors import InputError, ModelWarning
+from ulna.formats.mjcf import model_from_mjcf
+from ulna.formats.mjcf_loops import loops_from_mjcf
+from ulna.model import FreeFlyer, JointKind, Prismatic, Revolute, Spherical
+from ulna.model import Joint as TowerJoint
+from ulna.model import Link as TowerLink
+from ulna.model import Model as TowerModel
+
+
+def buildModelFromMJCF(
+    mjcf_filename: Any, root_joint: JointModel | None = None, root_joint_name: str | None = None
+) -> Any:
+    """The model of an MJCF file; MuJoCo's own compiler reads it (extra `mjcf`).
+
+    Equalities of joints are not followed; keyframes are in `model.referenceConfigurations`, sites are frames.
+
+    Args:
+        mjcf_filename: The file.
+        root_joint: How its root moves in the world, such as JointModelFreeFlyer(); as the file says without.
+        root_joint_name: The name of that joint.
+
+    Returns:
+        The model; with `root_joint_name` the model and the constraints that close its loops.
+
+    Raises:
+        FormatError: the file is missing or broken; says where and what mends it.
+        MissingExtra: the package mujoco is not installed.
+    """
+    if root_joint is not None and not isinstance(root_joint, JointModel):
+        raise InputError(
+            f"`root_joint` is {root_joint!r}; expected a joint model, such as JointModelFreeFlyer()."
+        )
+    file = os.fspath(mjcf_filename)
+    model = model_of(_read(file), root_joint, root_joint_name or "root_joint")
+    return model if root_joint_name is None else (model, _constraints(model, file))
+
+
+def _read(file: str) -> TowerModel:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ModelWarning)  # what is left out here, Pinocchio leaves out, too
+        return model_from_mjcf(file, mimic=False)
+
+
+def _constraints(model: Model, file: str) -> StdVec[RigidConstraintModel]:
+    """The closed loops of a file, on the model of that file."""
+    found: StdVec[RigidConstraintModel] = StdVec()
+    for loop in loops_from_mjcf(file):
+        kind = ContactType.CONTACT_3D if loop.size == 3 else ContactType.CONTACT_6D
+        places: list[Any] = []
+        for name, pose in loop.ends():
+            frame = model.frames[model.getFrameId(name) if name != "world" else 0]
+            places += [frame.parentJoint, frame.placement * _pose(pose)]
+        found.append(RigidConstraintModel(kind, model, *places, ReferenceFrame.LOCAL))
+    return found
+
+
+def buildGeomFromMJCF(
+    model: Model, mjcf_filename: Any, geom_type: GeometryType, mesh_loader: Any = None
+) -> GeometryModel:
+    """The geometries that an MJCF file gives the bodies of a model; see `buildGeomFromUrdf`.
+
+    VISUAL are the geoms of the groups 0 to 2, COLLISION those that may touch others.
+    """
+    source = _read(os.fspath(mjcf_filename))
+    links = {("universe" if link is source.links[0] else link.name): link for link in source.links}
+    return geometry_model_of(model, links, geom_type)
+
+
+def buildModelsFromMJCF(
+    filename: Any, root_joint: Any = None, root_joint_name: str | None = None, **named: Any
+) -> tuple[Model, GeometryModel, GeometryModel]:
+    """The model of an MJCF file, what it collides with, and what it looks like."""
+    found = buildModelFromMJCF(filename, root_joint, root_joint_name)
+    model = found if isinstance(found, Model) else found[0]
+    kinds = (GeometryType.COLLISION, GeometryType.VISUAL)
+    hard, drawn = (buildGeomFromMJCF(model, filename, kind) for kind in kinds)
+    return model, hard, drawn
+
+
+def model_of(source: TowerModel, root: JointModel | None = None, root_name: str = "root_joint") -> Model:
+    """The face's model of a model of Ulna, whose root link is the world."""
+    out = Model()
+    out.name, out.gravity.linear = source.name, source.gravity
+    top, ids, frames = source.links[0], {-1: 0}, {source.links[0].name: 0}
+    if root is not None:
+        ids[-1] = out.addJoint(0, root, SE3(), root_name)
+        frames[top.name] = out.addJointFrame(ids[-1], 0)
+    rows = _rows(source)
+    for row in rows:
+        joints = [source.joints[j] for j in row]
+        name = joints[0].name if len(row) == 1 else f"Composite_{joints[0].name}"
+        kind, at = _joint_model(joints), _pose(joints[0].placement)
+        ids |= dict.fromkeys(row, out.addJoint(ids[joints[0].parent], kind, at, name, *_bounds(joints)))
+    _copy_armature(out, source, rows, ids)
+    inner = {j for row in rows for j in row[:-1]}
+    for link in source.links:
+        carrier, at = ids[link.joint], _pose(link.placement)
+        if link.parent is not None:
+            frames[link.name] = frames[link.parent]
+            if link.joint in inner:
+                continue
+            frames[link.name] = _add_body(out, link, carrier, at, frames[link.parent])
+        if link.inertia.mass > 0.0:
+            out.appendBodyToJoint(carrier, Inertia._from(link.inertia), at)
+        for site in (f for f in source.frames if f.kind == "user" and f.link == link.name):
+            out.addFrame(
+                Frame(site.name, carrier, frames[link.name], _pose(site.placement), FrameType.OP_FRAME)
+            )
+    if root is None:
+        named = {"qpos0": source.neutral, **source.configurations}
+        out.referenceConfigurations |= {name: np.array(q) for name, q in named.items()}
+    return out
+
+
+def _pose(pose: Any) -> SE3:
+    return SE3._of(np.array(pose.matrix(), dtype=float))
+
+
+def _rows(source: TowerModel) -> list[list[int]]:
+    """The joints in rows, one for each body.
+
+    A joint stands in the row of the one before it where the link between them has no mass, shape, frame or other child.
+    """
+    named = {f.link for f in source.frames if f.kind == "user"}
+    carried = [[link for link in source.links if link.joint == j] for j in range(len(source.joints))]
+    below = [[k for k, joint in enumerate(source.joints) if joint.parent == j] for j in range(len(carried))]
+
+    def bare(j: int) -> bool:
+        (link, *others), children = carried[j], below[j]
+        filled = link.inertia.mass or link.visuals or link.collisions or link.name in named
+        return not (filled or others) and len(children) == 1
+
+    rows: dict[int, list[int]] = {}
+    for j, joint in enumerate(source.joints):
+        rows[j] = rows[joint.parent] if joint.parent >= 0 and bare(joint.parent) else []
+        rows[j].append(j)
+    return [row for j, row in rows.items() if row[0] == j]
+
+
+def _joint_model(joints: Sequence[TowerJoint]) -> JointModel:
+    """The joint model of one joint, or the composite of several."""
+    if len(joints) == 1:
+        return _one(joints[0].kind)
+    out = JointModelComposite()
+    for k, joint in enumerate(joints):
+        out.addJoint(_one(joint.kind), _pose(joint.placement) if k else SE3())
+    return out
+
+
+def _one(kind: JointKind) -> JointModel:
+    if isinstance(kind, Revolute):
+        return joint_kinds.revolute(kind.axis)
+    if isinstance(kind, Prismatic):
+        return joint_kinds.prismatic(kind.axis)
+    return (
+        joint_kinds.JointModelFreeFlyer()
+        if isinstance(kind, FreeFlyer)
+        else joint_kinds.JointModelSpherical()
+    )
+
+
+def _bounds(joints: Sequence[TowerJoint]) -> tuple[Any, ...]:
+    """Least and largest effort, speed and position, friction, damping: as addJoint takes them."""
+    limits = [joint.limits for joint in joints]
+    effort, speed, low, high = (
+        np.concatenate([getattr(x, key) for x in limits]) for key in ("effort", "velocity", "lower", "upper")
+    )
+    for joint, at in zip(joints, np.cumsum([0, *(j.kind.nq for j in joints)]), strict=False):
+        turns = slice(at + joint.kind.nq - 4, at + joint.kind.nq)
+        if isinstance(joint.kind, (FreeFlyer, Spherical)):  # quaternions, with a margin, as Pinocchio has it
+            low[turns], high[turns] = -1.01, 1.01
+    friction, damping = (np.concatenate([getattr(j, key) for j in joints]) for key in ("friction", "damping"))
+    return (-effort, effort, -speed, speed, low, high, -friction, friction, damping)
+
+
+def _copy_armature(out: Model, source: TowerModel, rows: list[list[int]], ids: Mapping[int, int]) -> None:
+    armature = out.armature.copy()
+    for row in rows:
+        joint = out.joints[ids[row[0]]]
+        armature[joint.idx_v : joint.idx_v + joint.nv] = [a for j in row for a in source.joints[j].armature]
+    out.armature = armature
+
+
+def _add_body(out: Model, link: TowerLink, carrier: int, at: SE3, before: int) -> int:
+    """The frame of a link, after that of the joint before it; returns its index."""
+    if link.joint >= 0 and not any(f.parentJoint == carrier for f in out.frames):
+        before = out.addJointFrame(carrier, before)
+    elif before > 0:  # as Pinocchio has it, a body that stands in the world has no frame of a joint
+        name = link.parent_joint or f"{link.name}_fixed"
+        before = out.addFrame(Frame(name, carrier, before, at, FrameType.FIXED_JOINT, Inertia()))
+    return out.addBodyFrame(link.name, carrier, at, before)

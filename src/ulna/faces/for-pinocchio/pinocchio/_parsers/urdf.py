@@ -1,0 +1,147 @@
+"""URDF to the face's Model: children in the alphabetical order of their joints, fixed joints merged."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+
+from pinocchio._containers.enums import FrameType
+from pinocchio._model import joint_kinds
+from pinocchio._model.building import FREE
+from pinocchio._model.frame import Frame
+from pinocchio._model.joint_kinds import JointModel
+from pinocchio._model.model import Model
+from pinocchio._spatial.inertia import Inertia
+from pinocchio._spatial.se3 import SE3
+from ulna.errors import FormatError
+from ulna.formats.poses import pose
+from ulna.formats.urdf import inertia_of, read_urdf
+from ulna.formats.urdf_document import UrdfDocument, UrdfJoint
+from ulna.formats.urdf_parse import parse_urdf
+
+
+def buildModelFromUrdf(
+    urdf_filename: Any,
+    root_joint: Any = None,
+    root_joint_name: Any = None,
+    model: Model | None = None,
+    verbose: bool = False,
+    mimic: bool = False,
+) -> Model:
+    """The model of a URDF file.
+
+    Args:
+        urdf_filename: The file.
+        root_joint: How its root moves in the world, such as JointModelFreeFlyer(); it stands still without.
+        root_joint_name: The name of that joint; "root_joint" without.
+        model: A model to add it to; a new one without.
+        verbose: Plays no part.
+        mimic: Whether mimic joints follow their source; else each moves on its own.
+
+    Raises:
+        FormatError: the file is missing or broken; says where and what mends it.
+    """
+    return build_model(
+        read_urdf(os.fspath(urdf_filename)), *_sorted_out(root_joint, root_joint_name, model), mimic=mimic
+    )
+
+
+def buildModelFromXML(
+    urdf_xml_stream: str,
+    root_joint: Any = None,
+    root_joint_name: Any = None,
+    model: Model | None = None,
+    verbose: bool = False,
+    mimic: bool = False,
+) -> Model:
+    """The model of a URDF text; see `buildModelFromUrdf`."""
+    return build_model(
+        parse_urdf(urdf_xml_stream), *_sorted_out(root_joint, root_joint_name, model), mimic=mimic
+    )
+
+
+def _sorted_out(*given: Any) -> tuple[JointModel | None, str, Model | None]:
+    """The root joint, its name and the model, in whatever order they came."""
+    joint = next((x for x in given if isinstance(x, JointModel)), None)
+    name = next((x for x in given if isinstance(x, str)), "root_joint")
+    return joint, name, next((x for x in given if isinstance(x, Model)), None)
+
+
+def build_model(
+    document: UrdfDocument, root: JointModel | None, root_name: str, model: Model | None, mimic: bool
+) -> Model:
+    """The model of a document."""
+    out = Model() if model is None else model
+    out.name = document.name
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in sorted(document.joints, key=lambda j: j.name):
+        below.setdefault(joint.parent, []).append(joint)
+    inertias = {
+        link.name: Inertia() if link.inertial is None else Inertia._from(inertia_of(link.inertial))
+        for link in document.links
+    }
+    top = document.root
+    carrier, frame = 0, 0
+    if root is not None:
+        carrier = out.addJoint(0, root, SE3(), root_name)
+        frame = out.addJointFrame(carrier, 0)
+    own = inertias[top]
+    told = Frame(top, carrier, frame, SE3(), FrameType.BODY, Inertia() if carrier else own)
+    placed = {top: (carrier, out.addFrame(told), SE3())}
+    if carrier and not own.isZero():
+        out.appendBodyToJoint(carrier, own, SE3())
+    waiting = list(reversed(below.get(top, [])))
+    late: list[tuple[UrdfJoint, int]] = []
+    while waiting:
+        joint = waiting.pop()
+        own = inertias[joint.child]
+        carrier, before, M = placed[joint.parent]
+        M = M * SE3._of(np.array(pose(joint.origin.xyz, joint.origin.rpy).matrix()))
+        if joint.kind == "fixed":
+            frame = out.addFrame(Frame(joint.name, carrier, before, M, FrameType.FIXED_JOINT, own))
+        else:
+            carrier = out.addJoint(carrier, _kind(joint), M, joint.name, *_bounds(joint))
+            if mimic and joint.mimic is not None:
+                late.append((joint, carrier))
+            frame = out.addJointFrame(carrier, before)
+            M = SE3()
+            if not own.isZero():
+                out.appendBodyToJoint(carrier, own, SE3())
+        placed[joint.child] = (carrier, out.addBodyFrame(joint.child, carrier, M, frame), M)
+        waiting.extend(reversed(below.get(joint.child, [])))
+    for joint, carrier in late:
+        assert joint.mimic is not None  # only those were kept
+        out.make_mimic(out.getJointId(joint.mimic.joint), carrier, joint.mimic.multiplier, joint.mimic.offset)
+    return out
+
+
+def _kind(joint: UrdfJoint) -> JointModel:
+    if joint.kind == "revolute":
+        return joint_kinds.revolute(joint.axis)
+    if joint.kind == "continuous":
+        return joint_kinds.continuous(joint.axis)
+    if joint.kind == "prismatic":
+        return joint_kinds.prismatic(joint.axis)
+    kinds = {
+        "planar": joint_kinds.JointModelPlanar,
+        "floating": joint_kinds.JointModelFreeFlyer,
+        "spherical": joint_kinds.JointModelSpherical,
+    }
+    if joint.kind not in kinds:
+        raise FormatError(f"joint {joint.name!r} is {joint.kind!r}, which this face does not know")
+    return kinds[joint.kind]()
+
+
+def _bounds(joint: UrdfJoint) -> tuple[Any, ...]:
+    """Least and largest effort, speed and position, friction, damping: as addJoint takes them."""
+    limit = joint.limit
+    effort = FREE if limit is None else min(limit.effort, FREE)
+    speed = FREE if limit is None else min(limit.velocity, FREE)
+    low, high = -FREE, FREE
+    if joint.kind in ("revolute", "prismatic") and limit is not None:
+        low, high = max(limit.lower, -FREE), min(limit.upper, FREE)
+    elif joint.kind == "continuous":
+        low, high = -1.01, 1.01
+    return (-effort, effort, -speed, speed, low, high, -joint.friction, joint.friction, joint.damping)

@@ -1,0 +1,1 @@
+"""Placements, motions, forces and inertias."""

@@ -1,0 +1,268 @@
+"""Inertia: mass, centre of mass, and rotational inertia about it, in one array with views."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import matrix, text, vector
+from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.motion_force import Force, Motion, generator, skew
+from pinocchio._spatial.symmetric3 import Symmetric3
+from ulna import spatial
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from pinocchio._spatial.pseudo_inertia import LogCholeskyParameters, PseudoInertia
+    from pinocchio._spatial.se3 import SE3
+
+
+@final
+class Inertia:
+    """`Inertia(mass, lever, inertia about the centre of mass)`; kg, m, kg m^2. `lever` is a view."""
+
+    __slots__ = ("_p",)
+
+    @by_name("mass lever inertia", "clone")
+    def __init__(self, *parts: Any) -> None:
+        self._p = np.zeros(13)  # mass, lever, inertia row by row
+        if len(parts) == 3:
+            self._p[0] = float(parts[0])
+            self.lever, self.inertia = parts[1], parts[2]
+        elif len(parts) == 1:
+            self._assign(parts[0])
+        elif parts:
+            raise InputError(f"Inertia was given {len(parts)} arguments; expected mass, lever and inertia.")
+
+    @classmethod
+    def _of(cls, storage: Floats) -> Inertia:
+        self = cls.__new__(cls)
+        self._p = storage
+        return self
+
+    def _assign(self, other: Any) -> None:
+        if isinstance(other, Inertia):
+            self._p[:] = other._p
+        else:  # the 6x6 matrix
+            given = matrix(other, (6, 6), "inertia")
+            mass = given[0, 0]
+            lever = np.array([given[5, 1], given[3, 2], given[4, 0]]) / (mass or 1.0)
+            self._p[0], self.lever = mass, lever
+            self.inertia = given[3:, 3:] + mass * skew(lever) @ skew(lever)
+
+    def _value(self) -> spatial.Inertia:
+        return spatial.Inertia(float(self._p[0]), self._p[1:4], self._p[4:].reshape(3, 3))
+
+    @staticmethod
+    def _from(value: spatial.Inertia) -> Inertia:
+        return Inertia._of(np.concatenate([[value.mass], value.com, np.ravel(value.inertia)]))
+
+    @staticmethod
+    def Zero() -> Inertia:
+        """The inertia of nothing."""
+        return Inertia()
+
+    @staticmethod
+    def Identity() -> Inertia:
+        """1 kg at the origin with unit moments."""
+        return Inertia(1.0, np.zeros(3), np.eye(3))
+
+    @staticmethod
+    def Random() -> Inertia:
+        """That of a body that can exist, drawn at random."""
+        rng = generator()
+        size = rng.uniform(0.1, 1.0, 3)
+        turn = spatial.SO3.random(rng)
+        body = spatial.Inertia.from_box(float(rng.uniform(0.1, 1.0)), size)
+        return Inertia._from(spatial.SE3.from_rotation(turn, rng.uniform(-1.0, 1.0, 3)).act(body))
+
+    @staticmethod
+    def FromSphere(mass: float, radius: float) -> Inertia:
+        """A solid sphere."""
+        return Inertia._from(spatial.Inertia.from_sphere(mass, radius))
+
+    @staticmethod
+    def FromEllipsoid(mass: float, length_x: float, length_y: float, length_z: float) -> Inertia:
+        """A solid ellipsoid with these half axes along x, y, z."""
+        return Inertia._from(spatial.Inertia.from_ellipsoid(mass, (length_x, length_y, length_z)))
+
+    @staticmethod
+    def FromCylinder(mass: float, radius: float, length: float) -> Inertia:
+        """A solid cylinder along z."""
+        return Inertia._from(spatial.Inertia.from_cylinder(mass, radius, length))
+
+    @staticmethod
+    def FromBox(mass: float, length_x: float, length_y: float, length_z: float) -> Inertia:
+        """A solid box with these sides along x, y, z."""
+        return Inertia._from(spatial.Inertia.from_box(mass, (length_x, length_y, length_z)))
+
+    @staticmethod
+    def FromCapsule(mass: float, radius: float, height: float) -> Inertia:
+        """A solid capsule along z: a cylinder of that height with half spheres."""
+        return Inertia._from(spatial.Inertia.from_capsule(mass, radius, height))
+
+    @staticmethod
+    def FromDynamicParameters(dynamic_parameters: Any) -> Inertia:
+        """From m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
+        return Inertia._from(
+            spatial.Inertia.from_parameters(vector(dynamic_parameters, 10, "dynamic_parameters"))
+        )
+
+    @staticmethod
+    def FromPseudoInertia(pseudo_inertia: Any) -> Inertia:
+        """From a PseudoInertia, or its 4x4 matrix."""
+        from pinocchio._spatial.pseudo_inertia import PseudoInertia
+
+        return PseudoInertia(pseudo_inertia).toInertia()
+
+    @staticmethod
+    def FromLogCholeskyParameters(log_cholesky_parameters: Any) -> Inertia:
+        """From LogCholeskyParameters, or the ten numbers."""
+        from pinocchio._spatial.pseudo_inertia import LogCholeskyParameters
+
+        return LogCholeskyParameters(log_cholesky_parameters).toInertia()
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg]."""
+        return float(self._p[0])
+
+    @mass.setter
+    def mass(self, value: float) -> None:
+        self._p[0] = value
+
+    @property
+    def lever(self) -> Floats:
+        """Centre of mass (3,) [m], a view; assigning copies into it."""
+        return self._p[1:4]
+
+    @lever.setter
+    def lever(self, value: Any) -> None:
+        self._p[1:4] = vector(value, 3, "lever")
+
+    @property
+    def inertia(self) -> Floats:
+        """Rotational inertia (3, 3) about the centre of mass [kg m^2], a copy; assign to change it."""
+        return self._p[4:].reshape(3, 3).copy()
+
+    @inertia.setter
+    def inertia(self, value: Any) -> None:
+        given = value.matrix() if isinstance(value, Symmetric3) else matrix(value, (3, 3), "inertia")
+        self._p[4:] = given.ravel()
+
+    def matrix(self) -> Floats:
+        """The 6x6 inertia about the origin."""
+        return self._value().matrix()
+
+    @property
+    def np(self) -> Floats:
+        """The 6x6 inertia about the origin."""
+        return self.matrix()
+
+    def inverse(self) -> Floats:
+        """The inverse of the 6x6 inertia."""
+        return np.asarray(np.linalg.inv(self.matrix()), dtype=float)
+
+    def toDynamicParameters(self) -> Floats:
+        """m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
+        return self._value().parameters()
+
+    def toPseudoInertia(self) -> PseudoInertia:
+        """The pseudo-inertia."""
+        from pinocchio._spatial.pseudo_inertia import PseudoInertia
+
+        return PseudoInertia.FromInertia(self)
+
+    def toLogCholeskyParameters(self) -> LogCholeskyParameters:
+        """The log-Cholesky parameters; of bodies with volume alone."""
+        from pinocchio._spatial.pseudo_inertia import LogCholeskyParameters
+
+        return LogCholeskyParameters.FromInertia(self)
+
+    def se3Action(self, M: SE3) -> Inertia:
+        """It, carried along by M."""
+        return Inertia._from(M._pose().act(self._value()))
+
+    def se3ActionInverse(self, M: SE3) -> Inertia:
+        """It, carried along by the inverse of M."""
+        return Inertia._from(M._pose().act_inverse(self._value()))
+
+    def vtiv(self, v: Motion) -> float:
+        """Twice the kinetic energy at a velocity [J]."""
+        return 2.0 * float(self._value().kinetic_energy(v._value()))
+
+    def vxi(self, v: Motion) -> Floats:
+        """The 6x6 matrix v x* I."""
+        return v.dualAction @ self.matrix()
+
+    def ivx(self, v: Motion) -> Floats:
+        """The 6x6 matrix I v x."""
+        return self.matrix() @ v.action
+
+    def vxiv(self, v: Motion) -> Force:
+        """The force v x* I v."""
+        return v.cross(self * v)
+
+    def variation(self, v: Motion) -> Floats:
+        """The 6x6 rate of the inertia of a body that moves with v."""
+        return self.vxi(v) - self.ivx(v)
+
+    def setZero(self) -> None:
+        """Makes it that of nothing."""
+        self._p[:] = 0.0
+
+    def setIdentity(self) -> None:
+        """Makes it 1 kg at the origin with unit moments."""
+        self._assign(Inertia.Identity())
+
+    def setRandom(self) -> None:
+        """Draws it anew; see `Random`."""
+        self._assign(Inertia.Random())
+
+    def isZero(self, prec: float = 1e-12) -> bool:
+        """Whether all its numbers are at most `prec`."""
+        return bool(np.abs(self._p).max() <= prec)
+
+    def isApprox(self, other: Inertia, prec: float = 1e-12) -> bool:
+        """Whether mass, lever and inertia agree within `prec`."""
+        return bool(np.linalg.norm(self._p - other._p) <= prec * max(1.0, float(np.linalg.norm(self._p))))
+
+    def copy(self) -> Inertia:
+        """One of its own, with the same numbers."""
+        return Inertia._of(self._p.copy())
+
+    __copy__ = cast = copy
+
+    def __deepcopy__(self, memo: Any) -> Inertia:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        return Inertia, (self.mass, self.lever.copy(), self.inertia)
+
+    def __add__(self, other: Inertia) -> Inertia:
+        return Inertia._from(self._value() + other._value()) if isinstance(other, Inertia) else NotImplemented
+
+    def __iadd__(self, other: Inertia) -> Inertia:
+        self._assign(self + other)
+        return self
+
+    def __sub__(self, other: Inertia) -> Inertia:
+        difference = self.toDynamicParameters() - other.toDynamicParameters()
+        return Inertia.FromDynamicParameters(difference) if difference.any() else Inertia()
+
+    def __mul__(self, motion: Any) -> Any:
+        if not isinstance(motion, Motion):
+            return self.matrix() @ vector(motion, 6, "motion")
+        return Force._from(self._value().apply(motion._value()))
+
+    def __eq__(self, other: object) -> bool:
+        return bool((self._p == other._p).all()) if isinstance(other, Inertia) else NotImplemented
+
+    __hash__ = object.__hash__
+
+    def __str__(self) -> str:
+        return f"  m = {self.mass:.6g}\n  c = {text(self.lever)}\n  I = \n{text(self.inertia)}"
+
+    __repr__ = __str__

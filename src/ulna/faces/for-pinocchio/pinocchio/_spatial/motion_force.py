@@ -1,0 +1,268 @@
+"""Motion and Force: six numbers, the linear part first, with views of both parts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Self, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import numbers, text, vector
+from pinocchio._containers.keywords import by_name
+from ulna import spatial
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from pinocchio._spatial.se3 import SE3
+
+_random = np.random.default_rng()
+
+
+def seed(seed_value: int) -> None:
+    """Starts the random numbers of `Random` and `randomConfiguration` anew."""
+    global _random
+    _random = np.random.default_rng(seed_value)
+
+
+def generator() -> np.random.Generator:
+    """Where the face's random numbers come from; see `seed`."""
+    return _random
+
+
+class _Six:
+    """What motions and forces have in common."""
+
+    __slots__ = ("_v",)
+    _names = ("linear", "angular")
+    _signs = ("v", "w")
+    _tower: Any
+
+    @by_name("linear angular", "array", "clone")
+    def __init__(self, *parts: Any) -> None:
+        kind = type(self).__name__
+        if not parts:
+            self._v = np.zeros(6)
+        elif len(parts) == 1:
+            one = parts[0]
+            self._v = one._v.copy() if isinstance(one, type(self)) else vector(one, 6, "vector").copy()
+        elif len(parts) == 2:
+            self._v = np.concatenate([vector(p, 3, n) for p, n in zip(parts, self._names, strict=True)])
+        else:
+            raise InputError(
+                f"{kind} was given {len(parts)} arguments; expected a linear and an angular part."
+            )
+
+    @classmethod
+    def _of(cls, storage: Floats) -> Self:
+        self = cls.__new__(cls)
+        self._v = storage
+        return self
+
+    def _assign(self, other: Any) -> None:
+        self._v[:] = other._v if isinstance(other, type(self)) else vector(other, 6, "vector")
+
+    @classmethod
+    def Zero(cls) -> Self:
+        """All zero."""
+        return cls()
+
+    @classmethod
+    def Random(cls) -> Self:
+        """Entries drawn evenly from [-1, 1]."""
+        return cls._of(_random.uniform(-1.0, 1.0, 6))
+
+    @property
+    def linear(self) -> Floats:
+        """The linear part (3,), a view; assigning copies into it."""
+        return self._v[:3]
+
+    @linear.setter
+    def linear(self, value: Any) -> None:
+        self._v[:3] = vector(value, 3, "linear")
+
+    @property
+    def angular(self) -> Floats:
+        """The angular part (3,), a view; assigning copies into it."""
+        return self._v[3:]
+
+    @angular.setter
+    def angular(self, value: Any) -> None:
+        self._v[3:] = vector(value, 3, "angular")
+
+    @property
+    def vector(self) -> Floats:
+        """All six numbers, the linear part first, a view; assigning copies into it."""
+        return self._v
+
+    @vector.setter
+    def vector(self, value: Any) -> None:
+        self._v[:] = vector(value, 6, "vector")
+
+    @property
+    def np(self) -> Floats:
+        """All six numbers, a view."""
+        return self._v
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Floats:
+        return np.array(self._v, dtype=dtype, copy=copy)
+
+    def setZero(self) -> None:
+        """Makes it zero."""
+        self._v[:] = 0.0
+
+    def setRandom(self) -> None:
+        """Draws it anew; see `Random`."""
+        self._v[:] = _random.uniform(-1.0, 1.0, 6)
+
+    def copy(self) -> Self:
+        """One of its own, with the same numbers."""
+        return self._of(self._v.copy())
+
+    __copy__ = cast = copy
+
+    def __deepcopy__(self, memo: Any) -> Self:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        return type(self), (self._v[:3].copy(), self._v[3:].copy())
+
+    def isApprox(self, other: Self, prec: float = 1e-12) -> bool:
+        """Whether both parts differ by at most `prec` times the smaller of their norms."""
+        return _close(self.linear, other.linear, prec) and _close(self.angular, other.angular, prec)
+
+    def isZero(self, prec: float = 1e-12) -> bool:
+        """Whether all entries are at most `prec`."""
+        return bool(np.abs(self._v).max() <= prec)
+
+    def se3Action(self, M: SE3) -> Self:
+        """It, carried along by M."""
+        return self._of(M._carried(type(self).__name__, self._v))
+
+    def se3ActionInverse(self, M: SE3) -> Self:
+        """It, carried along by the inverse of M."""
+        return self._of(M._carried(f"{type(self).__name__} back", self._v))
+
+    def _value(self) -> Any:
+        return self._tower(self._v[:3], self._v[3:])
+
+    @classmethod
+    def _from(cls, value: Any) -> Self:
+        return cls._of(np.concatenate([value.linear, value.angular]))
+
+    def __add__(self, other: Self) -> Any:
+        return self._of(self._v + other._v) if isinstance(other, type(self)) else NotImplemented
+
+    def __sub__(self, other: Self) -> Any:
+        return self._of(self._v - other._v) if isinstance(other, type(self)) else NotImplemented
+
+    def __iadd__(self, other: Self) -> Self:
+        self._v += other._v
+        return self
+
+    def __isub__(self, other: Self) -> Self:
+        self._v -= other._v
+        return self
+
+    def __neg__(self) -> Self:
+        return self._of(-self._v)
+
+    def __mul__(self, factor: Any) -> Any:
+        return self._of(self._v * factor) if np.ndim(factor) == 0 else NotImplemented
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: float) -> Self:
+        return self._of(self._v / float(divisor))
+
+    def __eq__(self, other: object) -> bool:
+        return bool((self._v == other._v).all()) if isinstance(other, type(self)) else NotImplemented
+
+    __hash__ = object.__hash__
+
+    def __str__(self) -> str:
+        first, second = (name.rjust(3) for name in self._signs)
+        return f"{first} = {text(self._v[:3])}\n{second} = {text(self._v[3:])}\n"
+
+    __repr__ = __str__
+
+
+def _close(a: Floats, b: Floats, prec: float) -> bool:
+    gap = float(np.linalg.norm(a - b))
+    return gap <= prec * min(float(np.linalg.norm(a)), float(np.linalg.norm(b))) or gap == 0.0
+
+
+@final
+class Motion(_Six):
+    """A spatial velocity or acceleration: linear part [m/s], angular part [rad/s]."""
+
+    __slots__ = ()
+    _tower = spatial.Motion
+
+    def cross(self, other: Any) -> Any:
+        """The cross product with a Motion, or with a Force."""
+        if not isinstance(other, (Motion, Force)):
+            raise InputError(f"Motion.cross was given {other!r}; expected a Motion or a Force.")
+        return type(other)._from(self._value().cross(other._value()))
+
+    __xor__ = cross
+
+    def dot(self, force: Any) -> float:
+        """The power of a Force at this velocity [W]."""
+        return float(self._v @ (force._v if isinstance(force, Force) else vector(force, 6, "force")))
+
+    @property
+    def action(self) -> Floats:
+        """The 6x6 matrix of the cross product with motions."""
+        return self._value().cross_matrix()
+
+    @property
+    def dualAction(self) -> Floats:
+        """The 6x6 matrix of the cross product with forces."""
+        return -self._value().cross_matrix().T
+
+    @property
+    def homogeneous(self) -> Floats:
+        """The 4x4 matrix whose exponential is the displacement of one second."""
+        out = np.zeros((4, 4))
+        out[:3, :3], out[:3, 3] = skew(self._v[3:]), self._v[:3]
+        return out
+
+
+@final
+class Force(_Six):
+    """A spatial force: force [N], moment [N m]."""
+
+    __slots__ = ()
+    _signs = ("f", "tau")
+    _tower = spatial.Force
+
+    def dot(self, motion: Any) -> float:
+        """The power at a velocity [W]."""
+        return float(self._v @ (motion._v if isinstance(motion, Motion) else vector(motion, 6, "motion")))
+
+
+def skew(u: Any) -> Floats:
+    """The matrix of the cross product with a 3-vector."""
+    x, y, z = vector(u, 3, "u")
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def unSkew(U: Any) -> Floats:
+    """The 3-vector of a matrix of the cross product."""
+    m = numbers(U, "U")
+    return 0.5 * np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+
+
+def skewSquare(u: Any, v: Any) -> Floats:
+    """The matrix [u]x [v]x."""
+    return skew(u) @ skew(v)
+
+
+def classicAcceleration(
+    spatial_velocity: Motion, spatial_acceleration: Motion, placement: Any = None
+) -> Floats:
+    """The acceleration (3,) [m/s^2] of the point at the origin, out of the spatial velocity and acceleration."""
+    v, a = spatial_velocity, spatial_acceleration
+    if placement is not None:
+        v, a = placement.actInv(v), placement.actInv(a)
+    return numbers(a.linear + np.cross(v.angular, v.linear), "acceleration")

@@ -1,0 +1,178 @@
+"""PseudoInertia and LogCholeskyParameters: two more ways to write the inertia of a body, for identification."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import matrix, text, vector
+from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.inertia import Inertia
+from ulna.identification.physical import (
+    from_log_cholesky,
+    log_cholesky,
+    log_cholesky_jacobian,
+    parameters_of,
+    pseudo_inertia,
+)
+from ulna.typing import Floats
+
+
+class _OfBody:
+    """What both have in common: they are made of ten numbers, and copied and compared by them."""
+
+    __slots__ = ("_p",)
+    _p: Floats
+
+    def __init__(self, *parts: Any) -> None:
+        raise NotImplementedError
+
+    def toDynamicParameters(self) -> Floats:
+        """m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
+        raise NotImplementedError
+
+    def toInertia(self) -> Inertia:
+        """The inertia."""
+        return Inertia.FromDynamicParameters(self.toDynamicParameters())
+
+    def copy(self) -> Any:
+        """One of its own, with the same numbers."""
+        return type(self)(self)
+
+    __copy__ = cast = copy
+
+    def __deepcopy__(self, memo: Any) -> Any:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        return type(self), (self._p.copy(),)
+
+    def __eq__(self, other: object) -> bool:
+        return np.array_equal(self._p, other._p) if isinstance(other, type(self)) else NotImplemented
+
+    __hash__ = object.__hash__
+
+
+@final
+class PseudoInertia(_OfBody):
+    """`PseudoInertia(mass, h, sigma)`: kg, mass times centre of mass [kg m], second moments [kg m^2]; or its matrix."""
+
+    __slots__ = ()
+
+    @by_name("mass h sigma", "clone")
+    def __init__(self, *parts: Any) -> None:
+        if len(parts) == 1:
+            one = parts[0]
+            self._p = np.array(
+                one._p if isinstance(one, PseudoInertia) else matrix(one, (4, 4), "pseudo_inertia")
+            )
+            return
+        mass, h, sigma = parts
+        self._p = np.zeros((4, 4))
+        self.mass, self.h, self.sigma = mass, h, sigma
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg]."""
+        return float(self._p[3, 3])
+
+    @mass.setter
+    def mass(self, value: float) -> None:
+        self._p[3, 3] = value
+
+    @property
+    def h(self) -> Floats:
+        """Mass times centre of mass (3,) [kg m]; assign to change it."""
+        return self._p[:3, 3].copy()
+
+    @h.setter
+    def h(self, value: Any) -> None:
+        self._p[:3, 3] = self._p[3, :3] = vector(value, 3, "h")
+
+    @property
+    def sigma(self) -> Floats:
+        """Second moments of mass about the origin (3, 3) [kg m^2], a view; assigning copies into it."""
+        return self._p[:3, :3]
+
+    @sigma.setter
+    def sigma(self, value: Any) -> None:
+        self._p[:3, :3] = matrix(value, (3, 3), "sigma")
+
+    @staticmethod
+    def FromMatrix(pseudo_inertia_matrix: Any) -> PseudoInertia:
+        """From the 4x4 matrix [[sigma, h], [h^T, m]]."""
+        return PseudoInertia(pseudo_inertia_matrix)
+
+    @staticmethod
+    def FromDynamicParameters(dynamic_parameters: Any) -> PseudoInertia:
+        """From m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
+        return PseudoInertia(pseudo_inertia(vector(dynamic_parameters, 10, "dynamic_parameters")))
+
+    @staticmethod
+    def FromInertia(inertia: Inertia) -> PseudoInertia:
+        """From an Inertia."""
+        return PseudoInertia.FromDynamicParameters(inertia.toDynamicParameters())
+
+    def toMatrix(self) -> Floats:
+        """The 4x4 matrix, a copy."""
+        return self._p.copy()
+
+    def toDynamicParameters(self) -> Floats:
+        """m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
+        return parameters_of(self._p)
+
+    def toLogCholeskyParameters(self) -> LogCholeskyParameters:
+        """The log-Cholesky parameters; of bodies with volume alone."""
+        return LogCholeskyParameters.FromInertia(self.toInertia())
+
+    def __str__(self) -> str:
+        return f"  m = {self.mass:.6g}\n  h = {text(self.h)}\n  sigma = \n{text(self.sigma)}"
+
+    __repr__ = __str__
+
+
+@final
+class LogCholeskyParameters(_OfBody):
+    """Ten numbers without bounds, alpha d1 d2 d3 s12 s23 s13 t1 t2 t3; every choice is a body that can exist."""
+
+    __slots__ = ()
+
+    def __init__(self, log_cholesky_parameters: Any) -> None:
+        one = log_cholesky_parameters
+        given = (
+            one._p if isinstance(one, LogCholeskyParameters) else vector(one, 10, "log_cholesky_parameters")
+        )
+        self._p = np.array(given)
+
+    @property
+    def parameters(self) -> Floats:
+        """The ten numbers, a view; assigning copies into it."""
+        return self._p
+
+    @parameters.setter
+    def parameters(self, value: Any) -> None:
+        self._p[:] = vector(value, 10, "parameters")
+
+    @staticmethod
+    def FromInertia(inertia: Inertia) -> LogCholeskyParameters:
+        """Those of an Inertia. InputError where the body cannot exist, or is flat."""
+        return LogCholeskyParameters(log_cholesky(inertia.toDynamicParameters()))
+
+    def toDynamicParameters(self) -> Floats:
+        """m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
+        return from_log_cholesky(self._p)
+
+    def toPseudoInertia(self) -> PseudoInertia:
+        """The pseudo-inertia."""
+        return PseudoInertia.FromDynamicParameters(self.toDynamicParameters())
+
+    def calculateJacobian(self) -> Floats:
+        """The derivative (10, 10) of the dynamic parameters by these."""
+        return log_cholesky_jacobian(self._p)
+
+    def __str__(self) -> str:
+        names = ("alpha", "d1", "d2", "d3", "s12", "s23", "s13", "t1", "t2", "t3")
+        return "\n".join(f"  {name}: {value:.6g}" for name, value in zip(names, self._p, strict=True))
+
+    __repr__ = __str__

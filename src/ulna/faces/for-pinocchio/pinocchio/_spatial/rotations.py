@@ -1,0 +1,249 @@
+"""Quaternion and AngleAxis; the coefficients of a quaternion are in the order x, y, z, w."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import matrix, text, vector
+from ulna import spatial
+from ulna.errors import InputError
+from ulna.trace import compile as compile_function
+from ulna.typing import Floats
+
+
+@final
+class Quaternion:
+    """`Quaternion(w, x, y, z)`, `(R)`, `(coefficients xyzw)`, `(angle_axis)`, `(other)`; the identity without."""
+
+    __slots__ = ("_c",)
+
+    def __init__(self, *parts: Any) -> None:
+        if len(parts) == 4:
+            w, x, y, z = parts
+            self._c = np.array([x, y, z, w], dtype=float)
+        elif not parts:
+            self._c = np.array([0.0, 0.0, 0.0, 1.0])
+        elif len(parts) == 1:
+            self._c = _coefficients(parts[0])
+        else:
+            raise InputError(
+                f"Quaternion was given {len(parts)} arguments; expected w, x, y, z, or one matrix."
+            )
+
+    @staticmethod
+    def _of(coefficients: Any) -> Quaternion:
+        self = Quaternion.__new__(Quaternion)
+        self._c = np.array(coefficients, dtype=float)
+        return self
+
+    @staticmethod
+    def Identity() -> Quaternion:
+        """No rotation."""
+        return Quaternion()
+
+    @staticmethod
+    def FromTwoVectors(u: Any, v: Any) -> Quaternion:
+        """The least rotation that turns the direction of u into that of v."""
+        return Quaternion().setFromTwoVectors(u, v)
+
+    def setFromTwoVectors(self, u: Any, v: Any) -> Quaternion:
+        """Becomes the least rotation that turns the direction of u into that of v."""
+        a, b = (x / np.linalg.norm(x) for x in (vector(u, 3, "u"), vector(v, 3, "v")))
+        half = 1.0 + a @ b
+        axis = np.cross(a, b) if half > 1e-12 else np.cross(a, np.eye(3)[np.abs(a).argmin()])
+        self._c[:] = *axis, max(half, 0.0) if half > 1e-12 else 0.0
+        return self._scaled()
+
+    def _scaled(self) -> Quaternion:
+        self._c /= np.linalg.norm(self._c)
+        return self
+
+    def coeffs(self) -> Floats:
+        """x, y, z, w."""
+        return self._c.copy()
+
+    def vec(self) -> Floats:
+        """x, y, z."""
+        return self._c[:3].copy()
+
+    def matrix(self) -> Floats:
+        """The rotation matrix (3, 3)."""
+        return np.array(spatial.quat_xyzw_to_matrix(self._c))
+
+    toRotationMatrix = matrix
+
+    def norm(self) -> float:
+        """Its length; 1 for a rotation."""
+        return float(np.linalg.norm(self._c))
+
+    def squaredNorm(self) -> float:
+        """Its squared length."""
+        return float(self._c @ self._c)
+
+    def normalize(self) -> Quaternion:
+        """Scales it to length 1."""
+        return self._scaled()
+
+    def normalized(self) -> Quaternion:
+        """One like it of length 1."""
+        return Quaternion._of(self._c)._scaled()
+
+    def conjugate(self) -> Quaternion:
+        """The rotation back, when of length 1."""
+        return Quaternion._of(spatial.quat_conjugate(self._c))
+
+    def inverse(self) -> Quaternion:
+        """The rotation back."""
+        return Quaternion._of(spatial.quat_conjugate(self._c) / self.squaredNorm())
+
+    def dot(self, other: Quaternion) -> float:
+        """The dot product of the coefficients."""
+        return float(self._c @ other._c)
+
+    def angularDistance(self, other: Quaternion) -> float:
+        """The angle between two rotations [rad]."""
+        turn = spatial.quat_log(spatial.quat_multiply(spatial.quat_conjugate(self._c), other._c))
+        return float(np.linalg.norm(turn))
+
+    def slerp(self, t: float, other: Quaternion) -> Quaternion:
+        """The rotation at a part `t` of the way to another."""
+        return Quaternion._of(spatial.quat_slerp(self._c, other._c, t))
+
+    def setIdentity(self) -> Quaternion:
+        """Makes it the identity."""
+        self._c[:] = 0.0, 0.0, 0.0, 1.0
+        return self
+
+    def assign(self, other: Any) -> Quaternion:
+        """Takes over another rotation."""
+        self._c[:] = _coefficients(other)
+        return self
+
+    def isApprox(self, other: Quaternion, prec: float = 1e-12) -> bool:
+        """Whether the coefficients differ by at most `prec`."""
+        return bool(np.linalg.norm(self._c - other._c) <= prec)
+
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, Quaternion):
+            return Quaternion._of(spatial.quat_multiply(self._c, other._c))
+        return self.matrix() @ vector(other, 3, "v")
+
+    _transformVector = __mul__
+
+    def __getitem__(self, place: int) -> float:
+        return float(self._c[place])
+
+    def __setitem__(self, place: int, value: float) -> None:
+        self._c[place] = value
+
+    def __len__(self) -> int:
+        return 4
+
+    def __eq__(self, other: object) -> bool:
+        return bool((self._c == other._c).all()) if isinstance(other, Quaternion) else NotImplemented
+
+    __hash__ = object.__hash__
+
+    def __reduce__(self) -> Any:
+        return Quaternion, (self._c.copy(),)
+
+    def __str__(self) -> str:
+        return f"(x,y,z,w) = {' '.join(f'{c:.6g}' for c in self._c)}\n"
+
+    __repr__ = __str__
+
+
+for _place, _letter in enumerate("xyzw"):
+    setattr(
+        Quaternion,
+        _letter,
+        property(
+            lambda self, place=_place: float(self._c[place]),
+            lambda self, value, place=_place: self._c.__setitem__(place, value),
+            doc=f"The coefficient {_letter}.",
+        ),
+    )
+
+
+def _coefficients(one: Any) -> Floats:
+    if isinstance(one, Quaternion):
+        return one._c.copy()
+    if isinstance(one, AngleAxis):
+        one = one.matrix()
+    array = np.asarray(one, dtype=float)
+    if array.shape == (3, 3):
+        return coefficients_of(array)
+    return vector(one, 4, "coefficients").copy()
+
+
+@cache
+def _of_matrix() -> Any:
+    return compile_function(spatial.matrix_to_quat_xyzw, R=(3, 3))
+
+
+def coefficients_of(R: Floats) -> Floats:
+    """The quaternion xyzw of a rotation matrix, with the sign that Eigen gives it: its largest entry is positive.
+
+    Largest is w where the trace is positive, else the entry of the largest number on the diagonal.
+    """
+    found = _of_matrix()(R)
+    diagonal = np.diagonal(R)
+    lead = 3 if diagonal.sum() > 0.0 else int(diagonal.argmax())
+    return -found if found[lead] < 0.0 else found
+
+
+@final
+class AngleAxis:
+    """A rotation by an angle [rad] about a unit axis: `AngleAxis(angle, axis)`, `(R)`, `(quaternion)`."""
+
+    def __init__(self, *parts: Any) -> None:
+        self.angle: float = 0.0
+        self.axis: Floats = np.array([1.0, 0.0, 0.0])
+        if len(parts) == 2:
+            self.angle, self.axis = float(parts[0]), vector(parts[1], 3, "axis").copy()
+        elif len(parts) == 1:
+            one = parts[0]
+            if isinstance(one, AngleAxis):
+                self.angle, self.axis = one.angle, one.axis.copy()
+            else:
+                self.fromRotationMatrix(one.matrix() if hasattr(one, "matrix") else one)
+
+    def fromRotationMatrix(self, R: Any) -> AngleAxis:
+        """Takes over a rotation matrix."""
+        angle, axis = spatial.matrix_to_angle_axis(matrix(R, (3, 3), "R"))
+        self.angle, self.axis = float(angle), np.array(axis)
+        return self
+
+    def matrix(self) -> Floats:
+        """The rotation matrix (3, 3)."""
+        return np.array(spatial.angle_axis_to_matrix(self.angle, self.axis))
+
+    toRotationMatrix = matrix
+
+    def inverse(self) -> AngleAxis:
+        """The rotation back."""
+        return AngleAxis(-self.angle, self.axis)
+
+    def isApprox(self, other: AngleAxis, prec: float = 1e-12) -> bool:
+        """Whether angle and axis differ by at most `prec`."""
+        return abs(self.angle - other.angle) <= prec and bool(np.linalg.norm(self.axis - other.axis) <= prec)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, AngleAxis):
+            return NotImplemented
+        return self.angle == other.angle and np.array_equal(self.axis, other.axis)
+
+    __hash__ = object.__hash__
+
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, (AngleAxis, Quaternion)):
+            return Quaternion(self) * Quaternion(other)
+        return self.matrix() @ vector(other, 3, "v")
+
+    def __str__(self) -> str:
+        return f"angle: {self.angle:.6g}\naxis: {text(self.axis)}\n"
+
+    __repr__ = __str__

@@ -1,0 +1,271 @@
+"""SE3: a placement in one 4x4 array, with views of its rotation and translation."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import matrix, numbers, text, vector
+from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.motion_force import generator
+from pinocchio._spatial.rotations import coefficients_of
+from ulna import spatial
+from ulna.errors import InputError, ShapeError
+from ulna.trace import compile as compile_function
+from ulna.typing import Array, Floats
+
+
+def _pose(m: Array) -> spatial.SE3:
+    return spatial.SE3(m[:3, :3], m[:3, 3])
+
+
+def _turned(quat: Array) -> Array:
+    return spatial.quat_xyzw_to_matrix(spatial.quat_normalize(quat))
+
+
+_M, _V = (4, 4), (6,)
+_FUNCTIONS: dict[str, tuple[Any, ...]] = {
+    "product": (lambda a, b: (_pose(a) @ _pose(b)).matrix(), _M, _M),
+    "quotient": (lambda a, b: (_pose(a).inverse() @ _pose(b)).matrix(), _M, _M),
+    "inverse": (lambda a: _pose(a).inverse().matrix(), _M),
+    "action": (lambda a: _pose(a).adjoint(), _M),
+    "action back": (lambda a: _pose(a).inverse().adjoint(), _M),
+    "dual action": (lambda a: _pose(a).dual_adjoint(), _M),
+    "Motion": (lambda a, v: _pose(a).act(spatial.Motion(v[:3], v[3:])).vector(), _M, _V),
+    "Motion back": (lambda a, v: _pose(a).act_inverse(spatial.Motion(v[:3], v[3:])).vector(), _M, _V),
+    "Force": (lambda a, f: _pose(a).act(spatial.Force(f[:3], f[3:])).vector(), _M, _V),
+    "Force back": (lambda a, f: _pose(a).act_inverse(spatial.Force(f[:3], f[3:])).vector(), _M, _V),
+    "placed": (lambda x: spatial.SE3(_turned(x[3:]), x[:3]).matrix(), (7,)),
+}
+
+
+@cache
+def compiled(name: str) -> Any:
+    """The compiled function of that name, of placements (4, 4)."""
+    function, *sizes = _FUNCTIONS[name]
+    shapes: dict[str, Any] = {f"x{k}": size for k, size in enumerate(sizes)}
+    return compile_function(function, **shapes)
+
+
+@final
+class SE3:
+    """A rigid displacement. `SE3()`, `SE3(R, p)`, `SE3(quaternion, p)`, `SE3(matrix 4x4)`, `SE3(other)`, `SE3(1)`."""
+
+    __slots__ = ("_m",)
+
+    @by_name("rotation translation", "quat translation", "array", "clone", "int")
+    def __init__(self, *parts: Any) -> None:
+        self._m = np.eye(4)
+        if len(parts) == 2:
+            turn = parts[0].matrix() if hasattr(parts[0], "matrix") else parts[0]
+            self._m[:3, :3] = matrix(turn, (3, 3), "rotation")
+            self._m[:3, 3] = vector(parts[1], 3, "translation")
+        elif len(parts) == 1:
+            one = parts[0]
+            if isinstance(one, SE3):
+                self._m[:] = one._m
+            elif not isinstance(one, int):
+                self._m[:3] = matrix(one, (4, 4), "homogeneous")[:3]
+        elif parts:
+            raise InputError(f"SE3 was given {len(parts)} arguments; expected a rotation and a translation.")
+
+    @classmethod
+    def _of(cls, storage: Floats) -> SE3:
+        self = cls.__new__(cls)
+        self._m = storage
+        return self
+
+    def _assign(self, other: Any) -> None:
+        self._m[:] = other._m if isinstance(other, SE3) else SE3(other)._m
+
+    def _pose(self) -> spatial.SE3:
+        return _pose(self._m)
+
+    def _carried(self, name: str, values: Floats) -> Floats:
+        """What a function of `compiled` makes of six numbers."""
+        return compiled(name)(self._m, values)
+
+    @staticmethod
+    def Identity() -> SE3:
+        """No displacement."""
+        return SE3()
+
+    @staticmethod
+    def Random() -> SE3:
+        """A rotation drawn evenly over all, a translation from [-1, 1] m."""
+        return SE3._of(np.array(spatial.SE3.random(generator()).matrix()))
+
+    @staticmethod
+    def Interpolate(A: SE3, B: SE3, alpha: float) -> SE3:
+        """The placement at a part `alpha` of the screw that leads from A to B."""
+        return SE3._of(np.array(A._pose().interpolate(B._pose(), alpha).matrix()))
+
+    @property
+    def rotation(self) -> Floats:
+        """The rotation matrix (3, 3), a view; assigning copies into it."""
+        return self._m[:3, :3]
+
+    @rotation.setter
+    def rotation(self, value: Any) -> None:
+        self._m[:3, :3] = matrix(value, (3, 3), "rotation")
+
+    @property
+    def translation(self) -> Floats:
+        """The translation (3,) [m], a view; assigning copies into it."""
+        return self._m[:3, 3]
+
+    @translation.setter
+    def translation(self, value: Any) -> None:
+        self._m[:3, 3] = vector(value, 3, "translation")
+
+    @property
+    def homogeneous(self) -> Floats:
+        """The 4x4 matrix, a copy."""
+        return self._m.copy()
+
+    np = homogeneous
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Floats:
+        return np.array(self._m, dtype=dtype)
+
+    @property
+    def action(self) -> Floats:
+        """The 6x6 matrix that carries motions along."""
+        return compiled("action")(self._m)
+
+    @property
+    def actionInverse(self) -> Floats:
+        """The 6x6 matrix that carries motions back."""
+        return compiled("action back")(self._m)
+
+    @property
+    def dualAction(self) -> Floats:
+        """The 6x6 matrix that carries forces along."""
+        return compiled("dual action")(self._m)
+
+    def toActionMatrix(self) -> Floats:
+        """See `action`."""
+        return self.action
+
+    def toActionMatrixInverse(self) -> Floats:
+        """See `actionInverse`."""
+        return self.actionInverse
+
+    def toDualActionMatrix(self) -> Floats:
+        """See `dualAction`."""
+        return self.dualAction
+
+    def inverse(self) -> SE3:
+        """The displacement back."""
+        return SE3._of(compiled("inverse")(self._m))
+
+    __invert__ = inverse
+
+    def act(self, item: Any) -> Any:
+        """What `item` is after the displacement: SE3, Motion, Force, Inertia, or a point (3,), or points (3, N)."""
+        if isinstance(item, SE3):
+            return SE3._of(compiled("product")(self._m, item._m))
+        if hasattr(item, "se3Action"):
+            return item.se3Action(self)
+        return self._point(item, self._m[:3, :3], self._m[:3, 3])
+
+    def actInv(self, item: Any) -> Any:
+        """What `item` was before the displacement; see `act`."""
+        if isinstance(item, SE3):
+            return SE3._of(compiled("quotient")(self._m, item._m))
+        if hasattr(item, "se3ActionInverse"):
+            return item.se3ActionInverse(self)
+        back = self.inverse()
+        return self._point(item, back._m[:3, :3], back._m[:3, 3])
+
+    __mul__ = act
+    __matmul__ = act
+    __array_ufunc__ = None  # so that NumPy leaves products to this class
+
+    @staticmethod
+    def _point(item: Any, rotation: Floats, translation: Floats) -> Floats:
+        points = numbers(item, "point")
+        if points.shape[:1] != (3,) or points.ndim > 2:
+            raise ShapeError("point", points.shape, "(3,) or (3, N)")
+        return rotation @ points + (translation if points.ndim == 1 else translation[:, None])
+
+    def isApprox(self, other: SE3, prec: float = 1e-12) -> bool:
+        """Whether rotation and translation differ by at most `prec`, relatively."""
+        for a, b in ((self.rotation, other.rotation), (self.translation, other.translation)):
+            gap = float(np.linalg.norm(a - b))
+            if gap > prec * min(float(np.linalg.norm(a)), float(np.linalg.norm(b))) and gap != 0.0:
+                return False
+        return True
+
+    def isIdentity(self, prec: float = 1e-12) -> bool:
+        """Whether it is the identity, within `prec`."""
+        return bool(np.abs(self._m - np.eye(4)).max() <= prec)
+
+    def setIdentity(self) -> None:
+        """Makes it the identity."""
+        self._m[:] = np.eye(4)
+
+    def setRandom(self) -> None:
+        """Draws it anew; see `Random`."""
+        self._m[:] = SE3.Random()._m
+
+    def copy(self) -> SE3:
+        """One of its own, with the same numbers."""
+        return SE3._of(self._m.copy())
+
+    __copy__ = cast = copy
+
+    def __deepcopy__(self, memo: Any) -> SE3:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        return SE3, (self._m.copy(),)
+
+    def __eq__(self, other: object) -> bool:
+        return bool((self._m == other._m).all()) if isinstance(other, SE3) else NotImplemented
+
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        return f"SE3({self._m!r})".replace("\n", "").replace(" " * 7, "")
+
+    def __str__(self) -> str:
+        return f"  R =\n{text(self._m[:3, :3])}\n  p = {text(self._m[:3, 3])}\n"
+
+
+def XYZQUATToSE3(xyzquat: Any) -> SE3:
+    """The placement of a position and a quaternion xyzw in one array (7,)."""
+    given = vector(xyzquat, 7, "xyzquat")
+    if not given[3:].any():
+        raise InputError(
+            "XYZQUATToSE3 was given a quaternion (x, y, z, w) that is all zero; expected unit length."
+        )
+    return SE3._of(compiled("placed")(given))
+
+
+def SE3ToXYZQUAT(M: SE3) -> Floats:
+    """Position and quaternion xyzw (7,) of a placement."""
+    return np.concatenate([M.translation, coefficients_of(M.rotation)])
+
+
+def SE3ToXYZQUATtuple(M: SE3) -> tuple[float, ...]:
+    """Position and quaternion xyzw of a placement, as a tuple of seven numbers."""
+    return tuple(float(x) for x in SE3ToXYZQUAT(M))
+
+
+class Placed:
+    """What has a placement on a joint."""
+
+    __slots__ = ()
+    _placement: SE3
+
+    @property
+    def placement(self) -> SE3:
+        """Where it is in the frame of its joint, a live reference."""
+        return self._placement
+
+    @placement.setter
+    def placement(self, M: SE3) -> None:
+        self._placement._assign(M)
