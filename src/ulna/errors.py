@@ -26,9 +26,53 @@ from collections.abc import Iterable
 
 from ulna.extras import install_command
 
+LONGEST_MESSAGE = 4000
+"""No message of Ulna has more characters: what was given may have millions."""
+
+LONGEST_ECHO = 100
+"""How many characters of a name that was given a message repeats."""
+
+MOST_CHOICES = 2000
+"""Among more names than this no similar one is searched for: it would take longer than the work itself."""
+
+
+def excerpt(text: str, most: int = LONGEST_ECHO) -> str:
+    """The text, or its beginning and its end with a count of what is left out, at most `most` characters."""
+    if len(text) <= most:
+        return text
+    note = f" ... ({len(text)} characters) ... "
+    kept = max(most - len(note), 2)
+    return text[: kept - kept // 3] + note + text[len(text) - kept // 3 :]
+
+
+def nearest(given: str, choices: Iterable[str], count: int = 3, cutoff: float = 0.5) -> list[str]:
+    """Up to `count` different names similar to the given one, whatever their case, the nearest first.
+
+    None for a name too long to be misspelt, and where there are too many choices to compare.
+
+    Args:
+        given: The name that was not found.
+        choices: The names there are.
+        count: How many names at most.
+        cutoff: How similar they must be, from 0 to 1, by the measure of `difflib`.
+    """
+    by_folded: dict[str, list[str]] = {}
+    for choice in dict.fromkeys(choices):
+        if len(choice) <= LONGEST_ECHO:
+            by_folded.setdefault(choice.casefold(), []).append(choice)
+        if len(by_folded) > MOST_CHOICES:
+            return []
+    if len(given) > LONGEST_ECHO:
+        return []
+    near = difflib.get_close_matches(given.casefold(), by_folded, n=count, cutoff=cutoff)
+    return [choice for folded in near for choice in by_folded[folded]][:count]
+
 
 class UlnaError(Exception):
     """Base of every exception that Ulna raises on purpose."""
+
+    def __init__(self, *args: object) -> None:
+        super().__init__(*(excerpt(a, LONGEST_MESSAGE) if isinstance(a, str) else a for a in args))
 
 
 class InputError(UlnaError, ValueError):
@@ -68,31 +112,23 @@ class NonFiniteError(InputError):
         super().__init__(f"`{name}{where}` is {value}; expected finite numbers. {mend}")
 
 
-def _nearest(given: str, choices: tuple[str, ...]) -> list[str]:
-    """Up to three names like the given one, whatever their case, the nearest first."""
-    by_folded: dict[str, list[str]] = {}
-    for choice in choices:
-        by_folded.setdefault(choice.casefold(), []).append(choice)
-    near = difflib.get_close_matches(given.casefold(), by_folded, n=3, cutoff=0.5)
-    return [choice for folded in near for choice in by_folded[folded]][:3]
-
-
 class UnknownName(UlnaError, LookupError):
     """A frame, joint, robot or kernel of that name does not exist; the nearest names are offered."""
 
     def __init__(self, kind: str, given: object, choices: Iterable[str], mend: str = "") -> None:
         self.kind, self.given, self.choices = kind, given, tuple(choices)
-        near = _nearest(str(given), self.choices)
+        near = nearest(str(given), self.choices)
         self.nearest = near[0] if near else None
         if near:
             hint = "Did you mean " + " or ".join(repr(n) for n in near) + "?"
         elif self.choices:
-            shown = ", ".join(repr(c) for c in self.choices[:12])
-            more = f", ... ({len(self.choices)} in all)" if len(self.choices) > 12 else ""
+            distinct = list(dict.fromkeys(self.choices))
+            shown = ", ".join(excerpt(repr(c)) for c in distinct[:12])
+            more = f", ... ({len(distinct)} in all)" if len(distinct) > 12 else ""
             hint = f"There are: {shown}{more}."
         else:
             hint = f"There is no {kind} at all."
-        text = f"No {kind} named {given!r}. {hint}"
+        text = f"No {kind} named {excerpt(repr(given))}. {hint}"
         super().__init__(f"{text} {mend}" if mend else text)
 
 
@@ -153,6 +189,9 @@ class ViewerError(UlnaError, RuntimeError):
 
 class UlnaWarning(UserWarning):
     """Base of every warning of Ulna."""
+
+    def __init__(self, *args: object) -> None:
+        super().__init__(*(excerpt(a, LONGEST_MESSAGE) if isinstance(a, str) else a for a in args))
 
 
 class ModelWarning(UlnaWarning):

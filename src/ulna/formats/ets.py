@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, final, overload
 
-from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.errors import InputError, ShapeError, UnknownName, excerpt
 from ulna.formats.poses import tidy
 from ulna.model import JointKind, Model, ModelBuilder, Prismatic, Revolute
 from ulna.numeric import is_symbolic
@@ -291,9 +291,11 @@ def _check_order(indices: Sequence[int]) -> None:
 
 
 _STEP = re.compile(r"[\s*]*([A-Za-z]{2})\s*\(([^()]*)\)[\s*]*")
+_MOST_DIGITS = 6  # of a joint's number
 _JOINT = re.compile(r"(-?)\s*q_?(\d*)")
-_PI = re.compile(r"(-?)\s*(?:(\d+\.?\d*|\.\d+)\s*\*?\s*)?(?:pi|π)\s*(?:/\s*(\d+\.?\d*|\.\d+))?")
-_DEGREES = re.compile(r"(.+?)\s*(?:deg(?:rees?)?|°)")
+_NUMBER = r"(\d+(?:\.\d*)?|\.\d+)"
+_PI = re.compile(rf"(-?)\s*(?:{_NUMBER}\s*(?:\*\s*)?)?(?:pi|π)\s*(?:/\s*{_NUMBER})?")
+_DEGREES = ("degrees", "degree", "deg", "°")
 
 
 def _parse_steps(text: str) -> Iterator[ET]:
@@ -303,7 +305,7 @@ def _parse_steps(text: str) -> Iterator[ET]:
     while position < len(text):
         step = _STEP.match(text, position)
         if step is None or step.group(1).lower() not in _NAMES:
-            word = text[position:].strip()[:20]
+            word = text[position : position + 200].strip()[:20]
             raise InputError(
                 f"The chain cannot be read at {word!r} (character {position}); "
                 "expected Rx, Ry, Rz, tx, ty or tz with an argument in brackets, such as Rz(q0) or tx(0.3)."
@@ -314,20 +316,23 @@ def _parse_steps(text: str) -> Iterator[ET]:
 
 def _parse_step(name: str, argument: str, step: str) -> ET:
     joint = _JOINT.fullmatch(argument)
+    if joint and len(joint.group(2)) > _MOST_DIGITS:
+        raise InputError(f"{excerpt(step)}: there is no joint of that number; expected q, q0, q1, ...")
     if joint:
         return ET(name, index=int(joint.group(2)) if joint.group(2) else None, flip=bool(joint.group(1)))
-    degrees = _DEGREES.fullmatch(argument)
-    if degrees and name[0] != "r":
-        raise InputError(f"{step}: a distance is in metres, not degrees.")
+    unit = next((word for word in _DEGREES if argument.endswith(word)), "")
+    if unit and name[0] != "r":
+        raise InputError(f"{excerpt(step)}: a distance is in metres, not degrees.")
     pi = _PI.fullmatch(argument)
     try:
         if pi:
             sign, factor, divisor = pi.groups()
             value = math.pi * float(factor or 1) / float(divisor or 1) * (-1.0 if sign else 1.0)
         else:
-            value = math.radians(float(degrees.group(1))) if degrees else float(argument)
+            number = float(argument[: len(argument) - len(unit)])
+            value = math.radians(number) if unit else number
     except (ValueError, ZeroDivisionError):
         raise InputError(
-            f"{step}: {argument!r} is neither a number (0.5, 90 deg, pi/2) nor a joint (q, q0, -q0)."
+            f"{excerpt(step)}: {excerpt(argument)!r} is neither a number (0.5, 90 deg, pi/2) nor a joint (q, q0, -q0)."
         ) from None
     return _make(name, value, {})

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import difflib
 import os
-import re
+import warnings
 from pathlib import Path
 from typing import Any
 
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
-from ulna.errors import FormatError
+from ulna.errors import FormatError, ModelWarning, nearest
 from ulna.files import read_regular
 from ulna.formats.node import Node, short
+from ulna.formats.prolog import prolog_of, with_plain_declaration
 
 MAX_BYTES = 64 * 1024 * 1024
 """Model files above this size [bytes] are refused; the largest known robots are below one megabyte."""
@@ -42,9 +42,7 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
 
 def root_tag(data: bytes | str) -> str:
     """The name of a document's root element, without parsing the rest; "" when there is none."""
-    text = data if isinstance(data, str) else data.decode("utf-8", errors="replace")
-    found = re.search(r"<([A-Za-z_][\w.:-]*)", re.sub(r"<!--.*?-->", "", text, flags=re.S))
-    return found[1] if found else ""
+    return prolog_of(data.encode("utf-8", errors="replace") if isinstance(data, str) else data).root
 
 
 def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) -> Node:
@@ -73,6 +71,10 @@ def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) 
         raise FormatError(
             "the file is empty.", file=file, mend=f"Expected a {kind}: <{root_tag}> ... </{root_tag}>."
         )
+    data, oddity = with_plain_declaration(data)
+    if oddity:
+        words = f"{file or '<string>'}:1: {oddity}; it is read as XML 1.0."
+        warnings.warn(words, ModelWarning, stacklevel=2)
     root = _parse_tree(data, file, encoding)
     _refuse_entities(root, file)
     tag = str(root.tag)
@@ -181,5 +183,5 @@ def _neighbours(where: Path) -> str:
         names = sorted(os.listdir(folder))
     except OSError:
         return ""
-    near = difflib.get_close_matches(where.name, names, n=2, cutoff=0.6)
+    near = nearest(where.name, names, 2, 0.6)
     return "Did you mean " + " or ".join(repr(str(folder / n)) for n in near) + "?" if near else ""

@@ -84,7 +84,7 @@ def text_or_file(source: str | os.PathLike[str]) -> tuple[str, str | None]:
 def _refusal(error: Exception, file: str | None) -> FormatError:
     """MuJoCo's message, in one line, with its line number where it has one."""
     words = " ".join(str(error).split())
-    line = re.search(r"line (\d+)", words)
+    line = re.search(r"line (\d{1,9})", words)
     words = re.sub(r"Element name '', |,? ?(id \d+, )?line \d+", " ", words).strip(" ,.")
     mend = ""
     if "mjMINVAL" in words:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 import warnings
 from collections.abc import Collection, Iterator, Sequence
@@ -10,15 +9,13 @@ from typing import Any, NoReturn, final
 
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
-from ulna.errors import FormatError, ModelWarning
+from ulna.errors import FormatError, ModelWarning, excerpt
+from ulna.errors import nearest as nearest_names
 
 MAX_NUMBER = 1e50
 """Numbers above this magnitude are refused: their products would leave the range of a double."""
 
-MAX_CHOICES = 2000
-"""Among more names than this no look-alike is searched for: it would cost more than reading the file."""
-
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(\d+(?:\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 
 @final
@@ -134,7 +131,7 @@ class Node:
                 return -float("inf") if word.startswith("-") else float("inf")
             self.fail(f'{attribute}="{word}" is infinite; expected a finite number.')
         if lowered == "nan" or "nan(" in lowered:
-            self.fail(f'{attribute}="{word}" is not a number (nan); expected a finite number.')
+            self.fail(f'{attribute}="{short(word)}" is not a number (nan); expected a finite number.')
         if not _NUMBER.fullmatch(word):
             mend = "Write a decimal number such as 0.5 or 1e-3."
             if "{" in word or "$" in word:
@@ -174,7 +171,7 @@ class Node:
         """Warn about child elements that look like a misspelling of a known one."""
         for node in self.children():
             if node.tag not in known:
-                near = difflib.get_close_matches(node.tag, known, n=1, cutoff=0.8)
+                near = nearest_names(node.tag, known, 1, 0.8)
                 if near:
                     node.warn(f"<{node.tag}> is not known and is ignored; did you mean <{near[0]}>?")
 
@@ -192,13 +189,10 @@ def _is_foreign(tag: str) -> bool:
 
 def nearest(name: str, choices: Collection[str], words: str) -> str:
     """`words` with the choice most like `name` for {}; "" where none is, or there are too many to look."""
-    if len(choices) > MAX_CHOICES:
-        return ""
-    near = difflib.get_close_matches(name, choices, n=1, cutoff=0.5)
+    near = nearest_names(name, choices, 1)
     return words.format(repr(near[0])) if near else ""
 
 
 def short(text: str, limit: int = 60) -> str:
     """The text on one line, cut to `limit` characters, for messages."""
-    text = " ".join(text.split())
-    return text if len(text) <= limit else text[: limit - 3] + "..."
+    return excerpt(" ".join(text.split()), limit)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from ulna.errors import FormatError
 from ulna.formats.markup import parse_markup
-from ulna.formats.node import Node, nearest
+from ulna.formats.node import Node, nearest, short
 from ulna.formats.urdf_document import (
     UrdfBody,
     UrdfDocument,
@@ -15,11 +14,11 @@ from ulna.formats.urdf_document import (
     UrdfJoint,
     UrdfLimit,
     UrdfLink,
-    UrdfMaterial,
     UrdfMimic,
     UrdfOrigin,
     UrdfShape,
 )
+from ulna.formats.urdf_materials import Palette
 from ulna.formats.urdf_tree import ONE_NUMBER, check_mimics, check_tree
 
 JOINT_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
@@ -51,7 +50,7 @@ def parse_urdf(data: bytes | str, file: str | None = None) -> UrdfDocument:
     """
     root = parse_markup(data, file, "robot", "URDF")
     _refuse_xacro(root)
-    palette = _Palette(root)
+    palette = Palette(root)
     links: dict[str, UrdfLink] = {}
     for node in root.children("link"):
         link = _link(node, palette)
@@ -91,51 +90,6 @@ def _refuse_twin(node: Node, kind: str, name: str, seen: dict) -> None:
         )
 
 
-class _Palette:
-    """The materials of a file by name: those of the robot, then those that a visual defines on the way."""
-
-    def __init__(self, root: Node) -> None:
-        self.named: dict[str, UrdfMaterial] = {}
-        self._undefined: set[str] = set()
-        for node in root.children("material"):
-            self._add(_material(node))
-        for link in root.children("link"):
-            for visual in link.children("visual"):
-                for node in visual.children("material"):
-                    self._add(_material(node, quiet=True))  # its oddities are told when the visual is read
-
-    def _add(self, material: UrdfMaterial) -> None:
-        if material.name and (material.rgba or material.texture):
-            self.named.setdefault(material.name, material)
-
-    def of(self, node: Node) -> UrdfMaterial:
-        """The material that a visual means, its own or one by name; warns once of a name that is not defined."""
-        own = _material(node)
-        known = self.named.get(own.name)
-        if own.texture is not None or own.rgba is not None:
-            return replace(own, rgba=known.rgba) if own.rgba is None and known else own
-        if known is not None:
-            return known
-        if own.name and own.name not in self._undefined:
-            self._undefined.add(own.name)
-            hint = nearest(own.name, self.named, "; did you mean {}?")
-            node.warn(f"no material {own.name!r} is defined{hint}")
-        return own
-
-
-def _material(node: Node, quiet: bool = False) -> UrdfMaterial:
-    color = next(node.children("color"), None) if quiet else node.child("color")
-    texture = next(node.children("texture"), None) if quiet else node.child("texture")
-    rgba = None
-    if color is not None:
-        rgba = color.vector("rgba", 4)
-        if not all(0.0 <= c <= 1.0 for c in rgba):
-            if not quiet:
-                color.warn("a colour outside 0..1 is held to it")
-            rgba = tuple(min(max(c, 0.0), 1.0) for c in rgba)
-    return UrdfMaterial(node.string("name") or "", rgba, texture.string("filename") if texture else None)
-
-
 def _origin(node: Node) -> UrdfOrigin:
     origin = node.child("origin")
     if origin is None:
@@ -143,15 +97,15 @@ def _origin(node: Node) -> UrdfOrigin:
     return UrdfOrigin(origin.vector("xyz", 3, (0.0, 0.0, 0.0)), origin.vector("rpy", 3, (0.0, 0.0, 0.0)))
 
 
-def _link(node: Node, palette: _Palette) -> UrdfLink:
+def _link(node: Node, palette: Palette) -> UrdfLink:
     name = node.name()
     node.warn_of_strangers(_OF_LINK)
     inertial = node.child("inertial")
     return UrdfLink(
         name,
         _inertial(inertial) if inertial else None,
-        tuple(_body(n, palette) for n in node.children("visual")),
-        tuple(_body(n, palette) for n in node.children("collision")),
+        _bodies(node, "visual", palette),
+        _bodies(node, "collision", palette),
         node.line,
     )
 
@@ -170,10 +124,19 @@ def _inertial(node: Node) -> UrdfInertial:
     return UrdfInertial(mass, _origin(node), entries)
 
 
-def _body(node: Node, palette: _Palette) -> UrdfBody:
-    shape = _shape(
-        node.required_child("geometry", f"Write <geometry><box size=.../></geometry> in <{node.tag}>.")
-    )
+def _bodies(link: Node, tag: str, palette: Palette) -> tuple[UrdfBody, ...]:
+    bodies = (_body(node, palette) for node in link.children(tag))
+    return tuple(body for body in bodies if body is not None)
+
+
+def _body(node: Node, palette: Palette) -> UrdfBody | None:
+    """The body of a visual or collision element; None, with a warning, where other readers leave it out, too."""
+    geometry = node.required_child("geometry", f"Write <geometry><box size=.../></geometry> in <{node.tag}>.")
+    oddity = _oddity(geometry)
+    if oddity:
+        geometry.warn(f"{oddity}; the <{node.tag}> is left out")
+        return None
+    shape = _shape(geometry)
     material = None
     given = node.child("material")
     if given is not None and node.tag == "visual":
@@ -181,13 +144,25 @@ def _body(node: Node, palette: _Palette) -> UrdfBody:
     return UrdfBody(node.string("name"), _origin(node), shape, material)
 
 
+def _oddity(geometry: Node) -> str:
+    """What makes other readers leave a geometry out: nothing in it, or a scale that is not three numbers."""
+    nodes = list(geometry.children())
+    if not nodes:
+        return "<geometry> is empty"
+    mesh = next((n for n in nodes if n.tag in SHAPES), None)
+    scale = (
+        mesh.string("scale", "") if mesh is not None and mesh.tag == "mesh" and mesh.has("scale") else None
+    )
+    count = 3 if scale is None else len(scale.split())
+    return "" if count == 3 else f'scale="{short(scale or "")}" does not hold 3 numbers but {count}'
+
+
 def _shape(geometry: Node) -> UrdfShape:
     nodes = list(geometry.children())
     known = [n for n in nodes if n.tag in SHAPES]
     if not known:
-        given = f"holds <{nodes[0].tag}>" if nodes else "is empty"
-        mend = nearest(nodes[0].tag, SHAPES, "Did you mean {}?") if nodes else ""
-        geometry.fail(f"<geometry> {given}; expected one of {', '.join(SHAPES)}.", mend)
+        mend = nearest(nodes[0].tag, SHAPES, "Did you mean {}?")
+        geometry.fail(f"<geometry> holds <{nodes[0].tag}>; expected one of {', '.join(SHAPES)}.", mend)
     if len(known) > 1:
         known[1].warn(
             "a second shape in one <geometry> is ignored; give each its own <visual> or <collision>"

@@ -90,7 +90,7 @@ def _refusal(error: Exception, file: str) -> FormatError:
     if isinstance(cause, FormatError):
         return cause
     text = " ".join(str(error).split()).rstrip(".") or type(error).__name__
-    line = re.search(r"line (\d+)", text)
+    line = re.search(r"line (\d{1,9})", text)
     mend = ""
     if "undefined substitution argument" in text.lower():
         mend = "Pass its value: xacro_args={'name': 'value'}."

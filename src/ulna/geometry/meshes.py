@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 import re
 import warnings
@@ -99,4 +100,8 @@ def _beside(base: Any) -> Any:
 def _metres(text: object) -> float:
     """Metres in one unit of length of the file."""
     match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*\*\s*meters\s*", str(text)) if text else None
-    return float(match.group(1)) if match else 1.0
+    try:
+        factor = float(match.group(1)) if match else 1.0
+    except ValueError:  # such as "1e"
+        return 1.0
+    return factor if math.isfinite(factor) and factor > 0.0 else 1.0

@@ -91,9 +91,7 @@ def _number(moving: list[tuple[JointRecord, int, SE3]], children: Mapping[str, s
     """The joints with their parts of q and v; mimic joints point to those of their source."""
     records = {record.name: record for record, _, _ in moving}
     index = {name: i for i, name in enumerate(records)}
-    followed = {
-        record.name: _followed(record, records) for record, _, _ in moving if record.mimic is not None
-    }
+    followed = _followed((record for record, _, _ in moving if record.mimic is not None), records)
     starts: dict[str, tuple[int, int]] = {}
     nq = nv = 0
     for record in records.values():
@@ -129,27 +127,43 @@ def _number(moving: list[tuple[JointRecord, int, SE3]], children: Mapping[str, s
     return tuple(joints)
 
 
-def _followed(record: JointRecord, records: Mapping[str, JointRecord]) -> tuple[str, float, float]:
-    """The joint that `record` follows in the end, and the ratio and offset of the whole chain."""
-    multiplier, offset = 1.0, 0.0
-    walked = [record.name]
+def _followed(
+    followers: Iterable[JointRecord], records: Mapping[str, JointRecord]
+) -> dict[str, tuple[str, float, float]]:
+    """For each mimic joint the joint that it follows in the end, and the ratio and offset of the whole chain."""
+    found: dict[str, tuple[str, float, float]] = {}
+    for record in followers:
+        chain = _chain(record, records, found)
+        for link in reversed(chain):  # each follows the next one, whose own leader is known by then
+            assert link.mimic is not None
+            leader, ratio, shift = link.mimic
+            source, multiplier, offset = found.get(leader, (leader, 1.0, 0.0))
+            found[link.name] = (source, ratio * multiplier, ratio * offset + shift)
+    return found
+
+
+def _chain(
+    record: JointRecord, records: Mapping[str, JointRecord], known: Mapping[str, object]
+) -> list[JointRecord]:
+    """The mimic joints from `record` on, each following the next, up to one that is known or follows a free joint."""
+    walked: dict[str, JointRecord] = {}
     current = record
-    while current.mimic is not None:
-        name, ratio, shift = current.mimic
-        multiplier, offset = multiplier * ratio, multiplier * shift + offset
+    while current.mimic is not None and current.name not in known:
+        if current.name in walked:
+            names = list(walked)
+            circle = " -> ".join(repr(n) for n in [*names[names.index(current.name) :], current.name])
+            raise wrong(record.where, f"Mimic joints follow one another in a circle: {circle}.")
+        walked[current.name] = current
+        name = current.mimic[0]
         if name not in records:
             raise UnknownName(
                 "movable joint", name, records, at(current.where, f"Joint {current.name!r} is to mimic it.")
             )
-        if name in walked:
-            circle = " -> ".join(repr(n) for n in [*walked[walked.index(name) :], name])
-            raise wrong(record.where, f"Mimic joints follow one another in a circle: {circle}.")
-        walked.append(name)
         current = records[name]
-    if (current.kind.nq, current.kind.nv) != (1, 1):
+    if current.mimic is None and (current.kind.nq, current.kind.nv) != (1, 1):
         what = f"Joint {record.name!r} mimics {current.name!r} ({current.kind.describe()})"
         raise wrong(record.where, f"{what}; only joints with one coordinate can be followed.")
-    return current.name, multiplier, offset
+    return list(walked.values())
 
 
 def _geared(

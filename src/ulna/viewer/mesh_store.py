@@ -24,23 +24,26 @@ def entry(path: str, bound: float = 0.0) -> str:
     """
     content = read_regular(path)
     parts: list[str | bytes] = [_FORMAT, f"{bound:.6g}", os.path.splitext(path)[1].lower(), content]
-    _add_others(os.path.dirname(path), content, parts)
+    _add_others(os.path.dirname(path), content, parts, set())
     return cache.key(*parts)
 
 
-def _add_others(folder: str, content: bytes, parts: list[str | bytes], depth: int = 0) -> None:
-    """Append what the files hold that a text file names, and those that they name."""
+def _add_others(
+    folder: str, content: bytes, parts: list[str | bytes], seen: set[str], depth: int = 0
+) -> None:
+    """Append what the files hold that a text file names, and those that they name; each file once."""
     names: set[bytes] = set()
     for found in _ENDING.finditer(content):
         before = _BOUND.split(content[max(0, found.start() - 300) : found.end()])[-1].strip()
         names |= {before, before.split()[-1]}  # alone, or after a keyword
     for name in sorted(names):
         other = os.path.join(folder, os.fsdecode(name).replace("\\", "/"))
-        if "\0" not in other and os.path.isfile(other):
+        if "\0" not in other and os.path.isfile(other) and os.path.realpath(other) not in seen:
+            seen.add(os.path.realpath(other))
             content = read_regular(other)
             parts += [name, content]
             if depth == 0 and other.lower().endswith(".mtl"):
-                _add_others(folder, content, parts, 1)
+                _add_others(folder, content, parts, seen, 1)
 
 
 def read(name: str) -> tuple[Surface, ...] | None:

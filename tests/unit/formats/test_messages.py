@@ -175,10 +175,6 @@ CASES = {
     "huge": (robot(joint(LIMIT + '<origin xyz="0 1e60 0"/>')), 'xyz="1e60" is too large to compute with'),
     # links
     "no geometry": (link("<visual/>"), "f.urdf:3: <visual> has no <geometry>. In <visual> of link 'base'."),
-    "empty geometry": (
-        link("<visual><geometry/></visual>"),
-        "<geometry> is empty; expected one of box, cylinder",
-    ),
     "unknown shape": (
         link("<visual><geometry><cilinder/></geometry></visual>"),
         "<geometry> holds <cilinder>; expected one of box, cylinder, sphere, capsule, mesh. "

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import dis
 import re
 import sys
 from collections.abc import Iterable
+
+from ulna.errors import nearest
 
 _WORDS = (
     (r"casadi|cppad|.*[Cc]asadi.*",
@@ -34,9 +35,8 @@ _WORDS = (
 def refusal(name: str, offered: Iterable[str]) -> str:
     """A word on a name that is not offered: what to use, or the nearest of the offered ones."""
     word = next((word for pattern, word in _WORDS if re.fullmatch(pattern, name)), "")
-    by_folded = {n.casefold(): n for n in offered}
-    near = difflib.get_close_matches(name.casefold(), by_folded, n=1, cutoff=0.9 if word else 0.7)
-    hint = f"Did you mean {by_folded[near[0]]!r}?" if near else ""
+    near = nearest(name, offered, 1, 0.9 if word else 0.7)
+    hint = f"Did you mean {near[0]!r}?" if near else ""
     both = f"{word} {hint}".strip()
     return both or "Real Pinocchio is `pip install pin`; run the script with plain python to use it."
 
