@@ -21,8 +21,8 @@ from _timing import shown, table
 from derivatives import ROBOTS, load
 
 from ulna import kernels
+from ulna.compiler import compile
 from ulna.model import Model
-from ulna.trace import compile
 
 KERNELS = (
     "fk",

@@ -1,4 +1,4 @@
-"""Derive, or with `--check` verify, the constants of the elementary functions in `ulna.trace.elementary`.
+"""Derive, or with `--check` verify, the constants of the elementary functions in `ulna.compiler.codegen.elementary`.
 
 The fits are those of `fit_sincos`: minimax in the relative error, coefficients rounded in turn.
 """
@@ -65,7 +65,7 @@ DEGREES = {
 
 
 def constants() -> dict[str, list[Any]]:
-    """All constants, by their names in `ulna.trace.elementary`."""
+    """All constants, by their names in `ulna.compiler.codegen.elementary`."""
     found: dict[str, list[Any]] = {}
     log_upper = (3 - 2 * mpmath.sqrt(2)) ** 2
     functions = {
@@ -103,11 +103,13 @@ def main(arguments: Sequence[str]) -> int:
                 print(f'    float.fromhex("{value.hex()}"),')
             print(")")
         return 0
-    from ulna.trace import elementary
+    from ulna.compiler.codegen import elementary
 
     wrong = [name for name, values in found.items() if tuple(getattr(elementary, name)) != tuple(values)]
     for name in wrong:
-        print(f"{name}: ulna.trace.elementary holds {getattr(elementary, name)}, the fit gives {found[name]}")
+        print(
+            f"{name}: ulna.compiler.codegen.elementary holds {getattr(elementary, name)}, the fit gives {found[name]}"
+        )
     return 1 if wrong else 0
 
 

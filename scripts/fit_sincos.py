@@ -1,4 +1,4 @@
-"""Derive, or with `--check` verify, the constants of the paired sine and cosine in `ulna.trace.sincos`.
+"""Derive, or with `--check` verify, the constants of the paired sine and cosine in `ulna.compiler.codegen.sincos`.
 
 The polynomials are minimax fits of the relative error on [-pi/4, pi/4], found by the exchange algorithm of
 Remez (Muller, Elementary Functions, 3rd ed., section 3.5) in 60-digit arithmetic. The coefficients are
@@ -126,7 +126,7 @@ def half_pi_parts(bits: Sequence[int]) -> list[float]:
 
 
 def constants() -> dict[str, list[Any]]:
-    """All constants, by their names in `ulna.trace.sincos`."""
+    """All constants, by their names in `ulna.compiler.codegen.sincos`."""
     upper = (mp.pi / 4 * (1 + mpf(2) ** -16)) ** 2
     lower = upper * mpf(10) ** -8
     found: dict[str, list[Any]] = {}
@@ -170,13 +170,13 @@ def main(arguments: Sequence[str]) -> int:
                 )
             print(")")
         return 0
-    from ulna.trace import payne_hanek, sincos
+    from ulna.compiler.codegen import payne_hanek, sincos
 
     committed = {name: tuple(getattr(sincos, name, ())) for name in found}
     committed |= {name: tuple(getattr(payne_hanek, name)) for name in ("TWO_OVER_PI_BITS", "HALF_PI_PAIR")}
     wrong = [name for name, values in found.items() if committed[name] != tuple(values)]
     for name in wrong:
-        print(f"{name}: ulna.trace holds {committed[name]}, the fit gives {tuple(found[name])}")
+        print(f"{name}: ulna.compiler holds {committed[name]}, the fit gives {tuple(found[name])}")
     return 1 if wrong else 0
 
 

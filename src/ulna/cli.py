@@ -257,7 +257,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
 
 
 def _cache(chosen: argparse.Namespace) -> None:
-    from ulna.trace import cache
+    from ulna import disk_cache as cache
 
     place = cache.folder()
     if place is None:

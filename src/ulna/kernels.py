@@ -17,12 +17,12 @@ import numpy as np
 from ulna import algorithms
 from ulna import model as models
 from ulna.algorithms.references import check_reference
+from ulna.compiler import Function, compile, element_of, trace
 from ulna.errors import InputError, UnknownName
 from ulna.model import Frame, Model
 from ulna.recipes import constraints, dynamics, operational
 from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, Q, Recipe, Size, frame_of, on_model
 from ulna.recipes.mass import MASS_PARAMETERS, WithMass, check_mass
-from ulna.trace import Function, compile, element_of, trace
 from ulna.typing import Array
 
 

@@ -10,6 +10,8 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
+from ulna.compiler import Function, trace
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, UnknownName
 from ulna.methods.base import Plain, key_of
 from ulna.methods.branches import Branching
@@ -23,8 +25,6 @@ from ulna.methods.operational import Operational
 from ulna.methods.regressors import Regressors
 from ulna.methods.variants import Variants
 from ulna.model import Model
-from ulna.trace import Function, trace
-from ulna.trace import compile as compile_function
 from ulna.typing import ArrayLike, Floats
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ulna import numeric as nm
-from ulna.trace import Function, trace
-from ulna.trace.emit import emit_batch, emit_single
-from ulna.trace.entry import entry_ir
+from ulna.compiler import Function, trace
+from ulna.compiler.codegen.module import emit_batch, emit_single
+from ulna.compiler.runtime.entry_point import entry_ir
 
 
 def _affine(q):

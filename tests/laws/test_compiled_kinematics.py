@@ -10,9 +10,9 @@ import pytest
 
 from support.random_models import random_model
 from ulna import algorithms as alg
+from ulna.compiler import compile, trace
 from ulna.model import Frame, Model
 from ulna.robots.panda import panda
-from ulna.trace import compile, trace
 
 MODELS: dict[str, Callable[[], Model]] = {
     "every_kind": lambda: random_model(np.random.default_rng(0), mimics=2),

@@ -8,8 +8,8 @@ import pytest
 from ulna.algorithms import friction_cone
 from ulna.algorithms.cone_complementarity import Bounded, Held, Kind, Pushed, Touching, gauss_seidel
 from ulna.algorithms.contact_forces import contact_forces
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
-from ulna.trace import compile as compile_function
 from ulna.typing import Floats
 
 KINDS: tuple[Kind, ...] = (

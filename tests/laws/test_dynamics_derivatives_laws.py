@@ -12,9 +12,9 @@ from ulna.algorithms import random
 from ulna.algorithms.centroidal_derivatives import centroidal_derivatives, com_velocity_derivatives
 from ulna.algorithms.forward_dynamics_derivatives import forward_dynamics_derivatives
 from ulna.algorithms.inverse_dynamics_derivatives import inverse_dynamics_derivatives
+from ulna.compiler import trace
 from ulna.model import Model
 from ulna.spatial import Force
-from ulna.trace import trace
 from ulna.typing import Floats
 
 TREES: dict[str, dict] = {

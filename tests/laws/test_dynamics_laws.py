@@ -11,9 +11,9 @@ from support.derivatives import along, by_configuration
 from support.plain_dynamics import momentum, torques
 from support.random_models import KINDS, random_model
 from ulna import algorithms as alg
+from ulna.compiler import compile, trace
 from ulna.model import Model, with_gravity
 from ulna.spatial import Force, Inertia
-from ulna.trace import compile, trace
 from ulna.typing import Floats
 
 TREES: dict[str, dict] = {

@@ -8,7 +8,7 @@ from hypothesis import given, strategies
 from hypothesis.extra import numpy as arrays
 
 from ulna.algorithms import friction_cone
-from ulna.trace import compile as compile_function
+from ulna.compiler import compile as compile_function
 
 NUMBERS = strategies.floats(-10.0, 10.0)
 FORCES = arrays.arrays(float, 3, elements=NUMBERS)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import sympy
 
+from ulna.compiler import trace
 from ulna.model import (
     Circle,
     Composite,
@@ -27,7 +28,6 @@ from ulna.model import (
     Universal,
 )
 from ulna.spatial import SE3, so3_exp
-from ulna.trace import trace
 
 SKEW = (0.3, -0.5, 0.8)
 TILT = SE3(so3_exp(np.array([0.4, -0.2, 0.9])), np.array([0.1, -0.3, 0.2]))

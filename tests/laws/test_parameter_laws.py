@@ -11,6 +11,7 @@ import pytest
 from support.random_models import KINDS, random_model, random_pose
 from ulna import algorithms as alg
 from ulna import kernels
+from ulna.compiler import compile, trace
 from ulna.model import (
     Model,
     dynamic_parameters,
@@ -21,7 +22,6 @@ from ulna.model import (
 )
 from ulna.model.constraint import PointContact
 from ulna.spatial import SE3, SO3, so3_exp
-from ulna.trace import compile, trace
 from ulna.typing import Floats
 
 EVERY = (

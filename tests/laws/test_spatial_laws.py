@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ulna import spatial as sp
+from ulna.compiler import trace
 from ulna.numeric import apply, cross, dot, skew
 from ulna.spatial import SE3, SO3, Force, Inertia, Motion
-from ulna.trace import trace
 
 
 def law(*strategies: Any) -> Any:

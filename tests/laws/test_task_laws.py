@@ -10,6 +10,7 @@ import ulna
 from support.derivatives import by_configuration
 from support.random_models import random_model
 from ulna import algorithms as alg
+from ulna.compiler import compile, trace
 from ulna.ik.differential import (
     AccelerationLimit,
     AxisTask,
@@ -30,7 +31,6 @@ from ulna.ik.differential import (
 )
 from ulna.ik.qp import solve_box
 from ulna.model import Model
-from ulna.trace import compile, trace
 
 MODELS = {
     "fixed": {"kinds": ("revolute", "continuous", "prismatic", "universal"), "joints": 8, "mimics": 2},

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from ulna.trace import Function, Port, compile
-from ulna.trace.graph import Graph, Loop
-from ulna.trace.ops import TABLE, Op
+from ulna.compiler import Function, Port, compile
+from ulna.compiler.language.graph import Graph, Loop
+from ulna.compiler.language.ops import TABLE, Op
 
 UNARY = (Op.NEG, Op.ABS, Op.SQRT, Op.SIN, Op.COS, Op.FLOOR, Op.ASIN, Op.ACOS, Op.EXP, Op.LOG, Op.TAN)
 EXACT_UNARY = (Op.NEG, Op.ABS, Op.SQRT, Op.FLOOR)
@@ -112,8 +112,11 @@ def inputs(f: Function, rows: int, special: bool = False, dtype: type = np.float
 
 def without_contraction(monkeypatch, f: Function):
     """A kernel without fused multiplication and addition, whose every step rounds as NumPy's does."""
-    general_module, entry_module = import_module("ulna.trace.general"), import_module("ulna.trace.entry")
-    emit = import_module("ulna.trace.emit")
+    general_module, entry_module = (
+        import_module("ulna.compiler.runtime.array_call"),
+        import_module("ulna.compiler.runtime.entry_point"),
+    )
+    emit = import_module("ulna.compiler.codegen.module")
     with monkeypatch.context() as patch:
         patch.setattr(general_module, "emit_batch", functools.partial(emit.emit_batch, contract=False))
         patch.setattr(entry_module, "emit_single", lambda f, e, p: emit.emit_single(f, e, p, contract=False))
@@ -191,16 +194,16 @@ def test_any_graph_compiles_and_agrees_on_where_it_is_nan(f):
 @given(f=functions(exact=True))
 def test_single_precision_equals_interpretation_in_single_precision(f):
     with pytest.MonkeyPatch.context() as monkeypatch:
-        emit = import_module("ulna.trace.emit")
+        emit = import_module("ulna.compiler.codegen.module")
         monkeypatch.setattr(
-            import_module("ulna.trace.general"),
+            import_module("ulna.compiler.runtime.array_call"),
             "emit_batch",
             functools.partial(emit.emit_batch, contract=False),
         )
         kernel = compile(f, np.float32)
         columns = inputs(f, 18, dtype=np.float32)
         got = kernel(*columns)
-    interpret = import_module("ulna.trace.interpret").interpret
+    interpret = import_module("ulna.compiler.language.interpreter").interpret
     single = pickle.loads(pickle.dumps(f.graph))
     for graph in graphs_of(single):
         graph.data = [np.float32(d) if isinstance(d, float) else d for d in graph.data]
@@ -254,7 +257,7 @@ def test_forward_reverse_and_slope_agree(f, seed):
 @given(f=functions())
 def test_equal_graphs_in_another_order_of_making_have_one_meaning(f):
     """Copying a function into a new graph changes nothing it computes."""
-    copy_into = import_module("ulna.trace.function").copy_into
+    copy_into = import_module("ulna.compiler.language.function").copy_into
     g = Graph(relaxed=f.graph.relaxed)
     flat = [g.input() for p in f.inputs for _ in range(p.size)]
     twin = Function(

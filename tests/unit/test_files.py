@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 import ulna
+from ulna import disk_cache as cache
 from ulna.errors import FormatError, InputError, ModelWarning, UlnaError
 from ulna.files import open_regular, read_regular, special_kind
 from ulna.geometry.meshes import read_pieces
-from ulna.trace import cache
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no FIFOs")
 

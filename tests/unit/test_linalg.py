@@ -10,7 +10,7 @@ import pytest
 import sympy
 
 from ulna import linalg
-from ulna.trace import compile, trace
+from ulna.compiler import compile, trace
 
 
 def matrices(n: int) -> list[np.ndarray]:

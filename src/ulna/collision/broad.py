@@ -19,10 +19,10 @@ import numpy as np
 
 from ulna import algorithms
 from ulna.collision.solids import Solid
+from ulna.compiler import compile, trace
 from ulna.geometry import Capsule, Plane, Sphere
 from ulna.model import Model
 from ulna.numeric import apply, dot
-from ulna.trace import compile, trace
 from ulna.typing import Array, Floats
 
 

@@ -19,11 +19,11 @@ from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.solids import Missing
 from ulna.collision.spheres import Spheres, fit
 from ulna.collision.world import World
+from ulna.compiler import compile, trace
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Model
 from ulna.numeric import less, minimum, where
 from ulna.spatial import SE3
-from ulna.trace import compile, trace
 from ulna.typing import Array, ArrayLike, Floats
 
 TOUCH = 1e-6

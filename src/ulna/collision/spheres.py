@@ -11,6 +11,7 @@ from typing import final
 import numpy as np
 
 from ulna import algorithms
+from ulna import disk_cache as cache
 from ulna.collision.fit import cover
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.solids import Missing, Solid, link_solids
@@ -18,7 +19,6 @@ from ulna.errors import FormatError, InputError, NonFiniteError, ShapeError
 from ulna.geometry import Mesh
 from ulna.model import Model
 from ulna.model.content import fingerprint
-from ulna.trace import cache
 from ulna.typing import ArrayLike, Floats
 
 _TRIALS = 64

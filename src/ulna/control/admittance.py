@@ -17,10 +17,10 @@ from __future__ import annotations
 from functools import cache
 from typing import Any, final
 
+from ulna.compiler import compile
 from ulna.errors import InputError
 from ulna.numeric import less, minimum, vector, where
 from ulna.spatial import SE3, so3_exp
-from ulna.trace import compile
 from ulna.typing import Array, ArrayLike
 
 

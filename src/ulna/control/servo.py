@@ -7,10 +7,10 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from ulna.compiler import compile
 from ulna.errors import DtypeError, InputError, ShapeError, UnknownName
 from ulna.numeric import maximum, vector
 from ulna.spatial import matrix_to_rpy, so3_log
-from ulna.trace import compile
 from ulna.typing import Array, ArrayLike
 
 Method = Literal["rpy", "angle-axis"]

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ulna import numeric
+from ulna.compiler import Function, trace
 from ulna.ik.problem import Problem, errors, step
-from ulna.trace import Function, trace
 from ulna.typing import Array
 
 _STEPS = 200

@@ -26,6 +26,7 @@ from typing import Any, Literal, final
 import numpy as np
 
 from ulna import algorithms, numeric
+from ulna.compiler import Function, compile, trace
 from ulna.errors import InputError, UnknownName
 from ulna.ik.goal import Mask, squared_tolerances
 from ulna.ik.problem import Errors, Problem, errors
@@ -36,7 +37,6 @@ from ulna.ik.search import start
 from ulna.ik.verdict import are_rotations, unwound, verdict
 from ulna.linalg import solve_damped, solve_spd
 from ulna.model import Model
-from ulna.trace import Function, compile, trace
 from ulna.typing import Array
 
 Method = Literal["newton_raphson", "gauss_newton", "wampler", "chan", "sugihara", "qp"]

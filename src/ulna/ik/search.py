@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna import numeric
+from ulna.compiler import Function, trace
+from ulna.compiler.language.lanes import choose, in_any_lane, lane, least
 from ulna.ik.problem import Problem, errors, step
 from ulna.ik.verdict import are_rotations, unwound, verdict
-from ulna.trace import Function, trace
-from ulna.trace.race import choose, in_any_lane, lane, least
 from ulna.typing import Array, Floats
 
 LANES = 8

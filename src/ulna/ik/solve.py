@@ -8,6 +8,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.compiler import compile
 from ulna.errors import ShapeError
 from ulna.ik import search
 from ulna.ik.approach import approach
@@ -26,7 +27,6 @@ from ulna.ik.result import IKSolution
 from ulna.ik.verdict import judge
 from ulna.model import Model
 from ulna.spatial.check import checked
-from ulna.trace import compile
 from ulna.typing import Floats
 
 _BATCH = 64  # goals from which marching together beats racing one by one

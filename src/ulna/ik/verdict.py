@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ulna import numeric
+from ulna.compiler import Function, trace
 from ulna.ik.problem import Problem, are_met
-from ulna.trace import Function, trace
 from ulna.typing import Array
 
 _ROTATION_TOLERANCE = 1e-6  # entry by entry of R^T R

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from ulna import numeric
+from ulna.compiler import compile
 from ulna.model import Model
 from ulna.sim.inputs import checked_robot, number, numbers
 from ulna.spatial import so3_exp
-from ulna.trace import compile
 from ulna.typing import Array, ArrayLike, Floats
 
 

@@ -1,9 +1,9 @@
-"""The tracing compiler: Python functions of arrays become graphs, and graphs become machine code."""
+"""The former name of `ulna.compiler`, kept so that existing programs run."""
 
-from ulna.trace.function import Function as Function
-from ulna.trace.function import Port as Port
-from ulna.trace.function import trace as trace
-from ulna.trace.kernel import compile as compile
-from ulna.trace.kernel import element_of as element_of
+from ulna.compiler import Function as Function
+from ulna.compiler import Port as Port
+from ulna.compiler import compile as compile
+from ulna.compiler import element_of as element_of
+from ulna.compiler import trace as trace
 
 __all__ = ["Function", "Port", "compile", "element_of", "trace"]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna import numeric
-from ulna.trace import compile
+from ulna.compiler import compile
 from ulna.trajectory.base import END_TOLERANCE
 from ulna.trajectory.inputs import filled, seconds, vector
 from ulna.trajectory.polynomial import Polynomial, hermite, hermite_coefficients, horner

@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 
 from ulna import algorithms
+from ulna.compiler import compile
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model
 from ulna.numeric import minimum, where
-from ulna.trace import compile
 from ulna.trajectory.reach import HUGE
 from ulna.typing import Array, ArrayLike, Floats
 

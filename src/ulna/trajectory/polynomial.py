@@ -19,8 +19,8 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.compiler import compile
 from ulna.errors import InputError, ShapeError
-from ulna.trace import compile
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.inputs import numbers
 from ulna.trajectory.space import Space, Vectors

@@ -26,8 +26,8 @@ from typing import Any
 
 import numpy as np
 
+from ulna.compiler import compile
 from ulna.numeric import vector, where
-from ulna.trace import compile
 from ulna.typing import Array, Floats
 
 HUGE = 1e300

@@ -17,7 +17,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.trace import cache
+from ulna import disk_cache as cache
 
 _FORMAT = "ulna client 1"
 _PACKED = re.compile(r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">.*?</script>', re.DOTALL)

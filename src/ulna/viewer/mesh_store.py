@@ -8,8 +8,8 @@ import re
 
 import numpy as np
 
+from ulna import disk_cache as cache
 from ulna.files import read_regular
-from ulna.trace import cache
 from ulna.viewer.surface import Surface, Texture
 
 _FORMAT = "ulna mesh 2"

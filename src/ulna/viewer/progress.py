@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import final
 
-from ulna.trace import jit
+from ulna.compiler.runtime import jit
 
 Report = Callable[[int, int], None]
 """Told how much of how much is done."""

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ulna import algorithms as alg
+from ulna.compiler import trace
 from ulna.errors import InputError, TraceError, UnknownName
 from ulna.model import Model, ModelBuilder, Revolute
-from ulna.trace import trace
 
 
 @pytest.fixture(scope="module")

@@ -43,7 +43,7 @@ def test_batches():
 
 def test_symbols_and_traces():
     sympy = pytest.importorskip("sympy")
-    from ulna.trace import trace
+    from ulna.compiler import trace
 
     chain = ETS.parse("tz(0.5) Rz(q) tx(2) Rx(90 deg) tx(-q)")
     a, b = sympy.symbols("a b")

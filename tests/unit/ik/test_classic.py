@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import ulna
+from ulna.compiler import compile
 from ulna.errors import InputError, UnknownName
 from ulna.ik.classic import DAMPING, bounded_move, move
 from ulna.ik.problem import errors
 from ulna.ik.question import problem_of
 from ulna.spatial import so3_log
-from ulna.trace import compile
 
 METHODS = sorted(DAMPING)
 

@@ -9,7 +9,7 @@ import pytest
 import sympy
 
 from ulna import numeric
-from ulna.trace import trace
+from ulna.compiler import trace
 
 
 @pytest.mark.parametrize("name", ["sin", "cos", "sqrt"])

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import ulna
-from ulna.trace import jit
+from ulna.compiler.runtime import jit
 from ulna.viewer import progress as module
 from ulna.viewer.progress import progress, unwatch, watch
 

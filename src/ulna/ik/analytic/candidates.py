@@ -10,6 +10,7 @@ import numpy as np
 
 from ulna import kernels
 from ulna.algorithms.tree import chain
+from ulna.compiler import compile
 from ulna.errors import InputError, UnknownName
 from ulna.ik.analytic import general
 from ulna.ik.analytic.certify import certificate, periods
@@ -19,7 +20,6 @@ from ulna.ik.analytic.geometry import EXACT, Plan, plans, remaining
 from ulna.ik.analytic.refine import refined
 from ulna.model import Model
 from ulna.spatial import SE3
-from ulna.trace import compile
 from ulna.typing import Floats
 
 _STARTS = 256

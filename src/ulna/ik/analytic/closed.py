@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.compiler import compile
 from ulna.ik.analytic.certify import Certificate
 from ulna.ik.analytic.chain import Arm
 from ulna.ik.analytic.geometry import EXACT, Plan, remaining
@@ -23,7 +24,6 @@ from ulna.ik.analytic.pieper import solve
 from ulna.linalg import solve_spd
 from ulna.numeric import cross, dot, less, vector, where
 from ulna.spatial import SE3
-from ulna.trace import compile
 from ulna.typing import Array, Floats
 
 _DAMPING = 1e-12

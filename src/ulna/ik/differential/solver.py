@@ -7,6 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.compiler import compile, trace
 from ulna.errors import InputError, UnknownName
 from ulna.ik.differential import explain
 from ulna.ik.differential.limits import Limit, PositionLimit, VelocityLimit
@@ -14,7 +15,6 @@ from ulna.ik.differential.program import SOLVED, Problem, Program
 from ulna.ik.differential.task import Task, as_array
 from ulna.ik.qp import solve_rows
 from ulna.model import Model
-from ulna.trace import compile, trace
 from ulna.typing import ArrayLike, Floats
 
 

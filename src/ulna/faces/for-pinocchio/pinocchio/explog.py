@@ -13,9 +13,9 @@ from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.rotations import Quaternion
 from pinocchio._spatial.se3 import SE3
 from ulna import spatial
+from ulna.compiler import compile as compile_function
+from ulna.compiler import trace
 from ulna.errors import ShapeError
-from ulna.trace import compile as compile_function
-from ulna.trace import trace
 from ulna.typing import Array, Floats
 
 __all__ = [

@@ -12,9 +12,9 @@ from pinocchio._data.binding import Scratch, refuse
 from pinocchio._model.joint_kinds import JointModel
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import generator
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.model import Circle, Composite, FreeFlyer, JointKind, PlanarCircle, Prismatic, Spherical
-from ulna.trace import compile as compile_function
 from ulna.typing import Floats
 
 _kernels: dict[tuple[str, str], Any] = {}

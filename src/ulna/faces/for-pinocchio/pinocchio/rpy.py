@@ -11,8 +11,8 @@ from pinocchio._containers.arrays import matrix, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import skew
 from ulna import spatial
+from ulna.compiler import compile as compile_function
 from ulna.errors import UnknownName
-from ulna.trace import compile as compile_function
 from ulna.typing import Floats
 
 

@@ -17,11 +17,11 @@ import numpy as np
 
 from roboticstoolbox._link import Link
 from roboticstoolbox._tree import model_of
+from ulna.compiler import compile
 from ulna.errors import InputError, ShapeError
 from ulna.model import parameters
 from ulna.numeric import less, where
 from ulna.robot import Robot as Body
-from ulna.trace import compile
 from ulna.typing import Array, Floats
 
 _WITH = {

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from ulna.compiler import compile
 from ulna.linalg import pseudoinverse
-from ulna.trace import compile
 
 _SURE = 1e8  # the greatest condition at which half the digits are right by either way
 _WIDEST = 12  # beyond, compiling takes longer than it is worth

@@ -22,11 +22,11 @@ from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3, compiled
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.model import Frame
 from ulna.model import Model as TowerModel
 from ulna.numeric import cross
-from ulna.trace import compile as compile_function
 from ulna.typing import Array, Floats
 
 __all__ = [

@@ -11,8 +11,8 @@ from pinocchio._containers.arrays import numbers, vector
 from ulna import linalg, numeric
 from ulna.algorithms.constrained_dynamics_damped import damped_factors
 from ulna.algorithms.factors import Factors
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, ShapeError
-from ulna.trace import compile as compile_function
 from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from pinocchio._data.binding import refuse
 from ulna import linalg
 from ulna.algorithms import constrained_factors
 from ulna.algorithms.factors import Factors
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.numeric import vector
-from ulna.trace import compile as compile_function
 from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from pinocchio._constraints.delassus import DelassusOperatorDense, _Operator
 from pinocchio._constraints.joint_constraints import JointFrictionConstraintModel, JointLimitConstraintModel
 from pinocchio._containers.arrays import vector
 from ulna.algorithms.cone_complementarity import Bounded, Held, Kind, Pushed, Touching, gauss_seidel
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, ShapeError
-from ulna.trace import compile as compile_function
 from ulna.typing import Floats
 
 __all__ = ["PGSConstraintSolver", "PGSSolverResult", "PGSSolverSettings"]

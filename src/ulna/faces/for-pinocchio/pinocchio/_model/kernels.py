@@ -14,11 +14,11 @@ import numpy as np
 from pinocchio._model.kernel_parameters import Told, pose_of, with_numbers
 from ulna import kernels, spatial
 from ulna.algorithms.constrained_factors import joined
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.model import Frame, Joint, Limits, Link, Mimic
 from ulna.model import Model as TowerModel
 from ulna.model.joints.axes import constant, snap_pose
-from ulna.trace import compile as compile_function
 from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import numpy as np
 
 from pinocchio._containers.arrays import matrix, text, vector
 from ulna import spatial
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
-from ulna.trace import compile as compile_function
 from ulna.typing import Floats
 
 

@@ -12,8 +12,8 @@ from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import generator
 from pinocchio._spatial.rotations import coefficients_of
 from ulna import spatial
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, ShapeError
-from ulna.trace import compile as compile_function
 from ulna.typing import Array, Floats
 
 

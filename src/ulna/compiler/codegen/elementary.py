@@ -1,0 +1,303 @@
+"""Write the LLVM IR of elementary functions that LLVM would otherwise hand, lane by lane, to the C library.
+
+Tangent, arcsine, arccosine, two-argument arctangent, exponential and logarithm, in SIMD lanes, without
+branches (but for the tangent of huge arguments). Each reduces its argument to a small interval, evaluates a
+minimax polynomial there, and keeps the rounding error of the leading term, to add it back before the last
+rounding (Muller, Elementary Functions, 3rd ed.). Values at zeros, infinities and NaN are those of NumPy.
+`scripts/fit_elementary.py` derives the constants and, with `--check`, verifies them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, nan, sqrt
+
+from ulna.compiler.codegen.ir_text import Body, DType, IRFunction, Lanes, bits_of
+from ulna.compiler.codegen.sincos import ROUNDER, arc, reduced_function
+
+# fmt: off
+ASIN_F64 = (
+    float.fromhex("0x1.5555555555577p-3"), float.fromhex("0x1.333333332e131p-4"),
+    float.fromhex("0x1.6db6db7212709p-5"), float.fromhex("0x1.f1c71a94ebe18p-6"),
+    float.fromhex("0x1.6e8bdee16bbc6p-6"), float.fromhex("0x1.1c49f0417df64p-6"),
+    float.fromhex("0x1.ca1f9085f32bfp-7"), float.fromhex("0x1.75856ca7a50b6p-7"),
+    float.fromhex("0x1.613d41b37e3a2p-7"), float.fromhex("0x1.e5e9d08ad22aap-9"),
+    float.fromhex("0x1.63a052c424301p-6"), float.fromhex("-0x1.5803783018bdcp-6"),
+    float.fromhex("0x1.0b48cc1e1859p-5"),
+)
+ATAN_F64 = (
+    float.fromhex("-0x1.5555555555516p-2"), float.fromhex("0x1.999999999113bp-3"),
+    float.fromhex("-0x1.249249215da96p-3"), float.fromhex("0x1.c71c7090cb1dep-4"),
+    float.fromhex("-0x1.745cf4c7393f4p-4"), float.fromhex("0x1.3b113d7249479p-4"),
+    float.fromhex("-0x1.10f31b62c3aedp-4"), float.fromhex("0x1.dfe941e290b2ap-5"),
+    float.fromhex("-0x1.a3978d9bc4aep-5"), float.fromhex("0x1.56f4452b8a2eap-5"),
+    float.fromhex("-0x1.c18017df787ffp-6"), float.fromhex("0x1.4b8ef296f90ddp-7"),
+)
+LOG_F64 = (
+    float.fromhex("0x1.5555555555592p-1"), float.fromhex("0x1.999999997ff5dp-2"),
+    float.fromhex("0x1.24924941dbda6p-2"), float.fromhex("0x1.c71c52198d5b6p-3"),
+    float.fromhex("0x1.74663bbfa5488p-3"), float.fromhex("0x1.39a209273041dp-3"),
+    float.fromhex("0x1.2f0264fab5583p-3"),
+)
+EXP_F64 = (
+    float.fromhex("0x1.55555555555p-3"), float.fromhex("0x1.55555555531c8p-5"),
+    float.fromhex("0x1.1111111128b3cp-7"), float.fromhex("0x1.6c16c17cd961ap-10"),
+    float.fromhex("0x1.a01a011b66889p-13"), float.fromhex("0x1.a019aae082bb9p-16"),
+    float.fromhex("0x1.71df5658e3d46p-19"), float.fromhex("0x1.289fdd9f22f48p-22"),
+    float.fromhex("0x1.ad1f5a74518f8p-26"),
+)
+LN2_F64 = (
+    float.fromhex("0x1.62e42fefa4p-1"), float.fromhex("-0x1.8432a1b0e2634p-43"),
+)
+LOG2E_F64 = (
+    float.fromhex("0x1.71547652b82fep+0"),
+)
+QUARTER_PI_F64 = (
+    float.fromhex("0x1.921fb54442d18p-1"), float.fromhex("0x1.1a62633145c07p-55"),
+)
+ASIN_F32 = (
+    float.fromhex("0x1.5555c8p-3"), float.fromhex("0x1.330204p-4"),
+    float.fromhex("0x1.747bbep-5"), float.fromhex("0x1.8c3de6p-6"),
+    float.fromhex("0x1.595cd8p-5"),
+)
+ATAN_F32 = (
+    float.fromhex("-0x1.555512p-2"), float.fromhex("0x1.997b06p-3"),
+    float.fromhex("-0x1.2249a6p-3"), float.fromhex("0x1.9ff9cep-4"),
+    float.fromhex("-0x1.a3cda4p-5"),
+)
+LOG_F32 = (
+    float.fromhex("0x1.55557ap-1"), float.fromhex("0x1.995edap-2"),
+    float.fromhex("0x1.31dfe6p-2"),
+)
+EXP_F32 = (
+    float.fromhex("0x1.5554a2p-3"), float.fromhex("0x1.555688p-5"),
+    float.fromhex("0x1.123004p-7"), float.fromhex("0x1.6b6e1cp-10"),
+)
+LN2_F32 = (
+    float.fromhex("0x1.62ep-1"), float.fromhex("0x1.0bfbe8p-15"),
+)
+LOG2E_F32 = (
+    float.fromhex("0x1.715476p+0"),
+)
+QUARTER_PI_F32 = (
+    float.fromhex("0x1.921fb8p-1"), float.fromhex("-0x1.5dde98p-24"),
+)
+# fmt: on
+
+OPERATIONS = ("tan", "asin", "acos", "atan2", "exp", "log")
+"""What `elementary_ir` offers."""
+
+
+def elementary_ir(op: str, lanes: int, dtype: DType) -> IRFunction:
+    """The IR of `T @ulna.<op>.<suffix>(T x)`, of `(T y, T x)` for atan2; T is `dtype` or `<lanes x dtype>`.
+
+    The error stays below 1 ULP. No library is called: results are the same on every processor.
+
+    Args:
+        op: one of `OPERATIONS`.
+        lanes: the number of lanes; 1 for the scalar function.
+        dtype: "double" or "float".
+
+    Raises:
+        ValueError: for an operation that is not offered.
+
+    """
+    kind = Lanes(lanes, dtype)
+    name = f"ulna.{op}.{kind.suffix}"
+    if op == "tan":
+        return reduced_function(kind, name, _tan, results=1)
+    if op not in _WRITERS:
+        raise ValueError(f"no elementary function {op!r}: one of {', '.join(OPERATIONS)} expected")
+    write, parameters = _WRITERS[op]
+    body = Body(kind)
+    result = write(body, *parameters)
+    signature = ", ".join(f"{kind.real} {p}" for p in parameters)
+    text = [
+        f"define internal {kind.real} @{name}({signature}) alwaysinline nounwind willreturn memory(none) {{",
+        *body.lines,
+        f"  ret {kind.real} {result}",
+        "}",
+    ]
+    return IRFunction(name, "\n".join(text), tuple(body.declarations))
+
+
+def _by_format(body: Body, double: tuple[float, ...], single: tuple[float, ...]) -> tuple[float, ...]:
+    return double if body.lanes.dtype == "double" else single
+
+
+def _tan(body: Body, r: str, s: str, quadrant: str) -> tuple[str, ...]:
+    """Sine over cosine, or minus cosine over sine: one division, then a correction for all roundings."""
+    (sine_high, sine_low), (cosine_high, cosine_low) = arc(body, r, s)
+    sine = body.sub(sine_high, sine_low)
+    cosine = body.add(cosine_high, cosine_low)
+    # What each rounded sum has too much.
+    sine_excess = body.add(body.sub(sine, sine_high), sine_low)
+    cosine_excess = body.sub(body.sub(cosine, cosine_high), cosine_low)
+    odd = body.integer_op("icmp ne", body.integer_op("and", quadrant, 1), 0)
+    top, top_excess = body.select(odd, cosine, sine), body.select(odd, cosine_excess, sine_excess)
+    bottom, bottom_excess = body.select(odd, sine, cosine), body.select(odd, sine_excess, cosine_excess)
+    reciprocal = body.div(1.0, bottom)
+    quotient = body.mul(top, reciprocal)
+    excess = body.add(body.fma(quotient, bottom, body.neg(top)), top_excess)
+    excess = body.fma(body.neg(quotient), bottom_excess, excess)
+    result = body.fma(body.neg(excess), reciprocal, quotient)
+    return (body.flip_sign(result, body.integer_op("shl", quadrant, body.lanes.bits - 1)),)
+
+
+def _half_arc(body: Body, x: str) -> tuple[str, str, str]:
+    """(far, t, p), a = |x|, far: a > 1/2. The arcsine of (far ? sqrt((1 - a)/2) : a) is t + p, p small."""
+    a = body.fabs(x)
+    far = body.compare("ogt", a, 0.5)
+    z = body.select(far, body.fma(a, -0.5, 0.5), body.mul(a, a))
+    root = body.call("sqrt", z)
+    t = body.select(far, root, a)
+    # The root's rounding error, to first order.
+    twice = body.add(root, root)
+    twice = body.select(body.compare("oeq", twice, 0.0), 1.0, twice)
+    missing = body.div(body.fma(body.neg(root), root, z), twice)
+    z2 = body.mul(z, z)
+    polynomial = body.polynomial(z, z2, _by_format(body, ASIN_F64, ASIN_F32))
+    p = body.fma(body.mul(t, z), polynomial, body.select(far, missing, 0.0))
+    return far, t, p
+
+
+def _asin(body: Body, x: str) -> str:
+    quarter = _by_format(body, QUARTER_PI_F64, QUARTER_PI_F32)
+    far, t, p = _half_arc(body, x)
+    # arcsin a = pi/2 - 2 arcsin sqrt((1 - a)/2).
+    base = body.select(far, 2 * quarter[0], 0.0)
+    t = body.select(far, body.mul(t, -2.0), t)
+    p = body.select(far, body.fma(p, -2.0, 2 * quarter[1]), p)
+    return body.call("copysign", _sum(body, base, t, p), x)
+
+
+def _acos(body: Body, x: str) -> str:
+    quarter = _by_format(body, QUARTER_PI_F64, QUARTER_PI_F32)
+    far, t, p = _half_arc(body, x)
+    negative = body.compare("olt", x, 0.0)
+    # Near: pi/2 - arcsin x. Far: 2 arcsin sqrt((1 - a)/2), or pi less that. Multiples of pi/4: 2, 0, 4.
+    eighths = body.select(far, body.select(negative, 4.0, 0.0), 2.0)
+    factor = body.select(far, body.select(negative, -2.0, 2.0), body.select(negative, 1.0, -1.0))
+    base = body.mul(eighths, quarter[0])
+    return _sum(body, base, body.mul(t, factor), body.fma(p, factor, body.mul(eighths, quarter[1])))
+
+
+def _atan2(body: Body, y: str, x: str) -> str:
+    double = body.lanes.dtype == "double"
+    a, b = body.fabs(y), body.fabs(x)
+    steep = body.compare("ogt", a, b)
+    large, small = body.select(steep, a, b), body.select(steep, b, a)
+    # Infinities and zeros become ratios of 0 and 1.
+    infinite = body.compare("oeq", large, inf)
+    small = body.select(infinite, body.select(body.compare("oeq", small, inf), 1.0, 0.0), small)
+    large = body.select(infinite, 1.0, body.select(body.compare("oeq", large, 0.0), 1.0, large))
+    # Away from overflow of the sum and underflow of the remainder.
+    top, bottom, lift = (2.0**1000, 2.0**-900, 2.0**120) if double else (2.0**120, 2.0**-90, 2.0**40)
+    lifted = body.select(body.compare("olt", large, bottom), lift, 1.0)
+    scale = body.select(body.compare("ogt", large, top), 0.25, lifted)
+    large, small = body.mul(large, scale), body.mul(small, scale)
+    # arctan(small/large) = pi/4 + arctan((small - large)/(small + large)), for ratios beyond 1/2.
+    diagonal = body.compare("ogt", small, body.mul(large, 0.5))
+    total = body.add(large, small)
+    total_missing = body.add(body.sub(large, total), small)
+    top_value = body.select(diagonal, body.sub(small, large), small)
+    bottom_value = body.select(diagonal, total, large)
+    reciprocal = body.div(1.0, bottom_value)
+    t = body.mul(top_value, reciprocal)
+    minus_t = body.neg(t)
+    remainder = body.fma(minus_t, bottom_value, top_value)
+    remainder = body.fma(minus_t, body.select(diagonal, total_missing, 0.0), remainder)
+    missing = body.mul(remainder, reciprocal)
+    z = body.mul(t, t)
+    polynomial = body.polynomial(z, body.mul(z, z), _by_format(body, ATAN_F64, ATAN_F32))
+    p = body.fma(body.mul(t, z), polynomial, body.fma(body.neg(missing), z, missing))
+    # The angle is eighths * pi/4 + (t + p) or minus (t + p).
+    backward = body.integer_op("icmp slt", body.to_bits(x), 0)
+    eighths = body.select(diagonal, 1.0, 0.0)
+    eighths = body.select(steep, body.sub(2.0, eighths), eighths)
+    eighths = body.select(backward, body.sub(4.0, eighths), eighths)
+    turned = body.emit(f"xor {body.lanes.truth} {steep}, {backward}")
+    factor = body.select(turned, -1.0, 1.0)
+    quarter = _by_format(body, QUARTER_PI_F64, QUARTER_PI_F32)
+    rest = body.fma(eighths, quarter[1], body.mul(p, factor))
+    angle = _sum(body, body.mul(eighths, quarter[0]), body.mul(t, factor), rest)
+    angle = body.call("copysign", angle, y)
+    return body.select(body.compare("uno", x, y), body.add(x, y), angle)
+
+
+def _sum(body: Body, base: str, t: str, p: str) -> str:
+    """The sum base + t + p, where base is zero or larger than t, and p is small, with nearly one rounding."""
+    high = body.add(base, t)
+    low = body.add(body.sub(base, high), t)
+    return body.add(high, body.add(low, p))
+
+
+def _exp(body: Body, x: str) -> str:
+    double = body.lanes.dtype == "double"
+    dtype = body.lanes.dtype
+    ln2 = _by_format(body, LN2_F64, LN2_F32)
+    (log2e,) = _by_format(body, LOG2E_F64, LOG2E_F32)
+    # Beyond these the result is infinite or zero; NaN passes.
+    lowest, highest = (-746.0, 710.0) if double else (-104.0, 89.0)
+    bounded = body.select(body.compare("ogt", x, highest), highest, x)
+    bounded = body.select(body.compare("olt", x, lowest), lowest, bounded)
+    shifted = body.fma(bounded, log2e, ROUNDER[dtype])
+    k = body.sub(shifted, ROUNDER[dtype])
+    first = body.fma(k, -ln2[0], bounded)
+    r = body.fma(k, -ln2[1], first)
+    missing = body.fma(k, -ln2[1], body.sub(first, r))
+    z = body.mul(r, r)
+    tail = body.fma(r, body.polynomial(r, z, _by_format(body, EXP_F64, EXP_F32)), 0.5)
+    high = body.add(r, 1.0)
+    low = body.add(body.add(body.sub(1.0, high), r), missing)
+    value = body.add(high, body.fma(z, tail, low))
+    # 2^k in two factors, both normal: the last product rounds once, to a denormal or an infinity if need be.
+    half = body.fma(k, 0.5, ROUNDER[dtype])
+    half_bits = body.to_bits(half)
+    rest_bits = body.integer_op("sub", body.to_bits(shifted), half_bits)
+    bias, mantissa = (1023, 52) if double else (127, 23)
+    for exponent in (half_bits, rest_bits):
+        power = body.integer_op("shl", body.integer_op("add", exponent, bias), mantissa)
+        value = body.mul(value, body.from_bits(power))
+    return value
+
+
+def _log(body: Body, x: str) -> str:
+    double = body.lanes.dtype == "double"
+    dtype = body.lanes.dtype
+    ln2 = _by_format(body, LN2_F64, LN2_F32)
+    bias, mantissa, lift, least = (1023, 52, 54, 2.0**-1022) if double else (127, 23, 25, 2.0**-126)
+    positive = body.compare("ogt", x, 0.0)
+    value = body.select(positive, x, 1.0)
+    tiny = body.compare("olt", value, least)
+    value = body.select(tiny, body.mul(value, 2.0**lift), value)
+    # value = 2^k m, m from sqrt(1/2) to sqrt(2).
+    bits = body.to_bits(value)
+    one = bits_of(1.0, dtype)
+    biased = body.integer_op("add", bits, one - bits_of(sqrt(0.5), dtype))
+    exponent = body.integer_op("lshr", biased, mantissa)
+    m_bits = body.integer_op("sub", bits, body.integer_op("shl", exponent, mantissa))
+    m_bits = body.integer_op("add", m_bits, one)
+    integer = 2.0**mantissa  # its last bit counts ones
+    k_shifted = body.from_bits(body.integer_op("or", exponent, bits_of(integer, dtype)))
+    k = body.sub(k_shifted, body.select(tiny, integer + bias + lift, integer + bias))
+    # log(1 + f) = f - f^2/2 + s (f^2/2 + z L(z)), s = f/(2 + f), z = s^2.
+    f = body.sub(body.from_bits(m_bits), 1.0)
+    s = body.div(f, body.add(f, 2.0))
+    z = body.mul(s, s)
+    half = body.mul(f, 0.5)
+    inner = body.mul(z, body.polynomial(z, body.mul(z, z), _by_format(body, LOG_F64, LOG_F32)))
+    inner = body.fma(s, body.fma(half, f, inner), body.mul(k, ln2[1]))
+    rest = body.fma(body.neg(half), f, inner)
+    result = _sum(body, body.mul(k, ln2[0]), f, rest)
+    result = body.select(body.compare("oeq", x, inf), inf, result)
+    return body.select(positive, result, body.select(body.compare("oeq", x, 0.0), -inf, nan))
+
+
+_WRITERS: dict[str, tuple[Callable[..., str], tuple[str, ...]]] = {
+    "asin": (_asin, ("%x",)),
+    "acos": (_acos, ("%x",)),
+    "atan2": (_atan2, ("%y", "%x")),
+    "exp": (_exp, ("%x",)),
+    "log": (_log, ("%x",)),
+}

@@ -1,0 +1,164 @@
+"""Writes a function's graph as LLVM IR text: one sample, a block of SIMD lanes, and the loop over a batch.
+
+`writer` writes the nodes, `schedule` says in which order and in how many parts, `memory` writes how rows get into
+lanes, `batch` the loop around.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from ulna.compiler.codegen.batch_loop import batch_loop
+from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
+from ulna.compiler.codegen.node_writer import Module, Writer
+from ulna.compiler.codegen.row_table import at, spread
+from ulna.compiler.codegen.rows import load, store
+from ulna.compiler.language.function import Function
+from ulna.compiler.language.graph import Graph
+from ulna.compiler.language.ops import TABLE, Op
+from ulna.compiler.language.scheduling import Sines, Step, Store, made, parts, used
+
+
+def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: int, contract: bool) -> None:
+    """`void name(ptr in, i64 stride, ..., ptr out, i64 stride, ...)`: lane j has the rows j * stride [byte].
+
+    A large graph becomes several functions that hand values on in a scratch.
+    """
+    strided = layout.lanes > 1 or name == "block"
+    if f.lanes > 1:
+        layout, pack = Lanes(f.lanes, layout.dtype), 1
+    names = [f"i{k}" for k in range(len(f.inputs))] + [f"o{k}" for k in range(len(f.outputs))]
+    # Outputs may be inputs: sound, because all loads come before all stores.
+    arguments = [f"ptr %{port}, i64 %{port}s" if strided else f"ptr %{port}" for port in names]
+    attributes = "noinline nounwind #0" if strided or f.lanes > 1 else "noinline nounwind"
+    pieces = parts(f, layout.lanes, pack)
+    spreads = layout.lanes > 1 and len(pieces) > 1  # then the last part has the stores and nothing else
+    slots = _slots(f.graph, pieces, f.results if spreads else ())
+    bodies = []
+    for number, steps in enumerate(pieces):
+        body = Writer(module, f.graph, layout, "", contract, f.lanes > 1)
+        if number == 0:
+            _read_inputs(body, f)
+        if spreads and number == len(pieces) - 1:
+            _spread_outputs(body, f, slots)
+        else:
+            _write_steps(body, steps, slots)
+        bodies.append(body.lines)
+    if len(pieces) == 1:
+        _define(module, name, arguments, attributes, bodies[0])
+        return
+    arguments.append("ptr noalias %scratch")
+    calls = [f"  %scratch = alloca {layout.real}, i64 {max(slots.values(), default=0) + 1}"]
+    for number, lines in enumerate(bodies):
+        _define(module, f"{name}.{number}", arguments, attributes, lines)
+        calls.append(f"  call void @{name}.{number}({', '.join(arguments).replace('noalias ', '')})")
+    _define(module, name, arguments[:-1], attributes, calls)
+
+
+def _define(
+    module: Module, name: str, arguments: Sequence[str], attributes: str, lines: Sequence[str]
+) -> None:
+    head = f"define internal void @{name}({', '.join(arguments)}) {attributes} {{"
+    module.definitions[name] = "\n".join([head, "entry:", *lines, "  ret void", "}", ""])
+
+
+def _slots(graph: Graph, pieces: Sequence[Sequence[Step]], spread: Sequence[int]) -> dict[int, int]:
+    """Where in the scratch the nodes lie that a later part needs; a place that is free again is taken again.
+
+    Constants are written anew in each part, but those among `spread` are in the scratch, too.
+    """
+    constant = (Op.CONST, Op.BOOL)
+    handed = {index for index in spread if graph.op[index] in constant}
+    last: dict[int, int] = {}
+    for number, steps in enumerate(pieces):
+        last.update((index, number) for step in steps for index in used(graph, step))
+    slots: dict[int, int] = {}
+    free: list[int] = []
+    ending: list[list[int]] = [[] for _ in pieces]
+    count = 0
+    for number, steps in enumerate(pieces):
+        for index in (index for step in steps for index in made(graph, step)):
+            if last.get(index, 0) > number and (graph.op[index] not in constant or index in handed):
+                if not free:
+                    free.append(count)
+                    count += 1
+                slots[index] = free.pop()
+                ending[last[index]].append(slots[index])
+        free += ending[number]
+    return slots
+
+
+def _read_inputs(to: Writer, f: Function) -> None:
+    g, start = f.graph, 0
+    live = set(g.live(f.results))
+    for k, port in enumerate(f.inputs):
+        nodes = g.inputs[start : start + port.size]
+        for j, value in load(to, f"i{k}", port.size, [j for j, n in enumerate(nodes) if n in live]):
+            to.names[nodes[j]] = value
+        start += port.size
+
+
+def _write_steps(to: Writer, steps: Iterable[Step], slots: dict[int, int]) -> None:
+    """Writes the steps of one part; what they need is fetched from the scratch, what is needed later is put there."""
+    g, lay = to.graph, to.layout
+
+    def kind(index: int) -> str:
+        return lay.truth if TABLE[g.op[index]].is_condition else lay.real
+
+    for step in steps:
+        for index in used(g, step):
+            if index in to.names:
+                continue
+            if g.op[index] in (Op.CONST, Op.BOOL):
+                to.node(index)
+            else:
+                place = at(to, slots[index])
+                to.assign(index, f"load {kind(index)}, {place}")
+        if isinstance(step, Sines):
+            to.sincos(step.arguments)
+        elif isinstance(step, Store):
+            store(to, f"o{step.port}", step.start, [to.names[v] for v in step.values])
+        elif step not in to.names:
+            to.node(step)
+        for index in made(g, step):
+            if index in slots:
+                to.write(f"store {kind(index)} {to.names[index]}, {at(to, slots[index])}")
+
+
+def _spread_outputs(to: Writer, f: Function, slots: dict[int, int]) -> None:
+    """Writes all outputs out of the scratch."""
+    g, start = f.graph, 0
+    zeros = (
+        slots[index] for index in f.results if g.op[index] == Op.CONST and g.data[index].hex() == "0x0.0p+0"
+    )
+    zero = next(zeros, None)
+    for k, port in enumerate(f.outputs):
+        spread(to, f"o{k}", [slots[index] for index in f.results[start : start + port.size]], zero)
+        start += port.size
+
+
+def emit_single(f: Function, element: DType = "double", pack: int = 8, contract: bool = True) -> str:
+    """IR of one sample: `void one(ptr in0, ..., ptr out0, ...)` on contiguous samples."""
+    module = Module()
+    _write_block(module, f, "one", Lanes(1, element), pack, contract)
+    return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
+
+
+def emit_batch(f: Function, element: DType = "double", lanes: int = 8, contract: bool = True) -> str:
+    """IR of the inner loop of a generalised ufunc over samples, `lanes` at a time.
+
+    `void batch(ptr args, ptr dimensions, ptr steps, ptr data)` is NumPy's PyUFuncGenericFunction. Samples with
+    strides inside go through a scratch copy, one by one. Floating-point flags are cleared at the end, because
+    both sides of every `where` are computed.
+    """
+    module = Module()
+    _write_block(module, f, "block", Lanes(lanes, element), 1, contract)
+    module.declare("declare i32 @feclearexcept(i32)")
+    module.definitions["batch"] = batch_loop(f, element, lanes)
+    return module.text() + _wide_registers(max(lanes, f.lanes), element)
+
+
+def _wide_registers(lanes: int, element: DType) -> str:
+    """The attributes that let a function use registers of so many lanes."""
+    bits = lanes * BYTES[element] * 8
+    return f'\nattributes #0 = {{ "prefer-vector-width"="{bits}" "min-legal-vector-width"="{bits}" }}\n'

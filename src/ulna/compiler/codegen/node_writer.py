@@ -1,0 +1,245 @@
+"""Writes the nodes of a graph as LLVM instructions, one each, in any layout: numbers, SIMD lanes, or a loop's region.
+
+Names `%v12` are graph indices, so IR, graph and profile can be read side by side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+
+from ulna.compiler.codegen.elementary import OPERATIONS, elementary_ir
+from ulna.compiler.codegen.ir_text import IRFunction, Lanes
+from ulna.compiler.codegen.sincos import sincos_ir
+from ulna.compiler.language.graph import Graph, Loop
+from ulna.compiler.language.ops import TABLE, Op
+
+_sincos_ir, _elementary_ir = cache(sincos_ir), cache(elementary_ir)  # the same text for every node
+
+
+@dataclass
+class Module:
+    """Function definitions and the declarations they need, each once, in order."""
+
+    definitions: dict[str, str] = field(default_factory=dict)
+    declarations: dict[str, None] = field(default_factory=dict)
+
+    def declare(self, line: str) -> None:
+        """Notes a declaration."""
+        self.declarations[line] = None
+
+    def use(self, function: IRFunction) -> None:
+        """Notes a function and what it needs."""
+        for part in function.declarations:
+            self.declare(part)
+        self.definitions.setdefault(function.name, function.text)
+
+    def text(self) -> str:
+        """The module's text."""
+        return "\n".join([*self.declarations, "", *self.definitions.values()]) + "\n"
+
+
+def _number(lay: Lanes, value: float) -> str:
+    """The literal of a constant, rounded to the format."""
+    if lay.dtype == "float":
+        with np.errstate(over="ignore"):
+            value = float(np.float32(value))
+    return lay.constant(value)
+
+
+def _truth(lay: Lanes, value: bool) -> str:
+    word = "true" if value else "false"
+    return word if lay.lanes == 1 else f"splat (i1 {word})"
+
+
+class Writer:
+    """Writes the nodes of one graph, in order, as instructions of one layout."""
+
+    def __init__(
+        self, module: Module, graph: Graph, layout: Lanes, prefix: str, contract: bool, is_race: bool = False
+    ) -> None:
+        self.module, self.graph, self.layout, self.prefix = module, graph, layout, prefix
+        self.is_race = is_race  # whether all lanes work on one sample
+        self.contract = " contract" if contract else ""
+        self.lines: list[str] = []
+        self.names: dict[int, str] = {}
+        self.rows: dict[str, list[str]] = {}  # pointers to each lane's row of a port, once they are needed
+        self.block = "entry"  # the basic block being written
+        self._fresh = 0
+
+    def fresh(self, hint: str = "t") -> str:
+        """A name that is not in use."""
+        self._fresh += 1
+        return f"%{self.prefix}{hint}{self._fresh}"
+
+    def write(self, line: str) -> None:
+        """Appends an instruction."""
+        self.lines.append("  " + line)
+
+    def assign(self, index: int, text: str) -> None:
+        """Appends the instruction whose result is node `index`."""
+        name = f"%{self.prefix}v{index}"
+        self.write(f"{name} = {text}")
+        self.names[index] = name
+
+    def open_block(self, label: str) -> None:
+        """Begins a basic block."""
+        self.lines.append(f"{label}:")
+        self.block = label
+
+    def nodes(self, order: Sequence[int]) -> None:
+        """Writes the nodes that are not written yet."""
+        for index in order:
+            if index not in self.names:
+                self.node(index)
+
+    def node(self, index: int) -> None:
+        """Writes one node; its arguments are written already."""
+        g, lay = self.graph, self.layout
+        op, args, data = g.op[index], g.args[index], g.data[index]
+        if op == Op.CONST:
+            self.names[index] = _number(lay, data)
+        elif op == Op.BOOL:
+            self.names[index] = _truth(lay, data)
+        elif op in (Op.SIN, Op.COS):
+            self.sincos([args[0]])
+        elif op == Op.LANE:
+            self.names[index] = lay.numbers()
+        elif op == Op.ANY:
+            self.any_lane(index, self.names[args[0]])
+        elif op == Op.LEAST:
+            self.least_lane(index, self.names[args[0]])
+        elif op == Op.LOOP:
+            self.loop(index, data, args)
+        elif op == Op.ITEM:
+            self.names[index] = self.names[args[0]].split()[data]
+        else:
+            self.assign(index, self.instruction(op, [self.names[a] for a in args]))
+
+    def instruction(self, op: int, x: Sequence[str]) -> str:
+        """The instruction of an operation on named values."""
+        lay, word = self.layout, TABLE[op].llvm
+        if op == Op.NOT:
+            return f"xor {lay.truth} {x[0]}, {_truth(lay, True)}"
+        if op == Op.NEG:
+            return f"fneg {lay.real} {x[0]}"
+        if op == Op.SELECT:
+            return f"select {lay.truth} {x[0]}, {lay.real} {x[1]}, {lay.real} {x[2]}"
+        if op in (Op.AND, Op.OR):
+            return f"{word} {lay.truth} {x[0]}, {x[1]}"
+        if (name := TABLE[op].op.name.lower()) in OPERATIONS:
+            code = _elementary_ir(name, lay.lanes, lay.dtype)
+            self.module.use(code)
+            return f"call {lay.real} @{code.name}({', '.join(f'{lay.real} {v}' for v in x)})"
+        if word.startswith("@"):
+            name = f"@llvm.{word[1:]}.{lay.suffix}"
+            self.module.declare(f"declare {lay.real} {name}({', '.join([lay.real] * len(x))})")
+            return f"call {lay.real} {name}({', '.join(f'{lay.real} {v}' for v in x)})"
+        flags = "" if word.startswith("fcmp") else self.contract
+        return f"{word}{flags} {lay.real} {x[0]}, {x[1]}"
+
+    def sincos(self, arguments: Sequence[int]) -> None:
+        """Sine and cosine of each argument, named for every SIN and COS node; several at once where scalar."""
+        packed = self.layout.lanes == 1 and len(arguments) > 1
+        width = self.layout.lanes if not packed else 1 << (len(arguments) - 1).bit_length()
+        lay = Lanes(width, self.layout.dtype)
+        code = _sincos_ir(width, lay.dtype)
+        self.module.use(code)
+        if packed:
+            x = "poison"
+            for lane in range(width):
+                name = self.fresh()
+                value = self.names[arguments[min(lane, len(arguments) - 1)]]
+                self.write(f"{name} = insertelement {lay.real} {x}, {lay.dtype} {value}, i32 {lane}")
+                x = name
+        else:
+            x = self.names[arguments[0]]
+        result, s, c = self.fresh(), self.fresh("s"), self.fresh("c")
+        self.write(f"{result} = call {lay.pair} @{code.name}({lay.real} {x})")
+        self.write(f"{s} = extractvalue {lay.pair} {result}, 0")
+        self.write(f"{c} = extractvalue {lay.pair} {result}, 1")
+        for lane, argument in enumerate(arguments):
+            for op, whole in ((Op.SIN, s), (Op.COS, c)):
+                node = self.graph.find(op, argument)
+                if node is None:
+                    continue
+                if packed:
+                    self.assign(node, f"extractelement {lay.real} {whole}, i32 {lane}")
+                else:
+                    self.names[node] = whole
+
+    def any_lane(self, index: int, condition: str) -> None:
+        """Whether the condition holds in any lane, in all lanes."""
+        lay, found = self.layout, self.fresh("any")
+        self.module.declare(f"declare i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth})")
+        self.write(f"{found} = call i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth} {condition})")
+        self.names[index] = self.in_all_lanes("i1", found)
+
+    def least_lane(self, index: int, value: str) -> None:
+        """The smallest number of all lanes, in all lanes."""
+        lay, found = self.layout, self.fresh("least")
+        name = f"@llvm.vector.reduce.fmin.{lay.suffix}"
+        self.module.declare(f"declare {lay.dtype} {name}({lay.real})")
+        self.write(f"{found} = call {lay.dtype} {name}({lay.real} {value})")
+        self.names[index] = self.in_all_lanes(lay.dtype, found)
+
+    def in_all_lanes(self, element: str, value: str) -> str:
+        """A vector that holds a value in every lane."""
+        kind, first, everywhere = self.layout.of(element), self.fresh("one"), self.fresh("all")
+        self.write(f"{first} = insertelement {kind} poison, {element} {value}, i64 0")
+        zeros = f"<{self.layout.lanes} x i32> zeroinitializer"
+        self.write(f"{everywhere} = shufflevector {kind} {first}, {kind} poison, {zeros}")
+        return everywhere
+
+    def loop(self, index: int, loop: Loop, args: Sequence[int]) -> None:
+        """Iterates until no lane's condition holds; a lane that is done keeps its state."""
+        lay, tag = self.layout, f"{self.prefix}L{index}"
+        before, head, body, after = self.block, f"{tag}.head", f"{tag}.body", f"{tag}.after"
+        inner = Writer(self.module, loop.graph, lay, f"{tag}.", bool(self.contract))
+        state = [f"%{tag}.x{k}" for k in range(loop.size)]
+        following = [f"%{tag}.y{k}" for k in range(loop.size)]
+        self.write(f"br label %{head}")
+        self.open_block(head)
+        end = f"%{tag}.end"  # the block the back edge comes from, known after the body is written
+        phis = len(self.lines)
+        self.lines.append("")
+        names = [*state, *(self.names[a] for a in args[loop.size :])]
+        for node, name in zip(loop.graph.inputs, names, strict=True):
+            inner.names[node] = name
+        inner.block = head
+        # Condition and body are one region: lanes that are done compute along and are masked out.
+        inner.nodes(loop.graph.live([loop.condition]))
+        active, go = f"%{tag}.active", f"%{tag}.go"
+        inner.write(f"{active} = and {lay.truth} %{tag}.alive, {inner.names[loop.condition]}")
+        if lay.lanes == 1:
+            anyone = active
+        else:
+            anyone = f"%{tag}.any"
+            self.module.declare(f"declare i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth})")
+            inner.write(f"{anyone} = call i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth} {active})")
+        inner.write(f"%{tag}.more = icmp ult i64 %{tag}.n, {loop.limit}")
+        inner.write(f"{go} = and i1 {anyone}, %{tag}.more")
+        inner.write(f"br i1 {go}, label %{body}, label %{after}")
+        inner.open_block(body)
+        inner.nodes(loop.graph.live([loop.condition, *loop.following]))
+        for k, node in enumerate(loop.following):
+            inner.write(
+                f"{following[k]} = select {lay.truth} {active}, {lay.real} {inner.names[node]}, {lay.real} {state[k]}"
+            )
+        inner.write(f"%{tag}.n1 = add i64 %{tag}.n, 1")
+        inner.write(f"br label %{head}")
+        end = inner.block
+        self.lines += inner.lines
+        lines = [f"%{tag}.n = phi i64 [ 0, %{before} ], [ %{tag}.n1, %{end} ]"]
+        lines.append(
+            f"%{tag}.alive = phi {lay.truth} [ {_truth(lay, True)}, %{before} ], [ {active}, %{end} ]"
+        )
+        for k in range(loop.size):
+            start = self.names[args[k]]
+            lines.append(f"{state[k]} = phi {lay.real} [ {start}, %{before} ], [ {following[k]}, %{end} ]")
+        self.lines[phis] = "\n".join("  " + line for line in lines)
+        self.open_block(after)
+        self.names[index] = " ".join(state)

@@ -1,0 +1,84 @@
+"""Writes the rows of large outputs out of a scratch of columns: a loop over a table of places, so code stays short.
+
+The matrices of a humanoid have a thousand entries; transposing them in straight code would take as much code as
+computing them. Many of their chunks hold nothing but zeros, which need no transposing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ulna.compiler.codegen.ir_text import BYTES
+from ulna.compiler.codegen.node_writer import Writer
+from ulna.compiler.codegen.rows import rows_of, store, transposed
+from ulna.compiler.language.scheduling import chunks
+
+
+def at(to: Writer, place: int | str) -> str:
+    """A pointer to a place of the scratch; a place is as wide as a value in all lanes."""
+    pointer = to.fresh("z")
+    to.write(f"{pointer} = getelementptr {to.layout.real}, ptr %scratch, i64 {place}")
+    return f"ptr {pointer}"
+
+
+def spread(to: Writer, port: str, places: Sequence[int], zero: int | None) -> None:
+    """Writes all columns of `port`; column j lies in `places[j]` of the scratch, zeros in `zero`."""
+    lanes, size = to.layout.lanes, len(places)
+    whole = size // lanes
+    if whole:
+        _loop(to, port, [places[k * lanes : (k + 1) * lanes] for k in range(whole)], zero)
+    for start, width in chunks(lanes, size):
+        if start >= whole * lanes:
+            columns = [_fetched(to, place) for place in places[start : start + width]]
+            store(to, port, start, columns)
+
+
+def _loop(to: Writer, port: str, table: Sequence[Sequence[int]], zero: int | None) -> None:
+    """The chunks that are as wide as there are lanes; the first place of one that is zero is told as -1."""
+    lay, lanes = to.layout, to.layout.lanes
+    flat = [-1 if set(row) == {zero} else place for row in table for place in row]
+    kind = f"[{len(flat)} x i32]"
+    to.module.declare(f"@{port}.places = private constant {kind} [{', '.join(f'i32 {x}' for x in flat)}]")
+    rows = rows_of(to, port)
+    before, head, some, none, after = (
+        to.block,
+        *(f"{port}.{word}" for word in ("chunk", "some", "none", "end")),
+    )
+    following = f"{port}.next"
+    to.write(f"br label %{head}")
+    to.open_block(head)
+    to.write(f"%{port}.k = phi i64 [ 0, %{before} ], [ %{port}.k1, %{following} ]")
+    to.write(f"%{port}.column = mul i64 %{port}.k, {lanes}")
+    to.write(f"%{port}.t = getelementptr i32, ptr @{port}.places, i64 %{port}.column")
+    to.write(f"%{port}.first = load i32, ptr %{port}.t\n  %{port}.nothing = icmp slt i32 %{port}.first, 0")
+    to.write(f"br i1 %{port}.nothing, label %{none}, label %{some}")
+
+    def put(values: Sequence[str]) -> None:
+        for row, value in zip(rows, values, strict=True):
+            pointer = to.fresh("p")
+            to.write(f"{pointer} = getelementptr {lay.dtype}, ptr {row}, i64 %{port}.column")
+            to.write(f"store {lay.real} {value}, ptr {pointer}, align {BYTES[lay.dtype]}")
+        to.write(f"br label %{following}")
+
+    to.open_block(none)
+    put(["zeroinitializer"] * lanes)
+    to.open_block(some)
+    columns = []
+    for j in range(lanes):
+        pointer, narrow, place = to.fresh("p"), to.fresh(), to.fresh()
+        to.write(
+            f"{pointer} = getelementptr i32, ptr %{port}.t, i64 {j}\n  {narrow} = load i32, ptr {pointer}"
+        )
+        to.write(f"{place} = zext i32 {narrow} to i64")
+        columns.append(_fetched(to, place))
+    put(transposed(to, columns))
+    to.open_block(following)
+    to.write(f"%{port}.k1 = add i64 %{port}.k, 1\n  %{port}.over = icmp eq i64 %{port}.k1, {len(table)}")
+    to.write(f"br i1 %{port}.over, label %{after}, label %{head}")
+    to.open_block(after)
+
+
+def _fetched(to: Writer, place: int | str) -> str:
+    pointer, value = at(to, place), to.fresh("w")
+    to.write(f"{value} = load {to.layout.real}, {pointer}")
+    return value

@@ -1,0 +1,222 @@
+"""Write the LLVM IR of a paired sine and cosine that runs in SIMD lanes without a library call.
+
+Method: k = round(2 x / pi); r = x - k pi/2 as an unevaluated sum of two floats, by a three-part reduction
+in the manner of Cody and Waite whose first step FMA makes exact; minimax polynomials of sin r and cos r;
+the quadrant k mod 4 swaps and negates them without a branch (Muller, Elementary Functions, 3rd ed.,
+chapters 3, 11). Arguments beyond `BOUND` leave by a branch to a function marked cold, which reduces them
+by the method of Payne and Hanek. `scripts/fit_sincos.py` derives the constants and, with `--check`,
+verifies them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ulna.compiler.codegen import payne_hanek
+from ulna.compiler.codegen.ir_text import Body, DType, IRFunction, Lanes
+
+SIN_F64 = (
+    float.fromhex("-0x1.5555555555548p-3"),
+    float.fromhex("0x1.111111110f731p-7"),
+    float.fromhex("-0x1.a01a019be9659p-13"),
+    float.fromhex("0x1.71de3555b2b21p-19"),
+    float.fromhex("-0x1.ae5e4bac4a9a6p-26"),
+    float.fromhex("0x1.5d8b245959c14p-33"),
+)
+COS_F64 = (
+    float.fromhex("0x1.555555555554bp-5"),
+    float.fromhex("-0x1.6c16c16c15015p-10"),
+    float.fromhex("0x1.a01a019c8f256p-16"),
+    float.fromhex("-0x1.27e4f7f1925e0p-22"),
+    float.fromhex("0x1.1ee9dbd0ca37dp-29"),
+    float.fromhex("-0x1.8fa6861e3d552p-37"),
+)
+SIN_F32 = (
+    float.fromhex("-0x1.5555460000000p-3"),
+    float.fromhex("0x1.1107780000000p-7"),
+    float.fromhex("-0x1.99540a0000000p-13"),
+)
+COS_F32 = (
+    float.fromhex("0x1.55554a0000000p-5"),
+    float.fromhex("-0x1.6c0c280000000p-10"),
+    float.fromhex("0x1.99e80e0000000p-16"),
+)
+# pi/2 in parts. For doubles the second part is short enough for its product with any k in range to be exact.
+HALF_PI_F64 = (
+    float.fromhex("0x1.921fb54442d18p+0"),
+    float.fromhex("0x1.1a62633000000p-54"),
+    float.fromhex("0x1.45c06e0e68948p-86"),
+)
+HALF_PI_F32 = (
+    float.fromhex("0x1.921fb40000000p+0"),
+    float.fromhex("0x1.4442d20000000p-24"),
+    float.fromhex("-0x1.ee59da0000000p-50"),
+)
+TWO_OVER_PI_F64 = (float.fromhex("0x1.45f306dc9c883p-1"),)
+TWO_OVER_PI_F32 = (float.fromhex("0x1.45f3060000000p-1"),)
+
+BOUND: dict[DType, float] = {"double": 2.0**24, "float": 2.0**16}
+"""The largest |x| that the branch-free path serves [rad]."""
+
+# Added to a number well below it, this rounds that number to an integer, left in the low bits of the sum.
+ROUNDER: dict[DType, float] = {"double": 1.5 * 2.0**52, "float": 1.5 * 2.0**23}
+
+
+def sincos_ir(lanes: int, dtype: DType) -> IRFunction:
+    """The IR of `{T, T} @ulna.sincos.<suffix>(T x)`, sine first; T is `dtype` or `<lanes x dtype>`.
+
+    The error stays below 0.85 ULP for every x. sin(-0.0) is -0.0; inf and NaN give NaN. A lane's result does
+    not depend on its neighbours. The invalid exception is raised for infinities only. No library is called:
+    results are the same on every processor.
+
+    Args:
+        lanes: the number of lanes; 1 for the scalar function.
+        dtype: "double" or "float".
+
+    """
+    kind = Lanes(lanes, dtype)
+    return reduced_function(kind, f"ulna.sincos.{kind.suffix}", _sincos, results=2)
+
+
+def _sincos(body: Body, r: str, s: str, quadrant: str) -> tuple[str, ...]:
+    """Sine and cosine from the reduced argument."""
+    (sine_high, sine_low), (cosine_high, cosine_low) = arc(body, r, s)
+    sine, cosine = body.sub(sine_high, sine_low), body.add(cosine_high, cosine_low)
+    odd = body.integer_op("icmp ne", body.integer_op("and", quadrant, 1), 0)
+    results = []
+    for even_value, odd_value, flipped in (
+        (sine, cosine, quadrant),
+        (cosine, sine, body.integer_op("add", quadrant, 1)),
+    ):
+        # Bit 1 of the quadrant moves to the sign.
+        sign = body.integer_op("shl", flipped, body.lanes.bits - 2)
+        results.append(body.flip_sign(body.select(odd, odd_value, even_value), sign))
+    return tuple(results)
+
+
+def reduce_near(body: Body, x: str) -> tuple[str, str, str]:
+    """(r, s, k): x = k pi/2 + (r - s), |r| <= pi/4 nearly, |s| far below it, k mod 4; for |x| <= BOUND.
+
+    For x = -0.0, r is -0.0 and s is +0.0, so that r - s keeps the sign. NaN gives r = NaN.
+    """
+    dtype = body.lanes.dtype
+    double = dtype == "double"
+    part1, part2, part3 = HALF_PI_F64 if double else HALF_PI_F32
+    (two_over_pi,) = TWO_OVER_PI_F64 if double else TWO_OVER_PI_F32
+    shifted = body.fma(x, two_over_pi, ROUNDER[dtype])
+    k = body.sub(shifted, ROUNDER[dtype])
+    first = body.fma(k, -part1, x)
+    if double:
+        r = body.fma(k, -part2, first)
+        s = body.fma(k, part3, body.fma(k, part2, body.sub(r, first)))
+    else:
+        product = body.mul(k, -part2)
+        rest = body.fma(k, part2, product)
+        r = body.add(first, product)
+        s = body.fma(k, part3, body.add(body.sub(body.sub(r, first), product), rest))
+    return r, s, body.to_bits(shifted)
+
+
+def arc(body: Body, r: str, s: str) -> tuple[tuple[str, str], tuple[str, str]]:
+    """sin(r - s) as the first pair's difference, cos(r - s) as the second pair's sum; |r| <= pi/4 nearly."""
+    double = body.lanes.dtype == "double"
+    sin_coefficients, cos_coefficients = (SIN_F64, COS_F64) if double else (SIN_F32, COS_F32)
+    z = body.mul(r, r)
+    z2 = body.mul(z, z)
+    # w = 1 - r^2/2 rounded; cos(r - s) = w + ((1 - r^2/2 - w) + r s + r^4 C(r^2)).
+    half = body.mul(r, -0.5)
+    w = body.fma(half, r, 1.0)
+    error = body.fma(r, s, body.fma(half, r, body.sub(1.0, w)))
+    cosine_low = body.fma(z2, body.polynomial(z, z2, cos_coefficients), error)
+    # sin(r - s) = r - (s cos r - r^3 S(r^2)).
+    tail = body.polynomial(z, z2, tuple(-c for c in sin_coefficients))
+    sine_low = body.fma(body.mul(r, z), tail, body.mul(s, w))
+    return (r, sine_low), (w, cosine_low)
+
+
+def _reduce_far(body: Body, x: str, far: str, near: tuple[str, str, str]) -> tuple[str, str, str]:
+    """(r, s, k) with the lanes that are `far` reduced one by one, for every x."""
+    kind = body.lanes
+    pair = "{ double, double, i64 }"
+    safe = body.select(far, x, 2.0 * BOUND[kind.dtype])
+    r, s, k = near
+    for lane in range(kind.lanes):
+        value = safe if kind.lanes == 1 else body.emit(f"extractelement {kind.real} {safe}, i32 {lane}")
+        if kind.dtype == "float":
+            value = body.emit(f"fpext float {value} to double")
+        whole = body.emit(f"call {pair} @{payne_hanek.NAME}(double {value})")
+        parts = [body.emit(f"extractvalue {pair} {whole}, {i}") for i in range(3)]
+        if kind.dtype == "float":
+            exact = body.emit(f"fsub double {parts[0]}, {parts[1]}")
+            parts[0] = body.emit(f"fptrunc double {exact} to float")
+            back = body.emit(f"fpext float {parts[0]} to double")
+            parts[1] = body.emit(f"fptrunc double {body.emit(f'fsub double {back}, {exact}')} to float")
+            parts[2] = body.emit(f"trunc i64 {parts[2]} to i32")
+        flag = far if kind.lanes == 1 else body.emit(f"extractelement {kind.truth} {far}, i32 {lane}")
+        merged = []
+        for element, current, part in zip(
+            (kind.dtype, kind.dtype, f"i{kind.bits}"), (r, s, k), parts, strict=True
+        ):
+            if kind.lanes == 1:
+                merged.append(body.emit(f"select i1 {flag}, {element} {part}, {element} {current}"))
+                continue
+            vector = kind.of(element)
+            old = body.emit(f"extractelement {vector} {current}, i32 {lane}")
+            chosen = body.emit(f"select i1 {flag}, {element} {part}, {element} {old}")
+            merged.append(body.emit(f"insertelement {vector} {current}, {element} {chosen}, i32 {lane}"))
+        r, s, k = merged
+    return r, s, k
+
+
+def reduced_function(
+    kind: Lanes, name: str, finish: Callable[[Body, str, str, str], tuple[str, ...]], results: int
+) -> IRFunction:
+    """A function of x = k pi/2 + (r - s): inlined where |x| <= BOUND in every lane, else a cold call.
+
+    Args:
+        kind: type of the argument and of each result.
+        name: of the function, without the `@`.
+        finish: writes the results from r, s and k.
+        results: how many there are, 1 or 2.
+
+    """
+    real = kind.real
+    returned = real if results == 1 else kind.pair
+    test = Body(kind)
+    far = test.any_lane(test.compare("ogt", test.fabs("%x"), BOUND[kind.dtype]))
+    fast = Body(kind, "fast")
+    fast_results = finish(fast, *reduce_near(fast, "%x"))
+    slow = Body(kind)
+    mask = slow.compare("ogt", slow.fabs("%x"), BOUND[kind.dtype])
+    near = reduce_near(slow, slow.select(mask, 0.0, "%x"))
+    slow_results = finish(slow, *_reduce_far(slow, "%x", mask, near))
+
+    text = [
+        f"define internal {returned} @{name}.slow({real} %x) noinline cold nounwind {{",
+        *slow.lines,
+        *_return(kind, slow_results),
+        "}",
+        f"define internal {returned} @{name}({real} %x) alwaysinline nounwind {{",
+        *test.lines,
+        f"  br i1 {far}, label %slow, label %fast",
+        "fast:",
+        *fast.lines,
+        *_return(kind, fast_results),
+        "slow:",
+        f"  %slow.value = tail call {returned} @{name}.slow({real} %x)",
+        f"  ret {returned} %slow.value",
+        "}",
+    ]
+    needed = dict.fromkeys((*slow.declarations, *payne_hanek.huge_reduction()))
+    return IRFunction(name, "\n".join(text), tuple(needed))
+
+
+def _return(kind: Lanes, values: tuple[str, ...]) -> list[str]:
+    """The lines that return one value or a pair."""
+    if len(values) == 1:
+        return [f"  ret {kind.real} {values[0]}"]
+    return [
+        f"  %result.0 = insertvalue {kind.pair} poison, {kind.real} {values[0]}, 0",
+        f"  %result.1 = insertvalue {kind.pair} %result.0, {kind.real} {values[1]}, 1",
+        f"  ret {kind.pair} %result.1",
+    ]

@@ -1,0 +1,147 @@
+"""Forward and reverse derivatives, from graph to graph, with the partials of the table of operations.
+
+Both sweeps work on a copy of the function's graph, so shared subexpressions of value and derivative are computed
+once. A `where` passes the derivative of the branch that is taken, whatever the other one is.
+Reference: Griewank and Walther 2008, chapters 3.1 and 3.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ulna.compiler.language.graph import Graph
+from ulna.compiler.language.interpreter import copy_into
+from ulna.compiler.language.ops import TABLE, Op
+from ulna.compiler.language.scalar import Condition, Scalar, index_in
+from ulna.errors import TraceError
+
+Derivative = tuple[Graph, list[int]]
+"""A new graph and its output nodes."""
+
+
+def jvp(graph: Graph, results: Sequence[int]) -> Derivative:
+    """Tangents of `results`, from the inputs of `graph` and then their tangents."""
+    g, primals, outputs = _copy(graph, results)
+    tangents = [g.input() for _ in primals]
+    return g, _forward(g, dict(zip(primals, tangents, strict=True)), outputs)
+
+
+def vjp(graph: Graph, results: Sequence[int]) -> Derivative:
+    """Cotangents of the inputs of `graph`, from the inputs and then the cotangents of `results`."""
+    g, primals, outputs = _copy(graph, results)
+    seeds = [g.input() for _ in outputs]
+    return g, _reverse(g, list(zip(outputs, seeds, strict=True)), primals)
+
+
+def jacobian(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
+    """Derivatives of every result by the inputs numbered `wrt`, row-major.
+
+    Takes as many forward sweeps as `wrt` has inputs, or as many reverse sweeps as there are results, whichever is
+    fewer; equal parts of the sweeps are shared by the graph.
+    """
+    g, primals, outputs = _copy(graph, results)
+    chosen = [primals[k] for k in wrt]
+    if len(chosen) > len(outputs):
+        return g, [bar for y in outputs for bar in _reverse(g, [(y, g.constant(1.0))], chosen)]
+    columns = [_forward(g, {x: g.constant(1.0)}, outputs) for x in chosen]
+    return g, [column[row] for row in range(len(outputs)) for column in columns]
+
+
+def _copy(graph: Graph, results: Sequence[int]) -> tuple[Graph, list[int], list[int]]:
+    """A copy of the graph with all its inputs, its input nodes and the nodes of `results`."""
+    g = Graph(relaxed=graph.relaxed)
+    primals = [g.input() for _ in graph.inputs]
+    return g, primals, copy_into(g, graph, results, primals)
+
+
+def _forward(g: Graph, tangents: dict[int, int], outputs: Sequence[int]) -> list[int]:
+    """Tangents of `outputs` where node x has tangent `tangents[x]` and every other input has none."""
+    d: dict[int, Scalar] = {x: Scalar(g, t) for x, t in tangents.items()}
+    for index in g.live(outputs):
+        if index in d or g.op[index] in (Op.INPUT, Op.CONST, Op.BOOL, Op.LANE):
+            continue
+        moving = [a for a in g.args[index] if a in d]
+        if not moving:
+            continue
+        if g.op[index] == Op.SELECT:
+            c, a, b = g.args[index]
+            da, db = (index_in(g, d.get(x, 0.0)) for x in (a, b))
+            d[index] = Scalar(g, g.node(Op.SELECT, c, da, db))
+            continue
+        total: Any = 0.0
+        for position, a in enumerate(g.args[index]):
+            if a in d:
+                partial = _partial(g, index, position)
+                if partial is not None:
+                    total = d[a] * partial + total
+        if isinstance(total, Scalar):
+            d[index] = total
+    return [index_in(g, d.get(o, 0.0)) for o in outputs]
+
+
+def _reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) -> list[int]:
+    """Cotangents of `inputs` where output y has cotangent `seed`.
+
+    A cotangent that came through one side of a `where` carries the condition and is set to zero only where it meets
+    others: multiplied as zero by the partials of the side not taken it could become nan, which are inf or nan there.
+    """
+    bar: dict[int, tuple[Any, Condition | None]] = {}
+
+    def held(value: Any, condition: Condition | None) -> Any:
+        return value if condition is None else condition._where_(value, 0.0)
+
+    def accumulate(index: int, value: Any, condition: Condition | None) -> None:
+        if index not in bar:
+            bar[index] = value, condition
+            return
+        other, its_condition = bar[index]
+        if _same(condition, its_condition):
+            bar[index] = other + value, condition
+            return
+        either = None if condition is None or its_condition is None else its_condition | condition
+        if either is not None and g.op[either.index] == Op.BOOL:  # c or not c
+            either = None
+        bar[index] = held(other, its_condition) + held(value, condition), either
+
+    order = g.live([y for y, _ in seeds])
+    for y, seed in seeds:
+        accumulate(y, Scalar(g, seed), None)
+    reached = set(inputs)
+    for index in order:  # only nodes that depend on the inputs carry a cotangent
+        if any(a in reached for a in g.args[index]):
+            reached.add(index)
+    for index in reversed(order):
+        if index not in bar or index not in reached or g.op[index] == Op.INPUT:
+            continue
+        value, condition = bar[index]
+        if g.op[index] == Op.SELECT:
+            c, a, b = g.args[index]
+            here = Condition(g, c)
+            for x, side in ((a, here), (b, ~here)):
+                if x in reached:
+                    accumulate(x, value, side if condition is None else condition & side)
+            continue
+        for position, a in enumerate(g.args[index]):
+            if a in reached:
+                partial = _partial(g, index, position)
+                if partial is not None:
+                    accumulate(a, value * partial, condition)
+    return [index_in(g, held(*bar[x]) if x in bar else 0.0) for x in inputs]
+
+
+def _same(a: Condition | None, b: Condition | None) -> bool:
+    return a is b if a is None or b is None else a.index == b.index
+
+
+def _partial(g: Graph, index: int, position: int) -> Any:
+    row = TABLE[g.op[index]]
+    if row.op in (Op.LOOP, Op.ITEM):
+        raise TraceError(
+            "Derivatives through a loop are not offered. Differentiate what the loop solves (implicit function "
+            "theorem), or unroll it with a Python `for`."
+        )
+    if row.op in (Op.ANY, Op.LEAST):
+        raise TraceError("Derivatives of reductions across lanes are not offered.")
+    rule = row.partials[position]
+    return None if rule is None else rule(*(Scalar(g, a) for a in g.args[index]), Scalar(g, index))

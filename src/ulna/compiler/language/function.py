@@ -1,0 +1,274 @@
+"""Traces a Python function of arrays into a `Function`: a graph with named, shaped inputs and outputs."""
+
+from __future__ import annotations
+
+import operator
+import re
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ulna.compiler.language import differentiation
+from ulna.compiler.language.drawing import draw
+from ulna.compiler.language.graph import Graph, Loop
+from ulna.compiler.language.interpreter import copy_into, evaluate_symbols, interpret
+from ulna.compiler.language.ops import TABLE, Op
+from ulna.compiler.language.ports import Port, Shape, prefixed
+from ulna.compiler.language.scalar import Scalar, Value, index_in, innermost, number_in, tracing
+from ulna.errors import InputError, ShapeError, TraceError, UnknownName
+from ulna.numeric import is_symbolic
+
+
+@dataclass(frozen=True, eq=False)
+class Function:
+    """A traced function: arrays in, arrays out, every number a node of one graph.
+
+    Call it with floats (leading batch axes allowed) to interpret it with NumPy, or inside another trace to inline it.
+    `compile(function)` makes machine code of it.
+    """
+
+    name: str
+    graph: Graph
+    inputs: tuple[Port, ...]
+    outputs: tuple[Port, ...]
+    results: tuple[int, ...]  # the nodes of all outputs, flat, one after the other
+    single: bool = True  # whether calls return the only output instead of a tuple
+    doc: str = field(default="", repr=False)
+    lanes: int = (
+        1  # above 1, one sample is evaluated in so many SIMD lanes; see `ulna.compiler.language.lanes`
+    )
+
+    def __call__(self, *args: Any) -> Any:
+        """Evaluates on floats by interpretation, or inlines into the trace under way."""
+        if len(args) != len(self.inputs):
+            names = ", ".join(p.name for p in self.inputs)
+            raise TypeError(
+                f"{self.name}({names}) takes {len(self.inputs)} arguments; {len(args)} were given."
+            )
+        if is_symbolic(*args):
+            if self.lanes > 1:
+                raise TraceError(
+                    f"{self.name} evaluates one sample in {self.lanes} lanes and takes numbers only; it cannot be "
+                    "inlined."
+                )
+            return self._inline(args)
+        arrays = [np.asarray(a, dtype=float) for a in args]
+        batches = [_batch_of(a, port) for a, port in zip(arrays, self.inputs, strict=True)]
+        batch = np.broadcast_shapes(*batches)
+        flat: list[Any] = []
+        for a, port in zip(arrays, self.inputs, strict=True):
+            rows = np.broadcast_to(a, batch + port.shape).reshape(*batch, port.size)
+            flat.extend(rows[..., k] for k in range(port.size))
+        if self.lanes == 1:
+            values = interpret(self.graph, flat, self.results)
+        else:  # the lanes are one more axis, and lane 0 speaks for all
+            values = interpret(self.graph, [x[..., None] for x in flat], self.results)
+            values = [np.broadcast_to(v, (*batch, self.lanes))[..., 0] for v in values]
+        columns = [np.broadcast_to(np.asarray(v, dtype=float), batch) for v in values]
+        return self._pack(
+            columns, lambda part: np.stack(part, axis=-1) if part else np.zeros((*batch, 0)), batch
+        )
+
+    def _pack(self, flat: Sequence[Any], join: Callable[[Sequence[Any]], Any], batch: Shape = ()) -> Any:
+        arrays, start = [], 0
+        for port in self.outputs:
+            arrays.append(join(flat[start : start + port.size]).reshape(batch + port.shape)[()])
+            start += port.size
+        return arrays[0] if self.single else tuple(arrays)
+
+    def _inline(self, args: Sequence[Any]) -> Any:
+        flat: list[Any] = []
+        for a, port in zip(args, self.inputs, strict=True):
+            array = np.asarray(a, dtype=object)
+            if array.shape != port.shape:
+                raise ShapeError(
+                    port.name, array.shape, str(port.shape), "A traced call takes one sample, no batch."
+                )
+            flat.extend(array.reshape(-1))
+        if not any(isinstance(v, Value) for v in flat):  # symbols of another kind
+            return self._pack(
+                evaluate_symbols(self.graph, flat, self.results), lambda part: np.array(part, dtype=object)
+            )
+        graph = innermost(*flat)
+        nodes = copy_into(graph, self.graph, self.results, [index_in(graph, v) for v in flat])
+        return self._pack([Scalar(graph, n) for n in nodes], _object_array)
+
+    @cached_property
+    def operation_counts(self) -> dict[str, int]:
+        """How often each operation occurs; a loop's body counts once."""
+        return dict(sorted(_count(self.graph, self.results).items()))
+
+    @property
+    def operations(self) -> int:
+        """How many scalar operations one evaluation takes; a loop's body counts once."""
+        return sum(self.operation_counts.values())
+
+    @cached_property
+    def has_loops(self) -> bool:
+        """Whether the graph iterates."""
+        return Op.LOOP in self.graph.op
+
+    @property
+    def signature(self) -> str:
+        """The signature as NumPy writes a generalised ufunc's, with frozen sizes: "(7)->(4,4)"."""
+
+        def side(ports: Sequence[Port]) -> str:
+            return ",".join("(" + ",".join(map(str, p.shape)) + ")" for p in ports)
+
+        return f"{side(self.inputs)}->{side(self.outputs)}"
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A hash of what is computed, the same in every process."""
+        return self.graph.fingerprint(self.results)
+
+    def jvp(self) -> Function:
+        """Forward derivative: inputs and their tangents `d_<name>` in, tangents of the outputs out."""
+        graph, results = differentiation.jvp(self.graph, self.results)
+        ports = (*self.inputs, *prefixed("d_", self.inputs, self.inputs))
+        return Function(f"{self.name}_jvp", graph, ports, self.outputs, tuple(results), self.single)
+
+    def vjp(self) -> Function:
+        """Reverse derivative: inputs and cotangents `bar_<name>` of the outputs in, cotangents of the inputs out."""
+        graph, results = differentiation.vjp(self.graph, self.results)
+        ports = (*self.inputs, *prefixed("bar_", self.outputs, self.inputs))
+        outputs = prefixed("bar_", self.inputs)
+        return Function(f"{self.name}_vjp", graph, ports, outputs, tuple(results), len(outputs) == 1)
+
+    def jacobian(self, wrt: str | int = 0) -> Function:
+        """Derivative of every output by one input: shape output + input.
+
+        Args:
+            wrt: The input's name or number.
+
+        Raises:
+            UnknownName: If there is no such input.
+        """
+        names = [p.name for p in self.inputs]
+        number = names.index(wrt) if wrt in names else wrt
+        if not isinstance(number, int) or not 0 <= number < len(names):
+            raise UnknownName("input", wrt, names)
+        port = self.inputs[number]
+        first = sum(p.size for p in self.inputs[:number])
+        graph, results = differentiation.jacobian(self.graph, self.results, range(first, first + port.size))
+        outputs = tuple(Port(f"d{p.name}_d{port.name}", p.shape + port.shape) for p in self.outputs)
+        return Function(f"{self.name}_jacobian", graph, self.inputs, outputs, tuple(results), self.single)
+
+    def draw(self, path: str | None = None) -> str:
+        """The graph as an SVG picture, layered by depth; written to `path` when one is given."""
+        title = f"{self.name}{self.signature}: {self.operations} operations"
+        return draw(title, self.graph, self.inputs, self.outputs, self.results, path)
+
+
+def trace(
+    f: Callable[..., Any],
+    /,
+    *,
+    name: str | None = None,
+    doc: str = "",
+    rules: str = "relaxed",
+    lanes: int = 1,
+    **shapes: Shape | int,
+) -> Function:
+    """Calls `f` once with traced arrays and records what it computes.
+
+    Args:
+        f: Function of arrays, one for each of `shapes`, that returns an array, a number, or a tuple of them.
+        name: Name for messages, IR and files; default `f.__name__`.
+        doc: Text for the kernel's `__doc__`; default `f.__doc__`.
+        rules: "relaxed" also uses simplifications that hold for finite numbers up to the sign of zero
+            (x * 0 -> 0, x + 0 -> x, 0 - x -> -x, x - x -> 0); "exact" only those that hold bit for bit.
+        lanes: A power of two above 1 evaluates each sample in so many SIMD lanes; see
+            `ulna.compiler.language.lanes`.
+        **shapes: Shape of each argument in order, `q=(7,)`; `()` is a number.
+
+    Raises:
+        TraceError: If `f` branches on a traced value or returns something that is not numbers.
+    """
+    if rules not in ("relaxed", "exact"):
+        raise ValueError(f"rules={rules!r}; expected 'relaxed' or 'exact'.")
+    graph = Graph(relaxed=rules == "relaxed")
+    ports, arguments = [], []
+    for key, given in shapes.items():
+        port = Port(key, _shape(key, given))
+        ports.append(port)
+        array = _object_array([Scalar(graph, graph.input()) for _ in range(port.size)]).reshape(port.shape)
+        arguments.append(array if port.shape else array[()])
+    with tracing(graph):
+        try:
+            returned = f(*arguments)
+        except TraceError:
+            raise
+        except TypeError as error:
+            if not re.search(r"Scalar|Condition|dtype\('O'\)|not supported for the input types", str(error)):
+                raise
+            raise TraceError(f"Traced values cannot do this: {error}. {_KNOWN}") from error
+    single = not isinstance(returned, tuple)
+    outputs, results = [], []
+    for number, value in enumerate((returned,) if single else returned):
+        array = np.asarray(value, dtype=object)
+        if any(isinstance(element, np.ndarray) for element in array.reshape(-1)):
+            raise TraceError(
+                "The function returned a list of arrays of different shapes; return a tuple of them."
+            )
+        outputs.append(Port("out" if single else f"out{number}", array.shape))
+        results.extend(number_in(graph, element) for element in array.reshape(-1))
+    title = name or getattr(f, "__name__", "function").strip("<>")
+    return Function(
+        title,
+        graph,
+        tuple(ports),
+        tuple(outputs),
+        tuple(results),
+        single,
+        doc or (getattr(f, "__doc__", "") or ""),
+        lanes,
+    )
+
+
+_KNOWN = (
+    "They know + - * / // % **, comparisons, abs, np.sqrt, square, hypot, exp, log, floor, ceil, sin, cos, tan, "
+    "arcsin, arccos, arctan, arctan2, and where, minimum, maximum, clip and loop of ulna.numeric; "
+    "ulna.linalg solves small systems."
+)
+
+
+def _shape(name: str, given: Any) -> Shape:
+    try:
+        shape = tuple(map(operator.index, given if isinstance(given, (tuple, list)) else (given,)))
+    except TypeError:
+        shape = (-1,)
+    if min(shape, default=0) < 0:
+        raise InputError(
+            f"{name}={given!r}: expected a shape, a whole number or a tuple of them, none negative."
+        )
+    return shape
+
+
+def _object_array(values: Sequence[Any]) -> Any:
+    array = np.empty(len(values), dtype=object)
+    array[:] = values
+    return array
+
+
+def _batch_of(array: Any, port: Port) -> Shape:
+    core = len(port.shape)
+    if array.ndim < core or array.shape[array.ndim - core :] != port.shape:
+        raise ShapeError(port.name, array.shape, "(..., " + ", ".join(map(str, port.shape)) + ")")
+    return array.shape[: array.ndim - core]
+
+
+def _count(graph: Graph, nodes: Sequence[int]) -> Counter[str]:
+    counts: Counter[str] = Counter()
+    for index in graph.live(nodes):
+        row = TABLE[graph.op[index]]
+        if isinstance(graph.data[index], Loop):
+            inner = graph.data[index]
+            counts += _count(inner.graph, [inner.condition, *inner.following])
+        elif row.cost:
+            counts[row.op.name.lower()] += row.cost
+    return counts

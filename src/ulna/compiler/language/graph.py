@@ -1,0 +1,177 @@
+"""The graph of a traced function: append-only, interned, indices in topological order."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ulna.compiler.language.ops import TABLE, Op
+from ulna.compiler.language.simplify import simplify
+from ulna.errors import TraceError
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """The subgraph that a LOOP node iterates: while `condition`, `state` becomes `following`.
+
+    The subgraph's inputs are the state first, then the captured values of the graph around it.
+    """
+
+    graph: Graph
+    size: int  # how many numbers the state has
+    condition: int
+    following: tuple[int, ...]
+    limit: int  # iterations after which a lane stops even where its condition still holds
+
+
+class Graph:
+    """Nodes of scalar operations. A node is an index into three parallel lists.
+
+    Equal nodes are one node, keyed by operation, arguments and, for constants, by their bits
+    (as keys 0.0 == -0.0 and nan != nan would do harm). `relaxed` allows the rewrite rules that hold only for
+    finite numbers up to the sign of zero, such as x * 0 -> 0.
+    """
+
+    __slots__ = ("_captured", "_interned", "args", "data", "inputs", "op", "parent", "relaxed")
+
+    def __init__(self, *, relaxed: bool = True, parent: Graph | None = None) -> None:
+        self.op: list[int] = []
+        self.args: list[tuple[int, ...]] = []
+        self.data: list[Any] = []
+        self.inputs: list[int] = []
+        self.relaxed = relaxed
+        self.parent = parent
+        self._interned: dict[Any, int] = {}
+        self._captured: dict[int, int] = {}
+
+    def __len__(self) -> int:
+        return len(self.op)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, (self.op, self.args, self.data, self.inputs, self.relaxed)
+
+    def input(self) -> int:
+        """A new input; inputs are numbered in the order they are made."""
+        index = self._append(Op.INPUT, (), len(self.inputs))
+        self.inputs.append(index)
+        return index
+
+    def constant(self, value: float) -> int:
+        """The node of a number, one for each bit pattern."""
+        value = float(value)
+        key = struct.pack("<d", value)
+        index = self._interned.get(key)
+        if index is None:
+            index = self._interned[key] = self._append(Op.CONST, (), value)
+        return index
+
+    def truth(self, value: bool) -> int:
+        """The node of a constant condition."""
+        key = bool(value)
+        index = self._interned.get(key)
+        if index is None:
+            index = self._interned[key] = self._append(Op.BOOL, (), key)
+        return index
+
+    def node(self, op: int, *args: int) -> int:
+        """The node of `op` on `args`, simplified; an equal one is reused."""
+        key = (op, *args)
+        if len(args) == 2 and args[0] > args[1] and TABLE[op].commutes:
+            key = (op, args[1], args[0])
+        index = self._interned.get(key)
+        if index is None:
+            index = simplify(self, op, args)
+        if index is None:
+            index = self._interned[key] = self._append(op, key[1:], None)
+        return index
+
+    def find(self, op: int, *args: int) -> int | None:
+        """The node of `op` on `args`, if there is one already."""
+        return self._interned.get((op, *args))
+
+    def loop(self, loop: Loop, args: Sequence[int]) -> list[int]:
+        """A LOOP node on the state and the captured values; returns the nodes of its results."""
+        index = self._append(Op.LOOP, tuple(args), loop)
+        return [self._append(Op.ITEM, (index,), k) for k in range(loop.size)]
+
+    def lane(self, count: int) -> int:
+        """The node of the lane's number, 0 to `count` - 1."""
+        key = (Op.LANE, count)
+        index = self._interned.get(key)
+        if index is None:
+            index = self._interned[key] = self._append(Op.LANE, (), count)
+        return index
+
+    def capture(self, other: Graph, index: int) -> int:
+        """The node that stands here for node `index` of `other`, a graph around this one."""
+        if self.parent is None:
+            raise TraceError("A traced value of another trace is used here; pass it as an argument instead.")
+        if other is not self.parent:
+            index = self.parent.capture(other, index)
+        op = self.parent.op[index]
+        if op == Op.CONST:
+            return self.constant(self.parent.data[index])
+        if op == Op.BOOL:
+            return self.truth(self.parent.data[index])
+        if op == Op.LANE:
+            return self.lane(self.parent.data[index])
+        if index not in self._captured:
+            self._captured[index] = self.input()
+        return self._captured[index]
+
+    @property
+    def captured(self) -> list[int]:
+        """The nodes of the parent that this graph uses, in the order of its inputs."""
+        return list(self._captured)
+
+    def live(self, outputs: Iterable[int]) -> list[int]:
+        """The nodes that `outputs` depend on, in topological order."""
+        needed = bytearray(len(self))
+        for index in outputs:
+            needed[index] = 1
+        for index in range(len(self) - 1, -1, -1):
+            if needed[index]:
+                for a in self.args[index]:
+                    needed[a] = 1
+        return [index for index in range(len(self)) if needed[index]]
+
+    def fingerprint(self, outputs: Sequence[int]) -> str:
+        """A hash of what `outputs` compute, the same in every process."""
+        h = hashlib.sha256()
+        number: dict[int, int] = {}
+        for index in self.live(outputs):
+            number[index] = len(number)
+            data = self.data[index]
+            if isinstance(data, Loop):
+                data = (data.graph.fingerprint([data.condition, *data.following]), data.size, data.limit)
+            elif isinstance(data, float):
+                data = data.hex()
+            h.update(repr((int(self.op[index]), [number[a] for a in self.args[index]], data)).encode())
+        h.update(repr([number[o] for o in outputs]).encode())
+        return h.hexdigest()
+
+    def _append(self, op: int, args: tuple[int, ...], data: Any) -> int:
+        self.op.append(op)
+        self.args.append(args)
+        self.data.append(data)
+        return len(self.op) - 1
+
+
+def _rebuild(
+    op: list[int], args: list[tuple[int, ...]], data: list[Any], inputs: list[int], relaxed: bool
+) -> Graph:
+    graph = Graph(relaxed=relaxed)
+    graph.op, graph.args, graph.data, graph.inputs = list(op), list(args), list(data), list(inputs)
+    for index, (o, a, d) in enumerate(zip(op, args, data, strict=True)):
+        if o == Op.CONST:
+            graph._interned[struct.pack("<d", d)] = index
+        elif o == Op.BOOL:
+            graph._interned[d] = index
+        elif o == Op.LANE:
+            graph._interned[(Op.LANE, d)] = index
+        elif o not in (Op.INPUT, Op.LOOP, Op.ITEM):
+            graph._interned[(o, *a)] = index
+    return graph

@@ -1,0 +1,402 @@
+"""The traced scalar: stands for a number while a function is traced, and records what is done with it.
+
+It travels in NumPy object arrays: `@`, `*`, `np.sin` and the like call the methods here, one for each element.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, NoReturn
+
+import numpy as np
+
+from ulna.compiler.language.graph import Graph, Loop
+from ulna.compiler.language.ops import TABLE, Op
+from ulna.errors import TraceError
+
+_NUMBERS = (float, int, np.floating, np.integer)
+
+
+class Value:
+    """A node of a graph, as seen by the function under trace: a `Scalar` or a `Condition`."""
+
+    __slots__ = ("graph", "index")
+
+    def __init__(self, graph: Graph, index: int) -> None:
+        self.graph = graph
+        self.index = index
+
+    def __repr__(self) -> str:
+        return f"<traced {TABLE[self.graph.op[self.index]].op.name.lower()} #{self.index}>"
+
+    def __reduce__(self) -> NoReturn:
+        raise TraceError("A traced value cannot be pickled or copied out of its trace; pickle the Function.")
+
+    def __bool__(self) -> NoReturn:
+        raise TraceError(
+            "A traced value has no truth: `if`, `and`, `or`, `min()`, `max()`, np.minimum and np.clip cannot "
+            "branch on it, and `<` cannot compare an array of them. Use ulna.numeric.where, minimum, maximum, clip, "
+            "and less for arrays; combine conditions with & | ~."
+        )
+
+    def _loop_(self, condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple[Any, ...]:
+        """The hook of numeric.loop: iterates `body` on the flat `state` while `condition`, lane by lane."""
+        outer = innermost(self, *state)
+        current = under_trace() or outer
+        if is_inside(current, outer):  # the state may start from values further out
+            outer = current
+        inner = Graph(relaxed=outer.relaxed, parent=outer)
+        variables = tuple(Scalar(inner, inner.input()) for _ in state)
+        with tracing(inner):
+            following = body(*variables)
+            holds = condition(*variables)
+        if not isinstance(following, (tuple, list)) or len(following) != len(state):
+            raise TraceError(
+                f"The body of a loop returned {_described(following)}; expected a tuple of {len(state)} numbers, "
+                "the state that follows."
+            )
+        if not isinstance(holds, (Condition, bool, np.bool_)):
+            raise TraceError(
+                f"The condition of a loop returned {type(holds).__name__}; expected a comparison."
+            )
+        follows = tuple(number_in(inner, value) for value in following)
+        loop = Loop(inner, len(state), index_in(inner, holds), follows, int(limit))
+        args = [number_in(outer, value) for value in state] + inner.captured
+        return tuple(Scalar(outer, item) for item in outer.loop(loop, args))
+
+
+class Condition(Value):
+    """A traced truth value; combine with `&`, `|`, `~`, use with `numeric.where`."""
+
+    __slots__ = ()
+
+    def _and_or(self, op: int, other: Any) -> Condition:
+        if isinstance(other, (bool, np.bool_)):
+            g, a, b = self.graph, self.index, self.graph.truth(bool(other))
+        elif isinstance(other, Condition):
+            g, a, b = meet(self, other)
+        else:
+            return NotImplemented
+        return Condition(g, g.node(op, a, b))
+
+    def __and__(self, other: Any) -> Condition:
+        return self._and_or(Op.AND, other)
+
+    def __or__(self, other: Any) -> Condition:
+        return self._and_or(Op.OR, other)
+
+    __rand__, __ror__ = __and__, __or__
+
+    def __invert__(self) -> Condition:
+        return Condition(self.graph, self.graph.node(Op.NOT, self.index))
+
+    def _where_(self, a: Any, b: Any) -> Any:
+        """`a` where this holds, else `b`: the hook of numeric.where."""
+        if isinstance(a, (Condition, bool, np.bool_)) and isinstance(b, (Condition, bool, np.bool_)):
+            return (self & a) | (~self & b)
+        g = innermost(self, a, b)
+        return Scalar(g, g.node(Op.SELECT, index_in(g, self), number_in(g, a), number_in(g, b)))
+
+
+class Scalar(Value):
+    """A traced number."""
+
+    __slots__ = ()
+
+    def _binary(self, op: int, other: Any, swap: bool = False) -> Any:
+        g = self.graph
+        if isinstance(other, Scalar):
+            if other.graph is g:
+                a, b = self.index, other.index
+            else:
+                g, a, b = meet(self, other)
+        elif isinstance(other, _NUMBERS):
+            a, b = self.index, g.constant(float(other))
+        else:
+            return NotImplemented
+        result = g.node(op, b, a) if swap else g.node(op, a, b)
+        return Condition(g, result) if TABLE[op].is_condition else Scalar(g, result)
+
+    def _unary(self, op: int) -> Scalar:
+        return Scalar(self.graph, self.graph.node(op, self.index))
+
+    @property
+    def _known_(self) -> float | None:
+        """The number, where it does not depend on any input."""
+        return self.graph.data[self.index] if self.graph.op[self.index] == Op.CONST else None
+
+    def __add__(self, other: Any) -> Any:
+        return self._binary(Op.ADD, other)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Any:
+        return self._binary(Op.SUB, other)
+
+    def __rsub__(self, other: Any) -> Any:
+        return self._binary(Op.SUB, other, swap=True)
+
+    def __mul__(self, other: Any) -> Any:
+        return self._binary(Op.MUL, other)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Any:
+        return self._binary(Op.DIV, other)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return self._binary(Op.DIV, other, swap=True)
+
+    def __mod__(self, other: Any) -> Any:
+        """Remainder with the sign of the divisor, as np.mod."""
+        return self - (self / other).floor() * other
+
+    def __floordiv__(self, other: Any) -> Any:
+        """The largest whole number not above the quotient."""
+        return (self / other).floor()
+
+    def __pow__(self, exponent: Any) -> Any:
+        """Integer powers by repeated squaring, halves by the square root; others as exp(exponent * log(self)).
+
+        The last form is off by about exponent * log(self) ULP.
+        """
+        if isinstance(exponent, _NUMBERS):
+            if float(exponent).is_integer() and abs(exponent) <= 64:
+                return _integer_power(self, int(exponent))
+            if float(2.0 * exponent).is_integer() and abs(exponent) <= 64:
+                power = _integer_power(self, int(abs(exponent) - 0.5)) * self.sqrt()
+                return power if exponent > 0 else 1.0 / power
+            if not float(exponent).is_integer():
+                return (self.log() * exponent).exp()
+            exponent = Scalar(self.graph, self.graph.constant(float(exponent)))
+        return _power(self, exponent) if isinstance(exponent, Scalar) else NotImplemented
+
+    def __rpow__(self, base: Any) -> Any:
+        if not isinstance(base, _NUMBERS):
+            return NotImplemented
+        if base > 0.0:
+            return (self * float(np.log(base))).exp()
+        return _power(Scalar(self.graph, self.graph.constant(float(base))), self)
+
+    def __neg__(self) -> Scalar:
+        return self._unary(Op.NEG)
+
+    def __pos__(self) -> Scalar:
+        return self
+
+    def __abs__(self) -> Scalar:
+        return self._unary(Op.ABS)
+
+    def __lt__(self, other: Any) -> Any:
+        return self._binary(Op.LT, other)
+
+    def __le__(self, other: Any) -> Any:
+        return self._binary(Op.LE, other)
+
+    def __gt__(self, other: Any) -> Any:
+        return self._binary(Op.LT, other, swap=True)
+
+    def __ge__(self, other: Any) -> Any:
+        return self._binary(Op.LE, other, swap=True)
+
+    def __eq__(self, other: object) -> Any:
+        return self._binary(Op.EQ, other)
+
+    def __ne__(self, other: object) -> Any:
+        equal = self._binary(Op.EQ, other)
+        return equal if equal is NotImplemented else ~equal
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __float__(self) -> NoReturn:
+        raise TraceError(
+            "A traced value has no number yet, so float(), math.sin, np.array(..., dtype=float) and storing it in a "
+            "float array cannot work. Use np.sin and the like, and build arrays with ulna.numeric.vector or matrix."
+        )
+
+    __int__ = __index__ = __round__ = __float__  # type: ignore[assignment]
+
+    # The names NumPy's ufuncs call on the elements of an object array.
+    def sqrt(self) -> Scalar:
+        """Square root."""
+        return self._unary(Op.SQRT)
+
+    def sin(self) -> Scalar:
+        """Sine [rad]."""
+        return self._unary(Op.SIN)
+
+    def cos(self) -> Scalar:
+        """Cosine [rad]."""
+        return self._unary(Op.COS)
+
+    def tan(self) -> Scalar:
+        """Tangent [rad]."""
+        return self._unary(Op.TAN)
+
+    def arcsin(self) -> Scalar:
+        """Inverse sine [rad]."""
+        return self._unary(Op.ASIN)
+
+    def arccos(self) -> Scalar:
+        """Inverse cosine [rad]."""
+        return self._unary(Op.ACOS)
+
+    def arctan(self) -> Scalar:
+        """Inverse tangent [rad]."""
+        return self.arctan2(1.0)
+
+    def arctan2(self, x: Any) -> Any:
+        """Angle of the point (x, self) [rad]."""
+        return self._binary(Op.ATAN2, x)
+
+    def exp(self) -> Scalar:
+        """Exponential."""
+        return self._unary(Op.EXP)
+
+    def log(self) -> Scalar:
+        """Natural logarithm."""
+        return self._unary(Op.LOG)
+
+    def floor(self) -> Scalar:
+        """The largest whole number that is not larger."""
+        return self._unary(Op.FLOOR)
+
+    def ceil(self) -> Scalar:
+        """The smallest whole number that is not smaller."""
+        return -((-self).floor())
+
+    __floor__, __ceil__ = floor, ceil  # what NumPy calls for np.floor and np.ceil
+
+    def square(self) -> Scalar:
+        """The square."""
+        return self * self
+
+    def hypot(self, other: Any) -> Scalar:
+        """Length of the vector (self, other); plain, so it can overflow beyond 1e154."""
+        return (self * self + other * other).sqrt()
+
+    def deg2rad(self) -> Scalar:
+        """Degrees to radians."""
+        return self * (np.pi / 180.0)
+
+    radians = deg2rad
+
+    def rad2deg(self) -> Scalar:
+        """Radians to degrees."""
+        return self * (180.0 / np.pi)
+
+    degrees = rad2deg
+
+    def conjugate(self) -> Scalar:
+        """The value itself, which is real."""
+        return self
+
+    def _minimum_(self, other: Any) -> Any:
+        return self._binary(Op.MIN, other)
+
+    def _maximum_(self, other: Any) -> Any:
+        return self._binary(Op.MAX, other)
+
+
+class _UnderTrace(threading.local):
+    """The graphs that this thread is making, innermost last."""
+
+    def __init__(self) -> None:
+        self.graphs: list[Graph] = []
+
+
+_under_trace = _UnderTrace()
+
+
+def under_trace() -> Graph | None:
+    """The innermost graph that this thread is making, if any."""
+    return _under_trace.graphs[-1] if _under_trace.graphs else None
+
+
+@contextmanager
+def tracing(graph: Graph) -> Iterator[None]:
+    """While the block runs, `graph` is the one under trace: a loop met there becomes one of its nodes."""
+    _under_trace.graphs.append(graph)
+    try:
+        yield
+    finally:
+        _under_trace.graphs.pop()
+
+
+def _described(value: Any) -> str:
+    return f"{len(value)} values" if isinstance(value, (tuple, list)) else type(value).__name__
+
+
+def _power(base: Scalar, exponent: Scalar) -> Any:
+    """The power where either may be anything, as NumPy has it but for the sign of zero, (-1)**inf and (-inf)**0.5."""
+    size = abs(base)
+    power = (size.log() * exponent).exp()
+    half = exponent * 0.5
+    odd = half.floor() != half
+    of_negative = (exponent.floor() == exponent)._where_(odd._where_(-power, power), float("nan"))
+    power = (base < 0.0)._where_(of_negative, power)
+    one = (exponent == 0.0) | (base == 1.0)
+    return one._where_(1.0, power)
+
+
+def _integer_power(base: Any, exponent: int) -> Any:
+    if exponent < 0:
+        return 1.0 / _integer_power(base, -exponent)
+    if exponent == 0:
+        return 1.0
+    result = None
+    while exponent:
+        if exponent & 1:
+            result = base if result is None else result * base
+        exponent >>= 1
+        base = base * base if exponent else base
+    return result
+
+
+def index_in(graph: Graph, value: Any) -> int:
+    """The node of `graph` that stands for `value`: a traced value, a number or a truth value."""
+    if isinstance(value, Value):
+        return value.index if value.graph is graph else graph.capture(value.graph, value.index)
+    if isinstance(value, (bool, np.bool_)):
+        return graph.truth(bool(value))
+    if isinstance(value, _NUMBERS):
+        return graph.constant(float(value))
+    raise TraceError(
+        f"A traced function met {value!r} of type {type(value).__name__}; expected a real number."
+    )
+
+
+def number_in(graph: Graph, value: Any) -> int:
+    """As `index_in`, where a number is needed: a truth value counts as 1.0 or 0.0."""
+    index = index_in(graph, value)
+    if isinstance(value, (Condition, bool, np.bool_)):
+        return graph.node(Op.SELECT, index, graph.constant(1.0), graph.constant(0.0))
+    return index
+
+
+def innermost(*values: Any) -> Graph:
+    """The deepest graph among the traced values; numbers have none."""
+    found: Graph | None = None
+    for value in values:
+        if isinstance(value, Value) and (found is None or is_inside(value.graph, found)):
+            found = value.graph
+    if found is None:
+        raise TraceError("None of the values is traced.")
+    return found
+
+
+def meet(a: Value, b: Value) -> tuple[Graph, int, int]:
+    """Both values as nodes of the deeper one's graph."""
+    graph = innermost(a, b)
+    return graph, index_in(graph, a), index_in(graph, b)
+
+
+def is_inside(graph: Graph | None, other: Graph) -> bool:
+    """Whether `graph` is `other` or the body of a loop in it, at any depth."""
+    while graph is not None:
+        if graph is other:
+            return True
+        graph = graph.parent
+    return False

@@ -1,0 +1,164 @@
+"""The order in which a graph is written: sines together, results stored early, in parts that LLVM compiles quickly.
+
+What is known early and used late waits in memory, so an order is good that leaves little waiting. Where LLVM chooses
+over thousands of instructions, it takes long and chooses badly; so a large graph becomes several functions, one after
+the other, which hand values on through a scratch.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
+from itertools import accumulate, pairwise
+from typing import NamedTuple
+
+from ulna.compiler.language.function import Function
+from ulna.compiler.language.graph import Graph
+from ulna.compiler.language.ops import Op
+
+_SIZES = {False: 400, True: 4000}
+"""About how many instructions a part has, without and with SIMD lanes."""
+_BEARABLE = 10_000  # instructions in SIMD lanes, whose values are costly to hand on, that stay in one part
+
+
+class Sines(NamedTuple):
+    """Sine and cosine of some nodes, computed together."""
+
+    arguments: tuple[int, ...]
+
+
+class Store(NamedTuple):
+    """Neighbouring values of an output, written together."""
+
+    port: int
+    start: int
+    values: tuple[int, ...]
+
+
+Step = int | Sines | Store
+"""A node is computed, or one of the above."""
+
+
+def made(graph: Graph, step: Step) -> Sequence[int]:
+    """The nodes that a step computes."""
+    if isinstance(step, int):
+        return (step,)
+    if isinstance(step, Store):
+        return ()
+    found = (graph.find(op, argument) for argument in step.arguments for op in (Op.SIN, Op.COS))
+    return [index for index in found if index is not None]
+
+
+def used(graph: Graph, step: Step) -> Sequence[int]:
+    """The nodes that a step needs."""
+    if isinstance(step, int):
+        return graph.args[step]
+    return step.values if isinstance(step, Store) else step.arguments
+
+
+def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
+    """The steps that evaluate `f`, in parts of bearable size.
+
+    The inputs are the first steps of the first part. With several parts in SIMD lanes, the last one has all the stores
+    and nothing else, so that they can become a loop.
+
+    Args:
+        f: The function; with a loop it stays one part.
+        lanes: How many samples are evaluated at once.
+        pack: For one sample, how many sines are taken at once; 1 for SIMD lanes, where a node holds as many as fit.
+    """
+    order = list(_order(f, 1 if f.lanes > 1 else lanes, pack))
+    if f.has_loops or f.lanes > 1:
+        return _cut(f, order, 1)
+    size = sum(map(_instructions, order))
+    if lanes == 1:
+        return _cut(f, order, round(size / _SIZES[False]))
+    size += len(f.results) * (2 + lanes.bit_length())  # transposing and writing
+    if size < _BEARABLE:
+        return _cut(f, order, 1)
+    stores: list[Step] = [step for step in order if isinstance(step, Store)]
+    rest = [step for step in order if not isinstance(step, Store)]
+    return [*_cut(f, rest, round(size / _SIZES[True])), stores]
+
+
+def _cut(f: Function, steps: Sequence[Step], count: int) -> list[list[Step]]:
+    """The inputs, then the other steps, in up to `count` parts that take equally long."""
+    g = f.graph
+    inputs: list[Step] = [index for index in g.live(f.results) if g.op[index] == Op.INPUT]
+    order = [step for step in steps if not isinstance(step, int) or g.op[step] != Op.INPUT]
+    ends = list(accumulate(map(_instructions, order), initial=0))
+    cuts = [bisect_left(ends, ends[-1] * k / max(count, 1)) for k in range(max(count, 1))]
+    pieces = [order[start:end] for start, end in pairwise([*cuts, len(order)]) if start < end]
+    return [[*inputs, *piece] if k == 0 else piece for k, piece in enumerate(pieces or [[]])]
+
+
+def _instructions(step: Step) -> int:
+    """About how many instructions a step becomes; what stores take in lanes is not known here."""
+    return 60 if isinstance(step, Sines) else 1
+
+
+def chunks(lanes: int, size: int) -> Iterator[tuple[int, int]]:
+    """First column and number of columns of each chunk of a row; none reaches beyond the row."""
+    start = 0
+    while start < size:
+        width = lanes
+        while width > size - start:
+            width //= 2
+        yield start, width
+        start += width
+
+
+def _stores(f: Function, lanes: int) -> list[Store]:
+    found, start = [], 0
+    for number, port in enumerate(f.outputs):
+        values = f.results[start : start + port.size]
+        found += [Store(number, at, values[at : at + width]) for at, width in chunks(lanes, port.size)]
+        start += port.size
+    return found
+
+
+def _order(f: Function, lanes: int, pack: int) -> Iterator[Step]:
+    """The order of the trace; the sines first that can be taken together, and each store as soon as it can be."""
+    g = f.graph
+    waiting: dict[int, list[Store]] = {}
+    missing: dict[Store, int] = {}
+    for store in _stores(f, lanes):
+        missing[store] = len(set(store.values))
+        for value in set(store.values):
+            waiting.setdefault(value, []).append(store)
+    done: set[int] = set()
+    for step in _with_sines(f, pack):
+        new = [index for index in made(g, step) if index not in done]
+        if not new:
+            continue
+        yield step
+        for index in new:
+            done.add(index)
+            for store in waiting.pop(index, ()):
+                missing[store] -= 1
+                if not missing[store]:
+                    yield store
+
+
+def _with_sines(f: Function, pack: int) -> Iterator[Step]:
+    """The nodes in the order of the trace, some again; with `pack` > 1 sines come together, `pack` at a time.
+
+    One vector of sines costs a single call about as much as one scalar.
+    """
+    g = f.graph
+    live = g.live(f.results)
+    level: dict[int, int] = {}
+    groups: dict[int, dict[int, None]] = {}
+    for index in live:
+        depth = max((level[a] for a in g.args[index]), default=0)
+        if g.op[index] in (Op.SIN, Op.COS):
+            groups.setdefault(depth, {})[g.args[index][0]] = None
+            depth += 1
+        level[index] = depth
+    for depth in sorted(groups) if pack > 1 else ():
+        arguments = tuple(groups[depth])
+        yield from g.live(arguments)
+        for k in range(0, len(arguments), pack):
+            yield Sines(arguments[k : k + pack])
+    for index in live:
+        yield index if pack > 1 or g.op[index] not in (Op.SIN, Op.COS) else Sines(g.args[index])

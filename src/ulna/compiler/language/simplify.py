@@ -1,0 +1,233 @@
+"""Peephole rules, applied as each node is made, so that no pass over the graph is ever needed.
+
+Exact rules hold for every double, bit for bit. Relaxed rules hold up to the sign of zero where every value on the
+way is finite (0 / x -> 0 also where x is 0); a graph made with `relaxed=False` does not use them. Each rule looks at
+most one node deep and returns an existing node or a strictly simpler one, so rewriting ends by construction.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+
+from ulna.compiler.language.ops import TABLE, Op
+
+
+class Graph(Protocol):
+    """What a rule needs of a graph: the nodes' operations, arguments and data, and how to make nodes."""
+
+    op: list[int]
+    args: list[tuple[int, ...]]
+    data: list[Any]
+    relaxed: bool
+
+    def node(self, op: int, *args: int) -> int:
+        """The node of `op` on `args`, simplified."""
+        ...
+
+    def constant(self, value: float) -> int:
+        """The node of a number."""
+        ...
+
+    def truth(self, value: bool) -> int:
+        """The node of a constant condition."""
+        ...
+
+
+_CONSTANT = frozenset({int(Op.CONST), int(Op.BOOL)})
+_PLAIN: dict[int, Callable[..., float]] = {Op.ADD: operator.add, Op.SUB: operator.sub, Op.MUL: operator.mul}
+
+
+def simplify(g: Graph, op: int, args: tuple[int, ...]) -> int | None:
+    """A node that equals `op` on `args` and is simpler, or None."""
+    folded = _fold(g, op, args)
+    if folded is not None:
+        return folded
+    rule = _RULES.get(op)
+    return rule(g, *args) if rule is not None else None
+
+
+def _fold(g: Graph, op: int, args: tuple[int, ...]) -> int | None:
+    """Constants in, constant out; computed by the interpreter's own NumPy functions."""
+    for a in args:
+        if g.op[a] not in _CONSTANT:
+            return None
+    if op in _PLAIN:  # a number of Python is a double as well, and need not be wrapped
+        return g.constant(_PLAIN[op](*(g.data[a] for a in args)))
+    if op == Op.SELECT:
+        return args[1] if g.data[args[0]] else args[2]
+    function = TABLE[op].numpy
+    assert function is not None
+    with np.errstate(all="ignore"):
+        value = function(*(g.data[a] for a in args))
+    return g.truth(bool(value)) if TABLE[op].is_condition else g.constant(float(value))
+
+
+def _is(g: Graph, a: int, value: float) -> bool:
+    """Whether `a` is the constant `value`; zeros of either sign are told apart by the caller's rule."""
+    return g.op[a] == Op.CONST and g.data[a] == value
+
+
+def _is_plus_zero(g: Graph, a: int) -> bool:
+    return _is(g, a, 0.0) and math.copysign(1.0, g.data[a]) > 0
+
+
+def _is_minus_zero(g: Graph, a: int) -> bool:
+    return _is(g, a, 0.0) and math.copysign(1.0, g.data[a]) < 0
+
+
+def _neg(g: Graph, a: int) -> int | None:
+    if g.op[a] == Op.NEG:
+        return g.args[a][0]
+    if g.relaxed and g.op[a] == Op.SUB:  # at equality -(a-b) is -0.0 and b-a is 0.0
+        return g.node(Op.SUB, g.args[a][1], g.args[a][0])
+    return None
+
+
+def _add(g: Graph, a: int, b: int) -> int | None:
+    for x, y in ((a, b), (b, a)):
+        if _is_minus_zero(g, y) or (g.relaxed and _is_plus_zero(g, y)):
+            return x
+        if g.op[y] == Op.NEG:
+            return g.node(Op.SUB, x, g.args[y][0])
+    return None
+
+
+def _sub(g: Graph, a: int, b: int) -> int | None:
+    if _is_plus_zero(g, b) or (g.relaxed and _is_minus_zero(g, b)):
+        return a
+    if g.op[b] == Op.NEG:
+        return g.node(Op.ADD, a, g.args[b][0])
+    if _is_minus_zero(g, a):
+        return g.node(Op.NEG, b)
+    if g.relaxed:
+        if a == b:
+            return g.constant(0.0)
+        if _is_plus_zero(g, a):
+            return g.node(Op.NEG, b)
+        if g.op[a] == Op.NEG:
+            return g.node(Op.NEG, g.node(Op.ADD, g.args[a][0], b))
+    return None
+
+
+def _mul(g: Graph, a: int, b: int) -> int | None:
+    for x, y in ((a, b), (b, a)):
+        if g.op[y] == Op.CONST:
+            c = g.data[y]
+            if c == 1.0:
+                return x
+            if c == -1.0:
+                return g.node(Op.NEG, x)
+            if c == 0.0 and g.relaxed:
+                return g.constant(0.0)
+            if g.op[x] == Op.NEG:
+                return g.node(Op.MUL, g.args[x][0], g.constant(-c))
+        elif g.op[y] == Op.NEG and g.op[x] != Op.CONST:
+            return g.node(Op.NEG, g.node(Op.MUL, x, g.args[y][0]))
+    return None
+
+
+def _div(g: Graph, a: int, b: int) -> int | None:
+    if g.op[b] == Op.CONST:
+        c = g.data[b]
+        if c == 1.0:
+            return a
+        if c == -1.0:
+            return g.node(Op.NEG, a)
+        mantissa, exponent = math.frexp(c)
+        if abs(mantissa) == 0.5 and -1000 < exponent < 1000:  # 1/c is exact
+            return g.node(Op.MUL, a, g.constant(1.0 / c))
+    if g.op[b] == Op.NEG:
+        return g.node(Op.NEG, g.node(Op.DIV, a, g.args[b][0]))
+    if g.op[a] == Op.NEG:
+        return g.node(Op.NEG, g.node(Op.DIV, g.args[a][0], b))
+    if g.relaxed and _is(g, a, 0.0):
+        return g.constant(0.0)
+    return None
+
+
+def _odd(op: int):
+    """Rule of an odd function: f(-x) = -f(x)."""
+
+    def rule(g: Graph, a: int) -> int | None:
+        return g.node(Op.NEG, g.node(op, g.args[a][0])) if g.op[a] == Op.NEG else None
+
+    return rule
+
+
+def _even(op: int):
+    """Rule of an even function: f(-x) = f(x) and f(|x|) = f(x)."""
+
+    def rule(g: Graph, a: int) -> int | None:
+        return g.node(op, g.args[a][0]) if g.op[a] in (Op.NEG, Op.ABS) else None
+
+    return rule
+
+
+def _abs(g: Graph, a: int) -> int | None:
+    if g.op[a] == Op.ABS or g.op[a] == Op.SQRT:
+        return a if g.op[a] == Op.ABS or g.relaxed else None
+    return g.node(Op.ABS, g.args[a][0]) if g.op[a] == Op.NEG else None
+
+
+def _idempotent(g: Graph, a: int, b: int) -> int | None:
+    return a if a == b else None
+
+
+def _and(g: Graph, a: int, b: int) -> int | None:
+    for x, y in ((a, b), (b, a)):
+        if g.op[y] == Op.BOOL:
+            return x if g.data[y] else y
+        if g.op[y] == Op.NOT and g.args[y][0] == x:
+            return g.truth(False)
+    return _idempotent(g, a, b)
+
+
+def _or(g: Graph, a: int, b: int) -> int | None:
+    for x, y in ((a, b), (b, a)):
+        if g.op[y] == Op.BOOL:
+            return y if g.data[y] else x
+        if g.op[y] == Op.NOT and g.args[y][0] == x:
+            return g.truth(True)
+    return _idempotent(g, a, b)
+
+
+def _not(g: Graph, a: int) -> int | None:
+    return g.args[a][0] if g.op[a] == Op.NOT else None
+
+
+def _less(g: Graph, a: int, b: int) -> int | None:
+    return g.truth(False) if a == b else None  # also for nan
+
+
+def _select(g: Graph, c: int, a: int, b: int) -> int | None:
+    if g.op[c] == Op.BOOL:
+        return a if g.data[c] else b
+    if a == b:
+        return a
+    return g.node(Op.SELECT, g.args[c][0], b, a) if g.op[c] == Op.NOT else None
+
+
+_RULES: dict[int, Callable[..., int | None]] = {
+    Op.NEG: _neg,
+    Op.ABS: _abs,
+    Op.SIN: _odd(Op.SIN),
+    Op.TAN: _odd(Op.TAN),
+    Op.ASIN: _odd(Op.ASIN),
+    Op.COS: _even(Op.COS),
+    Op.ADD: _add,
+    Op.SUB: _sub,
+    Op.MUL: _mul,
+    Op.DIV: _div,
+    Op.MIN: _idempotent,
+    Op.MAX: _idempotent,
+    Op.LT: _less,
+    Op.AND: _and,
+    Op.OR: _or,
+    Op.NOT: _not,
+    Op.SELECT: _select,
+}

@@ -1,0 +1,1 @@
+"""The runtime: LLVM IR becomes machine code, NumPy's generalised ufuncs and Python callables."""

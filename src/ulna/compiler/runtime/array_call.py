@@ -1,0 +1,323 @@
+"""The general way into a kernel: conversion, broadcasting, messages, threads, `out=`."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any, final
+
+import numpy as np
+
+from ulna.compiler.codegen.ir_text import DType
+from ulna.compiler.codegen.module import emit_batch
+from ulna.compiler.language.function import Function
+from ulna.compiler.language.ports import Port
+from ulna.compiler.language.scalar import Value
+from ulna.compiler.runtime import entry_point as entry
+from ulna.compiler.runtime import gufunc as native
+from ulna.compiler.runtime import jit
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
+
+Unit = tuple[tuple[int, tuple[int, ...]], ...]
+"""Which entries of which inputs must form unit vectors, quaternions say: (number of the input, entries), ..."""
+
+# A tenth below the fast door's own, so that what that door sends here is refused and never sent back.
+_UNIT_TOLERANCE = 0.9 * entry.UNIT_TOLERANCE
+ELEMENT: dict[str, DType] = {"float64": "double", "float32": "float"}
+_ROWS_PER_THREAD = 1024  # below this, starting a thread costs more than the work
+
+
+@final
+class General:
+    """Calls a function with whatever may stand for its arguments."""
+
+    def __init__(self, function: Function, dtype: np.dtype[Any], checked: bool, unit: Unit = ()) -> None:
+        self.function, self.dtype, self.checked, self.unit = function, dtype, checked, unit
+        self.single: Callable[[], Any] = lambda: None  # the fast door, once there is one
+        # NumPy's generalised ufuncs need an input, an output, axes longer than 0, and at most 64 arrays.
+        ports = native.ports_of(function)
+        self.interpreted = (
+            not function.inputs or not function.outputs or not all(p.size for p in ports) or len(ports) > 64
+        )
+        self._ufunc: np.ufunc | None = None
+        self._lock = threading.Lock()
+
+    @property
+    def element(self) -> DType:
+        """The type computed in, as LLVM spells it."""
+        return ELEMENT[self.dtype.name]
+
+    @property
+    def lanes(self) -> int:
+        """How many samples a batch works on at once: as many as the widest register holds."""
+        if self.function.lanes > 1:  # a race fills the lanes with one sample
+            return 1
+        return max(jit.target().register_bytes // self.dtype.itemsize, 2)
+
+    def batch_ir(self) -> str:
+        """IR of the gufunc's inner loop."""
+        return emit_batch(self.function, self.element, self.lanes)
+
+    @property
+    def ufunc(self) -> np.ufunc:
+        """The gufunc; its loop is compiled when it is first asked for."""
+        if self._ufunc is None:
+            with self._lock:
+                if self._ufunc is None:
+                    code = jit.load(self.function, self.batch_ir(), ("batch",))
+                    self._ufunc = native.make_ufunc(self.function, code.address("batch"), code, self.element)
+        return self._ufunc
+
+    def __call__(self, *args: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
+        """Evaluates; see `ulna.compiler.runtime.kernel.compile` for what may be passed."""
+        f = self.function
+        if threads is not None and (not isinstance(threads, (int, np.integer)) or threads < 1):
+            raise InputError(
+                f"`threads` is {threads!r}; expected a whole number, 1 or more, or None for one."
+            )
+        if named:
+            args = self._bind(args, named)
+        if len(args) != len(f.inputs):
+            names = ", ".join(p.name for p in f.inputs)
+            raise TypeError(f"{f.name}({names}) takes {len(f.inputs)} arguments; {len(args)} were given.")
+        if not self.interpreted and any(_is_foreign(a) for a in args):
+            if self.checked:
+                for a, port in zip(args, f.inputs, strict=True):
+                    if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others, as Dask's, may be lazy
+                        _check_finite(port.name, np.asarray(a, self.dtype))
+            return self._apply(args, out)
+        arrays = [self._array(a, port) for a, port in zip(args, f.inputs, strict=True)]
+        if any(a.dtype == object for a in arrays):
+            return f(*arrays)  # inside a trace: inline
+        batch = self._batch(arrays)
+        if out is not None:
+            self._check_out(out, batch)
+        if self.checked:
+            for a, port in zip(arrays, f.inputs, strict=True):
+                _check_finite(port.name, a)
+            for number, entries in self.unit:
+                _check_unit(f.inputs[number].name, arrays[number], entries)
+        door = self.single() if batch == () and (out is None or self._is_exact(out)) else None
+        if door is not None:
+            exact = [self._exact(a) for a in arrays]
+            return door(*exact) if out is None else door(*exact, out=out)
+        if self.interpreted:
+            return self._interpret(arrays, out)
+        rows = int(np.prod(batch, dtype=np.int64))
+        many = threads is not None and threads > 1 and rows >= 2 * _ROWS_PER_THREAD
+        if many and batch and (out is None or self._is_apart(arrays, out, batch)):
+            assert threads is not None
+            return self._threaded(arrays, batch, out, min(threads, rows // _ROWS_PER_THREAD))
+        return self._apply(arrays, out)
+
+    def _apply(self, args: Sequence[Any], out: Any) -> Any:
+        result = self.ufunc(*args) if out is None else self.ufunc(*args, out=out)
+        return result if self.function.single or isinstance(result, tuple) else (result,)
+
+    def _bind(self, args: tuple[Any, ...], named: dict[str, Any]) -> tuple[Any, ...]:
+        """The arguments in order where some are passed by name."""
+        names = [p.name for p in self.function.inputs]
+        for name in named:
+            if name not in names:
+                raise TypeError(
+                    f"{self.function.name}({', '.join(names)}) has no argument {name!r}; besides its inputs it takes "
+                    "`out` and `threads`."
+                )
+            if name in names[: len(args)]:
+                raise TypeError(f"{self.function.name}({', '.join(names)}) got `{name}` twice.")
+        return (*args, *(named[name] for name in names[len(args) :] if name in named))
+
+    def _exact(self, array: Any) -> Any:
+        """An array that the fast door takes for sure: its very dtype, contiguous, aligned."""
+        exact = np.empty(array.shape, self.dtype)
+        exact[...] = array
+        return exact
+
+    def _is_exact(self, out: Any) -> bool:
+        """Whether the fast door writes into `out` for sure."""
+        given = out if type(out) is tuple else (out,)
+        return len(given) == len(self.function.outputs) and all(
+            is_exact(target, port.shape, self.dtype)
+            for target, port in zip(given, self.function.outputs, strict=True)
+        )
+
+    def _interpret(self, arrays: Sequence[Any], out: Any) -> Any:
+        """Evaluates a function that no generalised ufunc can be, such as one with an axis of length 0."""
+        f = self.function
+        results = f(*arrays)
+        results = [r.astype(self.dtype) for r in ((results,) if f.single else results)]
+        if out is not None:
+            given = out if isinstance(out, tuple) else (out,)
+            for target, result in zip(given, results, strict=True):
+                np.copyto(target, result)
+            results = given
+        if f.single:
+            return results[0] if results[0].ndim else results[0][()]
+        return tuple(results)
+
+    def _check_out(self, out: Any, batch: tuple[int, ...]) -> None:
+        """Refuses what the results of a batch cannot be written to."""
+        f = self.function
+        given = out if isinstance(out, tuple) else (out,)
+        if len(given) != len(f.outputs):
+            raise InputError(
+                f"`out` holds {len(given)} arrays; {f.name} has {len(f.outputs)} outputs: expected as many arrays, "
+                "in a tuple."
+            )
+        for target, port in zip(given, f.outputs, strict=True):
+            if (
+                type(target) is np.ndarray
+                and target.shape == batch + port.shape
+                and target.dtype == self.dtype
+            ):
+                continue
+            if target is None or _is_foreign(target):  # None: a new array
+                continue
+            if not isinstance(target, np.ndarray):
+                raise InputError(f"`out` is of type {type(target).__name__}; expected a NumPy array.")
+            wide = target.ndim - len(port.shape)
+            if wide < 0 or target.shape[wide:] != port.shape or not _fits(batch, target.shape[:wide]):
+                raise ShapeError("out", target.shape, str(batch + port.shape))
+            if not np.can_cast(self.dtype, target.dtype, "same_kind"):
+                raise DtypeError("out", str(target.dtype), f"{self.dtype}, or what that casts to")
+
+    def _is_apart(self, arrays: Sequence[Any], out: Any, batch: tuple[int, ...]) -> bool:
+        """Whether parts of the batch can be written to `out` independently; else NumPy must see the whole."""
+        f = self.function
+        given = out if isinstance(out, tuple) else (out,)
+        return len(given) == len(f.outputs) and all(
+            isinstance(o, np.ndarray)
+            and o.shape == batch + p.shape
+            and not any(np.may_share_memory(o, a) for a in arrays)
+            for o, p in zip(given, f.outputs, strict=True)
+        )
+
+    def _array(self, value: Any, port: Port) -> Any:
+        try:
+            array = np.asarray(value)
+        except ValueError as error:  # ragged lists
+            raise InputError(
+                f"`{port.name}` is ragged; expected an array of numbers, shape {_shown(port)}. NumPy says: {error}"
+            ) from None
+        if array.dtype != self.dtype:
+            if array.dtype == object:
+                return self._objects(array, port)
+            if array.dtype.kind not in "fiub":
+                raise DtypeError(port.name, str(array.dtype))
+            array = array.astype(self.dtype)
+        core = len(port.shape)
+        if array.ndim < core or array.shape[array.ndim - core :] != port.shape:
+            raise ShapeError(port.name, array.shape, _shown(port), _shape_mend(array.shape, port))
+        return array
+
+    def _objects(self, array: Any, port: Port) -> Any:
+        if any(isinstance(v, Value) for v in array.reshape(-1)):
+            return array
+        odd = next((v for v in array.reshape(-1) if v is None or isinstance(v, (str, bytes))), 0)
+        if odd != 0:  # NumPy would make nan of None and parse text
+            raise DtypeError(port.name, f"object and holds {odd!r}")
+        try:
+            numbers = array.astype(self.dtype)
+        except (TypeError, ValueError) as error:
+            raise DtypeError(port.name, "object", mend=f"NumPy says: {error}.") from None
+        return self._array(numbers, port)
+
+    def _batch(self, arrays: Sequence[Any]) -> tuple[int, ...]:
+        ports = self.function.inputs
+        batches = [a.shape[: a.ndim - len(p.shape)] for a, p in zip(arrays, ports, strict=True)]
+        try:
+            return np.broadcast_shapes(*batches)
+        except ValueError:
+            said = ", ".join(f"`{p.name}` {a.shape}" for a, p in zip(arrays, ports, strict=True))
+            raise ShapeError(
+                ports[-1].name, arrays[-1].shape, "leading axes that broadcast", f"Together: {said}."
+            ) from None
+
+    def _threaded(self, arrays: Sequence[Any], batch: tuple[int, ...], out: Any, threads: int) -> Any:
+        """Cuts the batch into equal parts along one axis; the GIL is free in the loops."""
+        f = self.function
+        if out is None:
+            given = [np.empty(batch + p.shape, self.dtype) for p in f.outputs]
+        else:
+            given = list(out if isinstance(out, tuple) else (out,))
+        wide = [
+            np.broadcast_to(a, batch + p.shape) if a.ndim > len(p.shape) else a
+            for a, p in zip(arrays, f.inputs, strict=True)
+        ]
+        axis = int(np.argmax(batch))
+        cuts = np.linspace(0, batch[axis], min(threads, batch[axis]) + 1).astype(int)
+        lead = (slice(None),) * axis
+
+        def part(k: int) -> None:
+            rows = (*lead, slice(cuts[k], cuts[k + 1]))
+            inputs = [a[rows] if a.ndim > len(p.shape) else a for a, p in zip(wide, f.inputs, strict=True)]
+            self.ufunc(*inputs, out=tuple(o[rows] for o in given))
+
+        from concurrent.futures import ThreadPoolExecutor  # slow to import, and needed only here
+
+        ufunc = self.ufunc  # compile before the threads start
+        assert ufunc is not None
+        with ThreadPoolExecutor(len(cuts) - 1) as pool:
+            list(pool.map(part, range(len(cuts) - 1)))
+        return given[0] if f.single else tuple(given)
+
+
+def is_exact(target: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:
+    """Whether compiled code may write an output of this shape and type into `target`."""
+    return (
+        type(target) is np.ndarray and target.dtype is dtype and target.shape == shape and target.flags.carray
+    )
+
+
+def _fits(batch: tuple[int, ...], target: tuple[int, ...]) -> bool:
+    """Whether a batch can be written to leading axes `target`: they may be more or longer, never fewer or shorter."""
+    try:
+        return np.broadcast_shapes(batch, target) == target
+    except ValueError:
+        return False
+
+
+def _is_foreign(value: Any) -> bool:
+    """Whether an argument brings its own meaning of ufuncs: subclasses of ndarray, Dask arrays and the like."""
+    return (
+        type(value) is not np.ndarray
+        and hasattr(value, "__array_ufunc__")
+        and not isinstance(value, np.generic)
+    )
+
+
+def _shown(port: Port) -> str:
+    return "(" + ", ".join(["...", *map(str, port.shape)]) + ")"
+
+
+def _shape_mend(given: tuple[int, ...], port: Port) -> str:
+    core = len(port.shape)
+    if given and core and given[::-1][:core] == port.shape:
+        return "It looks transposed."
+    if len(given) == core + 1 and given[:core] == port.shape:
+        return "The batch axis comes first: pass the transpose."
+    if core == 1 and given and given[-1] != port.shape[0]:
+        return f"The last axis holds the {port.shape[0]} numbers of one sample."
+    return ""
+
+
+def _check_finite(name: str, array: Any) -> None:
+    with np.errstate(over="ignore", invalid="ignore"):
+        if np.isfinite(array.sum()):  # one cheap pass in the good case
+            return
+    bad = ~np.isfinite(array)
+    if bad.any():
+        index = tuple(int(i) for i in np.argwhere(bad)[0])
+        raise NonFiniteError(name, index, float(array[index]))
+
+
+def _check_unit(name: str, array: Any, entries: Sequence[int]) -> None:
+    part = array[..., entries]
+    wrong = abs((part * part).sum(axis=-1) - 1.0) > _UNIT_TOLERANCE
+    if np.any(wrong):
+        length = float(np.sqrt((part * part).sum(axis=-1))[wrong].reshape(-1)[0])
+        first, last = entries[0], entries[-1] + 1
+        raise InputError(
+            f"`{name}[..., {first}:{last}]` has length {length:.6g}; expected a unit quaternion (xyzw). "
+            "robot.normalize(q) makes it one."
+        )

@@ -1,0 +1,214 @@
+"""Kernels bound to arrays: what `kernel.into(...)` makes, writes its results into the same arrays at every call."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any, final
+
+import numpy as np
+
+from ulna.compiler.runtime import gufunc as native
+from ulna.compiler.runtime.array_call import General
+from ulna.errors import DtypeError, InputError, ShapeError
+from ulna.typing import Array
+
+_Pairs = Sequence[tuple[Array, Array]]
+
+
+class Bound:
+    """A kernel with the arrays that it writes into; see `KernelBase.into`."""
+
+    __slots__ = ()
+
+    kernel: Any
+    """The kernel."""
+    targets: tuple[Array, ...]
+    """The arrays, one for each output."""
+    __call__: Callable[..., Any]
+
+    def __repr__(self) -> str:
+        f = self.kernel.function
+        return f"<bound kernel {f.name}{f.signature}, {self.kernel.dtype.name}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError(
+            "A bound kernel cannot be pickled or copied: it writes into arrays of this process. Pickle its `kernel` "
+            "and bind that anew with `into`."
+        )
+
+
+@final
+class SlowBound(Bound):
+    """A bound kernel where the fast door does not work."""
+
+    __slots__ = ("__weakref__", "_pairs", "_slow", "_through", "kernel", "targets")
+
+    def __init__(
+        self, kernel: Any, targets: tuple[Array, ...], through: _Through, pairs: _Pairs, slow: Any
+    ) -> None:
+        self.kernel, self.targets = kernel, targets
+        self._through, self._slow = through, slow
+        self._pairs = tuple((live, kept, _form(live), _form(kept)) for live, kept in pairs)
+
+    def __call__(self, *args: Any) -> Any:
+        """Evaluates the kernel; see `KernelBase.into`."""
+        if self._slow is not None and not (self._through.fits(args) and _same(self._pairs)):
+            return self._slow(*args)
+        return self._through(*args)
+
+
+@final
+class _Through:
+    """The general way into a kernel with fixed targets and last inputs."""
+
+    def __init__(
+        self, general: General, targets: tuple[Array, ...], returns: tuple[int, ...], given: tuple[Array, ...]
+    ) -> None:
+        self.general, self.targets, self.returns, self.given = general, targets, returns, given
+        self._out = targets[0] if len(targets) == 1 else targets
+
+    def __call__(self, *args: Any) -> Any:
+        self.check()
+        self.general(*args, *self.given, out=self._out)
+        copies = tuple(
+            self.targets[k].copy() if self.targets[k].ndim else self.targets[k][()] for k in self.returns
+        )
+        return copies[0] if len(copies) == 1 else copies or None
+
+    def check(self) -> None:
+        """Refuses bound arrays that were changed in place: resized, made read-only, given another shape or type."""
+        try:
+            _check_targets(self.general, self.targets)
+            _check_given(self.general, self.given)
+        except InputError as error:
+            error.args = (
+                f"{error} The array was changed after into(); restore it, or bind the kernel anew.",
+            )
+            raise
+
+    def fits(self, args: tuple[Any, ...]) -> bool:
+        """Whether the arguments are what the fast door takes."""
+        ports, dtype = self.general.function.inputs, self.general.dtype
+        ports = ports[: len(ports) - len(self.given)]
+        return len(args) == len(ports) and all(
+            (type(a) is np.ndarray and a.dtype is dtype and a.shape == p.shape and _is_readable(a))
+            or (p.shape == () and dtype == np.float64 and type(a) in (float, np.float64))
+            for a, p in zip(args, ports, strict=True)
+        )
+
+
+@final
+class _Otherwise:
+    """What is called instead of a bound kernel, once its arrays are known to be intact."""
+
+    def __init__(self, through: _Through, function: Callable[..., Any]) -> None:
+        self._through, self._function = through, function
+
+    def __call__(self, *args: Any, **named: Any) -> Any:
+        self._through.check()
+        return self._function(*args, **named)
+
+
+def _is_readable(array: Array) -> bool:
+    return array.flags.c_contiguous and array.flags.aligned
+
+
+def _form(array: Array) -> tuple[Any, ...]:
+    """What of an array must stay for compiled code to go on reading it."""
+    return array.shape, array.dtype, _is_readable(array)
+
+
+def _same(pairs: Sequence[tuple[Any, ...]]) -> bool:
+    return all(
+        _form(live) == live_form and _form(kept) == kept_form and live.tobytes() == kept.tobytes()
+        for live, kept, live_form, kept_form in pairs
+    )
+
+
+_lock = threading.Lock()
+_types: list[type | None] = []
+
+
+def _type() -> type | None:
+    with _lock:
+        if not _types:
+            _types.append(native.make_type(Bound, "Bound"))
+        return _types[0]
+
+
+def bind(
+    kernel: Any,
+    general: General,
+    work: int | None,
+    targets: Sequence[Array],
+    returns: Sequence[int],
+    watch: _Pairs,
+    otherwise: Callable[..., Any] | None,
+    given: Sequence[Array] = (),
+) -> Bound:
+    """Makes what `KernelBase.into` returns; `work` is the address of the kernel's code, where there is any."""
+    chosen, told, pairs = tuple(targets), tuple(given), tuple((live, kept) for live, kept in watch)
+    numbers = tuple(int(k) for k in returns)
+    _check_targets(general, chosen)
+    _check_given(general, told)
+    _check_pairs(pairs)
+    if pairs and otherwise is None:
+        raise InputError("`watch` is given without `otherwise`; expected a function for when it differs.")
+    for k in numbers:
+        if not 0 <= k < len(chosen):
+            raise InputError(f"`returns` names output {k}; expected 0 to {len(chosen) - 1}.")
+    through = _Through(general, chosen, numbers, told)
+    slow = through if otherwise is None else _Otherwise(through, otherwise)
+    kind = _type() if work is not None else None
+    if kind is None or work is None:
+        return SlowBound(kernel, chosen, through, pairs, None if otherwise is None else slow)
+    plan = native.Plan(general.function, general.element, work, chosen, pairs, numbers, told)
+    instance = native.make_bound(kind, plan, slow)
+    instance.__dict__.update(kernel=kernel, targets=chosen)
+    native.keep(instance, kernel, plan, slow)
+    return instance
+
+
+def _check_targets(general: General, targets: tuple[Any, ...]) -> None:
+    f, dtype = general.function, general.dtype
+    if len(targets) != len(f.outputs):
+        raise InputError(f"into() was given {len(targets)} arrays; {f.name} has {len(f.outputs)} outputs.")
+    for target, port in zip(targets, f.outputs, strict=True):
+        if type(target) is not np.ndarray:
+            raise InputError(f"into() was given a {type(target).__name__}; expected NumPy arrays.")
+        if target.dtype != dtype:
+            raise DtypeError(port.name, str(target.dtype), f"{dtype}, which {f.name} computes in")
+        if target.shape != port.shape:
+            raise ShapeError(port.name, target.shape, str(port.shape))
+        if not target.flags.carray:
+            raise InputError(
+                f"The array for `{port.name}` is read-only or has gaps; expected C-contiguous and writeable."
+            )
+    for k, target in enumerate(targets):
+        if any(np.may_share_memory(target, other) for other in targets[:k]):
+            raise InputError("Arrays given to into() share memory; expected one of its own for each output.")
+
+
+def _check_given(general: General, given: tuple[Any, ...]) -> None:
+    ports, dtype = general.function.inputs, general.dtype
+    if len(given) > len(ports):
+        raise InputError(f"into() was given {len(given)} inputs; {general.function.name} has {len(ports)}.")
+    for array, port in zip(given, ports[len(ports) - len(given) :], strict=True):
+        if type(array) is not np.ndarray or array.dtype != dtype or not _is_readable(array):
+            raise InputError(f"`given` holds no C-contiguous array of {dtype} for `{port.name}`.")
+        if array.shape != port.shape:
+            raise ShapeError(port.name, array.shape, str(port.shape))
+
+
+def _check_pairs(pairs: tuple[tuple[Any, Any], ...]) -> None:
+    for pair in pairs:
+        for x in pair:
+            if type(x) is not np.ndarray or not _is_readable(x) or x.nbytes % 8 or x.dtype.hasobject:
+                raise InputError(
+                    "`watch` holds something else; expected C-contiguous arrays of whole 8-byte words."
+                )
+        if pair[0].nbytes != pair[1].nbytes:
+            raise InputError(
+                f"A pair in `watch` has {pair[0].nbytes} and {pair[1].nbytes} bytes; expected as many."
+            )

@@ -1,0 +1,374 @@
+"""IR of the doors through which kernels write into arrays that exist: `out=`, and arrays bound for good (see `bound`).
+
+One piece of code serves all kernels: it reads what it must know of a kernel from a table of words, its plan. As in
+`entry`, what is not exactly an array of the right type and shape goes to a Python callable, which converts or refuses.
+Bound arrays are examined like arguments at every call: `resize(refcheck=False)`, `setflags`, `__setstate__` and the
+setters of shape and dtype change an array in place, and NumPy refuses none of them while a buffer is exported.
+"""
+
+from __future__ import annotations
+
+from ulna.compiler.runtime.entry_point import PLAN, SLOW
+from ulna.compiler.runtime.object_layout import (
+    ARRAY_DESCRIPTOR,
+    DATA,
+    FLAGS,
+    LENGTHS,
+    NDIM,
+    READABLE,
+    TUPLE_ITEMS,
+    TUPLE_SIZE,
+    TYPE,
+    VALUE,
+    WORD,
+    WRITEABLE,
+)
+
+FIELDS = (
+    "inputs", "givens", "outputs", "work",  # how many, and the kernel's code
+    # tables of PORT words: axes, lengths, whether a float may stand for the array, the array's descriptor
+    "ports_in", "ports_given", "ports_out",
+    "given_arrays", "targets",  # tables of bound arrays
+    "watches", "watched",  # how many, and a table of WATCH words: array, array, words to compare, a port for each
+    "returns", "returned",  # how many, and a table of RETURN words: axes, lengths, number of the pointer, bytes
+    "array_type", "number", "float_type", "float64_type", "tuple_type", "out", "none",
+    "array_new", "array_return", "tuple_new", "own", "call",
+)  # fmt: skip
+"""The words of a plan."""
+PORT, RETURN = 4, 4
+WATCH = 3 + 2 * PORT
+
+
+def _word(name: str, kind: str = "ptr") -> str:
+    """Lines that load a word of the plan as `%name`."""
+    at = FIELDS.index(name) * WORD
+    return f"  %{name}.p = getelementptr i8, ptr %plan, i64 {at}\n  %{name} = load {kind}, ptr %{name}.p"
+
+
+def _at(name: str, base: str, offset: int, kind: str = "ptr") -> str:
+    """Lines that load what lies `offset` bytes after `%base` as `%name`."""
+    return (
+        f"  %{name}.p = getelementptr i8, ptr %{base}, i64 {offset}\n  %{name} = load {kind}, ptr %{name}.p"
+    )
+
+
+_TAKE = f"""
+; The data of an object that is exactly an array of a port's shape, and of a number where one may stand; else null.
+define internal ptr @take(ptr %plan, ptr %port, ptr %object, i32 %wanted) alwaysinline nounwind {{
+entry:
+{_at("kind", "object", TYPE)}
+{_word("array_type")}
+  %is.array = icmp eq ptr %kind, %array_type
+  br i1 %is.array, label %fields, label %number
+number:
+{_at("free", "port", 2 * WORD, "i64")}
+{_word("float_type")}
+{_word("float64_type")}
+  %may = icmp ne i64 %free, 0
+  %is.float = icmp eq ptr %kind, %float_type
+  %is.float64 = icmp eq ptr %kind, %float64_type
+  %is.number = or i1 %is.float, %is.float64
+  %is.taken = and i1 %is.number, %may
+  %value = getelementptr i8, ptr %object, i64 {VALUE}
+  %found = select i1 %is.taken, ptr %value, ptr null
+  ret ptr %found
+fields:
+{_at("descr", "object", ARRAY_DESCRIPTOR)}
+{_at("ndim", "object", NDIM, "i32")}
+{_at("flags", "object", FLAGS, "i32")}
+{_at("axes", "port", 0, "i64")}
+{_at("descriptor", "port", 3 * WORD)}
+  %descr.ok = icmp eq ptr %descr, %descriptor
+  %axes.32 = trunc i64 %axes to i32
+  %ndim.ok = icmp eq i32 %ndim, %axes.32
+  %got = and i32 %flags, %wanted
+  %flags.ok = icmp eq i32 %got, %wanted
+  %both = and i1 %descr.ok, %ndim.ok
+  %all = and i1 %both, %flags.ok
+  br i1 %all, label %shape, label %refused
+shape:
+{_at("given", "object", LENGTHS)}
+{_at("expected", "port", WORD)}
+{_at("data", "object", DATA)}
+  br label %axis
+axis:
+  %k = phi i64 [ 0, %shape ], [ %next, %length ]
+  %more = icmp ult i64 %k, %axes
+  br i1 %more, label %length, label %taken
+length:
+  %given.p2 = getelementptr i64, ptr %given, i64 %k
+  %given.k = load i64, ptr %given.p2
+  %expected.p2 = getelementptr i64, ptr %expected, i64 %k
+  %expected.k = load i64, ptr %expected.p2
+  %next = add nuw i64 %k, 1
+  %same = icmp eq i64 %given.k, %expected.k
+  br i1 %same, label %axis, label %refused
+taken:
+  ret ptr %data
+refused:
+  ret ptr null
+}}
+"""
+
+
+def _collect(
+    table: str, count: str, source: str, wanted: int, label: str, then: str, first: str = "0"
+) -> str:
+    """Lines that take `%count` objects from `%source` into `%pointers`, from place `first` on; a loop named `label`."""
+    return f"""  br label %{label}
+{label}:
+  %{label}.k = phi i64 [ 0, %{label}.from ], [ %{label}.next, %{label}.good ]
+  %{label}.more = icmp ult i64 %{label}.k, %{count}
+  br i1 %{label}.more, label %{label}.one, label %{then}
+{label}.one:
+  %{label}.object.p = getelementptr ptr, ptr %{source}, i64 %{label}.k
+  %{label}.object = load ptr, ptr %{label}.object.p
+  %{label}.at = mul nuw i64 %{label}.k, {PORT * WORD}
+  %{label}.port = getelementptr i8, ptr %{table}, i64 %{label}.at
+  %{label}.data = call ptr @take(ptr %plan, ptr %{label}.port, ptr %{label}.object, i32 {wanted})
+  %{label}.bad = icmp eq ptr %{label}.data, null
+  br i1 %{label}.bad, label %slow, label %{label}.good
+{label}.good:
+  %{label}.place = add nuw i64 %{label}.k, {first}
+  %{label}.to = getelementptr ptr, ptr %pointers, i64 %{label}.place
+  store ptr %{label}.data, ptr %{label}.to
+  %{label}.next = add nuw i64 %{label}.k, 1
+  br label %{label}"""
+
+
+_HEAD = f"""(ptr %self, ptr %args, i64 %flagged, ptr %keywords) nounwind {{
+entry:
+{_at("plan", "self", PLAN)}
+{_word("inputs", "i64")}
+{_word("givens", "i64")}
+{_word("outputs", "i64")}
+{_word("ports_in")}
+  %count = and i64 %flagged, 9223372036854775807
+  %count.ok = icmp eq i64 %count, %inputs
+  %read = add nuw i64 %inputs, %givens
+  %total = add nuw i64 %read, %outputs
+  %pointers = alloca ptr, i64 %total"""
+_SLOW = f"""slow:
+{_word("call")}
+{_at("callable", "self", SLOW)}
+  %found.slowly = call ptr %call(ptr %callable, ptr %args, i64 %flagged, ptr %keywords)
+  ret ptr %found.slowly
+}}
+"""
+
+_GIVEN = f"""
+; A kernel called otherwise than plainly: writes into `out`, one array or a tuple of arrays, where all is exact.
+define ptr @given{_HEAD}
+  %plain = icmp eq ptr %keywords, null
+  br i1 %plain, label %slow, label %named
+named:
+{_at("names", "keywords", TUPLE_SIZE, "i64")}
+{_at("name", "keywords", TUPLE_ITEMS)}
+{_word("out")}
+  %names.ok = icmp eq i64 %names, 1
+  %name.ok = icmp eq ptr %name, %out
+  %form = and i1 %names.ok, %name.ok
+  %begin = and i1 %form, %count.ok
+  br i1 %begin, label %into, label %slow
+into:
+  %target.p = getelementptr ptr, ptr %args, i64 %inputs
+  %target = load ptr, ptr %target.p
+{_at("kind", "target", TYPE)}
+{_word("tuple_type")}
+  %is.tuple = icmp eq ptr %kind, %tuple_type
+  br i1 %is.tuple, label %several, label %single
+several:
+{_at("size", "target", TUPLE_SIZE, "i64")}
+  %items = getelementptr i8, ptr %target, i64 {TUPLE_ITEMS}
+  %size.ok = icmp eq i64 %size, %outputs
+  br i1 %size.ok, label %in.from, label %slow
+single:
+  %is.one = icmp eq i64 %outputs, 1
+  br i1 %is.one, label %in.from, label %slow
+in.from:
+  %source = phi ptr [ %items, %several ], [ %target.p, %single ]
+{_collect("ports_in", "inputs", "args", READABLE, "in", "to.from")}
+to.from:
+{_word("ports_out")}
+{_collect("ports_out", "outputs", "source", WRITEABLE, "to", "run", "%inputs")}
+run:
+{_word("work")}
+{_word("own")}
+  %refused = call i32 %work(ptr %pointers)
+  %done = icmp eq i32 %refused, 0
+  br i1 %done, label %answer, label %slow
+answer:
+  %first = load ptr, ptr %source
+  %is.whole = icmp ugt i64 %outputs, 1
+  %result = select i1 %is.whole, ptr %target, ptr %first
+  call void %own(ptr %result)
+  ret ptr %result
+{_SLOW}"""
+
+_BOUND = f"""
+; A kernel bound to arrays: compares what is watched, writes into the arrays, returns copies of some of them.
+; Nothing of Python runs between the examination of the arrays and their last use.
+define ptr @bound{_HEAD}
+  %plain = icmp eq ptr %keywords, null
+  %begin = and i1 %plain, %count.ok
+  br i1 %begin, label %in.from, label %slow
+in.from:
+{_collect("ports_in", "inputs", "args", READABLE, "in", "watch.from")}
+watch.from:
+{_word("watches", "i64")}
+{_word("watched")}
+  br label %watch
+watch:
+  %w = phi i64 [ 0, %watch.from ], [ %w.next, %compared ]
+  %w.more = icmp ult i64 %w, %watches
+  br i1 %w.more, label %compare, label %given.from
+compare:
+  %w.at = mul nuw i64 %w, {WATCH * WORD}
+  %pair = getelementptr i8, ptr %watched, i64 %w.at
+{_at("live.array", "pair", 0)}
+{_at("kept.array", "pair", WORD)}
+{_at("words", "pair", 2 * WORD, "i64")}
+  %live.port = getelementptr i8, ptr %pair, i64 {3 * WORD}
+  %kept.port = getelementptr i8, ptr %pair, i64 {(3 + PORT) * WORD}
+  %live = call ptr @take(ptr %plan, ptr %live.port, ptr %live.array, i32 {READABLE})
+  %live.bad = icmp eq ptr %live, null
+  br i1 %live.bad, label %slow, label %other
+other:
+  %kept = call ptr @take(ptr %plan, ptr %kept.port, ptr %kept.array, i32 {READABLE})
+  %kept.bad = icmp eq ptr %kept, null
+  br i1 %kept.bad, label %slow, label %both
+both:
+  %differ = call i1 @differ(ptr %live, ptr %kept, i64 %words)
+  %w.next = add nuw i64 %w, 1
+  br i1 %differ, label %slow, label %compared
+compared:
+  br label %watch
+given.from:
+{_word("ports_given")}
+{_word("given_arrays")}
+{_collect("ports_given", "givens", "given_arrays", READABLE, "given", "target.from", "%inputs")}
+target.from:
+{_word("ports_out")}
+{_word("targets")}
+{_collect("ports_out", "outputs", "targets", WRITEABLE, "target", "run", "%read")}
+run:
+{_word("work")}
+{_word("returns", "i64")}
+{_word("returned")}
+  %refused = call i32 %work(ptr %pointers)
+  %done = icmp eq i32 %refused, 0
+  br i1 %done, label %answer, label %slow
+answer:
+  switch i64 %returns, label %several [ i64 0, label %nothing
+                                        i64 1, label %single ]
+nothing:
+{_word("none")}
+{_word("own")}
+  call void %own(ptr %none)
+  ret ptr %none
+single:
+  %one = call ptr @copied(ptr %plan, ptr %returned, ptr %pointers)
+  ret ptr %one
+several:
+{_word("tuple_new")}
+  %tuple = call ptr %tuple_new(i64 %returns)
+  %no.tuple = icmp eq ptr %tuple, null
+  br i1 %no.tuple, label %failed, label %item
+item:
+  %r = phi i64 [ 0, %several ], [ %r.next, %item ]
+  %r.at = mul nuw i64 %r, {RETURN * WORD}
+  %r.source = getelementptr i8, ptr %returned, i64 %r.at
+  %r.copy = call ptr @copied(ptr %plan, ptr %r.source, ptr %pointers)
+  %r.place = getelementptr i8, ptr %tuple, i64 {TUPLE_ITEMS}
+  %r.to = getelementptr ptr, ptr %r.place, i64 %r
+  store ptr %r.copy, ptr %r.to
+  %r.next = add nuw i64 %r, 1
+  %r.more = icmp ult i64 %r.next, %returns
+  br i1 %r.more, label %item, label %full
+full:
+  ret ptr %tuple
+failed:
+  ret ptr null
+{_SLOW}"""
+
+_DIFFER = """
+; Whether two blocks differ in any bit.
+define internal i1 @differ(ptr %a, ptr %b, i64 %words) nounwind {
+entry:
+  %whole = and i64 %words, -8
+  br label %block
+block:
+  %k = phi i64 [ 0, %entry ], [ %k.next, %look ]
+  %sum = phi <8 x i64> [ zeroinitializer, %entry ], [ %sum.next, %look ]
+  %more = icmp ult i64 %k, %whole
+  br i1 %more, label %look, label %rest.from
+look:
+  %a.p = getelementptr i64, ptr %a, i64 %k
+  %b.p = getelementptr i64, ptr %b, i64 %k
+  %a.v = load <8 x i64>, ptr %a.p, align 8
+  %b.v = load <8 x i64>, ptr %b.p, align 8
+  %gap = xor <8 x i64> %a.v, %b.v
+  %sum.next = or <8 x i64> %sum, %gap
+  %k.next = add nuw i64 %k, 8
+  br label %block
+rest.from:
+  %found = call i64 @llvm.vector.reduce.or.v8i64(<8 x i64> %sum)
+  br label %rest
+rest:
+  %j = phi i64 [ %whole, %rest.from ], [ %j.next, %one ]
+  %total = phi i64 [ %found, %rest.from ], [ %total.next, %one ]
+  %j.more = icmp ult i64 %j, %words
+  br i1 %j.more, label %one, label %end
+one:
+  %a.p1 = getelementptr i64, ptr %a, i64 %j
+  %b.p1 = getelementptr i64, ptr %b, i64 %j
+  %a.1 = load i64, ptr %a.p1
+  %b.1 = load i64, ptr %b.p1
+  %gap.1 = xor i64 %a.1, %b.1
+  %total.next = or i64 %total, %gap.1
+  %j.next = add nuw i64 %j, 1
+  br label %rest
+end:
+  %differ = icmp ne i64 %total, 0
+  ret i1 %differ
+}
+declare i64 @llvm.vector.reduce.or.v8i64(<8 x i64>)
+"""
+
+_COPIED = f"""
+; A new array with what lies in a bound one, a NumPy scalar where it has no axes; null without memory.
+define internal ptr @copied(ptr %plan, ptr %source, ptr %pointers) nounwind {{
+entry:
+{_at("axes", "source", 0, "i64")}
+{_at("lengths", "source", WORD)}
+{_at("place", "source", 2 * WORD, "i64")}
+  %from.p = getelementptr ptr, ptr %pointers, i64 %place
+  %from = load ptr, ptr %from.p
+{_at("bytes", "source", 3 * WORD, "i64")}
+{_word("array_type")}
+{_word("array_new")}
+{_word("number", "i64")}
+  %axes.32 = trunc i64 %axes to i32
+  %number.32 = trunc i64 %number to i32
+  %array = call ptr %array_new(ptr %array_type, i32 %axes.32, ptr %lengths, i32 %number.32,
+                               ptr null, ptr null, i32 0, i32 0, ptr null)
+  %bad = icmp eq ptr %array, null
+  br i1 %bad, label %failed, label %made
+made:
+{_at("data", "array", DATA)}
+  call void @llvm.memcpy.p0.p0.i64(ptr %data, ptr %from, i64 %bytes, i1 false)
+  %scalar = icmp eq i64 %axes, 0
+  br i1 %scalar, label %number.from, label %end
+number.from:
+{_word("array_return")}
+  %value = call ptr %array_return(ptr %array)
+  ret ptr %value
+end:
+  ret ptr %array
+failed:
+  ret ptr null
+}}
+declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)
+"""
+
+DOOR_IR = _TAKE + _DIFFER + _COPIED + _GIVEN + _BOUND

@@ -1,0 +1,271 @@
+"""The Python types whose instances are machine code, and NumPy generalised ufuncs around compiled loops.
+
+A kernel and a bound kernel are instances of small types made here through CPython's own type factory; their vectorcall
+slots point to JIT-compiled code (see `entry`, `door`). Where the layout that code relies on differs (another
+interpreter, a free-threaded build, another NumPy), there are no such types, and everything goes through the ufunc.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+import weakref
+from array import array
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, final
+
+import numpy as np
+
+from ulna.compiler.codegen.ir_text import DType
+from ulna.compiler.language.function import Function
+from ulna.compiler.language.ports import Port
+from ulna.compiler.runtime import entry_point as entry
+from ulna.compiler.runtime import jit
+from ulna.compiler.runtime import object_layout as layout
+from ulna.compiler.runtime.fast_call import DOOR_IR, FIELDS
+from ulna.compiler.runtime.object_layout import (
+    TYPE_NUMBER,
+    array_function,
+    c_function,
+    fast_door_works,
+    ufunc_function,
+)
+from ulna.typing import Array as AnyArray
+
+
+class _MemberDef(ctypes.Structure):
+    _fields_ = (
+        ("name", ctypes.c_char_p),
+        ("type", ctypes.c_int),
+        ("offset", ctypes.c_ssize_t),
+        ("flags", ctypes.c_int),
+        ("doc", ctypes.c_char_p),
+    )
+
+
+class _GetSetDef(ctypes.Structure):
+    _fields_ = (
+        ("name", ctypes.c_char_p),
+        ("get", ctypes.c_void_p),
+        ("set", ctypes.c_void_p),
+        ("doc", ctypes.c_char_p),
+        ("closure", ctypes.c_void_p),
+    )
+
+
+class _Slot(ctypes.Structure):
+    _fields_ = (("slot", ctypes.c_int), ("pointer", ctypes.c_void_p))
+
+
+class _Spec(ctypes.Structure):
+    _fields_ = (
+        ("name", ctypes.c_char_p),
+        ("basicsize", ctypes.c_int),
+        ("itemsize", ctypes.c_int),
+        ("flags", ctypes.c_uint),
+        ("slots", ctypes.POINTER(_Slot)),
+    )
+
+
+_KEEP: list[Any] = []  # what CPython and NumPy keep pointers to
+
+
+def make_type(base: type, name: str) -> type | None:
+    """A subtype of `base` (which has no fields) whose instances are called through a pointer of their own."""
+    if not fast_door_works():
+        return None
+    members = (_MemberDef * 4)(
+        _MemberDef(b"__vectorcalloffset__", 19, entry.VECTORCALL, 1, None),  # 19: Py_ssize_t, 1: read only
+        _MemberDef(b"__dictoffset__", 19, entry.DICT, 1, None),
+        _MemberDef(b"__weaklistoffset__", 19, entry.WEAKREFS, 1, None),
+        _MemberDef(),
+    )
+    get, put = c_function("PyObject_GenericGetDict"), c_function("PyObject_GenericSetDict")
+    properties = (_GetSetDef * 2)(_GetSetDef(b"__dict__", get, put, None, None), _GetSetDef())
+    slots = (_Slot * 4)(
+        _Slot(50, c_function("PyVectorcall_Call")),  # Py_tp_call
+        _Slot(72, ctypes.addressof(members)),  # Py_tp_members
+        _Slot(73, ctypes.addressof(properties)),  # Py_tp_getset
+        _Slot(0, None),
+    )
+    flags = (1 << 18) | (1 << 11) | (1 << 7)  # DEFAULT, HAVE_VECTORCALL, DISALLOW_INSTANTIATION
+    called = f"{base.__module__}.{name}".encode()
+    spec = _Spec(called, entry.END, 0, flags, slots)
+    _KEEP.extend((members, properties, slots, called, spec))
+    factory = ctypes.pythonapi.PyType_FromSpecWithBases
+    factory.restype, factory.argtypes = ctypes.py_object, [ctypes.POINTER(_Spec), ctypes.py_object]
+    return factory(ctypes.byref(spec), (base,))
+
+
+def _make(kind: type, words: dict[int, int]) -> Any:
+    allocate = ctypes.pythonapi.PyType_GenericAlloc
+    allocate.restype, allocate.argtypes = ctypes.py_object, [ctypes.py_object, ctypes.c_ssize_t]
+    instance = allocate(kind, 0)
+    for offset, word in words.items():
+        ctypes.c_void_p.from_address(id(instance) + offset).value = word
+    return instance
+
+
+def make_kernel(kind: type, code: int, plan: Plan, slow: Callable[..., Any], element: DType) -> Any:
+    """A kernel, of a type from `make_type`, that runs `entry` at address `code`; all given must outlive it."""
+    words = {
+        entry.VECTORCALL: code,
+        entry.SLOW: id(slow),
+        entry.PLAN: plan.address,
+        entry.OTHERWISE: _doors()["given"],
+        entry.ARRAY_TYPE: id(np.ndarray),
+        entry.DESCRIPTOR: id(layout.NUMPY_TYPE[element]),
+        entry.NEW: array_function(layout.ARRAY_NEW),
+        entry.TUPLE_NEW: c_function("PyTuple_New"),
+        entry.RETURN: array_function(layout.ARRAY_RETURN),
+        entry.FLOAT: id(float),
+        entry.FLOAT64: id(np.float64),
+    }
+    return _make(kind, words)
+
+
+def make_bound(kind: type, plan: Plan, slow: Callable[..., Any]) -> Any:
+    """A bound kernel, of a type from `make_type`; all given must outlive it."""
+    words = {entry.VECTORCALL: _doors()["bound"], entry.SLOW: id(slow), entry.PLAN: plan.address}
+    return _make(kind, words)
+
+
+def keep(instance: Any, *needed: Any) -> None:
+    """Keeps what machine code reads through bare pointers until the instance goes, whatever its attributes become."""
+    weakref.finalize(instance, _let_go, *needed).atexit = False
+
+
+def _let_go(*_: Any) -> None:
+    """Nothing is left to do: the references go with the call."""
+
+
+@cache
+def _doors() -> dict[str, int]:
+    """Addresses of the code that all kernels share."""
+    code = jit.load_text(DOOR_IR, ("given", "bound"))
+    _KEEP.append(code)
+    return code.addresses
+
+
+@final
+class Plan:
+    """The words that `door` reads: what there is to know of a kernel, and of the arrays it is bound to."""
+
+    def __init__(
+        self,
+        f: Function,
+        element: DType,
+        work: int,
+        targets: Sequence[AnyArray] = (),
+        watched: Sequence[tuple[AnyArray, AnyArray]] = (),
+        returned: Sequence[int] = (),
+        given: Sequence[AnyArray] = (),
+    ) -> None:
+        self._kept: list[Any] = [tuple(targets), tuple(watched), tuple(given)]
+        number, first = element == "double", len(f.inputs)
+        inputs = [self._port(p.shape, layout.NUMPY_TYPE[element], number) for p in f.inputs]
+        outputs = [self._port(p.shape, layout.NUMPY_TYPE[element]) for p in f.outputs]
+        pairs = [
+            (id(live), id(kept), live.nbytes // 8, *self._array_port(live), *self._array_port(kept))
+            for live, kept in watched
+        ]
+        words = {
+            "inputs": first - len(given),
+            "givens": len(given),
+            "outputs": len(f.outputs),
+            "work": work,
+            "ports_in": self._table(inputs),
+            "ports_given": self._table([self._array_port(x) for x in given]),
+            "ports_out": self._table([self._array_port(x) for x in targets] or outputs),
+            "given_arrays": self._table([[id(x) for x in given]]),
+            "targets": self._table([[id(x) for x in targets]]),
+            "watches": len(watched),
+            "watched": self._table(pairs),
+            "returns": len(returned),
+            "returned": self._table([(*outputs[k][:2], first + k, targets[k].nbytes) for k in returned]),
+            "number": TYPE_NUMBER[element],
+            **_common_words(),
+        }
+        self.address = self._table([[words[field] for field in FIELDS]])
+
+    def _port(
+        self, shape: tuple[int, ...], dtype: np.dtype[Any], may_be_number: bool = False
+    ) -> tuple[int, int, int, int]:
+        """What `take` compares an array with."""
+        self._kept.append(dtype)
+        return len(shape), self._table([shape]), int(may_be_number and not shape), id(dtype)
+
+    def _array_port(self, array: AnyArray) -> tuple[int, int, int, int]:
+        """The port that takes an array as it is now."""
+        return self._port(array.shape, array.dtype)
+
+    def _table(self, rows: Sequence[Sequence[int]]) -> int:
+        """The address of some words in memory."""
+        block = array("Q", [word for row in rows for word in row])
+        self._kept.append(block)
+        return block.buffer_info()[0]
+
+
+@cache
+def _common_words() -> dict[str, int]:
+    """The words that are the same in all plans."""
+    return {
+        "array_type": id(np.ndarray),
+        "float_type": id(float),
+        "float64_type": id(np.float64),
+        "tuple_type": id(tuple),
+        "out": id(sys.intern("out")),
+        "none": id(None),
+        "array_new": array_function(layout.ARRAY_NEW),
+        "array_return": array_function(layout.ARRAY_RETURN),
+        "tuple_new": c_function("PyTuple_New"),
+        "own": c_function("Py_IncRef"),
+        "call": c_function("PyObject_Vectorcall"),
+    }
+
+
+def make_ufunc(f: Function, loop: int, keep: Any, element: DType) -> np.ufunc:
+    """A NumPy generalised ufunc with frozen core sizes around the inner loop at address `loop`.
+
+    NumPy keeps pointers to everything passed here; `keep` and all of it live as long as the ufunc.
+    """
+    count = len(f.inputs) + len(f.outputs)
+    functions = (ctypes.c_void_p * 1)(loop)
+    data = (ctypes.c_void_p * 1)(None)
+    types = ctypes.create_string_buffer(bytes([TYPE_NUMBER[element]]) * count, count)
+    name = ctypes.create_string_buffer(f.name.encode())
+    doc = ctypes.create_string_buffer(f.doc.encode())
+    signature = ctypes.create_string_buffer(f.signature.encode())
+    make = ctypes.PYFUNCTYPE(
+        ctypes.py_object, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, *([ctypes.c_int] * 4),
+        ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p,
+    )(ufunc_function(layout.UFUNC_FROM_SIGNATURE))  # fmt: skip
+    address = ctypes.addressof
+    no_identity, unused = -1, 0
+    ufunc = make(
+        address(functions), address(data), address(types), 1, len(f.inputs), len(f.outputs), no_identity,
+        address(name), address(doc), unused, address(signature),
+    )  # fmt: skip
+    _tie(ufunc, (functions, data, types, name, doc, signature, keep), address(functions), address(types))
+    return ufunc
+
+
+def _tie(ufunc: np.ufunc, kept: tuple[Any, ...], functions: int, types: int) -> None:
+    """Ties the life of `kept` to the ufunc through its field `obj`, if that field is where it should be."""
+    word = ctypes.c_void_p.from_address
+    if (
+        fast_door_works()
+        and (word(id(ufunc) + 32).value, word(id(ufunc) + 64).value) == (functions, types)
+        and word(id(ufunc) + 80).value is None
+        and word(id(ufunc) + 88).value is None
+    ):
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
+        word(id(ufunc) + 88).value = id(kept)
+    else:
+        _KEEP.append((ufunc, kept))
+
+
+def ports_of(f: Function) -> Sequence[Port]:
+    """Inputs, then outputs."""
+    return (*f.inputs, *f.outputs)

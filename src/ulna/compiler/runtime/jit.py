@@ -1,0 +1,187 @@
+"""From IR text to addresses of machine code, through LLVM; llvmlite is imported here and nowhere else."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from ulna import disk_cache as disk
+from ulna.compiler.language.function import Function
+from ulna.errors import CompileError
+
+# Part of the cache's key: change it with `_optimised` and `_machine`.
+_RECIPE = "inlining or level 1, codegen 2"
+# How much IR text of one call and of a batch LLVM compiles, about [byte/s].
+_SPEED = {"entry": 4e6, "batch": 2e6}
+# Compilations that will take longer are announced; tracing took about as long already [s].
+_PATIENCE = 0.5
+watchers: list[Callable[[str, str], None]] = []
+"""Told what is compiled and how long that takes, where it is long, and nothing for how long once it is done."""
+_lock = threading.RLock()  # LLVM's contexts are not safe to share
+
+
+@cache
+def _llvm() -> Any:
+    """LLVM's library, which takes longer to load than all of Ulna; who only looks at models never waits for it."""
+    import llvmlite.binding
+
+    return llvmlite.binding
+
+
+@dataclass(frozen=True)
+class Code:
+    """Machine code in memory; it stays as long as this object does."""
+
+    engine: Any
+    addresses: dict[str, int]
+    seconds: float  # how long LLVM worked; 0 when it came from the cache
+
+    def address(self, name: str) -> int:
+        """Where function `name` starts."""
+        return self.addresses[name]
+
+
+@dataclass(frozen=True)
+class Target:
+    """The processor compiled for."""
+
+    triple: str
+    cpu: str
+    features: str
+    version: str  # LLVM's
+
+    @property
+    def register_bytes(self) -> int:
+        """Width of the widest SIMD register [byte]."""
+        on = {f[1:] for f in self.features.split(",") if f.startswith("+")}
+        return 64 if "avx512f" in on else 32 if "avx2" in on else 16
+
+
+@cache
+def target() -> Target:
+    """This machine."""
+    llvm = _llvm()
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return Target(
+        llvm.get_process_triple(),
+        llvm.get_host_cpu_name(),
+        llvm.get_host_cpu_features().flatten(),
+        ".".join(map(str, llvm.llvm_version_info)),
+    )
+
+
+def _new_machine() -> Any:
+    t = target()
+    found = _llvm().Target.from_triple(t.triple)
+    return found.create_target_machine(
+        cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True
+    )
+
+
+_machine = cache(_new_machine)
+
+
+def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
+    """Machine code of `ir`, which evaluates `f`, from the cache or from LLVM, with the addresses of `names`."""
+    return _load(ir, names, f.has_loops, lambda: _announced(f, len(ir) / _SPEED[names[0]]))
+
+
+def load_text(ir: str, names: tuple[str, ...]) -> Code:
+    """Machine code of `ir`, which belongs to no function."""
+    return _load(ir, names, has_loops=True, announced=contextlib.nullcontext)
+
+
+def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[[], Any]) -> Code:
+    t, llvm = target(), _llvm()
+    key = disk.key(ir, t.triple, t.cpu, t.features, t.version, _RECIPE)
+    with _lock:
+        start = time.perf_counter()
+        content = disk.read(key)
+        fresh = content is None
+        if content is None:
+            with announced():
+                content = _machine().emit_object(_optimised(ir, has_loops))
+            disk.write(key, content)
+        seconds = time.perf_counter() - start if fresh else 0.0
+        own = _new_machine()  # the engine takes it over
+        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), own)
+        engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(content))
+        engine.finalize_object()
+        code = Code(engine, {name: engine.get_function_address(name) for name in names}, seconds)
+    if "time" in os.environ.get("ULNA_DEBUG", ""):
+        print(
+            f"[ulna] {', '.join(names)}: {1e3 * seconds:.1f} ms {'in LLVM' if fresh else '(from the cache)'}"
+        )
+    if not all(code.addresses.values()):
+        raise CompileError(f"LLVM made no code for {[n for n, a in code.addresses.items() if not a]}.")
+    return code
+
+
+@contextlib.contextmanager
+def _announced(f: Function, seconds: float) -> Iterator[None]:
+    """Says on the error stream, unless ULNA_QUIET is set, and to watchers what will take longer than a moment."""
+    if seconds < _PATIENCE:
+        yield
+        return
+    if os.environ.get("ULNA_QUIET", "0") in ("", "0") and sys.stderr is not None:
+        kept = "it is kept for next time" if disk.folder() is not None else "the disk cache is off"
+        print(
+            f"ulna: compiling {f.name} ({f.operations:,} operations), about {math.ceil(seconds)} s; {kept}",
+            file=sys.stderr,
+            flush=True,
+        )
+    what, told = f"Compiling {f.name}", tuple(watchers)
+    for watcher in told:
+        watcher(what, f"about {math.ceil(seconds)} s")
+    try:
+        yield
+    finally:
+        for watcher in told:
+            watcher(what, "")
+
+
+def _optimised(ir: str, has_loops: bool) -> Any:
+    """The module after inlining, which is enough for a folded and shared graph; with loops, after all of level 1."""
+    llvm = _llvm()
+    try:
+        module = llvm.parse_assembly(ir)
+        module.verify()
+    except RuntimeError as error:
+        raise CompileError(
+            f"LLVM refused a kernel, which is a bug in Ulna; please report it.\n{error}"
+        ) from None
+    module.triple = target().triple
+    module.data_layout = str(_machine().target_data)
+    options = llvm.create_pipeline_tuning_options(speed_level=1)
+    options.loop_vectorization = False  # lanes are explicit
+    options.slp_vectorization = False
+    builder = llvm.create_pass_builder(_machine(), options)
+    passes = builder.getModulePassManager() if has_loops else _inlining()
+    passes.run(module, builder)
+    return module
+
+
+@cache
+def _inlining() -> Any:
+    """Inlining and what follows; made once, for llvmlite gives a manager's memory, some 9 kB, never back."""
+    passes = _llvm().create_new_module_pass_manager()
+    passes.add_always_inliner_pass()
+    passes.add_global_dead_code_eliminate_pass()
+    passes.add_simplify_cfg_pass()
+    passes.add_instruction_combine_pass()
+    return passes
+
+
+def assembly(f: Function, ir: str) -> str:
+    """The assembly text that `ir`, which evaluates `f`, becomes on this machine."""
+    with _lock:
+        return _machine().emit_assembly(_optimised(ir, f.has_loops))

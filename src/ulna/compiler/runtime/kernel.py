@@ -1,0 +1,254 @@
+"""A compiled function, as users hold it: called like a NumPy ufunc, 100 ns a call, batches in SIMD lanes."""
+
+from __future__ import annotations
+
+import os
+import threading
+import weakref
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ulna.compiler.language.function import Function, trace
+from ulna.compiler.language.graph import Graph
+from ulna.compiler.runtime import bound_call as bound
+from ulna.compiler.runtime import entry_point as entry
+from ulna.compiler.runtime import gufunc as native
+from ulna.compiler.runtime import jit
+from ulna.compiler.runtime.array_call import ELEMENT, General, Unit
+from ulna.errors import DtypeError, MissingExtra
+from ulna.typing import Array
+
+
+class KernelBase:
+    """What every kernel offers beside being called; see `Kernel`."""
+
+    __slots__ = ()
+
+    _general: General
+    _work: int | None
+
+    @property
+    def function(self) -> Function:
+        """The traced function behind the kernel."""
+        return self._general.function
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The type computed in: float64 or float32."""
+        return self._general.dtype
+
+    @property
+    def gufunc(self) -> np.ufunc:
+        """The NumPy generalised ufunc, for `dask.array.apply_gufunc` and the like."""
+        return self._general.ufunc
+
+    @property
+    def signature(self) -> str:
+        """Core shapes as NumPy writes them: "(7)->(4,4)"."""
+        return self.function.signature
+
+    @property
+    def graph(self) -> Graph:
+        """The graph of the function."""
+        return self.function.graph
+
+    @property
+    def operations(self) -> int:
+        """How many scalar operations one evaluation takes."""
+        return self.function.operations
+
+    @property
+    def operation_counts(self) -> dict[str, int]:
+        """How often each operation occurs."""
+        return self.function.operation_counts
+
+    @property
+    def is_fast(self) -> bool:
+        """Whether single calls take the 100 ns door (else they go through the gufunc)."""
+        return isinstance(self, _NATIVE) if _NATIVE is not None else False
+
+    def ir(self, batch: bool = False) -> str:
+        """LLVM IR of the single call, or of the loop over a batch."""
+        return self._general.batch_ir() if batch else _entry_ir(self._general)
+
+    def asm(self, batch: bool = False) -> str:
+        """Assembly for this machine of the single call, or of the loop over a batch."""
+        return jit.assembly(self.function, self.ir(batch))
+
+    def jacobian(self, wrt: str | int = 0) -> Any:
+        """The kernel of the derivative of the outputs by input `wrt`, shape output + input."""
+        return compile(self.function.jacobian(wrt), dtype=self.dtype, checked=self._general.checked)
+
+    def into(
+        self,
+        *targets: Array,
+        returns: Sequence[int] = (),
+        watch: Sequence[tuple[Array, Array]] = (),
+        otherwise: Callable[..., Any] | None = None,
+        given: Sequence[Array] = (),
+    ) -> Any:
+        """A callable of the inputs that writes the outputs into arrays chosen once: where nanoseconds count.
+
+        Args:
+            *targets: An array for each output, of its shape and of the kernel's type, C-contiguous and writeable. They
+                are kept alive, and may be inputs of the calls. Every call examines them, at 1 to 2 ns each:
+                one that was resized, made read-only or given another shape or type since is refused.
+            returns: Numbers of the outputs of which every call returns a copy: one as it is, several in a tuple, in
+                this order. Without any, calls return None.
+            watch: Pairs of arrays of whole 8-byte words. A call works while both of each pair hold the same bits.
+            otherwise: Called with the arguments, and its result returned, where these are not exactly arrays of the
+                right type and shape, or what is watched differs or has another shape or type than at first. Without it,
+                arguments are converted as the kernel does, and one sample is computed. It must not hold the bound
+                kernel: such a ring is never freed.
+            given: Arrays that are the last inputs, read at every call as they then are; calls are told the others.
+
+        Returns:
+            A `Bound` kernel. It is called with positional arguments, holds the GIL while it works, and cannot be
+            pickled: what it is bound to would be other arrays elsewhere.
+
+        Raises:
+            InputError: If there are not as many arrays as outputs, or they share memory, cannot be written to or
+                compared, or `watch` is given without `otherwise`.
+            ShapeError: If an array has another shape than its output.
+            DtypeError: If an array has another type than the kernel. All three come at once, and from later calls.
+        """
+        return bound.bind(self, self._general, self._work, targets, returns, watch, otherwise, given)
+
+    def draw(self, path: str | None = None) -> str:
+        """The graph as an SVG picture; written to `path` when one is given."""
+        return self.function.draw(path)
+
+    def dask(self, *args: Any) -> Any:
+        """Applies the kernel to Dask arrays, lazily: `dask.array.apply_gufunc` with this kernel's signature."""
+        try:
+            import dask.array as da  # pyright: ignore[reportMissingImports]
+        except ImportError:
+            raise MissingExtra("dask", "cluster", "Applying a kernel to Dask arrays") from None
+        letters = iter("abcdefghijklmnopqrstuvwxyz")
+        names: list[str] = []
+        sizes: dict[str, int] = {}
+        for port in native.ports_of(self.function):
+            axes = [next(letters) for _ in port.shape]
+            sizes.update(zip(axes, port.shape, strict=True))
+            names.append("(" + ",".join(axes) + ")")
+        count = len(self.function.inputs)
+        inside = {d for n in names[:count] for d in n.strip("()").split(",") if d}
+        signature = ",".join(names[:count]) + "->" + ",".join(names[count:])
+        kinds = self.dtype if self.function.single else [self.dtype] * len(self.function.outputs)
+        extra = {name: n for name, n in sizes.items() if name not in inside}
+        return da.apply_gufunc(self.gufunc, signature, *args, output_dtypes=kinds, output_sizes=extra)
+
+    @property
+    def __name__(self) -> str:
+        return self.function.name
+
+    def __repr__(self) -> str:
+        return (
+            f"<kernel {self.function.name}{self.signature} {self.dtype.name}, {self.operations} operations>"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return compile, (self.function, self.dtype.name, self._general.checked, self._general.unit)
+
+
+class SlowKernel(KernelBase):
+    """A kernel whose single calls go through the gufunc: where the fast door does not work."""
+
+    __slots__ = ("__dict__", "__weakref__", "_general")
+
+    def __init__(self, general: General) -> None:
+        self._general = general
+        self.__dict__.update(__doc__=_doc(general.function), _work=None)
+
+    def __call__(self, *args: Any, **options: Any) -> Any:
+        """Evaluates the kernel; see `Kernel`."""
+        return self._general(*args, **options)
+
+
+def _doc(f: Function) -> str:
+    """What help() says of a kernel."""
+    return f"{f.name}({', '.join(p.name for p in f.inputs)}): {f.signature}\n\n{f.doc}".rstrip()
+
+
+_NATIVE: Any = None
+_native_made = False
+_native_lock = threading.Lock()
+
+
+def _native_type() -> Any:
+    global _NATIVE, _native_made
+    with _native_lock:
+        if not _native_made:
+            _NATIVE, _native_made = native.make_type(KernelBase, "Kernel"), True
+    return _NATIVE
+
+
+def _entry_ir(general: General) -> str:
+    return entry.entry_ir(general.function, general.element, general.checked, unit_entries=general.unit)
+
+
+def element_of(dtype: Any) -> np.dtype[Any]:
+    """The type to compute in that `dtype` names.
+
+    Raises:
+        DtypeError: If it is neither float64 nor float32.
+    """
+    try:
+        kind = np.dtype(dtype)
+    except TypeError:
+        raise DtypeError("dtype", repr(dtype), "float64 or float32") from None
+    if kind.name not in ELEMENT:
+        raise DtypeError("dtype", str(kind), "float64 or float32")
+    return np.dtype(kind.type)  # without metadata, in the machine's byte order
+
+
+def compile(
+    f: Function | Callable[..., Any],
+    /,
+    dtype: Any = np.float64,
+    checked: bool = False,
+    unit_entries: Unit = (),
+    **shapes: tuple[int, ...] | int,
+) -> Any:
+    """Makes a kernel of a traced function.
+
+    Args:
+        f: A `Function`, or a Python function that is traced with `shapes` (see `trace`).
+        dtype: The type to compute in: float64 or float32.
+        checked: Whether nan or inf in an input raises NonFiniteError instead of passing through.
+        unit_entries: With `checked`, what must be unit vectors, such as quaternions: (number of input, entries), ...
+        **shapes: Shape of each argument, if `f` is not traced yet.
+
+    Returns:
+        A kernel: callable as `kernel(*arrays, out=None, threads=None)`. Arguments may have any leading batch axes,
+        which broadcast; lists and other real types are converted. With `threads=n` a large batch is cut into n parts.
+        It is thread-safe, releases the GIL in batches, and can be pickled.
+
+    Raises:
+        TraceError: If `f` cannot be traced.
+        DtypeError: If `dtype` is neither float64 nor float32.
+    """
+    if not isinstance(f, Function):
+        f = trace(f, **dict[str, Any](shapes))
+    elif shapes:
+        raise TypeError("Shapes are given for a function that is traced already.")
+    general = General(f, element_of(dtype), checked, unit_entries)
+    door = _native_type()
+    if "graph" in os.environ.get("ULNA_DEBUG", ""):
+        print(f"[ulna] {f.name}{f.signature}: {f.operations} operations {f.operation_counts}")
+    if door is None or not f.outputs:
+        return SlowKernel(general)
+    ir = _entry_ir(general)
+    if "ir" in os.environ.get("ULNA_DEBUG", "").split(","):
+        print(ir)
+    code = jit.load(f, ir, ("entry", "work"))
+    plan = native.Plan(f, general.element, code.address("work"))
+    instance = native.make_kernel(door, code.address("entry"), plan, general, general.element)
+    instance.__dict__.update(__doc__=_doc(f), _general=general, _work=code.address("work"))
+    native.keep(instance, general, plan, code)
+    if "asm" in os.environ.get("ULNA_DEBUG", ""):
+        print(jit.assembly(f, ir))
+    general.single = weakref.ref(instance)
+    return instance

@@ -1,0 +1,371 @@
+"""The doors that write into arrays that exist: `out=`, and kernels bound to arrays for good."""
+
+from __future__ import annotations
+
+import copy
+import gc
+import pickle
+import subprocess
+import sys
+import threading
+import weakref
+
+import numpy as np
+import pytest
+
+from ulna.compiler import compile
+from ulna.compiler.runtime.bound_call import Bound
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
+
+Q, V = np.array([0.1, -0.7, 1.3]), np.array([0.4, 0.5, -2.0])
+
+
+def _mixed(q, v):
+    return np.outer(np.sin(q), v), q @ v, q[::-1] + 0.0 * v
+
+
+@pytest.fixture(scope="module")
+def kernel():
+    return compile(_mixed, q=(3,), v=(3,))
+
+
+@pytest.fixture
+def targets():
+    return np.zeros((3, 3)), np.zeros(()), np.zeros(3)
+
+
+def _same(a, b) -> bool:
+    return all(np.array_equal(x, y) for x, y in zip(a, b, strict=True))
+
+
+def _refused(*_):
+    return "refused"
+
+
+# out= ---------------------------------------------------------------------------------------------------
+
+
+def test_out_is_written_and_returned(kernel, targets):
+    assert kernel(Q, V, out=targets) is targets or not kernel.is_fast
+    assert _same(targets, kernel(Q, V))
+    one = compile(lambda q: 2.0 * q, q=(3,))
+    row = np.zeros(3)
+    assert one(Q, out=row) is row
+    assert row.tolist() == (2.0 * Q).tolist()
+    assert one(Q, out=(row,)) is row
+    assert one([1, 2, 3], out=row) is row  # converted
+    assert row.tolist() == [2.0, 4.0, 6.0]
+
+
+def test_out_of_another_form_still_works(kernel, targets):
+    wide = np.zeros((3, 6))[:, ::2]
+    kernel(Q, V, out=(wide, targets[1], targets[2]))
+    np.testing.assert_allclose(wide, kernel(Q, V)[0], rtol=1e-14)
+    made = kernel(Q, V, out=(None, targets[1], None))
+    np.testing.assert_allclose(made[0], kernel(Q, V)[0], rtol=1e-14)
+    batch = np.zeros((5, 3))
+    one = compile(lambda q: 2.0 * q, q=(3,))
+    assert one(np.ones((5, 3)), out=batch) is batch
+    assert (batch == 2.0).all()
+
+
+@pytest.mark.parametrize(
+    ("out", "error"),
+    [
+        (np.zeros(4), ShapeError),
+        (np.zeros(3, int), DtypeError),
+        ([0.0, 0.0, 0.0], InputError),
+        ((np.zeros(3), np.zeros(3)), InputError),
+    ],
+)
+def test_what_out_cannot_be(out, error):
+    with pytest.raises(error):
+        compile(lambda q: 2.0 * q, q=(3,))(Q, out=out)
+
+
+def test_out_that_is_read_only_is_refused():
+    target = np.zeros(3)
+    target.flags.writeable = False
+    with pytest.raises(ValueError, match="read-only"):
+        compile(lambda q: 2.0 * q, q=(3,))(Q, out=target)
+    assert (target == 0.0).all()
+
+
+def test_out_may_be_an_input():
+    turn = compile(lambda q: q[::-1] * 2.0, q=(40,))
+    q = np.arange(40.0)
+    wanted = turn(q)
+    turn(q, out=q)
+    assert q.tolist() == wanted.tolist()
+
+
+# into ---------------------------------------------------------------------------------------------------
+
+
+def test_results_go_into_the_arrays(kernel, targets):
+    step = kernel.into(*targets)
+    assert isinstance(step, Bound)
+    assert step(Q, V) is None
+    assert _same(targets, kernel(Q, V))
+    assert step.kernel is kernel
+    assert step.targets == targets
+    assert "bound kernel" in repr(step)
+
+
+def test_copies_are_returned(kernel, targets):
+    found = kernel.into(*targets, returns=(2,))(Q, V)
+    assert found.tolist() == targets[2].tolist()
+    found[:] = 9.0
+    assert (targets[2] != 9.0).all()
+    number, matrix = kernel.into(*targets, returns=(1, 0))(Q, V)
+    assert type(number) is np.float64
+    assert number == targets[1]
+    assert matrix.flags.owndata
+    assert _same((matrix,), kernel(Q, V)[:1])
+
+
+def test_other_arguments_are_converted(kernel, targets):
+    step = kernel.into(*targets, returns=(2,))
+    wanted = kernel(Q, V)
+    for q, v in ((list(Q), tuple(V)), (Q.astype(object), V), (np.repeat(Q, 2)[::2], V)):
+        assert _same((step(q, v),), wanted[2:])
+        assert _same(targets, wanted)
+    assert step(np.arange(3), V).tolist() == kernel(np.arange(3.0), V)[2].tolist()
+    half = compile(lambda x: 0.5 * x, x=())
+    cell = np.zeros(())
+    for x in (3.0, np.float64(3.0), 3, np.array(3.0)):
+        cell[()] = 0.0
+        half.into(cell)(x)
+        assert cell == 1.5
+
+
+def test_wrong_arguments_are_named(kernel, targets):
+    step = kernel.into(*targets)
+    with pytest.raises(ShapeError, match=r"`q` has shape \(2,\)"):
+        step(Q[:2], V)
+    with pytest.raises(ShapeError):
+        step(np.ones((4, 3)), V)  # one sample fits the arrays, not four
+    with pytest.raises(TypeError, match="takes 2 arguments"):
+        step(Q)
+    with pytest.raises(DtypeError):
+        step(Q * 1j, V)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error", "said"),
+    [
+        (lambda a, b, c: (a, b), InputError, "3 outputs"),
+        (lambda a, b, c: (a, b, c[:2]), ShapeError, r"\(3,\)"),
+        (lambda a, b, c: (a.astype(np.float32), b, c), DtypeError, "float32"),
+        (lambda a, b, c: (a.T, b, c), InputError, "gaps|C-contiguous"),
+        (lambda a, b, c: (a, b, a[0]), InputError, "share memory"),
+        (lambda a, b, c: (a, b, [0.0, 0.0, 0.0]), InputError, "list"),
+        (lambda a, b, c: (a, b, c.astype(">f8")), DtypeError, "f8"),
+    ],
+)
+def test_arrays_that_cannot_be_bound(kernel, targets, wrong, error, said):
+    with pytest.raises(error, match=said):
+        kernel.into(*wrong(*targets))
+
+
+def test_read_only_arrays_and_outputs_that_are_not_there_are_refused(kernel, targets):
+    with pytest.raises(InputError, match="output 3"):
+        kernel.into(*targets, returns=(3,))
+    targets[2].flags.writeable = False
+    with pytest.raises(InputError, match="read-only"):
+        kernel.into(*targets)
+
+
+@pytest.mark.parametrize("size", [1, 7, 8, 9, 16, 100])
+def test_a_change_of_any_bit_that_is_watched_is_noticed(kernel, targets, size):
+    live = np.arange(float(size))
+    kept, other = live.copy(), np.zeros(0)
+    step = kernel.into(*targets, watch=[(live, kept), (other, other.copy())], otherwise=_refused)
+    assert step(Q, V) is None
+    for k in range(size):
+        for bit in (0, 31, 63):
+            live.view(np.uint64)[k] ^= np.uint64(1) << np.uint64(bit)
+            targets[2][:] = 0.0
+            assert step(Q, V) == "refused"
+            assert (targets[2] == 0.0).all()  # nothing was computed
+            live.view(np.uint64)[k] = kept.view(np.uint64)[k]
+            assert step(Q, V) is None
+    if size > 1:
+        live[:2] = -0.0, np.nan
+        kept[:2] = live[:2]
+        assert step(Q, V) is None
+        live[0] = 0.0
+        assert step(Q, V) == "refused"
+
+
+def test_what_is_given_otherwise_gets_the_arguments(kernel, targets):
+    step = kernel.into(*targets, otherwise=lambda *args: args)
+    assert step(Q, V) is None
+    assert step(1, "two") == (1, "two")
+    assert step() == ()
+
+
+def test_watching_needs_somewhere_to_go_and_whole_words(kernel, targets):
+    with pytest.raises(InputError, match="otherwise"):
+        kernel.into(*targets, watch=[(Q, Q.copy())])
+    for a, b in (
+        (Q, Q[:2]),
+        (Q[::2], Q[::2]),
+        (np.zeros(3, np.int32), np.zeros(3, np.int32)),
+        ([1.0], [1.0]),
+    ):
+        with pytest.raises(InputError, match=r"watch"):
+            kernel.into(*targets, watch=[(a, b)], otherwise=_refused)
+
+
+def test_bound_arrays_may_be_inputs():
+    rng = np.random.default_rng(0)
+    A = rng.normal(size=(12, 12))
+    kernel = compile(lambda x: (A @ x, x[::-1] * 1.0), x=(12,))
+    x, y = rng.normal(size=12), np.zeros(12)
+    wanted = kernel(x)
+    kernel.into(x, y)(x)
+    assert _same((x, y), wanted)
+    wanted = kernel(x)
+    kernel.into(y, x)(x)
+    assert _same((y, x), wanted)
+
+
+def test_a_large_graph_may_write_over_its_inputs():
+    A = np.random.default_rng(1).normal(size=(40, 40))
+    kernel = compile(lambda x: A @ np.sin(A @ x), x=(40,))  # several functions and a scratch
+    x = np.linspace(-1.0, 1.0, 40)
+    wanted = kernel(x)
+    kernel.into(x)(x)
+    assert x.tolist() == wanted.tolist()
+
+
+def test_single_precision_and_axes_of_length_0():
+    kernel = compile(lambda q: (q * 0.5, q[:0]), np.float32, q=(4,))
+    a, b = np.zeros(4, np.float32), np.zeros(0, np.float32)
+    assert kernel.into(a, b, returns=(0, 1))(np.arange(4, dtype=np.float32))[0].dtype == np.float32
+    assert a.tolist() == [0.0, 0.5, 1.0, 1.5]
+    nothing = compile(lambda q: q * 0.5, q=(0,))
+    assert nothing.into(np.zeros(0), returns=(0,))(np.zeros(0)).shape == (0,)
+
+
+def test_a_checked_kernel_checks():
+    kernel = compile(lambda q: q * 0.5, checked=True, unit_entries=((0, (0, 1)),), q=(3,))
+    target = np.zeros(3)
+    step = kernel.into(target)
+    assert step(np.array([0.6, 0.8, 7.0])) is None
+    with pytest.raises(NonFiniteError):
+        step(np.array([0.6, 0.8, np.nan]))
+    with pytest.raises(InputError, match="unit"):
+        kernel(np.array([0.6, 0.9, 7.0]), out=target)
+    assert target.tolist() == [0.3, 0.4, 3.5]
+
+
+def test_bound_kernels_keep_what_they_need_and_let_it_go():
+    kernel = compile(lambda q: q + 0.125, q=(3,))
+    target, live = np.zeros(3), np.zeros(9)
+    step = kernel.into(target, watch=[(live, live.copy())], otherwise=_refused)
+    seen = [weakref.ref(x) for x in (step, kernel, target, live)]
+    view = target[:]
+    del kernel, target, live
+    step.__dict__.clear() if hasattr(step, "__dict__") else None
+    gc.collect()
+    junk = [np.ones(3) for _ in range(1000)]
+    assert step(Q) is None
+    assert view.tolist() == (Q + 0.125).tolist()
+    del step, junk, view
+    gc.collect()
+    assert [r() for r in seen] == [None] * 4
+
+
+def test_calls_leave_no_references(kernel, targets):
+    step = kernel.into(*targets, returns=(0, 1))
+    quiet = kernel.into(*targets, otherwise=_refused)
+    row = compile(lambda q: q * 2.0, q=(3,)).into(np.zeros(3), returns=(0,))
+    watched = (None, np.dtype(float), np.ndarray, Q, V, step, quiet, row, kernel, *targets, _refused, targets)
+
+    def rounds() -> None:
+        for _ in range(300):
+            step(Q, V)
+            quiet(Q, V)
+            quiet(Q)
+            row(Q)
+            kernel(Q, V, out=targets)
+            step([1, 2, 3], V)
+
+    rounds()
+    gc.collect()
+    before = [sys.getrefcount(w) for w in watched]
+    rounds()
+    gc.collect()
+    after = [sys.getrefcount(w) for w in watched]
+    assert max(abs(a - b) for a, b in zip(after, before, strict=True)) <= 5
+
+
+def test_threads_may_call_one_bound_kernel(kernel, targets):
+    step = kernel.into(*targets, returns=(2,))
+    wanted, wrong = kernel(Q, V)[2].tolist(), []
+
+    def run() -> None:
+        for _ in range(2000):
+            if step(Q, V).tolist() != wanted:
+                wrong.append(1)
+
+    threads = [threading.Thread(target=run) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+
+
+@pytest.mark.parametrize("attempt", [pickle.dumps, copy.copy, copy.deepcopy])
+def test_bound_kernels_are_not_copied(kernel, targets, attempt):
+    with pytest.raises(TypeError, match="writes into arrays of this process"):
+        attempt(kernel.into(*targets))
+
+
+def test_without_the_fast_door_everything_is_the_same(tmp_path):
+    """The tests of this file in an interpreter whose fast door is shut."""
+    import os
+
+    if os.environ.get("ULNA_FAST") == "0":
+        pytest.skip("this is that interpreter")
+    env = os.environ | {"ULNA_FAST": "0", "ULNA_CACHE": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", __file__],
+        capture_output=True, text=True, env=env, timeout=300, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-3000:]
+
+
+# given= -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_given_inputs_are_read_as_they_are_at_the_call(kernel, targets, monkeypatch, slow):
+    if slow:
+        monkeypatch.setattr("ulna.compiler.runtime.bound_call._type", lambda: None)
+    v = V.copy()
+    bound = kernel.into(*targets, returns=(1,), given=(v,))
+    for factor in (1.0, 3.0):
+        v *= factor
+        assert bound(Q) == kernel(Q, v)[1]
+        assert _same(targets, kernel(Q, v))
+    assert bound([0.1, -0.7, 1.3]) == kernel(Q, v)[1]  # converted
+    exact = kernel.into(*targets, given=(v,), otherwise=_refused)
+    assert exact(Q) is None
+    assert exact(Q, V) == exact() == exact(list(Q)) == "refused"
+
+
+def test_given_inputs_are_kept_alive_and_checked(kernel, targets):
+    bound = kernel.into(*targets, returns=(1,), given=(V + 0.0,))
+    gc.collect()
+    assert bound(Q) == kernel(Q, V)[1]
+    for wrong in (np.zeros(6)[::2], [0.0, 0.0, 0.0], np.zeros(3, np.float32)):
+        with pytest.raises(InputError, match="`v`"):
+            kernel.into(*targets, given=(wrong,))
+    with pytest.raises(ShapeError):
+        kernel.into(*targets, given=(np.zeros(4),))
+    with pytest.raises(InputError, match="3 inputs"):
+        kernel.into(*targets, given=(Q, Q, V))

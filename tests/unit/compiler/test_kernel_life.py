@@ -1,0 +1,346 @@
+"""Kernels as objects: pickling, copying, threads, references, memory, and the path without the fast door."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import gc
+import multiprocessing
+import os
+import pickle
+import subprocess
+import sys
+import threading
+import time
+import tracemalloc
+import weakref
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from ulna import numeric as nm
+from ulna.compiler import compile, trace
+from ulna.compiler.runtime import object_layout as layout
+from ulna.compiler.runtime.kernel import KernelBase
+
+
+def _mixed(q, v):
+    """A function with sines, a choice, a loop, and two outputs."""
+    root = nm.loop(
+        lambda x: abs(x * x - 2.0) > 1e-12, lambda x: (0.5 * (x + 2.0 / x),), (1.0 + v[0] * v[0],), 60
+    )[0]
+    return nm.where(q[0] < v[1], np.sin(q) * root, np.cos(q)), q @ v
+
+
+@pytest.fixture(scope="module")
+def kernel():
+    return compile(_mixed, q=(3,), v=(3,))
+
+
+Q, V = np.array([0.1, -0.7, 1.3]), np.array([0.4, 0.5, -2.0])
+QQ, VV = np.linspace(-2, 2, 60).reshape(20, 3), np.linspace(3, -1, 60).reshape(20, 3)
+
+
+def equal(a, b) -> bool:
+    return all(np.array_equal(x, y) for x, y in zip(a, b, strict=True))
+
+
+@pytest.mark.parametrize(
+    "clone",
+    [copy.copy, copy.deepcopy, *(lambda k, p=p: pickle.loads(pickle.dumps(k, p)) for p in range(2, 6))],
+)
+def test_copies_compute_the_same(kernel, clone):
+    twin = clone(kernel)
+    assert isinstance(twin, KernelBase)
+    assert equal(twin(Q, V), kernel(Q, V))
+    assert equal(twin(QQ, VV), kernel(QQ, VV))
+    assert twin.function.fingerprint == kernel.function.fingerprint
+    assert twin.dtype == kernel.dtype
+    assert twin.function.doc == kernel.function.doc
+
+
+def test_pickling_keeps_the_type_and_the_check():
+    kernel = compile(trace(lambda x: x + 1.0, x=()), np.float32, checked=True)
+    twin = pickle.loads(pickle.dumps(kernel))
+    assert twin.dtype == np.float32
+    with pytest.raises(ValueError, match="nan"):
+        twin(np.nan)
+
+
+def test_a_function_can_be_pickled_and_goes_on_sharing_its_nodes(kernel):
+    function = pickle.loads(pickle.dumps(kernel.function))
+    assert equal(function(Q, V), kernel.function(Q, V))
+    before = len(function.graph)
+    for index in range(before):
+        op, args = function.graph.op[index], function.graph.args[index]
+        if op not in (0, 1, 2, 28, 29):
+            assert function.graph.node(op, *args) == index
+    assert len(function.graph) == before
+
+
+def _in_child(kernel, q, v, queue):
+    queue.put(kernel(q, v))
+
+
+def test_a_spawned_process_takes_a_kernel(kernel):
+    context = multiprocessing.get_context("spawn")
+    queue = context.Queue()
+    child = context.Process(target=_in_child, args=(kernel, Q, V, queue))
+    child.start()
+    got = queue.get(timeout=60)
+    child.join(60)
+    assert child.exitcode == 0
+    assert equal(got, kernel(Q, V))
+
+
+def test_weak_references_and_attributes():
+    kernel = compile(lambda x: x + 3.0, x=())
+    reference = weakref.ref(kernel)
+    kernel.note = "mine"
+    assert kernel.note == "mine"
+    assert reference() is kernel
+    del kernel
+    gc.collect()
+    assert reference() is None
+
+
+def test_a_gufunc_outlives_its_kernel():
+    kernel = compile(lambda x: np.exp(x) * 3.0, x=(2,))
+    gufunc, expected = kernel.gufunc, kernel(np.ones((40, 2)))
+    name, doc = gufunc.__name__, gufunc.__doc__
+    del kernel
+    gc.collect()
+    junk = [bytes(200) for _ in range(10000)]
+    np.testing.assert_array_equal(gufunc(np.ones((40, 2))), expected)
+    assert (gufunc.__name__, gufunc.__doc__, gufunc.signature) == (name, doc, "(2)->(2)")
+    del gufunc, junk
+    gc.collect()
+
+
+def test_the_type_cannot_be_made_or_called_wrongly(kernel):
+    if not kernel.is_fast:
+        pytest.skip("the fast door does not work here")
+    with pytest.raises(TypeError, match="cannot create"):
+        type(kernel)()
+    assert callable(kernel)
+    assert type(kernel).__name__ == "Kernel"
+    assert type(kernel).__module__ == "ulna.compiler.runtime.kernel"
+
+
+def test_single_calls_neither_leak_memory_nor_references(kernel):
+    dtype, one, name = np.dtype(float), compile(lambda x: x * 2.0, x=()), "q"
+    watched = (dtype, np.ndarray, Q, V, kernel, one, name)
+
+    def rounds(count: int) -> None:
+        for _ in range(count):
+            kernel(Q, V)
+            one(3.0)
+            one(Q[0])
+            kernel(QQ[0:2], V)
+            with contextlib.suppress(TypeError):
+                kernel(Q)
+
+    rounds(200)
+    gc.collect()
+    before = [sys.getrefcount(w) for w in watched]
+    tracemalloc.start()
+    rounds(200)
+    start = tracemalloc.get_traced_memory()[0]
+    rounds(2000)
+    gc.collect()
+    grown = tracemalloc.get_traced_memory()[0] - start
+    tracemalloc.stop()
+    after = [sys.getrefcount(w) for w in watched]
+    assert max(abs(a - b) for a, b in zip(after, before, strict=True)) <= 3
+    assert grown < 20_000
+
+
+def _resident() -> int:
+    """Memory of this process [byte]."""
+    if not os.path.exists("/proc/self/statm"):
+        pytest.skip("no /proc here")
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def test_a_hundred_thousand_calls_do_not_grow_the_process(kernel):
+    for _ in range(20_000):
+        kernel(Q, V)
+    start = _resident()
+    for _ in range(100_000):
+        kernel(Q, V)
+    assert _resident() - start < 4 * 2**20
+
+
+def test_code_of_kernels_that_are_let_go_is_given_back(monkeypatch):
+    monkeypatch.setenv("ULNA_CACHE", "0")
+    starts = []
+    for k in range(130):
+        if k in (30, 129):
+            gc.collect()
+            starts.append(_resident())
+        compile(lambda x, k=k: np.sin(x) * (k + 2.5), x=(6,))
+    assert starts[1] - starts[0] < 100 * 6 * 2**10  # once it was 12 kB for each
+
+
+def test_kernels_that_come_and_go_leave_nothing_behind():
+    alive = []
+    for k in range(12):
+        kernel = compile(lambda x, k=k: x * float(k + 2), x=())
+        assert kernel(2.0) == 2.0 * (k + 2)
+        assert kernel(np.ones(20))[0] == k + 2
+        alive.append(weakref.ref(kernel.gufunc.__class__ and kernel))
+        alive.append(weakref.ref(kernel.function))
+        del kernel
+    gc.collect()
+    assert [r() for r in alive] == [None] * len(alive)
+
+
+def test_results_are_new_arrays_that_own_their_memory(kernel):
+    first, second = kernel(Q, V)[0], kernel(Q, V)[0]
+    assert first.flags.owndata
+    assert first.flags.writeable
+    first[:] = 7.0
+    assert not (second == 7.0).any()
+
+
+def test_a_kernel_survives_the_loss_of_its_attributes():
+    kernel = compile(lambda x: x + 0.25, x=(2,))
+    kernel.__dict__.clear()
+    gc.collect()
+    junk = [bytes(100) for _ in range(10_000)]
+    assert kernel([1, 2]).tolist() == [1.25, 2.25]
+    assert kernel(np.ones((20, 2))).shape == (20, 2)
+    del junk
+
+
+def test_many_threads_share_a_kernel(kernel):
+    rows = [(QQ[k % 20], VV[k % 20]) for k in range(400)]
+    expected = [kernel(q, v) for q, v in rows]
+    with ThreadPoolExecutor(8) as pool:
+        for got, right in zip(pool.map(lambda a: kernel(*a), rows), expected, strict=True):
+            assert equal(got, right)
+        batch = kernel(QQ, VV)
+        for got in pool.map(lambda _: kernel(QQ, VV), range(100)):
+            assert equal(got, batch)
+
+
+def test_many_threads_compile_at_once():
+    def make(k: int) -> float:
+        kernel = compile(lambda x: np.sin(x) * float(k % 3) + 1.0, x=())
+        return float(kernel(np.full(20, 0.5))[7]) - float(kernel(0.5))
+
+    with ThreadPoolExecutor(6) as pool:
+        assert max(map(abs, pool.map(make, range(18)))) <= 2.3e-16
+
+
+def test_the_first_batch_may_come_from_many_threads():
+    kernel = compile(lambda x: np.cos(x) - 0.125, x=(2,))
+    barrier = threading.Barrier(6)
+
+    def run(_: int) -> np.ndarray:
+        barrier.wait()
+        return kernel(np.ones((50, 2)))
+
+    with ThreadPoolExecutor(6) as pool:
+        results = list(pool.map(run, range(6)))
+    assert all(np.array_equal(r, results[0]) for r in results)
+
+
+def test_the_gil_is_free_in_a_batch():
+    """Another Python thread goes on while one batch runs in machine code."""
+
+    def slow(x):
+        return nm.loop(
+            lambda v, n: n < 3000.0, lambda v, n: (v / (1.0 + v * v) + 0.5, n + 1.0), (x, 0.0), 3000
+        )[0]
+
+    kernel = compile(slow, x=())
+    x = np.linspace(0, 1, 20_000)
+    kernel(x[:20])
+    ticks: list[float] = []
+    done = threading.Event()
+
+    def tick() -> None:
+        while not done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    start = time.perf_counter()
+    kernel(x)
+    end = time.perf_counter()
+    done.set()
+    thread.join()
+    inside = [t for t in ticks if start < t < end]
+    assert len(inside) >= 3, f"{len(inside)} ticks in {end - start:.3f} s"
+
+
+_CHILD = """
+import sys, pickle
+sys.path.insert(0, sys.argv[1])
+import numpy as np
+from test_kernel_life import _mixed, Q, V, QQ, VV
+from ulna.compiler import compile, trace
+from ulna.compiler.runtime.kernel import SlowKernel
+kernel = compile(_mixed, q=(3,), v=(3,))
+assert isinstance(kernel, SlowKernel) and not kernel.is_fast
+scalar = compile(lambda x: x * 2.0, x=())
+empty = compile(lambda: np.array([1.0, 2.0]))
+checked = compile(trace(lambda x: x + 1.0, x=(2,)), checked=True)
+try:
+    checked([np.nan, 1.0])
+except ValueError as error:
+    message = str(error)
+tupled = compile(lambda x: (x,), x=())
+twin = pickle.loads(pickle.dumps(scalar))
+result = (kernel(Q, V), kernel(QQ, VV), kernel(QQ, V), scalar(3.0), type(scalar(3.0)).__name__, empty(), message,
+          tupled(1.0), kernel(q=Q, v=V), repr(kernel), twin(4.0), kernel.gufunc.signature)
+sys.stdout.buffer.write(pickle.dumps(result))
+"""
+
+
+def test_without_the_fast_door_everything_is_the_same(kernel, tmp_path):
+    child = subprocess.run(
+        [sys.executable, "-c", _CHILD, os.path.dirname(__file__)],
+        env={**os.environ, "ULNA_FAST": "0"},
+        capture_output=True,
+        timeout=120,
+        check=False,
+    )
+    assert child.returncode == 0, child.stderr.decode()
+    one, batch, broadcast, number, kind, empty, message, tupled, named, shown, twin, signature = pickle.loads(
+        child.stdout
+    )
+    for got, expected in (
+        (one, kernel(Q, V)),
+        (batch, kernel(QQ, VV)),
+        (broadcast, kernel(QQ, V)),
+        (named, kernel(Q, V)),
+    ):
+        for g, e in zip(got, expected, strict=True):
+            np.testing.assert_allclose(g, e, rtol=3e-16, atol=0)
+    assert (number, kind, empty.tolist(), tupled, twin) == (6.0, "float64", [1.0, 2.0], (1.0,), 8.0)
+    assert message.startswith("`x[0]` is nan")
+    assert (shown, signature) == (repr(kernel), kernel.gufunc.signature)
+
+
+def test_the_fast_door_works_on_this_interpreter():
+    """Everywhere the project is tested it should; where it does not, the general path serves, only slower."""
+    standard = sys.implementation.name == "cpython" and not hasattr(sys, "gettotalrefcount")
+    free_threaded = not getattr(sys, "_is_gil_enabled", lambda: True)()
+    if not standard or free_threaded or os.environ.get("ULNA_FAST") == "0":
+        pytest.skip("another interpreter")
+    assert layout.fast_door_works()
+    assert compile(lambda x: x, x=()).is_fast
+
+
+def test_debug_output(capsys, monkeypatch):
+    monkeypatch.setenv("ULNA_DEBUG", "graph,ir,asm,time")
+    compile(lambda x: x * 5.5, x=())
+    said = capsys.readouterr().out
+    assert "[ulna] lambda()->(): 1 operations {'mul': 1}" in said
+    assert "define ptr @entry" in said
+    assert "ms in LLVM" in said or "from the cache" in said

@@ -1,0 +1,88 @@
+"""Other widths of registers, run here; other processors, up to their assembly."""
+
+from __future__ import annotations
+
+import re
+from importlib import import_module
+
+import llvmlite.binding as llvm
+import numpy as np
+import pytest
+
+from ulna import numeric as nm
+from ulna.compiler import compile, trace
+from ulna.compiler.codegen.module import emit_batch
+from ulna.compiler.runtime.array_call import General
+from ulna.compiler.runtime.entry_point import entry_ir
+
+
+def _everything(q, x):
+    """Every kind of code: functions, choices, a loop, wide and narrow ports."""
+    y = np.sin(q) * np.exp(-q[0]) + np.arctan2(q[1], x) * np.tan(0.1 * q) + np.log(1.0 + q * q)
+    root = nm.loop(lambda v: abs(v * v - 3.0) > 1e-5, lambda v: (0.5 * (v + 3.0 / v),), (1.0 + x * x,), 40)[0]
+    return nm.where(q[0] < x, y, np.arcsin(np.sin(q)) * root), np.floor(root * 7.0) + np.arccos(
+        0.5 * np.cos(x)
+    )
+
+
+FUNCTION = trace(_everything, q=(7,), x=())
+
+
+@pytest.mark.parametrize("lanes", [2, 4, 8, 16, 32])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_every_number_of_lanes_computes_the_same(monkeypatch, lanes, dtype):
+    monkeypatch.setattr(General, "lanes", lanes)
+    kernel = compile(FUNCTION, dtype)
+    rng = np.random.default_rng(lanes)
+    assert f"<{lanes} x " in kernel.ir(batch=True)
+    for rows in (1, lanes - 1, lanes, lanes + 1, 2 * lanes + 3):
+        q, x = rng.uniform(-1, 1, (rows, 7)), rng.uniform(-1, 1, rows)
+        for given in (q, np.asfortranarray(q), q[::-1, ::-1]):
+            for got, expected in zip(
+                kernel(given.astype(dtype), x.astype(dtype)), FUNCTION(given, x), strict=True
+            ):
+                tolerance = 1e-13 if dtype is np.float64 else 2e-5
+                np.testing.assert_allclose(got, expected, rtol=tolerance, atol=tolerance)
+
+
+@pytest.mark.parametrize(
+    ("triple", "lanes"),
+    [("aarch64-unknown-linux-gnu", 2), ("x86_64-unknown-linux-gnu", 4), ("wasm32-unknown-unknown", 2)],
+)
+@pytest.mark.parametrize("element", ["double", "float"])
+def test_other_processors_accept_the_code(triple, lanes, element):
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    try:
+        machine = llvm.Target.from_triple(triple).create_target_machine()
+    except RuntimeError:
+        pytest.skip(f"this LLVM does not know {triple}")
+    for text in (entry_ir(FUNCTION, element), emit_batch(FUNCTION, element, lanes)):
+        module = llvm.parse_assembly(text)
+        module.triple = triple
+        module.data_layout = str(machine.target_data)
+        module.verify()
+        options = llvm.create_pipeline_tuning_options(speed_level=1)
+        llvm.create_pass_builder(machine, options).getModulePassManager().run(
+            module, llvm.create_pass_builder(machine, options)
+        )
+        assembly = machine.emit_assembly(module)
+        called = {name.strip("_") for name in re.findall(r"\b(?:call\w*|bl?|jmp)\s+(\w+)", assembly)}
+        assert called & {"ulna", "block", "feclearexcept", "one"} or len(assembly) > 5000
+        library = {"sin", "cos", "tan", "asin", "acos", "atan2", "exp", "log"}
+        assert not called & (library | {f"{name}f" for name in library})
+
+
+def test_a_scratch_too_large_for_the_stack_holds_one_row(monkeypatch):
+
+    monkeypatch.setattr(import_module("ulna.compiler.codegen.batch_loop"), "_SCRATCH", 64)
+    kernel = compile(trace(lambda q, x: (q[::-1] * x, q[0] + x), q=(7,), x=()))
+    for rows in (1, 2, 7, 8, 9, 17, 20):
+        q, x = np.arange(rows * 7.0).reshape(rows, 7), np.arange(float(rows))
+        for a in (q, np.asfortranarray(q), q[:, ::-1], q[::-1]):
+            got = kernel(a, x)
+            np.testing.assert_array_equal(got[0], a[:, ::-1] * x[:, None])
+            np.testing.assert_array_equal(got[1], a[:, 0] + x)
+        expected = q[:, ::-1] * x[:, None]
+        kernel(q, x, out=(q, x))
+        np.testing.assert_array_equal(q, expected)
