@@ -22,11 +22,11 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array
 from ulna.collision import Proximity, World
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.robot import Robot
 from ulna.spatial import SE3
-from ulna.spatial.check import checked
 from ulna.typing import ArrayLike, Floats
 
 _OWN = (0.05, 0.01)
@@ -120,7 +120,7 @@ def _parting(
     name = item.names[1]
     if name not in twists:
         return 0.0
-    twist = checked(f"twists[{name!r}]", twists[name], (6,))
+    twist = batched_array(f"twists[{name!r}]", twists[name], (6,))
     if twist.ndim > 1:
         raise ShapeError(f"twists[{name!r}]", twist.shape, "(6,)")
     pose: Any = moving.get(name, world[name].pose)

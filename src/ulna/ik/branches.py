@@ -9,12 +9,12 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array
 from ulna.errors import InputError, ShapeError
 from ulna.ik.analytic.candidates import Source, between, source_of
 from ulna.ik.analytic.sift import Sift
 from ulna.model import Model
 from ulna.spatial import SE3
-from ulna.spatial.check import checked
 from ulna.typing import ArrayLike, Floats
 
 _ONE = np.zeros(1)
@@ -140,7 +140,7 @@ def _start(model: Model, q0: ArrayLike | None, batch: tuple[int, ...]) -> Floats
     if q0 is None:
         rest = _rest(model)
         return np.broadcast_to(rest, (*batch, model.nq)) if batch else rest
-    q = checked("q0", q0, (model.nq,))
+    q = batched_array("q0", q0, (model.nq,))
     try:
         return np.broadcast_to(q, (*batch, model.nq))
     except ValueError:
@@ -173,7 +173,7 @@ def _values(model: Model, source: Source, samples: int | ArrayLike, q0: Floats |
         return _ONE
     axis = source.arm.axes[source.free]
     if np.ndim(samples):
-        return checked("samples", samples, (np.size(samples),))
+        return batched_array("samples", samples, (np.size(samples),))
     count = int(samples)  # type: ignore[arg-type]
     if count < 1:
         raise InputError(

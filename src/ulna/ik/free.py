@@ -13,6 +13,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array
 from ulna.collision import Checker
 from ulna.errors import InputError
 from ulna.ik.analytic.candidates import ClosedForm, Elimination, between, source_of
@@ -20,7 +21,6 @@ from ulna.ik.branches import Branches, ik_all
 from ulna.ik.question import check_count, matrix_of
 from ulna.ik.result import IKSolution
 from ulna.ik.solve import Solver
-from ulna.spatial.check import checked
 from ulna.typing import Array, ArrayLike, Floats
 
 _FIRST, _MOST = 7, 64  # starting points of the first and of the largest round
@@ -129,11 +129,11 @@ class FreeSolver:
     def __call__(self, T: Any, q0: ArrayLike | None, question: Question) -> FreeSolution:
         """Solves for goals T (..., 4, 4), or (..., k, 4, 4) for k frames; see `robot.ik_free`."""
         core: Any = self.solver.problem.shapes["T"]
-        T = checked("T", matrix_of(T), core)
+        T = batched_array("T", matrix_of(T), core)
         batch = T.shape[: T.ndim - len(core)]
         starts: Any = [None]
         if q0 is not None:
-            given = checked("q0", q0, (self.model.nq,))
+            given = batched_array("q0", q0, (self.model.nq,))
             batch = np.broadcast_shapes(batch, given.shape[:-1])
             starts = np.broadcast_to(given, (*batch, self.model.nq)).reshape(-1, self.model.nq)
         goals = np.broadcast_to(T, (*batch, *core)).reshape(-1, *core)

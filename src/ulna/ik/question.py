@@ -7,11 +7,12 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array, checked_rotation
+from ulna.checks.values import count
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.ik.goal import Mask, mask_of
 from ulna.ik.problem import Problem
 from ulna.model import Model
-from ulna.spatial.check import checked, checked_rotation
 from ulna.typing import Floats
 
 REST = ("rest", "home", "ready", "qr", "half_sitting", "standing")
@@ -62,7 +63,7 @@ def _masks(mask: Any, names: Sequence[str]) -> tuple[Mask, ...] | None:
 
 def _side_by_side(goals: Mapping[Any, Any]) -> Floats:
     """The goals of several frames as (..., k, 4, 4)."""
-    poses = [checked(f"T[{name!r}]", matrix_of(pose), (4, 4)) for name, pose in goals.items()]
+    poses = [batched_array(f"T[{name!r}]", matrix_of(pose), (4, 4)) for name, pose in goals.items()]
     try:
         return np.stack(np.broadcast_arrays(*poses), axis=-3)
     except ValueError:
@@ -185,8 +186,7 @@ def check_tolerances(position: Any, rotation: Any) -> None:
 
 def check_count(name: str, value: Any, least: int = 1) -> None:
     """Refuses what is no whole number, `least` or above."""
-    if not isinstance(value, (int, np.integer)) or value < least:
-        raise InputError(f"`{name}` is {value!r}; expected a whole number, {least} or more.")
+    count(name, value, least)
 
 
 def shift_of(seed: Any, problem: Problem) -> Floats:

@@ -8,6 +8,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array
 from ulna.compiler import compile
 from ulna.errors import ShapeError
 from ulna.ik import search
@@ -26,7 +27,6 @@ from ulna.ik.question import (
 from ulna.ik.result import IKSolution
 from ulna.ik.verdict import judge
 from ulna.model import Model
-from ulna.spatial.check import checked
 from ulna.typing import Floats
 
 _BATCH = 64  # goals from which marching together beats racing one by one
@@ -92,7 +92,7 @@ class Solver:
     def _march(self, T: Any, shift: Floats, settings: Floats, threads: int | None) -> Floats:
         """All goals go on together, a few steps at a time; those that have arrived step out, the last few race."""
         core = self.problem.shapes["T"]
-        T = checked("T", T, core)
+        T = batched_array("T", T, core)
         batch = T.shape[: T.ndim - len(core)]
         goals = np.ascontiguousarray(T).reshape(-1, *core)
         rest, n = self._rest, len(self.problem.positions)

@@ -9,13 +9,13 @@ import numpy as np
 
 from ulna.algorithms import ConstrainedMotion, Friction, Impact, Proximal
 from ulna.algorithms.references import Reference
+from ulna.checks.arrays import batched_array
 from ulna.errors import InputError, ShapeError
 from ulna.methods.base import Part
 from ulna.methods.dynamics import Forces, stacked
 from ulna.model import Constraint
 from ulna.model.constraint import listed
 from ulna.numeric import is_symbolic
-from ulna.spatial.check import checked
 from ulna.typing import Array, ArrayLike
 
 Held = Sequence[Constraint] | Constraint
@@ -253,7 +253,7 @@ def _gains(name: str, given: ArrayLike, count: int) -> Array:
 
 def _one_each(name: str, given: ArrayLike, count: int) -> Array:
     """One number for all, or one for each constraint, as (..., count)."""
-    value = checked(name, given, ())
+    value = batched_array(name, given, ())
     if value.ndim == 0:
         return np.broadcast_to(value, (count,))
     if value.shape[-1] != count:

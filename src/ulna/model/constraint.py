@@ -14,10 +14,10 @@ from typing import Any, Literal, NamedTuple, TypeAlias, final, get_args
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.model.model import Model
 from ulna.spatial import SE3
-from ulna.spatial.check import checked
 
 Axes: TypeAlias = Literal["local_world_aligned", "local"]
 """The axes along which a constraint and its forces are written: those of the world, or of its first frame."""
@@ -245,7 +245,7 @@ def _at(point: tuple[float, float, float]) -> SE3:
 
 
 def _point(name: str, given: Any) -> tuple[float, ...]:
-    point = checked(name, given, (3,), "A point in the frame [m].")
+    point = batched_array(name, given, (3,), "A point in the frame [m].")
     if point.ndim > 1:
         raise ShapeError(name, point.shape, "(3,)", "A point in the frame [m].")
     return tuple(point.tolist())

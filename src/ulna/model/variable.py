@@ -26,6 +26,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.model.change import with_gravity, with_root_joint
 from ulna.model.inertial import (
@@ -41,7 +42,6 @@ from ulna.model.model import Model
 from ulna.model.parts import Frame, Joint
 from ulna.numeric import is_symbolic, matrix
 from ulna.spatial import SE3, so3_exp
-from ulna.spatial.check import checked
 from ulna.typing import Array, Floats
 
 _OF_FRAME = "frame:"
@@ -142,7 +142,7 @@ def _changed(model: Model, name: str, value: Array, check: bool) -> Model:
 
 def _checked(model: Model, name: str, value: Any) -> Array:
     shape = parameters(model, name).shape
-    array = checked(name, value, shape)
+    array = batched_array(name, value, shape)
     if array.shape != shape:
         mend = "One model has one value; for a batch of models ask a kernel: robot.kernel(..., parameters=(...,))."
         raise ShapeError(name, array.shape, str(shape), mend)

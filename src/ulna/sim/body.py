@@ -9,10 +9,11 @@ from typing import Any, Literal, final
 import numpy as np
 
 from ulna.algorithms.friction import Friction
+from ulna.checks.arrays import shaped_array
+from ulna.checks.values import checked_robot, flag, one_of, text
 from ulna.errors import InputError
 from ulna.robot import Robot
 from ulna.sim.dynamic import Plant, check_friction
-from ulna.sim.inputs import checked_robot, flag, numbers, one_of, words
 from ulna.sim.kinematic import moved_within_limits
 from ulna.sim.recording import Recording
 from ulna.typing import ArrayLike, Floats
@@ -65,12 +66,12 @@ class Body:
     ) -> None:
         check_told(control, limits, friction, record)
         self.robot, self.limits, self.record = checked_robot(robot), limits, record
-        self._name = robot.name if name is None else words("name", name)
+        self._name = robot.name if name is None else text("name", name)
         self.recording = Recording()
         self._friction: Any = friction
         self._plant: Plant | None = None
-        self._q = numbers("q", robot.neutral if q is None else q, robot.nq)
-        self._qd = numbers("qd", np.zeros(robot.nv) if qd is None else qd, robot.nv)
+        self._q = shaped_array("q", robot.neutral if q is None else q, robot.nq)
+        self._qd = shaped_array("qd", np.zeros(robot.nv) if qd is None else qd, robot.nv)
         self._qdd, self._target = np.zeros(robot.nv), None
         self._tau: Any = np.zeros(robot.nv)
         self._moving, self._stood = self._qd, self._q
@@ -125,7 +126,7 @@ class Body:
 
     @q.setter
     def q(self, q: ArrayLike) -> None:
-        self.put(numbers("q", q, self.robot.nq))
+        self.put(shaped_array("q", q, self.robot.nq))
 
     def put(self, q: Floats) -> None:
         """As assigning to `q`, for an array that is known to be a configuration and that nobody will change."""
@@ -138,7 +139,7 @@ class Body:
 
     @qd.setter
     def qd(self, qd: ArrayLike) -> None:
-        self._qd = self._moving = numbers("qd", qd, self.robot.nv)
+        self._qd = self._moving = shaped_array("qd", qd, self.robot.nv)
 
     @property
     def qdd(self) -> Floats:
@@ -147,7 +148,7 @@ class Body:
 
     @qdd.setter
     def qdd(self, qdd: ArrayLike) -> None:
-        self._qdd = numbers("qdd", qdd, self.robot.nv)
+        self._qdd = shaped_array("qdd", qdd, self.robot.nv)
 
     @property
     def tau(self) -> Any:
@@ -156,7 +157,7 @@ class Body:
 
     @tau.setter
     def tau(self, tau: Any) -> None:
-        self._tau = tau if callable(tau) else numbers("tau", tau, self.robot.nv)
+        self._tau = tau if callable(tau) else shaped_array("tau", tau, self.robot.nv)
 
     @property
     def target(self) -> Floats | None:
@@ -165,7 +166,7 @@ class Body:
 
     @target.setter
     def target(self, target: ArrayLike | None) -> None:
-        self._target = None if target is None else numbers("target", target, self.robot.nq)
+        self._target = None if target is None else shaped_array("target", target, self.robot.nq)
 
     def reset(self) -> None:
         """Back to the configuration and velocity it began with, with an empty recording."""
@@ -238,7 +239,7 @@ class Body:
             tau: Any = self._tau
             if callable(tau):
                 asked: Any = tau(t + k * dt / count, self._q.copy(), self._qd.copy())
-                tau = numbers("tau", asked, self.robot.nv)
+                tau = shaped_array("tau", asked, self.robot.nv)
             if self._limits == "all":
                 tau = np.clip(tau, -effort, effort)
             self._q, self._qd = self._plant.euler(self._q, self._qd, tau, dt / count)

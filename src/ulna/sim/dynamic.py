@@ -30,14 +30,15 @@ from ulna.algorithms.dry_friction import velocity_after_friction
 from ulna.algorithms.forward_dynamics import forward_dynamics
 from ulna.algorithms.friction import Friction
 from ulna.algorithms.inverse_mass_matrix import inverse_mass_matrix
+from ulna.checks.arrays import shaped_array
+from ulna.checks.values import checked_robot, number, one_of, short_repr, step_count
+from ulna.checks.values import count as checked_count
+from ulna.checks.values import duration as checked_duration
 from ulna.errors import InputError, MissingExtra, UnknownName
 from ulna.model import Constraint
 from ulna.model.constraint import listed
 from ulna.model.joints.base import VectorKind
 from ulna.robot import Robot, compile
-from ulna.sim.inputs import checked_robot, number, numbers, one_of, steps, told
-from ulna.sim.inputs import count as checked_count
-from ulna.sim.inputs import duration as checked_duration
 from ulna.sim.recording import Recording
 from ulna.typing import ArrayLike, Floats
 
@@ -183,7 +184,7 @@ def check_friction(friction: Friction | Literal["model"] | None) -> None:
     if isinstance(friction, str) and friction == "model":
         return
     if not (friction is None or isinstance(friction, Friction)):
-        given = friction if isinstance(friction, str) else told(friction)
+        given = friction if isinstance(friction, str) else short_repr(friction)
         raise UnknownName("friction", given, ("model",), "Give 'model', None or a Friction.")
 
 
@@ -211,7 +212,7 @@ def dynamic_step(
     """
     checked_robot(robot)
     check_friction(friction)
-    q, v = numbers("q", q, robot.nq), numbers("v", v, robot.nv)
+    q, v = shaped_array("q", q, robot.nq), shaped_array("v", v, robot.nv)
     return _plant(robot, friction).euler(q, v, _torques(tau, robot.nv), checked_duration("dt", dt))
 
 
@@ -266,13 +267,16 @@ def simulate(
     one_of("method", method, _METHODS)
     kp = number("kp", kp, "a gain that is not below zero [1/s^2]", least=0.0)
     check_friction(friction)
-    start, speed = numbers("q", q, model.nq), np.zeros(model.nv) if v is None else numbers("v", v, model.nv)
+    start, speed = (
+        shaped_array("q", q, model.nq),
+        np.zeros(model.nv) if v is None else shaped_array("v", v, model.nv),
+    )
     law = _torque_law(torque, model.nv)
     bound = not (isinstance(constraints, tuple | list) and not constraints)
     plant = (
         Plant(robot, friction, _bound(robot, start, constraints, kp)) if bound else _plant(robot, friction)
     )
-    duration, count = steps(duration, dt, _MOST_STEPS)
+    duration, count = step_count(duration, dt, _MOST_STEPS)
     every = checked_count("every", every)
     times = np.linspace(0.0, duration, count + 1)
     if method == "adaptive":
@@ -387,7 +391,7 @@ def _torque_law(torque: Torque | ArrayLike | None, nv: int) -> Torque:
 
 
 def _torques(tau: ArrayLike, nv: int) -> Floats:
-    return numbers("tau", tau, nv)
+    return shaped_array("tau", tau, nv)
 
 
 def _diverged(t: float, v: Floats) -> InputError:

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from ulna import numeric
+from ulna.checks.arrays import shaped_array
+from ulna.checks.values import checked_robot, number
 from ulna.compiler import compile
 from ulna.model import Model
-from ulna.sim.inputs import checked_robot, number, numbers
 from ulna.spatial import so3_exp
 from ulna.typing import Array, ArrayLike, Floats
 
@@ -61,7 +62,7 @@ def kinematic_step(robot: Any, q: ArrayLike, v: ArrayLike, dt: float) -> Floats:
         InputError: `dt` is not a finite number.
     """
     model = checked_robot(robot).model
-    start, velocity = numbers("q", q, model.nq), numbers("v", v, model.nv)
+    start, velocity = shaped_array("q", q, model.nq), shaped_array("v", v, model.nv)
     return moved_within_limits(robot, start, velocity, number("dt", dt, "a finite time [s]"))
 
 

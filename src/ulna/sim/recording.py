@@ -6,8 +6,8 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.values import checked_robot, number, one_of, short_repr
 from ulna.errors import InputError, ShapeError
-from ulna.sim.inputs import checked_robot, number, one_of, told
 from ulna.typing import ArrayLike, Floats
 
 
@@ -38,7 +38,7 @@ class Recording:
             try:
                 cell, column = np.asarray(value, dtype=float), self._columns.get(name)
             except (TypeError, ValueError):
-                raise InputError(f"`{name}` is {told(value)}; expected numbers.") from None
+                raise InputError(f"`{name}` is {short_repr(value)}; expected numbers.") from None
             if column is None:
                 column = self._columns[name] = np.full((self._room, *cell.shape), np.nan)
             elif column.shape[1:] != cell.shape:

@@ -6,12 +6,12 @@ import time
 from collections.abc import Callable
 from typing import Any, Self, final
 
+from ulna.checks.values import duration as checked_duration
+from ulna.checks.values import flag, number, one_of, short_repr, step_count
+from ulna.checks.values import function as checked_function
 from ulna.errors import InputError, UnknownName
 from ulna.robot import Robot
 from ulna.sim.body import Body
-from ulna.sim.inputs import duration as checked_duration
-from ulna.sim.inputs import flag, number, one_of, steps, told
-from ulna.sim.inputs import function as checked_function
 
 _SPEED = "simulated seconds per second, above zero"
 _MOST_STEPS = 10**12  # more never end
@@ -116,7 +116,7 @@ class Simulation:
             UnknownName: It is not there.
         """
         if not any(b is body for b in self._bodies):
-            name = body.name if isinstance(body, Body) else told(body)
+            name = body.name if isinstance(body, Body) else short_repr(body)
             raise UnknownName(
                 "robot in the simulation", name, (b.name for b in self._bodies), "Give a Body of it."
             )
@@ -153,7 +153,7 @@ class Simulation:
         Raises:
             InputError: A time is not above zero.
         """
-        length, count = steps(duration, dt, _MOST_STEPS)
+        length, count = step_count(duration, dt, _MOST_STEPS)
         if until is not None:
             checked_function("until", until)
         for _ in range(count):

@@ -7,10 +7,10 @@ from typing import Any, ClassVar, final
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array
 from ulna.errors import InputError
 from ulna.numeric import apply, cross, dot, is_symbolic, matrix, skew, vector, where
 from ulna.spatial.batched import Batched, as_array, column
-from ulna.spatial.check import checked
 from ulna.spatial.vectors import Force, Motion
 from ulna.typing import Array, ArrayLike
 
@@ -57,7 +57,7 @@ class Inertia(Batched):
         Raises:
             InputError: negative mass, an inertia that is not symmetric, wrong shapes, nan or inf.
         """
-        return cls(_checked_mass(mass), checked("com", com, (3,)), _checked_inertia(inertia))
+        return cls(_checked_mass(mass), batched_array("com", com, (3,)), _checked_inertia(inertia))
 
     @classmethod
     def from_origin(cls, mass: Any, com: ArrayLike, inertia: ArrayLike) -> Inertia:
@@ -69,7 +69,7 @@ class Inertia(Batched):
     @classmethod
     def from_parameters(cls, parameters: ArrayLike) -> Inertia:
         """From the ten dynamic parameters (..., 10); see `parameters`. The mass must not be zero."""
-        p = checked("parameters", parameters, (10,))
+        p = batched_array("parameters", parameters, (10,))
         mass = p[..., 0]
         com = p[..., 1:4] / column(mass)
         xx, xy, yy, xz, yz, zz = (p[..., n] for n in range(4, 10))
@@ -89,13 +89,13 @@ class Inertia(Batched):
     @classmethod
     def from_ellipsoid(cls, mass: float, radii: ArrayLike) -> Inertia:
         """A solid ellipsoid [kg, m] centred in the frame, with its half axes `radii` (3,) along x, y, z."""
-        a, b, c = checked("radii", radii, (3,)) ** 2
+        a, b, c = batched_array("radii", radii, (3,)) ** 2
         return cls._solid(mass, (b + c) / 5, (a + c) / 5, (a + b) / 5)
 
     @classmethod
     def from_box(cls, mass: float, size: ArrayLike) -> Inertia:
         """A solid box [kg, m] centred in the frame, with its full `size` (3,) along x, y, z."""
-        a, b, c = checked("size", size, (3,)) ** 2
+        a, b, c = batched_array("size", size, (3,)) ** 2
         return cls._solid(mass, (b + c) / 12, (a + c) / 12, (a + b) / 12)
 
     @classmethod
@@ -219,7 +219,7 @@ def _turned(rotation: Array, inertia: Array) -> Array:
 
 
 def _checked_mass(mass: Any) -> Any:
-    array = checked("mass", mass, ())
+    array = batched_array("mass", mass, ())
     if array.dtype != object and (array < 0.0).any():
         raise InputError(f"`mass` is {float(array.min()):g} kg; expected zero or more.")
     return array[()]
@@ -228,9 +228,9 @@ def _checked_mass(mass: Any) -> Any:
 def _checked_inertia(inertia: ArrayLike) -> Array:
     array = inertia if isinstance(inertia, np.ndarray) else as_array(inertia)
     if array.shape[-1:] == (6,):
-        xx, xy, xz, yy, yz, zz = (checked("inertia", array, (6,))[..., n] for n in range(6))
+        xx, xy, xz, yy, yz, zz = (batched_array("inertia", array, (6,))[..., n] for n in range(6))
         return matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    array = checked("inertia", array, (3, 3), "Six numbers xx, xy, xz, yy, yz, zz will do, too.")
+    array = batched_array("inertia", array, (3, 3), "Six numbers xx, xy, xz, yy, yz, zz will do, too.")
     if array.dtype == object:
         return array
     skewness = np.abs(array - np.swapaxes(array, -1, -2)).max(initial=0.0)

@@ -7,11 +7,12 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar, final, overload
 
 import numpy as np
 
+from ulna.checks.arrays import ROTATION_TOLERANCE, batched_array, checked_rotation
 from ulna.errors import InputError, ShapeError
 from ulna.numeric import apply, dot, is_symbolic, skew, sqrt, vector
 from ulna.spatial import angles, exponential, quaternion
 from ulna.spatial.batched import Batched, as_array, column, numbers
-from ulna.spatial.check import ROTATION_TOLERANCE, checked, checked_rotation, nearest_rotation
+from ulna.spatial.nearest import nearest_rotation
 from ulna.spatial.so3 import SO3, checked_quat
 from ulna.spatial.vectors import Motion
 from ulna.typing import Array, ArrayLike
@@ -66,7 +67,7 @@ class SE3(Batched):
         if not check:
             m = as_array(matrix)
             return cls(m[..., :3, :3], m[..., :3, 3])
-        m = checked("matrix", matrix, (4, 4))
+        m = batched_array("matrix", matrix, (4, 4))
         if m.dtype != object:
             error = np.abs(m[..., 3, :] - np.array([0.0, 0.0, 0.0, 1.0])).max(initial=0.0)
             if error > ROTATION_TOLERANCE:
@@ -79,21 +80,22 @@ class SE3(Batched):
     @classmethod
     def project(cls, matrix: ArrayLike) -> SE3:
         """The pose with the rotation nearest to that of a matrix (..., 4, 4), and its translation."""
-        m = checked("matrix", matrix, (4, 4))
+        m = batched_array("matrix", matrix, (4, 4))
         return cls(nearest_rotation(m[..., :3, :3]), m[..., :3, 3])
 
     @classmethod
     def from_quat_xyzw(cls, quat: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SE3:
         """From a quaternion x, y, z, w (..., 4) of any length but zero, and a translation (..., 3) [m]."""
         return cls(
-            quaternion.quat_xyzw_to_matrix(checked_quat(quat)), checked("translation", translation, (3,))
+            quaternion.quat_xyzw_to_matrix(checked_quat(quat)),
+            batched_array("translation", translation, (3,)),
         )
 
     @classmethod
     def from_rpy(cls, rpy: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SE3:
         """From roll, pitch, yaw (..., 3) [rad] as in URDF, and a translation (..., 3) [m]."""
-        rotation = angles.rpy_to_matrix(checked("rpy", rpy, (3,)))
-        return cls(rotation, checked("translation", translation, (3,)))
+        rotation = angles.rpy_to_matrix(batched_array("rpy", rpy, (3,)))
+        return cls(rotation, batched_array("translation", translation, (3,)))
 
     @classmethod
     def from_rotation(cls, rotation: ArrayLike | SO3, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SE3:
@@ -102,12 +104,12 @@ class SE3(Batched):
             r = rotation.matrix
         else:
             r = checked_rotation("rotation", rotation, "SO3.project(rotation)")
-        return cls(r, checked("translation", translation, (3,)))
+        return cls(r, batched_array("translation", translation, (3,)))
 
     @classmethod
     def from_translation(cls, translation: ArrayLike) -> SE3:
         """The translation by a vector (..., 3) [m]."""
-        return cls(np.eye(3), checked("translation", translation, (3,)))
+        return cls(np.eye(3), batched_array("translation", translation, (3,)))
 
     @classmethod
     def trans(cls, x: Any, y: Any, z: Any) -> SE3:
@@ -134,7 +136,7 @@ class SE3(Batched):
         """The pose reached by moving with a constant twist, a `Motion` or (..., 6), for one second."""
         if isinstance(twist, Motion):
             return cls(*exponential.exp_parts(twist.linear, twist.angular))
-        return se3_exp(checked("twist", twist, (6,), "Linear part first."))
+        return se3_exp(batched_array("twist", twist, (6,), "Linear part first."))
 
     @classmethod
     def random(cls, rng: np.random.Generator, size: tuple[int, ...] = (), reach: float = 1.0) -> SE3:

@@ -7,11 +7,12 @@ from typing import Any, ClassVar, final
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array, checked_rotation
 from ulna.errors import InputError, ShapeError
 from ulna.numeric import apply, dot, sqrt
 from ulna.spatial import angles, exponential, quaternion
 from ulna.spatial.batched import Batched, as_array, column, numbers
-from ulna.spatial.check import checked, checked_rotation, nearest_rotation
+from ulna.spatial.nearest import nearest_rotation
 from ulna.typing import Array, ArrayLike
 
 
@@ -49,7 +50,7 @@ class SO3(Batched):
     @classmethod
     def project(cls, matrix: ArrayLike) -> SO3:
         """The rotation nearest to a matrix (..., 3, 3) in the Frobenius norm."""
-        return cls(nearest_rotation(checked("matrix", matrix, (3, 3))))
+        return cls(nearest_rotation(batched_array("matrix", matrix, (3, 3))))
 
     @classmethod
     def from_quat_xyzw(cls, quat: ArrayLike) -> SO3:
@@ -59,21 +60,21 @@ class SO3(Batched):
     @classmethod
     def from_rpy(cls, rpy: ArrayLike) -> SO3:
         """From roll, pitch, yaw (..., 3) [rad]: Rz(yaw) Ry(pitch) Rx(roll), as in URDF."""
-        return cls(angles.rpy_to_matrix(checked("rpy", rpy, (3,))))
+        return cls(angles.rpy_to_matrix(batched_array("rpy", rpy, (3,))))
 
     @classmethod
     def from_euler(cls, angles_: ArrayLike, axes: str) -> SO3:
         """From three angles (..., 3) [rad] about moving axes, such as "zyx"; see `euler_to_matrix`."""
-        return cls(angles.euler_to_matrix(checked("angles", angles_, (3,)), axes))
+        return cls(angles.euler_to_matrix(batched_array("angles", angles_, (3,)), axes))
 
     @classmethod
     def from_angle_axis(cls, angle: Any, axis: ArrayLike) -> SO3:
         """From an angle (...) [rad] about an axis (..., 3) of any length but zero."""
-        axis = checked("axis", axis, (3,))
+        axis = batched_array("axis", axis, (3,))
         length = sqrt(dot(axis, axis))
         if axis.dtype != object and np.any(length == 0.0):
             raise InputError("`axis` is zero; expected a direction, such as [0, 0, 1].")
-        return cls(angles.angle_axis_to_matrix(checked("angle", angle, ())[()], axis / column(length)))
+        return cls(angles.angle_axis_to_matrix(batched_array("angle", angle, ())[()], axis / column(length)))
 
     @classmethod
     def rx(cls, angle: Any) -> SO3:
@@ -93,7 +94,7 @@ class SO3(Batched):
     @classmethod
     def exp(cls, w: ArrayLike) -> SO3:
         """The rotation about the direction of `w` (..., 3) by its length [rad]."""
-        return cls(exponential.so3_exp(checked("w", w, (3,))))
+        return cls(exponential.so3_exp(batched_array("w", w, (3,))))
 
     @classmethod
     def random(cls, rng: np.random.Generator, size: tuple[int, ...] = ()) -> SO3:
@@ -164,7 +165,7 @@ def checked_quat(quat: ArrayLike) -> Array:
     Raises:
         InputError: wrong shape, nan or inf, or zero.
     """
-    q = checked("quat", quat, (4,), "The order is x, y, z, w.")
+    q = batched_array("quat", quat, (4,), "The order is x, y, z, w.")
     if q.dtype != object and np.any(np.abs(q).max(axis=-1, initial=0.0) < 1e-100):
         raise InputError(
             "`quat` is zero; expected a quaternion x, y, z, w, such as [0, 0, 0, 1] for no rotation."

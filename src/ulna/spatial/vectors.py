@@ -13,9 +13,9 @@ from typing import Any, ClassVar, Self, final, overload
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array
 from ulna.numeric import apply, cross, dot, matrix
 from ulna.spatial.batched import Batched, as_array, column
-from ulna.spatial.check import checked
 from ulna.typing import Array, ArrayLike
 
 
@@ -45,7 +45,7 @@ class SpatialVector(Batched):
         Raises:
             ShapeError, DtypeError, NonFiniteError: it is not six finite numbers.
         """
-        v = checked("vector", vector, (6,))
+        v = batched_array("vector", vector, (6,))
         return cls(v[..., :3], v[..., 3:])
 
     def vector(self) -> Array:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.values import number
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
@@ -60,13 +61,7 @@ def seconds(name: str, value: Any) -> float:
 
 def above_zero(name: str, value: Any, expected: str) -> float:
     """A finite number above zero."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"`{name}` is {value!r}; expected {expected}.") from None
-    if not 0.0 < number < np.inf:
-        raise InputError(f"`{name}` is {value}; expected {expected}.")
-    return number
+    return number(name, value, expected, above=0.0)
 
 
 def increasing(name: str, value: ArrayLike, count: int) -> Floats:

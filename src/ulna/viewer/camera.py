@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ulna.checks.arrays import length_array
+from ulna.checks.values import number, short_repr
 from ulna.errors import InputError
-from ulna.sim.inputs import lengths, number, told
 from ulna.typing import Floats
 from ulna.viewer.scene import Scene
 
@@ -36,7 +37,7 @@ class Camera:
 
     def __post_init__(self) -> None:
         for name in ("position", "target", "up"):
-            object.__setattr__(self, name, _triple(lengths(name, getattr(self, name), 3)))
+            object.__setattr__(self, name, _triple(length_array(name, getattr(self, name), 3)))
         fov = number("fov", self.fov, "an angle above 0 and below pi [rad]", above=0.0, most=np.pi - 1e-6)
         object.__setattr__(self, "fov", fov)
         if not np.any(self.up):
@@ -65,7 +66,7 @@ def checked_camera(camera: Camera | None) -> Camera | None:
     """
     if camera is not None and not isinstance(camera, Camera):
         raise InputError(
-            f"`camera` is {told(camera)}; expected an ulna.viewer.camera.Camera, or None to see everything."
+            f"`camera` is {short_repr(camera)}; expected an ulna.viewer.camera.Camera, or None to see everything."
         )
     return camera
 

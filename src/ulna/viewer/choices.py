@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, final
 
+from ulna.checks.values import one_of, short_repr, text
 from ulna.errors import InputError
-from ulna.sim.inputs import one_of, told, words
 from ulna.viewer.widgets import Labelled, Named
 
 
@@ -49,7 +49,7 @@ class Choice(_Options, Labelled):
 
     @value.setter
     def value(self, value: str) -> None:
-        self._set("value", choices(self._label, self.options, words("value", value))[1])
+        self._set("value", choices(self._label, self.options, text("value", value))[1])
 
 
 @final
@@ -174,10 +174,10 @@ def choices(label: str, options: Sequence[str], value: str | None) -> tuple[tupl
     """
     if isinstance(options, str | bytes) or not isinstance(options, Iterable):
         raise InputError(
-            f"`options` of {label!r} are {told(options)}; expected words, as in ('open', 'closed')."
+            f"`options` of {label!r} are {short_repr(options)}; expected words, as in ('open', 'closed')."
         )
-    words("label", label)
-    names = tuple(words("options", o) for o in options)
+    text("label", label)
+    names = tuple(text("options", o) for o in options)
     if not names or len(set(names)) != len(names):
         raise InputError(f"{label!r} has the choices {names}; expected at least one, and each once.")
     return names, names[0] if value is None else one_of(f"choice of {label!r}", value, names)

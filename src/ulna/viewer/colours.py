@@ -6,8 +6,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import short_repr
 from ulna.errors import InputError, UnknownName
-from ulna.sim.inputs import finite, told
 from ulna.typing import ArrayLike, Floats
 
 RGBA = tuple[float, float, float, float]
@@ -84,7 +85,7 @@ def colour(value: Colour) -> RGBA:
     if given.shape not in ((3,), (4,)) or given.dtype.kind not in "fiu" or not np.isfinite(given).all():
         raise InputError(
             "A colour is a name, '#rrggbb', or 3 or 4 finite numbers from 0 to 1 (red, green, blue, opacity); "
-            f"got {told(value)}."
+            f"got {short_repr(value)}."
         )
     r, g, b, *a = shades("color", given).tolist()
     return (r, g, b, a[0] if a else 1.0)
@@ -96,12 +97,12 @@ def shades(name: str, value: ArrayLike) -> Floats:
     Raises:
         InputError, NonFiniteError: They are none.
     """
-    out = finite(name, value)
+    out = finite_array(name, value)
     given = np.asarray(value)
     if out.size and given.dtype.kind in "iu" and (given.dtype == np.uint8 or out.max() > 1.0):
         out = out / 255.0
     if out.size and not (out.min() >= -_SLACK and out.max() <= 1.0 + _SLACK):
-        raise InputError(f"`{name}` is {told(value)}; expected numbers from 0 to 1. {_MEND}")
+        raise InputError(f"`{name}` is {short_repr(value)}; expected numbers from 0 to 1. {_MEND}")
     return np.clip(out, 0.0, 1.0)
 
 

@@ -9,9 +9,9 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.values import MAX_LENGTH, count, number, short_repr
+from ulna.checks.values import length as checked_length
 from ulna.errors import InputError
-from ulna.sim.inputs import FARTHEST, count, number, told
-from ulna.sim.inputs import length as checked_length
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer import ellipsoids
 from ulna.viewer.colours import Colour
@@ -72,7 +72,7 @@ class Companions(Handle, abc.ABC):
         )
         if not (isinstance(names, list | tuple) and all(isinstance(n, str) for n in names)):
             raise InputError(
-                f"`frames` is {told(frames)}; expected 'all', a frame's name, or a list of names."
+                f"`frames` is {short_repr(frames)}; expected 'all', a frame's name, or a list of names."
             )
         arrows, kernel = axes(checked_length("length", length)), self.robot.kernel("fk", frame=list(names))
         group = self._group("frames")
@@ -132,7 +132,7 @@ class Companions(Handle, abc.ABC):
         """
         ellipsoids.check_kind(of)
         self._at(frame)
-        factor = number("size", size, "metres for each unit, above zero", above=0.0, most=FARTHEST)
+        factor = number("size", size, "metres for each unit, above zero", above=0.0, most=MAX_LENGTH)
         group = self._group("manipulability")
         node = f"{group.name}/ellipsoid"
         self._scene.add(node, [ball(1.0, _REACH, 36)], shadow=False)
@@ -218,7 +218,9 @@ class Companions(Handle, abc.ABC):
     def _at(self, frame: str | None) -> None:
         """Refuse what is no frame."""
         if not (frame is None or isinstance(frame, str)):
-            raise InputError(f"`frame` is {told(frame)}; expected a frame's name, or None for the tool.")
+            raise InputError(
+                f"`frame` is {short_repr(frame)}; expected a frame's name, or None for the tool."
+            )
         self.robot.fk(self.q, frame)
 
     def _fresh(self, kind: str) -> str:

@@ -9,8 +9,9 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.arrays import length_array, scale_factors
+from ulna.checks.values import length, text
 from ulna.errors import ShapeError
-from ulna.sim.inputs import factors, length, lengths, words
 from ulna.spatial import quat_xyzw_to_matrix
 from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.colours import Colour, shades
@@ -143,7 +144,7 @@ class Text(Content):
     height: float = 0.05
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "words", words("words", self.words))
+        object.__setattr__(self, "words", text("words", self.words))
         object.__setattr__(self, "height", length("height", self.height))
 
     @property
@@ -181,7 +182,7 @@ class Copies(Content):
         object.__setattr__(self, "poses", poses)
         if self.colours is not None:
             object.__setattr__(self, "colours", _tints(self.colours, len(poses)))
-        scales = factors("scales", 1.0 if self.scales is None else self.scales, len(poses))
+        scales = scale_factors("scales", 1.0 if self.scales is None else self.scales, len(poses))
         scales.setflags(write=False)
         object.__setattr__(self, "scales", scales)
 
@@ -267,7 +268,7 @@ def transforms(positions: ArrayLike, quat_xyzw: ArrayLike | None = None) -> Floa
 
 def _frozen(name: str, value: ArrayLike, *shape: int | None) -> Floats:
     """A read-only copy of lengths of that shape [m], None for any length."""
-    out = lengths(name, value, *shape)
+    out = length_array(name, value, *shape)
     out.setflags(write=False)
     return out
 

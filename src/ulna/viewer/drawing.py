@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import length_array
+from ulna.checks.values import count, fraction
+from ulna.checks.values import length as checked_length
 from ulna.errors import InputError
-from ulna.sim.inputs import count, lengths, share
-from ulna.sim.inputs import length as checked_length
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.companions import add_arrow
@@ -61,9 +62,9 @@ class Drawing(Places):
 
         It is drawn `size` [m] long for each unit of `vector`: 1 for a way in metres, 0.01 for a force of some newtons.
         """
-        place = lengths("start", start, 3)
+        place = length_array("start", start, 3)
         node = self._name(name, "arrow")
-        share("opacity", opacity)
+        fraction("opacity", opacity)
         out = add_arrow(self.scene, node, vector, PLAIN if color is None else color, radius, size)
         turn = out.pose
         turn[:3, 3] = place
@@ -90,7 +91,7 @@ class Drawing(Places):
     def curve(self, points: ArrayLike, *, steps: int = 12, **more: Any) -> Path:
         """A smooth curve through points (n, 3) [m]: a Catmull-Rom spline with `steps` pieces between two of them."""
         return self.line(
-            _catmull_rom(lengths("points", points, None, 3), count("steps", steps, 1, 1000)), **more
+            _catmull_rom(length_array("points", points, None, 3), count("steps", steps, 1, 1000)), **more
         )
 
     def points(
@@ -104,7 +105,7 @@ class Drawing(Places):
         opacity: float = 1.0,
     ) -> Cloud:
         """A cloud of points (n, 3) [m], of one colour (3,) or one for each (n, 3); `size` is their diameter [m]."""
-        content = Points(lengths("positions", positions, None, 3), colors, size)
+        content = Points(length_array("positions", positions, None, 3), colors, size)
         return self._put(
             name, "points", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Cloud
         )
@@ -120,7 +121,7 @@ class Drawing(Places):
         opacity: float = 1.0,
     ) -> Words:
         """Words that face whoever looks, dark or light as suits the theme; `height` of the letters in metres."""
-        place = transforms([lengths("position", position, 3)])[0]
+        place = transforms([length_array("position", position, 3)])[0]
         rgba = None if color is None else colour(color)
         out = self._put(name, "text", content=Text(words, height), pose=place, opacity=opacity, kind_of=Words)
         out.color = rgba

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.sim.inputs import one_of
+from ulna.checks.values import one_of
 from ulna.typing import Floats
 
 KINDS = ("velocity", "force")

@@ -8,8 +8,8 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array, shaped_array
 from ulna.errors import ShapeError
-from ulna.sim.inputs import finite, numbers
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.content import Copies
@@ -196,7 +196,7 @@ class Ghosts:
     def _checked(self, q: ArrayLike) -> Floats:
         rows = len(self._q) if getattr(self, "_bases", None) is not None else None
         mend = "One configuration in each row" + ("." if rows is None else ", as many as there are bases.")
-        return numbers("q", q, rows, self.robot.nq, mend=mend)
+        return shaped_array("q", q, rows, self.robot.nq, fix=mend)
 
     def _bring(self) -> None:
         if self.name not in self.scene:
@@ -225,7 +225,7 @@ def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
         out = q.copy()
         if math.isfinite(math.hypot(*out.tolist())):
             return out
-    out = finite("q", q, f"{count} numbers")
+    out = finite_array("q", q, f"{count} numbers")
     if out.shape != (count,):
         names = ", ".join(robot.joint_names[:8])
         raise ShapeError("q", out.shape, f"({count},)", f"One number for each of: {names}.")

@@ -9,8 +9,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from ulna.checks.values import short_repr
 from ulna.errors import InputError, UnknownName
-from ulna.sim.inputs import told
 
 
 def checked_path(path: Any, what: str, suffixes: Sequence[str]) -> Path:
@@ -21,7 +21,9 @@ def checked_path(path: Any, what: str, suffixes: Sequence[str]) -> Path:
         UnknownName: It ends otherwise.
     """
     if not isinstance(path, str | os.PathLike) or not isinstance(os.fspath(path), str):
-        raise InputError(f"`path` is {told(path)}; expected the path of a {what} ({', '.join(suffixes)}).")
+        raise InputError(
+            f"`path` is {short_repr(path)}; expected the path of a {what} ({', '.join(suffixes)})."
+        )
     target = Path(path)
     if target.suffix.lower() not in suffixes:
         raise UnknownName(f"kind of {what}", target.suffix, suffixes, f"The path is {str(path)!r}.")

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ulna.checks.values import number
 from ulna.errors import InputError, MissingExtra
-from ulna.sim.inputs import number
 from ulna.typing import Array
 from ulna.viewer.files import checked_path, written
 

@@ -7,8 +7,8 @@ import hmac
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qs, urlsplit
 
+from ulna.checks.values import short_repr
 from ulna.errors import InputError
-from ulna.sim.inputs import told
 
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
@@ -21,7 +21,7 @@ def checked_host(host: str) -> str:
     """
     if not isinstance(host, str):
         raise InputError(
-            f"`host` is {told(host)}; expected an address, such as '127.0.0.1' for this machine alone."
+            f"`host` is {short_repr(host)}; expected an address, such as '127.0.0.1' for this machine alone."
         )
     return host
 

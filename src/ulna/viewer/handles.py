@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import length_array, scale_factors
+from ulna.checks.values import MAX_LENGTH, flag, fraction, length, number
 from ulna.errors import ShapeError
-from ulna.sim.inputs import FARTHEST, factors, flag, length, lengths, number, share
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.assigned import Assigned
 from ulna.viewer.colours import Colour
@@ -55,7 +56,7 @@ class Handle(Assigned):
     @position.setter
     def position(self, position: ArrayLike) -> None:
         pose = self.pose
-        pose[:3, 3] = lengths("position", position, 3)
+        pose[:3, 3] = length_array("position", position, 3)
         self._scene.set_pose(self._name, pose)
 
     @property
@@ -81,7 +82,7 @@ class Handle(Assigned):
 
     @opacity.setter
     def opacity(self, opacity: float) -> None:
-        self._scene.set_look(self._name, "opacity", share("opacity", opacity))
+        self._scene.set_look(self._name, "opacity", fraction("opacity", opacity))
 
     @property
     def scale(self) -> Floats:
@@ -90,7 +91,7 @@ class Handle(Assigned):
 
     @scale.setter
     def scale(self, scale: ArrayLike) -> None:
-        self._scene.set_look(self._name, "scale", factors("scale", scale))
+        self._scene.set_look(self._name, "scale", scale_factors("scale", scale))
 
     @property
     def visible(self) -> bool:
@@ -128,7 +129,7 @@ class Cloud(Handle):
     @points.setter
     def points(self, points: ArrayLike) -> None:
         old: Points = self._content()
-        points, colours = lengths("points", points, None, 3), old.colours
+        points, colours = length_array("points", points, None, 3), old.colours
         if len(colours) != len(points):
             if len(colours) and not (colours == colours[0]).all():
                 raise ShapeError(
@@ -150,7 +151,7 @@ class Cloud(Handle):
     def set(self, points: ArrayLike, colors: ArrayLike) -> None:
         """Other points and their colours at once."""
         self._scene.set_content(
-            self._name, Points(lengths("points", points, None, 3), colors, self._content().size)
+            self._name, Points(length_array("points", points, None, 3), colors, self._content().size)
         )
 
 
@@ -252,7 +253,7 @@ class Arrow(Handle):
 
     @vector.setter
     def vector(self, vector: ArrayLike) -> None:
-        self._vector = lengths("vector", vector, 3)
+        self._vector = length_array("vector", vector, 3)
         self._draw()
 
     @property
@@ -262,7 +263,7 @@ class Arrow(Handle):
 
     @size.setter
     def size(self, size: float) -> None:
-        self._size = number("size", size, "metres for each unit, above zero", above=0.0, most=FARTHEST)
+        self._size = number("size", size, "metres for each unit, above zero", above=0.0, most=MAX_LENGTH)
         self._draw()
 
     def _draw(self) -> None:

@@ -9,9 +9,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ulna.checks.values import one_of
 from ulna.errors import MissingExtra, ModelWarning, UlnaError
 from ulna.geometry import Geometry, Mesh
-from ulna.sim.inputs import one_of
 from ulna.viewer.meshes import Detail, check_detail, load_mesh
 from ulna.viewer.progress import Report, silent
 from ulna.viewer.surface import DEFAULT_COLOUR, RGBA, Surface, colour

@@ -10,10 +10,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ulna.checks.values import one_of
 from ulna.errors import InputError
 from ulna.files import refuse_special
 from ulna.geometry.meshes import read_pieces
-from ulna.sim.inputs import one_of
 from ulna.typing import Array, Floats
 from ulna.viewer import mesh_store
 from ulna.viewer.decimate import can_decimate

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
+from ulna.checks.arrays import length_array
+from ulna.checks.values import short_repr
 from ulna.errors import InputError
-from ulna.sim.inputs import lengths, told
 from ulna.typing import Array, Floats
 from ulna.viewer.content import Content
 from ulna.viewer.surface import Surface
@@ -85,7 +86,7 @@ def standing(value: Any) -> Floats:
     if not listed and getattr(value, "shape", None) != (3,):
         return checked_poses(value, "pose", 4, 4, mend="An SE3 serves, too, or a place (3,).")
     out = np.eye(4)
-    out[:3, 3] = lengths("pose", value, 3)
+    out[:3, 3] = length_array("pose", value, 3)
     return out
 
 
@@ -95,7 +96,7 @@ def checked_poses(value: Any, name: str, *shape: int | None, mend: str = "") -> 
     Raises:
         ShapeError, NonFiniteError, InputError: They are none.
     """
-    out = lengths(name, value.matrix() if hasattr(value, "matrix") else value, *shape, mend=mend)
+    out = length_array(name, value.matrix() if hasattr(value, "matrix") else value, *shape, fix=mend)
     turned = out[..., :3, :3]
     off = np.abs(turned @ turned.mT - _UNIT).max(axis=(-2, -1))
     off = np.where(np.linalg.det(turned) < 0.0, 1.0, off)
@@ -120,7 +121,7 @@ def check_name(name: str) -> None:
     """
     if not isinstance(name, str) or "" in name.split("/"):
         raise InputError(
-            f"`name` is {told(name)}; expected words that neither are empty nor begin or end with '/', without '//'."
+            f"`name` is {short_repr(name)}; expected a name without '//' and without '/' at either end."
         )
 
 

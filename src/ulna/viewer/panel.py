@@ -9,8 +9,8 @@ from typing import Any, TypeVar, final
 
 import numpy as np
 
+from ulna.checks.values import count, duration, flag, function, number, text
 from ulna.errors import InputError
-from ulna.sim.inputs import count, duration, flag, function, number, words
 from ulna.typing import Floats
 from ulna.viewer.choices import Boxes, Buttons, Choice, Menu, choices
 from ulna.viewer.controls import Gizmo, position_wxyz
@@ -74,7 +74,7 @@ class Panel:
         Raises:
             InputError: `low` is not below `high`, `step` is not above zero, or a number is not finite.
         """
-        words("label", label)
+        text("label", label)
         function("on_change", on_change)
         low, high = check_limits(label, low, high)
         start = min(max(low if value is None else number("value", value), low), high)
@@ -86,7 +86,7 @@ class Panel:
         self, label: str, value: float = 0.0, on_change: Callable[[float], None] = nothing, *, unit: str = ""
     ) -> Number:
         """A number to type."""
-        words("label", label)
+        text("label", label)
         function("on_change", on_change)
         handle = self._made("number", with_unit(label, unit), number("value", value))
         return self._heard(Number(handle, label, unit), on_change)
@@ -178,7 +178,7 @@ class Panel:
 
     def text(self, content: str = "") -> Text:
         """Words in Markdown; setting `value` replaces them."""
-        said = words("content", content)
+        said = text("content", content)
         return self._keep(Text(Kept(content=said) if self._gui is None else self._gui.add_markdown(said)))
 
     def plot(
@@ -194,7 +194,7 @@ class Panel:
             height: Height [pixels].
         """
         names, _ = choices(title, series, None)
-        heading, span = with_unit(words("title", title), unit), duration("seconds", seconds)
+        heading, span = with_unit(text("title", title), unit), duration("seconds", seconds)
         count("height", height, 20, 4000)
         if self._gui is None or self._page is None:
             return self._keep(Plot(Kept(title=heading), title, unit, names, span, nothing))
@@ -243,9 +243,9 @@ class Panel:
 
     def _made(self, kind: str, label: str, *value: Any, **more: Any) -> Any:
         """A control of the page, or what stands in for one."""
-        words("label", label)
+        text("label", label)
         if more.get("hint") is not None:
-            words("hint", more["hint"])
+            text("hint", more["hint"])
         if self._gui is None:
             return Kept(label=label, **({"value": value[0]} if value else {}), **more)
         more.pop("value", None)

@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Iterable
 from typing import Any
 
-from ulna.sim.inputs import one_of, share
+from ulna.checks.values import fraction, one_of
 from ulna.viewer.content import Content
 from ulna.viewer.handles import Handle
 from ulna.viewer.node import check_name
@@ -87,7 +87,7 @@ class Places(abc.ABC):
         kind_of: Any = Handle,
     ) -> Any:
         node = self._name(name, kind)
-        share("opacity", opacity)
+        fraction("opacity", opacity)
         self.scene.add(node, surfaces, pose, shadow, through, content)
         out = kind_of(self.scene, node)
         self._keep(out, opacity)

@@ -9,8 +9,9 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import duration, number, text
 from ulna.errors import ShapeError
-from ulna.sim.inputs import duration, finite, number, words
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.widgets import Control, with_unit
 
@@ -72,7 +73,7 @@ class Plot(Control):
     @label.setter
     def label(self, label: str) -> None:
         self._alive()
-        self._label = words("label", label)
+        self._label = text("label", label)
         self._set("title", with_unit(self._label, self._unit))
 
     def add(self, t: float, values: ArrayLike) -> None:
@@ -81,7 +82,7 @@ class Plot(Control):
         Raises:
             ShapeError: There are more or fewer numbers than lines.
         """
-        row, t = np.atleast_1d(finite("values", values)), number("t", t, "a time [s]")
+        row, t = np.atleast_1d(finite_array("values", values)), number("t", t, "a time [s]")
         if row.shape != (len(self._names),):
             raise ShapeError(
                 "values", row.shape, f"({len(self._names)},), one for each of {', '.join(self._names)}"

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from ulna.checks.values import count
 from ulna.errors import InputError
-from ulna.sim.inputs import count
 from ulna.typing import Array
 from ulna.viewer import light, texels
 from ulna.viewer.camera import Camera, frame

@@ -8,8 +8,9 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.arrays import shaped_array
+from ulna.checks.values import one_of
 from ulna.sim import Body
-from ulna.sim.inputs import numbers, one_of
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.companions import Companions
 from ulna.viewer.figure import Figure, checked_configuration
@@ -89,7 +90,7 @@ class RobotHandle(Companions):
     def qd(self, qd: ArrayLike) -> None:
         with self._lock:
             if self._body is None:
-                self._qd = numbers("qd", qd, self.robot.nv)
+                self._qd = shaped_array("qd", qd, self.robot.nv)
             else:
                 self._body.qd = qd
             self._figure.again()

@@ -7,8 +7,8 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.values import checked_robot, flag, one_of, short_repr
 from ulna.errors import InputError
-from ulna.sim.inputs import checked_robot, flag, one_of, told
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.camera import Camera
 from ulna.viewer.figure import Figure, checked_configuration
@@ -55,7 +55,9 @@ def show(
     """
     start = configuration(checked_robot(robot), q)
     if not (scene is None or isinstance(scene, Scene)):
-        raise InputError(f"`scene` is {told(scene)}; expected a Scene, such as viewer.scene is, or None.")
+        raise InputError(
+            f"`scene` is {short_repr(scene)}; expected a Scene, such as viewer.scene is, or None."
+        )
     flag("browser", browser)
     place = scene if scene is not None else Scene()
     out = Show(robot, start, place, port, host, camera, theme_of(theme), checked_showing(show))

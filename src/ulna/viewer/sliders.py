@@ -6,8 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import Any, final
 
+from ulna.checks.arrays import shaped_array
+from ulna.checks.values import number, text
 from ulna.errors import InputError
-from ulna.sim.inputs import number, numbers, words
 from ulna.viewer.widgets import Valued, with_unit
 
 
@@ -27,7 +28,7 @@ class Number(Valued):
 
     @unit.setter
     def unit(self, unit: str) -> None:
-        self._unit = words("unit", unit)
+        self._unit = text("unit", unit)
         self._set("label", self._words())
 
     def _words(self) -> str:
@@ -72,7 +73,7 @@ class Slider(Number):
 
     @limits.setter
     def limits(self, limits: Sequence[float]) -> None:
-        low, high = check_limits(self._label, *numbers("limits", limits, 2))
+        low, high = check_limits(self._label, *shaped_array("limits", limits, 2))
         value = min(max(self.value, low), high)
         self._set("min", min(low, self.low))  # the page never has the value outside
         self._set("max", max(high, self.high))

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import checked_robot, fraction, short_repr
 from ulna.errors import InputError
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
-from ulna.sim.inputs import checked_robot, finite, share, told
 from ulna.typing import ArrayLike
 from ulna.viewer.colours import Colour
 from ulna.viewer.companions import GhostsHandle
@@ -82,7 +83,7 @@ class Stage(Drawing):
             return self.mesh(thing, detail=detail, **common)
         if not hasattr(thing, "link_poses"):
             raise InputError(
-                f"Cannot show {told(thing)}; expected a Robot, a shape, a Surface, or the path of a mesh file."
+                f"Cannot show {short_repr(thing)}; expected a Robot, a shape, a Surface, or the path of a mesh file."
             )
         return self._robot(checked_robot(thing), q, show=show, detail=detail, **common)
 
@@ -97,7 +98,7 @@ class Stage(Drawing):
         show: Showing,
         detail: Detail,
     ) -> RobotHandle:
-        share("opacity", opacity)
+        fraction("opacity", opacity)
         start, group = configuration(robot, q), self._name(name, robot.name)
         old = self._handles.get(group)
         with progress(f"Loading {robot.name}") as report:
@@ -160,10 +161,10 @@ class Stage(Drawing):
             MissingExtra: trimesh is not installed.
         """
         file = _file(path)
-        factors = finite("scale", scale, "a factor, or one along each axis")
+        factors = finite_array("scale", scale, "a factor, or one along each axis")
         if factors.shape not in ((), (3,)) or not (factors != 0.0).all():
             raise InputError(
-                f"`scale` is {told(scale)}; expected a factor other than 0, or one along each axis."
+                f"`scale` is {short_repr(scale)}; expected a factor other than 0, or one along each axis."
             )
         with progress(f"Loading {os.path.basename(file)}") as report:
             report(0, 1)
@@ -235,7 +236,7 @@ class Stage(Drawing):
             ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
         """
         rgba = None if color is None else colour(color)
-        share("opacity", opacity)
+        fraction("opacity", opacity)
         stand = np.eye(4) if pose is None else standing(pose)
         places = None if bases is None else checked_poses(bases, "bases", None, 4, 4)
         node = self._name(name, f"{checked_robot(robot).name} fleet")
@@ -258,6 +259,6 @@ def _surfaces(thing: Any) -> tuple[Surface, ...]:
 def _file(path: Any) -> str:
     if not isinstance(path, str | os.PathLike):
         raise InputError(
-            f"`path` is {told(path)}; expected the path of a mesh file (dae, stl, obj, glb ...)."
+            f"`path` is {short_repr(path)}; expected the path of a mesh file (dae, stl, obj, glb ...)."
         )
     return str(os.fspath(path))

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import checked_robot, flag, fraction, short_repr
 from ulna.errors import InputError, MissingExtra
-from ulna.sim.inputs import checked_robot, finite, flag, share, told
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour, colour
 from ulna.viewer.figure import checked_configuration
@@ -49,11 +50,11 @@ def stick_figure(
     """
     configurations = _configurations(checked_robot(robot), q)
     if not isinstance(frames, list | tuple) or not all(isinstance(f, str) for f in frames):
-        raise InputError(f"`frames` is {told(frames)}; expected a list of names of frames.")
-    ink, alpha = colour(color)[:3], share("alpha", alpha)
+        raise InputError(f"`frames` is {short_repr(frames)}; expected a list of names of frames.")
+    ink, alpha = colour(color)[:3], fraction("alpha", alpha)
     if ax is not None and getattr(ax, "name", "") != "3d":
         raise InputError(
-            f"`ax` is {told(ax)}; expected axes of matplotlib in three dimensions (projection='3d')."
+            f"`ax` is {short_repr(ax)}; expected axes of matplotlib in three dimensions (projection='3d')."
         )
     flag("tool", tool)
     flag("shadow", shadow)
@@ -96,7 +97,7 @@ def stick_figure(
 def _configurations(robot: Any, q: ArrayLike | None) -> list[Floats]:
     if q is None:
         return [np.array(robot.neutral)]
-    many = finite("q", q)
+    many = finite_array("q", q)
     if many.ndim == 2 and len(many):
         return [checked_configuration(robot, one) for one in many]
     return [checked_configuration(robot, many)]

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Any
 
+from ulna.checks.values import MAX_LENGTH, number, short_repr, text
+from ulna.checks.values import function as checked_function
 from ulna.errors import InputError
 from ulna.sim import Recording
-from ulna.sim.inputs import FARTHEST, number, told, words
-from ulna.sim.inputs import function as checked_function
 from ulna.typing import Array
 from ulna.viewer.camera import Camera, checked_camera, frame
 from ulna.viewer.film import check_film, moments, write_film
@@ -33,7 +33,7 @@ class Studio(Stage, abc.ABC):
 
     def __init__(self, title: str, theme: Theme | str, camera: Camera | None, floor: float | None) -> None:
         super().__init__()
-        self.title, self._theme = words("title", title), theme_of(theme)
+        self.title, self._theme = text("title", title), theme_of(theme)
         self._camera, self._floor = checked_camera(camera), checked_height(floor)
 
     @abc.abstractmethod
@@ -205,11 +205,13 @@ class Studio(Stage, abc.ABC):
                 )
             return [(self.robots[0], lambda: recorded)]
         if not isinstance(recorded, Mapping):
-            raise InputError(f"Cannot play {told(recorded)}; expected a recording, or {{handle: recording}}.")
+            raise InputError(
+                f"Cannot play {short_repr(recorded)}; expected a recording, or {{handle: recording}}."
+            )
         for robot, recording in recorded.items():
             if not isinstance(robot, RobotHandle) or not isinstance(recording, Recording):
                 raise InputError(
-                    f"Cannot play {{{told(robot)}: {told(recording)}}}; expected {{handle: recording}}."
+                    f"Cannot play {{{short_repr(robot)}: {short_repr(recording)}}}; expected {{handle: recording}}."
                 )
         if not recorded:
             raise InputError("Cannot play {}; expected a recording, or {handle: recording}.")
@@ -222,4 +224,6 @@ def checked_height(floor: float | None) -> float | None:
     Raises:
         InputError: It is no finite number.
     """
-    return None if floor is None else number("floor", floor, "a height [m]", least=-FARTHEST, most=FARTHEST)
+    return (
+        None if floor is None else number("floor", floor, "a height [m]", least=-MAX_LENGTH, most=MAX_LENGTH)
+    )

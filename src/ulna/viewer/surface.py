@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ulna.checks.arrays import length_array
+from ulna.checks.values import MAX_LENGTH, short_repr
 from ulna.errors import InputError, ShapeError
-from ulna.sim.inputs import FARTHEST, lengths, told
 from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.colours import RGBA, Colour, colour
 
@@ -54,9 +55,11 @@ class Surface:
             try:
                 value = np.ascontiguousarray(given, dtype=kind).reshape(-1, 3)
             except (TypeError, ValueError, OverflowError):
-                raise InputError(f"`{name}` is {told(given)}; expected numbers of shape (n, 3).") from None
-            if kind is float and not np.vdot(value, value) <= FARTHEST**2:  # a quick look first
-                lengths(name, value, None, 3)
+                raise InputError(
+                    f"`{name}` is {short_repr(given)}; expected numbers of shape (n, 3)."
+                ) from None
+            if kind is float and not np.vdot(value, value) <= MAX_LENGTH**2:  # a quick look first
+                length_array(name, value, None, 3)
             value.setflags(write=False)
             object.__setattr__(self, name, value)
         if self.normals.shape != self.vertices.shape:

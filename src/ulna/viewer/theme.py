@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+from ulna.checks.arrays import shaped_array
+from ulna.checks.values import flag, fraction, number, one_of
 from ulna.errors import InputError
-from ulna.sim.inputs import flag, number, numbers, one_of, share
 
 RGB = tuple[int, int, int]
 
@@ -43,12 +44,12 @@ class Theme:
     def __post_init__(self) -> None:
         flag("dark", self.dark)
         for name in ("top", "horizon", "floor", "section", "cell", "ink"):
-            rgb = numbers(name, getattr(self, name), 3)
+            rgb = shaped_array(name, getattr(self, name), 3)
             if rgb.min() < 0.0 or rgb.max() > 255.0 or (rgb % 1.0).any():
                 raise InputError(f"`{name}` is {getattr(self, name)}; expected three integers from 0 to 255.")
         for name in ("lamps", "room"):
             number(name, getattr(self, name), "a strength from 0 to 100", least=0.0, most=100.0)
-        share("shadow", self.shadow)
+        fraction("shadow", self.shadow)
 
 
 LIGHT = Theme()

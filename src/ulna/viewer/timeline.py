@@ -8,8 +8,8 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.values import number
 from ulna.sim import Recording, Simulation
-from ulna.sim.inputs import number
 from ulna.viewer.page import Page
 from ulna.viewer.panel import Panel
 from ulna.viewer.robot_handle import RobotHandle

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, final
 
+from ulna.checks.values import count, flag, number
+from ulna.checks.values import short_repr as worded
 from ulna.errors import InputError, UnknownName
 from ulna.sim import Simulation
 from ulna.sim.body import TOLD, check_told
-from ulna.sim.inputs import count, flag, number
-from ulna.sim.inputs import told as worded
 from ulna.viewer.camera import Camera, checked_camera, frame
 from ulna.viewer.guard import checked_host
 from ulna.viewer.handles import Handle

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, final
 
+from ulna.checks.values import flag, text
 from ulna.errors import InputError
-from ulna.sim.inputs import flag, words
 from ulna.viewer.assigned import Assigned
 
 
@@ -88,7 +88,7 @@ class Named(Control):
     @label.setter
     def label(self, label: str) -> None:
         self._alive()
-        self._label = words("label", label)
+        self._label = text("label", label)
         self._set("label", self._words())
 
     def _words(self) -> str:
@@ -151,7 +151,7 @@ class Text(Control):
 
     @value.setter
     def value(self, value: str) -> None:
-        self._set("content", words("value", value))
+        self._set("content", text("value", value))
 
 
 @final
@@ -197,4 +197,4 @@ class Folder(Named):
 
 def with_unit(label: str, unit: str) -> str:
     """Words and what is measured: "force [N]"."""
-    return f"{label} [{words('unit', unit)}]" if words("unit", unit) else label
+    return f"{label} [{text('unit', unit)}]" if text("unit", unit) else label

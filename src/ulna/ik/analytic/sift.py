@@ -10,7 +10,7 @@ import numpy as np
 
 from ulna.ik.analytic.candidates import Source
 from ulna.spatial import SE3
-from ulna.spatial.check import nearest_rotation
+from ulna.spatial.nearest import nearest_rotation
 from ulna.typing import Floats
 
 _DISTINCT = 1e-6  # two solutions are one when no joint differs by more [rad or m]

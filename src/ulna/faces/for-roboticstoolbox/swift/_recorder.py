@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.values import number, one_of, short_repr
 from ulna.errors import InputError
-from ulna.sim.inputs import number, one_of, told
 
 FORMATS = {"webm": ".mp4", "mp4": ".mp4", "gif": ".gif", "png": ""}
 """What is written for each format that can be asked for: a film, or a folder of pictures."""
@@ -36,7 +36,7 @@ class Recorder:
         one_of("format of recordings", format, FORMATS)
         rate = number("framerate", fps, "pictures a second, above 0 and up to 240", above=0.0, most=240.0)
         if not isinstance(file, str | os.PathLike):
-            raise InputError(f"`file_name` is {told(file)}; expected the path of a file.")
+            raise InputError(f"`file_name` is {short_repr(file)}; expected the path of a file.")
         suffix, path = FORMATS[format], Path(file)
         self.path = path if path.suffix == suffix else path.with_name(path.name + suffix)
         self._viewer, self._fps = viewer, rate

@@ -10,8 +10,9 @@ import numpy as np
 
 from swift._contents import Contents
 from swift._recorder import Recorder
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import number
 from ulna.errors import InputError
-from ulna.sim.inputs import finite, number
 from ulna.viewer.camera import Camera
 from ulna.viewer.screen import somebody_can_look
 
@@ -97,7 +98,9 @@ class Swift(Contents):
 
     def set_camera_pose(self, position: Any, look_at: Any) -> None:
         """Look from a place at a place, (3,) each [m]."""
-        at, to = (np.reshape(finite(n, p), -1) for n, p in (("position", position), ("look_at", look_at)))
+        at, to = (
+            np.reshape(finite_array(n, p), -1) for n, p in (("position", position), ("look_at", look_at))
+        )
         self.viewer.camera = Camera(tuple(at), tuple(to))  # type: ignore[arg-type]
 
     def set_lights(self, lights: Any) -> None:

@@ -1,0 +1,134 @@
+"""Checks of single arguments: numbers, flags, texts, choices, functions, robots."""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError, UnknownName
+
+MAX_LENGTH = 1e15
+"""The longest length [m]: a screen counts in numbers of 32 bits, whose squares end soon after."""
+
+_SHORT = reprlib.Repr()
+_SHORT.maxother = _SHORT.maxstring = _SHORT.maxlong = 80
+
+
+def number(
+    name: str,
+    value: Any,
+    expected: str = "a finite number",
+    above: float = -math.inf,
+    least: float = -math.inf,
+    most: float = math.inf,
+) -> float:
+    """A finite number above `above`, from `least` to `most`.
+
+    Raises:
+        InputError: It is none; it was `expected`.
+    """
+    try:
+        out = value if type(value) is float else real_number(value)  # the usual kind costs nothing
+    except (TypeError, ValueError, OverflowError):
+        out = math.nan
+    if not (math.isfinite(out) and above < out and least <= out <= most):
+        raise InputError(f"`{name}` is {short_repr(value)}; expected {expected}.")
+    return out
+
+
+def length(name: str, value: Any) -> float:
+    """A length above zero [m]."""
+    return number(name, value, "a length above zero [m]", above=0.0, most=MAX_LENGTH)
+
+
+def duration(name: str, value: Any) -> float:
+    """A time above zero [s]."""
+    return number(name, value, "a time above zero [s]", above=0.0)
+
+
+def step_count(span: Any, dt: Any, most: int) -> tuple[float, int]:
+    """A span of time [s], and how many steps of about `dt` [s] it has.
+
+    Raises:
+        InputError: They are not above zero, or the steps are more than `most`.
+    """
+    whole, each = duration("duration", span), duration("dt", dt)
+    if not whole / each <= most:
+        raise InputError(
+            f"`duration` is {whole:g} s and `dt` {each:g} s, {whole / each:.3g} steps; expected at most {most:.0e}."
+        )
+    return whole, max(1, round(whole / each))
+
+
+def fraction(name: str, value: Any) -> float:
+    """A number from 0 to 1."""
+    return number(name, value, "a number from 0 to 1", least=0.0, most=1.0)
+
+
+def count(name: str, value: Any, least: int = 1, most: int | None = None) -> int:
+    """A whole number from `least` on, up to `most`."""
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not whole or value < least or (most is not None and value > most):
+        span = f"{least} or more" if most is None else f"from {least} to {most}"
+        raise InputError(f"`{name}` is {short_repr(value)}; expected a whole number, {span}.")
+    return int(value)
+
+
+def flag(name: str, value: Any) -> bool:
+    """True or False; 1 and 0 serve, too."""
+    if not (isinstance(value, bool | int | np.bool_ | np.integer) and value in (0, 1)):
+        raise InputError(f"`{name}` is {short_repr(value)}; expected True or False.")
+    return bool(value)
+
+
+def text(name: str, value: Any) -> str:
+    """Words; a number is written out."""
+    if not isinstance(value, str | int | float | np.number) or isinstance(value, bool):
+        raise InputError(f"`{name}` is {short_repr(value)}; expected words (a str).")
+    return str(value)
+
+
+def function(name: str, value: Any) -> Any:
+    """Something to call."""
+    if not callable(value):
+        raise InputError(f"`{name}` is {short_repr(value)}; expected a function.")
+    return value
+
+
+def one_of(kind: str, value: Any, choices: Iterable[str]) -> Any:
+    """One of some names.
+
+    Raises:
+        UnknownName: It is none of them; the nearest is offered.
+    """
+    names = tuple(choices)
+    if not (isinstance(value, str) and value in names):
+        raise UnknownName(kind, value if isinstance(value, str) else short_repr(value), names)
+    return value
+
+
+def checked_robot(robot: Any) -> Any:
+    """`robot`, when it is one.
+
+    Raises:
+        InputError: It is none.
+    """
+    if not hasattr(robot, "link_poses"):
+        raise InputError(f"`robot` is {short_repr(robot)}; expected a Robot, such as ulna.load(...) gives.")
+    return robot
+
+
+def real_number(value: Any) -> float:
+    """A number, of whatever kind: not one that is written, nor True or False."""
+    if isinstance(value, bool | np.bool_ | str | bytes):
+        raise TypeError
+    return float(value)
+
+
+def short_repr(value: Any) -> str:
+    """A value as messages tell of it: not longer than a line."""
+    return _SHORT.repr(value)
