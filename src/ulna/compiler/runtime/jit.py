@@ -15,6 +15,7 @@ from typing import Any
 
 from ulna import disk_cache as disk
 from ulna.compiler.language.function import Function
+from ulna.compiler.runtime.interrupt import interruptible
 from ulna.errors import CompileError
 
 # Part of the cache's key: change it with `_optimised` and `_machine`.
@@ -103,15 +104,13 @@ def load_text(ir: str, names: tuple[str, ...]) -> Code:
 def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[[], Any]) -> Code:
     t, llvm = target(), _llvm()
     key = disk.key(ir, t.triple, t.cpu, t.features, t.version, _RECIPE)
+    start = time.perf_counter()
+    content = disk.read(key)
+    fresh = content is None
+    if content is None:
+        content = interruptible(lambda: _object(key, ir, has_loops, announced))
+    seconds = time.perf_counter() - start if fresh else 0.0
     with _lock:
-        start = time.perf_counter()
-        content = disk.read(key)
-        fresh = content is None
-        if content is None:
-            with announced():
-                content = _machine().emit_object(_optimised(ir, has_loops))
-            disk.write(key, content)
-        seconds = time.perf_counter() - start if fresh else 0.0
         own = _new_machine()  # the engine takes it over
         engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), own)
         engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(content))
@@ -124,6 +123,17 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[
     if not all(code.addresses.values()):
         raise CompileError(f"LLVM made no code for {[n for n, a in code.addresses.items() if not a]}.")
     return code
+
+
+def _object(key: str, ir: str, has_loops: bool, announced: Callable[[], Any]) -> bytes:
+    """The object file of `ir`, which another thread, or a compilation that was interrupted, may have made by now."""
+    with _lock:
+        content = disk.read(key)
+        if content is None:
+            with announced():
+                content = _machine().emit_object(_optimised(ir, has_loops))
+            disk.write(key, content)
+        return content
 
 
 @contextlib.contextmanager

@@ -1,0 +1,106 @@
+"""Ctrl-C while native code works: the wait ends at once, the work goes on apart, and the process ends properly."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from ulna.compiler import compile, trace
+from ulna.compiler.runtime.interrupt import interruptible
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends signals as POSIX has them")
+
+_PRELUDE = """
+import os, signal, sys, threading, time
+from ulna.compiler.runtime.interrupt import interruptible
+started = threading.Event()
+def work(seconds):
+    started.set()
+    time.sleep(seconds)
+    print("worked", flush=True)
+def interrupt():
+    started.wait()
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=interrupt, daemon=True).start()
+"""
+
+
+def run(script: str, timeout: float = 60.0) -> tuple[int, str, str, float]:
+    start = time.monotonic()
+    process = subprocess.run(
+        [sys.executable, "-c", _PRELUDE + script],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+    )
+    return process.returncode, process.stdout, process.stderr, time.monotonic() - start
+
+
+def test_it_returns_and_raises_what_the_work_does() -> None:
+    assert interruptible(lambda: 7) == 7
+    with pytest.raises(ZeroDivisionError):
+        interruptible(lambda: 1 // 0)
+
+
+def test_the_main_thread_alone_needs_another_thread() -> None:
+    names: list[str] = []
+
+    def work() -> None:
+        names.append(threading.current_thread().name)
+
+    interruptible(work)
+    other = threading.Thread(target=interruptible, args=(work,), name="mine")
+    other.start()
+    other.join()
+    assert names == ["ulna compiler", "mine"]
+
+
+def test_an_interruption_that_nobody_catches_ends_the_process_at_once() -> None:
+    code, out, err, seconds = run("interruptible(lambda: work(50.0))")
+    assert code == -signal.SIGINT
+    assert "KeyboardInterrupt" in err and "worked" not in out
+    assert seconds < 50.0
+
+
+def test_an_interruption_that_is_caught_lets_the_program_go_on() -> None:
+    code, out, _, _ = run("""
+try:
+    interruptible(lambda: work(1.0))
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+print(interruptible(lambda: 5), flush=True)
+""")
+    assert code == 0
+    assert out.split() == ["interrupted", "5", "worked"]  # at the end it waits for what is under way
+
+
+@pytest.mark.slow
+def test_llvm_is_left_at_once_and_a_second_attempt_finds_its_result(tmp_path, monkeypatch) -> None:
+    """The compilation of 40,000 operations takes seconds; it is interrupted, and asked for again."""
+    monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("ULNA_QUIET", "1")
+
+    def many(q):
+        for k in range(20000):
+            q = q * (1.0 + 1e-9 * k) + 0.5 * k
+        return q
+
+    def interrupt() -> None:
+        while not any(thread.name == "ulna compiler" for thread in threading.enumerate()):
+            time.sleep(0.001)
+        time.sleep(0.2)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    f = trace(many, q=())
+    threading.Thread(target=interrupt, daemon=True).start()
+    with pytest.raises(KeyboardInterrupt):
+        compile(f)
+    assert any(thread.name == "ulna compiler" for thread in threading.enumerate())
+    assert compile(f)(0.5) == pytest.approx(f(0.5))
