@@ -31,6 +31,7 @@ def load(
     srdf: PathLike | None = None,
     mimic: bool = True,
     xacro_args: Mapping[str, str] | None = None,
+    trusted: bool = False,
 ) -> Robot:
     """The robot of that name or in that file, ready to compute with.
 
@@ -43,6 +44,8 @@ def load(
         srdf: a file, or its text, with groups and named configurations.
         mimic: whether mimic joints follow their leader.
         xacro_args: values for the arguments of a .xacro file.
+        trusted: for MJCF, whether MuJoCo compiles it in this process; otherwise another process does, which is ended
+            after a minute, or when it needs more than 4 GiB. Other formats are read alike either way.
 
     Raises:
         InputError: what is to be loaded is neither a name nor a path nor text.
@@ -60,6 +63,7 @@ def load(
         srdf=srdf,
         mimic=mimic,
         xacro_args=xacro_args,
+        trusted=trusted,
     )
     return Robot(model)
 
@@ -73,6 +77,7 @@ def load_model(
     srdf: PathLike | None = None,
     mimic: bool = True,
     xacro_args: Mapping[str, str] | None = None,
+    trusted: bool = False,
 ) -> Model:
     """The model of that name or in that file, without compiling anything.
 
@@ -89,6 +94,8 @@ def load_model(
             example-robot-data bring theirs.
         mimic: whether mimic joints follow their leader; False lets each move on its own.
         xacro_args: values for the arguments of a .xacro file.
+        trusted: for MJCF, whether MuJoCo compiles it in this process; otherwise another process does, which is ended
+            after a minute, or when it needs more than 4 GiB. Other formats are read alike either way.
 
     Raises:
         InputError: what is to be loaded is neither a name nor a path nor text.
@@ -107,7 +114,7 @@ def load_model(
 
     if visuals not in catalogue.VISUALS:
         raise UnknownName("kind of visuals", visuals, catalogue.VISUALS)
-    options = _Options(root, visuals, tuple(package_dirs), mimic, dict(xacro_args or {}))
+    options = _Options(root, visuals, tuple(package_dirs), mimic, dict(xacro_args or {}), bool(trusted))
     if _is_file(name_or_path):
         model = _from_file(name_or_path, options)
     else:
@@ -122,6 +129,7 @@ class _Options:
     package_dirs: tuple[PathLike, ...]
     mimic: bool
     xacro_args: dict[str, str]
+    trusted: bool
 
 
 def _is_file(given: PathLike) -> bool:
@@ -179,7 +187,7 @@ def _from_mjcf(given: PathLike, options: _Options) -> Model:
     from ulna.formats.mjcf import model_from_mjcf
 
     root = None if options.root == "auto" else options.root
-    model = model_from_mjcf(given, root=root, mimic=options.mimic)
+    model = model_from_mjcf(given, root=root, mimic=options.mimic, trusted=options.trusted)
     return _with_simple_visuals(model) if options.visuals == "simple" else model
 
 

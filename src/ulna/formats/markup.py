@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -131,6 +131,14 @@ def _mend_of_syntax(message: str) -> str:
     )
 
 
+def lenient_tree(data: bytes) -> Any:
+    """The root element of what can be read of a document, however broken it is; None where nothing can."""
+    try:
+        return etree.fromstring(data, _parser("utf-8", recover=True))
+    except (etree.LxmlError, ValueError):
+        return None
+
+
 def _parser(encoding: str | None, recover: bool = False) -> Any:
     return etree.XMLParser(
         resolve_entities=False,
@@ -149,12 +157,17 @@ def _refuse_entities(root: Any, file: str | None) -> None:
     entities = [e.name for e in info.internalDTD.iterentities()] if info.internalDTD is not None else []
     if entities or info.system_url or info.public_id:
         what = f"entities ({', '.join(entities[:3])})" if entities else f"an external DTD ({info.system_url})"
-        raise FormatError(
-            f"the document type declares {short(what, 120)}, which Ulna does not follow.",
-            file=file,
-            line=1,
-            mend="Remove the <!DOCTYPE ...> and write the values out, or use xacro properties.",
-        )
+        refuse_document_type(what, file)
+
+
+def refuse_document_type(what: str, file: str | None) -> NoReturn:
+    """Raise FormatError about what the document type of a file declares."""
+    raise FormatError(
+        f"the document type declares {short(what, 120)}, which Ulna does not follow.",
+        file=file,
+        line=1,
+        mend="Remove the <!DOCTYPE ...> and write the values out, or use xacro properties.",
+    )
 
 
 def _other_kind(tag: str, kind: str) -> str:

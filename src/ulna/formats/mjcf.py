@@ -52,7 +52,9 @@ from ulna.spatial import SE3, Inertia
 Root = str | JointKind | None
 
 
-def model_from_mjcf(source: str | os.PathLike[str], *, root: Root = None, mimic: bool = True) -> Model:
+def model_from_mjcf(
+    source: str | os.PathLike[str], *, root: Root = None, mimic: bool = True, trusted: bool = False
+) -> Model:
     """The model that an MJCF file or text describes.
 
     The world of the file is the root link, "world"; its bodies hang from it. Units are the file's, which are
@@ -63,12 +65,13 @@ def model_from_mjcf(source: str | os.PathLike[str], *, root: Root = None, mimic:
         root: how the world of the file hangs in the world: None fixed, "free_flyer", or any joint kind. Robots
             with a free joint of their own need none.
         mimic: whether joints coupled by a linear equality follow their leader; False lets each move on its own.
+        trusted: whether MuJoCo compiles it in this process and without limits of time and memory.
 
     Raises:
         MissingExtra: the package mujoco is not installed.
         FormatError: the file is missing or broken, or contradicts itself.
     """
-    builder = mjcf_builder(source, root=root, mimic=mimic)
+    builder = mjcf_builder(source, root=root, mimic=mimic, trusted=trusted)
     try:
         return builder.build()
     except (ModelError, InputError) as error:
@@ -77,12 +80,14 @@ def model_from_mjcf(source: str | os.PathLike[str], *, root: Root = None, mimic:
         raise FormatError(str(error), file=builder._told.source) from error
 
 
-def mjcf_builder(source: str | os.PathLike[str], *, root: Root = None, mimic: bool = True) -> ModelBuilder:
+def mjcf_builder(
+    source: str | os.PathLike[str], *, root: Root = None, mimic: bool = True, trusted: bool = False
+) -> ModelBuilder:
     """A builder filled with what an MJCF file or text describes, for adding to it before building.
 
     Warns (ModelWarning) once about all that has no place in a model.
     """
-    return _Reading(read_mjcf(source), text_or_file(source)[1]).builder(root_kind(root), mimic)
+    return _Reading(read_mjcf(source, trusted), text_or_file(source)[1]).builder(root_kind(root), mimic)
 
 
 class _Reading:

@@ -17,7 +17,9 @@ SITE = 6
 """mjOBJ_SITE."""
 
 
-def loops_from_mjcf(source: str | os.PathLike[str]) -> tuple[PointLoop | FrameLoop, ...]:
+def loops_from_mjcf(
+    source: str | os.PathLike[str], *, trusted: bool = False
+) -> tuple[PointLoop | FrameLoop, ...]:
     """The constraints that close the loops of an MJCF file or text, those that are active when it starts.
 
     There are none where the file disables equalities.
@@ -27,11 +29,15 @@ def loops_from_mjcf(source: str | os.PathLike[str]) -> tuple[PointLoop | FrameLo
 
     MuJoCo's are soft; these hold exactly.
 
+    Args:
+        source: a path, or text (from "<").
+        trusted: whether MuJoCo compiles it in this process and without limits.
+
     Raises:
         MissingExtra: the package mujoco is not installed.
         FormatError: the file is missing or broken; says where and what mends it.
     """
-    m = read_mjcf(source).model
+    m = read_mjcf(source, trusted).model
     links, _ = names_of(m)
     if not Switches.of(m).equalities:
         return ()

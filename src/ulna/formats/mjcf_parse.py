@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import FormatError, MissingExtra
-from ulna.formats.markup import read_file
+from ulna.errors import FormatError, InputError
+from ulna.formats.mjcf_child import compiled
+from ulna.formats.mjcf_sources import check_sources
 from ulna.spatial import SE3
 
 FREE, BALL, SLIDE, HINGE = range(4)
@@ -34,45 +35,30 @@ class CompiledMjcf:
     lines: Mapping[str, Mapping[int, int]]
 
 
-def read_mjcf(source: str | os.PathLike[str]) -> CompiledMjcf:
+def read_mjcf(source: str | os.PathLike[str], trusted: bool = False) -> CompiledMjcf:
     """What MuJoCo's compiler makes of a file or of text (from "<").
 
     MuJoCo reads the files that it includes, and its meshes, from disk.
 
+    Args:
+        source: a path, or text.
+        trusted: whether MuJoCo compiles in this process and without limits. Otherwise another process does, which
+            takes about half a second more, and is ended after a minute or when it needs more than 4 GiB.
+
     Raises:
         MissingExtra: the package mujoco is not installed.
-        FormatError: the file is missing or broken; says where and what mends it.
+        FormatError: the file is missing or broken, or passes a limit; says where and how to fix it.
     """
     text, file = text_or_file(source)
-    # Read here too, for our messages about what is missing, too large or a folder.
-    written = text.encode() if file is None else read_file(file)
+    written = check_sources(text, file)
     try:
-        import mujoco
-    except ImportError as error:
-        raise MissingExtra("mujoco", "mjcf", "Reading MJCF") from error
-    library: Any = mujoco  # its parts come from a compiled module without annotations
-    try:
-        spec = library.MjSpec.from_string(text) if file is None else library.MjSpec.from_file(file)
-        compiled = spec.compile()
+        model, facts = compiled(text, file, trusted)
+    except (FormatError, InputError):  # which are ValueErrors, too
+        raise
     except ValueError as error:
         raise _refusal(error, file) from error
-    spread = b"<include" in written or b"<attach" in written
-    return CompiledMjcf(compiled, spec.meshdir or "", {} if spread else _lines_of(spec))
-
-
-def _lines_of(spec: Any) -> dict[str, dict[int, int]]:
-    parts = {
-        "body": spec.bodies,
-        "joint": spec.joints,
-        "tendon": spec.tendons,
-        "equality": spec.equalities,
-        "actuator": spec.actuators,
-    }
-    lines: dict[str, dict[int, int]] = {}
-    for kind, elements in parts.items():
-        found = ((element.id, re.match(r"line (\d+)", element.info)) for element in elements)
-        lines[kind] = {index: int(line[1]) for index, line in found if line and index >= 0}
-    return lines
+    spread = "<include" in written or "<attach" in written
+    return CompiledMjcf(model, facts.mesh_folder, {} if spread else facts.lines)
 
 
 def text_or_file(source: str | os.PathLike[str]) -> tuple[str, str | None]:
@@ -95,17 +81,17 @@ def _refusal(error: Exception, file: str | None) -> FormatError:
     return FormatError(f"MuJoCo refuses it: {words}.", file=file, line=number, mend=mend)
 
 
-def names_of(compiled: Any) -> tuple[list[str], list[str]]:
+def names_of(model: Any) -> tuple[list[str], list[str]]:
     """The names of links, of which the world is the first, and of joints; those without get one after their body."""
     taken = {"world"}
-    bodies = (compiled.body(b).name or f"body_{b}" for b in range(1, compiled.nbody))
+    bodies = (model.body(b).name or f"body_{b}" for b in range(1, model.nbody))
     links = ["world", *(fresh(name, taken) for name in bodies)]
-    joints = [compiled.joint(j).name for j in range(compiled.njnt)]
+    joints = [model.joint(j).name for j in range(model.njnt)]
     taken = set(joints)
     for j, name in enumerate(joints):
         if not name:
-            ending = "free" if compiled.jnt_type[j] == FREE else "joint"
-            joints[j] = fresh(f"{links[compiled.jnt_bodyid[j]]}_{ending}", taken)
+            ending = "free" if model.jnt_type[j] == FREE else "joint"
+            joints[j] = fresh(f"{links[model.jnt_bodyid[j]]}_{ending}", taken)
     return links, joints
 
 
