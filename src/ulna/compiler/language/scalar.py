@@ -6,7 +6,7 @@ It travels in NumPy object arrays: `@`, `*`, `np.sin` and the like call the meth
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
@@ -100,12 +100,11 @@ class Condition(Value):
         return Scalar(g, g.node(Op.SELECT, index_in(g, self), number_in(g, a), number_in(g, b)))
 
 
-class Scalar(Value):
-    """A traced number."""
+def _binary_method(op: int, *, swap: bool = False, doc: str = "") -> Callable[[Scalar, Any], Any]:
+    """A method that makes the node of `op` on the value and its argument, or the other way round."""
+    result_type = Condition if TABLE[op].is_condition else None
 
-    __slots__ = ()
-
-    def _binary(self, op: int, other: Any, swap: bool = False) -> Any:
+    def method(self: Scalar, other: Any) -> Any:
         g = self.graph
         if isinstance(other, Scalar):
             if other.graph is g:
@@ -116,38 +115,51 @@ class Scalar(Value):
             a, b = self.index, g.constant(float(other))
         else:
             return NotImplemented
-        result = g.node(op, b, a) if swap else g.node(op, a, b)
-        return Condition(g, result) if TABLE[op].is_condition else Scalar(g, result)
+        return (result_type or Scalar)(g, g.node(op, b, a) if swap else g.node(op, a, b))
 
-    def _unary(self, op: int) -> Scalar:
+    method.__doc__ = doc
+    return method
+
+
+def _unary_method(op: int, doc: str) -> Callable[[Scalar], Scalar]:
+    """A method that makes the node of `op` on the value."""
+
+    def method(self: Scalar) -> Scalar:
         return Scalar(self.graph, self.graph.node(op, self.index))
+
+    method.__doc__ = doc
+    return method
+
+
+class Scalar(Value):
+    """A traced number."""
+
+    __slots__ = ()
 
     @property
     def _known_(self) -> float | None:
         """The number, where it does not depend on any input."""
         return self.graph.data[self.index] if self.graph.op[self.index] == Op.CONST else None
 
-    def __add__(self, other: Any) -> Any:
-        return self._binary(Op.ADD, other)
+    __add__ = __radd__ = _binary_method(Op.ADD)
+    __sub__, __rsub__ = _binary_method(Op.SUB), _binary_method(Op.SUB, swap=True)
+    __mul__ = __rmul__ = _binary_method(Op.MUL)
+    __truediv__, __rtruediv__ = _binary_method(Op.DIV), _binary_method(Op.DIV, swap=True)
+    __lt__, __gt__ = _binary_method(Op.LT), _binary_method(Op.LT, swap=True)
+    __le__, __ge__ = _binary_method(Op.LE), _binary_method(Op.LE, swap=True)
+    _equals = _binary_method(Op.EQ)
+    __hash__ = None  # type: ignore[assignment]
+    __neg__, __abs__ = _unary_method(Op.NEG, "The negative."), _unary_method(Op.ABS, "The absolute value.")
 
-    __radd__ = __add__
+    def __eq__(self, other: object) -> Any:
+        return self._equals(other)
 
-    def __sub__(self, other: Any) -> Any:
-        return self._binary(Op.SUB, other)
+    def __ne__(self, other: object) -> Any:
+        equal = self._equals(other)
+        return equal if equal is NotImplemented else ~equal
 
-    def __rsub__(self, other: Any) -> Any:
-        return self._binary(Op.SUB, other, swap=True)
-
-    def __mul__(self, other: Any) -> Any:
-        return self._binary(Op.MUL, other)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Any) -> Any:
-        return self._binary(Op.DIV, other)
-
-    def __rtruediv__(self, other: Any) -> Any:
-        return self._binary(Op.DIV, other, swap=True)
+    def __pos__(self) -> Scalar:
+        return self
 
     def __mod__(self, other: Any) -> Any:
         """Remainder with the sign of the divisor, as np.mod."""
@@ -180,36 +192,6 @@ class Scalar(Value):
             return (self * float(np.log(base))).exp()
         return _power(Scalar(self.graph, self.graph.constant(float(base))), self)
 
-    def __neg__(self) -> Scalar:
-        return self._unary(Op.NEG)
-
-    def __pos__(self) -> Scalar:
-        return self
-
-    def __abs__(self) -> Scalar:
-        return self._unary(Op.ABS)
-
-    def __lt__(self, other: Any) -> Any:
-        return self._binary(Op.LT, other)
-
-    def __le__(self, other: Any) -> Any:
-        return self._binary(Op.LE, other)
-
-    def __gt__(self, other: Any) -> Any:
-        return self._binary(Op.LT, other, swap=True)
-
-    def __ge__(self, other: Any) -> Any:
-        return self._binary(Op.LE, other, swap=True)
-
-    def __eq__(self, other: object) -> Any:
-        return self._binary(Op.EQ, other)
-
-    def __ne__(self, other: object) -> Any:
-        equal = self._binary(Op.EQ, other)
-        return equal if equal is NotImplemented else ~equal
-
-    __hash__ = None  # type: ignore[assignment]
-
     def __float__(self) -> NoReturn:
         raise TraceError(
             "A traced value has no number yet, so float(), math.sin, np.array(..., dtype=float) and storing it in a "
@@ -218,50 +200,22 @@ class Scalar(Value):
 
     __int__ = __index__ = __round__ = __float__  # type: ignore[assignment]
 
-    # The names NumPy's ufuncs call on the elements of an object array.
-    def sqrt(self) -> Scalar:
-        """Square root."""
-        return self._unary(Op.SQRT)
-
-    def sin(self) -> Scalar:
-        """Sine [rad]."""
-        return self._unary(Op.SIN)
-
-    def cos(self) -> Scalar:
-        """Cosine [rad]."""
-        return self._unary(Op.COS)
-
-    def tan(self) -> Scalar:
-        """Tangent [rad]."""
-        return self._unary(Op.TAN)
-
-    def arcsin(self) -> Scalar:
-        """Inverse sine [rad]."""
-        return self._unary(Op.ASIN)
-
-    def arccos(self) -> Scalar:
-        """Inverse cosine [rad]."""
-        return self._unary(Op.ACOS)
+    # The names that NumPy's ufuncs call on the elements of an object array.
+    sqrt = _unary_method(Op.SQRT, "Square root.")
+    sin = _unary_method(Op.SIN, "Sine [rad].")
+    cos = _unary_method(Op.COS, "Cosine [rad].")
+    tan = _unary_method(Op.TAN, "Tangent [rad].")
+    arcsin = _unary_method(Op.ASIN, "Inverse sine [rad].")
+    arccos = _unary_method(Op.ACOS, "Inverse cosine [rad].")
+    exp = _unary_method(Op.EXP, "Exponential.")
+    log = _unary_method(Op.LOG, "Natural logarithm.")
+    floor = _unary_method(Op.FLOOR, "The largest whole number that is not larger.")
+    arctan2 = _binary_method(Op.ATAN2, doc="Angle of the point (other, self) [rad].")
+    _minimum_, _maximum_ = _binary_method(Op.MIN), _binary_method(Op.MAX)
 
     def arctan(self) -> Scalar:
         """Inverse tangent [rad]."""
         return self.arctan2(1.0)
-
-    def arctan2(self, x: Any) -> Any:
-        """Angle of the point (x, self) [rad]."""
-        return self._binary(Op.ATAN2, x)
-
-    def exp(self) -> Scalar:
-        """Exponential."""
-        return self._unary(Op.EXP)
-
-    def log(self) -> Scalar:
-        """Natural logarithm."""
-        return self._unary(Op.LOG)
-
-    def floor(self) -> Scalar:
-        """The largest whole number that is not larger."""
-        return self._unary(Op.FLOOR)
 
     def ceil(self) -> Scalar:
         """The smallest whole number that is not smaller."""
@@ -292,12 +246,6 @@ class Scalar(Value):
     def conjugate(self) -> Scalar:
         """The value itself, which is real."""
         return self
-
-    def _minimum_(self, other: Any) -> Any:
-        return self._binary(Op.MIN, other)
-
-    def _maximum_(self, other: Any) -> Any:
-        return self._binary(Op.MAX, other)
 
 
 class _UnderTrace(threading.local):
