@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ulna import numeric as nm
 from ulna.compiler import Function, trace
 from ulna.compiler.codegen.module import emit_batch, emit_single
+from ulna.compiler.codegen.target import Target
 from ulna.compiler.runtime.entry_point import entry_ir
 
 
@@ -27,14 +30,17 @@ AFFINE = trace(_affine, q=(3,))
 CHOOSE = trace(_choose, x=(), y=(), rules="exact")
 HALVE = trace(_halve, x=())
 
+WIDE = Target("x86_64-unknown-linux-gnu", "generic", "+avx512f", "", register_bytes=64)
 TEXTS = {
-    "affine_single.ll": lambda: emit_single(AFFINE),
-    "affine_batch_4.ll": lambda: emit_batch(AFFINE, "double", 4),
-    "affine_entry.ll": lambda: entry_ir(AFFINE, checked=True),
-    "choose_single_float.ll": lambda: emit_single(CHOOSE, "float"),
-    "choose_batch_2.ll": lambda: emit_batch(CHOOSE, "double", 2, contract=False),
-    "halve_single.ll": lambda: emit_single(HALVE),
-    "halve_batch_8.ll": lambda: emit_batch(HALVE, "double", 8),
+    "affine_single.ll": lambda: emit_single(AFFINE, WIDE),
+    "affine_batch_4.ll": lambda: emit_batch(AFFINE, replace(WIDE, register_bytes=32)),
+    "affine_entry.ll": lambda: entry_ir(AFFINE, WIDE, checked=True),
+    "choose_single_float.ll": lambda: emit_single(CHOOSE, WIDE, "float"),
+    "choose_batch_2.ll": lambda: emit_batch(
+        CHOOSE, replace(WIDE, register_bytes=16, fused_multiply_add=False)
+    ),
+    "halve_single.ll": lambda: emit_single(HALVE, WIDE),
+    "halve_batch_8.ll": lambda: emit_batch(HALVE, WIDE),
 }
 
 

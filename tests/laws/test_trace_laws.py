@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import pickle
 from importlib import import_module
@@ -112,14 +113,10 @@ def inputs(f: Function, rows: int, special: bool = False, dtype: type = np.float
 
 def without_contraction(monkeypatch, f: Function):
     """A kernel without fused multiplication and addition, whose every step rounds as NumPy's does."""
-    general_module, entry_module = (
-        import_module("ulna.compiler.runtime.array_call"),
-        import_module("ulna.compiler.runtime.entry_point"),
-    )
-    emit = import_module("ulna.compiler.codegen.module")
+    jit = import_module("ulna.compiler.runtime.jit")
+    separate = dataclasses.replace(jit.target(), fused_multiply_add=False)
     with monkeypatch.context() as patch:
-        patch.setattr(general_module, "emit_batch", functools.partial(emit.emit_batch, contract=False))
-        patch.setattr(entry_module, "emit_single", lambda f, e, p: emit.emit_single(f, e, p, contract=False))
+        patch.setattr(jit, "target", lambda: separate)
         kernel = compile(f)
         kernel.gufunc
     return kernel
@@ -194,12 +191,9 @@ def test_any_graph_compiles_and_agrees_on_where_it_is_nan(f):
 @given(f=functions(exact=True))
 def test_single_precision_equals_interpretation_in_single_precision(f):
     with pytest.MonkeyPatch.context() as monkeypatch:
-        emit = import_module("ulna.compiler.codegen.module")
-        monkeypatch.setattr(
-            import_module("ulna.compiler.runtime.array_call"),
-            "emit_batch",
-            functools.partial(emit.emit_batch, contract=False),
-        )
+        jit = import_module("ulna.compiler.runtime.jit")
+        separate = dataclasses.replace(jit.target(), fused_multiply_add=False)
+        monkeypatch.setattr(jit, "target", lambda: separate)
         kernel = compile(f, np.float32)
         columns = inputs(f, 18, dtype=np.float32)
         got = kernel(*columns)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from importlib import import_module
 
 import llvmlite.binding as llvm
@@ -12,7 +13,8 @@ import pytest
 from ulna import numeric as nm
 from ulna.compiler import compile, trace
 from ulna.compiler.codegen.module import emit_batch
-from ulna.compiler.runtime.array_call import General
+from ulna.compiler.codegen.target import Target
+from ulna.compiler.runtime import jit
 from ulna.compiler.runtime.entry_point import entry_ir
 
 
@@ -31,7 +33,8 @@ FUNCTION = trace(_everything, q=(7,), x=())
 @pytest.mark.parametrize("lanes", [2, 4, 8, 16, 32])
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_every_number_of_lanes_computes_the_same(monkeypatch, lanes, dtype):
-    monkeypatch.setattr(General, "lanes", lanes)
+    target = replace(jit.target(), register_bytes=lanes * np.dtype(dtype).itemsize)
+    monkeypatch.setattr(jit, "target", lambda: target)
     kernel = compile(FUNCTION, dtype)
     rng = np.random.default_rng(lanes)
     assert f"<{lanes} x " in kernel.ir(batch=True)
@@ -57,7 +60,8 @@ def test_other_processors_accept_the_code(triple, lanes, element):
         machine = llvm.Target.from_triple(triple).create_target_machine()
     except RuntimeError:
         pytest.skip(f"this LLVM does not know {triple}")
-    for text in (entry_ir(FUNCTION, element), emit_batch(FUNCTION, element, lanes)):
+    target = Target(triple, "generic", "", "", register_bytes=8 * lanes)
+    for text in (entry_ir(FUNCTION, target, element), emit_batch(FUNCTION, target, element)):
         module = llvm.parse_assembly(text)
         module.triple = triple
         module.data_layout = str(machine.target_data)

@@ -1,7 +1,7 @@
 """Writes a function's graph as LLVM IR text: one sample, a block of SIMD lanes, and the loop over a batch.
 
-`writer` writes the nodes, `schedule` says in which order and in how many parts, `memory` writes how rows get into
-lanes, `batch` the loop around.
+`node_writer` writes the nodes, `scheduling` chooses the order and the parts, `rows` moves rows into lanes and back,
+`batch_loop` writes the loop around.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_table import at, spread
 from ulna.compiler.codegen.rows import load, store
+from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import TABLE, Op
@@ -137,22 +138,23 @@ def _spread_outputs(to: Writer, f: Function, slots: dict[int, int]) -> None:
         start += port.size
 
 
-def emit_single(f: Function, element: DType = "double", pack: int = 8, contract: bool = True) -> str:
+def emit_single(f: Function, target: Target, element: DType = "double") -> str:
     """IR of one sample: `void one(ptr in0, ..., ptr out0, ...)` on contiguous samples."""
     module = Module()
-    _write_block(module, f, "one", Lanes(1, element), pack, contract)
+    _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target.fused_multiply_add)
     return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
 
 
-def emit_batch(f: Function, element: DType = "double", lanes: int = 8, contract: bool = True) -> str:
-    """IR of the inner loop of a generalised ufunc over samples, `lanes` at a time.
+def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
+    """IR of the inner loop of a generalised ufunc over samples, as many at a time as the target has lanes.
 
     `void batch(ptr args, ptr dimensions, ptr steps, ptr data)` is NumPy's PyUFuncGenericFunction. Samples with
     strides inside go through a scratch copy, one by one. Floating-point flags are cleared at the end, because
     both sides of every `where` are computed.
     """
     module = Module()
-    _write_block(module, f, "block", Lanes(lanes, element), 1, contract)
+    lanes = 1 if f.lanes > 1 else target.lanes(element)  # or all lanes work on one sample
+    _write_block(module, f, "block", Lanes(lanes, element), 1, target.fused_multiply_add)
     module.declare("declare i32 @feclearexcept(i32)")
     module.definitions["batch"] = batch_loop(f, element, lanes)
     return module.text() + _wide_registers(max(lanes, f.lanes), element)

@@ -47,16 +47,9 @@ class General:
         """The type computed in, as LLVM spells it."""
         return ELEMENT[self.dtype.name]
 
-    @property
-    def lanes(self) -> int:
-        """How many samples a batch works on at once: as many as the widest register holds."""
-        if self.function.lanes > 1:  # a race fills the lanes with one sample
-            return 1
-        return max(jit.target().register_bytes // self.dtype.itemsize, 2)
-
     def batch_ir(self) -> str:
         """IR of the gufunc's inner loop."""
-        return emit_batch(self.function, self.element, self.lanes)
+        return emit_batch(self.function, jit.target(), self.element)
 
     @property
     def ufunc(self) -> np.ufunc:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.module import emit_single
+from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
 from ulna.compiler.runtime.object_layout import (
@@ -35,9 +36,9 @@ UNIT_TOLERANCE = 1e-5  # on the squared length of what must be a unit vector
 
 def entry_ir(
     f: Function,
+    target: Target,
     element: DType = "double",
     checked: bool = False,
-    pack: int = 8,
     unit_entries: Sequence[tuple[int, Sequence[int]]] = (),
 ) -> str:
     """IR of a single call: the scalar block, `entry`, a CPython vectorcall function around it, and `work`.
@@ -108,7 +109,7 @@ def entry_ir(
     _write_work(w, f, checked)
     if checked:
         _write_invalid(w, f, element, size, unit_entries)
-    return emit_single(f, element, pack) + "\n".join(w)
+    return emit_single(f, target, element) + "\n".join(w)
 
 
 def _pointers(inputs: Sequence[Port], name: str, outputs: Sequence[Port] = ()) -> str:

@@ -14,6 +14,7 @@ from functools import cache
 from typing import Any
 
 from ulna import disk_cache as disk
+from ulna.compiler.codegen.target import Target, register_bytes
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime.interrupt import interruptible
 from ulna.errors import CompileError
@@ -50,33 +51,19 @@ class Code:
         return self.addresses[name]
 
 
-@dataclass(frozen=True)
-class Target:
-    """The processor compiled for."""
-
-    triple: str
-    cpu: str
-    features: str
-    version: str  # LLVM's
-
-    @property
-    def register_bytes(self) -> int:
-        """Width of the widest SIMD register [byte]."""
-        on = {f[1:] for f in self.features.split(",") if f.startswith("+")}
-        return 64 if "avx512f" in on else 32 if "avx2" in on else 16
-
-
 @cache
 def target() -> Target:
     """This machine."""
     llvm = _llvm()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
+    features = llvm.get_host_cpu_features().flatten()
     return Target(
-        llvm.get_process_triple(),
-        llvm.get_host_cpu_name(),
-        llvm.get_host_cpu_features().flatten(),
-        ".".join(map(str, llvm.llvm_version_info)),
+        triple=llvm.get_process_triple(),
+        cpu=llvm.get_host_cpu_name(),
+        features=features,
+        llvm=".".join(map(str, llvm.llvm_version_info)),
+        register_bytes=register_bytes(features),
     )
 
 
@@ -103,7 +90,7 @@ def load_text(ir: str, names: tuple[str, ...]) -> Code:
 
 def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[[], Any]) -> Code:
     t, llvm = target(), _llvm()
-    key = disk.key(ir, t.triple, t.cpu, t.features, t.version, _RECIPE)
+    key = disk.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
     start = time.perf_counter()
     content = disk.read(key)
     fresh = content is None

@@ -186,7 +186,7 @@ def _native_type() -> Any:
 
 
 def _entry_ir(general: General) -> str:
-    return entry.entry_ir(general.function, general.element, general.checked, unit_entries=general.unit)
+    return entry.entry_ir(general.function, jit.target(), general.element, general.checked, general.unit)
 
 
 def element_of(dtype: Any) -> np.dtype[Any]:
