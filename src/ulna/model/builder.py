@@ -1,40 +1,19 @@
-"""The one way to make a model: tell a builder its links and joints, in any order, then `build()`."""
+"""The one way to make a model: add its links and joints to a builder, in any order, then `build()`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
-from typing import Any, Self
+from collections.abc import Mapping
+from typing import Self
 
-import numpy as np
-
-from ulna.errors import ModelError, UnknownName
-from ulna.geometry import Geometry
 from ulna.model.assemble import assemble
-from ulna.model.check import (
-    ValueOrSequence,
-    checked_geometries,
-    checked_gravity,
-    checked_inertia,
-    checked_kind,
-    checked_limits,
-    checked_mimic,
-    checked_name,
-    checked_numbers,
-    checked_pose,
-)
 from ulna.model.copying import add_model
-from ulna.model.joints import JointKind
 from ulna.model.model import Model
-from ulna.model.parts import FrameKind
-from ulna.model.records import FrameRecord, JointRecord, LinkRecord, Told, wrong
-from ulna.spatial import SE3, Inertia
-from ulna.typing import ArrayLike, Floats
-
-Position = ArrayLike | Mapping[str, ValueOrSequence]
+from ulna.model.parts_builder import PartsBuilder
+from ulna.spatial import SE3
+from ulna.typing import Floats
 
 
-class ModelBuilder:
+class ModelBuilder(PartsBuilder):
     """Collects what a model consists of.
 
     Each method checks what it is given on its own and returns the builder; `build` checks how it all fits
@@ -51,231 +30,6 @@ class ModelBuilder:
         name: The model's name.
         source: The file it is read from.
     """
-
-    def __init__(self, name: str, source: str | None = None) -> None:
-        self._told = Told(checked_name("model", name), source)
-
-    def __repr__(self) -> str:
-        return f"<ModelBuilder {self.name!r}: {len(self.link_names)} links, {len(self.joint_names)} joints>"
-
-    @property
-    def name(self) -> str:
-        """The model's name."""
-        return self._told.name
-
-    @property
-    def link_names(self) -> tuple[str, ...]:
-        """Names of the links told so far."""
-        return tuple(self._told.links)
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints told so far, fixed ones included."""
-        return tuple(self._told.joints)
-
-    @property
-    def frame_names(self) -> tuple[str, ...]:
-        """Names of the frames told so far, not counting those of links and joints."""
-        return tuple(self._told.frames)
-
-    @property
-    def gravity(self) -> Floats:
-        """Acceleration of free fall in the world frame, shape (3,) [m/s^2]; (0, 0, -9.81) unless set."""
-        return np.asarray(self._told.gravity, dtype=float)
-
-    @gravity.setter
-    def gravity(self, gravity: ArrayLike) -> None:
-        self._told.gravity = checked_gravity(gravity)
-
-    def add_link(
-        self,
-        name: str,
-        inertia: Inertia | None = None,
-        visuals: Sequence[Geometry] = (),
-        collisions: Sequence[Geometry] = (),
-        *,
-        where: str = "",
-    ) -> Self:
-        """Adds a body.
-
-        Args:
-            name: Its name, not given to another link.
-            inertia: Its inertia in the link frame; None for a body without.
-            visuals: What it looks like.
-            collisions: What it collides with.
-            where: Place in the file.
-
-        Raises:
-            ModelError: the name is taken, or the inertia cannot be one.
-        """
-        links = self._told.links
-        _refuse_twice("link", checked_name("link", name, where), links, where)
-        links[name] = LinkRecord(
-            name,
-            checked_inertia(name, inertia, where),
-            checked_geometries(f"visuals of link {name!r}", visuals, where),
-            checked_geometries(f"collisions of link {name!r}", collisions, where),
-            where,
-        )
-        return self
-
-    def add_joint(
-        self,
-        name: str,
-        kind: JointKind,
-        parent: str,
-        child: str,
-        placement: SE3 | None = None,
-        *,
-        offset: SE3 | None = None,
-        lower: ValueOrSequence | None = None,
-        upper: ValueOrSequence | None = None,
-        velocity: ValueOrSequence | None = None,
-        effort: ValueOrSequence | None = None,
-        damping: ValueOrSequence = 0.0,
-        friction: ValueOrSequence = 0.0,
-        armature: ValueOrSequence = 0.0,
-        mimic: tuple[str, float, float] | str | None = None,
-        where: str = "",
-    ) -> Self:
-        """Connects two links. Limits and the like are one number, or one for each entry of q or v.
-
-        Args:
-            name: Its name, not given to another joint.
-            kind: What motion it allows; `Fixed()` for none.
-            parent: Name of the link it is fixed to; may be added later.
-            child: Name of the link it moves; may be added later.
-            placement: T_parent_joint, its place on the parent link; None for the parent's frame.
-            offset: T_joint_child, the child link's place in the moving frame; None for the moving frame
-                itself.
-            lower: Smallest position [rad, m]; None for no limit.
-            upper: Largest position [rad, m]; None for no limit.
-            velocity: Largest speed [rad/s, m/s]; None for no limit.
-            effort: Largest force or torque [N, N m]; None for no limit.
-            damping: Viscous friction [N s/m, N m s/rad].
-            friction: Coulomb friction [N, N m].
-            armature: Inertia of the drive seen at the joint [kg, kg m^2].
-            mimic: (name of the joint to follow, multiplier, offset [rad, m]).
-            where: Place in the file.
-
-        Raises:
-            ModelError: the name is taken, or a value cannot be used.
-        """
-        _refuse_twice("joint", checked_name("joint", name, where), self._told.joints, where)
-        kind = checked_kind(name, kind, where)
-        if checked_name(f"parent of joint {name!r}", parent, where) == child:
-            raise wrong(where, f"Joint {name!r} connects link {parent!r} with itself; expected two links.")
-        self._told.joints[name] = JointRecord(
-            name=name,
-            kind=kind,
-            parent=parent,
-            child=checked_name(f"child of joint {name!r}", child, where),
-            placement=checked_pose(f"joint {name!r}", _pose(placement), where),
-            offset=checked_pose(f"the child of joint {name!r}", _pose(offset), where),
-            limits=checked_limits(
-                name, kind, {"lower": lower, "upper": upper, "velocity": velocity, "effort": effort}, where
-            ),
-            damping=checked_numbers(f"`damping` of joint {name!r}", damping, kind.nv, where=where),
-            friction=checked_numbers(f"`friction` of joint {name!r}", friction, kind.nv, where=where),
-            armature=checked_numbers(f"`armature` of joint {name!r}", armature, kind.nv, where=where),
-            mimic=checked_mimic(name, mimic, kind, where),
-            where=where,
-        )
-        return self
-
-    def root_joint(
-        self,
-        kind: JointKind,
-        name: str = "root_joint",
-        placement: SE3 | None = None,
-        **rest: Any,
-    ) -> Self:
-        """Connects the root link to the world; replaces what was said before.
-
-        Without it the root link stands still at the world's origin. `root_joint(Fixed(), placement=...)` puts
-        it elsewhere.
-
-        Args:
-            kind: What motion it allows, such as `FreeFlyer()`.
-            name: Its name, not given to another joint.
-            placement: T_world_joint; None for the world's origin.
-            rest: As for `add_joint`: `offset`, limits and the like, `where`. It cannot mimic.
-
-        Raises:
-            ModelError: a value cannot be used.
-        """
-        if rest.get("mimic") is not None:
-            raise wrong(rest.get("where", ""), f"The root joint {name!r} is to mimic a joint; it cannot.")
-        alone = ModelBuilder(self.name).add_joint(name, kind, "world", "root", placement, **rest)
-        self._told.root_joint = replace(alone._told.joints[name], parent=None, child="")
-        return self
-
-    def add_frame(
-        self,
-        name: str,
-        link: str,
-        placement: SE3 | None = None,
-        *,
-        kind: FrameKind = "user",
-        where: str = "",
-    ) -> Self:
-        """Adds a named frame to a link.
-
-        Args:
-            name: Its name, not given to a link, a joint or another frame.
-            link: Name of the link it moves with.
-            placement: T_link_frame; None for the link's own frame.
-            kind: ``"user"`` or ``"tool"``.
-            where: Place in the file.
-
-        Raises:
-            ModelError: the name is taken, or a value cannot be used.
-        """
-        frames = self._told.frames
-        _refuse_twice("frame", checked_name("frame", name, where), frames, where)
-        if kind not in ("user", "tool"):
-            raise wrong(where, f"Frame {name!r} is to be of kind {kind!r}; expected 'user' or 'tool'.")
-        link = checked_name(f"link of frame {name!r}", link, where)
-        frames[name] = FrameRecord(
-            name, link, checked_pose(f"frame {name!r}", _pose(placement), where), kind, where
-        )
-        return self
-
-    def set_tool(self, name: str) -> Self:
-        """Names the frame that is meant when none is named: a link, a joint or a frame.
-
-        Without it, it is the leaf link with the most joints before it (mimic joints do not count), the first
-        of those.
-        """
-        self._told.tool = checked_name("tool", name)
-        return self
-
-    def add_configuration(self, name: str, q: Position) -> Self:
-        """Names a position.
-
-        Args:
-            name: Its name; a second position of that name replaces the first.
-            q: The whole position (nq,), or a dictionary from joint names to positions, where the joints left
-                out stand at neutral and mimic joints may be listed but follow their source.
-        """
-        self._told.configurations[checked_name("configuration", name)] = q
-        return self
-
-    def disable_pair(self, link_a: str, link_b: str) -> Self:
-        """Says that two links need no collision check."""
-        first, second = sorted((checked_name("link", link_a), checked_name("link", link_b)))
-        self._told.disabled_pairs.add((first, second))
-        return self
-
-    def add_group(self, name: str, joints: Iterable[str]) -> Self:
-        """Names a group of joints, or adds joints to it; those that turn out fixed are left out."""
-        if isinstance(joints, str):
-            raise ModelError(
-                f"The joints of group {name!r} are the string {joints!r}; expected a list of names."
-            )
-        before = self._told.groups.get(checked_name("group", name), ())
-        self._told.groups[name] = tuple(dict.fromkeys([*before, *joints]))
-        return self
 
     def add_model(
         self,
@@ -318,20 +72,3 @@ class ModelBuilder:
             UnknownName: a name is used that nothing bears; offers the nearest one.
         """
         return assemble(self._told)
-
-    def require_link(self, name: str, mend: str = "") -> None:
-        """Raises UnknownName unless a link of that name was told."""
-        if name not in self._told.links:
-            raise UnknownName("link", name, self._told.links, mend)
-
-
-def _pose(pose: SE3 | None) -> SE3:
-    return SE3.identity() if pose is None else pose
-
-
-def _refuse_twice(
-    what: str, name: str, taken: Mapping[str, LinkRecord | JointRecord | FrameRecord], where: str
-) -> None:
-    if name in taken:
-        first = f", the first one at {taken[name].where}" if taken[name].where else ""
-        raise wrong(where, f"There are two {what}s named {name!r}{first}. Rename one of them.")

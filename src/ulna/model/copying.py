@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,15 +12,13 @@ from ulna.errors import ModelError
 from ulna.model.joints import Fixed, JointKind
 from ulna.model.model import Model
 from ulna.model.parts import Joint, Link
+from ulna.model.parts_builder import PartsBuilder
 from ulna.spatial import SE3
 from ulna.typing import Floats
 
-if TYPE_CHECKING:
-    from ulna.model.builder import ModelBuilder
-
 
 def add_model(
-    builder: ModelBuilder,
+    builder: PartsBuilder,
     model: Model,
     onto: str | None = None,
     placement: SE3 | None = None,
@@ -54,7 +52,7 @@ def add_model(
         builder.add_group(prefix + group, [prefix + name for name in names])
 
 
-def _refuse_shared_names(builder: ModelBuilder, model: Model, prefix: str) -> None:
+def _refuse_shared_names(builder: PartsBuilder, model: Model, prefix: str) -> None:
     joints = [f.name for f in model.frames if f.kind in ("joint", "fixed_joint")]
     points = [f.name for f in model.frames if f.kind in ("user", "tool")]
     for what, names, taken in (
@@ -75,7 +73,7 @@ def _refuse_shared_names(builder: ModelBuilder, model: Model, prefix: str) -> No
 class _Copy:
     """The copying of one model into a builder."""
 
-    builder: ModelBuilder
+    builder: PartsBuilder
     model: Model
     prefix: str
     locked: Mapping[str, Floats]

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ulna.model.joints import Coordinate
 from ulna.model.parts import Joint
 
-if TYPE_CHECKING:
-    from ulna.model.model import Model
+Model = Any  # a `Model`, whose module imports this one
 
 
 def table(model: Model) -> str:
