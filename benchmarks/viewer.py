@@ -28,8 +28,8 @@ from _first_sight import first_sight, free_port
 from _timing import medians, shown, table
 
 import ulna
-from ulna.viewer.follow import Follower
-from ulna.viewer.surface import Surface
+from ulna.viewer.mesh.surface import Surface
+from ulna.viewer.robot.target_following import TargetFollower
 from ulna.viewer.viewer import Viewer
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -89,7 +89,7 @@ def meshes() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for what in ("the first time", "later"):
             program = (
-                "import time, ulna; from ulna.viewer.links import link_looks; robot = ulna.load('panda')\n"
+                "import time, ulna; from ulna.viewer.robot.link_surfaces import link_looks; robot = ulna.load('panda')\n"
                 "for detail in ('seen', 'full'):\n"
                 "    began = time.perf_counter(); looks = link_looks(robot, 'visual', detail=detail)\n"
                 "    spent = time.perf_counter() - began\n"
@@ -108,7 +108,7 @@ def meshes() -> None:
 def dragging(robot: ulna.Robot, count: int = 500) -> None:
     """One step after a dragged target, within reach and at the edge of it."""
     for what, reach in (("within reach", 0.15), ("at its edge", 0.9)):
-        q, follower, spent = np.array(robot.configurations["qr"]), Follower(robot), []
+        q, follower, spent = np.array(robot.configurations["qr"]), TargetFollower(robot), []
         middle = robot.fk(q)
         for t in np.linspace(0.0, 4 * np.pi, count):
             goal = middle.copy()
@@ -124,8 +124,8 @@ def dragging(robot: ulna.Robot, count: int = 500) -> None:
 
 def plain_viser(robot: ulna.Robot, q: np.ndarray, count: int) -> float:
     """The same robots by viser's public interface: a handle for each link."""
-    from ulna.viewer.channel import serve, stop
-    from ulna.viewer.controls import pose_rows
+    from ulna.viewer.page.poses import pose_rows
+    from ulna.viewer.page.server import serve, stop
 
     server = serve("127.0.0.1", 0, "peer")
     try:

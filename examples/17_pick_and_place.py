@@ -181,7 +181,7 @@ def checked(robot: ulna.Robot, move: trajectory.Trajectory, world: World) -> tra
 
 def present(robot: ulna.Robot, legs: list[Leg], show: bool, film: str | None) -> None:
     """Plays the legs in the viewer, or writes them as a film."""
-    from ulna.viewer.camera import Camera
+    from ulna.viewer import Camera
 
     viewer = ulna.Viewer(page=show)
     viewer.camera = Camera(position=(2.2, -0.5, 1.2), target=(0.3, 0.0, 0.25))

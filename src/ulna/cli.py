@@ -167,12 +167,12 @@ def _info(chosen: argparse.Namespace) -> None:
 
 def _show(chosen: argparse.Namespace) -> None:
     from ulna.loading import load
-    from ulna.viewer.film import check_film
-    from ulna.viewer.links import checked_showing
-    from ulna.viewer.png import checked_picture
-    from ulna.viewer.screen import somebody_can_look
+    from ulna.viewer.graph.theme import theme_of
+    from ulna.viewer.output.png import checked_picture
+    from ulna.viewer.output.video import check_film
+    from ulna.viewer.page.browser import somebody_can_look
+    from ulna.viewer.robot.link_surfaces import checked_showing
     from ulna.viewer.show import configuration, show
-    from ulna.viewer.theme import theme_of
 
     what, theme = checked_showing(chosen.show), theme_of(chosen.theme)
     if chosen.output:
@@ -193,8 +193,8 @@ def _show(chosen: argparse.Namespace) -> None:
 
 def _write(robot: Any, q: Any, chosen: argparse.Namespace) -> None:
     """Write what was asked for of a robot without a page: a picture, a film, a page for later."""
-    from ulna.viewer.raster import render, write_png
-    from ulna.viewer.tour import tour
+    from ulna.viewer.render.renderer import render, write_png
+    from ulna.viewer.robot.joint_sweep import joint_sweep
     from ulna.viewer.viewer import Viewer
 
     viewer = Viewer(page=False, title=robot.name, theme=chosen.theme)
@@ -203,9 +203,9 @@ def _write(robot: Any, q: Any, chosen: argparse.Namespace) -> None:
         picture = render(viewer.scene, theme=chosen.theme)
         print(write_png(chosen.output or _picture_of(chosen.name), picture))
     if chosen.film:
-        print(viewer.film(chosen.film, tour(robot, q)))
+        print(viewer.film(chosen.film, joint_sweep(robot, q)))
     if chosen.html:
-        print(viewer.html(chosen.html, tour(robot, q)))
+        print(viewer.html(chosen.html, joint_sweep(robot, q)))
 
 
 def _picture_of(name: str) -> str:

@@ -18,7 +18,7 @@ from ulna.spatial import SE3, matrix_to_rpy, so3_log
 from ulna.typing import Floats
 
 if TYPE_CHECKING:
-    from ulna.viewer.camera import Camera
+    from ulna.viewer.graph.camera import Camera
     from ulna.viewer.scene import Scene
 
 GAIN, THRESHOLD, DT = 1.0, 0.01, 0.01
@@ -115,8 +115,8 @@ def demo(
         size: Width and height of the picture [pixels].
     """
     from ulna.loading import load
+    from ulna.viewer.page.browser import has_screen
     from ulna.viewer.scene import Scene
-    from ulna.viewer.screen import has_screen
 
     robot = load("panda")
     start = np.array(robot.configurations["qr"], dtype=float)
@@ -212,7 +212,7 @@ def _set_up(scene: Scene, robot: Any, start: Floats, goal: Floats) -> None:
 
 def _picture(robot: Any, start: Floats, result: Servoing, output: str, size: tuple[int, int]) -> Path:
     """The start as a ghost, the way of the tool, the goal and the robot at the end, into a PNG file."""
-    from ulna.viewer.raster import render, write_png
+    from ulna.viewer.render.renderer import render, write_png
     from ulna.viewer.scene import Scene
 
     scene = Scene()
@@ -227,7 +227,7 @@ def _picture(robot: Any, start: Floats, result: Servoing, output: str, size: tup
 
 def _view(scene: Scene, margin: float, aside: float = 0.0) -> Camera:
     """From the side to which the way of the tool is open."""
-    from ulna.viewer.camera import frame
+    from ulna.viewer.graph.camera import frame
 
     return frame(scene, direction=(1.1, 2.0, 0.8), margin=margin, aside=aside)
 

@@ -13,7 +13,7 @@ import pytest
 
 from support.patience import patient
 from ulna.geometry import Box
-from ulna.viewer.camera import Camera
+from ulna.viewer.graph.camera import Camera
 from ulna.viewer.viewer import Viewer
 
 pytestmark = pytest.mark.browser

@@ -67,7 +67,7 @@ class Visit:
     def pixel(self, point: np.ndarray) -> tuple[float, float]:
         """Where a point of the world is in the tab."""
         camera = self.show.page.server.initial_camera
-        from ulna.viewer.camera import Camera
+        from ulna.viewer.graph.camera import Camera
 
         eye = Camera(tuple(camera.position), tuple(camera.look_at), camera.fov)
         x, y, z = (point - np.asarray(eye.position)) @ eye.axes()

@@ -12,9 +12,9 @@ import pytest
 
 import ulna
 from support.patience import patient
-from ulna.viewer.camera import Camera
-from ulna.viewer.light import KEY
-from ulna.viewer.surface import Surface
+from ulna.viewer.graph.camera import Camera
+from ulna.viewer.mesh.surface import Surface
+from ulna.viewer.render.lighting import KEY
 from ulna.viewer.viewer import Viewer
 
 pytestmark = pytest.mark.browser

@@ -12,7 +12,7 @@ import ulna
 from ulna import cli
 from ulna.cli import main
 from ulna.errors import InputError
-from ulna.viewer.tour import tour
+from ulna.viewer.robot.joint_sweep import joint_sweep
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def headless(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    from ulna.viewer import raster
+    from ulna.viewer.render import renderer as raster
 
     render = raster.render
     monkeypatch.setattr(raster, "render", lambda scene, *_, theme="light": render(scene, 64, 40, theme=theme))
@@ -84,7 +84,7 @@ def test_show_writes_a_film_and_a_page(
 ) -> None:
     pytest.importorskip("PIL")
     pytest.importorskip("viser")
-    from ulna.viewer import studio
+    from ulna.viewer import export as studio
 
     monkeypatch.setattr(studio, "render", lambda *_: np.zeros((8, 8, 3), dtype=np.uint8))
     words = ["show", "ur5", "--headless", "--film", "a.gif", "--html", "a.html", "--theme", "dark"]
@@ -98,7 +98,7 @@ def test_show_writes_a_film_and_a_page(
 def test_a_tour_goes_through_the_range_of_every_joint_and_back() -> None:
     robot = ulna.load("panda", visuals="simple")
     start = robot.configurations["qr"]
-    rows = tour(robot, start)
+    rows = joint_sweep(robot, start)
     np.testing.assert_array_equal(rows.q[0], start)
     np.testing.assert_array_equal(rows.q[-1], start)
     low, high = robot.model.lower_position, robot.model.upper_position

@@ -55,7 +55,7 @@ case("xacro refusal", lambda t: refused(ValueError(t), "f"), "line 1" * N, "line
 from ulna.geometry.meshes import _metres
 case("units", _metres, " " * N, "1" * N, "1" * N + "*", "1 *" + " " * N, " " * N + "1", "1e * meters")
 
-from ulna.viewer.mesh_store import entry
+from ulna.viewer.mesh.mesh_cache import entry
 def stored(text):
     path = os.path.join(folder, "mesh.obj")
     with open(path, "w") as file:

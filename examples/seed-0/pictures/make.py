@@ -14,7 +14,7 @@ import numpy as np
 import swift
 from PIL import Image
 
-from ulna.viewer.camera import Camera
+from ulna.viewer import Camera
 
 HERE = Path(__file__).parent
 CAMERA = Camera((2.1, -1.6, 1.1), (0.36, -0.05, 0.26))

@@ -7,19 +7,20 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.checks.values import checked_robot, flag, one_of, short_repr
+from ulna.checks.values import checked_robot, flag, short_repr
 from ulna.errors import InputError
 from ulna.typing import ArrayLike, Floats
-from ulna.viewer.camera import Camera
-from ulna.viewer.figure import Figure, checked_configuration
-from ulna.viewer.hold import hold
-from ulna.viewer.links import Showing, checked_showing
+from ulna.viewer.graph.camera import Camera
+from ulna.viewer.graph.theme import LIGHT, Theme, theme_of
 from ulna.viewer.page import Page
-from ulna.viewer.pendant import Pendant
+from ulna.viewer.page.browser import open_browser
+from ulna.viewer.page.keep_open import hold
+from ulna.viewer.panel.teach_panel import TeachPanel
 from ulna.viewer.progress import progress
+from ulna.viewer.robot.configuration import configuration
+from ulna.viewer.robot.link_surfaces import Showing, checked_showing
+from ulna.viewer.robot.robot_visual import RobotVisual
 from ulna.viewer.scene import Scene
-from ulna.viewer.screen import open_browser
-from ulna.viewer.theme import LIGHT, Theme, theme_of
 
 
 def show(
@@ -66,22 +67,6 @@ def show(
     return out
 
 
-def configuration(robot: Any, q: ArrayLike | str | None) -> Floats:
-    """A configuration (nq,) from an array, a name of `robot.configurations`, or None for the usual one.
-
-    Raises:
-        UnknownName: The robot has no configuration of that name.
-        ShapeError, NonFiniteError: The array does not fit.
-    """
-    named = dict(robot.configurations)
-    if q is None:
-        usual = next((named[n] for n in ("qr", "ready", "home", *named) if n in named), None)
-        return np.array(robot.model.neutral if usual is None else usual, dtype=float)
-    if isinstance(q, str):
-        return np.array(named[one_of("configuration", q, named)], dtype=float)
-    return checked_configuration(robot, q)
-
-
 @final
 class Show:
     """A robot in a page. `q` is where it stands; setting it moves the robot, the sliders and the target."""
@@ -100,13 +85,13 @@ class Show:
         self.robot, self.scene, self.name = robot, scene, robot.name
         self.lock = threading.RLock()
         with progress("Loading meshes") as report:
-            self._figure = Figure(scene, robot, q, show=showing, report=report)
+            self._figure = RobotVisual(scene, robot, q, show=showing, report=report)
         try:
             self.page = Page(scene, title=robot.name, port=port, host=host, camera=camera, theme=theme)
         except BaseException:
             self._figure.remove()
             raise
-        self.pendant = Pendant(self.page, self)
+        self.pendant = TeachPanel(self.page, self)
 
     @property
     def url(self) -> str:

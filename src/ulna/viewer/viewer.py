@@ -10,22 +10,22 @@ from ulna.checks.values import short_repr as worded
 from ulna.errors import InputError, UnknownName
 from ulna.sim import Simulation
 from ulna.sim.body import TOLD, check_told
-from ulna.viewer.camera import Camera, checked_camera, frame
-from ulna.viewer.guard import checked_host
-from ulna.viewer.handles import Handle
-from ulna.viewer.hold import hold
+from ulna.viewer.export import ExportMethods, Recorded, checked_height
+from ulna.viewer.graph.camera import Camera, checked_camera, frame
+from ulna.viewer.graph.handles import Handle
+from ulna.viewer.graph.theme import LIGHT, Theme, theme_of
 from ulna.viewer.page import Page
+from ulna.viewer.page.access import checked_host
+from ulna.viewer.page.browser import open_browser, somebody_can_look
+from ulna.viewer.page.keep_open import hold
 from ulna.viewer.panel import Panel
-from ulna.viewer.pendant import Pendant
-from ulna.viewer.robot_handle import RobotHandle
-from ulna.viewer.screen import open_browser, somebody_can_look
-from ulna.viewer.studio import Recorded, Studio, checked_height
-from ulna.viewer.theme import LIGHT, Theme, theme_of
-from ulna.viewer.timeline import PACE, Motion, Timeline
+from ulna.viewer.panel.teach_panel import TeachPanel
+from ulna.viewer.panel.timeline import PACE, Motion, Timeline
+from ulna.viewer.robot.robot_handle import RobotHandle
 
 
 @final
-class Viewer(Studio):
+class Viewer(ExportMethods):
     """A scene with a page in the browser.
 
     It returns at once and never waits for a browser; whoever opens `url` sees what there is. Without a screen, a
@@ -168,7 +168,7 @@ class Viewer(Studio):
         if isinstance(handle, RobotHandle) and self._simulation is not None:
             self._adopt(handle)
 
-    def pendant(self, robot: RobotHandle) -> Pendant:
+    def pendant(self, robot: RobotHandle) -> TeachPanel:
         """Put a robot's joints, its tool's pose and a target to drag into the panel.
 
         Raises:
@@ -180,7 +180,7 @@ class Viewer(Studio):
             )
         if self._page is None:
             raise InputError("There is no page to put sliders into.")
-        return Pendant(self._page, robot, lambda: robot.world_pose, heading=robot.name)
+        return TeachPanel(self._page, robot, lambda: robot.world_pose, heading=robot.name)
 
     # time -----------------------------------------------------------------------------------------------------
 

@@ -12,8 +12,8 @@ import pytest
 import ulna
 from ulna.geometry import Box
 from ulna.typing import Array
-from ulna.viewer.camera import Camera
-from ulna.viewer.raster import render
+from ulna.viewer.graph.camera import Camera
+from ulna.viewer.render.renderer import render
 from ulna.viewer.viewer import Viewer
 
 EYE = Camera((0.0, -3.0, 0.5), (0.0, 0.0, 0.3), 0.6)

@@ -12,7 +12,7 @@ import pytest
 import ulna
 from ulna.errors import InputError, MissingExtra, ShapeError, UnknownName
 from ulna.sim import Recording
-from ulna.viewer.film import gif_times, moments, write_film
+from ulna.viewer.output.video import gif_times, moments, write_film
 from ulna.viewer.viewer import Viewer
 
 
@@ -157,7 +157,7 @@ def test_sticks_stand_where_the_robot_does(panda: ulna.Robot) -> None:
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    from ulna.viewer.sticks import stick_figure
+    from ulna.viewer.robot.stick_figure import stick_figure
 
     q = panda.configurations["qr"]
     ax = stick_figure(panda, np.stack([panda.neutral, q]), frames=["panda_link4"])

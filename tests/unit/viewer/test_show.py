@@ -13,7 +13,7 @@ from support.patience import patient
 from ulna.errors import InputError, MissingExtra, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Continuous, FreeFlyer, ModelBuilder, Prismatic, Revolute, Spherical
 from ulna.spatial import SE3
-from ulna.viewer.dials import _short
+from ulna.viewer.robot.slider_coordinates import _short
 from ulna.viewer.scene import Scene
 from ulna.viewer.show import Show, configuration, show
 

@@ -10,11 +10,11 @@ import ulna
 from ulna.errors import InputError, NonFiniteError, ShapeError, UlnaError, UnknownName
 from ulna.geometry import Box, Mesh, Sphere
 from ulna.sim import Recording
-from ulna.viewer.camera import Camera
-from ulna.viewer.content import Copies, Lines, Points
-from ulna.viewer.handles import Handle
-from ulna.viewer.robot_handle import RobotHandle
-from ulna.viewer.tessellate import tessellate
+from ulna.viewer.graph.camera import Camera
+from ulna.viewer.graph.content import Copies, Lines, Points
+from ulna.viewer.graph.handles import Handle
+from ulna.viewer.mesh.primitives import tessellate
+from ulna.viewer.robot.robot_handle import RobotHandle
 from ulna.viewer.viewer import Viewer
 
 
@@ -323,7 +323,7 @@ def test_what_moves_along_is_where_the_robot_has_it(viewer: Viewer, panda: ulna.
 
 
 def test_ellipsoids_of_inertia_have_the_inertia_of_their_links(viewer: Viewer) -> None:
-    from ulna.viewer.ellipsoids import of_inertias
+    from ulna.viewer.robot.ellipsoids import of_inertias
 
     robot = ulna.load("ur5")
     found = of_inertias(robot.model.links)

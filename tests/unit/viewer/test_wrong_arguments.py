@@ -12,10 +12,10 @@ import ulna
 from ulna.errors import UlnaError
 from ulna.geometry import Box
 from ulna.sim import Body, Recording, Simulation, dynamic_step, kinematic_step, simulate
-from ulna.viewer.camera import Camera
-from ulna.viewer.sticks import stick_figure
-from ulna.viewer.surface import Surface
-from ulna.viewer.theme import Theme
+from ulna.viewer.graph.camera import Camera
+from ulna.viewer.graph.theme import Theme
+from ulna.viewer.mesh.surface import Surface
+from ulna.viewer.robot.stick_figure import stick_figure
 from ulna.viewer.viewer import Viewer
 
 NAN, INF = float("nan"), float("inf")

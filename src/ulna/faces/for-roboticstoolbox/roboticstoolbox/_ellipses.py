@@ -54,7 +54,7 @@ class Ellipses(Part):
     def _shell(
         self, q: Any, kind: str, opt: str, scale: float, centre: Any = "ee", unit: str = "rad"
     ) -> Ellipse:
-        from ulna.viewer.ellipsoids import of_jacobian
+        from ulna.viewer.robot.ellipsoids import of_jacobian
 
         if opt not in ("trans", "rot"):
             raise InputError(f"`opt` is {opt!r}; expected 'trans' or 'rot'.")

@@ -128,7 +128,7 @@ class PyPlot:
         self._show([(robot, q)], title, ellipses)
 
     def _show(self, robots: Any, title: str, ellipses: Any) -> None:
-        from ulna.viewer.sticks import stick_figure
+        from ulna.viewer.robot.stick_figure import stick_figure
 
         limits = None if not self.ax.lines else [self.ax.get_xlim(), self.ax.get_ylim(), self.ax.get_zlim()]
         self.ax.clear()

@@ -91,7 +91,7 @@ class Plotting(Part):
             env = (PyPlot2 if chosen == "pyplot2" else PyPlot)(ax, limits, fig or "")
             env.launch(view=view)
         if movie is not None:
-            from ulna.viewer.film import write_film
+            from ulna.viewer.output.video import write_film
 
             write_film(movie, self._frames(env, rows, dt, vellipse, fellipse), 1.0 / dt)
         else:
@@ -118,7 +118,7 @@ class Plotting(Part):
 
     def _is_for_the_viewer(self) -> bool:
         """Whether there are shapes to see and a screen to see them on."""
-        from ulna.viewer.screen import has_screen
+        from ulna.viewer.page.browser import has_screen
 
         if not self.hasgeometry or os.environ.get("SWIFT_HEADLESS"):
             return False

@@ -90,7 +90,7 @@ class Arrow(Shape):
         Raises:
             InputError: They are one point.
         """
-        from ulna.viewer.handles import rotation_to
+        from ulna.viewer.graph.arrow import rotation_to
 
         a, b = (np.asarray(p, dtype=float).reshape(3) for p in (start, end))
         length = positive("distance from start to end", np.linalg.norm(b - a))

@@ -27,7 +27,7 @@ __all__ = [
     "SwiftElement",
 ]
 
-_LIGHTS = "The lamps are those of the viewer's theme: `env.viewer.theme = 'dark'`, or one of ulna.viewer.theme.Theme."
+_LIGHTS = "The lights are those of the viewer's theme: `env.viewer.theme = 'dark'`, or an ulna.viewer.Theme."
 _SERVER = "The page is served by ulna.Viewer: `env.viewer.url` is its address."
 _INSTEAD = {
     "Light": _LIGHTS,

@@ -13,7 +13,7 @@ from swift._items import Item
 from swift._recorder import Recorder
 from ulna.errors import UlnaWarning
 from ulna.sim import Simulation
-from ulna.viewer.screen import open_browser, somebody_can_look
+from ulna.viewer.page.browser import open_browser, somebody_can_look
 from ulna.viewer.viewer import Viewer
 
 _PATIENCE = 10.0  # s that `launch` waits for a browser that it opened

@@ -53,7 +53,7 @@ class Recorder:
 
     def write(self) -> Path:
         """Draw and write it."""
-        from ulna.viewer.film import moments
+        from ulna.viewer.output.video import moments
 
         times = np.array(self._times) - self._times[0]
         if self.path.suffix:

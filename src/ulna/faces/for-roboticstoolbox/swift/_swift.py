@@ -13,8 +13,8 @@ from swift._recorder import Recorder
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import number
 from ulna.errors import InputError
-from ulna.viewer.camera import Camera
-from ulna.viewer.screen import somebody_can_look
+from ulna.viewer.graph.camera import Camera
+from ulna.viewer.page.browser import somebody_can_look
 
 
 class Swift(Contents):

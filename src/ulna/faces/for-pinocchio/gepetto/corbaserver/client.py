@@ -10,7 +10,7 @@ from typing import Any, NoReturn, final
 import ulna
 from gepetto.corbaserver.gui import Gui
 from ulna.errors import MissingExtra, UlnaWarning, ViewerError
-from ulna.viewer.screen import open_browser, somebody_can_look
+from ulna.viewer.page.browser import open_browser, somebody_can_look
 
 _shared: list[Gui] = []
 

@@ -11,7 +11,7 @@ import numpy as np
 from gepetto.corbaserver.tree import Tree, without
 from ulna.errors import InputError, UnknownName
 from ulna.viewer.colours import colour
-from ulna.viewer.handles import Handle
+from ulna.viewer.graph.handles import Handle
 
 _VISIBILITIES = ("ON", "OFF", "ALWAYS_ON_TOP")
 _PROPERTIES = {"Visibility": "String", "Color": "Color", "Scale": "Vector3", "Alpha": "Float"}

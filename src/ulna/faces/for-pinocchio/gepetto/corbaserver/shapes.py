@@ -13,10 +13,10 @@ from gepetto.corbaserver.tree import PARTS, Tree
 from ulna.errors import InputError, UnknownName
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Shape, Sphere
 from ulna.viewer.colours import colour
-from ulna.viewer.content import Lines
-from ulna.viewer.handles import Path
-from ulna.viewer.surface import Surface
-from ulna.viewer.tessellate import tessellate
+from ulna.viewer.graph.content import Lines
+from ulna.viewer.graph.handles import Polyline
+from ulna.viewer.mesh.primitives import tessellate
+from ulna.viewer.mesh.surface import Surface
 
 Rgba = Sequence[float]
 _PIXEL = 0.002  # how thick a line of one pixel is [m]
@@ -192,7 +192,7 @@ class Shapes(Tree, abc.ABC):
         """Gives a curve other points, (n, 3) [m]."""
         place = self._curve(curveName)
         points = np.array(pos, dtype=float)
-        Path(self.scene, place).points = points
+        Polyline(self.scene, place).points = points
         self._curves[place] = points
         return True
 
@@ -204,7 +204,7 @@ class Shapes(Tree, abc.ABC):
             raise InputError(
                 f"{count} points from {first} on of {len(points)}; expected two of them or more."
             )
-        Path(self.scene, place).points = points[first : first + count]
+        Polyline(self.scene, place).points = points[first : first + count]
         return True
 
     def setCurveLineWidth(self, curveName: str, width: float) -> bool:

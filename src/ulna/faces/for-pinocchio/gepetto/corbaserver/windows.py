@@ -13,8 +13,8 @@ import numpy as np
 from gepetto.corbaserver.placement import configuration_of, pose_of
 from gepetto.corbaserver.tree import Tree
 from ulna.errors import InputError, UnknownName
-from ulna.viewer.camera import Camera
 from ulna.viewer.colours import colour
+from ulna.viewer.graph.camera import Camera
 
 _SIZE = (960, 600)  # of pictures [pixels]
 

@@ -44,7 +44,7 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
 
     def setCameraZoom(self, zoom: float) -> None:
         """Makes things appear so many times as large as with the usual lens."""
-        from ulna.viewer.camera import Camera
+        from ulna.viewer.graph.camera import Camera
 
         self._look(fov=float(2.0 * np.arctan(np.tan(Camera().fov / 2.0) / zoom)))
 

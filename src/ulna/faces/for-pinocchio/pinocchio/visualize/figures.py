@@ -13,9 +13,9 @@ from pinocchio._geometry.geometry_model import GeometryObject
 from ulna.errors import InputError, MissingExtra, ModelWarning
 from ulna.geometry import Mesh
 from ulna.viewer.colours import colour
-from ulna.viewer.meshes import load_mesh, smooth
-from ulna.viewer.surface import Surface
-from ulna.viewer.tessellate import tessellate
+from ulna.viewer.mesh.mesh_files import load_mesh, smooth
+from ulna.viewer.mesh.primitives import tessellate
+from ulna.viewer.mesh.surface import Surface
 
 
 def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) -> list[Surface]:

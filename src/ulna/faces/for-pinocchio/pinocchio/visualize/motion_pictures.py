@@ -13,7 +13,7 @@ import numpy as np
 from pinocchio._algorithms.kinematics import getFrameVelocity
 from pinocchio._containers.enums import LOCAL_WORLD_ALIGNED
 from pinocchio._model.model import Model
-from ulna.viewer.screen import somebody_can_look
+from ulna.viewer.page.browser import somebody_can_look
 
 
 class MotionPictures(abc.ABC):
@@ -121,7 +121,7 @@ class MotionPictures(abc.ABC):
     @contextmanager
     def create_video_ctx(self, filename: str, fps: float = 25.0, **_: Any) -> Iterator[None]:
         """Writes what is played within to a film: .mp4 or .gif."""
-        from ulna.viewer.film import check_film, write_film
+        from ulna.viewer.output.video import check_film, write_film
 
         check_film(filename)
         self._film = []

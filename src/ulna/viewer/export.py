@@ -1,0 +1,229 @@
+"""Pictures, films and HTML files of a scene, drawn without a screen."""
+
+from __future__ import annotations
+
+import abc
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path as FilePath
+from typing import Any
+
+from ulna.checks.values import MAX_LENGTH, number, short_repr, text
+from ulna.checks.values import function as checked_function
+from ulna.errors import InputError
+from ulna.sim import Recording
+from ulna.typing import Array
+from ulna.viewer.graph.camera import Camera, checked_camera, frame
+from ulna.viewer.graph.theme import Theme, theme_of
+from ulna.viewer.output.png import checked_picture
+from ulna.viewer.output.video import check_film, moments, write_film
+from ulna.viewer.page.html_file import checked_page, write_html
+from ulna.viewer.panel.timeline import Motion, Timeline
+from ulna.viewer.progress import progress
+from ulna.viewer.render.renderer import check_size, render, write_png
+from ulna.viewer.robot.robot_handle import RobotHandle
+from ulna.viewer.scene.objects import SceneMethods
+
+Recorded = Recording | Mapping[RobotHandle, Recording] | None
+
+
+class ExportMethods(SceneMethods, abc.ABC):
+    """A scene with a camera, a floor and a light or dark surrounding, and files that show it."""
+
+    def __init__(self, title: str, theme: Theme | str, camera: Camera | None, floor: float | None) -> None:
+        super().__init__()
+        self.title, self._theme = text("title", title), theme_of(theme)
+        self._camera, self._floor = checked_camera(camera), checked_height(floor)
+
+    @abc.abstractmethod
+    def _simulated(self) -> Sequence[Motion]:
+        """The robots that a simulation moves, and what gives its recordings."""
+
+    @property
+    def robots(self) -> tuple[RobotHandle, ...]:
+        """The robots in the scene."""
+        return tuple(h for h in self._handles.values() if isinstance(h, RobotHandle))
+
+    def picture(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        width: int = 1600,
+        height: int = 1000,
+        *,
+        camera: Camera | None = None,
+        samples: int = 2,
+    ) -> Array:
+        """A picture of the scene (height, width, 3), uint8, drawn without a browser; written as a PNG file, too.
+
+        Args:
+            path: The file; none is written when not given.
+            width: Width [pixels].
+            height: Height [pixels].
+            camera: From where; the viewer's when not given.
+            samples: Samples along each edge of a pixel; 2 is smooth, 1 quick.
+
+        Raises:
+            InputError: The size is out of range, or the file cannot be written.
+            UnknownName: The path does not end in .png.
+        """
+        check_size(width, height, samples)
+        target = None if path is None else checked_picture(path)
+        view = checked_camera(camera) or self._camera or frame(self.scene, width / height)
+        image = render(self.scene, width, height, view, samples, self._theme, self._floor)
+        if target is not None:
+            write_png(target, image)
+        return image
+
+    def film(
+        self,
+        path: str | os.PathLike[str],
+        recorded: Recorded = None,
+        *,
+        fps: float = 25.0,
+        speed: float = 1.0,
+        width: int = 960,
+        height: int = 600,
+        camera: Camera | None = None,
+        samples: int = 2,
+        move: Callable[[float], None] | None = None,
+        duration: float | None = None,
+    ) -> FilePath:
+        """Write a film at its true speed: .mp4 or .gif, drawn without a browser.
+
+        Args:
+            path: The file.
+            recorded: A recording of the only robot, recordings by robot, or None for those of the simulation.
+            fps: Pictures a second.
+            speed: Seconds of what happened per second of film.
+            width: Width [pixels].
+            height: Height [pixels].
+            camera: From where; one that stays and has the first and the last moment in view when not given.
+            samples: Samples along each edge of a pixel.
+            move: Brings the scene to a time [s], called before each picture; instead of `recorded`, with `duration`.
+            duration: How long it is that `move` shows [s].
+
+        Raises:
+            UnknownName: It ends neither in .mp4 nor in .gif.
+            MissingExtra: imageio-ffmpeg or Pillow is not installed.
+            InputError: It is not clear what to show, or the file cannot be written.
+        """
+        check_film(path)
+        check_size(width, height, samples)
+        bring, length = self._mover(recorded, move, duration)
+        times = moments(length, fps, speed)
+        with self._as_it_was():
+            view = checked_camera(camera) or self._camera or self._view_of(bring, times, width / height)
+            floor = self.scene.floor() if self._floor is None else self._floor
+            with progress(f"Drawing {os.path.basename(os.fspath(path))}") as report:
+
+                def pictures() -> Iterator[Array]:
+                    for k, t in enumerate(times):
+                        report(k, len(times))
+                        bring(float(t))
+                        yield render(self.scene, width, height, view, samples, self._theme, floor)
+
+                return write_film(path, pictures(), fps)
+
+    def html(
+        self,
+        path: str | os.PathLike[str],
+        recorded: Recorded = None,
+        *,
+        fps: float = 30.0,
+        camera: Camera | None = None,
+    ) -> FilePath:
+        """Write the scene as one HTML file that plays offline, with a time line and a camera to move.
+
+        Args:
+            path: The file.
+            recorded: What moves, as for `film`; None for the simulation's recordings, or a scene at rest.
+            fps: Poses a second.
+            camera: From where at first.
+
+        Raises:
+            MissingExtra: viser is not installed.
+            InputError: It is not clear what to show, or the file cannot be written.
+        """
+        checked_page(path)
+        times, bring = moments(0.0, fps), None
+        if recorded is not None or self._simulated():
+            bring, length = self._mover(recorded, None, None)
+            times = moments(length, fps)
+        options: dict[str, Any] = {"title": self.title, "theme": self._theme, "floor": self._floor}
+        with self._as_it_was():
+            return write_html(
+                path,
+                self.scene,
+                times.tolist(),
+                bring,
+                camera=checked_camera(camera) or self._camera,
+                **options,
+            )
+
+    def _mover(
+        self, recorded: Recorded, move: Callable[[float], None] | None, duration: float | None
+    ) -> tuple[Callable[[float], None], float]:
+        if (move is None) != (duration is None) or (move is not None and recorded is not None):
+            raise InputError("Give either what was recorded, or `move` with a `duration` [s].")
+        if move is not None and duration is not None:
+            return checked_function("move", move), duration
+        motions = self._motions(recorded)
+        timeline = Timeline(None, lambda: motions)
+
+        def bring(t: float) -> None:
+            timeline.time = t
+
+        return bring, timeline.duration
+
+    def _view_of(self, bring: Callable[[float], None], times: Array, aspect: float) -> Camera:
+        bring(float(times[-1]))
+        last = self.scene.points()
+        bring(float(times[0]))
+        return frame(self.scene, aspect, also=last)
+
+    @contextmanager
+    def _as_it_was(self) -> Iterator[None]:
+        """Robots stand afterwards where they stood before."""
+        before = [(robot, robot.q) for robot in self.robots]
+        try:
+            yield
+        finally:
+            for robot, q in before:
+                robot.show_at(q)
+
+    def _motions(self, recorded: Recorded) -> Sequence[Motion]:
+        if recorded is None:
+            motions = self._simulated()
+            if not motions:
+                raise InputError("Nothing was simulated here; give a recording.")
+            return motions
+        if isinstance(recorded, Recording):
+            if len(self.robots) != 1:
+                raise InputError(
+                    f"There are {len(self.robots)} robots here; give {{handle: recording}} to say which one it is of."
+                )
+            return [(self.robots[0], lambda: recorded)]
+        if not isinstance(recorded, Mapping):
+            raise InputError(
+                f"Cannot play {short_repr(recorded)}; expected a recording, or {{handle: recording}}."
+            )
+        for robot, recording in recorded.items():
+            if not isinstance(robot, RobotHandle) or not isinstance(recording, Recording):
+                raise InputError(
+                    f"Cannot play {{{short_repr(robot)}: {short_repr(recording)}}}; expected {{handle: recording}}."
+                )
+        if not recorded:
+            raise InputError("Cannot play {}; expected a recording, or {handle: recording}.")
+        return [(robot, lambda r=r: r) for robot, r in recorded.items()]
+
+
+def checked_height(floor: float | None) -> float | None:
+    """The height of a floor [m], or None.
+
+    Raises:
+        InputError: It is no finite number.
+    """
+    return (
+        None if floor is None else number("floor", floor, "a height [m]", least=-MAX_LENGTH, most=MAX_LENGTH)
+    )

@@ -1,0 +1,84 @@
+"""Arrows: a shaft and a tip along a vector that can be assigned to."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ulna.checks.arrays import length_array
+from ulna.checks.values import MAX_LENGTH, length, number
+from ulna.typing import ArrayLike, Floats
+from ulna.viewer.colours import Colour, colour
+from ulna.viewer.graph.handles import Handle
+from ulna.viewer.graph.scene_graph import SceneGraph
+from ulna.viewer.mesh.primitives import arrow
+from ulna.viewer.mesh.surface import unit
+
+
+class Arrow(Handle):
+    """An arrow from its origin along a vector; `vector` and `size` can be assigned to."""
+
+    __slots__ = ("_radius", "_size", "_vector")
+
+    def __init__(
+        self, scene: SceneGraph, name: str, vector: ArrayLike, radius: float, size: float = 1.0
+    ) -> None:
+        super().__init__(scene, name)
+        self._radius, self._vector = length("radius", radius), np.zeros(3)
+        self.size = size
+        self.vector = vector
+
+    @property
+    def vector(self) -> Floats:
+        """What it tells of, in its group's axes, shape (3,): a way [m], or a force [N], a velocity [m/s] ..."""
+        return self._vector.copy()
+
+    @vector.setter
+    def vector(self, vector: ArrayLike) -> None:
+        self._vector = length_array("vector", vector, 3)
+        self._draw()
+
+    @property
+    def size(self) -> float:
+        """How long it is drawn for each unit of `vector` [m]."""
+        return self._size
+
+    @size.setter
+    def size(self, size: float) -> None:
+        self._size = number("size", size, "metres for each unit, above zero", above=0.0, most=MAX_LENGTH)
+        self._draw()
+
+    def _draw(self) -> None:
+        way = self._size * float(np.linalg.norm(self._vector))
+        tip = min(5.0 * self._radius, 0.5 * way)
+        pose, top = self.pose, np.eye(4)
+        pose[:3, :3] = rotation_to(self._vector)
+        top[2, 3] = way - tip
+        least = 1e-9  # nothing has no direction
+        with self._scene.together():
+            self._scene.set_pose(self._name, pose)
+            self._scene.set_pose(f"{self._name}/tip", top)
+            thin = self._radius if way > least else least
+            self._scene.set_look(f"{self._name}/shaft", "scale", (thin, thin, max(way - tip, least)))
+            self._scene.set_look(f"{self._name}/tip", "scale", (2.4 * thin, 2.4 * thin, max(tip, least)))
+
+
+def add_arrow(
+    scene: SceneGraph, name: str, vector: ArrayLike, color: Colour, radius: float, size: float = 1.0
+) -> Arrow:
+    """Add an arrow from the origin of its group along a vector, `size` [m] for each unit of it."""
+    shaft, tip = arrow(colour(color))
+    scene.add(f"{name}/shaft", [shaft], shadow=False, through=True)  # it may well reach into the floor
+    scene.add(f"{name}/tip", [tip], shadow=False, through=True)
+    try:
+        return Arrow(scene, name, vector, radius, size)
+    except BaseException:
+        scene.remove(name)
+        raise
+
+
+def rotation_to(vector: Floats) -> Floats:
+    """A rotation (3, 3) that takes z to the direction of a vector."""
+    z = unit(vector)
+    helper = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    x = unit(np.cross(helper, z))
+    return np.stack([x, np.cross(z, x), z], axis=1)

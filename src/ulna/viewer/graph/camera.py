@@ -1,0 +1,112 @@
+"""Where a scene is looked at from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ulna.checks.arrays import length_array
+from ulna.checks.values import number, short_repr
+from ulna.errors import InputError
+from ulna.typing import Floats
+from ulna.viewer.graph.scene_graph import SceneGraph
+
+DIRECTION = (1.55, -1.75, 0.70)
+"""From the thing looked at towards the camera: from the front right, a little above."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera.
+
+    Args:
+        position: Where it stands, in the world [m].
+        target: What it looks at, in the world [m].
+        fov: Vertical field of view [rad].
+        up: The direction that is up in the picture.
+
+    Raises:
+        ShapeError, NonFiniteError, InputError: It looks nowhere.
+    """
+
+    position: tuple[float, float, float] = (1.75, -1.75, 1.05)
+    target: tuple[float, float, float] = (0.22, 0.0, 0.37)
+    fov: float = float(np.deg2rad(27.0))
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        for name in ("position", "target", "up"):
+            object.__setattr__(self, name, _triple(length_array(name, getattr(self, name), 3)))
+        fov = number("fov", self.fov, "an angle above 0 and below pi [rad]", above=0.0, most=np.pi - 1e-6)
+        object.__setattr__(self, "fov", fov)
+        if not np.any(self.up):
+            raise InputError("`up` is (0, 0, 0); expected the direction that is up in the picture.")
+        if not np.any(np.subtract(self.position, self.target)):
+            raise InputError(
+                f"The camera stands where it looks, at {self.target}; set another position or target."
+            )
+
+    def axes(self) -> Floats:
+        """R_world_camera, shape (3, 3): right, up and backwards of the picture as columns."""
+        back = np.subtract(self.position, self.target)
+        back = back / max(float(np.linalg.norm(back)), 1e-12)
+        right = np.cross(self.up, back)
+        if np.linalg.norm(right) < 1e-6:  # straight up or down: any direction serves
+            right = np.cross((0.0, 1.0, 0.0), back)
+        right = right / np.linalg.norm(right)
+        return np.stack([right, np.cross(back, right), back], axis=1)
+
+
+def checked_camera(camera: Camera | None) -> Camera | None:
+    """A camera, or None.
+
+    Raises:
+        InputError: It is neither.
+    """
+    if camera is not None and not isinstance(camera, Camera):
+        raise InputError(
+            f"`camera` is {short_repr(camera)}; expected an ulna.viewer.graph.camera.Camera, or None to see everything."
+        )
+    return camera
+
+
+def frame(
+    scene: SceneGraph,
+    aspect: float = 1.6,
+    direction: tuple[float, float, float] = DIRECTION,
+    margin: float = 1.3,
+    aside: float = 0.0,
+    also: Floats | None = None,
+) -> Camera:
+    """A camera that has the whole scene in view.
+
+    Args:
+        scene: What to look at.
+        aspect: Width over height of the picture.
+        direction: From the scene towards the camera.
+        margin: How much larger than the scene the picture is.
+        also: More points that shall be in view [m], shape (n, 3).
+        aside: How far to the left of the middle the scene stands, as a share of the picture's width.
+    """
+    points = scene.points() if also is None else np.concatenate([scene.points(), also])
+    if not len(points):
+        return Camera()
+    target = (points.min(axis=0) + points.max(axis=0)) / 2
+    rotation = Camera(tuple(np.add(target, direction)), tuple(target)).axes()
+    fov = Camera().fov
+    slope = np.tan(fov / 2) / margin
+    distance = 0.2
+    for _ in range(4):  # perspective moves the middle of the picture a little; a few rounds settle it
+        x, y, z = ((points - target) @ rotation).T
+        distance = max(float(np.max(z + np.maximum(np.abs(y) / slope, np.abs(x) / (slope * aspect)))), 0.2)
+        seen_x, seen_y = x / (distance - z), y / (distance - z)
+        middle = np.array([seen_x.min() + seen_x.max(), seen_y.min() + seen_y.max(), 0.0]) / 2
+        target = target + rotation @ (middle * distance)
+    target = target + rotation[:, 0] * (aside * 2 * np.tan(fov / 2) * aspect * distance)
+    position = target + distance * rotation[:, 2]
+    return Camera(_triple(position), _triple(target), fov)
+
+
+def _triple(v: Floats) -> tuple[float, float, float]:
+    return float(v[0]), float(v[1]), float(v[2])

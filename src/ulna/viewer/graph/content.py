@@ -1,0 +1,280 @@
+"""What nodes hold besides surfaces: points, lines, words, and one surface at many places."""
+
+from __future__ import annotations
+
+import abc
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, final
+
+import numpy as np
+
+from ulna.checks.arrays import length_array, scale_factors
+from ulna.checks.values import length, text
+from ulna.errors import ShapeError
+from ulna.spatial import quat_xyzw_to_matrix
+from ulna.typing import Array, ArrayLike, Floats
+from ulna.viewer.colours import Colour, shades
+from ulna.viewer.mesh.surface import RGBA, Surface, colour, unit
+
+_MOST_BALLS = 20_000  # points that a picture draws as balls; more are thinned out
+
+
+class Content(abc.ABC):
+    """Something to see that is not given as surfaces."""
+
+    @property
+    @abc.abstractmethod
+    def places(self) -> Floats:
+        """Points that bound it [m], shape (n, 3)."""
+
+    @property
+    @abc.abstractmethod
+    def surfaces(self) -> tuple[Surface, ...]:
+        """What a renderer that knows triangles only draws in its stead."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Points(Content):
+    """Points.
+
+    Args:
+        positions: Where [m], shape (n, 3).
+        colours: Red, green, blue from 0 to 1, shape (n, 3) or (3,).
+        size: Diameter of a point [m].
+    """
+
+    positions: Floats
+    colours: Any
+    size: float = 0.01
+
+    def __post_init__(self) -> None:
+        positions = _frozen("points", self.positions, None, 3)
+        object.__setattr__(self, "positions", positions)
+        object.__setattr__(self, "colours", _tints(self.colours, len(positions)))
+        object.__setattr__(self, "size", length("size", self.size))
+
+    @property
+    def places(self) -> Floats:
+        """The points."""
+        return self.positions
+
+    @cached_property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """An octahedron with the normals of a ball for each point, one surface for each of few colours."""
+        step = max(len(self.positions) // _MOST_BALLS, 1)
+        return _repeated(
+            _BALL.moved(np.eye(4), (self.size / 2,) * 3), self.positions[::step], self.colours[::step]
+        )
+
+    @property
+    def balls(self) -> Copies:
+        """A small ball for each point, drawn at once."""
+        ball = _BALL.moved(np.eye(4), (self.size / 2,) * 3)
+        return Copies((ball,), transforms(self.positions), self.colours)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Lines(Content):
+    """Straight lines, each from one point to another.
+
+    Args:
+        segments: Both ends of each [m], shape (n, 2, 3).
+        rgba: Their colour.
+        thickness: How thick [m].
+    """
+
+    segments: Floats
+    rgba: RGBA
+    thickness: float = 0.004
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "segments", _frozen("segments", self.segments, None, 2, 3))
+        object.__setattr__(self, "rgba", colour(self.rgba))
+        object.__setattr__(self, "thickness", length("thickness", self.thickness))
+
+    @classmethod
+    def through(cls, points: ArrayLike, rgba: Colour, thickness: float = 0.004) -> Lines:
+        """A line from point to point, (n, 3) [m]."""
+        way = _frozen("points", points, None, 3)
+        return cls(np.stack([way[:-1], way[1:]], axis=1), colour(rgba), thickness)
+
+    @property
+    def places(self) -> Floats:
+        """The ends."""
+        return self.segments.reshape(-1, 3)
+
+    @cached_property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """A prism with six sides for each line."""
+        return self.prisms(np.full((len(self.segments), 2), self.thickness / 2))
+
+    def prisms(self, radii: Floats) -> tuple[Surface, ...]:
+        """The lines as prisms with six sides that have a radius at each end, shape (n, 2) [m]."""
+        start, end = self.segments[:, 0], self.segments[:, 1]
+        along = unit(end - start)
+        helper = np.where(np.abs(along[:, 2:]) < 0.9, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+        side = unit(np.cross(along, helper))
+        other = np.cross(along, side)
+        angle = np.linspace(0, 2 * np.pi, 6, endpoint=False)
+        ring = (
+            np.cos(angle)[:, None] * side[:, None, :] + np.sin(angle)[:, None] * other[:, None, :]
+        )  # (n, 6, 3)
+        vertices = self.segments[:, :, None] + radii[:, :, None, None] * ring[:, None]
+        j, k = np.arange(6), (np.arange(6) + 1) % 6
+        prism = np.concatenate([np.stack([j, k, 6 + k], 1), np.stack([j, 6 + k, 6 + j], 1)])
+        triangles = 12 * np.arange(len(start))[:, None, None] + prism
+        normals = np.broadcast_to(ring[:, None], (len(start), 2, 6, 3))
+        return (Surface(vertices, triangles, normals, self.rgba),)
+
+
+@final
+@dataclass(frozen=True)
+class Text(Content):
+    """Words that face whoever looks.
+
+    Args:
+        words: What to say.
+        height: Height of the letters [m].
+    """
+
+    words: str
+    height: float = 0.05
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "words", text("words", self.words))
+        object.__setattr__(self, "height", length("height", self.height))
+
+    @property
+    def places(self) -> Floats:
+        """Where the words begin."""
+        return np.zeros((1, 3))
+
+    @property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """None: pictures write words themselves, or leave them out."""
+        return ()
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Copies(Content):
+    """One thing at many places, which costs a screen little more than the thing once.
+
+    Args:
+        original: The surfaces of the thing.
+        poses: T_node_copy, shape (n, 4, 4).
+        colours: Red, green, blue from 0 to 1, shape (n, 3); None for the surfaces' own.
+        scales: A factor along each axis, shape (n, 3); ones when not given.
+        opacity: From 0 to 1, for all of them.
+    """
+
+    original: tuple[Surface, ...]
+    poses: Floats
+    colours: Any = None
+    scales: Any = None
+    opacity: float = 1.0
+
+    def __post_init__(self) -> None:
+        poses = _frozen("poses", self.poses, None, 4, 4)
+        object.__setattr__(self, "poses", poses)
+        if self.colours is not None:
+            object.__setattr__(self, "colours", _tints(self.colours, len(poses)))
+        scales = scale_factors("scales", 1.0 if self.scales is None else self.scales, len(poses))
+        scales.setflags(write=False)
+        object.__setattr__(self, "scales", scales)
+
+    @property
+    def places(self) -> Floats:
+        """The corners of each copy's box."""
+        corners = [s.vertices for s in self.original if len(s.vertices)]
+        if not corners or not len(self.poses):
+            return np.zeros((0, 3))
+        low, high = (
+            np.min([c.min(axis=0) for c in corners], axis=0),
+            np.max([c.max(axis=0) for c in corners], axis=0),
+        )
+        box = np.stack(np.meshgrid(*zip(low, high, strict=True)), -1).reshape(-1, 3)
+        assert self.scales is not None
+        return (box * self.scales[:, None] @ self.poses[:, :3, :3].mT + self.poses[:, None, :3, 3]).reshape(
+            -1, 3
+        )
+
+    @cached_property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """All copies as triangles, one surface for each colour."""
+        assert self.scales is not None
+        pieces = []
+        for surface in self.original:
+            colours = (
+                self.colours if self.colours is not None else np.tile(surface.rgba[:3], (len(self.poses), 1))
+            )
+            alpha = surface.rgba[3] * self.opacity
+            pieces += _repeated(
+                surface, self.poses[:, :3, 3], colours, self.poses[:, :3, :3], self.scales, alpha
+            )
+        return tuple(pieces)
+
+
+def _octahedron() -> Surface:
+    corners = np.concatenate([np.eye(3), -np.eye(3)])
+    faces = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
+    return Surface(corners, np.array(faces), corners)
+
+
+_BALL = _octahedron()
+
+
+def _repeated(
+    surface: Surface,
+    positions: Floats,
+    colours: Floats,
+    rotations: Floats | None = None,
+    scales: Floats | None = None,
+    opacity: float = 1.0,
+) -> tuple[Surface, ...]:
+    """Copies of a surface, joined by colour; more than 16 colours are rounded to 4 steps of each."""
+    if len(np.unique(colours, axis=0)) > 16:
+        colours = np.round(colours * 3) / 3
+    distinct, which = np.unique(colours, axis=0, return_inverse=True)
+    out = []
+    for k, rgb in enumerate(distinct):
+        chosen = np.flatnonzero(which.reshape(-1) == k)
+        vertices = np.broadcast_to(surface.vertices, (len(chosen), *surface.vertices.shape))
+        normals = np.broadcast_to(surface.normals, vertices.shape)
+        if scales is not None:
+            factors = scales[chosen, None]
+            vertices, normals = vertices * factors, unit(normals / np.where(factors != 0.0, factors, 1.0))
+        if rotations is not None:
+            turn = rotations[chosen].mT
+            vertices, normals = vertices @ turn, normals @ turn
+        vertices = vertices + positions[chosen, None]
+        triangles = surface.triangles + len(surface.vertices) * np.arange(len(chosen))[:, None, None]
+        out.append(Surface(vertices, triangles, normals, colour((*rgb, opacity))))
+    return tuple(out)
+
+
+def transforms(positions: ArrayLike, quat_xyzw: ArrayLike | None = None) -> Floats:
+    """Poses (n, 4, 4) from positions (n, 3) [m], and rotations as quaternions x y z w (n, 4) where given."""
+    places = _frozen("positions", positions, None, 3)
+    out = np.tile(np.eye(4), (len(places), 1, 1))
+    out[:, :3, 3] = places
+    if quat_xyzw is not None:
+        out[:, :3, :3] = quat_xyzw_to_matrix(_frozen("quat_xyzw", quat_xyzw, len(places), 4))
+    return out
+
+
+def _frozen(name: str, value: ArrayLike, *shape: int | None) -> Floats:
+    """A read-only copy of lengths of that shape [m], None for any length."""
+    out = length_array(name, value, *shape)
+    out.setflags(write=False)
+    return out
+
+
+def _tints(value: ArrayLike, count: int) -> Array:
+    out = shades("colors", value)
+    if out.shape not in ((3,), (4,), (count, 3)):
+        raise ShapeError("colors", out.shape, f"({count}, 3) or (3,), from 0 to 1")
+    return _frozen("colors", np.broadcast_to(out[..., :3], (count, 3)), count, 3)

@@ -1,0 +1,235 @@
+"""What `Viewer.add` and its kin give: things of the scene that are assigned to, and refuse what they do not have."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna.checks.arrays import length_array, scale_factors
+from ulna.checks.values import flag, fraction
+from ulna.errors import ShapeError
+from ulna.typing import ArrayLike, Floats
+from ulna.viewer.attributes import FixedAttributes
+from ulna.viewer.colours import Colour
+from ulna.viewer.graph.content import Content, Copies, Lines, Points, Text, transforms
+from ulna.viewer.graph.node import checked_poses
+from ulna.viewer.graph.scene_graph import SceneGraph
+from ulna.viewer.mesh.surface import colour
+
+_NONE = -1.0
+
+
+class Handle(FixedAttributes):
+    """A thing of the scene. Its pose, colour, opacity, scale and visibility can be assigned to at any time.
+
+    For a group they hold for all that is in it. What it does not have cannot be assigned to.
+    """
+
+    __slots__ = ("_name", "_scene")
+
+    def __init__(self, scene: SceneGraph, name: str) -> None:
+        self._scene, self._name = scene, name
+
+    @property
+    def name(self) -> str:
+        """Its name in the scene, with its groups."""
+        return self._name
+
+    @property
+    def pose(self) -> Floats:
+        """Where it is in its group: T_group_thing, shape (4, 4).
+
+        An `SE3` can be assigned, too, and a place (3,), where it stands unturned.
+        """
+        return self._scene.pose(self._name)
+
+    @pose.setter
+    def pose(self, pose: Any) -> None:
+        self._scene.set_pose(self._name, pose)
+
+    @property
+    def position(self) -> Floats:
+        """Where it is in its group [m], shape (3,)."""
+        return self.pose[:3, 3]
+
+    @position.setter
+    def position(self, position: ArrayLike) -> None:
+        pose = self.pose
+        pose[:3, 3] = length_array("position", position, 3)
+        self._scene.set_pose(self._name, pose)
+
+    @property
+    def world_pose(self) -> Floats:
+        """Where it is in the world: T_world_thing, shape (4, 4)."""
+        seen = self._scene.snapshot()
+        return seen.poses[self._scene.row(self._name)]
+
+    @property
+    def color(self) -> tuple[float, float, float] | None:
+        """Red, green, blue from 0 to 1 that hide its own colours; None to show these."""
+        tint = self._scene.look(self._name, "tint")
+        return None if tint[0] == _NONE else (float(tint[0]), float(tint[1]), float(tint[2]))
+
+    @color.setter
+    def color(self, color: Colour | None) -> None:
+        self._scene.set_look(self._name, "tint", np.full(3, _NONE) if color is None else colour(color)[:3])
+
+    @property
+    def opacity(self) -> float:
+        """From 0, not to be seen, to 1."""
+        return float(self._scene.look(self._name, "opacity"))
+
+    @opacity.setter
+    def opacity(self, opacity: float) -> None:
+        self._scene.set_look(self._name, "opacity", fraction("opacity", opacity))
+
+    @property
+    def scale(self) -> Floats:
+        """A factor along each axis, shape (3,); one number can be assigned for all three."""
+        return self._scene.look(self._name, "scale")
+
+    @scale.setter
+    def scale(self, scale: ArrayLike) -> None:
+        self._scene.set_look(self._name, "scale", scale_factors("scale", scale))
+
+    @property
+    def visible(self) -> bool:
+        """Whether it can be seen."""
+        return bool(self._scene.look(self._name, "visible"))
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._scene.set_look(self._name, "visible", flag("visible", visible))
+
+    def remove(self) -> None:
+        """Take it out of the scene, with all that is in it."""
+        self._scene.remove(self._name)
+
+    def __repr__(self) -> str:
+        return f"<{self._title()}>"
+
+    def _title(self) -> str:
+        return f"{type(self).__name__} {self._name!r}"
+
+    def _content(self) -> Any:
+        return self._scene.node(self._name).content
+
+
+class PointCloud(Handle):
+    """Points; `points` and `colors` can be assigned to."""
+
+    __slots__ = ()
+
+    @property
+    def points(self) -> Floats:
+        """Where they are [m], shape (n, 3)."""
+        return self._content().positions
+
+    @points.setter
+    def points(self, points: ArrayLike) -> None:
+        old: Points = self._content()
+        points, colours = length_array("points", points, None, 3), old.colours
+        if len(colours) != len(points):
+            if len(colours) and not (colours == colours[0]).all():
+                raise ShapeError(
+                    "points", points.shape, f"({len(colours)}, 3)", "Or set `set(points, colors)`."
+                )
+            colours = colours[0] if len(colours) else np.full(3, 0.5)
+        self._scene.set_content(self._name, Points(points, colours, old.size))
+
+    @property
+    def colors(self) -> Floats:
+        """Red, green, blue from 0 to 1 of each, shape (n, 3); one colour can be assigned for all."""
+        return self._content().colours
+
+    @colors.setter
+    def colors(self, colors: ArrayLike) -> None:
+        old: Points = self._content()
+        self._scene.set_content(self._name, Points(old.positions, colors, old.size))
+
+    def set(self, points: ArrayLike, colors: ArrayLike) -> None:
+        """Other points and their colours at once."""
+        self._scene.set_content(
+            self._name, Points(length_array("points", points, None, 3), colors, self._content().size)
+        )
+
+
+class Polyline(Handle):
+    """A line from point to point; `points` can be assigned to."""
+
+    __slots__ = ()
+
+    @property
+    def points(self) -> Floats:
+        """Its points [m], shape (n, 3)."""
+        segments = self._content().segments
+        return np.concatenate([segments[:1, 0], segments[:, 1]])
+
+    @points.setter
+    def points(self, points: ArrayLike) -> None:
+        old: Lines = self._content()
+        self._scene.set_content(self._name, Lines.through(points, old.rgba, old.thickness))
+
+
+class Label(Handle):
+    """Words that face whoever looks; `text` can be assigned to."""
+
+    __slots__ = ()
+
+    @property
+    def text(self) -> str:
+        """What they say."""
+        return self._content().words
+
+    @text.setter
+    def text(self, text: str) -> None:
+        self._scene.set_content(self._name, Text(text, self._content().height))
+
+
+class Instances(Handle):
+    """One thing at many places; `poses`, `positions` and `colors` can be assigned to."""
+
+    __slots__ = ()
+
+    @property
+    def poses(self) -> Floats:
+        """T_group_copy of each, shape (n, 4, 4)."""
+        return self._content().poses
+
+    @poses.setter
+    def poses(self, poses: ArrayLike) -> None:
+        self._change(poses=checked_poses(poses, "poses", None, 4, 4))
+
+    @property
+    def positions(self) -> Floats:
+        """Where they are [m], shape (n, 3)."""
+        return self._content().poses[:, :3, 3]
+
+    @positions.setter
+    def positions(self, positions: ArrayLike) -> None:
+        poses = transforms(positions)
+        old = self._content().poses
+        if len(old) == len(poses):
+            poses[:, :3, :3] = old[:, :3, :3]
+        self._change(poses=poses)
+
+    @property
+    def colors(self) -> Floats | None:
+        """Red, green, blue from 0 to 1 of each, shape (n, 3); None for the thing's own."""
+        return self._content().colours
+
+    @colors.setter
+    def colors(self, colors: ArrayLike | None) -> None:
+        self._change(colours=colors)
+
+    def _change(self, **news: Any) -> None:
+        old: Copies = self._content()
+        kept = {"poses": old.poses, "colours": old.colours, "scales": old.scales} | news
+        if len(kept["poses"]) != len(old.poses):
+            fits = old.scales is not None and len(old.scales) and (old.scales == old.scales[0]).all()
+            kept["scales"] = old.scales[0] if fits and old.scales is not None else None
+            if old.colours is not None:
+                kept["colours"] = old.colours[0] if len(old.colours) else None
+        content: Content = Copies(old.original, opacity=old.opacity, **kept)
+        self._scene.set_content(self._name, content)

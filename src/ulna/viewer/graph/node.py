@@ -1,0 +1,135 @@
+"""What a scene is made of: nodes, a snapshot of all of them, and poses that are checked before they get there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple, final
+
+import numpy as np
+
+from ulna.checks.arrays import length_array
+from ulna.checks.values import short_repr
+from ulna.errors import InputError
+from ulna.typing import Array, Floats
+from ulna.viewer.graph.content import Content
+from ulna.viewer.mesh.surface import Surface
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A thing of the scene that moves as one piece.
+
+    Args:
+        name: Its name, unique in the scene; what stands before the last `/` is the group that it belongs to.
+        surfaces: What it looks like, in its own frame.
+        content: What else is there to see: points, lines, words, copies.
+        shadow: Whether it casts a shadow.
+        through: Whether pictures show it faintly through what hides it, as is good for lines and axes.
+    """
+
+    name: str
+    surfaces: tuple[Surface, ...] = ()
+    content: Content | None = None
+    shadow: bool = True
+    through: bool = False
+
+    @property
+    def casting(self) -> bool:
+        """Whether it casts a shadow: if it is to, and any of its surfaces holds light back."""
+        return self.shadow and any(s.rgba[3] >= 0.999 for s in self.surfaces)
+
+    @property
+    def group(self) -> str:
+        """The name of the group it belongs to; empty for none."""
+        return self.name.rpartition("/")[0]
+
+
+class Snapshot(NamedTuple):
+    """A scene at one instant: three counters, the nodes, where they are, and how they look with their groups.
+
+    `poses` are T_world_node (n, 4, 4); `scales` are factors (n, 3); `visible` is (n,); `opacity` is (n,) from 0 to 1;
+    `tint` is (n, 3), red, green, blue, or -1 where nodes keep their own colours.
+    """
+
+    structure: int
+    motion: int
+    looks: int
+    nodes: tuple[Node, ...]
+    poses: Floats
+    scales: Floats
+    visible: Array
+    opacity: Floats
+    tint: Floats
+
+
+_LOWEST = np.array([0.0, 0.0, 0.0, 1.0])
+_UNIT = np.eye(3)
+
+
+def checked_pose(value: Any, name: str = "pose") -> Floats:
+    """A pose (4, 4) from an array or an `SE3`.
+
+    Raises:
+        ShapeError, NonFiniteError, InputError: It is none.
+    """
+    return checked_poses(value, name, 4, 4, mend="An SE3 serves, too.")
+
+
+def standing(value: Any) -> Floats:
+    """The pose (4, 4) of what stands at a pose, an array or an `SE3`, or unturned at a place (3,) [m].
+
+    Raises:
+        ShapeError, NonFiniteError, InputError: It is neither.
+    """
+    listed = isinstance(value, list | tuple) and len(value) == 3 and np.ndim(value[0]) == 0
+    if not listed and getattr(value, "shape", None) != (3,):
+        return checked_poses(value, "pose", 4, 4, mend="An SE3 serves, too, or a place (3,).")
+    out = np.eye(4)
+    out[:3, 3] = length_array("pose", value, 3)
+    return out
+
+
+def checked_poses(value: Any, name: str, *shape: int | None, mend: str = "") -> Floats:
+    """Poses of a shape (..., 4, 4), from an array or an `SE3`.
+
+    Raises:
+        ShapeError, NonFiniteError, InputError: They are none.
+    """
+    out = length_array(name, value.matrix() if hasattr(value, "matrix") else value, *shape, fix=mend)
+    turned = out[..., :3, :3]
+    off = np.abs(turned @ turned.mT - _UNIT).max(axis=(-2, -1))
+    off = np.where(np.linalg.det(turned) < 0.0, 1.0, off)
+    if np.abs(out[..., 3, :] - _LOWEST).max(initial=0.0) > 1e-6:
+        raise InputError(
+            f"`{name}` has a lowest row that is not 0 0 0 1; expected a pose whose position is its last column."
+        )
+    if off.max(initial=0.0) > 1e-3:
+        where = tuple(int(i) for i in np.argwhere(off == off.max())[0])
+        place = f"{name}[{', '.join(map(str, where))}]" if where else name
+        raise InputError(
+            f"`{place}` holds no rotation: {out[where][:3, :3].tolist()}. To stretch or mirror a thing, set its scale."
+        )
+    return out
+
+
+def check_name(name: str) -> None:
+    """Refuse what is no name of a node.
+
+    Raises:
+        InputError: It is none.
+    """
+    if not isinstance(name, str) or "" in name.split("/"):
+        raise InputError(
+            f"`name` is {short_repr(name)}; expected a name without '//' and without '/' at either end."
+        )
+
+
+def check_even(name: str, scale: Floats) -> None:
+    """Refuse to stretch a group.
+
+    Raises:
+        InputError: Its factors along the axes differ.
+    """
+    if not (scale[0] == scale[1] == scale[2]):
+        raise InputError(f"The group {name!r} can be scaled by one number only, not by {scale.tolist()}.")

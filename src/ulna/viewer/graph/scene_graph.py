@@ -1,0 +1,292 @@
+"""What there is to see, whoever draws it: a tree of named nodes with places and looks that change at any time."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import UnknownName
+from ulna.typing import Array, ArrayLike, Floats
+from ulna.viewer.colours import Colour
+from ulna.viewer.graph.content import Content, Lines
+from ulna.viewer.graph.node import Node, Snapshot, check_even, check_name, standing
+from ulna.viewer.mesh.primitives import axes
+from ulna.viewer.mesh.surface import Surface, colour
+
+_NO_TINT = -1.0
+
+_COLUMNS: dict[str, tuple[Any, type]] = {
+    "pose": (np.eye(4), float),
+    "scale": (np.ones(3), float),
+    "visible": (True, bool),
+    "opacity": (1.0, float),
+    "tint": (np.full(3, _NO_TINT), float),
+}
+
+
+class SceneGraph:
+    """A tree of named nodes: `arm/hand/finger` belongs to `arm/hand`, which belongs to `arm`.
+
+    Groups appear by themselves. A node's pose is in its group's frame; a
+    group's colour, opacity, scale and visibility hold for all in it.
+
+    Everything may be called from any thread. A program's loop hands over what is newest, in about a microsecond;
+    whoever draws takes a `snapshot` when it is ready to, so a slow screen never slows the loop.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+        self._nodes: dict[str, Node] = {}
+        self._row: dict[str, int] = {}
+        self._above = np.zeros(0, dtype=np.intp)
+        self._data = {name: np.zeros((0, *np.shape(value)), kind) for name, (value, kind) in _COLUMNS.items()}
+        self._levels: list[tuple[Array, Array]] | None = []
+        self._late: dict[int, Callable[[], None]] = {}
+        self._structure = self._motion = self._looks = 0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The nodes' names, in the order of `poses`."""
+        with self._lock:
+            return tuple(self._nodes)
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        """The nodes, in the order of `poses`."""
+        with self._lock:
+            return tuple(self._nodes.values())
+
+    @property
+    def poses(self) -> Floats:
+        """The world poses T_world_node, shape (n, 4, 4)."""
+        return self.snapshot().poses
+
+    @property
+    def version(self) -> tuple[int, int, int]:
+        """Three counters: changes of the set of nodes, of poses, of looks."""
+        return self._structure, self._motion, self._looks
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._nodes
+
+    def snapshot(self) -> Snapshot:
+        """The whole scene at one instant."""
+        with self._lock:
+            while self._late:
+                self._late.pop(next(iter(self._late)))()
+            n = len(self._nodes)
+            pose, scale, visible, opacity, tint = (self._data[name][:n].copy() for name in _COLUMNS)
+            for rows, above in self._depths():
+                factor = scale[above, 0]
+                pose[rows, :3, 3] *= factor[:, None]
+                pose[rows] = pose[above] @ pose[rows]
+                scale[rows] *= factor[:, None]
+                visible[rows] &= visible[above]
+                opacity[rows] *= opacity[above]
+                own = tint[rows, :1] != _NO_TINT
+                tint[rows] = np.where(own, tint[rows], tint[above])
+            nodes = tuple(self._nodes.values())
+            return Snapshot(*self.version, nodes, pose, scale, visible, opacity, tint)
+
+    def _depths(self) -> list[tuple[Array, Array]]:
+        """Rows of nodes in groups and the rows of these groups, outermost first."""
+        if self._levels is None:
+            depth = np.zeros(len(self._nodes), dtype=np.intp)
+            for row, above in enumerate(self._above[: len(depth)]):
+                depth[row] = 0 if above < 0 else depth[above] + 1
+            chosen = [np.flatnonzero(depth == d) for d in range(1, int(depth.max(initial=0)) + 1)]
+            self._levels = [(rows, self._above[rows]) for rows in chosen]
+        return self._levels
+
+    def together(self) -> AbstractContextManager[Any]:
+        """What is changed within is seen at once or not at all. Keep it short: whoever draws waits meanwhile."""
+        return self._lock
+
+    def later(self, key: object, function: Callable[[], None]) -> None:
+        """Have `function` bring the scene up to date before it is next looked at; the newest counts for each key."""
+        with self._lock:
+            self._late[id(key)] = function
+            self._motion += 1
+
+    def node(self, name: str) -> Node:
+        """The node of that name.
+
+        Raises:
+            UnknownName: There is none.
+        """
+        self.row(name)
+        return self._nodes[name]
+
+    def row(self, name: str) -> int:
+        """The row of a node in `poses`.
+
+        Raises:
+            UnknownName: There is no node of that name.
+        """
+        try:
+            return self._row[name]
+        except KeyError:
+            raise UnknownName("thing in the scene", name, self._nodes) from None
+
+    def rows(self, names: Iterable[str]) -> Any:
+        """The rows of several nodes, for `set_poses`. They hold until a node is removed."""
+        rows = np.array([self.row(n) for n in names], dtype=np.intp)
+        if len(rows) and np.array_equal(rows, np.arange(rows[0], rows[0] + len(rows))):
+            return slice(int(rows[0]), int(rows[0]) + len(rows))  # writes faster than an array of rows
+        return rows
+
+    def add(
+        self,
+        name: str,
+        surfaces: Iterable[Surface] = (),
+        pose: ArrayLike | None = None,
+        shadow: bool = True,
+        through: bool = False,
+        content: Content | None = None,
+    ) -> Node:
+        """Add a node, and the groups that its name tells of; or replace the one of that name.
+
+        Args:
+            name: Its name.
+            surfaces: What it looks like.
+            pose: T_group_node, shape (4, 4); the identity when not given.
+            shadow: Whether it casts a shadow.
+            through: Whether pictures show it faintly through what hides it.
+            content: What else is there to see.
+
+        Raises:
+            InputError: It is no name, or the group is stretched.
+            ShapeError, NonFiniteError: `pose` is no pose.
+        """
+        check_name(name)
+        matrix = np.eye(4) if pose is None else standing(pose)
+        node = Node(name, tuple(surfaces), content, shadow, through)
+        with self._lock:
+            if node.group and node.group not in self._nodes:
+                self.add(node.group)
+            above = self._row[node.group] if node.group else -1
+            if above >= 0:
+                check_even(node.group, self._data["scale"][above])
+            if name not in self._nodes:
+                self._append(name, above)
+            for key, (value, _) in _COLUMNS.items():
+                self._data[key][self._row[name]] = matrix if key == "pose" else value
+            self._nodes[name] = node
+            self._structure += 1
+        return node
+
+    def _append(self, name: str, above: int) -> None:
+        row = self._row[name] = len(self._nodes)
+        if row == len(self._above):  # room for twice as many, so that adding many stays cheap
+            more = max(row, 16)
+            self._above = np.concatenate([self._above, np.full(more, -1, dtype=np.intp)])
+            for key, (value, kind) in _COLUMNS.items():
+                rest = np.broadcast_to(np.asarray(value, kind), (more, *np.shape(value)))
+                self._data[key] = np.concatenate([self._data[key], rest])
+        self._above[row] = above
+        self._levels = None
+
+    def remove(self, name: str) -> None:
+        """Remove a node and everything in it.
+
+        Raises:
+            UnknownName: There is no node of that name.
+        """
+        with self._lock:
+            self.row(name)
+            keep = [row for n, row in self._row.items() if n != name and not n.startswith(f"{name}/")]
+            moved = np.full(len(self._nodes) + 1, -1, dtype=np.intp)
+            moved[keep] = np.arange(len(keep))
+            kept = [n for n in self._nodes if n != name and not n.startswith(f"{name}/")]
+            self._nodes = {n: self._nodes[n] for n in kept}
+            self._row = {n: i for i, n in enumerate(kept)}
+            self._above = moved[self._above[keep]]
+            self._data = {key: value[keep] for key, value in self._data.items()}
+            self._levels = None
+            self._structure += 1
+
+    def set_poses(self, poses: ArrayLike, rows: Any = slice(None)) -> None:
+        """Write poses in the nodes' groups: shape (n, 4, 4) for `rows` (a slice, or what `rows()` gave)."""
+        with self._lock:
+            self._data["pose"][: len(self._nodes)][rows] = poses
+            self._motion += 1
+
+    def set_pose(self, name: str, pose: ArrayLike) -> None:
+        """Write the pose (4, 4) of one node in its group."""
+        self.set_poses(standing(pose), self.row(name))
+
+    def pose(self, name: str) -> Floats:
+        """The pose (4, 4) of a node in its group."""
+        with self._lock:
+            return self._data["pose"][self.row(name)].copy()
+
+    def set_surfaces(self, name: str, surfaces: Iterable[Surface]) -> None:
+        """Replace what a node looks like; it stays where it is, in its colour, as opaque and as large."""
+        with self._lock:
+            self._nodes[name] = replace(self.node(name), surfaces=tuple(surfaces))
+            self._structure += 1
+
+    def set_content(self, name: str, content: Content) -> None:
+        """Replace what there is to see of a node besides surfaces."""
+        with self._lock:
+            self._nodes[name] = replace(self.node(name), content=content)
+            self._structure += 1
+
+    def look(self, name: str, key: str) -> Any:
+        """A node's own "scale" (3,), "visible", "opacity" or "tint" (3,)."""
+        with self._lock:
+            value = self._data[key][self.row(name)]
+            return value.copy() if np.ndim(value) else value.item()
+
+    def set_look(self, name: str, key: str, value: Any) -> None:
+        """Write a node's own "scale", "visible", "opacity" or "tint"; for a group, that of all in it."""
+        with self._lock:
+            row = self.row(name)
+            if key == "scale" and (self._above[: len(self._nodes)] == row).any():
+                check_even(name, np.broadcast_to(value, 3))
+            self._data[key][row] = value
+            self._looks += 1
+
+    def add_axes(self, name: str, pose: ArrayLike | None = None, length: float = 0.1) -> Node:
+        """Add three arrows in red, green, blue along x, y, z; `length` in metres."""
+        return self.add(name, axes(length), pose, shadow=False, through=True)
+
+    def add_path(
+        self, name: str, points: ArrayLike, rgba: Colour = (0.95, 0.45, 0.10), radius: float = 0.004
+    ) -> Node:
+        """Add a line through `points` (n, 3) [m]."""
+        way = np.asarray(points, dtype=float).reshape(-1, 3)
+        return self.add(
+            name, shadow=False, through=True, content=Lines.through(way, colour(rgba), 2 * radius)
+        )
+
+    def points(self, most: int = 40_000) -> Floats:
+        """Places of everything visible in the world [m], shape (n, 3); evenly thinned out to about `most`."""
+        seen = self.snapshot()
+        chosen = [i for i, node in enumerate(seen.nodes) if seen.visible[i] and seen.opacity[i] > 0.0]
+        parts = [(i, s.vertices) for i in chosen for s in seen.nodes[i].surfaces if s.rgba[3] > 0.0]
+        parts += [(i, c.places) for i in chosen if (c := seen.nodes[i].content) is not None]
+        step = max(sum(len(places) for _, places in parts) // most, 1)
+        out = [np.zeros((0, 3))]
+        for i, places in parts:
+            out.append((places[::step] * seen.scales[i]) @ seen.poses[i, :3, :3].T + seen.poses[i, :3, 3])
+        return np.concatenate(out)
+
+    def floor(self) -> float:
+        """The height of the floor [m]: 0, or lower where something hangs below it (legs below a pelvis).
+
+        Things that cast no shadow, such as axes and lines, may well reach into the floor.
+        """
+        seen = self.snapshot()
+        lowest = 0.0
+        for i, node in enumerate(seen.nodes):
+            for surface in node.surfaces if node.shadow else ():
+                if len(surface.vertices):
+                    heights = (surface.vertices * seen.scales[i]) @ seen.poses[i, 2, :3]
+                    lowest = min(lowest, float(heights.min() + seen.poses[i, 2, 3]))
+        return lowest

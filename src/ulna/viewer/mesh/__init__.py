@@ -1,0 +1,1 @@
+"""Triangle meshes: surfaces, primitive shapes, mesh files, normals, simplification, and glTF."""

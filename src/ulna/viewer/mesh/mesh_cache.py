@@ -1,0 +1,76 @@
+"""Meshes that were read once, kept on disk by the content of their files: reading them again costs milliseconds."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+
+import numpy as np
+
+from ulna import disk_cache as cache
+from ulna.files import read_regular
+from ulna.viewer.mesh.surface import Surface, Texture
+
+_FORMAT = "ulna mesh 2"
+# other files that a mesh file names: materials, textures, buffers
+_ENDING = re.compile(rb"\.(?:png|jpe?g|tga|bmp|tiff?|gif|mtl|bin)\b", re.IGNORECASE)
+_BOUND = re.compile(rb"[\"'<>\r\n\t]")
+
+
+def entry(path: str, bound: float = 0.0) -> str:
+    """The name under which what a mesh file holds is kept: it changes with the content of all files that it names, and
+    with how far surfaces may be from it, in its own units.
+    """
+    content = read_regular(path)
+    parts: list[str | bytes] = [_FORMAT, f"{bound:.6g}", os.path.splitext(path)[1].lower(), content]
+    _add_others(os.path.dirname(path), content, parts, set())
+    return cache.key(*parts)
+
+
+def _add_others(
+    folder: str, content: bytes, parts: list[str | bytes], seen: set[str], depth: int = 0
+) -> None:
+    """Append what the files hold that a text file names, and those that they name; each file once."""
+    names: set[bytes] = set()
+    for found in _ENDING.finditer(content):
+        before = _BOUND.split(content[max(0, found.start() - 300) : found.end()])[-1].strip()
+        names |= {before, before.split()[-1]}  # alone, or after a keyword
+    for name in sorted(names):
+        other = os.path.join(folder, os.fsdecode(name).replace("\\", "/"))
+        if "\0" not in other and os.path.isfile(other) and os.path.realpath(other) not in seen:
+            seen.add(os.path.realpath(other))
+            content = read_regular(other)
+            parts += [name, content]
+            if depth == 0 and other.lower().endswith(".mtl"):
+                _add_others(folder, content, parts, seen, 1)
+
+
+def read(name: str) -> tuple[Surface, ...] | None:
+    """The surfaces kept under a name; None where there are none that can be trusted."""
+    data = cache.read(name)
+    if data is None:
+        return None
+    with np.load(io.BytesIO(data), allow_pickle=False) as kept:
+        out = []
+        for k in range(int(kept["count"])):
+            vertices, triangles, normals, rgba = (kept[f"{part}{k}"] for part in "vtnc")
+            texture = (
+                Texture(kept[f"u{k}"].astype(float), kept[f"i{k}"].tobytes()) if f"u{k}" in kept else None
+            )
+            out.append(Surface(vertices, triangles, normals, tuple(rgba.tolist()), texture))
+    return tuple(out)
+
+
+def write(name: str, surfaces: tuple[Surface, ...]) -> None:
+    """Keep surfaces under a name; a disk that cannot be written costs time the next time, nothing else."""
+    parts: dict[str, np.ndarray] = {"count": np.array(len(surfaces))}
+    for k, s in enumerate(surfaces):
+        parts |= {f"v{k}": s.vertices.astype(np.float32), f"n{k}": s.normals.astype(np.float32)}
+        parts |= {f"t{k}": s.triangles.astype(np.uint32), f"c{k}": np.array(s.rgba)}
+        if s.texture is not None:
+            parts |= {f"u{k}": s.texture.uv.astype(np.float32)}
+            parts |= {f"i{k}": np.frombuffer(s.texture.image, dtype=np.uint8)}
+    file = io.BytesIO()
+    np.savez(file, **parts)  # type: ignore[arg-type]
+    cache.write(name, file.getvalue())

@@ -1,0 +1,137 @@
+"""Loose triangles as a surface: vertices shared exactly where it is smooth, so that sharp edges stay sharp."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ulna.typing import Array, Floats
+from ulna.viewer.mesh.decimation import decimated
+from ulna.viewer.mesh.surface import DEFAULT_COLOUR, RGBA, Surface, Texture, unit
+
+CREASE = np.deg2rad(38.0)
+"""Edges that turn by more than this [rad] are drawn sharp."""
+
+
+def smooth(
+    vertices: Floats,
+    triangles: Array,
+    rgba: RGBA = DEFAULT_COLOUR,
+    crease: float = CREASE,
+    uv: Floats | None = None,
+    image: bytes = b"",
+    bound: float = 0.0,
+) -> Surface:
+    """Loose triangles as a surface whose vertices are shared exactly where it is smooth.
+
+    Two triangles share a vertex when they meet at an edge that turns by less than `crease` [rad]; the normal
+    of a vertex is the mean of its triangles' normals weighted by area, which is also what a browser computes
+    from the shared indices. Triangles without area are dropped. With places `uv` (n, 2) in an `image`, vertices that
+    lie at two places of it occur twice. Without, edges collapse as long as no vertex is farther than `bound` from what
+    is left.
+    """
+    place, index = weld(np.asarray(vertices, dtype=float))
+    given = np.asarray(triangles, dtype=np.int64)
+    corners = index[given]
+    solid = np.linalg.norm(_areas(place, corners), axis=1) > 1e-16
+    corners, given = corners[solid], given[solid]
+    if uv is None and bound > 0.0:
+        place, corners = decimated(place, corners, bound)
+    weighted = _areas(place, corners)
+    facing = unit(weighted)
+    first, vertex = _shared(corners, weighted, facing, crease, len(place))
+    normals = np.zeros((len(first), 3))
+    per_corner = np.repeat(weighted, 3, axis=0)
+    for axis in range(3):
+        normals[:, axis] = np.bincount(vertex, weights=per_corner[:, axis], minlength=len(first))
+    if uv is None:
+        return Surface(place[corners.reshape(-1)[first]], vertex.reshape(-1, 3), unit(normals), rgba)
+    spot, where = np.unique(np.round(uv, 6), axis=0, return_inverse=True)
+    pair = vertex * len(spot) + where.reshape(-1)[given.reshape(-1)]
+    both, split = np.unique(pair, return_inverse=True)
+    owner = both // len(spot)
+    texture = Texture(spot[both % len(spot)], image)
+    return Surface(
+        place[corners.reshape(-1)[first[owner]]], split.reshape(-1, 3), unit(normals)[owner], rgba, texture
+    )
+
+
+def _areas(vertices: Floats, triangles: Array) -> Floats:
+    """Normals as long as twice the area of triangles, shape (m, 3)."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def weld(vertices: Floats) -> tuple[Floats, Array]:
+    """Vertices that lie together become one: the distinct positions, and each vertex's index among them."""
+    if not len(vertices):
+        return vertices, np.zeros(0, dtype=np.int64)
+    low = vertices.min(axis=0)
+    extent = float((vertices.max(axis=0) - low).max()) or 1.0
+    cell = np.round((vertices - low) * ((2**20) / extent)).astype(np.int64)
+    key = (cell[:, 0] << 42) | (cell[:, 1] << 21) | cell[:, 2]
+    _, first, index = np.unique(key, return_index=True, return_inverse=True)
+    return vertices[first], index.reshape(-1)
+
+
+def _shared(
+    corners: Array, weighted: Floats, facing: Floats, crease: float, count: int
+) -> tuple[Array, Array]:
+    """Which corners (3 m) share a vertex: the first corner of each vertex, and the vertex of each corner.
+
+    Where all triangles around a place face within half a crease of their mean they share it; only around other places
+    are edges looked at.
+    """
+    flat = corners.reshape(-1)
+    mean = np.stack(
+        [np.bincount(flat, np.repeat(column, 3), minlength=count) for column in weighted.T], axis=1
+    )
+    turned = np.einsum("ij,ikj->ik", facing, unit(mean)[corners]) <= np.cos(crease / 2)
+    sharp = np.bincount(flat[turned.reshape(-1)], minlength=count) > 0
+    label = flat.copy()
+    near = np.flatnonzero(sharp[corners].any(axis=1))
+    own = 3 * near[:, None] + np.arange(3)
+    joined = own.reshape(-1)[_join_corners(corners[near], facing[near], crease, count)].reshape(-1, 3)
+    label[own] = np.where(sharp[corners[near]], joined + count, label[own])
+    place = np.full(count + len(flat), len(flat), dtype=np.int64)
+    np.minimum.at(place, label, np.arange(len(flat)))
+    used = np.flatnonzero(place < len(flat))
+    number = np.empty(len(place), dtype=np.int64)
+    number[used] = np.arange(len(used))
+    return place[used], number[label]
+
+
+def _join_corners(corners: Array, facing: Floats, crease: float, count: int) -> Array:
+    """A label for every corner (3 m); corners with one label share a vertex."""
+    m = len(corners)
+    face = np.tile(np.arange(m), 3)
+    start = np.concatenate([corners[:, 0], corners[:, 1], corners[:, 2]])
+    end = np.concatenate([corners[:, 1], corners[:, 2], corners[:, 0]])
+    side = np.repeat(np.arange(3), m)
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    order = np.argsort(low * count + high, kind="stable")
+    low, high, face, side, start = low[order], high[order], face[order], side[order], start[order]
+    # neighbours in this order that have the same two ends are two triangles at one edge
+    same = (low[1:] == low[:-1]) & (high[1:] == high[:-1])
+    one, two = np.flatnonzero(same), np.flatnonzero(same) + 1
+    smooth_edge = np.einsum("ij,ij->i", facing[face[one]], facing[face[two]]) > np.cos(crease)
+    one, two = one[smooth_edge], two[smooth_edge]
+    first_one, second_one = face[one] * 3 + side[one], face[one] * 3 + (side[one] + 1) % 3
+    first_two, second_two = face[two] * 3 + side[two], face[two] * 3 + (side[two] + 1) % 3
+    turned = start[one] != start[two]  # the usual case: the edge runs the other way in the neighbour
+    links = np.concatenate(
+        [
+            np.stack([first_one, np.where(turned, second_two, first_two)]),
+            np.stack([second_one, np.where(turned, first_two, second_two)]),
+        ],
+        axis=1,
+    )
+    label = np.arange(3 * m)
+    while True:
+        low_label = np.minimum(label[links[0]], label[links[1]])
+        new = label.copy()
+        np.minimum.at(new, label[links[0]], low_label)
+        np.minimum.at(new, label[links[1]], low_label)
+        new = new[new]
+        if np.array_equal(new, label):
+            return label
+        label = new

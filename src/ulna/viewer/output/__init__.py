@@ -1,0 +1,1 @@
+"""Files that the viewer writes, each atomically: pictures and videos."""

@@ -1,0 +1,164 @@
+"""Films as files: MP4 by way of FFmpeg and GIF by way of Pillow, each picture shown for as long as it should be."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+import subprocess
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from ulna.checks.values import number
+from ulna.errors import InputError, MissingExtra
+from ulna.typing import Array
+from ulna.viewer.output.atomic_file import checked_path, written
+
+SUFFIXES = (".mp4", ".gif")
+_MOST_PICTURES = 10**7
+_SHORTEST = 2  # hundredths of a second for which a picture of a GIF is shown
+
+
+def moments(duration: float, fps: float, speed: float = 1.0) -> Array:
+    """The times [s] of what happened that a film shows, one for each picture, from 0 to `duration`.
+
+    Args:
+        duration: How long what happened took [s].
+        fps: Pictures a second.
+        speed: Seconds of what happened per second of film.
+
+    Raises:
+        InputError: A number is out of range.
+    """
+    length = number("duration", duration, "a time of at least 0 [s]", least=0.0)
+    rate = number("fps", fps, "pictures a second, above 0 and up to 240", above=0.0, most=240.0)
+    pace = number("speed", speed, "seconds of what happened per second of film, above 0", above=0.0)
+    pictures = length / pace * rate + 1e-9
+    if not pictures < _MOST_PICTURES:
+        raise InputError(
+            f"{length:g} s at {rate:g} pictures a second and speed {pace:g} are {pictures:.3g} pictures; expected "
+            f"fewer than {_MOST_PICTURES:.0e}. Take a lower `fps`, or a higher `speed`."
+        )
+    count = int(pictures) + 1
+    return np.minimum(np.arange(count) * (pace / rate), length)
+
+
+def check_film(path: str | os.PathLike[str]) -> Path:
+    """The path of a film, when its kind is known and what writes it is installed.
+
+    Raises:
+        UnknownName: It ends neither in .mp4 nor in .gif.
+        MissingExtra: imageio-ffmpeg or Pillow is not installed.
+    """
+    target = checked_path(path, "film", SUFFIXES)
+    suffix = target.suffix.lower()
+    package = "imageio_ffmpeg" if suffix == ".mp4" else "PIL"
+    try:
+        __import__(package)
+    except ImportError:
+        name = "imageio-ffmpeg" if suffix == ".mp4" else "pillow"
+        raise MissingExtra(name, "film", f"Writing {suffix} films") from None
+    return target
+
+
+def write_film(path: str | os.PathLike[str], pictures: Iterable[Array], fps: float) -> Path:
+    """Write pictures (h, w, 3) uint8 as a film, each shown for 1 / `fps` seconds; returns the path.
+
+    A GIF counts in hundredths of a second: its pictures take turns being shown a little shorter and longer, so that
+    the film as a whole keeps its time.
+
+    Raises:
+        UnknownName, MissingExtra: See `check_film`.
+        InputError: There are no pictures, or the file cannot be written.
+    """
+    target = check_film(path)
+    first = iter(pictures)
+    picture = next(first, None)
+    if picture is None:
+        raise InputError("A film needs at least one picture.")
+    with written(target, "film") as place:
+        write = _write_gif if target.suffix.lower() == ".gif" else _write_mp4
+        write(place, itertools.chain([picture], first), fps, picture.shape)
+    return target
+
+
+def _write_mp4(target: Path, pictures: Iterable[Array], fps: float, shape: tuple[int, ...]) -> None:
+    import imageio_ffmpeg
+
+    height, width = shape[:2]
+    even = (width - width % 2, height - height % 2)  # the codec halves colours, so it wants even sizes
+    what = [
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "-s",
+        f"{even[0]}x{even[1]}",
+        "-r",
+        f"{fps:.6g}",
+        "-i",
+        "-",
+    ]
+    how = ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"]
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-v", "error", *what, *how, str(target)]
+    with tempfile.TemporaryFile() as complaints:
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=complaints
+        )
+        assert process.stdin is not None
+        try:
+            with contextlib.suppress(BrokenPipeError), process.stdin as pipe:  # it says itself why it stopped
+                for picture in pictures:
+                    pipe.write(np.ascontiguousarray(picture[: even[1], : even[0], :3]).tobytes())
+        except BaseException:
+            process.kill()
+            process.wait()
+            raise
+        if process.wait() != 0:
+            complaints.seek(0)
+            said = complaints.read().decode(errors="replace").strip()
+            raise OSError(said or "FFmpeg failed")
+
+
+def _write_gif(target: Path, pictures: Iterable[Array], fps: float, shape: tuple[int, ...]) -> None:
+    from PIL import Image
+
+    size = (*shape[:2], 3)
+    with (
+        tempfile.TemporaryFile() as spool
+    ):  # all pictures share their colours, which only the last one completes
+        count = 0
+        for picture in pictures:
+            spool.write(np.ascontiguousarray(picture[:, :, :3]).tobytes())
+            count += 1
+
+        def read(k: int) -> Array:
+            spool.seek(k * int(np.prod(size)))
+            return np.frombuffer(spool.read(int(np.prod(size))), dtype=np.uint8).reshape(size)
+
+        some = np.unique(np.linspace(0, count - 1, 6).astype(int))
+        palette = Image.fromarray(np.concatenate([read(int(k)) for k in some])).quantize(255)
+        chosen, durations = gif_times(count, fps)
+        frames = (
+            Image.fromarray(read(k)).quantize(palette=palette, dither=Image.Dither.NONE) for k in chosen
+        )
+        first = next(frames)
+        first.save(target, save_all=True, append_images=frames, duration=durations, loop=0, optimize=False)
+
+
+def gif_times(count: int, fps: float) -> tuple[list[int], list[int]]:
+    """Which of `count` pictures a GIF holds, and how long each of them is shown [ms].
+
+    Browsers show a picture that is to be shown for less than 20 ms for 100 ms: of faster films some are left out.
+    """
+    ends = np.round(np.arange(1, count + 1) * 100.0 / fps).astype(int)  # in hundredths of a second
+    chosen, durations, shown = [], [], 0
+    for k, end in enumerate(ends.tolist()):
+        if end - shown >= _SHORTEST or k == count - 1:
+            chosen.append(k)
+            durations.append(10 * max(end - shown, _SHORTEST))
+            shown = end
+    return chosen, durations

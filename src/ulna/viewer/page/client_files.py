@@ -1,0 +1,155 @@
+"""The page that viser serves, taken apart so that a browser can keep its program and start sooner the next time.
+
+viser's page is one file: style, program and a decoder, compressed and written in letters of a text. A browser has to
+unpack and compile it at every visit. Here the parts are files of their own, with names that change with their content,
+which a browser keeps together with what it compiled. A page that is built in another way is served as it is.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+
+from ulna import disk_cache as cache
+
+_FORMAT = "ulna client 1"
+_PACKED = re.compile(r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">.*?</script>', re.DOTALL)
+_LETTERS = re.compile(r'const A=("(?:[^"\\]|\\.)*");')
+_DECODER = re.compile(r'const gzWasm=("(?:[^"\\]|\\.)*");')
+# the light of a city that the program carries for pages which are told of no other light; ours always are
+_CITY = re.compile(rb"`data:image/jpeg;base64,[A-Za-z0-9+/=]{20000,}`")
+_KINDS = {
+    "js": "text/javascript; charset=utf-8",
+    "css": "text/css; charset=utf-8",
+    "wasm": "application/wasm",
+}
+_FOREVER = "private, max-age=31536000, immutable"
+_START = """<script type="module">
+globalThis.__viserZstdWasm = await WebAssembly.compileStreaming(fetch("{wasm}"));
+await import("./{js}");
+</script>"""
+
+
+@final
+@dataclass(frozen=True)
+class File:
+    """What a server answers with: its kind, whether it is compressed with gzip, how long it may be kept, its bytes."""
+
+    kind: str
+    zipped: bool
+    keep: str
+    content: bytes
+
+
+@final
+class ClientFiles:
+    """The files of viser's page, by their names.
+
+    Args:
+        page: viser's page.
+        early: A program that is to run before viser's.
+    """
+
+    def __init__(self, page: Path, early: str = "") -> None:
+        self._page, self._early = page, early
+
+    def file(self, path: str) -> File | None:
+        """The file of a request's path; None where there is none, or the page cannot be taken apart."""
+        return self._files.get(path.partition("?")[0])
+
+    @cached_property
+    def _files(self) -> dict[str, File]:
+        text = self._page.read_text(encoding="utf-8")
+        parts = _kept(text)
+        if parts is None:
+            return {}
+        names = {kind: f"ulna-{cache.key(content)[:16]}.{kind}" for kind, content in parts.items()}
+        files = {
+            f"/{names[kind]}": File(_KINDS[kind], kind != "wasm", _FOREVER, content)
+            for kind, content in parts.items()
+        }
+        head = f"""<script>{self._early}</script>
+<link rel="stylesheet" href="{names["css"]}"><link rel="modulepreload" href="{names["js"]}">
+{_START.format(**names)}"""
+        page = _PACKED.sub(lambda _: head, text)
+        files["/"] = File("text/html; charset=utf-8", False, "no-cache", page.encode())
+        return files
+
+
+def _kept(text: str) -> dict[str, bytes] | None:
+    """The parts of a page, from disk where it was taken apart before."""
+    name = cache.key(_FORMAT, text)
+    data = cache.read(name)
+    if data is None:
+        parts = unpacked(text)
+        if parts is None:
+            return None
+        head = json.dumps({kind: len(content) for kind, content in parts.items()}).encode()
+        data = len(head).to_bytes(4, "little") + head + b"".join(parts.values())
+        cache.write(name, data)
+    start = 4 + int.from_bytes(data[:4], "little")
+    out = {}
+    for kind, length in json.loads(data[4:start]).items():
+        out[kind] = data[start : start + length]
+        start += length
+    return out
+
+
+def unpacked(text: str) -> dict[str, bytes] | None:
+    """Program and style of a page, compressed with gzip, and its decoder; None where they are not found."""
+    packed, letters, decoder = (pattern.search(text) for pattern in (_PACKED, _LETTERS, _DECODER))
+    if packed is None or letters is None or decoder is None:
+        return None
+    try:
+        import zstandard
+
+        alphabet = json.loads(letters.group(1))
+        content = zstandard.ZstdDecompressor().decompress(_from_letters(packed.group(1), alphabet))
+        wasm = gzip.decompress(_from_letters(json.loads(decoder.group(1)), alphabet))
+    except Exception:  # built in another way; the page as it is does as well
+        return None
+    style, program = int(packed.group(2)), int(packed.group(3))
+    if len(content) != style + program or not wasm.startswith(b"\0asm"):
+        return None
+    code = _CITY.sub(b"null", content[style:])
+    return {"js": gzip.compress(code, 6), "css": gzip.compress(content[:style], 6), "wasm": wasm}
+
+
+def _from_letters(text: str, alphabet: str) -> bytes:
+    """Bytes from letters: five digits in base 88 for four bytes, one more digit than bytes at the end."""
+    value = np.zeros(128, dtype=np.int64)
+    value[np.frombuffer(alphabet.encode("ascii"), np.uint8)] = np.arange(len(alphabet))
+    digits = value[np.frombuffer(text.encode("ascii"), np.uint8)]
+    whole = len(digits) // 5 * 5
+    weights = len(alphabet) ** np.arange(4, -1, -1)
+    out = (digits[:whole].reshape(-1, 5) @ weights).astype(">u4").tobytes()
+    rest = digits[whole:]
+    if len(rest):
+        out += int(rest @ weights[-len(rest) :]).to_bytes(len(rest) - 1, "big")
+    return out
+
+
+def answer(client: ClientFiles | None, request: Any) -> Any:
+    """The answer of a server of `websockets` to a request; None to leave it to viser."""
+    if client is None or request.headers.get("Upgrade"):
+        return None
+    found = client.file(request.path)
+    if found is None or "gzip" not in request.headers.get(
+        "Accept-Encoding", ""
+    ):  # viser's page suits whoever asks
+        return None
+    from websockets.datastructures import Headers
+    from websockets.http11 import Response
+
+    headers = Headers({"Content-Type": found.kind, "Cache-Control": found.keep})
+    headers["Content-Length"] = str(len(found.content))
+    if found.zipped:
+        headers["Content-Encoding"] = "gzip"
+    return Response(200, "OK", headers, found.content)

@@ -1,0 +1,73 @@
+"""A scene and its motion as one HTML file: it plays offline, with a time line and a camera to move."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from ulna.viewer.graph.camera import Camera
+from ulna.viewer.graph.scene_graph import SceneGraph
+from ulna.viewer.graph.theme import LIGHT, Theme
+from ulna.viewer.output.atomic_file import checked_path, written
+from ulna.viewer.page import Page
+from ulna.viewer.page.server import start_recording
+from ulna.viewer.progress import progress
+
+
+def write_html(
+    path: str | os.PathLike[str],
+    scene: SceneGraph,
+    times: Iterable[float] = (),
+    move: Callable[[float], None] | None = None,
+    *,
+    title: str = "Ulna",
+    camera: Camera | None = None,
+    theme: Theme = LIGHT,
+    floor: float | None = None,
+) -> Path:
+    """Write a scene as an HTML file that needs nothing else; returns the path.
+
+    Args:
+        path: Where to.
+        scene: What to show.
+        times: When there is something new [s], in rising order, from 0; none for a scene at rest.
+        move: Brings the scene to one of these times.
+        title: The title of the tab.
+        camera: Where it is looked at from at first.
+        theme: The colours around.
+        floor: Height of the floor [m]; below everything when not given.
+
+    Raises:
+        MissingExtra: viser is not installed.
+        InputError: The file cannot be written.
+        UnknownName: It ends neither in .html nor in .htm.
+    """
+    target = checked_page(path)
+    moments = list(times)
+    if moments and move is not None:
+        move(moments[0])
+    with Page(scene, title, port=0, camera=camera, theme=theme, floor=floor, live=False) as page:
+        recording = start_recording(page.server)
+        before = moments[0] if moments else 0.0
+        with progress(f"Writing {target.name}") as report:
+            for k, t in enumerate(moments[1:] if move is not None else []):
+                report(k, len(moments))
+                recording.insert_sleep(t - before)
+                before = t
+                assert move is not None
+                move(t)
+                page.flush()
+            content = recording.as_html(dark_mode=theme.dark)
+    with written(target, "page") as place:
+        place.write_text(content, encoding="utf-8")
+    return target
+
+
+def checked_page(path: str | os.PathLike[str]) -> Path:
+    """The path of an HTML file.
+
+    Raises:
+        UnknownName: It ends neither in .html nor in .htm.
+    """
+    return checked_path(path, "page", (".html", ".htm"))

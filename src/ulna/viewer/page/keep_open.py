@@ -1,0 +1,47 @@
+"""Keeping a page open while somebody looks, and never where nobody can."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+
+from ulna.viewer.page import Page
+from ulna.viewer.page.browser import somebody_can_look
+
+
+def hold(page: Page, seconds: float | None = None) -> None:
+    """Keep a page open until Ctrl-C, until it is closed, or until the last tab that looked at it has gone.
+
+    Where nobody can look (no screen, no terminal) it says so and returns at once.
+
+    Args:
+        page: The page.
+        seconds: The longest it stays open [s]; without an end when not given.
+    """
+    if page.closed:
+        return
+    if page.clients == 0 and not somebody_can_look():
+        print(f"Nobody can look at {page.url} (no screen here), so it is not held open.", flush=True)
+        return
+    print(f"Look at {page.url}. Ctrl-C ends it.", flush=True)
+    if "SSH_CONNECTION" in os.environ:
+        print(
+            f"From elsewhere: ssh -L {page.port}:localhost:{page.port} ... and open the same address there."
+        )
+    seen, gone = page.visited, 0.0
+    end = None if seconds is None else time.monotonic() + seconds
+    try:
+        while not page.closed and (end is None or time.monotonic() < end):
+            time.sleep(0.1)
+            if page.clients:
+                seen, gone = True, 0.0
+            elif seen:
+                gone += 0.1
+                if gone > 3.0:  # longer than a reload takes
+                    print("The page was closed.", flush=True)
+                    return
+    except KeyboardInterrupt:
+        print("", file=sys.stderr)
+    finally:
+        page.close()

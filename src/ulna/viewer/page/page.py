@@ -1,0 +1,241 @@
+"""The page in the browser: a scene by way of viser, sending the newest poses only.
+
+A program never waits for the browser. It hands its newest state to the scene; a thread of the page looks 60 times a
+second and sends all poses in one message. Where that is not known to work (another version of viser) every node is
+set through viser's public interface instead: slower, the same picture. Changes of controls and of the dragged target
+come back through that thread, one after the other and the newest only, so that the functions which handle them need
+no locks among themselves.
+"""
+
+from __future__ import annotations
+
+import atexit
+import itertools
+import secrets
+import sys
+import threading
+import time
+import traceback
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+from ulna.errors import UlnaWarning
+from ulna.viewer.graph.camera import Camera, checked_camera, frame
+from ulna.viewer.graph.scene_graph import SceneGraph
+from ulna.viewer.graph.theme import LIGHT, Theme
+from ulna.viewer.page import access as guard
+from ulna.viewer.page.notifications import ProgressNotifications
+from ulna.viewer.page.pose_channel import PoseChannel
+from ulna.viewer.page.publisher import Publisher
+from ulna.viewer.page.server import serve, stop
+from ulna.viewer.page.surroundings import decorate, lay_floor, look_from
+from ulna.viewer.progress import unwatch, watch
+
+RATE = 60.0
+"""How often the page looks for something new [1/s]."""
+
+_SETTLING = 0.2  # s between two looks for a camera that has everything in view
+
+
+class Page:
+    """A page in the browser that shows a scene.
+
+    Args:
+        scene: What to show; the page follows it.
+        title: What stands over the panel.
+        port: Port to listen on; the next free one is taken when it is in use, 0 takes any.
+        host: Address to listen on. Beyond the loopback a token, which the address carries, is asked of whoever comes.
+        camera: Where the scene is looked at from at first; one that has everything in view when not given.
+        theme: The colours around.
+        floor: Height of the floor [m]; below everything when not given.
+        live: Whether it follows the scene by itself. One that is not is sent what there is by `flush`, with colours
+            as they are for good: for recordings.
+
+    Raises:
+        MissingExtra: viser is not installed.
+        ViewerError: The page cannot be served.
+    """
+
+    def __init__(
+        self,
+        scene: SceneGraph,
+        title: str = "Ulna",
+        port: int = 8080,
+        host: str = "127.0.0.1",
+        camera: Camera | None = None,
+        theme: Theme = LIGHT,
+        floor: float | None = None,
+        live: bool = True,
+    ) -> None:
+        self.scene, self.title, self._live = scene, title, live
+        checked_camera(camera)
+        exposed = guard.checked_host(host) not in guard.LOOPBACK
+        self._token = secrets.token_urlsafe(24) if exposed else ""
+        self.server = serve(host, port, title, self._token)
+        self._host = "localhost" if host in (*guard.LOOPBACK, "0.0.0.0", "::") else host
+        if exposed:
+            warnings.warn(
+                f"The page is open to the network of {host}, port {self.port}: whoever has its address with the token "
+                "can look, drag and press. The connection is not encrypted. "
+                f"A tunnel is safer: ssh -L {self.port}:localhost:{self.port} ...",
+                UlnaWarning,
+                stacklevel=2,
+            )
+        channel = PoseChannel(self.server, f"{title} · Ulna" if title != "Ulna" else title)
+        self._publisher = Publisher(scene, self.server, channel, live, theme)
+        self._plain = not channel.open
+        self._events: dict[int, tuple[Callable[[Any], None], Any]] = {}
+        self._events_lock = threading.Lock()
+        self._count = itertools.count(1)
+        self._tick_lock = threading.RLock()
+        self._ticks: list[Callable[[], None]] = []
+        self._stop = threading.Event()
+        self._complaint = ""
+        self._floor, self._grid = floor, True
+        self._framed, self._unframed, self._framed_at = camera is not None, False, 0.0
+        self._theme = theme
+        self.visited = False
+        """Whether any tab has looked at it so far."""
+        self._thread = threading.Thread(target=self._run, name="ulna-page", daemon=True)
+        self._waiting = ProgressNotifications(self.server)
+        atexit.register(self.close)
+        decorate(self.server, theme, self._plain)
+        lay_floor(self.server, theme, scene.floor() if floor is None else floor)
+        look_from(self.server, camera or self._view())
+        self.server.on_client_connect(self._greet)
+        with self._tick_lock:
+            self._publish()
+        if live:
+            self._thread.start()
+            watch(self._waiting)
+
+    @property
+    def port(self) -> int:
+        """The port it listens on."""
+        return int(self.server.get_port())
+
+    @property
+    def url(self) -> str:
+        """Its address."""
+        return f"http://{self._host}:{self.port}" + (f"/?token={self._token}" if self._token else "")
+
+    @property
+    def clients(self) -> int:
+        """How many tabs are looking at it."""
+        return 0 if self._stop.is_set() else len(self.server.get_clients())
+
+    @property
+    def closed(self) -> bool:
+        """Whether `close` was called."""
+        return self._stop.is_set()
+
+    def close(self) -> None:
+        """Stop serving; tabs go grey. May be called twice."""
+        if self._stop.is_set():
+            return
+        try:
+            self.flush()  # tabs keep what they had last: the newest, not that of a sixtieth of a second ago
+        finally:
+            self._stop.set()
+            unwatch(self._waiting)
+            if self._thread.is_alive() and threading.current_thread() is not self._thread:
+                self._thread.join(timeout=2.0)
+            stop(self.server)
+            atexit.unregister(self.close)
+
+    def __enter__(self) -> Page:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _repr_html_(self) -> str:
+        return f'<iframe src="{self.url}" width="100%" height="560" style="border:0"></iframe>'
+
+    def look(self, camera: Camera | None = None) -> None:
+        """Look from a camera in every tab; from one that has everything in view when not given."""
+        self._framed = True
+        look_from(self.server, camera or self._view())
+
+    def frame_soon(self) -> None:
+        """Have all in view and above the floor, unless a camera or a floor was chosen or somebody looks already."""
+        self._unframed = True
+
+    def _frame(self, now: float) -> None:
+        self._unframed, self._framed_at = False, now
+        if not self._framed and (not self.visited or now < self._publisher.until):
+            look_from(self.server, self._view())
+        if self._floor is None:
+            lay_floor(self.server, self._theme, self.scene.floor(), self._grid)
+
+    def dress(self, theme: Theme, floor: float | None, grid: bool = True) -> None:
+        """Change the colours around, the height of the floor [m], and whether there is one."""
+        with self._tick_lock:
+            self._theme, self._floor, self._grid = theme, floor, grid
+            self._publisher.dress(theme)
+        decorate(self.server, theme, self._plain)
+        lay_floor(self.server, theme, self.scene.floor() if floor is None else floor, grid)
+
+    def flush(self) -> None:
+        """Send what the scene holds now, without waiting for the thread of the page."""
+        with self._tick_lock:
+            self._publisher.hurry()
+            self._framed_at = 0.0
+            self._publish()
+        self.server.flush()
+
+    def each_tick(self, function: Callable[[], None]) -> None:
+        """Call `function` on the thread of the page, 60 times a second, before poses are sent."""
+        self._ticks.append(function)
+
+    def never_again(self, function: Callable[[], None]) -> None:
+        """Do not call `function` any more."""
+        self._ticks = [f for f in self._ticks if f != function]
+
+    def notice(self, key: int | None, function: Callable[[Any], None], value: Any) -> None:
+        """Have `function(value)` called on the thread of the page; of one key only the newest, of None each."""
+        with self._events_lock:
+            key = -next(self._count) if key is None else key
+            self._events.pop(key, None)  # in the order of the newest
+            self._events[key] = (function, value)
+
+    def _view(self) -> Camera:
+        # robots reach further than they stand, and the panel covers the right
+        return frame(self.scene, margin=1.75, aside=0.10)
+
+    # the thread --------------------------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        due = time.monotonic()
+        while not self._stop.is_set():
+            try:
+                with self._tick_lock:
+                    with self._events_lock:
+                        events, self._events = list(self._events.values()), {}
+                    for function, value in events:
+                        function(value)
+                    for tick in self._ticks:
+                        tick()
+                    self._publish()
+            except Exception:  # a mistake in a user's function must not silence the page
+                complaint = traceback.format_exc()
+                if complaint != self._complaint and not self._stop.is_set():  # once, not 60 times a second
+                    print(complaint, file=sys.stderr, end="")
+                self._complaint = complaint
+            due = max(due + 1.0 / RATE, time.monotonic())
+            self._stop.wait(due - time.monotonic())
+
+    async def _greet(self, client: Any) -> None:
+        self.visited = True
+        self.again()
+
+    def again(self) -> None:
+        """Send poses and looks again for a while: a newcomer replays the scene, and its hook may come after them."""
+        self._publisher.again()
+
+    def _publish(self) -> None:
+        now = time.monotonic()
+        if self._unframed and now - self._framed_at > _SETTLING:
+            self._frame(now)
+        self._publisher.publish(now)

@@ -1,0 +1,144 @@
+"""What the page needs of viser beyond its promises, in one place: a guarded socket, and all poses in one message.
+
+Everything here was read in viser 1.1. Where a version is not known, poses go through the public interface
+instead; where the socket cannot be guarded, there is no page.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import logging
+import socket
+import threading
+from collections.abc import Iterator
+from numbers import Integral
+from pathlib import Path
+from typing import Any
+
+from ulna.errors import InputError, MissingExtra, ViewerError
+from ulna.extras import install_command
+from ulna.viewer.page import access as guard
+from ulna.viewer.page import client_files as client
+from ulna.viewer.page.pose_channel import early_script, known
+
+_construction = threading.Lock()
+_log = logging.getLogger("ulna.page")
+_log.setLevel(logging.CRITICAL)
+
+
+def serve(host: str, port: int, title: str, token: str = "") -> Any:
+    """A viser server that answers its own machine only, shares nothing and prints nothing.
+
+    With a token it answers whoever knows it: the address carries it, and a cookie remembers it.
+
+    Raises:
+        MissingExtra: viser is not installed.
+        InputError: The port is none.
+        ViewerError: The socket cannot be guarded.
+    """
+    try:
+        import viser
+        import websockets.asyncio.server as sockets
+    except ImportError as error:
+        raise MissingExtra("viser", "viewer", "The page in the browser") from error
+    if not (isinstance(port, Integral) and 0 <= port <= 65535):
+        raise InputError(f"`port` is {port!r}; expected 0 (any free one) to 65535.")
+    _check_address(host)
+    any_host = host not in guard.LOOPBACK
+    page = Path(viser.__file__).parent / "client" / "build" / "index.html"
+    kept = client.ClientFiles(page, early_script(title)) if known() else None
+    original: Any = sockets.serve
+    guarded: list[bool] = []
+
+    def guarded_serve(*args: Any, **options: Any) -> Any:
+        answer: Any = options.get("process_request")
+        if getattr(answer, "__module__", "").startswith("viser"):  # leave servers of other threads alone
+
+            def process_request(connection: Any, request: Any) -> Any:
+                headers = request.headers
+                if not guard.allowed(headers.get("Host"), headers.get("Origin"), any_host):
+                    return connection.respond(403, "This page answers its own machine only.\n")
+                if not guard.knows(token, request.path, headers.get("Cookie")):
+                    return connection.respond(403, "This page answers those who know its token only.\n")
+                response = client.answer(kept, request) or answer(connection, request)
+                if response is not None:
+                    response.headers["Content-Security-Policy"] = guard.frames(headers["Host"])
+                    if token:
+                        response.headers["Set-Cookie"] = guard.cookie(token)
+                return response
+
+            if len(args) > 2 and args[2] > 65535:  # all ports from the one asked for to the last are in use
+                args = (*args[:2], 0, *args[3:])
+            options["process_request"] = process_request
+            options["logger"] = _log  # browsers open sockets that they may never use; that is no error
+            guarded.append(True)
+        return original(*args, **options)
+
+    with _construction, _quiet():
+        sockets.serve = guarded_serve
+        try:
+            server = viser.ViserServer(host=host, port=port, label=title, verbose=False)
+        finally:
+            sockets.serve = original
+    atexit.unregister(server.stop)  # it would say goodbye; `stop` here does not
+    if not guarded:
+        stop(server)
+        raise ViewerError(
+            f"viser {viser.__version__} opens its socket in a way that cannot be guarded against other web "
+            f"pages. Install a version that can: {install_command('viewer', 'viser')}"
+        )
+    from viser import _messages
+
+    # else anyone in the page could open a tunnel to the world
+    for kind in ("ShareUrlRequest", "ShareUrlDisconnect"):
+        server._websock_server.unregister_handler(getattr(_messages, kind))
+    return server
+
+
+def _check_address(host: str) -> None:
+    """Refuse an address that this machine does not have: viser would try one port after the other, and never return.
+
+    Raises:
+        ViewerError: Nothing can listen there.
+    """
+    try:
+        for family, kind, protocol, _, address in socket.getaddrinfo(
+            host, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        ):
+            with socket.socket(family, kind, protocol) as probe:
+                probe.bind(address)
+    except (OSError, UnicodeError) as error:
+        raise ViewerError(
+            f"The page cannot listen on {host!r}: {getattr(error, 'strerror', None) or error}. Take '127.0.0.1' for "
+            "this machine alone, '0.0.0.0' for all its networks, or an address of its own."
+        ) from error
+
+
+def stop(server: Any) -> None:
+    """Stop a server without a word."""
+    with _quiet():
+        server.stop()
+    if known():  # what a program still tells the page goes nowhere, without a word of viser
+        server._websock_server.get_message_buffer().push = lambda message: None
+        for control in server.gui._gui_input_handle_from_uuid.values():
+            control._impl.update_cb.clear()
+    server._thread_executor.shutdown(wait=False)
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Without viser's banner and its goodbye."""
+    import rich
+
+    original = rich.print
+    rich.print = lambda *_, **__: None
+    try:
+        yield
+    finally:
+        rich.print = original
+
+
+def start_recording(server: Any) -> Any:
+    """A recording of the scene as it is and of every message from now on: `insert_sleep(seconds)`, `as_html(...)`."""
+    return server.get_scene_serializer()

@@ -1,0 +1,71 @@
+"""The look of the page: a calm studio with soft shadows, a quiet floor, and the scene in view."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna.viewer.graph.camera import Camera
+from ulna.viewer.graph.theme import Theme
+
+
+def decorate(server: Any, theme: Theme, shadows: bool = True) -> None:
+    """Give a viser server its panel, lights and background; `shadows` for viser's own, where the page throws none."""
+    scene, gui = server.scene, server.gui
+    gui.configure_theme(
+        show_logo=False,
+        show_share_button=False,
+        brand_color=(37, 99, 235),
+        control_width="medium",
+        dark_mode=theme.dark,
+    )
+    scene.configure_default_lights(False)
+    scene.configure_environment_map("studio", environment_intensity=theme.room)
+    scene.add_light_hemisphere(
+        "/(page)/sky", sky_color=(235, 242, 255), ground_color=(150, 155, 160), intensity=0.28 * theme.lamps
+    )
+    lamps = (("key", (255, 244, 230), 2.6, (1.6, -1.0, 3.2)), ("rim", (230, 240, 255), 0.8, (-2.0, 2.4, 1.6)))
+    for name, tint, strength, place in (*lamps, ("fill", (220, 232, 255), 0.25, (-1.0, -3.0, 1.2))):
+        scene.add_light_directional(
+            f"/(page)/{name}",
+            color=tint,
+            intensity=strength * theme.lamps,
+            cast_shadow=shadows and name == "key",
+            position=place,
+        )
+    top, horizon = np.array(theme.top), np.array(theme.horizon)
+    share = np.clip(np.linspace(0, 1, 512) / 0.33, 0, 1) ** 0.8
+    gradient = top + (horizon - top) * share[:, None]
+    scene.set_background_image(np.repeat(gradient[:, None, :], 8, axis=1).astype(np.uint8), format="png")
+
+
+def lay_floor(server: Any, theme: Theme, height: float, visible: bool = True) -> None:
+    """Lay the floor at a height [m]."""
+    server.scene.add_grid(
+        "/(page)/floor",
+        infinite_grid=True,
+        cell_size=0.1,
+        cell_thickness=0.7,
+        cell_color=theme.cell,
+        section_size=1.0,
+        section_thickness=1.1,
+        section_color=theme.section,
+        plane_color=theme.floor,
+        plane_opacity=1.0,
+        shadow_opacity=theme.shadow,
+        fade_distance=14.0,
+        fade_strength=1.6,
+        position=(0.0, 0.0, height - 0.001),
+        visible=visible,
+    )
+
+
+def look_from(server: Any, camera: Camera) -> None:
+    """Look at the scene from a camera: in tabs that are open, and in those to come."""
+    first = server.initial_camera
+    first.position, first.look_at, first.up, first.fov = camera.position, camera.target, camera.up, camera.fov
+    for client in server.get_clients().values():
+        view = client.camera
+        view.up_direction, view.position, view.look_at = camera.up, camera.position, camera.target
+        view.fov = camera.fov

@@ -1,0 +1,283 @@
+"""Nodes of a scene as nodes of viser: binary glTF for surfaces, viser's own kinds for the rest."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+
+from ulna.typing import Floats
+from ulna.viewer.graph.content import Copies, Lines, Points, Text
+from ulna.viewer.graph.node import Node, Snapshot
+from ulna.viewer.mesh.gltf import INSET, glb, words_glb
+from ulna.viewer.mesh.surface import Surface, linear_from_srgb, paint
+from ulna.viewer.page.pose_channel import known
+from ulna.viewer.page.poses import pose_rows, position_wxyz
+
+
+@final
+class Paths:
+    """Paths of the page, each with no other pose above it: groups are for display, poses are of the world."""
+
+    def __init__(self) -> None:
+        self._taken: set[str] = set()
+        self._below: Counter[str] = Counter()
+
+    def take(self, name: str) -> str:
+        """A path of its own for the node of that name."""
+        group, _, rest = name.partition("/")
+        if rest:
+            while f"/{group}" in self._taken:  # a node stands there, and would carry the group along
+                group += " ·"
+            path = f"/{group}/{rest.replace('/', ' › ')}"
+        else:
+            path = f"/{group}"
+            while self._below[path]:
+                path += " ·"
+        while path in self._taken:
+            path += "'"
+        self._taken.add(path)
+        self._below[path.rpartition("/")[0]] += 1
+        return path
+
+    def free(self, path: str) -> None:
+        """Give a path back."""
+        self._taken.discard(path)
+        self._below[path.rpartition("/")[0]] -= 1
+
+
+@final
+@dataclass
+class Shown:
+    """A node as the page has it: the viser handles that stand for it, all under one path.
+
+    `solid` nodes are surfaces and words whose colours, opacity and scale the page changes by itself; the others are
+    made anew.
+    """
+
+    node: Node
+    path: str
+    handles: list[Any]
+    solid: bool
+    look: tuple[Any, ...]
+
+    def revise(self, seen: Snapshot, i: int) -> bool:
+        """Take over what node `i` holds now, where that needs no new node of the page; whether it did."""
+        node, old = seen.nodes[i], self.node.content
+        if type(node.content) is not type(old) or old is None or look_of(seen, i) != self.look:
+            return False
+        clear = is_clear(seen, i)
+        match node.content:
+            case Points(positions) if _alike(node.content, old) and not clear:
+                self.handles[0].points = positions.astype(np.float32)
+            case Lines(segments) if _alike(node.content, old) and not clear:
+                self.handles[0].points = segments.astype(np.float32)
+            case Copies(_, poses) if _alike(node.content, old):
+                rows = pose_rows(poses)
+                for handle in self.handles:
+                    handle.batched_positions, handle.batched_wxyzs = rows[:, :3], rows[:, 3:]
+            case Text(words, height) if height == getattr(old, "height", None):
+                if not self.solid:
+                    self.handles[0].text = words
+            case _:
+                return False
+        self.node = node
+        return True
+
+    def rescale(self, look: tuple[Any, ...]) -> bool:
+        """Take over another scale, where nothing else of the look is new and its kind has one; whether it did."""
+        if look[:4] != self.look[:4] or isinstance(self.node.content, Text):
+            return False
+        for handle in self.handles:
+            handle.scale = look[4:]
+        return True
+
+    def place(self, row: Any) -> None:
+        """Set the pose through viser's public interface: x y z, w x y z."""
+        for handle in self.handles:
+            handle.position, handle.wxyz = row[:3], row[3:]
+
+    def see(self, visible: bool) -> None:
+        """Show or hide it."""
+        for handle in self.handles:
+            if handle.visible != visible:
+                handle.visible = visible
+
+    def remove(self) -> None:
+        """Take it out of the page."""
+        for handle in self.handles:
+            handle.remove()
+
+
+def _alike(new: Any, old: Any) -> bool:
+    """Whether two contents of one kind differ in where things are only."""
+    match new:
+        case Points():
+            return new.size == old.size and np.array_equal(new.colours, old.colours)
+        case Lines():
+            return new.rgba == old.rgba and new.thickness == old.thickness
+    same = new.original is old.original and len(new.poses) == len(old.poses) and new.opacity == old.opacity
+    return same and np.array_equal(new.scales, old.scales) and np.array_equal(new.colours, old.colours)
+
+
+def is_drawn(node: Node) -> bool:
+    """Whether there is anything to see of a node."""
+    return node.content is not None or any(len(s.triangles) for s in node.surfaces)
+
+
+def look_of(seen: Snapshot, i: int) -> tuple[Any, ...]:
+    """Tint, opacity and scale of a node, to compare."""
+    return (*seen.tint[i].tolist(), float(seen.opacity[i]), *seen.scales[i].tolist())
+
+
+def is_clear(seen: Snapshot, i: int) -> bool:
+    """Whether what node `i` holds lets light through."""
+    return float(seen.opacity[i]) * getattr(seen.nodes[i].content, "rgba", (1.0,))[-1] < 0.999
+
+
+def dress_rows(looks: list[tuple[Any, ...]], flat: list[bool]) -> Any:
+    """Looks as the page takes them: linear red, green, blue or -1, opacity, three scales; float32 (n, 7).
+
+    What is `flat` shows its colour as it is, whatever light falls on it.
+    """
+    out = np.array(looks, dtype=np.float32).reshape(-1, 7)
+    own, plain = out[:, 0] >= 0, np.array(flat, dtype=bool)
+    out[own & ~plain, :3] = paint(out[own & ~plain, :3])
+    out[own & plain, :3] = linear_from_srgb(out[own & plain, :3])
+    return out
+
+
+def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: bool = False) -> Shown:
+    """Add node `i` to the page.
+
+    Args:
+        server: The viser server.
+        path: Its path there.
+        seen: The scene.
+        i: The node's row.
+        baked: Whether colours, opacity and scale are made part of it, for a page that cannot change them later.
+        writes: Whether the page writes words by itself, in any colour.
+    """
+    node, pose = seen.nodes[i], seen.poses[i]
+    position, wxyz = position_wxyz(pose)
+    place = {"position": position, "wxyz": wxyz, "visible": bool(seen.visible[i])}
+    look = look_of(seen, i)
+    scale = tuple(float(s) for s in seen.scales[i])
+    handles: list[Any] = []
+    content = node.content
+    if node.surfaces:
+        surfaces = node.surfaces
+        if baked:
+            opacity, tint = seen.opacity[i], seen.tint[i]
+            surfaces = [
+                replace(
+                    s,
+                    rgba=(*(s.rgba[:3] if tint[0] < 0 else tint), s.rgba[3] * opacity),
+                    texture=s.texture if tint[0] < 0 else None,
+                )
+                for s in surfaces
+            ]
+            place["scale"] = scale
+        handles.append(server.scene.add_glb(path, _content(surfaces), cast_shadow=node.casting, **place))
+        place.pop("scale", None)
+    written = writes and isinstance(content, Text)
+    if isinstance(content, Text) and written:
+        handles.append(server.scene.add_glb(path, words_glb(content.height), cast_shadow=False, **place))
+    elif content is not None and not node.surfaces:
+        handles += _MAKERS[type(content)](server, path, content, seen, i, place | {"scale": scale})
+    return Shown(node, path, handles, written or (not baked and content is None), look)
+
+
+def _content(surfaces: Sequence[Surface]) -> Any:
+    """Surfaces as a page takes them; ours takes them as they are, not compressed, which costs both sides more time."""
+    return np.frombuffer(glb(surfaces, ours=True), dtype=np.uint8) if known() else glb(surfaces)
+
+
+def _tinted(seen: Snapshot, i: int, colours: Any) -> Floats:
+    tint = seen.tint[i]
+    return np.asarray(colours, dtype=float) if tint[0] < 0 else np.broadcast_to(tint, np.shape(colours))
+
+
+def _bytes(colours: Floats) -> Any:
+    return np.round(np.asarray(colours) * 255).astype(np.uint8)
+
+
+def _points(
+    server: Any, path: str, content: Points, seen: Snapshot, i: int, place: dict[str, Any]
+) -> list[Any]:
+    if is_clear(seen, i):  # points of the page let no light through
+        return _copies(server, path, content.balls, seen, i, place)
+    colours = _bytes(_tinted(seen, i, content.colours))
+    return [
+        server.scene.add_point_cloud(
+            path,
+            content.positions,
+            colours,
+            point_size=content.size / 2,  # viser means the radius
+            point_shape="circle",
+            precision="float32",
+            **place,
+        )
+    ]
+
+
+def _lines(
+    server: Any, path: str, content: Lines, seen: Snapshot, i: int, place: dict[str, Any]
+) -> list[Any]:
+    colours = _bytes(_tinted(seen, i, np.array(content.rgba[:3])))
+    if is_clear(seen, i):  # neither do lines
+        (tubes,) = content.surfaces
+        opacity = float(seen.opacity[i] * content.rgba[3])
+        shape = tubes.vertices.astype(np.float32), tubes.triangles.astype(np.uint32)
+        look = {"color": tuple(colours.tolist()), "opacity": opacity, "side": "front", "cast_shadow": False}
+        return [server.scene.add_mesh_simple(path, *shape, **look, **place)]
+    return [
+        server.scene.add_line_segments(path, content.segments, colours, thickness=content.thickness, **place)
+    ]
+
+
+def _text(server: Any, path: str, content: Text, seen: Snapshot, i: int, place: dict[str, Any]) -> list[Any]:
+    height = content.height * place.pop("scale")[2]
+    return [
+        server.scene.add_label(
+            path,
+            content.words,
+            font_size_mode="scene",
+            font_scene_height=height,
+            depth_test=True,
+            anchor="bottom-left",
+            **place,
+        )
+    ]
+
+
+def _copies(
+    server: Any, path: str, content: Copies, seen: Snapshot, i: int, place: dict[str, Any]
+) -> list[Any]:
+    rows = pose_rows(content.poses)
+    handles = []
+    for k, surface in enumerate(content.original):
+        own = surface.rgba[:3] if content.colours is None else content.colours
+        opacity = float(surface.rgba[3] * content.opacity * seen.opacity[i])
+        vertices = surface.vertices if opacity >= 0.999 else surface.vertices - INSET * surface.normals
+        handles.append(
+            server.scene.add_batched_meshes_simple(
+                path if k == 0 else f"{path} ·{k}",
+                vertices.astype(np.float32),
+                surface.triangles.astype(np.uint32),
+                rows[:, 3:],
+                rows[:, :3],
+                batched_scales=content.scales,
+                batched_colors=_bytes(paint(_tinted(seen, i, own))),
+                opacity=None if opacity >= 0.999 else opacity,
+                cast_shadow=seen.nodes[i].shadow and opacity >= 0.999,
+                **place,
+            )
+        )
+    return handles
+
+
+_MAKERS: dict[type, Callable[..., list[Any]]] = {Points: _points, Lines: _lines, Text: _text, Copies: _copies}

@@ -1,0 +1,183 @@
+"""Controls of the panel with choices: a menu, boxes of which one is ticked, a row of buttons."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, final
+
+from ulna.checks.values import one_of, short_repr, text
+from ulna.errors import InputError
+from ulna.viewer.panel.controls import Labelled, Named
+
+
+def through(part: str, name: str) -> Any:
+    """A property that is the one of that name of a part."""
+    return property(
+        lambda self: getattr(getattr(self, part), name),
+        lambda self, value: setattr(getattr(self, part), name, value),
+    )
+
+
+class _Options(Named):
+    """A control with choices."""
+
+    __slots__ = ()
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The choices, in their order."""
+        return tuple(self._handle.options)
+
+    @options.setter
+    def options(self, options: Sequence[str]) -> None:
+        names, first = choices(self._label, options, None)
+        self._set("options", names)
+        if self._handle.value not in names:
+            self._handle.value = first
+
+
+@final
+class Choice(_Options, Labelled):
+    """A menu or boxes of which one is chosen; where its choices change and lack that one, the first is."""
+
+    __slots__ = ()
+
+    @property
+    def value(self) -> str:
+        """What is chosen; assigning calls no function."""
+        return self._handle.value
+
+    @value.setter
+    def value(self, value: str) -> None:
+        self._set("value", choices(self._label, self.options, text("value", value))[1])
+
+
+@final
+class Buttons(_Options):
+    """Buttons of which any is pressed; `value` is the last that was, empty before."""
+
+    __slots__ = ("_pressed",)
+
+    def __init__(self, handle: Any, label: str) -> None:
+        super().__init__(handle, label)
+        self._pressed = ""
+
+    @property
+    def value(self) -> str:
+        """The last that was pressed."""
+        return self._pressed
+
+    def press(self, option: str) -> None:
+        """One was pressed."""
+        self._pressed = option
+
+
+@final
+class Menu:
+    """Many choices to press, as one handle of the page: a menu, and a button under it that presses.
+
+    A menu alone would seem to have chosen its first, and could not choose the same again.
+    """
+
+    def __init__(self, menu: Any, button: Any) -> None:
+        self._menu, self._button = menu, button
+
+    label, options = through("_menu", "label"), through("_menu", "options")
+    value = through("_menu", "value")
+
+    @property
+    def visible(self) -> bool:
+        """Whether they can be seen."""
+        return self._menu.visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._menu.visible = self._button.visible = visible
+
+    def on_click(self, function: Any) -> None:
+        """Have a function called when the button is pressed."""
+        self._button.on_click(function)
+
+    def remove(self) -> None:
+        """Take both out."""
+        self._menu.remove()
+        self._button.remove()
+
+
+@final
+class Boxes:
+    """Boxes under a heading of which exactly one is ticked, as one handle of the page.
+
+    Args:
+        heading: The folder they stand in.
+        options: The words beside them.
+        value: Which is ticked.
+        make: Makes a box: its words, and whether it is ticked.
+    """
+
+    def __init__(
+        self, heading: Any, options: tuple[str, ...], value: str, make: Callable[[str, bool], Any]
+    ) -> None:
+        self._heading, self._make = heading, make
+        self._value, self._boxes, self._disabled = value, {}, False
+        self.options = options
+
+    label, visible = through("_heading", "label"), through("_heading", "visible")
+
+    @property
+    def value(self) -> str:
+        """Which is ticked."""
+        return self._value
+
+    @value.setter
+    def value(self, value: str) -> None:
+        self._value = value
+        for option, box in self._boxes.items():
+            if box.value != (option == value):
+                box.value = option == value
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The words beside them."""
+        return tuple(self._boxes)
+
+    @options.setter
+    def options(self, options: tuple[str, ...]) -> None:
+        for box in self._boxes.values():
+            box.remove()
+        with self._heading:
+            self._boxes = {o: self._make(o, o == self._value) for o in options}
+        self.disabled = self._disabled
+
+    @property
+    def disabled(self) -> bool:
+        """Whether nobody can tick them."""
+        return self._disabled
+
+    @disabled.setter
+    def disabled(self, disabled: bool) -> None:
+        self._disabled = disabled
+        for box in self._boxes.values():
+            box.disabled = disabled
+
+    def remove(self) -> None:
+        """Take all of them out."""
+        self._heading.remove()
+
+
+def choices(label: str, options: Sequence[str], value: str | None) -> tuple[tuple[str, ...], str]:
+    """Choices as words, and the one that is chosen: `value`, or the first.
+
+    Raises:
+        InputError: There are none, or one twice.
+        UnknownName: `value` is none of them.
+    """
+    if isinstance(options, str | bytes) or not isinstance(options, Iterable):
+        raise InputError(
+            f"`options` of {label!r} are {short_repr(options)}; expected words, as in ('open', 'closed')."
+        )
+    text("label", label)
+    names = tuple(text("options", o) for o in options)
+    if not names or len(set(names)) != len(names):
+        raise InputError(f"{label!r} has the choices {names}; expected at least one, and each once.")
+    return names, names[0] if value is None else one_of(f"choice of {label!r}", value, names)

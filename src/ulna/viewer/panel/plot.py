@@ -1,0 +1,124 @@
+"""Plots in the panel: lines over time, of which the newest are kept."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, final
+
+import numpy as np
+
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import duration, number, text
+from ulna.errors import ShapeError
+from ulna.typing import ArrayLike, Floats
+from ulna.viewer.panel.controls import Control, with_unit
+
+INKS = ("#2563eb", "#dc2626", "#16a34a", "#d97706", "#7c3aed", "#0891b2", "#db2777", "#65a30d")
+
+
+@final
+class Plot(Control):
+    """Lines over time in the panel. Only as many rows are kept as `seconds` hold, at most some thousands.
+
+    Args:
+        handle: What stands for it in the page.
+        label: What stands over it.
+        unit: What the numbers are measured in.
+        names: The name of each line.
+        seconds: How much of the past it shows [s].
+        forget: Called when it is removed.
+    """
+
+    __slots__ = ("_drawn_at", "_forget", "_lock", "_names", "_news", "_rows", "_seconds", "_unit")
+    _MOST = 4000
+
+    def __init__(
+        self,
+        handle: Any,
+        label: str,
+        unit: str,
+        names: tuple[str, ...],
+        seconds: float,
+        forget: Callable[[Plot], None],
+    ) -> None:
+        super().__init__(handle, label)
+        self._names, self._seconds, self._unit, self._forget = names, seconds, unit, forget
+        self._rows: list[tuple[float, Floats]] = []
+        self._lock = threading.Lock()
+        self._drawn_at, self._news = 0.0, False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The name of each line."""
+        return self._names
+
+    @property
+    def seconds(self) -> float:
+        """How much of the past it shows [s]."""
+        return self._seconds
+
+    @seconds.setter
+    def seconds(self, seconds: float) -> None:
+        span = duration("seconds", seconds)
+        with self._lock:
+            self._seconds, self._news = span, True
+
+    @property
+    def label(self) -> str:
+        """What stands over it."""
+        return self._label
+
+    @label.setter
+    def label(self, label: str) -> None:
+        self._alive()
+        self._label = text("label", label)
+        self._set("title", with_unit(self._label, self._unit))
+
+    def add(self, t: float, values: ArrayLike) -> None:
+        """Append a row: the time [s], and a number for each line.
+
+        Raises:
+            ShapeError: There are more or fewer numbers than lines.
+        """
+        row, t = np.atleast_1d(finite_array("values", values)), number("t", t, "a time [s]")
+        if row.shape != (len(self._names),):
+            raise ShapeError(
+                "values", row.shape, f"({len(self._names)},), one for each of {', '.join(self._names)}"
+            )
+        with self._lock:
+            if self._rows and t < self._rows[-1][0]:  # time began anew
+                self._rows.clear()
+            self._rows.append((t, row))
+            if len(self._rows) > self._MOST or self._rows[0][0] < t - 2 * self._seconds:
+                first = next(k for k, (at, _) in enumerate(self._rows) if at >= t - self._seconds)
+                self._rows = self._rows[max(first, len(self._rows) - self._MOST // 2) :]
+            self._news = True
+
+    def clear(self) -> None:
+        """Forget everything."""
+        with self._lock:
+            self._rows.clear()
+            self._news = True
+
+    @property
+    def data(self) -> Floats:
+        """What it shows: rows of the time and the numbers, shape (n, 1 + lines)."""
+        with self._lock:
+            newest = self._rows[-1][0] if self._rows else 0.0
+            rows = [np.concatenate([[t], row]) for t, row in self._rows if t >= newest - self._seconds]
+        return np.array(rows).reshape(-1, 1 + len(self._names))
+
+    def remove(self) -> None:
+        """Take it out of the panel, for good. May be called twice."""
+        self._forget(self)
+        super().remove()
+
+    def draw(self) -> None:
+        """Show what is new, ten times a second at most."""
+        now = time.monotonic()
+        if self._news and not self._removed and now - self._drawn_at > 0.1:
+            self._news, self._drawn_at = False, now
+            data = self.data if self._rows else np.zeros((1, 1 + len(self._names)))
+            self._handle.data = tuple(np.ascontiguousarray(column) for column in data.T)

@@ -1,0 +1,237 @@
+"""A robot's part of the panel: its joints as sliders, its tool's pose, named configurations, a target to drag."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, Protocol, final
+
+import numpy as np
+
+from ulna.spatial import SE3, matrix_to_rpy
+from ulna.typing import ArrayLike, Floats
+from ulna.viewer.graph.node import checked_pose
+from ulna.viewer.graph.scene_graph import SceneGraph
+from ulna.viewer.page import Page
+from ulna.viewer.page.gizmo import Gizmo
+from ulna.viewer.panel import Panel
+from ulna.viewer.panel.sliders import Slider
+from ulna.viewer.robot.slider_coordinates import SliderCoordinate, slider_coordinates
+from ulna.viewer.robot.target_following import TargetFollower
+
+_GLIDE = 0.6  # how long a move to a named configuration takes [s]
+_CALM = 1 / 15  # s between two updates of sliders and words
+
+
+class MovableRobot(Protocol):
+    """What a pendant moves: a robot with a configuration, in a scene."""
+
+    @property
+    def robot(self) -> Any:
+        """The robot."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """The name of the group of its links in the scene."""
+        ...
+
+    @property
+    def scene(self) -> SceneGraph:
+        """The scene it stands in."""
+        ...
+
+    @property
+    def lock(self) -> threading.RLock:
+        """Held while its configuration changes."""
+        ...
+
+    @property
+    def moves(self) -> int:
+        """How often it was moved."""
+        ...
+
+    @property
+    def q(self) -> Floats:
+        """The configuration."""
+        ...
+
+    @q.setter
+    def q(self, q: Any) -> None: ...
+
+
+@final
+class TeachPanel:
+    """A robot's part of the panel; it goes when the robot leaves the scene, or by `remove`.
+
+    Args:
+        page: The page.
+        target: What it moves.
+        base: T_world_base of the robot, asked when it is needed.
+        heading: What stands over it, for a robot among others; nothing when not given.
+    """
+
+    def __init__(
+        self, page: Page, target: MovableRobot, base: Callable[[], Floats] | None = None, heading: str = ""
+    ) -> None:
+        self._target, self.robot, self._panel = target, target.robot, Panel(page)
+        self._base = base or (lambda: np.eye(4))
+        self._last, self._moves = target.q, target.moves
+        self._follower = TargetFollower(self.robot)
+        self.goal: Floats | None = None
+        """Where the tool shall go in the robot's world, while it is on its way."""
+        self._glide: tuple[float, Floats, Floats] | None = None
+        self._told = np.full_like(self._last, np.nan)
+        self._told_at = 0.0
+        self.dials = slider_coordinates(self.robot)
+        self.sliders: list[Slider] = []
+        self._parts: list[Any] = []
+        with self._panel.folder(heading) if heading else contextlib.nullcontext() as folder:
+            self._build()
+        if folder is not None:
+            self._parts.append(folder)
+        self._page = page
+        page.each_tick(self._tick)
+
+    def remove(self) -> None:
+        """Take it out of the panel, and the target out of the scene. May be called twice."""
+        with self._target.lock:
+            self._page.never_again(self._tick)
+            parts, self._parts = self._parts, []
+            for part in parts:
+                part.remove()
+
+    def aim(self, T_goal: ArrayLike) -> None:
+        """Move the target to T_world_goal, as dragging it does: the tool follows as far as the joints allow.
+
+        Raises:
+            ShapeError, NonFiniteError, InputError: It is no pose.
+        """
+        goal = checked_pose(T_goal, "T_goal")
+        with self._target.lock:
+            self._adopt()
+            self._glide, self.goal = None, self._in_base(goal)
+            self.gizmo.pose = goal
+
+    def glide_to(self, q: Floats) -> None:
+        """Move smoothly to a configuration."""
+        with self._target.lock:
+            self._adopt()
+            self.goal, self._glide = None, (time.monotonic(), self._last, np.array(q, dtype=float))
+
+    def _build(self) -> None:
+        panel, q = self._panel, self._last
+        with panel.folder("Tool") as tools:
+            self.readout = panel.text("")
+        with panel.folder("Joints") as joints:
+            for dial in self.dials:
+                value = round(dial.read(q), 3)
+                self.sliders.append(
+                    panel.slider(
+                        dial.label,
+                        dial.low,
+                        dial.high,
+                        value,
+                        self._turner(dial),
+                        step=dial.step,
+                        hint=dial.hint,
+                    )
+                )
+            if not self.dials:
+                panel.text("This robot has no joint to move.")
+        named = tuple(self.robot.configurations)
+        if named:
+            places = self.robot.configurations
+            self._parts.append(panel.buttons("Go to", named, lambda name: self.glide_to(places[name])))
+        tool = self._base() @ np.asarray(self.robot.fk(q))
+        name = f"target of {self._target.name}"
+        self.gizmo: Gizmo = panel.gizmo(name, tool, self._dragged, size=self._gizmo_size())
+        self._parts += [tools, joints, self.gizmo]
+
+    def _gizmo_size(self) -> float:
+        points = self._target.scene.points(2000)
+        extent = float(np.ptp(points, axis=0).max()) if len(points) else 1.0
+        return float(np.clip(0.2 * extent, 0.05, 0.4))
+
+    def _turner(self, dial: SliderCoordinate) -> Callable[[float], None]:
+        def moved(value: float) -> None:
+            with self._target.lock:
+                self.goal = self._glide = None
+                self._move(dial.write(self._target.q, value))
+
+        return moved
+
+    # what happens on the thread of the page -----------------------------------------------------------------
+
+    def _dragged(self, event: tuple[Floats, str]) -> None:
+        pose, _ = event
+        with self._target.lock:
+            if self._target.name not in self._target.scene:
+                return
+            self._adopt()
+            self._glide, self.goal = None, self._in_base(pose)
+
+    def _in_base(self, T: Floats) -> Floats:
+        return SE3.project(np.linalg.inv(self._base()) @ T).matrix()
+
+    def _adopt(self) -> None:
+        """Take over what the program did with the robot meanwhile, which ends a way of ours."""
+        if self._target.moves != self._moves:
+            self._last, self._moves = self._target.q, self._target.moves
+            self.goal = self._glide = None
+
+    def _tick(self) -> None:
+        with self._target.lock:
+            if self._target.name not in self._target.scene:
+                self.remove()
+            if not self._parts:
+                return
+            self._adopt()
+            if self.goal is not None:
+                self._follow(self.goal)
+            elif self._glide is not None:
+                began, start, end = self._glide
+                t = min((time.monotonic() - began) / _GLIDE, 1.0)
+                share = t * t * t * (10 + t * (6 * t - 15))
+                self._move(self.robot.interpolate(start, end, share) if t < 1 else end)
+                if t >= 1:
+                    self._glide = None
+            self._tell()
+
+    def _follow(self, goal: Floats) -> None:
+        step = self._follower.step(self._last, goal)
+        if step.rests and not self.gizmo.held:  # as near as can be: the target returns to the tool
+            self.goal = None
+            self._told.fill(np.nan)
+        self._move(step.q)
+
+    def _move(self, q: Floats) -> None:
+        self._target.q = q
+        self._last, self._moves = self._target.q, self._target.moves
+
+    def _tell(self) -> None:
+        """Sliders, the tool's pose and the target follow the robot, 15 times a second, at rest once more."""
+        now = time.monotonic()
+        q = self._last
+        if np.array_equal(self._told, q) or now - self._told_at < _CALM:
+            return
+        self._told, self._told_at = q, now
+        for dial, slider in zip(self.dials, self.sliders, strict=True):
+            slider.value = round(dial.read(q), 3)
+        T = self._base() @ np.asarray(self.robot.fk(q))
+        self.readout.value = _pose_text(self.robot.tool, T)
+        if self.goal is None and not self.gizmo.held:
+            self.gizmo.pose = T
+
+
+def _pose_text(frame: str, T: Floats) -> str:
+    x, y, z = T[:3, 3]
+    degrees = np.round(np.rad2deg(np.asarray(matrix_to_rpy(T[:3, :3]), dtype=float)), 1)
+    roll, pitch, yaw = np.where(degrees == -180.0, 180.0, degrees + 0.0)
+    return (
+        f"`{frame}`\n\n| | | |\n|---|---|---|\n"
+        f"| **x** {x:.3f} m | **y** {y:.3f} m | **z** {z:.3f} m |\n"
+        f"| **roll** {roll:.1f}° | **pitch** {pitch:.1f}° | **yaw** {yaw:.1f}° |\n"
+    )

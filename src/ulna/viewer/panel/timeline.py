@@ -1,0 +1,157 @@
+"""A time line in the panel: what was recorded is played, slowed, and scrubbed; a running simulation is paused."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, final
+
+import numpy as np
+
+from ulna.checks.values import number
+from ulna.sim import Recording, Simulation
+from ulna.viewer.page import Page
+from ulna.viewer.panel import Panel
+from ulna.viewer.robot.robot_handle import RobotHandle
+
+SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
+_CALM = 1 / 15  # s between two updates of the panel
+PACE = "seconds of what happened per second, above zero"
+_QUIET = 0.5  # s without a step after which a simulation is not running
+
+Motion = tuple[RobotHandle, Callable[[], Recording]]
+"""A robot, and what gives its recording."""
+
+
+@final
+class Timeline:
+    """Controls of time: play and pause, speed, a slider to scrub.
+
+    Args:
+        page: The page, or None to do without controls.
+        motions: What is moved; asked anew each time, so that robots can come later.
+        simulation: What is recording, if it is one: as long as it steps the newest is shown.
+        speed: Seconds of what happened per second.
+    """
+
+    def __init__(
+        self,
+        page: Page | None,
+        motions: Callable[[], Sequence[Motion]],
+        simulation: Simulation | None = None,
+        speed: float = 1.0,
+    ) -> None:
+        self._motions, self._simulation = motions, simulation
+        self._speed, self._playing, self._t = number("speed", speed, PACE, above=0.0), False, 0.0
+        self._steps, self._stepped_at, self._told_at, self._ticked = -1, -np.inf, 0.0, time.monotonic()
+        if page is not None:
+            self._build(page)
+
+    @property
+    def duration(self) -> float:
+        """Until when something was recorded [s]."""
+        return max((float(r.t[-1]) for _, get in self._motions() if len(r := get())), default=0.0)
+
+    @property
+    def time(self) -> float:
+        """The time that is shown [s]; setting it shows that time."""
+        return self._t
+
+    @time.setter
+    def time(self, t: float) -> None:
+        self._t = float(np.clip(number("time", t, "a time [s]"), 0.0, self.duration))
+        for handle, get in self._motions():
+            recording = get()
+            if len(recording):
+                handle.show_at(recording.at(self._t, handle.robot))
+
+    @property
+    def playing(self) -> bool:
+        """Whether time runs by itself."""
+        return self._playing
+
+    def play(self, speed: float | None = None) -> None:
+        """Let time run, from the beginning when it is at its end; a paused simulation goes on."""
+        self._speed = self._speed if speed is None else number("speed", speed, PACE, above=0.0)
+        if self._simulation is not None and self._simulation.paused:
+            self._simulation.paused = False
+            return
+        if self._t >= self.duration:
+            self._t = 0.0
+        self._playing = True
+
+    def pause(self) -> None:
+        """Let time stand, that of a running simulation, too."""
+        self._playing = False
+        if self._simulation is not None and self._running():
+            self._simulation.paused = True
+
+    def _build(self, page: Page) -> None:
+        panel = Panel(page)
+        gui = page.server.gui
+        with panel.folder("Time"):
+            self._clock = panel.text("")
+            start = str(self._speed if self._speed % 1 else int(self._speed))
+            panel.select("speed", SPEEDS, start if start in SPEEDS else "1", self._set_speed)
+            panel.button("Play / pause", self._toggle)
+            handle = gui.add_slider("time [s]", min=0.0, max=1e-3, step=1e-3, initial_value=0.0)
+        self._slider = handle
+
+        async def scrubbed(event: Any) -> None:
+            if event.client is not None:
+                page.notice(id(handle), self._scrub, handle.value)
+
+        handle.on_update(scrubbed)
+        page.each_tick(self._tick)
+
+    def _set_speed(self, speed: str) -> None:
+        self._speed = float(speed)
+        if self._simulation is not None:
+            self._simulation.speed = self._speed
+
+    def _toggle(self) -> None:
+        busy = self._playing or (
+            self._running() and self._simulation is not None and not self._simulation.paused
+        )
+        self.pause() if busy else self.play()
+
+    def _scrub(self, t: float) -> None:
+        self.pause()
+        self.time = t
+
+    def _running(self) -> bool:
+        sim, now = self._simulation, time.monotonic()
+        if sim is None:
+            return False
+        if sim.steps != self._steps or sim.waiting:
+            self._steps, self._stepped_at = sim.steps, now
+        return now - self._stepped_at < _QUIET
+
+    def _tick(self) -> None:
+        now = time.monotonic()
+        passed, self._ticked = now - self._ticked, now
+        sim = self._simulation
+        if self._running() and sim is not None and not sim.paused:
+            self._playing, self._t = False, sim.t
+        elif self._playing:
+            self.time = self._t + passed * self._speed
+            self._playing = self._t < self.duration
+        if now - self._told_at > _CALM:
+            self._told_at = now
+            self._tell()
+
+    def _tell(self) -> None:
+        end = max(round(self.duration, 3), 1e-3)
+        if self._slider.max != end:
+            self._slider.max = end
+        shown = round(min(self._t, end), 3)
+        if self._slider.value != shown:
+            self._slider.value = shown
+        state = "running" if self._playing or (self._running() and not self._paused) else "at rest"
+        words = f"**{self._t:.2f} s** of {end:.2f} s, {state}"
+        if self._clock.value != words:
+            self._clock.value = words
+
+    @property
+    def _paused(self) -> bool:
+        return self._simulation is not None and self._simulation.paused

@@ -1,0 +1,141 @@
+"""Old import paths of the viewer: `ulna.viewer.camera` still imports what is in `ulna.viewer.graph.camera` now."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Sequence
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any, final
+
+_PACKAGE = "ulna.viewer"
+
+MODULES: dict[str, tuple[str, ...]] = {
+    "assigned": ("attributes",),
+    "build": ("page.viser_nodes",),
+    "camera": ("graph.camera",),
+    "channel": ("page.server", "page.pose_channel"),
+    "choices": ("panel.choices",),
+    "client": ("page.client_files",),
+    "coarse": ("mesh.vertex_clustering",),
+    "companions": ("robot.overlays", "robot.robot_instances", "graph.arrow"),
+    "content": ("graph.content",),
+    "controls": ("page.gizmo", "page.poses"),
+    "decimate": ("mesh.decimation",),
+    "dials": ("robot.slider_coordinates",),
+    "drawing": ("scene.annotations",),
+    "ellipsoids": ("robot.ellipsoids",),
+    "figure": ("robot.robot_visual", "robot.robot_instances", "robot.configuration"),
+    "files": ("output.atomic_file",),
+    "film": ("output.video",),
+    "follow": ("robot.target_following",),
+    "gather": ("render.world_triangles",),
+    "glb": ("mesh.gltf",),
+    "ground": ("render.ground",),
+    "guard": ("page.access",),
+    "handles": ("graph.handles", "graph.arrow"),
+    "hold": ("page.keep_open",),
+    "html": ("page.html_file",),
+    "light": ("render.lighting",),
+    "links": ("robot.link_surfaces",),
+    "look": ("page.surroundings",),
+    "mesh_store": ("mesh.mesh_cache",),
+    "meshes": ("mesh.mesh_files",),
+    "node": ("graph.node",),
+    "pendant": ("panel.teach_panel",),
+    "places": ("scene.registry",),
+    "plot": ("panel.plot",),
+    "png": ("output.png",),
+    "publisher": ("page.publisher",),
+    "raster": ("render.renderer",),
+    "robot_handle": ("robot.robot_handle",),
+    "screen": ("page.browser",),
+    "sliders": ("panel.sliders",),
+    "smooth": ("mesh.vertex_normals",),
+    "stage": ("scene.objects",),
+    "sticks": ("robot.stick_figure",),
+    "studio": ("export",),
+    "surface": ("mesh.surface",),
+    "tessellate": ("mesh.primitives",),
+    "texels": ("render.textures",),
+    "theme": ("graph.theme",),
+    "timeline": ("panel.timeline",),
+    "tour": ("robot.joint_sweep",),
+    "trail": ("robot.frame_path",),
+    "view": ("render.projection",),
+    "waiting": ("page.notifications",),
+    "widgets": ("panel.controls",),
+    "words": ("render.labels",),
+    "zbuffer": ("render.zbuffer",),
+}
+"""The modules that hold what an old module held, by the name of the old one."""
+
+NAMES: dict[str, str] = {
+    "Assigned": "FixedAttributes",
+    "Client": "ClientFiles",
+    "Cloud": "PointCloud",
+    "Companions": "RobotOverlays",
+    "Crowd": "Instances",
+    "Dial": "SliderCoordinate",
+    "Drawing": "AnnotationMethods",
+    "Figure": "RobotVisual",
+    "Followed": "FollowStep",
+    "Follower": "TargetFollower",
+    "Ghosts": "RobotInstances",
+    "GhostsHandle": "RobotInstancesHandle",
+    "Kept": "OfflineHandle",
+    "Moved": "MovableRobot",
+    "Path": "Polyline",
+    "Pendant": "TeachPanel",
+    "Places": "HandleRegistry",
+    "Stage": "SceneMethods",
+    "Studio": "ExportMethods",
+    "Trail": "FramePath",
+    "View": "Projection",
+    "Waiting": "ProgressNotifications",
+    "Words": "Label",
+    "dials": "slider_coordinates",
+    "gather": "world_triangles",
+    "tour": "joint_sweep",
+}
+"""New names of classes and functions, by their old names."""
+
+
+@final
+class RenamedModules(MetaPathFinder, Loader):
+    """Finds old modules of the viewer; their attributes are those of the new ones."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """The spec of an old module; None for all others."""
+        package, _, name = fullname.rpartition(".")
+        return ModuleSpec(fullname, self) if package == _PACKAGE and name in MODULES else None
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        """None: an ordinary module."""
+        return None
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Have the module look attributes up in the new modules."""
+        places = [
+            importlib.import_module(f"{_PACKAGE}.{new}")
+            for new in MODULES[module.__name__.rpartition(".")[2]]
+        ]
+
+        def attribute(name: str) -> Any:
+            for key in (NAMES.get(name, name), name):
+                for place in places:
+                    if key in vars(place):
+                        return vars(place)[key]
+            raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
+
+        module.__getattr__ = attribute  # type: ignore[method-assign]
+
+
+def install() -> None:
+    """Have Python find the old modules, after all others."""
+    if not any(isinstance(finder, RenamedModules) for finder in sys.meta_path):
+        sys.meta_path.append(RenamedModules())

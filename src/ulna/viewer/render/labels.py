@@ -1,0 +1,74 @@
+"""Words of a scene written into a picture, with Pillow where it is installed."""
+
+from __future__ import annotations
+
+import warnings
+from contextlib import suppress
+from functools import lru_cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import UlnaWarning
+from ulna.extras import install_command
+from ulna.typing import Array
+from ulna.viewer.graph.camera import Camera
+from ulna.viewer.graph.content import Text
+from ulna.viewer.graph.node import Snapshot
+from ulna.viewer.graph.theme import Theme
+
+_FONTS = ("DejaVuSans.ttf", "Arial Unicode.ttf", "Arial.ttf", "arial.ttf", "LiberationSans-Regular.ttf")
+_BUNDLED = Path("mpl-data", "fonts", "ttf", "DejaVuSans.ttf")
+
+
+def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> Array:
+    """The picture (h, w, 3) with the words of a scene over it, each where its node is."""
+    said = [(i, node.content) for i, node in enumerate(seen.nodes) if isinstance(node.content, Text)]
+    said = [(i, text) for i, text in said if seen.visible[i] and seen.opacity[i] > 0.0]
+    if not said:
+        return image
+    try:
+        from PIL import Image, ImageDraw
+    except ImportError:
+        warnings.warn(
+            "Words are left out of the picture: they need the package 'pillow'. Install it with: "
+            + install_command("film", "pillow"),
+            UlnaWarning,
+            stacklevel=3,
+        )
+        return image
+    height, width = image.shape[:2]
+    focus = height / (2 * np.tan(camera.fov / 2))
+    canvas = Image.fromarray(image)
+    for i, text in said:
+        x, y, z = (seen.poses[i, :3, 3] - camera.position) @ camera.axes()
+        size = text.height * float(seen.scales[i, 2]) * focus / max(-z, 1e-9)
+        if z < -0.02 and 1.0 < size < height:
+            ink = theme.ink if seen.tint[i, 0] < 0 else tuple(int(255 * c) for c in seen.tint[i])
+            place = (width / 2 - focus * x / z, height / 2 + focus * y / z)
+            font = _font(size)
+            mask = Image.new("L", canvas.size)  # text that is drawn right onto a picture is never translucent
+            draw: Any = ImageDraw.Draw(mask)
+            lines = text.words.split("\n")
+            for k, line in enumerate(lines):  # the last one stands on the place, as in the page
+                at = (place[0], place[1] - 1.25 * size * (len(lines) - 1 - k))
+                draw.text(at, line, fill=round(255 * seen.opacity[i]), font=font, anchor="ls")
+            canvas.paste(ink, mask=mask)
+    return np.asarray(canvas)
+
+
+@lru_cache(maxsize=64)
+def _font(size: float) -> Any:
+    """A font with units and Greek letters, where one is found; Pillow's own lacks them."""
+    from PIL import ImageFont
+
+    matplotlib = find_spec("matplotlib")
+    found = (
+        [] if matplotlib is None or matplotlib.origin is None else [Path(matplotlib.origin).parent / _BUNDLED]
+    )
+    for font in (*_FONTS, *found):
+        with suppress(OSError):
+            return ImageFont.truetype(str(font), size)
+    return ImageFont.load_default(size)

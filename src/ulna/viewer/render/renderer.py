@@ -1,0 +1,235 @@
+"""A picture of a scene without a browser or a graphics card: triangles, light and shadow in NumPy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ulna.checks.values import count
+from ulna.errors import InputError
+from ulna.typing import Array
+from ulna.viewer.graph.camera import Camera, frame
+from ulna.viewer.graph.scene_graph import SceneGraph
+from ulna.viewer.graph.theme import LIGHT, Theme, theme_of
+from ulna.viewer.mesh.surface import unit
+from ulna.viewer.output.png import write_png
+from ulna.viewer.render import lighting as light
+from ulna.viewer.render import textures as texels
+from ulna.viewer.render.ground import ground
+from ulna.viewer.render.labels import write_words
+from ulna.viewer.render.projection import Projection
+from ulna.viewer.render.world_triangles import Triangles, world_triangles
+from ulna.viewer.render.zbuffer import clip_near, rasterise
+
+__all__ = ["render", "write_png"]
+
+_NEAR = 0.02
+_MOST = 2**28  # samples
+_ALIKE = 0.95  # cosine between triangles of one surface that a pixel shades as one
+
+
+def check_size(width: int, height: int, samples: int) -> None:
+    """Refuse a picture that is too large, or none.
+
+    Raises:
+        InputError: It is.
+    """
+    pixels = count("width", width, 1, 16384) * count("height", height, 1, 16384)
+    if pixels * count("samples", samples, 1, 4) ** 2 > _MOST:
+        raise InputError(
+            f"{width} x {height} pixels with {samples} x {samples} samples each need too much memory. "
+            "Take a smaller picture, or samples=1."
+        )
+
+
+def render(
+    scene: SceneGraph,
+    width: int = 1600,
+    height: int = 1000,
+    camera: Camera | None = None,
+    samples: int = 2,
+    theme: Theme | str = LIGHT,
+    floor: float | None = None,
+) -> Array:
+    """A picture of the scene.
+
+    Args:
+        scene: What to draw.
+        width: Width of the picture [pixels].
+        height: Height of the picture [pixels].
+        camera: From where; one that has everything in view when not given.
+        samples: Samples along each edge of a pixel; 2 is smooth, 1 quick.
+        theme: "light", "dark", or a `Theme`.
+        floor: Height of the floor [m]; below everything when not given.
+
+    Returns:
+        The picture, shape (height, width, 3), uint8.
+    """
+    check_size(width, height, samples)
+    look = theme_of(theme)
+    camera = camera or frame(scene, width / height)
+    floor = scene.floor() if floor is None else floor
+    seen = scene.snapshot()
+    view = Projection(camera, width * samples, height * samples)
+    triangles = world_triangles(seen, view)
+    solid = triangles.rgba[:, 3] >= 0.999
+    casting = triangles.corners[triangles.shadow & (triangles.rgba[:, 3] > 0.6)]
+    shadows = light.shadow_map(casting, floor, 512 if width <= 320 else 1024 if width <= 1200 else 1536)
+    picture = ground(camera, width, height, floor, shadows, casting, look)
+    depth = None
+    for chosen in (solid, ~solid):
+        depth = _layer(picture, depth, view, triangles, np.flatnonzero(chosen), shadows, samples)
+    if triangles.through.any():  # once more over everything, faintly: no change where they were in sight
+        faint = replace(triangles, rgba=triangles.rgba * np.array((1.0, 1.0, 1.0, 0.3), np.float32))
+        _layer(picture, None, view, faint, np.flatnonzero(triangles.through), shadows, samples)
+    # half a step of noise hides the bands of slow gradients
+    noise = np.random.default_rng(0).random((height, width, 1), dtype=np.float32) - 0.5
+    image = np.clip(picture * 255 + 0.5 + 0.9 * noise, 0, 255).astype(np.uint8)
+    return write_words(image, camera, seen, look)
+
+
+def _layer(
+    picture: Array,
+    before: Array | None,
+    view: Projection,
+    triangles: Triangles,
+    chosen: Array,
+    shadows: light.ShadowMap,
+    samples: int,
+) -> Array | None:
+    """Draw the nearest of the chosen triangles over the picture, where they are before what is there already.
+
+    Gives how near they are, for what is drawn next.
+    """
+    pieces, owner = clip_near(view.local(triangles.corners[chosen]), _NEAR)
+    if not len(pieces):
+        return before
+    screen = view.screen(pieces)
+    # only the part of the picture that holds something is worked on, in whole pixels
+    size = np.array([view.width, view.height])
+    least, most = (np.array([f(screen[..., 0]), f(screen[..., 1])]) for f in (np.min, np.max))
+    low = np.clip(np.floor(least / samples) * samples, 0, size).astype(int)
+    high = np.clip(np.ceil(most / samples) * samples, 0, size).astype(int)
+    width, height = (high - low).tolist()
+    if width <= 0 or height <= 0:
+        return before
+    near, which = rasterise(screen - low, 1.0 / pieces[:, :, 2], owner, width, height)
+    window = (slice(low[1], high[1]), slice(low[0], high[0]))
+    seen = near > 0
+    if before is not None:
+        seen &= near > 1.002 * before[window]  # where two surfaces coincide, the solid one shows
+    # samples by pixel: (pixels, samples^2)
+    by_pixel = np.where(seen, chosen[which], -1).reshape(
+        height // samples, samples, width // samples, samples
+    )
+    by_pixel = by_pixel.transpose(0, 2, 1, 3).reshape(-1, samples * samples)
+    pixel = np.flatnonzero(np.logical_or.reduce([column >= 0 for column in by_pixel.T]))
+    own = by_pixel[pixel]
+    at, sample, weight = _shaded_once(own, triangles)
+    row = pixel[at] // (width // samples) * samples + sample // samples + low[1]
+    column = pixel[at] % (width // samples) * samples + sample % samples + low[0]
+    mixed = np.zeros((len(pixel), 4), dtype=np.float32)
+    for start in range(0, len(at), 400_000):
+        part = slice(start, start + 400_000)
+        colours = _colours(
+            view, triangles, own[at[part], sample[part]], column[part], row[part], shadows, samples
+        )
+        for k in range(4):
+            mixed[:, k] += np.bincount(at[part], weight[part] * colours[:, k], len(pixel))
+    there = picture[low[1] // samples : high[1] // samples, low[0] // samples : high[0] // samples]
+    there[pixel // (width // samples), pixel % (width // samples)] *= 1 - mixed[:, 3:]
+    there[pixel // (width // samples), pixel % (width // samples)] += mixed[:, :3]
+    depth = np.zeros((view.height, view.width), dtype=np.float32)
+    depth[window] = near
+    return depth
+
+
+def _shaded_once(own: Array, triangles: Triangles) -> tuple[Array, Array, Array]:
+    """What to shade of pixels whose samples (n, k) show triangles, -1 for none: once for what looks alike in a pixel.
+
+    Gives the row, the sample, and the share of the pixel that it stands for.
+    """
+    count, many = own.shape
+    first = np.tile(np.arange(many, dtype=np.int8), (count, 1))
+    plain = np.logical_and.reduce([own[:, k] == own[:, 0] for k in range(many)])
+    first[plain] = 0
+    rest = np.flatnonzero(~plain)
+    if len(rest):
+        used, index = np.unique(own[rest], return_inverse=True)
+        corners = triangles.corners[used].astype(np.float32)
+        facing = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])).astype(
+            np.float32
+        )
+        piece, index = triangles.piece[used], index.reshape(len(rest), many)
+        leader, there = first[rest], own[rest] >= 0
+        for k in range(1, many):
+            for j in range(k):
+                a, b = index[:, j], index[:, k]
+                alike = (piece[a] == piece[b]) & (np.einsum("ij,ij->i", facing[a], facing[b]) > _ALIKE)
+                leader[:, k] = np.where(
+                    alike & there[:, j] & there[:, k] & (leader[:, j] == j) & (leader[:, k] == k),
+                    j,
+                    leader[:, k],
+                )
+        first[rest] = leader
+    share = np.zeros((count, many), dtype=np.float32)
+    rows = np.arange(count)
+    for k in range(many):
+        share[rows, first[:, k]] += (own[:, k] >= 0) / np.float32(many)
+    at, sample = np.nonzero(share)
+    return at, sample, share[at, sample]
+
+
+def _colours(
+    view: Projection,
+    triangles: Triangles,
+    seen: Array,
+    column: Array,
+    row: Array,
+    shadows: light.ShadowMap,
+    samples: int,
+) -> Array:
+    """What is seen at samples: displayed colour, weighted with the opacity, and the opacity; (n, 4)."""
+    ray = view.rays(column, row)
+    eye = view.eye.astype(np.float32)
+    corner = triangles.corners[seen].astype(np.float32)
+    edge_1, edge_2 = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    # Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997, section 2
+    across = np.cross(ray, edge_2)
+    volume = np.einsum("ij,ij->i", edge_1, across)
+    inverse = 1.0 / np.where(np.abs(volume) > 1e-15, volume, np.float32(1e-15))
+    from_corner = eye - corner[:, 0]
+    u = np.clip(np.einsum("ij,ij->i", from_corner, across) * inverse, 0, 1)[:, None]
+    v = np.clip(np.einsum("ij,ij->i", ray, np.cross(from_corner, edge_1)) * inverse, 0, 1)[:, None]
+    point = corner[:, 0] + u * edge_1 + v * edge_2
+    own = triangles.normals[seen]
+    normal = unit(own[:, 0] + u * (own[:, 1] - own[:, 0]) + v * (own[:, 2] - own[:, 0]))
+    towards_eye = unit(eye - point)
+    face = np.cross(edge_1, edge_2)
+    # an open surface seen from behind is lit as from its front
+    away = np.einsum("ij,ij->i", face, towards_eye) < 0
+    normal = np.where(away[:, None], -normal, normal).astype(np.float32)
+    rgba = triangles.rgba[seen]
+    albedo = rgba[:, :3]
+    for number in np.unique(triangles.picture[seen]):
+        if number < 0:
+            continue
+        on = np.flatnonzero(triangles.picture[seen] == number)
+        uv = triangles.uv[seen[on]]
+        spread_1, spread_2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+        # a pixel's share of the texture: that of the triangle in it, times that of the pixel in the triangle
+        texture = np.abs(spread_1[:, 0] * spread_2[:, 1] - spread_1[:, 1] * spread_2[:, 0])
+        footprint = samples**2 * np.linalg.norm(eye - point[on], axis=1) ** 2 / view.focus**2
+        slant = np.abs(np.einsum("ij,ij->i", face[on], towards_eye[on]))
+        painted = texels.colours(
+            triangles.textures[number].image,
+            uv[:, 0] + u[on] * spread_1 + v[on] * spread_2,
+            texture * footprint / np.maximum(slant, 1e-12),
+        )
+        if painted is not None:
+            albedo[on] = np.float32(0.8) * painted
+    lit = shadows.lit(point.astype(np.float32), normal)
+    shaded = light.display(light.shade(albedo, normal, towards_eye.astype(np.float32), lit))
+    opacity = rgba[:, 3:]
+    return np.concatenate([shaded * opacity, opacity], axis=1)

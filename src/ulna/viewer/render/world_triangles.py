@@ -1,0 +1,100 @@
+"""Everything of a scene as triangles in the world, for a renderer that knows nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ulna.typing import Array, Floats
+from ulna.viewer.graph.content import Lines
+from ulna.viewer.graph.node import Snapshot
+from ulna.viewer.mesh.surface import Surface, Texture, paint, unit
+from ulna.viewer.render.projection import Projection
+
+_THINNEST = 1.3  # samples across that a line has at least: what is thinner would be drawn in dots
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """Triangles in the world.
+
+    Args:
+        corners: Corners [m], shape (m, 3, 3).
+        normals: Normals at the corners, shape (m, 3, 3).
+        rgba: Linear colours that they reflect, and opacity, shape (m, 4).
+        shadow: Which cast a shadow, shape (m,).
+        through: Which show faintly through what hides them, shape (m,).
+        piece: The number of the surface that each is of, shape (m,).
+        picture: The number of the texture on each, -1 for none, shape (m,).
+        uv: Where the corners lie in it, shape (m, 3, 2).
+        textures: The textures.
+    """
+
+    corners: Floats
+    normals: Array
+    rgba: Array
+    shadow: Array
+    through: Array
+    piece: Array
+    picture: Array
+    uv: Array
+    textures: tuple[Texture, ...]
+
+
+def world_triangles(seen: Snapshot, view: Projection) -> Triangles:
+    """The triangles of all that is visible in a scene, from one camera: lines are never thinner than can be drawn."""
+    parts: list[tuple[Array, ...]] = [
+        (
+            np.zeros((0, 3, 3)),
+            np.zeros((0, 3, 3), np.float32),
+            np.zeros((0, 4), np.float32),
+            *(np.zeros(0, bool),) * 2,
+            *(np.zeros(0, np.int32),) * 2,
+            np.zeros((0, 3, 2), np.float32),
+        )
+    ]
+    textures: list[Texture] = []
+    for i in np.flatnonzero(seen.visible & (seen.opacity > 0.002)):
+        node, pose, scale, tint = seen.nodes[i], seen.poses[i], seen.scales[i], seen.tint[i]
+        rotation, translation = pose[:3, :3], pose[:3, 3]
+        turned = bool(np.prod(scale) < 0)
+        for surface in (*node.surfaces, *_drawn(seen, int(i), view)):
+            count, opacity = len(surface.triangles), surface.rgba[3] * seen.opacity[i]
+            if count == 0 or opacity <= 0.002:
+                continue
+            faces = surface.triangles[:, ::-1] if turned else surface.triangles
+            bent = surface.normals if (scale == scale[0]).all() else unit(surface.normals / scale)
+            shown = np.asarray(surface.rgba[:3] if tint[0] < 0 else tint)
+            texture = surface.texture if tint[0] < 0 else None
+            if texture is not None:
+                textures.append(texture)
+            uv = np.zeros((count, 3, 2)) if texture is None else texture.uv[faces]
+            parts.append(
+                (
+                    ((surface.vertices * scale) @ rotation.T + translation)[faces],
+                    (bent @ rotation.T).astype(np.float32)[faces],
+                    np.broadcast_to(np.array([*paint(shown), opacity], np.float32), (count, 4)),
+                    np.full(count, node.shadow),
+                    np.full(count, node.through),
+                    np.full(count, len(parts), np.int32),
+                    np.full(count, -1 if texture is None else len(textures) - 1, np.int32),
+                    uv.astype(np.float32),
+                )
+            )
+    columns = [np.concatenate(part) for part in zip(*parts, strict=True)]
+    return Triangles(*columns, textures=tuple(textures))
+
+
+def _drawn(seen: Snapshot, i: int, view: Projection) -> tuple[Surface, ...]:
+    """The surfaces that a node's content is drawn by."""
+    content = seen.nodes[i].content
+    if content is None:
+        return ()
+    if not isinstance(content, Lines) or not len(content.segments):
+        return content.surfaces
+    scale = seen.scales[i]
+    ends = (content.segments * scale) @ seen.poses[i, :3, :3].T + seen.poses[i, :3, 3]
+    least = 0.5 * _THINNEST * np.maximum(view.local(ends)[..., 2], 0.0) / view.focus / scale.max()
+    radii = np.maximum(least, content.thickness / 2)
+    return content.surfaces if (least <= content.thickness / 2).all() else content.prisms(radii)

@@ -1,0 +1,49 @@
+"""Configurations of robots as users give them: arrays, or the names of configurations."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import one_of
+from ulna.errors import ShapeError
+from ulna.typing import ArrayLike, Floats
+
+_FLOAT = np.dtype(float)
+
+
+def configuration(robot: Any, q: ArrayLike | str | None) -> Floats:
+    """A configuration (nq,) from an array, a name of `robot.configurations`, or None for the usual one.
+
+    Raises:
+        UnknownName: The robot has no configuration of that name.
+        ShapeError, NonFiniteError: The array does not fit.
+    """
+    named = dict(robot.configurations)
+    if q is None:
+        usual = next((named[n] for n in ("qr", "ready", "home", *named) if n in named), None)
+        return np.array(robot.model.neutral if usual is None else usual, dtype=float)
+    if isinstance(q, str):
+        return np.array(named[one_of("configuration", q, named)], dtype=float)
+    return checked_configuration(robot, q)
+
+
+def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
+    """A copy of configuration `q` (nq,).
+
+    Raises:
+        ShapeError, NonFiniteError: It is none.
+    """
+    count = robot.model.nq
+    if type(q) is np.ndarray and q.dtype is _FLOAT and q.shape == (count,):  # as a loop hands it over
+        out = q.copy()
+        if math.isfinite(math.hypot(*out.tolist())):
+            return out
+    out = finite_array("q", q, f"{count} numbers")
+    if out.shape != (count,):
+        names = ", ".join(robot.joint_names[:8])
+        raise ShapeError("q", out.shape, f"({count},)", f"One number for each of: {names}.")
+    return out

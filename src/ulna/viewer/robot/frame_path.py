@@ -1,0 +1,38 @@
+"""The way of a frame of a moving robot, as a line of its newest points."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any, final
+
+import numpy as np
+
+from ulna.typing import Floats
+from ulna.viewer.graph.content import Lines
+from ulna.viewer.graph.scene_graph import SceneGraph
+
+_SEEN = 1e-4  # m between two points
+
+
+@final
+class FramePath:
+    """The way of a frame's origin, as a line of its newest points, `most` of them, that looks like `line`."""
+
+    def __init__(
+        self, scene: SceneGraph, name: str, robot: Any, frame: str | None, line: Lines, most: int
+    ) -> None:
+        self.scene, self.name, self._robot, self._frame, self._line = scene, name, robot, frame, line
+        self._points: deque[Floats] = deque(maxlen=most)
+        scene.add(name, shadow=False, through=True, content=line)
+
+    def add(self, q: Floats) -> None:
+        """The robot is at `q` (nq,) now."""
+        point = np.asarray(self._robot.fk(q, self._frame))[:3, 3]
+        if not self._points or np.abs(point - self._points[-1]).max() > _SEEN:
+            self._points.append(point)
+            self.scene.later(self, self._bring)
+
+    def _bring(self) -> None:
+        if self.name in self.scene:
+            line = self._line
+            self.scene.set_content(self.name, Lines.through(list(self._points), line.rgba, line.thickness))

@@ -1,0 +1,150 @@
+"""What the links of a robot look like: meshes and shapes of one colour joined, or a skeleton of rods and balls."""
+
+from __future__ import annotations
+
+import itertools
+import warnings
+from collections.abc import Iterable
+from typing import Any, Literal
+
+import numpy as np
+
+from ulna.checks.values import one_of
+from ulna.errors import MissingExtra, ModelWarning, UlnaError
+from ulna.geometry import Geometry, Mesh
+from ulna.viewer.mesh.mesh_files import Detail, check_detail, load_mesh
+from ulna.viewer.mesh.primitives import ball, tessellate, tube
+from ulna.viewer.mesh.surface import DEFAULT_COLOUR, RGBA, Surface, colour
+from ulna.viewer.progress import Report, silent
+
+Showing = Literal["visual", "collision", "both", "skeleton"]
+SHOWINGS: tuple[str, ...] = ("visual", "collision", "both", "skeleton")
+
+_HULL: RGBA = (0.96, 0.55, 0.18, 1.0)
+_BONE: RGBA = (0.20, 0.36, 0.62, 1.0)
+_KNUCKLE: RGBA = (0.93, 0.52, 0.13, 1.0)
+
+
+def link_names(robot: Any) -> tuple[str, ...]:
+    """Names of the links as nodes: `/`, which would make groups, becomes `.`."""
+    out: list[str] = []
+    for link in robot.model.links:
+        plain = link.name.replace("/", ".").strip() or "link"
+        names = itertools.chain([plain], (f"{plain}'{k}" for k in itertools.count(2)))
+        out.append(next(n for n in names if n not in out))
+    return tuple(out)
+
+
+def checked_showing(show: str) -> Showing:
+    """A way to show a robot.
+
+    Raises:
+        UnknownName: There is no such way.
+    """
+    return one_of("way to show a robot", show, SHOWINGS)
+
+
+def link_looks(
+    robot: Any, show: Showing, rgba: RGBA | None = None, report: Report = silent, detail: Detail = "seen"
+) -> list[tuple[Surface, ...]]:
+    """What each link looks like, in the link's frame.
+
+    Raises:
+        UnknownName: There is no such way to show it, or no such detail.
+    """
+    checked_showing(show)
+    check_detail(detail)
+    links = robot.model.links
+    if show == "skeleton":
+        return _skeleton(robot, rgba)
+    out = []
+    for k, link in enumerate(links):
+        report(k, len(links))
+        pieces: tuple[Surface, ...] = ()
+        if show in ("visual", "both"):
+            pieces += link_surfaces(link.visuals, link.name, rgba, detail)
+        if show in ("collision", "both"):
+            paint = rgba or _HULL
+            hull = (*paint[:3], paint[3] * (0.35 if show == "both" else 1.0))
+            pieces += link_surfaces(link.collisions, link.name, hull, detail)
+        out.append(pieces)
+    report(len(links), len(links))
+    return out
+
+
+def link_surfaces(
+    geometries: Iterable[Geometry], link: str = "", rgba: RGBA | None = None, detail: Detail = "seen"
+) -> tuple[Surface, ...]:
+    """What geometries of a link look like, in the link's frame: surfaces, those of one colour joined.
+
+    A mesh that is missing or broken is left out with a `ModelWarning`: a robot without a shell is still a robot.
+
+    Args:
+        geometries: The link's visuals or collisions.
+        link: The link's name, for messages.
+        rgba: One colour for everything; the materials' own when None.
+        detail: As for `ulna.viewer.mesh.mesh_files.load_mesh`.
+    """
+    pieces: list[Surface] = []
+    for geometry in geometries:
+        pose = geometry.placement.matrix()
+        material = getattr(geometry, "material", None)
+        stated = getattr(material, "rgba", None)
+        stated = None if stated is None else np.clip(stated, 0.0, 1.0)
+        shape = geometry.shape
+        if isinstance(shape, Mesh):
+            if shape.path is None or shape.missing:
+                continue
+            try:
+                parts = [s.moved(pose) for s in load_mesh(shape.path, shape.scale, detail)]
+            except MissingExtra as error:  # the same words for each link, so that they are said once
+                warnings.warn(f"Meshes are left out. {error}", ModelWarning, stacklevel=2)
+                continue
+            except UlnaError as error:
+                warnings.warn(f"Link {link!r} is drawn without a mesh. {error}", ModelWarning, stacklevel=2)
+                continue
+            if stated is not None:  # a model's material speaks for meshes that bring no colour of their own
+                parts = [s.coloured(stated) if s.rgba == DEFAULT_COLOUR else s for s in parts]
+        else:
+            parts = [tessellate(shape, DEFAULT_COLOUR if stated is None else colour(stated)).moved(pose)]
+        pieces += parts if rgba is None else [p.coloured(rgba) for p in parts]
+    return joined(pieces)
+
+
+def joined(pieces: Iterable[Surface]) -> tuple[Surface, ...]:
+    """Surfaces with those of one colour and without texture joined into one."""
+    by_colour: dict[Any, list[Surface]] = {}
+    for piece in pieces:
+        by_colour.setdefault(piece.rgba if piece.texture is None else id(piece), []).append(piece)
+    out = []
+    for group in by_colour.values():
+        if len(group) == 1:
+            out.append(group[0])
+            continue
+        offsets = np.cumsum([0, *(len(s.vertices) for s in group)])
+        out.append(
+            Surface(
+                np.concatenate([s.vertices for s in group]),
+                np.concatenate([s.triangles + o for s, o in zip(group, offsets, strict=False)]),
+                np.concatenate([s.normals for s in group]),
+                group[0].rgba,
+            )
+        )
+    return tuple(out)
+
+
+def _skeleton(robot: Any, rgba: RGBA | None) -> list[tuple[Surface, ...]]:
+    """A ball at each link's origin, and rods from there to the joints on either side, as thick as suits the robot."""
+    links, model = robot.model.links, robot.model
+    poses = robot.link_poses(model.neutral)
+    reach = float(np.ptp(poses[:, :3, 3], axis=0).max()) or 1.0
+    number = {link.name: k for k, link in enumerate(links)}
+    pieces: list[list[Surface]] = [[ball(0.02 * reach, rgba or _KNUCKLE)] for _ in links]
+    for link in links:
+        if link.parent is not None:
+            for bearer, joint in ((link.parent, link.origin), (link.name, link.offset.inverse())):
+                end = joint.matrix()[:3, 3]
+                if np.linalg.norm(end) > 1e-9:
+                    rod = tube(np.linspace((0.0, 0.0, 0.0), end, 2), 0.010 * reach, rgba or _BONE, 12)
+                    pieces[number[bearer]].append(rod)
+    return [joined(p) for p in pieces]

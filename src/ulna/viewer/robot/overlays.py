@@ -1,0 +1,274 @@
+"""What moves along with a robot: frames, its centre of mass, ellipsoids, traces, forces, velocities; and its ghosts."""
+
+from __future__ import annotations
+
+import abc
+import itertools
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ulna.checks.values import MAX_LENGTH, count, number, short_repr
+from ulna.checks.values import length as checked_length
+from ulna.errors import InputError
+from ulna.typing import ArrayLike, Floats
+from ulna.viewer.colours import Colour
+from ulna.viewer.graph.arrow import Arrow, add_arrow
+from ulna.viewer.graph.content import Lines
+from ulna.viewer.graph.handles import Handle, Polyline
+from ulna.viewer.mesh.primitives import axes, ball
+from ulna.viewer.mesh.surface import RGBA, colour
+from ulna.viewer.robot import ellipsoids
+from ulna.viewer.robot.frame_path import FramePath
+from ulna.viewer.robot.robot_instances import RobotInstances, RobotInstancesHandle
+from ulna.viewer.robot.robot_visual import RobotVisual
+
+_CENTRE: RGBA = (0.85, 0.20, 0.55, 1.0)
+_HEAVY: RGBA = (0.55, 0.35, 0.80, 0.45)
+_REACH: RGBA = (0.16, 0.62, 0.56, 0.35)
+_TRACE: RGBA = (0.95, 0.45, 0.10, 1.0)
+_FORCE: RGBA = (0.86, 0.16, 0.16, 1.0)
+_SPEED: RGBA = (0.10, 0.55, 0.30, 1.0)
+
+
+class RobotOverlays(Handle, abc.ABC):
+    """A robot in a scene, with what moves along with it."""
+
+    __slots__ = ("_count", "_figure", "_traces")
+
+    def __init__(self, figure: RobotVisual) -> None:
+        super().__init__(figure.scene, figure.name)
+        self._figure = figure
+        self._traces: list[FramePath] = []
+        self._count = itertools.count(1)
+
+    @property
+    def robot(self) -> Any:
+        """The robot."""
+        return self._figure.robot
+
+    @property
+    @abc.abstractmethod
+    def q(self) -> Floats:
+        """The configuration, shape (nq,)."""
+
+    @property
+    @abc.abstractmethod
+    def qd(self) -> Floats:
+        """The velocity, shape (nv,) [rad/s or m/s]."""
+
+    def frames(self, frames: str | Sequence[str] = "all", length: float = 0.08) -> Handle:
+        """Show frames as three arrows each: one by name, several, or "all" links' frames.
+
+        Raises:
+            UnknownName: There is no such frame.
+        """
+        names = (
+            self.robot.link_names
+            if isinstance(frames, str) and frames == "all"
+            else [frames]
+            if isinstance(frames, str)
+            else frames
+        )
+        if not (isinstance(names, list | tuple) and all(isinstance(n, str) for n in names)):
+            raise InputError(
+                f"`frames` is {short_repr(frames)}; expected 'all', a frame's name, or a list of names."
+            )
+        arrows, kernel = axes(checked_length("length", length)), self.robot.kernel("fk", frame=list(names))
+        group = self._group("frames")
+        nodes = [f"{group.name}/{k}" for k in range(len(names))]
+        for node in nodes:
+            self._scene.add(node, arrows, shadow=False, through=True)
+
+        def bring(q: Floats) -> None:
+            if group.name in self._scene:
+                self._scene.set_poses(kernel(q), self._scene.rows(nodes))
+
+        return self._follow(group, bring)
+
+    def center_of_mass(self, radius: float = 0.02) -> Handle:
+        """Show the centre of mass as a ball."""
+        dot = ball(checked_length("radius", radius), _CENTRE)
+        group = self._group("centre of mass")
+        self._scene.add(f"{group.name}/ball", [dot], shadow=False, through=True)
+        place = np.eye(4)
+
+        def bring(q: Floats) -> None:
+            place[:3, 3] = self.robot.center_of_mass(q)
+            if group.name in self._scene:
+                self._scene.set_pose(group.name, place)
+
+        return self._follow(group, bring)
+
+    def inertias(self) -> Handle:
+        """Show each link as the ellipsoid of even density that has its mass, centre of mass and inertia.
+
+        Links of no mass, and inertias that no body can have, are left out.
+        """
+        group = self._group("inertias")
+        found = ellipsoids.of_inertias(self.robot.model.links)
+        for k, (_, _, radii) in enumerate(found):
+            self._scene.add(f"{group.name}/{k}", [ball(1.0, _HEAVY)], shadow=False)
+            self._scene.set_look(f"{group.name}/{k}", "scale", radii)
+        nodes = [f"{group.name}/{k}" for k in range(len(found))]
+        links, places = [link for link, _, _ in found], np.array([T for _, T, _ in found]).reshape(-1, 4, 4)
+
+        def bring(q: Floats) -> None:
+            if group.name in self._scene:
+                self._scene.set_poses(self.robot.link_poses(q)[links] @ places, self._scene.rows(nodes))
+
+        return self._follow(group, bring)
+
+    def manipulability(self, frame: str | None = None, size: float = 0.2, of: str = "velocity") -> Handle:
+        """Show how fast a frame can move in each direction at joint speeds of length 1, or how hard it can push.
+
+        Args:
+            frame: The frame; the tool when not given.
+            size: Metres per (m/s), or per N under joint torques of length 1.
+            of: "velocity" or "force".
+
+        Raises:
+            UnknownName: There is no such frame, or no such ellipsoid.
+        """
+        ellipsoids.check_kind(of)
+        self._at(frame)
+        factor = number("size", size, "metres for each unit, above zero", above=0.0, most=MAX_LENGTH)
+        group = self._group("manipulability")
+        node = f"{group.name}/ellipsoid"
+        self._scene.add(node, [ball(1.0, _REACH, 36)], shadow=False)
+
+        def bring(q: Floats) -> None:
+            T, J = self.robot.fk(q, frame), self.robot.jacobian(q, frame)
+            pose, radii = ellipsoids.of_jacobian(J[:3], of)
+            pose[:3, 3] = T[:3, 3]
+            if node in self._scene:
+                self._scene.set_pose(node, pose)
+                self._scene.set_look(node, "scale", factor * radii)
+
+        return self._follow(group, bring)
+
+    def trace(
+        self,
+        frame: str | None = None,
+        color: Colour = _TRACE,
+        most: int = 2000,
+        thickness: float = 0.006,
+    ) -> Polyline:
+        """Draw the way of a frame's origin, from now on; of very long ways the newest `most` points.
+
+        Raises:
+            UnknownName: There is no such frame.
+        """
+        self._at(frame)
+        kept, line = count("most", most, 2, 10**6), Lines.through(np.zeros((0, 3)), color, thickness)
+        group = self._group("trace")
+        trace = FramePath(self._scene, f"{group.name}/path", self.robot, frame, line, kept)
+        trace.add(self.q)
+        self._traces.append(trace)
+        return Polyline(self._scene, trace.name)
+
+    def force(
+        self,
+        frame: str | None = None,
+        vector: ArrayLike = (0.0, 0.0, 0.0),
+        color: Colour = _FORCE,
+        size: float = 0.01,
+    ) -> Arrow:
+        """An arrow from a frame's origin along a force; assign `vector` anew as it changes.
+
+        Args:
+            frame: The frame; the tool when not given.
+            vector: The force in the base's axes [N], shape (3,).
+            color: Its colour.
+            size: How long it is drawn [m/N]: 50 N half a metre long when not given.
+
+        Raises:
+            UnknownName: There is no such frame.
+        """
+        return self._arrow("force", frame, color, size, lambda q, arrow: None, vector)
+
+    def velocity(self, frame: str | None = None, size: float = 0.5, color: Colour = _SPEED) -> Arrow:
+        """An arrow for the velocity of a frame's origin, as `qd` has it.
+
+        Args:
+            frame: The frame; the tool when not given.
+            size: How long it is drawn [m per m/s].
+            color: Its colour.
+
+        Raises:
+            UnknownName: There is no such frame.
+        """
+
+        def turn(q: Floats, arrow: Arrow) -> None:
+            arrow.vector = self.robot.jacobian(q, frame)[:3] @ self.qd
+
+        return self._arrow("velocity", frame, color, size, turn)
+
+    def ghosts(
+        self, q: ArrayLike, color: Colour = (0.36, 0.47, 0.64), opacity: float = 0.25
+    ) -> RobotInstancesHandle:
+        """Show it in many more configurations `q`, shape (n, nq), faintly.
+
+        Raises:
+            ShapeError, NonFiniteError: `q` holds no configurations.
+        """
+        faint = number("opacity", opacity, "a number above 0, at most 1", above=0.0, most=1.0)
+        show = "visual" if self._figure.show == "both" else self._figure.show
+        rgba = (*colour(color)[:3], faint)
+        return RobotInstancesHandle(
+            RobotInstances(self._scene, self.robot, q, self._fresh("ghosts"), rgba, show)
+        )
+
+    def _at(self, frame: str | None) -> None:
+        """Refuse what is no frame."""
+        if not (frame is None or isinstance(frame, str)):
+            raise InputError(
+                f"`frame` is {short_repr(frame)}; expected a frame's name, or None for the tool."
+            )
+        self.robot.fk(self.q, frame)
+
+    def _fresh(self, kind: str) -> str:
+        self._scene.row(self.name)  # what was removed is not begun anew
+        return f"{self.name}/({kind} {next(self._count)})"
+
+    def _group(self, kind: str) -> Handle:
+        name = self._fresh(kind)
+        self._scene.add(name)
+        return Handle(self._scene, name)
+
+    def _arrow(
+        self,
+        kind: str,
+        frame: str | None,
+        color: Colour,
+        size: float,
+        turn: Callable[[Floats, Arrow], None],
+        vector: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> Arrow:
+        """An arrow at a frame's origin, which `turn` turns when the robot moves."""
+        self._at(frame)
+        group, place = self._group(kind), np.eye(4)
+        try:
+            out = add_arrow(self._scene, f"{group.name}/arrow", vector, color, 0.008, size)
+        except BaseException:
+            group.remove()
+            raise
+
+        def bring(q: Floats) -> None:
+            place[:3, 3] = self.robot.fk(q, frame)[:3, 3]
+            if group.name in self._scene:
+                self._scene.set_pose(group.name, place)
+                turn(q, out)
+
+        self._follow(group, bring)
+        return out
+
+    def _follow(self, group: Handle, bring: Any) -> Handle:
+        try:
+            bring(self.q)
+        except BaseException:
+            group.remove()
+            raise
+        self._figure.follow(bring)
+        return group

@@ -1,0 +1,142 @@
+"""A robot in the viewer: its configuration and velocity, how it looks, and the simulation that moves it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any, final
+
+import numpy as np
+
+from ulna.checks.arrays import shaped_array
+from ulna.checks.values import one_of
+from ulna.sim import Body
+from ulna.typing import ArrayLike, Floats
+from ulna.viewer.graph.scene_graph import SceneGraph
+from ulna.viewer.robot.configuration import checked_configuration
+from ulna.viewer.robot.link_surfaces import Showing
+from ulna.viewer.robot.overlays import RobotOverlays
+from ulna.viewer.robot.robot_visual import RobotVisual
+
+
+@final
+class RobotHandle(RobotOverlays):
+    """A robot in the viewer. `q` and `qd` are its state; `pose` is where its base stands.
+
+    While a simulation moves it they are the simulation's, before and after alike.
+    """
+
+    __slots__ = ("_body", "_lock", "_qd")
+
+    def __init__(self, figure: RobotVisual) -> None:
+        super().__init__(figure)
+        self._lock = threading.RLock()
+        self._body: Body | None = None
+        self._qd = np.zeros(figure.robot.nv)
+
+    @property
+    def scene(self) -> SceneGraph:
+        """The scene it stands in."""
+        return self._scene
+
+    @property
+    def lock(self) -> threading.RLock:
+        """Held while its configuration changes."""
+        return self._lock
+
+    @property
+    def moves(self) -> int:
+        """How often it was moved."""
+        return self._figure.moves
+
+    @property
+    def body(self) -> Body | None:
+        """What a simulation moves of it; None without one."""
+        return self._body
+
+    @property
+    def q(self) -> Floats:
+        """The configuration, shape (nq,); the name of one of the robot's own can be assigned, too."""
+        return self._figure.q if self._body is None else self._body.q
+
+    @q.setter
+    def q(self, q: ArrayLike | str) -> None:
+        robot = self._figure.robot
+        self.put(_named(robot, q) if isinstance(q, str) else checked_configuration(robot, q))
+
+    def put(self, q: Floats | Callable[[], Floats]) -> None:
+        """As assigning to `q`, for an array that is known to be a configuration and that nobody will change.
+
+        A function that gives such an array serves, too: it is called when somebody looks, on any thread.
+        """
+        lock = self._lock
+        lock.acquire()  # half the time of `with`
+        try:
+            if self._body is None and not self._traces:
+                self._figure.put(q)
+                return
+            now = q() if callable(q) else q
+            if self._body is not None:
+                self._body.put(now)
+            self._move(now)
+        finally:
+            lock.release()
+
+    @property
+    def qd(self) -> Floats:
+        """The velocity, shape (nv,) [rad/s or m/s]."""
+        return self._qd.copy() if self._body is None else self._body.qd
+
+    @qd.setter
+    def qd(self, qd: ArrayLike) -> None:
+        with self._lock:
+            if self._body is None:
+                self._qd = shaped_array("qd", qd, self.robot.nv)
+            else:
+                self._body.qd = qd
+            self._figure.again()
+
+    @property
+    def show(self) -> Showing:
+        """What of it is shown: "visual", "collision", "both" or "skeleton"."""
+        return self._figure.show
+
+    @show.setter
+    def show(self, show: Showing) -> None:
+        self._figure.dress(show)
+
+    @property
+    def tool(self) -> Floats:
+        """Where its tool is, T_world_tool, shape (4, 4)."""
+        return self.world_pose @ np.asarray(self.robot.fk(self.q))
+
+    def simulated_by(self, body: Body | None) -> None:
+        """Have its state be that of a simulated body, or its own again."""
+        with self._lock:
+            if body is None and self._body is not None:
+                self._qd = self._body.qd
+            self._body = body
+
+    def show_at(self, q: Floats) -> None:
+        """Show a configuration of the past, unless it was removed; where a simulation has it stays as it is."""
+        if self._name in self._scene:
+            self._figure.move(q)
+
+    def follow_body(self) -> None:
+        """Show where the simulation has it now, unless it was removed."""
+        if self._body is not None and self._name in self._scene:
+            self._move(self._body.q)
+
+    def _move(self, q: Floats) -> None:
+        self._figure.put(q)
+        for trace in self._traces:
+            trace.add(q)
+
+    def remove(self) -> None:
+        """Take it out of the scene, with all that follows it."""
+        self._traces.clear()
+        self._figure.remove()
+
+
+def _named(robot: Any, name: str) -> Floats:
+    return np.array(robot.configurations[one_of("configuration", name, robot.configurations)], dtype=float)

@@ -1,0 +1,101 @@
+"""A robot in many configurations at once, each link drawn once for all of them."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from ulna.checks.arrays import shaped_array
+from ulna.errors import ShapeError
+from ulna.typing import ArrayLike, Floats
+from ulna.viewer.graph.content import Copies
+from ulna.viewer.graph.handles import Handle
+from ulna.viewer.graph.scene_graph import SceneGraph
+from ulna.viewer.mesh.surface import RGBA
+from ulna.viewer.robot.link_surfaces import Showing, link_looks, link_names
+
+
+@final
+class RobotInstances:
+    """A robot in many configurations at once; a screen draws each link once for all of them.
+
+    Args:
+        scene: Where to.
+        robot: An `ulna.Robot`.
+        q: Configurations, shape (n, nq).
+        name: The group of its nodes.
+        rgba: One colour for everything; the materials' own when None.
+        show: As for `Figure`.
+        bases: T_group_base of each, shape (n, 4, 4); all at the group's origin when not given.
+    """
+
+    def __init__(
+        self,
+        scene: SceneGraph,
+        robot: Any,
+        q: ArrayLike,
+        name: str,
+        rgba: RGBA | None = None,
+        show: Showing = "visual",
+        bases: Floats | None = None,
+    ) -> None:
+        self.scene, self.robot, self.name = scene, robot, name
+        self._q = self._checked(q)
+        if bases is not None and np.shape(bases) != (len(self._q), 4, 4):
+            raise ShapeError("bases", np.shape(bases), f"({len(self._q)}, 4, 4), one for each configuration")
+        self._bases = None if bases is None else np.array(bases, dtype=float)
+        self._looks = link_looks(robot, show, None if rgba is None else (*rgba[:3], 1.0))
+        self._opacity = 1.0 if rgba is None else rgba[3]
+        scene.add(name)
+        self._bring()
+
+    @property
+    def q(self) -> Floats:
+        """The configurations, shape (n, nq)."""
+        return self._q.copy()
+
+    def move(self, q: ArrayLike) -> None:
+        """Hand over configurations `q`, shape (n, nq). Where the links are is computed when somebody looks."""
+        self._q = self._checked(q)
+        self.scene.later(self, self._bring)
+
+    def _checked(self, q: ArrayLike) -> Floats:
+        rows = len(self._q) if getattr(self, "_bases", None) is not None else None
+        mend = "One configuration in each row" + ("." if rows is None else ", as many as there are bases.")
+        return shaped_array("q", q, rows, self.robot.nq, fix=mend)
+
+    def _bring(self) -> None:
+        if self.name not in self.scene:
+            return
+        poses = self.robot.link_poses(self._q)
+        if self._bases is not None:
+            poses = self._bases[:, None] @ poses
+        for k, (link, surfaces) in enumerate(zip(link_names(self.robot), self._looks, strict=True)):
+            if surfaces:
+                copies = Copies(surfaces, poses[:, k], opacity=self._opacity)
+                node = f"{self.name}/{link}"
+                if node in self.scene:
+                    self.scene.set_content(node, copies)
+                else:
+                    self.scene.add(node, shadow=self._opacity >= 0.999, content=copies)
+
+
+@final
+class RobotInstancesHandle(Handle):
+    """A robot many times over; `q`, shape (n, nq), can be assigned to."""
+
+    __slots__ = ("_ghosts",)
+
+    def __init__(self, ghosts: RobotInstances) -> None:
+        super().__init__(ghosts.scene, ghosts.name)
+        self._ghosts = ghosts
+
+    @property
+    def q(self) -> Floats:
+        """The configurations, shape (n, nq)."""
+        return self._ghosts.q
+
+    @q.setter
+    def q(self, q: ArrayLike) -> None:
+        self._ghosts.move(q)

@@ -1,0 +1,264 @@
+"""Putting things into a scene: robots, shapes, meshes, and copies of them, each under a name of its own."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import checked_robot, fraction, short_repr
+from ulna.errors import InputError
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
+from ulna.typing import ArrayLike
+from ulna.viewer.colours import Colour
+from ulna.viewer.graph.content import Copies, transforms
+from ulna.viewer.graph.handles import Handle, Instances
+from ulna.viewer.graph.node import checked_poses, standing
+from ulna.viewer.mesh.mesh_files import Detail, load_mesh
+from ulna.viewer.mesh.primitives import tessellate
+from ulna.viewer.mesh.surface import Surface, colour
+from ulna.viewer.progress import progress
+from ulna.viewer.robot.configuration import configuration
+from ulna.viewer.robot.link_surfaces import Showing
+from ulna.viewer.robot.robot_handle import RobotHandle
+from ulna.viewer.robot.robot_instances import RobotInstances, RobotInstancesHandle
+from ulna.viewer.robot.robot_visual import RobotVisual
+from ulna.viewer.scene.annotations import PLAIN, AnnotationMethods
+
+
+class SceneMethods(AnnotationMethods):
+    """A scene to put things into.
+
+    Every method that adds takes `name` (`table/leg` puts it into the group `table`; a new name when not given, and one
+    that is taken is replaced), `pose` (T_group_thing, an array (4, 4) or an `SE3`; or the place (3,) where it stands
+    unturned), `color` (red, green, blue from 0 to 1) and `opacity`, and gives a handle to assign to. Wrong input raises
+    before anything is added.
+    """
+
+    def add(
+        self,
+        thing: Any,
+        q: ArrayLike | str | None = None,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        color: Colour | None = None,
+        opacity: float = 1.0,
+        show: Showing = "visual",
+        detail: Detail = "seen",
+    ) -> Any:
+        """Add a robot, a shape of `ulna.geometry`, a surface, or the path of a mesh file (dae, stl, obj, glb ...).
+
+        Args:
+            thing: What to add.
+            q: A robot's configuration: an array (nq,), the name of one of its own, or None for the usual one.
+            name: Its name.
+            pose: Where it stands in its group.
+            color: One colour for all of it; its own when not given.
+            opacity: From 0 to 1.
+            show: What of a robot: "visual", "collision", "both" or "skeleton".
+            detail: "full" for all triangles of mesh files, "seen" without those that nobody would miss.
+
+        Returns:
+            A `RobotHandle` for a robot, a `Handle` for all else.
+
+        Raises:
+            InputError: It is nothing that can be shown, or a mesh file cannot be read.
+            ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
+        """
+        common = {"name": name, "pose": pose, "color": color, "opacity": opacity}
+        if isinstance(thing, Shape):
+            if isinstance(thing, Mesh):
+                return self.mesh(thing.path or "", thing.scale, detail=detail, **common)
+            kind = type(thing).__name__.lower()
+            surface = tessellate(thing, PLAIN if color is None else colour(color))
+            return self._put(name, kind, (surface,), pose=pose, opacity=opacity)
+        if isinstance(thing, Surface):
+            surface = thing if color is None else thing.coloured(colour(color))
+            return self._put(name, "surface", (surface,), pose=pose, opacity=opacity)
+        if isinstance(thing, str | os.PathLike):
+            return self.mesh(thing, detail=detail, **common)
+        if not hasattr(thing, "link_poses"):
+            raise InputError(
+                f"Cannot show {short_repr(thing)}; expected a Robot, a shape, a Surface, or the path of a mesh file."
+            )
+        return self._robot(checked_robot(thing), q, show=show, detail=detail, **common)
+
+    def _robot(
+        self,
+        robot: Any,
+        q: Any,
+        name: str | None,
+        pose: Any,
+        color: Colour | None,
+        opacity: float,
+        show: Showing,
+        detail: Detail,
+    ) -> RobotHandle:
+        fraction("opacity", opacity)
+        start, group = configuration(robot, q), self._name(name, robot.name)
+        old = self._handles.get(group)
+        with progress(f"Loading {robot.name}") as report:
+            figure = RobotVisual(self.scene, robot, start, group, color, show, pose, report, detail)
+        if old is not None:
+            self._handles.pop(group)
+        out = RobotHandle(figure)
+        self._keep(out, opacity)
+        return out
+
+    def box(self, size: Sequence[float], **more: Any) -> Handle:
+        """A box, centred; `size` is its edges along x, y, z [m]."""
+        return self.add(Box(size), **more)  # type: ignore[arg-type]
+
+    def sphere(self, radius: float, **more: Any) -> Handle:
+        """A ball, centred; `radius` in metres."""
+        return self.add(Sphere(radius), **more)
+
+    def ellipsoid(self, radii: Sequence[float], **more: Any) -> Handle:
+        """An ellipsoid, centred; `radii` are its half axes [m]."""
+        return self.add(Ellipsoid(radii), **more)  # type: ignore[arg-type]
+
+    def cylinder(self, radius: float, length: float, **more: Any) -> Handle:
+        """A cylinder about z, centred [m]."""
+        return self.add(Cylinder(radius, length), **more)
+
+    def capsule(self, radius: float, length: float, **more: Any) -> Handle:
+        """A cylinder about z with half a ball on either end, centred; `length` without these [m]."""
+        return self.add(Capsule(radius, length), **more)
+
+    def cone(self, radius: float, length: float, **more: Any) -> Handle:
+        """A cone about z, its tip up, centred [m]."""
+        return self.add(Cone(radius, length), **more)
+
+    def mesh(
+        self,
+        path: str | os.PathLike[str],
+        scale: float | Sequence[float] = 1.0,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        color: Colour | None = None,
+        opacity: float = 1.0,
+        detail: Detail = "seen",
+    ) -> Handle:
+        """A mesh file: dae (with textures), stl, obj, glb ...
+
+        Args:
+            path: The file.
+            scale: A factor for its lengths, or one along each axis; negative ones mirror.
+            name: Its name.
+            pose: Where it stands.
+            color: One colour for all of it; its own when not given.
+            opacity: From 0 to 1.
+            detail: "full" for all triangles, "seen" without those that nobody would miss: see
+                `ulna.viewer.mesh.mesh_files.load_mesh`.
+
+        Raises:
+            InputError: The file cannot be read as a mesh.
+            MissingExtra: trimesh is not installed.
+        """
+        file = _file(path)
+        factors = finite_array("scale", scale, "a factor, or one along each axis")
+        if factors.shape not in ((), (3,)) or not (factors != 0.0).all():
+            raise InputError(
+                f"`scale` is {short_repr(scale)}; expected a factor other than 0, or one along each axis."
+            )
+        with progress(f"Loading {os.path.basename(file)}") as report:
+            report(0, 1)
+            surfaces: Sequence[Surface] = load_mesh(file, np.broadcast_to(factors, 3).tolist(), detail)
+        if color is not None:
+            surfaces = [s.coloured(colour(color)) for s in surfaces]
+        kind = os.path.splitext(os.path.basename(file))[0].replace("/", ".") or "mesh"
+        return self._put(name, kind, surfaces, pose=pose, opacity=opacity)
+
+    def copies(
+        self,
+        thing: Shape | Surface | str | os.PathLike[str],
+        poses: ArrayLike | None = None,
+        *,
+        positions: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        scales: ArrayLike | None = None,
+        name: str | None = None,
+        pose: Any = None,
+        opacity: float = 1.0,
+    ) -> Instances:
+        """One thing at many places, drawn at once: ten thousand boxes cost a screen little more than one.
+
+        Args:
+            thing: A shape, a surface or the path of a mesh file.
+            poses: T_group_copy of each, (n, 4, 4); or
+            positions: (n, 3) [m].
+            colors: Red, green, blue of each, (n, 3), or of all, (3,).
+            scales: A factor along each axis, (n, 3).
+            name: Its name.
+            pose: Where the whole stands.
+            opacity: From 0 to 1.
+
+        Raises:
+            InputError: Neither `poses` nor `positions` are given, or both.
+        """
+        if (poses is None) == (positions is None):
+            raise InputError("Give either `poses` (n, 4, 4) or `positions` (n, 3) of the copies.")
+        given = positions is not None
+        places = transforms(positions) if given else checked_poses(poses, "poses", None, 4, 4)
+        content = Copies(_surfaces(thing), places, colors, scales)
+        return self._put(name, "copies", content=content, pose=pose, opacity=opacity, kind_of=Instances)
+
+    def fleet(
+        self,
+        robot: Any,
+        q: ArrayLike,
+        bases: ArrayLike | None = None,
+        *,
+        name: str | None = None,
+        pose: Any = None,
+        color: Colour | None = None,
+        opacity: float = 1.0,
+        show: Showing = "visual",
+    ) -> RobotInstancesHandle:
+        """Many robots of one make, drawn at once; the handle's `q`, shape (n, nq), moves all of them.
+
+        Args:
+            robot: The robot.
+            q: Their configurations, shape (n, nq).
+            bases: T_group_base of each, shape (n, 4, 4).
+            name: The name of their group.
+            pose: Where the whole stands.
+            color: One colour for all; their own when not given.
+            opacity: From 0 to 1.
+            show: What of them, as for `add`.
+
+        Raises:
+            ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
+        """
+        rgba = None if color is None else colour(color)
+        fraction("opacity", opacity)
+        stand = np.eye(4) if pose is None else standing(pose)
+        places = None if bases is None else checked_poses(bases, "bases", None, 4, 4)
+        node = self._name(name, f"{checked_robot(robot).name} fleet")
+        out = RobotInstancesHandle(RobotInstances(self.scene, robot, q, node, rgba, show, places))
+        out.pose = stand
+        self._keep(out, opacity)
+        return out
+
+
+def _surfaces(thing: Any) -> tuple[Surface, ...]:
+    if isinstance(thing, Surface):
+        return (thing,)
+    if isinstance(thing, Mesh):
+        return load_mesh(thing.path or "", thing.scale)
+    if isinstance(thing, Shape):
+        return (tessellate(thing, PLAIN),)
+    return load_mesh(_file(thing))
+
+
+def _file(path: Any) -> str:
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(
+            f"`path` is {short_repr(path)}; expected the path of a mesh file (dae, stl, obj, glb ...)."
+        )
+    return str(os.fspath(path))

@@ -1,0 +1,79 @@
+"""Who may talk to the page."""
+
+import pytest
+
+from ulna.viewer.page.access import allowed, cookie, frames, knows
+
+OURS = "localhost:8080"
+
+
+@pytest.mark.parametrize(
+    ("host", "origin"),
+    [
+        (OURS, "http://localhost:8080"),
+        ("127.0.0.1:8080", "http://127.0.0.1:8080"),
+        ("[::1]:8080", "http://[::1]:8080"),
+        ("localhost:9000", "http://localhost:9000"),  # through a tunnel that listens elsewhere
+        ("LOCALHOST:8080", "http://localhost:8080"),
+        ("localhost", "http://localhost"),
+        (OURS, None),  # a program, or the page itself being fetched
+    ],
+)
+def test_own_pages_and_programs_may(host: str, origin: str | None) -> None:
+    assert allowed(host, origin)
+
+
+@pytest.mark.parametrize(
+    ("host", "origin"),
+    [
+        (OURS, "http://evil.example"),
+        (OURS, "https://localhost.evil.example:8080"),
+        (OURS, "http://localhost:3000"),  # another program's page on this machine
+        (OURS, "http://127.0.0.1:8080"),
+        (OURS, "null"),  # a file, or a page in a sandbox
+        (OURS, "file://localhost:8080"),
+        ("evil.example:8080", "http://evil.example:8080"),  # a name made to point here
+        ("evil.example:8080", None),
+        ("", None),
+        (None, None),
+        ("[::1", "http://[::1"),
+        ("localhost:8080@evil.example", None),
+    ],
+)
+def test_others_may_not(host: str | None, origin: str | None) -> None:
+    assert not allowed(host, origin)
+
+
+def test_an_open_host_still_refuses_foreign_pages() -> None:
+    assert allowed("robot.lab:8080", "http://robot.lab:8080", any_host=True)
+    assert not allowed("robot.lab:8080", "http://evil.example", any_host=True)
+
+
+def test_a_token_is_known_from_the_address_or_a_cookie() -> None:
+    assert knows("", "/", None)
+    assert knows("secret", "/?token=secret", None)
+    assert knows("secret", "/?x=1&token=secret", "other=1")
+    remembered = cookie("secret").partition(";")[0]
+    assert knows("secret", "/", remembered)
+    assert knows("secret", "/", f"a=b; {remembered}")
+    for path, jar in (
+        ("/", None),
+        ("/?token=", None),
+        ("/?token=Secret", None),
+        ("/?token=sécret", None),
+        ("/", "ulna=secret"),
+        ("/", cookie("another").partition(";")[0]),
+        ("/", '"\\";;='),
+        ("http://[", None),
+    ):
+        assert not knows("secret", path, jar)
+    assert "HttpOnly" in cookie("secret")
+    assert "SameSite=Strict" in cookie("secret")
+
+
+def test_pages_of_this_machine_and_editors_may_frame_it_and_no_other() -> None:
+    places = frames("localhost:8080").split()
+    assert places[:2] == ["frame-ancestors", "'self'"]
+    assert {"http://localhost:*", "http://127.0.0.1:*", "vscode-webview:"} < set(places)
+    assert "http://host.example:*" in frames("host.example:8080").split()
+    assert not any("[" in place or place == "http://:*" for place in frames("[::1]:8080").split())

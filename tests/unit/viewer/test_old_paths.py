@@ -1,0 +1,36 @@
+"""Old import paths and names of the viewer still work."""
+
+import importlib
+
+import pytest
+
+from ulna.viewer import renamed
+
+
+@pytest.mark.parametrize("old", sorted(renamed.MODULES))
+def test_old_modules_have_the_public_names_of_the_new_ones(old):
+    module = importlib.import_module(f"ulna.viewer.{old}")
+    for new in renamed.MODULES[old]:
+        place = importlib.import_module(f"ulna.viewer.{new}")
+        for name, value in vars(place).items():
+            if getattr(value, "__module__", None) == place.__name__:
+                assert getattr(module, name) is value
+
+
+def test_old_names_are_the_new_classes():
+    for old, name in (("handles", "Cloud"), ("figure", "Figure"), ("tour", "tour"), ("pendant", "Pendant")):
+        module = importlib.import_module(f"ulna.viewer.{old}")
+        assert getattr(module, name).__name__ == renamed.NAMES[name]
+    held = {name: 0 for name in renamed.NAMES}
+    for old in renamed.MODULES:
+        module = importlib.import_module(f"ulna.viewer.{old}")
+        for name in held:
+            held[name] += hasattr(module, name)
+    assert all(held.values()), held
+
+
+def test_what_was_never_there_is_not_there_now():
+    with pytest.raises(ImportError):
+        importlib.import_module("ulna.viewer.telescope")
+    with pytest.raises(AttributeError, match="telescope"):
+        _ = importlib.import_module("ulna.viewer.camera").telescope
