@@ -17,10 +17,9 @@ from support.patience import patient
 from ulna.errors import InputError, MissingExtra, UlnaWarning, ViewerError
 from ulna.geometry import Box
 from ulna.viewer.mesh.primitives import tessellate
-from ulna.viewer.page import Page
+from ulna.viewer.page import Page, pose_channel
 from ulna.viewer.page import access as guard
 from ulna.viewer.page import keep_open as hold_module
-from ulna.viewer.page import pose_channel
 from ulna.viewer.scene import Scene
 
 
