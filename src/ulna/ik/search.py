@@ -8,6 +8,10 @@
 
 An attempt that has not arrived after `ATTEMPT` steps, or has stopped coming nearer, gives way to the next starting
 point. A single goal is raced for by all lanes; the goals of a batch march on together, one in each lane.
+
+Where no attempt arrives, the same code descends from the best of them to a local minimum of the squared error, with a
+damping after Marquardt's rule, so that no step leads away (Nocedal & Wright 2006, section 10.3). It is told so by a
+negative number of steps.
 """
 
 from __future__ import annotations
@@ -34,6 +38,8 @@ CLOSE = 1.0  # rad or m: how near to q0 an answer must be to be taken before oth
 _DAMPING = 0.04  # tuned on Panda, UR5 and an arm of Talos for the fewest steps in the mean
 _LEAST_DAMPING = 1e-9
 _FAR = 1e300
+DESCENT = 400  # evaluations of the error until a descent ends
+_FIRST, _SMALLEST, _LARGEST = 0.03, 1e-9, 1e6  # damping of a descent, in squares of the problem's length
 
 
 class Attempt(NamedTuple):
@@ -44,11 +50,11 @@ class Attempt(NamedTuple):
     number: Any
     """Number of the starting point it set out from."""
     age: Any
-    """How many steps ago."""
+    """How many steps ago; in a descent the damping [m^2]."""
     before: Any
-    """Squared error before the last step [m^2]."""
+    """Squared error before the last step [m^2]; in a descent 1 where the best configuration is looked at again."""
     is_met: Any
-    """1 if the goals are met, else 0."""
+    """1 if the goals are met, or a descent has ended, else 0."""
     best: Array
     """The configuration with the least error so far, or the one that meets the goals, (nq,)."""
     least: Any
@@ -108,25 +114,66 @@ def advance(
     shift: Array,
     near: Any,
     stride: float,
+    descends: Any = None,
 ) -> Attempt:
-    """One step of an attempt, or the beginning of the next one; `stride` starting points lie between the two."""
+    """One step of an attempt, or the beginning of the next one; `stride` starting points lie between the two.
+
+    Where `descends` is given and holds, it is a step of a descent instead.
+    """
     at = errors(problem, now.q, goals, tolerances)
     scale = problem.length**2
-    q = step(problem, now.q, at, _DAMPING * at.squared + _LEAST_DAMPING * scale)
+    damping = _DAMPING * at.squared + _LEAST_DAMPING * scale
+    lower = None if descends is None else descent(now, at.squared, scale)
+    if lower is not None:
+        damping = numeric.where(descends, lower.damping, damping)
+    q = step(problem, now.q, at, damping)
     stopped = (now.age >= PATIENCE) & (at.squared > PROGRESS * now.before)
     over = ((now.age >= float(ATTEMPT)) | stopped) & ~at.is_met
     following = now.number + stride
     anew = start(problem, q0, shift, following, spread(following, near))
     better = at.is_met | (at.squared < now.least)
+    stays, leaves = at.is_met, over
+    age, before = numeric.where(over, 0.0, now.age + 1.0), numeric.where(over, _FAR, at.squared)
+    is_met = numeric.where(at.is_met, 1.0, 0.0)
+    if lower is not None and descends is not None:
+        stays, leaves = stays & ~descends, numeric.where(descends, lower.is_worse, over)
+        anew = numeric.where(descends, now.best, anew)
+        age, before = (
+            numeric.where(descends, lower.damping, age),
+            numeric.where(descends, lower.is_worse, before),
+        )
+        is_met = numeric.where(descends, lower.is_over, is_met)
     return Attempt(
-        numeric.where(at.is_met, now.q, numeric.where(over, anew, q)),
+        numeric.where(stays, now.q, numeric.where(leaves, anew, q)),
         numeric.where(over, following, now.number),
-        numeric.where(over, 0.0, now.age + 1.0),
-        numeric.where(over, _FAR, at.squared),
-        numeric.where(at.is_met, 1.0, 0.0),
+        age,
+        before,
+        is_met,
         numeric.where(better, now.q, now.best),
         numeric.where(better, at.squared, now.least),
     )
+
+
+class Descent(NamedTuple):
+    """What one evaluation of the error says of a descent."""
+
+    damping: Any
+    """For the next step [m^2]."""
+    is_worse: Any
+    """Whether the last step led away, so that the best configuration is looked at again."""
+    is_over: Any
+    """Whether the error changes no more."""
+
+
+def descent(now: Attempt, squared: Any, scale: float) -> Descent:
+    """Marquardt's rule, where `squared` is the squared error at `now.q` [m^2]."""
+    again = now.before > 0.5
+    nearer = (squared < now.least) & ~again
+    worse = ~(squared < now.least) & ~again
+    damping = numeric.where(nearer, 0.2 * now.age, numeric.where(worse, 5.0 * now.age, now.age))
+    slow = now.least - squared < 1e-12 * now.least
+    over = (nearer & slow) | (damping >= _LARGEST * scale)
+    return Descent(numeric.maximum(damping, _SMALLEST * scale), worse, over)
 
 
 def spread(number: Any, near: Any) -> Any:
@@ -139,17 +186,23 @@ def race(problem: Problem) -> Function:
     """The search of one goal in all lanes.
 
     Inputs: goals T, (4, 4) or for k > 1 frames (k, 4, 4), q0 (nq,), shift (d,) of the starting points, and settings
-    (4,): `goal.squared_tolerances`, 1 to stay near q0 else 0, the greatest number of steps.
+    (4,): `goal.squared_tolerances`, 1 to stay near q0 else 0, the greatest number of steps; less than zero for a
+    descent from q0 of so many.
 
     Output: (nq + 3 + 2 k,): q, whether it meets the goals (-1: a goal is no rotation), steps, number of the starting
     point, and for each frame the errors of position [m] and rotation [rad].
     """
 
     def search(T: Array, q0: Array, shift: Array, settings: Array) -> Array:
-        goals, tolerances, near, limit = problem.goals(T), settings[:2], settings[2], settings[3]
+        goals, tolerances, near, limit = problem.goals(T), settings[:2], settings[2], abs(settings[3])
+        descends = settings[3] < 0.0
         home = problem.clip(q0)
         number = lane(LANES)
         first = Attempt.first(start(problem, home, shift, number, spread(number, near)), number)
+        first = first._replace(
+            age=numeric.where(descends, _FIRST * problem.length**2, 0.0),
+            before=numeric.where(descends, 1.0, _FAR),
+        )
         is_valid = are_rotations(goals)
 
         def offset(q: Array) -> Any:
@@ -160,11 +213,12 @@ def race(problem: Problem) -> Function:
             is_met = now.is_met > 0.5
             close = (number < 0.5) & (offset(now.q) < CLOSE**2)
             is_over = is_met & ((near < 0.5) | close | (steps > float(ATTEMPT)))
+            is_over = numeric.where(descends, is_met & (number < 0.5), is_over)
             return (steps < limit) & is_valid & ~in_any_lane(is_over)
 
         def body(*state: Any) -> tuple[Any, ...]:
             now = Attempt.of(problem, home, state[:-1])
-            then = advance(problem, now, home, goals, tolerances, shift, near, float(LANES))
+            then = advance(problem, now, home, goals, tolerances, shift, near, float(LANES), descends)
             return (*then.flat(problem), state[-1] + 1.0)
 
         state = numeric.loop(go_on, body, (*first.flat(problem), 0.0), 2**30)
@@ -173,6 +227,7 @@ def race(problem: Problem) -> Function:
         rank = numeric.where(
             in_any_lane(is_met), numeric.where(is_met, near * offset(last.best), _FAR), last.least
         )
+        rank = numeric.where(descends, number, rank)  # lane 0 alone sets out from q0
         winner = least(numeric.where(rank <= least(rank), number, float(LANES)))
         chosen = number == winner
         q = problem.replaced(home, [choose(chosen, x) for x in last.best[problem.positions]])

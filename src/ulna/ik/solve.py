@@ -12,7 +12,6 @@ from ulna.checks.arrays import batched_array
 from ulna.compiler import compile
 from ulna.errors import ShapeError
 from ulna.ik import search
-from ulna.ik.approach import approach
 from ulna.ik.goal import Mask, squared_tolerances
 from ulna.ik.question import (
     check_count,
@@ -84,9 +83,9 @@ class Solver:
                 raise
         if raw.ndim == 1:
             if raw[self._status] < 0.5:
-                raw = self._nearest(T, raw, settings)
+                raw = self._nearest(T, raw, shift, settings, None)
         elif (raw[..., self._status] < 0.5).any():
-            raw = self._nearest(T, raw, settings)
+            raw = self._nearest(T, raw, shift, settings, threads)
         return IKSolution(self.problem, raw)
 
     def _march(self, T: Any, shift: Floats, settings: Floats, threads: int | None) -> Floats:
@@ -115,22 +114,28 @@ class Solver:
             out[left] = self._race(asked, rest, shift, settings, threads=threads)
         return out.reshape(*batch, -1)
 
-    def _nearest(self, T: Any, raw: Floats, settings: Floats) -> Floats:
-        """For goals that are not met, the nearest that can be had from where the search ended.
+    def _nearest(self, T: Any, raw: Floats, shift: Floats, settings: Floats, threads: int | None) -> Floats:
+        """For goals that are not met, the nearest that can be had from where the search ended, by the same kernel.
 
         Raises:
             InputError: If a goal is no pose.
         """
-        core = self.problem.shapes["T"]
+        core, nq = self.problem.shapes["T"], self.problem.model.nq
         T = np.asarray(T, dtype=float)
-        flat, nq = raw.reshape(-1, raw.shape[-1]).copy(), self.problem.model.nq
-        goals = np.broadcast_to(T, (*raw.shape[:-1], *core)).reshape(-1, *core)
-        if (flat[:, nq] < -0.5).any():
+        if (raw[..., nq] < -0.5).any():
             refuse(T)
+        descent = np.array([*settings[:3], -search.DESCENT])
+        effort = slice(nq + 1, nq + 3)  # steps and starting point: those of the search
+        if raw.ndim == 1:
+            nearest = self._race(T, raw[:nq], shift, descent)
+            nearest[effort] = raw[effort]
+            return nearest
+        flat = raw.reshape(-1, raw.shape[-1]).copy()
+        goals = np.broadcast_to(T, (*raw.shape[:-1], *core)).reshape(-1, *core)
         missed = flat[:, nq] < 0.5
-        found = flat[missed]
-        q = self._approach(goals[missed], found[:, :nq])
-        flat[missed] = self._judge(goals[missed], found[:, :nq], settings, q, found[:, nq + 1 : nq + 3])
+        nearest = self._race(goals[missed], flat[missed, :nq], shift, descent, threads=threads)
+        nearest[:, effort] = flat[missed, effort]
+        flat[missed] = nearest
         return flat.reshape(raw.shape)
 
     @cached_property
@@ -140,10 +145,6 @@ class Solver:
     @cached_property
     def _judge(self) -> Any:
         return compile(judge(self.problem), checked=True)
-
-    @cached_property
-    def _approach(self) -> Any:
-        return compile(approach(self.problem))
 
 
 def _settings(position_tolerance: float, rotation_tolerance: float, attempts: int, is_free: bool) -> Floats:

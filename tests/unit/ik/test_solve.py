@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 import ulna
+from ulna.compiler.runtime import jit
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.ik.goal import mask_of
+from ulna.ik.problem import errors
+from ulna.ik.question import problem_of
 from ulna.ik.result import IKSolution
 from ulna.model import Continuous, FreeFlyer, ModelBuilder, Planar, Prismatic, Revolute, with_root_joint
 from ulna.spatial import SE3, so3_log
@@ -458,3 +461,51 @@ def test_goals_that_are_no_numbers_are_refused_in_batches_too(panda, goals, meth
             getattr(panda, method)(T)
     with pytest.raises(InputError, match="different lengths"):
         getattr(panda, method)([[1.0, 2.0], [3.0]])
+
+
+def test_a_goal_out_of_reach_is_answered_by_code_that_is_there(monkeypatch):
+    """The first failure compiles nothing: neither of one goal, nor of a batch in which single goals race."""
+    robot = ulna.load("ur5")
+    T = robot.fk(robot.random_configuration(8, seed=5))
+    robot.ik(T[0])
+    robot.ik(T)  # the same kernel for rows of goals
+    compiled: list[str] = []
+    monkeypatch.setattr(jit, "load", lambda f, *rest: compiled.append(f.name))
+    far = T + np.array([[0, 0, 0, 3.0], [0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]])
+    assert not robot.ik(far[0]).success
+    assert not robot.ik(far).success.any()
+    assert robot.ik(far[0]).reason
+    assert compiled == []
+
+
+@pytest.mark.parametrize("near", [False, True])
+def test_goals_out_of_reach_take_no_longer_in_a_batch(near):
+    robot = ulna.load("ur5")
+    q = robot.random_configuration(80, seed=6)
+    far = robot.fk(q)
+    far[:, 2, 3] += 2.0
+    q0 = q[0] if near else None
+    one, all_ = robot.ik(far[3], q0), robot.ik(far, q0)
+    assert not all_.success.any()
+    assert (all_.iterations == one.iterations).all()
+    assert all_.position_error[3] == pytest.approx(one.position_error, rel=1e-6)
+
+
+def test_what_is_nearest_is_a_local_minimum_within_the_limits(panda):
+    """No small step of a joint within its limits brings the frame nearer by a thousandth."""
+    T = panda.fk(panda.random_configuration(20, seed=8))
+    T[:, :3, 3] *= 2.0
+    solution = panda.ik(T)
+    problem = problem_of(panda.model, [panda.model.tool], None, None)
+
+    def error(q, goal):
+        return errors(problem, q, problem.goals(goal), np.zeros(2)).squared
+
+    for goal, q in zip(T[~solution.success], solution.q[~solution.success], strict=True):
+        here = error(q, goal)
+        for k in range(7):
+            for sign in (-1.0, 1.0):
+                there = q.copy()
+                there[k] += sign * 1e-3
+                if panda.limits.contains(there):
+                    assert error(there, goal) > here * (1.0 - 1e-3)
