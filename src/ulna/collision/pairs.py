@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ulna.errors import InputError
-from ulna.model import Model
+from ulna.model import FreeFlyer, Model
 
 LinkPair = tuple[str, str]
 
@@ -16,7 +16,7 @@ def link_pairs(
     """The pairs of links to check against each other, in the order of `model.links`.
 
     Left out are links without collision geometry, links joined rigidly, links joined by one movable joint (they touch
-    by construction), and the pairs that the model's SRDF disables.
+    by construction; those that a free flyer joins do not), and the pairs that the model's SRDF disables.
 
     Args:
         model: The robot.
@@ -31,7 +31,8 @@ def link_pairs(
     if not disabled:
         skip |= {frozenset(pair) for pair in model.disabled_pairs}
     links = [link for link in model.links if link.collisions]
-    parents = [joint.parent for joint in model.joints]
+    # No joint has the number of a free flyer's parent: what it carries is no neighbour of anything.
+    parents = [None if isinstance(joint.kind, FreeFlyer) else joint.parent for joint in model.joints]
     found = []
     for k, a in enumerate(links):
         for b in links[k + 1 :]:

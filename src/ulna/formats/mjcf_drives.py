@@ -23,6 +23,9 @@ from ulna.typing import Floats
 JOINT_TRANSMISSIONS = (0, 1)
 """mjTRN_JOINT and mjTRN_JOINTINPARENT of mjtTrn."""
 
+TENDON_TRANSMISSION = 3
+"""mjTRN_TENDON."""
+
 MEMORYLESS = (0, 2, 3)
 """mjDYN_NONE, mjDYN_FILTER and mjDYN_FILTEREXACT of mjtDyn: what comes out stays in the range of what goes in."""
 
@@ -85,6 +88,13 @@ class Drives:
         if m.actuator_forcelimited[a]:
             low, high = (float(np.clip(x, *m.actuator_forcerange[a])) for x in (low, high))
         return low, high
+
+    def is_bounded(self, a: int) -> bool:
+        """Whether something bounds the force of an actuator: its own ranges, or that of its tendon."""
+        m = self._m
+        on_tendon = m.actuator_trntype[a] == TENDON_TRANSMISSION
+        limited = on_tendon and bool(m.tendon_actfrclimited[int(m.actuator_trnid[a, 0])])
+        return limited or bool(np.isfinite(self.actuator_range(a)).any())
 
     def scalar_joint(self, j: int) -> bool:
         """Whether a joint is a hinge or slide."""

@@ -160,7 +160,7 @@ class Audit:
             for a in range(drives.count)
             if not (drives.joint_of(a) >= 0 and drives.scalar_joint(drives.joint_of(a)))
             and drives.exerts_force(a)
-            and np.isfinite(drives.actuator_range(a)).any()
+            and drives.is_bounded(a)
         ]
         yield from self._at_actuators(
             "<actuator> that does not act on a hinge or slide",

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
-from typing import Any
 
-from ulna.formats.mjcf_parse import pose_of
+import numpy as np
+
+from ulna.formats.mjcf_parse import CompiledMjcf, pose_of
 from ulna.geometry import Box, Capsule, Cylinder, Ellipsoid, Geometry, Material, Mesh, Plane, Shape, Sphere
+from ulna.spatial import SE3
 
 PLANE, FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)
 """mjtGeom."""
@@ -23,16 +25,16 @@ class Shapes:
     """Geoms of one file; `left` counts those that have no shape here.
 
     Args:
-        compiled: the `mujoco.MjModel`.
-        mesh_folder: the folder of the meshes, seen from the file.
+        compiled: what MuJoCo made of the file.
         file: the name of the file; None for text.
         touching: indices of the geoms that can touch something.
     """
 
-    def __init__(self, compiled: Any, mesh_folder: str, file: str | None, touching: frozenset[int]) -> None:
-        self._m, self._touching = compiled, touching
+    def __init__(self, compiled: CompiledMjcf, file: str | None, touching: frozenset[int]) -> None:
+        self._m, self._touching = compiled.model, touching
+        self._references = compiled.mesh_references
         folder = os.path.dirname(os.path.abspath(file)) if file else os.getcwd()
-        self._folder = os.path.join(folder, mesh_folder)
+        self._folder = os.path.join(folder, compiled.mesh_folder)
         self.left: dict[str, int] = {}
 
     def of_body(self, body: int) -> tuple[tuple[Geometry, ...], tuple[Geometry, ...]]:
@@ -58,10 +60,18 @@ class Shapes:
         if isinstance(shape, Mesh):
             # MuJoCo moves a mesh into its principal axes; the file's own frame is that much further back.
             mesh = int(m.geom_dataid[g])
-            place = place @ pose_of(m.mesh_pos[mesh], m.mesh_quat[mesh]).inverse()
+            place = place @ pose_of(m.mesh_pos[mesh], m.mesh_quat[mesh]).inverse() @ self._reference(mesh)
         return Geometry(
             m.geom(g).name or f"{m.body(m.geom_bodyid[g]).name}_{g}", shape, place, self._material(g)
         )
+
+    def _reference(self, mesh: int) -> SE3:
+        """Where a mesh's own frame lies in the frame that `refpos` and `refquat` give it: s R^T (x - p)."""
+        if mesh not in self._references:
+            return SE3.identity()
+        position, turn = self._references[mesh]
+        back = SE3.from_quat_xyzw(np.roll(turn, -1)).rotation.T
+        return SE3(back, -back @ (self._m.mesh_scale[mesh] * position))
 
     def _shape(self, g: int) -> Shape | None:
         m = self._m
@@ -88,6 +98,8 @@ class Shapes:
         start = int(m.mesh_pathadr[mesh])
         if start < 0:
             return self._without("meshes without a file")
+        if mesh in self._references and any(self._references[mesh][1][1:]) and np.ptp(m.mesh_scale[mesh]):
+            return self._without("meshes with refquat and unequal scales")
         path = bytes(m.paths[start:]).split(b"\0")[0].decode()
         found = os.path.join(self._folder, path)
         sx, sy, sz = (float(s) for s in m.mesh_scale[mesh])

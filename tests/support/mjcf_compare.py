@@ -1,0 +1,63 @@
+"""In what Ulna's results for an MJCF file differ from MuJoCo's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from support.mjcf_physics import BALL, FREE, compiled, coupled_state, loaded, of_mujoco, of_ulna, same
+from ulna.typing import Floats
+
+
+def differences(source: str | Path, seed: int = 0) -> list[str]:
+    """In what Ulna's results for a file differ from MuJoCo's."""
+    m = compiled(source)
+    model, _ = loaded(source)
+    q, v, qpos, G = coupled_state(model, m, np.random.default_rng(seed))
+    theirs, ours = of_mujoco(m, qpos, G @ v), of_ulna(model, m, q, v, G)
+    bias = G.T @ (theirs["bias"] + theirs["mass"] @ ours.pop("convective"))
+    joints = [j for j, joint in enumerate(model.joints) if joint.mimic is None]
+    expected = {
+        **theirs,
+        "mass": G.T @ theirs["mass"] @ G,
+        "bias": bias,
+        "gravity": G.T @ theirs["gravity"],
+        "passive": G.T @ theirs["passive"],
+        "friction": np.abs(G.T) @ theirs["friction"] if joints != [*range(m.njnt)] else theirs["friction"],
+        "contacts": {pair for pair in theirs["contacts"] if not _joined_to_world(m, pair)},
+        "configurations": {name: _converted(m, k) for name, k in theirs["configurations"].items()},
+    }
+    followed = np.array(expected.pop("equalities"))
+    wrong = [
+        name for name, value in expected.items() if name != "configurations" and not same(value, ours[name])
+    ]
+    for name, value in expected["configurations"].items():
+        taken = ours["configurations"].get(name)
+        if taken is None or (taken.shape == value.shape and not same(value, taken)):
+            wrong.append(f"configuration {name}")
+    if np.abs(followed).max(initial=0.0) > 1e-9:
+        wrong.append("equalities")
+    return wrong
+
+
+def _joined_to_world(m: Any, pair: frozenset[str]) -> bool:
+    """Whether a pair is of the world and a body that one joint, not a free one, joins to it.
+
+    Ulna takes such links as neighbours, MuJoCo looks at them.
+    """
+    if "world" not in pair or len(pair) == 1:
+        return False
+    body = int(m.body_weldid[m.body(next(iter(pair - {"world"}))).id])
+    hangs = m.body_weldid[m.body_parentid[body]] == 0 and m.body_jntnum[body] == 1
+    return bool(hangs and m.jnt_type[m.body_jntadr[body]] != FREE)
+
+
+def _converted(m: Any, qpos: Floats) -> Floats:
+    out = np.array(qpos)
+    for j in range(m.njnt):
+        if m.jnt_type[j] in (FREE, BALL):
+            at = int(m.jnt_qposadr[j]) + 3 * int(m.jnt_type[j] == FREE)
+            out[at : at + 4] = np.roll(out[at : at + 4], -1)
+    return out

@@ -1,0 +1,93 @@
+"""MJCF: couplings of several joints, actuators with several controls, frames and replicas, collisions by pairs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.mjcf_compare import differences
+from support.mjcf_physics import compiled, loaded
+
+import ulna
+from ulna.errors import ModelWarning
+from ulna.formats.mjcf_loops import loops_from_mjcf
+
+FOUR = "".join(
+    f'<body name="{n}" pos="{k} 0 0"><joint name="{n}" ref="{10 * k}" axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/></body>'
+    for k, n in enumerate("abcd")
+)
+
+
+def coupled(*equalities: str) -> str:
+    return f"<mujoco><worldbody>{FOUR}</worldbody><equality>{''.join(equalities)}</equality></mujoco>"
+
+
+def equal(one: str, two: str, line: str = "0.1 2") -> str:
+    return f'<joint joint1="{one}" joint2="{two}" polycoef="{line} 0 0 0"/>'
+
+
+@pytest.mark.parametrize(
+    ("equalities", "left"),
+    [
+        ((equal("a", "b"), equal("a", "c")), 2),
+        ((equal("a", "b"), equal("b", "c"), equal("c", "d")), 1),
+        ((equal("a", "b"), equal("c", "b"), equal("c", "d")), 1),
+        ((equal("a", "b", "0.1 2"), equal("b", "a", "-0.05 0.5")), 3),
+    ],
+)
+def test_joints_coupled_by_several_equalities_keep_all_of_them(
+    equalities: tuple[str, ...], left: int
+) -> None:
+    text = coupled(*equalities)
+    model, said = loaded(text)
+    assert not said
+    assert model.nq == left
+    assert differences(text) == []
+
+
+def test_equalities_that_contradict_each_other_are_named() -> None:
+    with pytest.warns(ModelWarning, match="contradict") as caught:
+        robot = ulna.load(coupled(equal("a", "b"), equal("b", "a")))
+    assert len(caught) == 1
+    assert robot.nq == 3
+
+
+def test_what_is_not_active_or_disabled_is_no_loop() -> None:
+    weld = '<weld body1="a" body2="b" active="{}"/>'
+    assert len(loops_from_mjcf(coupled(weld.format("true")))) == 1
+    assert loops_from_mjcf(coupled(weld.format("false"))) == ()
+    off = coupled(weld.format("true")).replace(
+        "<mujoco>", '<mujoco><option><flag equality="disable"/></option>'
+    )
+    assert loops_from_mjcf(off) == ()
+    assert loaded(off)[1] == [] == loaded(coupled(weld.format("false")))[1]
+
+
+def test_actuators_with_several_controls_limit_their_own_joint() -> None:
+    actuators = """<actuator><pid joint="a" input="pos vel ff" kp="1"/><motor joint="b" gear="2" forcerange="-3 3"/>
+    <motor joint="c" ctrlrange="-1 1" gear="5"/></actuator>"""
+    text = f"<mujoco><worldbody>{FOUR}</worldbody>{actuators}</mujoco>"
+    assert compiled(text).nu > 3
+    np.testing.assert_array_equal(ulna.load(text).model.effort_limit, (np.inf, 6.0, 5.0, np.inf))
+
+
+def test_frames_and_replicas() -> None:
+    """Elements that MuJoCo's schema does not list, because its reader writes them out."""
+    text = """<mujoco><worldbody><frame pos="1 0 0" euler="0 30 0"><body name="a"><joint axis="0 1 0"/><geom size=".1"/>
+    <replicate count="3" euler="0 0 40"><body name="r" pos="1 0 0"><joint type="slide" axis="1 0 0"/><geom size=".1"/></body>
+    </replicate></body></frame></worldbody></mujoco>"""
+    assert loaded(text)[0].nq == 4
+    assert differences(text) == []
+
+
+def test_a_warning_names_what_there_is_most_of_only_three_times() -> None:
+    text = f"<mujoco><default><joint stiffness='1'/></default><worldbody>{FOUR}</worldbody></mujoco>"
+    (said,) = loaded(text)[1]
+    assert "joint 'a' (line 1), joint 'b' (line 1), joint 'c' (line 1) and 1 more" in said
+
+
+def test_a_free_body_collides_with_the_floor() -> None:
+    text = """<mujoco><worldbody><geom type="plane" size="0 0 1"/><body name="ball" pos="0 0 1"><freejoint/>
+    <geom size="0.2"/></body></worldbody></mujoco>"""
+    from ulna.collision import link_pairs
+
+    assert link_pairs(ulna.load(text).model) == (("world", "ball"),)
