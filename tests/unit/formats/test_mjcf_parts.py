@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.mjcf_compare import differences
-from support.mjcf_physics import compiled, loaded
 
 import ulna
+from support.mjcf_compare import differences
+from support.mjcf_physics import compiled, loaded
 from ulna.errors import ModelWarning
 from ulna.formats.mjcf_loops import loops_from_mjcf
 
