@@ -61,7 +61,9 @@ def compiled(text: str, file: str | None, trusted: bool) -> tuple[Any, Any]:
         raise FormatError(f"its model has {count}; expected at most {ELEMENTS}.", file=file, mend=_TRUST)
     facts = told["facts"]
     lines = {kind: {int(k): line for k, line in found.items()} for kind, found in facts["lines"].items()}
-    return model_of(content), SimpleNamespace(mesh_folder=facts["mesh_folder"], lines=lines)
+    references = {int(k): found for k, found in facts["mesh_references"].items()}
+    facts |= {"lines": lines, "mesh_references": references}
+    return model_of(content), SimpleNamespace(**facts)
 
 
 def _answered(text: str, file: str | None) -> tuple[dict[str, Any], bytes]:

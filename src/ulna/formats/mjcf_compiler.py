@@ -29,8 +29,9 @@ def compile_mjcf(text: str, file: str | None) -> tuple[Any, dict[str, Any]]:
     """The compiled `mujoco.MjModel` of a text, or of a file, and what it does not hold but the file says.
 
     Returns:
-        The model, and "mesh_folder", the folder of the meshes as the file writes it, and "lines", for each kind of
-        element the lines on which its elements start, by their index in the model.
+        The model, and "mesh_folder", the folder of the meshes as the file writes it, "lines", for each kind of
+        element the lines on which its elements start, by their index in the model, and "mesh_references", the
+        `refpos` and `refquat` of the meshes that have them, by their index.
 
     Raises:
         Exception: whatever MuJoCo raises.
@@ -40,7 +41,11 @@ def compile_mjcf(text: str, file: str | None) -> tuple[Any, dict[str, Any]]:
     library: Any = mujoco  # its parts come from a compiled module without annotations
     spec = library.MjSpec.from_string(text) if file is None else library.MjSpec.from_file(file)
     model = spec.compile()
-    return model, {"mesh_folder": spec.meshdir or "", "lines": _lines_of(spec)}
+    return model, {
+        "mesh_folder": spec.meshdir or "",
+        "lines": _lines_of(spec),
+        "mesh_references": _references_of(spec),
+    }
 
 
 def _lines_of(spec: Any) -> dict[str, dict[int, int]]:
@@ -56,6 +61,15 @@ def _lines_of(spec: Any) -> dict[str, dict[int, int]]:
         found = ((element.id, re.match(r"line (\d{1,9})", element.info)) for element in elements)
         lines[kind] = {index: int(line[1]) for index, line in found if line and index >= 0}
     return lines
+
+
+def _references_of(spec: Any) -> dict[int, tuple[list[float], list[float]]]:
+    found: dict[int, tuple[list[float], list[float]]] = {}
+    for mesh in spec.meshes:
+        position, turn = [float(x) for x in mesh.refpos], [float(x) for x in mesh.refquat]
+        if mesh.id >= 0 and (any(position) or any(turn[1:])):
+            found[mesh.id] = position, turn
+    return found
 
 
 def binary_of(model: Any) -> bytes:

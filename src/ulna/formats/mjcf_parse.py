@@ -59,33 +59,9 @@ def read_mjcf(source: str | os.PathLike[str], trusted: bool = False) -> Compiled
         raise
     except ValueError as error:
         raise _refusal(error, file) from error
-<<<<<<< HEAD
     spread = "<include" in written or "<attach" in written
-    return CompiledMjcf(model, facts.mesh_folder, {} if spread else facts.lines)
-=======
-    spread = b"<include" in written or b"<attach" in written
-    references = {
-        mesh.id: (tuple(map(float, mesh.refpos)), tuple(map(float, mesh.refquat)))
-        for mesh in spec.meshes
-        if mesh.id >= 0 and (np.any(mesh.refpos) or np.any(mesh.refquat[1:]))
-    }
-    return CompiledMjcf(compiled, spec.meshdir or "", {} if spread else _lines_of(spec), references)
-
-
-def _lines_of(spec: Any) -> dict[str, dict[int, int]]:
-    parts = {
-        "body": spec.bodies,
-        "joint": spec.joints,
-        "tendon": spec.tendons,
-        "equality": spec.equalities,
-        "actuator": spec.actuators,
-    }
-    lines: dict[str, dict[int, int]] = {}
-    for kind, elements in parts.items():
-        found = ((element.id, re.match(r"line (\d+)", element.info)) for element in elements)
-        lines[kind] = {index: int(line[1]) for index, line in found if line and index >= 0}
-    return lines
->>>>>>> dc2b573 (MJCF: every attribute of MuJoCo's schema is honoured, warned of, or shown to have no effect)
+    lines = {} if spread else facts.lines
+    return CompiledMjcf(model, facts.mesh_folder, lines, facts.mesh_references)
 
 
 def text_or_file(source: str | os.PathLike[str]) -> tuple[str, str | None]:
