@@ -131,7 +131,7 @@ class Robot(
 
     @property
     def frame_names(self) -> tuple[str, ...]:
-        """Names of all frames: links, joints, tools."""
+        """Names of all frames (links, joints, tools), in the order of `fk(q, "all")`; see `ulna.model.Model`."""
         return tuple(self.model.frame_names)
 
     @property

@@ -75,7 +75,7 @@ class Reactive:
         self._kernel = compile(self._program, robot, checked=True, twist=(6,), slack_weight=())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuilt, (self.robot, self._frame.name, *self._numbers)
+        return _rebuilt, (self.robot, self.robot.model.frame_name(self._frame), *self._numbers)
 
     def __call__(
         self,

@@ -116,7 +116,7 @@ class FreeSolver:
         problem = self.solver.problem
         if len(problem.frames) != 1 or problem.rows != 6 or len(problem.velocities) != 6:
             return False
-        frame = problem.frames[0].name
+        frame = self.model.frame_name(problem.frames[0])
         held = self.model.neutral[list(between(self.model, frame, self._arm))]
         source = source_of(self.model, frame, self._arm, None, tuple(held.tolist()))
         return isinstance(source, (ClosedForm, Elimination))
@@ -174,7 +174,7 @@ class FreeSolver:
         return ik_all(
             self.model,
             T,
-            self.solver.problem.frames[0].name,
+            self.model.frame_name(self.solver.problem.frames[0]),
             home,
             joints=self._arm,
             position_tolerance=question.position_tolerance,

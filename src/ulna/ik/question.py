@@ -101,7 +101,7 @@ def problem_of(
         UnknownName, InputError: If there is no such frame or joint, or too few joints for what counts.
     """
     found = tuple(model.frame(name) for name in frames)
-    if len({f.name for f in found}) < len(found):
+    if len({model.frame_index(name) for name in frames}) < len(found):
         raise InputError(f"`frame` names {list(frames)}; a frame can have one goal only.")
     moved = sorted({i for f in found for i in model.support(f.joint)})
     moved = sorted({model.joint_index(_source(model, i)) for i in moved})

@@ -28,7 +28,8 @@ class Kinematics(Part):
 
         Args:
             q: Configuration, (..., nq) [rad or m].
-            frame: Name; None for the tool, a list of names for several, "all" for every frame.
+            frame: Name; None for the tool, a list of names for several, "all" for every frame, in the order of
+                `frame_names`.
             out: Array to write into.
             threads: How many threads a large batch may use.
 

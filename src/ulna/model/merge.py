@@ -51,7 +51,7 @@ def attach(
     builder.add_model(addition, spot.link, place, prefix=prefix)
     if tool is None:
         at_tip = not base.joints or spot.joint == base.frame(base.tool).joint
-        tool = prefix + addition.tool if at_tip else base.tool
+        tool = _prefixed(addition, prefix) if at_tip else base.tool
     builder.set_tool(tool)
     joined = builder.build()
     for configuration in dict.fromkeys([*base.configurations, *addition.configurations]):
@@ -62,3 +62,9 @@ def attach(
             copy_position(addition, addition.configurations[configuration], joined, q, prefix)
         builder.add_configuration(configuration, q)
     return builder.build() if len(base.configurations) + len(addition.configurations) else joined
+
+
+def _prefixed(model: Model, prefix: str) -> str:
+    """What the tool of a model is called where `prefix` stands before all names."""
+    own = model.frame(model.tool).name
+    return model.tool.removesuffix(own) + prefix + own

@@ -19,6 +19,7 @@ from ulna.model.table import table
 from ulna.spatial import Inertia
 from ulna.typing import Floats
 
+_OF_JOINT = "joint:"
 _LOOKUP_ORDER: tuple[FrameKind, ...] = ("link", "tool", "user", "joint", "fixed_joint")
 
 
@@ -151,8 +152,11 @@ class Model:
 
     @cached_property
     def frame_names(self) -> tuple[str, ...]:
-        """Names of the frames; a link and a joint that share a name appear once."""
-        return tuple(dict.fromkeys(frame.name for frame in self.frames))
+        """A name for each of `frames`, in their order, no two alike.
+
+        It is the frame's own name; where a link and a joint share one, the link keeps it and the joint is "joint:NAME".
+        """
+        return tuple(self._frame_places)
 
     @cached_property
     def position_names(self) -> tuple[str, ...]:
@@ -185,7 +189,11 @@ class Model:
         return self.links[self.link_index(name)]
 
     def frame(self, name: str, kind: FrameKind | None = None) -> Frame:
-        """The frame of that name; where a link and a joint share it, the link's, unless `kind` is given.
+        """The frame of that name, out of `frame_names`.
+
+        Args:
+            name: Its name. Where a link and a joint share one, the link's frame is meant; "joint:NAME" is the joint's.
+            kind: Its kind, with its own name.
 
         Raises:
             UnknownName: there is none; offers the nearest one.
@@ -213,7 +221,11 @@ class Model:
         return index
 
     def frame_index(self, name: str) -> int:
-        """Where the frame of that name stands in `frames`. Raises UnknownName with the nearest one."""
+        """Where the frame of that name stands in `frames`, in `frame_names` and in the poses of all frames.
+
+        Raises:
+            UnknownName: there is none; offers the nearest one.
+        """
         index = self._frame_places.get(name)
         if index is None:
             raise UnknownName("frame", name, self.frame_names)
@@ -227,13 +239,23 @@ class Model:
     def _link_places(self) -> dict[str, int]:
         return {name: i for i, name in enumerate(self.link_names)}
 
+    def frame_name(self, frame: Frame) -> str:
+        """The name out of `frame_names` of one of `frames`."""
+        return self.frame_names[self.frames.index(frame)]
+
     @cached_property
     def _frame_places(self) -> dict[str, int]:
-        places: dict[str, int] = {}
+        owners: dict[str, Frame] = {}
         for kind in _LOOKUP_ORDER:
-            for i, frame in enumerate(self.frames):
+            for frame in self.frames:
                 if frame.kind == kind:
-                    places.setdefault(frame.name, i)
+                    owners.setdefault(frame.name, frame)
+        places: dict[str, int] = {}
+        for i, frame in enumerate(self.frames):
+            name = frame.name
+            while owners.setdefault(name, frame) is not frame:
+                name = _OF_JOINT + name
+            places[name] = i
         return places
 
     # the tree ----------------------------------------------------------------------------------------------

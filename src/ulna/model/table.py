@@ -52,7 +52,7 @@ def _rows(model: Model) -> list[list[str]]:
     rows = []
     for link in model.links:
         mass = f"{link.inertia.mass:.4g}" if link.inertia.mass else ""
-        mark = "@" if model.frame(model.tool).name == link.name else ""
+        mark = "@" if model.tool == link.name else ""
         joint_mark = "@" if model.tool == link.parent_joint and not mark else ""
         head = [f"{joint_mark}{link.parent_joint or ''}"]
         tail = [link.parent or "(world)", mark + link.name]
@@ -66,7 +66,7 @@ def _rows(model: Model) -> list[list[str]]:
             rows.append(["", *head, "fixed" if link.parent_joint else "", *tail, "", "", mass])
     for frame in model.frames:
         if frame.kind in ("user", "tool"):
-            mark = "@" if frame.name == model.tool else ""
+            mark = "@" if model.frame_name(frame) == model.tool else ""
             rows.append(["", "", f"{frame.kind} frame", frame.link, mark + frame.name, "", "", ""])
     return rows
 

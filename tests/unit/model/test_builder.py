@@ -152,7 +152,10 @@ def test_where_a_link_and_a_joint_share_a_name_the_link_wins() -> None:
     assert m.frame("b").kind == "link"
     assert m.frame("b", "joint").placement == SE3.identity()
     assert m.frame("b").placement.translation[0] == 1.0
-    assert m.frame_names == ("a", "b")
+    assert m.frame_names == ("a", "joint:b", "b")
+    assert m.frame("joint:b") is m.frame("b", "joint")
+    assert [m.frame_index(name) for name in m.frame_names] == [0, 1, 2]
+    assert [m.frame_name(frame) for frame in m.frames] == list(m.frame_names)
     with pytest.raises(UnknownName, match="No tool frame named 'b'"):
         m.frame("b", "tool")
 
