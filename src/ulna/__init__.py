@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ulna import errors as errors
 from ulna import numeric as numeric
+from ulna.idioms import unknown_attribute
 from ulna.loading import load as load
 from ulna.loading import load_model as load_model
 from ulna.model import Model as Model
@@ -70,7 +71,7 @@ def __getattr__(name: str) -> Any:
         return getattr(importlib.import_module(_LATER[name]), name)
     if name in _ROOMS:
         return importlib.import_module(f"ulna.{name}")
-    raise AttributeError(f"module 'ulna' has no attribute {name!r}")
+    raise unknown_attribute("module ulna", name, __dir__())
 
 
 def __dir__() -> list[str]:

@@ -6,6 +6,8 @@ UlnaError
 │   ├── DtypeError                   an array has a type that does not convert to real numbers
 │   └── NonFiniteError               an array holds nan or inf
 ├── UnknownName (LookupError)        a frame, joint, robot, kernel ... of that name does not exist
+├── UnknownAttribute (AttributeError) an object has no attribute of that name
+├── UnknownArgument (TypeError)      a function has no argument of that name
 ├── ModelError (ValueError)          a robot model contradicts itself
 │   └── FormatError                  a model file is broken: file, line, element, mend
 ├── InfeasibleError (ValueError)     limits and constraints leave no motion at all
@@ -130,6 +132,34 @@ class UnknownName(UlnaError, LookupError):
             hint = f"There is no {kind} at all."
         text = f"No {kind} named {excerpt(repr(given))}. {hint}"
         super().__init__(f"{text} {mend}" if mend else text)
+
+
+class UnknownAttribute(UlnaError, AttributeError):
+    """An object has no attribute of that name; says what to use instead."""
+
+    def __init__(self, subject: str, name: str, choices: Iterable[str] = (), advice: str = "") -> None:
+        near = nearest(name, tuple(choices))
+        hint = f"Did you mean {' or '.join(map(repr, near))}?" if near else ""
+        subject = f"The {subject}" if subject[:1].islower() else subject
+        text = " ".join(
+            part for part in (f"{subject} has no attribute {excerpt(name)!r}.", advice, hint) if part
+        )
+        super().__init__(text)
+        self.name, self.obj = (
+            name,
+            None,
+        )  # without the object Python appends no guess of its own to this advice
+
+
+class UnknownArgument(UlnaError, TypeError):
+    """A function has no argument of that name; says which was meant."""
+
+    def __init__(self, function: str, given: str, choices: Iterable[str], meant: str | None = None) -> None:
+        self.function, self.given, self.choices = function, given, tuple(choices)
+        near = [meant] if meant in self.choices else nearest(given, self.choices)
+        named = ", ".join(f"`{name}`" for name in self.choices)
+        hint = f"Did you mean {' or '.join(f'`{n}`' for n in near)}?" if near else f"It has: {named}."
+        super().__init__(f"{function}() has no argument `{excerpt(given)}`. {hint}")
 
 
 class ModelError(UlnaError, ValueError):

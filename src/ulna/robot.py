@@ -13,6 +13,7 @@ from ulna import kernels
 from ulna.compiler import Function, trace
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, UnknownName
+from ulna.idioms import Explained, explained
 from ulna.methods.base import Plain, key_of
 from ulna.methods.branches import Branching
 from ulna.methods.configurations import ConfigurationSpace
@@ -52,6 +53,7 @@ class Limits:
 
 
 @final
+@explained("robot")
 class Robot(
     Kinematics,
     ConfigurationSpace,
@@ -63,6 +65,7 @@ class Robot(
     Branching,
     Regressors,
     Variants,
+    metaclass=Explained,
 ):
     """A robot: its model, and its kernels compiled when first used.
 

@@ -12,6 +12,7 @@ import numpy as np
 from ulna import kernels
 from ulna.errors import InputError, NonFiniteError, UnknownName
 from ulna.geometry import Mesh, Shape
+from ulna.idioms import unknown_attribute
 from ulna.model import Model
 from ulna.model.content import fingerprint
 from ulna.spatial import SE3
@@ -140,6 +141,9 @@ class World:
         paths = [o.shape.path for o in self.obstacles if isinstance(o.shape, Mesh)]
         parts = [[o.name, o.shape, o.pose, o.moving, list(o.touches)] for o in self.obstacles]
         return fingerprint([parts, paths])
+
+    def __getattr__(self, name: str) -> Any:
+        raise unknown_attribute("world", name, dir(type(self)))
 
     def __len__(self) -> int:
         return len(self.obstacles)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
+from ulna.idioms import Explained, explained
 from ulna.typing import Floats
 
 if TYPE_CHECKING:
@@ -16,7 +17,8 @@ _SHOWN = 4
 
 
 @final
-class IKSolution:
+@explained("solution")
+class IKSolution(metaclass=Explained):
     """The answer of `robot.ik`, for one goal or a batch of them; it cannot be changed.
 
     It counts as true when the goal is met, so `if solution:` means what it says; a batch has no single truth.

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ulna.errors import UnknownName
+from ulna.idioms import Explained, explained
 from ulna.model.content import fingerprint
 from ulna.model.joints.axes import constant
 from ulna.model.named import Named
@@ -23,8 +24,9 @@ _OF_JOINT = "joint:"
 _LOOKUP_ORDER: tuple[FrameKind, ...] = ("link", "tool", "user", "joint", "fixed_joint")
 
 
+@explained("model")
 @dataclass(frozen=True, eq=False, repr=False)
-class Model:
+class Model(metaclass=Explained):
     """A tree of joints with the bodies they carry.
 
     Two models are equal when their content is; the hash and `fingerprint` go by content too and are the same

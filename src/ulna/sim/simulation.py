@@ -10,6 +10,7 @@ from ulna.checks.values import duration as checked_duration
 from ulna.checks.values import flag, number, one_of, short_repr, step_count
 from ulna.checks.values import function as checked_function
 from ulna.errors import InputError, UnknownName
+from ulna.idioms import unknown_attribute
 from ulna.robot import Robot
 from ulna.sim.body import Body
 
@@ -182,6 +183,9 @@ class Simulation:
             self._origin = now, self._t
         elif ahead > 0.0:
             time.sleep(ahead)
+
+    def __getattr__(self, name: str) -> Any:
+        raise unknown_attribute("simulation", name, dir(type(self)))
 
     def __repr__(self) -> str:
         names = ", ".join(repr(b.name) for b in self._bodies) or "nothing"

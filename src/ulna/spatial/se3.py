@@ -9,6 +9,7 @@ import numpy as np
 
 from ulna.checks.arrays import ROTATION_TOLERANCE, batched_array, checked_rotation
 from ulna.errors import InputError, ShapeError
+from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, is_symbolic, skew, sqrt, vector
 from ulna.spatial import angles, exponential, quaternion
 from ulna.spatial.batched import Batched, as_array, column, numbers
@@ -29,8 +30,9 @@ T = TypeVar("T", bound=Movable)
 
 
 @final
+@explained("SE3")
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SE3(Batched):
+class SE3(Batched, metaclass=Explained):
     """A pose, or a batch of them: `T_a_b @ p_b` is p_a, `T_a_b @ T_b_c` is T_a_c.
 
     Attributes:

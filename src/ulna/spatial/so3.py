@@ -9,6 +9,7 @@ import numpy as np
 
 from ulna.checks.arrays import batched_array, checked_rotation
 from ulna.errors import InputError, ShapeError
+from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, sqrt
 from ulna.spatial import angles, exponential, quaternion
 from ulna.spatial.batched import Batched, as_array, column, numbers
@@ -17,8 +18,9 @@ from ulna.typing import Array, ArrayLike
 
 
 @final
+@explained("SO3")
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SO3(Batched):
+class SO3(Batched, metaclass=Explained):
     """A rotation, or a batch of them: `R_a_b @ p_b` is p_a.
 
     Attributes:

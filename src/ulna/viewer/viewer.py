@@ -8,6 +8,7 @@ from typing import Any, final
 from ulna.checks.values import count, flag, number
 from ulna.checks.values import short_repr as worded
 from ulna.errors import InputError, UnknownName
+from ulna.idioms import unknown_attribute
 from ulna.sim import Simulation
 from ulna.sim.body import TOLD, check_told
 from ulna.viewer.export import ExportMethods, Recorded, checked_height
@@ -119,6 +120,9 @@ class Viewer(ExportMethods):
 
     def _repr_html_(self) -> str | None:
         return None if self._page is None or self._page.closed else self._page._repr_html_()
+
+    def __getattr__(self, name: str) -> Any:
+        raise unknown_attribute("viewer", name, dir(type(self)))
 
     def __repr__(self) -> str:
         return f"<viewer of {len(self.scene.names)} things" + (

@@ -18,6 +18,7 @@ from ulna.compiler.runtime import gufunc as native
 from ulna.compiler.runtime import jit
 from ulna.compiler.runtime.array_call import ELEMENT, General, Unit
 from ulna.errors import DtypeError, MissingExtra
+from ulna.idioms import unknown_attribute
 from ulna.typing import Array
 
 
@@ -143,6 +144,9 @@ class KernelBase:
     @property
     def __name__(self) -> str:
         return self.function.name
+
+    def __getattr__(self, name: str) -> Any:
+        raise unknown_attribute("kernel", name, dir(type(self)))
 
     def __repr__(self) -> str:
         return (

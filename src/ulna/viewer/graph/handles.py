@@ -9,6 +9,7 @@ import numpy as np
 from ulna.checks.arrays import length_array, scale_factors
 from ulna.checks.values import flag, fraction
 from ulna.errors import ShapeError
+from ulna.idioms import Explained, explained
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.attributes import FixedAttributes
 from ulna.viewer.colours import Colour
@@ -20,7 +21,8 @@ from ulna.viewer.mesh.surface import colour
 _NONE = -1.0
 
 
-class Handle(FixedAttributes):
+@explained("handle")
+class Handle(FixedAttributes, metaclass=Explained):
     """A thing of the scene. Its pose, colour, opacity, scale and visibility can be assigned to at any time.
 
     For a group they hold for all that is in it. What it does not have cannot be assigned to.

@@ -10,6 +10,7 @@ from ulna.checks.arrays import length_array
 from ulna.checks.values import count, fraction
 from ulna.checks.values import length as checked_length
 from ulna.errors import InputError
+from ulna.idioms import check_keywords
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.graph.arrow import Arrow, add_arrow
@@ -29,10 +30,12 @@ _INK: RGBA = (0.32, 0.42, 0.56, 1.0)  # seen on a light floor and on a dark one
 class AnnotationMethods(HandleRegistry):
     """A scene to draw into."""
 
+    @check_keywords
     def group(self, name: str, *, pose: Any = None) -> Handle:
         """A group of its own, to move, tint, fade, scale and hide what is added under its name."""
         return self._put(name, "group", pose=pose)
 
+    @check_keywords
     def axes(
         self, length: float = 0.1, *, name: str | None = None, pose: Any = None, opacity: float = 1.0
     ) -> Handle:
@@ -47,6 +50,7 @@ class AnnotationMethods(HandleRegistry):
             through=True,
         )
 
+    @check_keywords
     def arrow(
         self,
         vector: ArrayLike,
@@ -72,6 +76,7 @@ class AnnotationMethods(HandleRegistry):
         self._keep(out, opacity)
         return out
 
+    @check_keywords
     def line(
         self,
         points: ArrayLike,
@@ -94,6 +99,7 @@ class AnnotationMethods(HandleRegistry):
             _catmull_rom(length_array("points", points, None, 3), count("steps", steps, 1, 1000)), **more
         )
 
+    @check_keywords
     def points(
         self,
         positions: ArrayLike,
@@ -110,6 +116,7 @@ class AnnotationMethods(HandleRegistry):
             name, "points", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=PointCloud
         )
 
+    @check_keywords
     def text(
         self,
         words: str,
@@ -127,6 +134,7 @@ class AnnotationMethods(HandleRegistry):
         out.color = rgba
         return out
 
+    @check_keywords
     def grid(
         self,
         size: float = 2.0,

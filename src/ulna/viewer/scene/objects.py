@@ -12,6 +12,7 @@ from ulna.checks.arrays import finite_array
 from ulna.checks.values import checked_robot, fraction, short_repr
 from ulna.errors import InputError
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
+from ulna.idioms import check_keywords
 from ulna.typing import ArrayLike
 from ulna.viewer.colours import Colour
 from ulna.viewer.graph.content import Copies, transforms
@@ -38,6 +39,7 @@ class SceneMethods(AnnotationMethods):
     before anything is added.
     """
 
+    @check_keywords
     def add(
         self,
         thing: Any,
@@ -133,6 +135,7 @@ class SceneMethods(AnnotationMethods):
         """A cone about z, its tip up, centred [m]."""
         return self.add(Cone(radius, length), **more)
 
+    @check_keywords
     def mesh(
         self,
         path: str | os.PathLike[str],
@@ -174,6 +177,7 @@ class SceneMethods(AnnotationMethods):
         kind = os.path.splitext(os.path.basename(file))[0].replace("/", ".") or "mesh"
         return self._put(name, kind, surfaces, pose=pose, opacity=opacity)
 
+    @check_keywords
     def copies(
         self,
         thing: Shape | Surface | str | os.PathLike[str],
@@ -208,6 +212,7 @@ class SceneMethods(AnnotationMethods):
         content = Copies(_surfaces(thing), places, colors, scales)
         return self._put(name, "copies", content=content, pose=pose, opacity=opacity, kind_of=Instances)
 
+    @check_keywords
     def fleet(
         self,
         robot: Any,
