@@ -10,7 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
-from ulna.errors import InputError, NonFiniteError, UnknownName
+from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.geometry import Mesh, Shape
 from ulna.idioms import unknown_attribute
 from ulna.model import Model
@@ -180,14 +180,31 @@ def robot_poses(name: str, model: Model, q: ArrayLike, placement: SE3 | None = N
     }
 
 
+def _pose_of(name: str, array: Floats) -> SE3:
+    if array.shape == (3,):
+        return SE3.from_translation(array)
+    if array.shape[-2:] == (4, 4):
+        return SE3.from_matrix(array)
+    advice = {
+        (7,): "Of a position and a quaternion x, y, z, w: SE3.from_quat_xyzw(pose[3:], pose[:3]).",
+        (6,): "Of a position and roll, pitch, yaw: SE3.from_rpy(pose[3:], pose[:3]).",
+        (3, 3): "Of a rotation: SE3.from_rotation(R, position).",
+    }
+    raise ShapeError(
+        f"pose of obstacle {name!r}",
+        array.shape,
+        "an SE3, (4, 4), or a position (3,)",
+        advice.get(array.shape, ""),
+    )
+
+
 def _pose(name: str, pose: SE3 | ArrayLike | None) -> SE3:
     if pose is None:
         return SE3.identity()
     if isinstance(pose, SE3):
         found = pose
     else:
-        array = np.asarray(pose, dtype=float)
-        found = SE3.from_translation(array) if array.shape == (3,) else SE3.from_matrix(array)
+        found = _pose_of(name, np.asarray(pose, dtype=float))
     matrix: Any = found.matrix()
     if matrix.shape != (4, 4):
         raise InputError(

@@ -31,7 +31,17 @@ from ulna.errors import InputError, UnknownName
 from ulna.ik.goal import Mask, squared_tolerances
 from ulna.ik.problem import Errors, Problem, errors
 from ulna.ik.qp import solve_box
-from ulna.ik.question import check_count, check_tolerances, matrix_of, problem_of, refuse, rest, shift_of
+from ulna.ik.question import (
+    check_count,
+    check_tolerances,
+    matrix_of,
+    poses_of_parts,
+    problem_of,
+    refuse,
+    refuse_shape,
+    rest,
+    shift_of,
+)
 from ulna.ik.result import IKSolution
 from ulna.ik.search import start
 from ulna.ik.verdict import are_rotations, unwound, verdict
@@ -215,7 +225,11 @@ class ClassicSolver:
         numbers = np.array([float(settings[name]) for name in SETTINGS])
         numbers[:2] = squared_tolerances(settings["position_tolerance"], settings["rotation_tolerance"])
         shift = shift_of(seed, self.problem)
-        raw = self._kernel(matrix_of(T), self._rest if q0 is None else q0, shift, numbers, threads=threads)
+        goals = matrix_of(T)
+        poses = poses_of_parts(goals, self.problem)
+        T = goals if poses is None else poses
+        refuse_shape(T, self.problem)
+        raw = self._kernel(T, self._rest if q0 is None else q0, shift, numbers, threads=threads)
         if (raw[..., self.problem.model.nq] < -0.5).any():
             refuse(np.asarray(T, dtype=float))
         return IKSolution(self.problem, raw)

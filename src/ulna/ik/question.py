@@ -29,7 +29,7 @@ def named_goals(
         if not T:
             raise InputError("`T` is an empty dictionary; expected a pose for at least one frame.")
         names = tuple(T)
-        T = _side_by_side(T) if len(T) > 1 else matrix_of(T[names[0]])
+        T = _side_by_side(T, _masks(mask, names)) if len(T) > 1 else matrix_of(T[names[0]])
     elif isinstance(frame, (list, tuple, np.ndarray)):
         names = tuple(frame)
         if not names:
@@ -61,9 +61,15 @@ def _masks(mask: Any, names: Sequence[str]) -> tuple[Mask, ...] | None:
     return tuple(mask_of(m) for m in mask)
 
 
-def _side_by_side(goals: Mapping[Any, Any]) -> Floats:
+def _side_by_side(goals: Mapping[Any, Any], masks: tuple[Mask, ...] | None) -> Floats:
     """The goals of several frames as (..., k, 4, 4)."""
-    poses = [batched_array(f"T[{name!r}]", matrix_of(pose), (4, 4)) for name, pose in goals.items()]
+    poses = []
+    for (name, goal), mask in zip(goals.items(), masks or [Mask()] * len(goals), strict=True):
+        array = matrix_of(goal)
+        pose = pose_of_part(f"T[{name!r}]", array, mask)
+        poses.append(
+            batched_array(f"T[{name!r}]", array if pose is None else pose, (4, 4), _advice(array.shape))
+        )
     try:
         return np.stack(np.broadcast_arrays(*poses), axis=-3)
     except ValueError:
@@ -142,6 +148,66 @@ def matrix_of(T: Any) -> Any:
         return np.asarray(T.matrix() if hasattr(T, "matrix") else T)
     except ValueError:
         raise InputError("`T` is made of rows of different lengths; expected (..., 4, 4).") from None
+
+
+def pose_of_part(name: str, T: Any, mask: Mask) -> Floats | None:
+    """Poses (..., 4, 4) of points (..., 3) where positions alone count, or of rotations (..., 3, 3) where these do.
+
+    None where `T` is something else, or more of the pose counts.
+
+    Raises:
+        DtypeError, NonFiniteError, InputError: If the points or rotations are no finite numbers, or no rotations.
+    """
+    turns = mask.axis is not None or any(mask.rotation)
+    if T.shape[-1:] == (3,) and not turns:
+        point = batched_array(name, T, (3,))
+        pose = np.broadcast_to(np.eye(4), (*point.shape[:-1], 4, 4)).copy()
+        pose[..., :3, 3] = point
+        return pose
+    if T.shape[-2:] == (3, 3) and not any(mask.position):
+        rotation = checked_rotation(name, T, "ulna.spatial.nearest_rotation(R)")
+        pose = np.broadcast_to(np.eye(4), (*rotation.shape[:-2], 4, 4)).copy()
+        pose[..., :3, :3] = rotation
+        return pose
+    return None
+
+
+def poses_of_parts(T: Any, problem: Problem) -> Floats | None:
+    """The same for the goals of all frames of a problem, (..., 4, 4), or (..., k, 4, 4) for k frames."""
+    kinds = {(mask.axis is not None or any(mask.rotation), any(mask.position)) for mask in problem.masks}
+    if len(kinds) > 1:  # of one frame a point counts, of another a rotation; a dictionary can say so
+        return None
+    poses = pose_of_part("T", T, problem.masks[0])
+    core = problem.shapes["T"]
+    return poses if poses is not None and poses.shape[poses.ndim - len(core) :] == core else None
+
+
+def refuse_shape(T: Any, problem: Problem) -> None:
+    """Says how to make a pose of what has the shape of a point, a rotation, or a position with angles.
+
+    Raises:
+        ShapeError: If that is so.
+    """
+    core = problem.shapes["T"]
+    shape = np.shape(T)
+    advice = _advice(shape)
+    if advice and shape[len(shape) - len(core) :] != core:
+        raise ShapeError("T", shape, "(" + ", ".join(["...", *map(str, core)]) + ")", advice)
+
+
+def _advice(shape: tuple[int, ...]) -> str:
+    """What makes a pose of an array of that shape."""
+    if shape[-2:] == (3, 3):
+        return (
+            'A rotation alone is a goal of mask="rotation"; `SE3.from_rotation(R, translation)` makes a pose.'
+        )
+    if shape[-1:] == (3,):
+        return 'A point alone is a goal of mask="position"; `SE3.from_translation(T)` makes a pose.'
+    if shape[-1:] == (7,):
+        return "`SE3.from_quat_xyzw(T[3:], T[:3])` makes a pose of a position and a quaternion x, y, z, w."
+    if shape[-1:] == (6,):
+        return "`SE3.from_rpy(T[3:], T[:3])` makes a pose of a position and roll, pitch, yaw."
+    return ""
 
 
 def refuse(T: Floats) -> NoReturn:

@@ -17,9 +17,11 @@ from ulna.ik.question import (
     check_count,
     check_tolerances,
     matrix_of,
+    poses_of_parts,
     problem_of,
     refuse,
     refuse_batch,
+    refuse_shape,
     rest,
     shift_of,
 )
@@ -69,18 +71,22 @@ class Solver:
             shift = _remember(self._shifts, seed, shift_of(seed, self.problem))
         if type(T) is not np.ndarray:
             T = matrix_of(T)
-        if q0 is None and T.ndim > self._core and T.size >= _BATCH * 16 * len(self.problem.frames):
-            raw = self._march(T, shift, settings, threads)
-        else:
-            start = self._rest if q0 is None else q0
-            try:
+        try:
+            if q0 is None and T.ndim > self._core and T.size >= _BATCH * 16 * len(self.problem.frames):
+                raw = self._march(T, shift, settings, threads)
+            else:
+                start = self._rest if q0 is None else q0
                 if threads is None:
                     raw = self._race(T, start, shift, settings)
                 else:
                     raw = self._race(T, start, shift, settings, threads=threads)
-            except ShapeError:
-                refuse_batch(T, q0, self.problem)
-                raise
+        except ShapeError:
+            poses = poses_of_parts(T, self.problem)
+            if poses is not None:
+                return self(poses, q0, position_tolerance, rotation_tolerance, seed, attempts, threads)
+            refuse_shape(T, self.problem)
+            refuse_batch(T, q0, self.problem)
+            raise
         if raw.ndim == 1:
             if raw[self._status] < 0.5:
                 raw = self._nearest(T, raw, shift, settings, None)

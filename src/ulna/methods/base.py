@@ -8,6 +8,8 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
+from ulna.compiler.language.scalar import Value
+from ulna.errors import TraceError
 from ulna.model import Model
 
 
@@ -42,6 +44,25 @@ class Part(ABC):
     @abstractmethod
     def _checked(self, name: str, **options: Any) -> Any:
         """The kernel of that name and options, which checks its inputs."""
+
+
+def only_numbers(what: str, advice: str, *values: Any) -> None:
+    """Refuses traced values in what cannot be compiled.
+
+    Args:
+        what: The method, such as "robot.distance".
+        advice: What to do instead.
+        values: Its arrays.
+
+    Raises:
+        TraceError: If one of them holds a traced value.
+    """
+    for value in values:
+        is_object = isinstance(value, np.ndarray) and value.dtype.kind == "O"
+        if is_object and any(isinstance(v, Value) for v in value.flat):
+            raise TraceError(
+                f"{what} takes numbers only, so it cannot be part of a compiled function. {advice}"
+            )
 
 
 def key_of(value: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ulna.methods.base import Part
+from ulna.methods.base import Part, only_numbers
 from ulna.typing import ArrayLike
 
 if TYPE_CHECKING:
@@ -67,6 +67,7 @@ class Branching(Part):
         """
         from ulna.ik.branches import ik_all
 
+        only_numbers("robot.ik_all", "Call it outside, and pass what it finds as an argument.", T, q0)
         return ik_all(
             self.model,
             T,

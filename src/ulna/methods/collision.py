@@ -6,13 +6,18 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 from ulna.errors import InputError, UnknownName
-from ulna.methods.base import Part
+from ulna.methods.base import Part, only_numbers
 from ulna.typing import ArrayLike, Floats
 
 if TYPE_CHECKING:
     from ulna.collision import Distance, Spheres, World
 
 Method = Literal["exact", "spheres"]
+
+_TRACED = (
+    "There use ulna.collision.sphere_clearance(robot.model, world), a function of q by covering spheres; or call this "
+    "outside, and pass what it finds as an argument."
+)
 
 _KEPT = 16  # checkers of worlds used last; a world that changes with every call must not fill the memory
 
@@ -55,6 +60,7 @@ class Collisions(Part):
             UnknownName: If a name of an obstacle or link is unknown.
             MissingExtra: If what the method needs is not installed.
         """
+        only_numbers("robot.collides", _TRACED, q)
         return self.collision_checker(world, method=method, **options).collides(q, moving, margin=margin)
 
     def distance(
@@ -75,6 +81,7 @@ class Collisions(Part):
             stop_below: The first pair this near ends the search [m].
             **options: Of `collision_checker`.
         """
+        only_numbers("robot.distance", _TRACED, q)
         return self.collision_checker(world, **options).distance(q, moving, stop_below=stop_below)
 
     def distance_gradient(
@@ -86,6 +93,7 @@ class Collisions(Part):
         **options: Any,
     ) -> Floats:
         """Gradient of `distance` by the configuration's tangent, (..., nv) [m/rad or 1]."""
+        only_numbers("robot.distance_gradient", _TRACED, q)
         return self.collision_checker(world, **options).gradient(q, moving)
 
     def first_contact(
@@ -104,6 +112,7 @@ class Collisions(Part):
         """
         from ulna import collision
 
+        only_numbers("robot.first_contact", _TRACED, q0, q1)
         return collision.first_contact(self.collision_checker(world, **options), q0, q1, margin, moving)
 
     def collision_checker(

@@ -41,7 +41,8 @@ class InverseKinematics(Part):
 
         Args:
             T: The goal, T_world_frame, (..., 4, 4) [m]; a batch is solved together. For several frames at once a
-                dictionary {frame: T}, or (..., k, 4, 4) with their names in `frame`.
+                dictionary {frame: T}, or (..., k, 4, 4) with their names in `frame`. Where `mask` leaves the rotation
+                free, points (..., 3); where it leaves the position free, rotations (..., 3, 3).
             q0: Configuration to stay near, (..., nq) [rad or m]: the search sets out from it and returns the nearest of
                 the solutions it meets there. Without it, from a named rest configuration, then from drawn points; then
                 the first solution met is returned.

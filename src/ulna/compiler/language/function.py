@@ -52,8 +52,8 @@ class Function:
         if is_symbolic(*args):
             if self.lanes > 1:
                 raise TraceError(
-                    f"{self.name} evaluates one sample in {self.lanes} lanes and takes numbers only; it cannot be "
-                    "inlined."
+                    f"{self.name} evaluates one sample in {self.lanes} lanes and takes numbers only, so it cannot be "
+                    "part of a compiled function. Call it outside, and pass what it finds as an argument."
                 )
             return self._inline(args)
         arrays = [np.asarray(a, dtype=float) for a in args]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -16,6 +16,7 @@ from ulna.compiler.language.scalar import Value
 from ulna.compiler.runtime import entry_point as entry
 from ulna.compiler.runtime import gufunc as native
 from ulna.compiler.runtime import jit
+from ulna.compiler.runtime.foreign import is_foreign, refuse_lazy, refuse_tables, shape_advice, shown
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 
 Unit = tuple[tuple[int, tuple[int, ...]], ...]
@@ -73,7 +74,9 @@ class General:
         if len(args) != len(f.inputs):
             names = ", ".join(p.name for p in f.inputs)
             raise TypeError(f"{f.name}({names}) takes {len(f.inputs)} arguments; {len(args)} were given.")
-        if not self.interpreted and any(_is_foreign(a) for a in args):
+        if not self.interpreted and any(is_foreign(a) for a in args):
+            for a, port in zip(args, f.inputs, strict=True):
+                refuse_tables(port, a)
             if self.checked:
                 for a, port in zip(args, f.inputs, strict=True):
                     if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others, as Dask's, may be lazy
@@ -104,7 +107,11 @@ class General:
         return self._apply(arrays, out)
 
     def _apply(self, args: Sequence[Any], out: Any) -> Any:
-        result = self.ufunc(*args) if out is None else self.ufunc(*args, out=out)
+        try:
+            result = self.ufunc(*args) if out is None else self.ufunc(*args, out=out)
+        except ValueError:
+            refuse_lazy(self.function, args)
+            raise
         return result if self.function.single or isinstance(result, tuple) else (result,)
 
     def _bind(self, args: tuple[Any, ...], named: dict[str, Any]) -> tuple[Any, ...]:
@@ -164,7 +171,7 @@ class General:
                 and target.dtype == self.dtype
             ):
                 continue
-            if target is None or _is_foreign(target):  # None: a new array
+            if target is None or is_foreign(target):  # None: a new array
                 continue
             if not isinstance(target, np.ndarray):
                 raise InputError(f"`out` is of type {type(target).__name__}; expected a NumPy array.")
@@ -190,22 +197,29 @@ class General:
             array = np.asarray(value)
         except ValueError as error:  # ragged lists
             raise InputError(
-                f"`{port.name}` is ragged; expected an array of numbers, shape {_shown(port)}. NumPy says: {error}"
+                f"`{port.name}` is ragged; expected an array of numbers, shape {shown(port)}. NumPy says: {error}"
             ) from None
         if array.dtype != self.dtype:
             if array.dtype == object:
                 return self._objects(array, port)
             if array.dtype.kind not in "fiub":
-                raise DtypeError(port.name, str(array.dtype))
+                named = 'Configurations with names are arrays in robot.configurations: robot.configurations["qr"].'
+                raise DtypeError(port.name, str(array.dtype), mend=named if array.dtype.kind in "US" else "")
             array = array.astype(self.dtype)
         core = len(port.shape)
         if array.ndim < core or array.shape[array.ndim - core :] != port.shape:
-            raise ShapeError(port.name, array.shape, _shown(port), _shape_mend(array.shape, port))
+            raise ShapeError(port.name, array.shape, shown(port), shape_advice(array.shape, port))
         return array
 
     def _objects(self, array: Any, port: Port) -> Any:
         if any(isinstance(v, Value) for v in array.reshape(-1)):
             return array
+        if array.ndim == 0 and isinstance(array[()], Mapping):
+            raise DtypeError(
+                port.name,
+                "dict",
+                mend="Put its values in order: np.array([q[name] for name in robot.joint_names]).",
+            )
         odd = next((v for v in array.reshape(-1) if v is None or isinstance(v, (str, bytes))), 0)
         if odd != 0:  # NumPy would make nan of None and parse text
             raise DtypeError(port.name, f"object and holds {odd!r}")
@@ -268,30 +282,6 @@ def _fits(batch: tuple[int, ...], target: tuple[int, ...]) -> bool:
         return np.broadcast_shapes(batch, target) == target
     except ValueError:
         return False
-
-
-def _is_foreign(value: Any) -> bool:
-    """Whether an argument brings its own meaning of ufuncs: subclasses of ndarray, Dask arrays and the like."""
-    return (
-        type(value) is not np.ndarray
-        and hasattr(value, "__array_ufunc__")
-        and not isinstance(value, np.generic)
-    )
-
-
-def _shown(port: Port) -> str:
-    return "(" + ", ".join(["...", *map(str, port.shape)]) + ")"
-
-
-def _shape_mend(given: tuple[int, ...], port: Port) -> str:
-    core = len(port.shape)
-    if given and core and given[::-1][:core] == port.shape:
-        return "It looks transposed."
-    if len(given) == core + 1 and given[:core] == port.shape:
-        return "The batch axis comes first: pass the transpose."
-    if core == 1 and given and given[-1] != port.shape[0]:
-        return f"The last axis holds the {port.shape[0]} numbers of one sample."
-    return ""
 
 
 def _check_finite(name: str, array: Any) -> None:
