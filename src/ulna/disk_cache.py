@@ -41,13 +41,33 @@ def folder() -> Path | None:
     elif not chosen:
         chosen = os.path.join(os.environ.get("XDG_CACHE_HOME") or "~/.cache", "ulna")
     try:
-        return Path(chosen).expanduser()
+        return _expanded(chosen)
     except RuntimeError:  # a user without a home, as in some containers
         _warn(
             f"The kernel cache {chosen} cannot be found, because this user has no home folder; kernels are compiled "
             "anew in each process. Set ULNA_CACHE to a folder you can write, or to 0 for none."
         )
         return None
+
+
+def _expanded(path: str) -> Path:
+    """The path with `~` as the user's home folder; an empty HOME counts as not set.
+
+    Raises:
+        RuntimeError: This user has no home folder.
+    """
+    own = path == "~" or path.startswith("~/")
+    if own and os.environ.get("HOME") == "" and hasattr(os, "getuid"):
+        import pwd
+
+        try:
+            home = pwd.getpwuid(os.getuid()).pw_dir
+        except KeyError:
+            home = ""
+        if not home:
+            raise RuntimeError("no home folder")
+        path = home + path[1:]
+    return Path(path).expanduser()
 
 
 def key(*parts: str | bytes) -> str:

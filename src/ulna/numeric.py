@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import TraceError
+from ulna.errors import InputError, TraceError
 from ulna.typing import Array
 
 
@@ -28,6 +28,31 @@ def _is_symbolic(value: Any) -> bool:
     if isinstance(value, (list, tuple)):
         return any(_is_symbolic(v) for v in value)
     return True
+
+
+def refuse_masked(name: str, value: Any) -> None:
+    """Refuse a masked array, or a list with one, that masks any entry: its numbers would be used as if they counted.
+
+    Args:
+        name: What the user calls it.
+        value: Whatever was given.
+
+    Raises:
+        InputError: Entries of it are masked.
+    """
+    for part in value if isinstance(value, (list, tuple)) else (value,):
+        if (
+            isinstance(part, np.ndarray)
+            and type(part) is not np.ndarray
+            and isinstance(part, np.ma.MaskedArray)
+        ):
+            count = int(np.ma.count_masked(part))
+            if count:
+                raise InputError(
+                    f"`{name}` is a masked array with {count} masked {'entry' if count == 1 else 'entries'}; expected "
+                    "numbers only. Fill them with `.filled(number)`, or select the rows without any: "
+                    "x[~np.ma.getmaskarray(x).any(axis=-1)].data."
+                )
 
 
 def vector(*components: Any) -> Array:

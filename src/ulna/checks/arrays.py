@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.checks.values import MAX_LENGTH, real_number, short_repr
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
-from ulna.numeric import is_symbolic
+from ulna.numeric import is_symbolic, refuse_masked
 from ulna.typing import Array, Floats
 
 ROTATION_TOLERANCE = 1e-6
@@ -22,6 +22,7 @@ def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
     Raises:
         InputError, NonFiniteError: They are not, or rows differ in length.
     """
+    refuse_masked(name, value)
     try:
         given = np.asarray(value)
         if given.dtype.kind not in "fiu" and given.size:
@@ -91,6 +92,7 @@ def batched_array(name: str, value: Any, shape: tuple[int, ...], fix: str = "") 
         NonFiniteError: nan or inf among the numbers.
     """
     expected = "(" + ", ".join(["...", *map(str, shape)]) + ")"
+    refuse_masked(name, value)
     try:
         array = np.asarray(value)
     except ValueError:

@@ -14,6 +14,7 @@ from ulna.errors import InputError, ShapeError
 from ulna.ik.analytic.candidates import Source, between, source_of
 from ulna.ik.analytic.sift import Sift
 from ulna.model import Model
+from ulna.numeric import refuse_masked
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
 
@@ -128,6 +129,7 @@ def ik_all(
 
 def _goals(T: Any) -> Floats:
     """The goals (..., 4, 4); a rotation that is none shows when forward kinematics does not meet it, see `Sift`."""
+    refuse_masked("T", T)
     if isinstance(T, np.ndarray) and T.dtype == np.float64 and T.shape[-2:] == (4, 4):
         return T
     if isinstance(T, SE3):

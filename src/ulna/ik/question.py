@@ -13,6 +13,7 @@ from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.ik.goal import Mask, mask_of
 from ulna.ik.problem import Problem
 from ulna.model import Model
+from ulna.numeric import refuse_masked
 from ulna.typing import Floats
 
 REST = ("rest", "home", "ready", "qr", "half_sitting", "standing")
@@ -144,6 +145,9 @@ def matrix_of(T: Any) -> Any:
     Raises:
         InputError: If a list has rows of different lengths.
     """
+    plain = type(T) is np.ndarray
+    if not plain:
+        refuse_masked("T", T)
     try:
         return np.asarray(T.matrix() if hasattr(T, "matrix") else T)
     except ValueError:

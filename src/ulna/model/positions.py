@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import ModelError, UnknownName
+from ulna.errors import ModelError, UnknownName, excerpt
 from ulna.model.model import Model
+from ulna.numeric import refuse_masked
 from ulna.typing import Floats
 
 
@@ -51,10 +52,11 @@ def position(model: Model, q: Any, what: str = "q", base: Floats | None = None) 
 
 def local_position(count: int, value: Any, what: str, each: str = "") -> Floats:
     """`value` as `count` finite numbers."""
+    refuse_masked(what, value)
     try:
         out = np.array(value, dtype=float)
     except (TypeError, ValueError):
-        raise ModelError(f"The {what} is {value!r}; expected {count} numbers.") from None
+        raise ModelError(f"The {what} is {excerpt(repr(value))}; expected {count} numbers.") from None
     if out.ndim == 0 and count == 1:
         out = out.reshape(1)
     if out.shape != (count,):

@@ -82,10 +82,11 @@ class Show:
         theme: Theme,
         showing: Showing = "visual",
     ) -> None:
-        self.robot, self.scene, self.name = robot, scene, robot.name
+        self.robot, self.scene = robot, scene
         self.lock = threading.RLock()
         with progress("Loading meshes") as report:
             self._figure = RobotVisual(scene, robot, q, show=showing, report=report)
+        self.name = self._figure.name
         try:
             self.page = Page(scene, title=robot.name, port=port, host=host, camera=camera, theme=theme)
         except BaseException:

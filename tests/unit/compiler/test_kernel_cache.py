@@ -437,3 +437,25 @@ def test_short_compilations_say_nothing(place, capsys, monkeypatch):
     monkeypatch.delenv("ULNA_QUIET", raising=False)
     use()
     assert capsys.readouterr().err == ""
+
+
+@POSIX
+def test_an_empty_home_is_no_home(monkeypatch, tmp_path):
+    import pwd
+
+    for name in ("ULNA_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setenv("HOME", "")
+    assert cache.folder() == Path(pwd.getpwuid(os.getuid()).pw_dir) / ".cache" / "ulna"
+    monkeypatch.setenv("ULNA_CACHE", "~/kernels")
+    assert cache.folder() == Path(pwd.getpwuid(os.getuid()).pw_dir) / "kernels"
+
+    def nobody(uid):
+        raise KeyError(uid)
+
+    monkeypatch.setattr(pwd, "getpwuid", nobody)
+    with pytest.warns(CacheWarning, match="no home folder"):
+        assert cache.folder() is None
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert cache.folder() == tmp_path / "kernels"

@@ -244,10 +244,11 @@ def test_a_number_of_threads_that_is_none_is_refused(double, threads):
 def test_subclasses_of_arrays_keep_their_kind(double):
     q = np.arange(3.0)
     assert isinstance(double(q[None].view(np.matrix)), np.matrix)
-    masked = double(np.ma.array([q, q], mask=[[0, 1, 0], [0, 0, 0]]))
-    assert isinstance(masked, np.ma.MaskedArray)
-    assert masked.mask.tolist() == [[False, True, False], [False, False, False]]
-    assert masked[1].tolist() == [1.0, 3.0, 5.0]
+    assert double(np.ma.array([q, q]))[1].tolist() == [1.0, 3.0, 5.0]
+    with pytest.raises(
+        InputError, match="masked"
+    ):  # a mask says nothing about what was computed from many entries
+        double(np.ma.array([q, q], mask=[[0, 1, 0], [0, 0, 0]]))
 
     class Tagged(np.ndarray):
         pass

@@ -125,6 +125,11 @@ def check_name(name: str) -> None:
         )
 
 
+def node_name(text: str) -> str:
+    """A robot's name as the name of a node: without empty parts between, before and after `/`."""
+    return "/".join(part for part in text.split("/") if part.strip()) or "robot"
+
+
 def check_even(name: str, scale: Floats) -> None:
     """Refuse to stretch a group.
 

@@ -27,11 +27,11 @@ _KNUCKLE: RGBA = (0.93, 0.52, 0.13, 1.0)
 
 def link_names(robot: Any) -> tuple[str, ...]:
     """Names of the links as nodes: `/`, which would make groups, becomes `.`."""
-    out: list[str] = []
+    out: dict[str, None] = {}
     for link in robot.model.links:
         plain = link.name.replace("/", ".").strip() or "link"
         names = itertools.chain([plain], (f"{plain}'{k}" for k in itertools.count(2)))
-        out.append(next(n for n in names if n not in out))
+        out[next(n for n in names if n not in out)] = None
     return tuple(out)
 
 

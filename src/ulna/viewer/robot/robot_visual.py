@@ -7,7 +7,7 @@ from typing import Any, final
 
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
-from ulna.viewer.graph.node import standing
+from ulna.viewer.graph.node import node_name, standing
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.mesh.mesh_files import Detail
 from ulna.viewer.mesh.surface import colour
@@ -49,7 +49,7 @@ class RobotVisual:
         report: Report = silent,
         detail: Detail = "seen",
     ) -> None:
-        self.scene, self.robot, self.name = scene, robot, name or robot.name
+        self.scene, self.robot, self.name = scene, robot, name or node_name(robot.name)
         start = checked_configuration(robot, q)
         self._q: Floats | Callable[[], Floats] = start
         self._late = False  # whether the scene will ask for what is newest anyway

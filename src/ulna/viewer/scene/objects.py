@@ -17,7 +17,7 @@ from ulna.typing import ArrayLike
 from ulna.viewer.colours import Colour
 from ulna.viewer.graph.content import Copies, transforms
 from ulna.viewer.graph.handles import Handle, Instances
-from ulna.viewer.graph.node import checked_poses, standing
+from ulna.viewer.graph.node import checked_poses, node_name, standing
 from ulna.viewer.mesh.mesh_files import Detail, load_mesh
 from ulna.viewer.mesh.primitives import tessellate
 from ulna.viewer.mesh.surface import Surface, colour
@@ -101,7 +101,7 @@ class SceneMethods(AnnotationMethods):
         detail: Detail,
     ) -> RobotHandle:
         fraction("opacity", opacity)
-        start, group = configuration(robot, q), self._name(name, robot.name)
+        start, group = configuration(robot, q), self._name(name, node_name(robot.name))
         old = self._handles.get(group)
         with progress(f"Loading {robot.name}") as report:
             figure = RobotVisual(self.scene, robot, start, group, color, show, pose, report, detail)
