@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from ulna.viewer.node import node_name
 
 import ulna
-from ulna.viewer.node import node_name
 from ulna.viewer.viewer import Viewer
 
 TEXT = (
