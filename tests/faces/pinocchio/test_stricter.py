@@ -50,6 +50,17 @@ def test_unknown_names_offer_the_nearest(pin: Any) -> None:
     assert not model.existFrame("hnad")
 
 
+def test_a_name_that_a_body_and_a_joint_share_needs_the_type(pin: Any) -> None:
+    """As in Pinocchio, which raises ValueError too."""
+    model = _arm(pin)
+    other = model.frames[model.getFrameId("hand")].copy()
+    other.type = pin.FrameType.OP_FRAME
+    added = model.addFrame(other)
+    with pytest.raises(ValueError, match=r"2 frames are named 'hand'.*FrameType.BODY, FrameType.OP_FRAME"):
+        model.getFrameId("hand")
+    assert model.getFrameId("hand", pin.FrameType.OP_FRAME) == added
+
+
 def test_indices_that_do_not_exist_are_refused(pin: Any) -> None:
     model = _arm(pin)
     data, q, v = model.createData(), [0.1, 0.2], [0.3, 0.4]

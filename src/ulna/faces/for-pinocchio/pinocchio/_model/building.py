@@ -66,11 +66,21 @@ class Building(Numbers):
         return self.names.index(name)
 
     def getFrameId(self, name: str, type: Any = None) -> int:
-        """The index of the frame of that name (and type). Raises UnknownName with the nearest one."""
+        """The index of the frame of that name (and type).
+
+        Raises:
+            UnknownName: There is none; offers the nearest one.
+            InputError: A body and a joint, or the like, share the name, and `type` does not say which is meant.
+        """
         wanted = self._frame_type(type)
-        for i, frame in enumerate(self.frames):
-            if frame._name == name and frame._type & wanted:
-                return i
+        found = [i for i, frame in enumerate(self.frames) if frame._name == name and frame._type & wanted]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            types = ", ".join(f"FrameType.{self.frames[i].type.name}" for i in found)
+            raise InputError(
+                f"{len(found)} frames are named {name!r}; say which: getFrameId({name!r}, type) with one of {types}."
+            )
         mend = "Ask existFrame(name) first where it may be missing."
         raise UnknownName("frame", name, [f.name for f in self.frames if f.type & wanted], mend)
 
@@ -182,7 +192,8 @@ class Building(Numbers):
     ) -> int:
         """Adds the frame of a body; returns its index."""
         if previous_frame < 0:
-            previous_frame = self.getFrameId(self.names[parentJoint])
+            joints = int(FrameType.JOINT) | int(FrameType.FIXED_JOINT)
+            previous_frame = self.getFrameId(self.names[parentJoint], joints)
         return self.addFrame(Frame(body_name, parentJoint, previous_frame, body_placement, FrameType.BODY))
 
     def addFrame(self, frame: Frame, append_inertia: bool = True) -> int:

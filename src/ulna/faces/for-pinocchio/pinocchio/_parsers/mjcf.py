@@ -71,7 +71,7 @@ def _constraints(model: Model, file: str) -> StdVec[RigidConstraintModel]:
         kind = ContactType.CONTACT_3D if loop.size == 3 else ContactType.CONTACT_6D
         places: list[Any] = []
         for name, pose in loop.ends():
-            frame = model.frames[model.getFrameId(name) if name != "world" else 0]
+            frame = model.frames[model.getBodyId(name) if name != "world" else 0]
             places += [frame.parentJoint, frame.placement * _pose(pose)]
         found.append(RigidConstraintModel(kind, model, *places, ReferenceFrame.LOCAL))
     return found
