@@ -15,7 +15,10 @@ from support.mjcf_table import table
 
 TABLE = table()
 TETRA = ["v 0 0 0", "v .3 0 .1", "v 0 .4 0", "v .1 .1 .5", "f 1 3 2", "f 1 2 4", "f 2 3 4", "f 3 1 4"]
-QUICK = [s for s in TABLE if s.source is not None and s.path in ("option/flag", "body/joint")]
+EFFECTIVE = [s for s in TABLE if s.source is not None and s.verdict != "irrelevant"]
+QUICK = [
+    s for s in EFFECTIVE if s.path == "option/flag" or (s.path == "body/joint" and s.verdict == "warned")
+]
 SWEEP = [s for s in TABLE if s.source is not None and s not in QUICK]
 
 

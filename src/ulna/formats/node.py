@@ -42,6 +42,16 @@ class Node:
         """The text inside the element, stripped."""
         return (self._element.text or "").strip()
 
+    @property
+    def attributes(self) -> tuple[str, ...]:
+        """The names of the attributes that are written down, without those of foreign namespaces."""
+        return tuple(str(name) for name in self._element.attrib if not _is_foreign(str(name)))
+
+    @property
+    def root(self) -> Node:
+        """The root element of the file."""
+        return Node(self._element.getroottree().getroot(), self.file, self._namespace)
+
     def has(self, attribute: str) -> bool:
         """Whether the attribute is written down."""
         return self._element.get(attribute) is not None

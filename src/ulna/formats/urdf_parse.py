@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ulna.errors import FormatError
 from ulna.formats.markup import parse_markup
 from ulna.formats.node import Node, nearest, short
+from ulna.formats.omitted import warn_of_omissions
 from ulna.formats.urdf_document import (
     UrdfBody,
     UrdfDocument,
@@ -19,7 +22,9 @@ from ulna.formats.urdf_document import (
     UrdfShape,
 )
 from ulna.formats.urdf_materials import Palette
+from ulna.formats.urdf_omitted import has_quaternions, omissions_of
 from ulna.formats.urdf_tree import ONE_NUMBER, check_mimics, check_tree
+from ulna.spatial import SE3, matrix_to_rpy
 
 JOINT_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
 SHAPES = ("box", "cylinder", "sphere", "capsule", "mesh")
@@ -66,6 +71,7 @@ def parse_urdf(data: bytes | str, file: str | None = None) -> UrdfDocument:
         root.fail("the robot has no links.", 'Write at least <link name="..."/>.')
     check_mimics(joints, nodes)
     top = check_tree(links, joints, nodes, root)
+    warn_of_omissions(omissions_of(root), file, stacklevel=3)
     name = root.string("name") or "robot"
     return UrdfDocument(name, tuple(links.values()), tuple(joints.values()), palette.named, top, file)
 
@@ -94,7 +100,16 @@ def _origin(node: Node) -> UrdfOrigin:
     origin = node.child("origin")
     if origin is None:
         return UrdfOrigin()
-    return UrdfOrigin(origin.vector("xyz", 3, (0.0, 0.0, 0.0)), origin.vector("rpy", 3, (0.0, 0.0, 0.0)))
+    xyz = origin.vector("xyz", 3, (0.0, 0.0, 0.0))
+    if not origin.has("quat_xyzw") or not has_quaternions(node.root):
+        return UrdfOrigin(xyz, origin.vector("rpy", 3, (0.0, 0.0, 0.0)))
+    if origin.has("rpy"):
+        origin.fail("both rpy and quat_xyzw are given.", "Write one of them.")
+    quaternion = np.array(origin.vector("quat_xyzw", 4))
+    if np.linalg.norm(quaternion) < 1e-9:
+        origin.fail("the quaternion quat_xyzw has no length.", 'No rotation is quat_xyzw="0 0 0 1".')
+    r, p, y = (float(x) for x in matrix_to_rpy(SE3.from_quat_xyzw(quaternion).rotation))
+    return UrdfOrigin(xyz, (r, p, y))
 
 
 def _link(node: Node, palette: Palette) -> UrdfLink:
