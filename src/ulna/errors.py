@@ -14,6 +14,7 @@ UlnaError
 ├── MissingExtra (ImportError)       an optional dependency is not installed
 ├── TraceError (TypeError)           a traced function does what cannot be traced
 ├── CompileError (RuntimeError)      LLVM refused a kernel (a bug in Ulna; please report it)
+├── TooLargeError (RuntimeError)     a kernel would take more operations than the limit
 └── ViewerError (RuntimeError)       the viewer cannot do what was asked
 
 UlnaWarning (UserWarning)
@@ -211,6 +212,10 @@ class TraceError(UlnaError, TypeError):
 
 class CompileError(UlnaError, RuntimeError):
     """LLVM refused a kernel."""
+
+
+class TooLargeError(UlnaError, RuntimeError):
+    """A kernel would take more operations than the limit, ULNA_MOST_OPERATIONS."""
 
 
 class ViewerError(UlnaError, RuntimeError):

@@ -23,6 +23,7 @@ from ulna.model import Frame, Model
 from ulna.recipes import constraints, dynamics, operational
 from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, Q, Recipe, Size, frame_of, on_model
 from ulna.recipes.mass import MASS_PARAMETERS, WithMass, check_mass
+from ulna.recipes.size import sized
 from ulna.typing import Array
 
 
@@ -230,7 +231,8 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
     shapes: dict[str, Any] = {key: _shape(model, size) for key, size in arguments}
     doc = f"{recipe.doc} Robot: {model.name}."
     if not told:
-        return trace(recipe.build(model, **chosen), name=name, doc=doc, **shapes)
+        with sized(model, name, chosen):
+            return trace(recipe.build(model, **chosen), name=name, doc=doc, **shapes)
 
     def run(*arrays: Any) -> Any:
         values = dict(zip(told, arrays[len(shapes) :], strict=True))
@@ -238,7 +240,8 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
 
     doc += f" Parameters: {', '.join(told)}."
     extra: dict[str, Any] = {key: models.parameters(model, key).shape for key in told}
-    return trace(run, name=name, doc=doc, **shapes, **extra)
+    with sized(model, name, chosen):
+        return trace(run, name=name, doc=doc, **shapes, **extra)
 
 
 def kernel(

@@ -18,8 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,6 +31,9 @@ from ulna.typing import Floats
 _EXACT = 1e-14
 _TURN_COST = {3: 0, 4: 6, 5: 12, 6: 15, 7: 18, 8: 24, 9: 30}  # operations by how many entries are not zero
 _SLIDE_COST = (0, 4, 8, 12)
+_CHOICES = (
+    8  # joints beyond from which turns and slides are taken; the cost of each is that of all joints beyond
+)
 
 
 class Tidy(NamedTuple):
@@ -94,21 +96,38 @@ def _best(
     P: SE3, u: Floats, beyond: Sequence[tuple[SE3, Floats | None]], may_turn: bool
 ) -> tuple[float, float]:
     """The turn [rad] and the slide [m] along u that leave the least to do in P and in the placements beyond."""
+    k = int(np.abs(u).argmax())
+    chosen = beyond[:_CHOICES]
+    turns = list(dict.fromkeys(_turns(u, chosen))) if may_turn else [0.0]
+    slides = [0.0, -float(P.translation @ P.rotation @ u), *(float(p.translation @ u) for p, _ in chosen)]
+    slides = list(dict.fromkeys(slides))
+    along = {slide: _count([p.translation[k] - slide * u[k] for p, _ in beyond], 1) for slide in slides}
+    own = {slide: _slide_cost(P.translation + P.rotation @ u * slide) for slide in slides}
+    costs: list[tuple[float, float, float]] = []
+    for turn in turns:
+        across, rotations = _beyond(_about(u, -turn), k, beyond)
+        for slide in slides:
+            entries = int(np.take(_SLIDE_COST, across + along[slide]).sum())
+            total = own[slide] + rotations + entries + 0.5 * (turn != 0.0) + 0.1 * (slide != 0.0)
+            costs.append((total, turn, slide))
+    _, turn, slide = min(costs, key=lambda found: found[0])
+    return turn, slide
 
-    def cost(choice: tuple[float, float]) -> float:
-        turn, slide = choice
-        total = (
-            _slide_cost(P.translation + P.rotation @ u * slide) + 0.5 * (turn != 0.0) + 0.1 * (slide != 0.0)
-        )
-        for placement, axis in beyond:
-            moved = SE3(_about(u, -turn), -slide * u) @ placement
-            rotation = moved.rotation if axis is None else _absorbed(moved.rotation, axis)[0]
-            total += _TURN_COST[int((np.abs(rotation) > _EXACT).sum())] + _slide_cost(moved.translation)
-        return total
 
-    turns = list(_turns(u, beyond)) if may_turn else [0.0]
-    slides = [0.0, -float(P.translation @ P.rotation @ u), *(float(p.translation @ u) for p, _ in beyond)]
-    return min(product(turns, dict.fromkeys(slides)), key=cost)
+def _beyond(R: Floats, k: int, beyond: Sequence[tuple[SE3, Floats | None]]) -> tuple[Floats, int]:
+    """For placements seen from a frame turned by R^-1: entries of translations across axis k, cost of all rotations."""
+    across = _count([np.delete(R @ placement.translation, k) for placement, _ in beyond], 2)
+    total = 0
+    for placement, axis in beyond:
+        rotation = R @ placement.rotation
+        rotation = rotation if axis is None else _absorbed(rotation, axis)[0]
+        total += _TURN_COST[int(_count([rotation], 9)[0])]
+    return across, total
+
+
+def _count(rows: Sequence[Any], width: int) -> Any:
+    """How many entries of each row, `width` wide, are not zero."""
+    return (np.abs(np.reshape(rows, (len(rows), width))) > _EXACT).sum(axis=1)
 
 
 def _turns(u: Floats, beyond: Sequence[tuple[SE3, Floats | None]]) -> Iterator[float]:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import struct
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.simplify import simplify
-from ulna.errors import TraceError
+from ulna.errors import InputError, TooLargeError, TraceError
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +28,45 @@ class Loop:
     limit: int  # iterations after which a lane stops even where its condition still holds
 
 
+_MOST = 3_000_000
+
+
+def most_operations() -> float:
+    """How many operations a function may have: 3 million, or what the environment variable ULNA_MOST_OPERATIONS says.
+
+    Raises:
+        InputError: it is no whole number.
+    """
+    given = os.environ.get("ULNA_MOST_OPERATIONS", "").strip()
+    if not given:
+        return _MOST
+    if not given.isdecimal():
+        raise InputError(
+            f"ULNA_MOST_OPERATIONS is {given!r}; expected a whole number such as {_MOST}, or 0 for no limit."
+        )
+    return int(given) or float("inf")
+
+
+def refuse_size(what: str, seconds: float = 0.0, memory: float = 0.0) -> NoReturn:
+    """Says that a function is too large, and what can be done.
+
+    Args:
+        what: What is too large, and how large it is.
+        seconds: How long it would take to compile [s]; 0 where that is not known.
+        memory: How much memory that would need [byte].
+
+    Raises:
+        TooLargeError: Always.
+    """
+    cost = f", which take about {seconds:.0f} s and {memory / 1e9:.1f} GB to compile" if seconds else ""
+    raise TooLargeError(
+        f"{what}{cost}; the limit is {most_operations():,}. Set the environment variable ULNA_MOST_OPERATIONS to a "
+        "greater number (0 for no limit) to compile it all the same. Matrices and derivatives grow with the square or "
+        "the cube of the number of joints, inverse_dynamics and forward_dynamics with the number itself; "
+        "robot.lock(...) takes joints out."
+    )
+
+
 class Graph:
     """Nodes of scalar operations. A node is an index into three parallel lists.
 
@@ -35,7 +75,7 @@ class Graph:
     finite numbers up to the sign of zero, such as x * 0 -> 0.
     """
 
-    __slots__ = ("_captured", "_interned", "args", "data", "inputs", "op", "parent", "relaxed")
+    __slots__ = ("_captured", "_interned", "args", "data", "inputs", "most", "op", "parent", "relaxed")
 
     def __init__(self, *, relaxed: bool = True, parent: Graph | None = None) -> None:
         self.op: list[int] = []
@@ -46,6 +86,7 @@ class Graph:
         self.parent = parent
         self._interned: dict[Any, int] = {}
         self._captured: dict[int, int] = {}
+        self.most = most_operations()
 
     def __len__(self) -> int:
         return len(self.op)
@@ -157,7 +198,10 @@ class Graph:
         self.op.append(op)
         self.args.append(args)
         self.data.append(data)
-        return len(self.op) - 1
+        index = len(self.op) - 1
+        if index >= self.most:
+            refuse_size(f"A function took {index:,} operations so far")
+        return index
 
 
 def _rebuild(

@@ -123,20 +123,28 @@ def _object(key: str, ir: str, has_loops: bool, announced: Callable[[], Any]) ->
         return content
 
 
+def _announced(f: Function, seconds: float) -> Any:
+    """Announces a compilation."""
+    kept = "it is kept for next time" if disk.folder() is not None else "the disk cache is off"
+    text = f"compiling {f.name} ({f.operations:,} operations), about {math.ceil(seconds)} s; {kept}"
+    return announced(text, f"Compiling {f.name}", seconds)
+
+
 @contextlib.contextmanager
-def _announced(f: Function, seconds: float) -> Iterator[None]:
-    """Says on the error stream, unless ULNA_QUIET is set, and to watchers what will take longer than a moment."""
+def announced(text: str, what: str, seconds: float) -> Iterator[None]:
+    """Says on the error stream, unless ULNA_QUIET is set, and to watchers what will take longer than a moment.
+
+    Args:
+        text: What the error stream is told.
+        what: What watchers are told, before and after.
+        seconds: How long it will take, about [s].
+    """
     if seconds < _PATIENCE:
         yield
         return
     if os.environ.get("ULNA_QUIET", "0") in ("", "0") and sys.stderr is not None:
-        kept = "it is kept for next time" if disk.folder() is not None else "the disk cache is off"
-        print(
-            f"ulna: compiling {f.name} ({f.operations:,} operations), about {math.ceil(seconds)} s; {kept}",
-            file=sys.stderr,
-            flush=True,
-        )
-    what, told = f"Compiling {f.name}", tuple(watchers)
+        print(f"ulna: {text}", file=sys.stderr, flush=True)
+    told = tuple(watchers)
     for watcher in told:
         watcher(what, f"about {math.ceil(seconds)} s")
     try:
