@@ -83,8 +83,17 @@ def _parser() -> argparse.ArgumentParser:
     command("list", _list, "list the robots that can be loaded by name").add_argument(
         "words", nargs="*", metavar="WORD", help="only those whose name or description holds all of these"
     )
-    command("info", _info, "tell about a robot: its joints, links, limits and configurations").add_argument(
-        "name", metavar="NAME", help=robot
+    info = command(
+        "info",
+        _info,
+        "tell about a robot: its joints, links, limits and configurations",
+        "With --check it lists what looks wrong instead; the exit status is then 1 where there is an error or a "
+        "warning, 0 where there are only notes or nothing.",
+    )
+    info.add_argument("name", metavar="NAME", help=robot)
+    info.add_argument("--check", action="store_true", help="list what looks wrong, with the file's lines")
+    info.add_argument(
+        "--package-dirs", nargs="+", default=(), metavar="FOLDER", help="folders to look for packages in"
     )
     show = command(
         "show",
@@ -159,10 +168,17 @@ def _list(chosen: argparse.Namespace) -> None:
         print(f"  {entry.name:<{width}}  {entry.about}".rstrip())
 
 
-def _info(chosen: argparse.Namespace) -> None:
+def _info(chosen: argparse.Namespace) -> int:
+    if chosen.check:
+        from ulna.diagnosis import diagnose, report
+
+        findings = diagnose(chosen.name, package_dirs=chosen.package_dirs)
+        print(report(findings))
+        return int(any(f.severity != "note" for f in findings))
     from ulna.loading import load_model
 
-    print(load_model(chosen.name))
+    print(load_model(chosen.name, package_dirs=chosen.package_dirs))
+    return 0
 
 
 def _show(chosen: argparse.Namespace) -> None:

@@ -21,7 +21,8 @@ def test_every_name_is_there_and_documented(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "room", ["collision", "control", "faces", "identification", "ik", "sim", "trajectory", "viewer"]
+    "room",
+    ["collision", "control", "diagnosis", "faces", "identification", "ik", "sim", "trajectory", "viewer"],
 )
 def test_rooms_open_when_asked_for(room: str) -> None:
     script = f"import ulna; print(ulna.{room}.__doc__.splitlines()[0])"

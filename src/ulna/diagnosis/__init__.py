@@ -1,0 +1,5 @@
+"""What looks wrong with a robot description: limits, inertias, meshes, joints that cannot move."""
+
+from ulna.diagnosis.diagnose import diagnose as diagnose
+from ulna.diagnosis.diagnose import report as report
+from ulna.diagnosis.finding import Finding as Finding

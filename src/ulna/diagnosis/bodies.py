@@ -1,0 +1,135 @@
+"""Checks of masses and inertias: missing, impossible, or far off for the size of the body.
+
+| symbol | meaning | unit | equation |
+|---|---|---|---|
+| a <= b <= c | principal moments of inertia about the centre of mass | kg m^2 | c <= a + b for every body |
+| R | greatest distance of the body's geometry from its centre of mass | m | c <= m R^2 where the mass is inside |
+
+Source: Wensing, Kim & Slotine, Linear matrix inequalities for physically consistent inertial parameter identification
+(2018).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from ulna.diagnosis.finding import Finding
+from ulna.model import Model
+from ulna.model.parts import Link
+from ulna.typing import Floats
+
+_SLACK = 0.01
+"""How far the triangle inequality may be missed by rounded numbers, relative to the largest moment."""
+
+_LARGE, _SMALL = 2.0, 1e-3
+"""Beyond these multiples of m R^2 the largest moment is not that of a body of this size."""
+
+
+def body_findings(model: Model, points: Mapping[str, Floats]) -> Iterator[Finding]:
+    """What looks wrong with the masses and inertias of a model.
+
+    Args:
+        model: The model.
+        points: For names of links, points that its geometry lies within, (n, 3) in the link's frame [m].
+    """
+    for link in model.links:
+        if link.joint >= 0:
+            yield from _link(link, points.get(link.name))
+    for index, joint in enumerate(model.joints):
+        if joint.kind.nv == 0 or _moved_mass(model, index) > 0.0:
+            continue
+        if all(armature == 0.0 for armature in joint.armature):
+            yield Finding(
+                "warning",
+                "no-mass",
+                f"joint {joint.name!r}",
+                "it moves no mass at all, so its acceleration under a torque has no value",
+                "Give a link that it moves an <inertial>, make the joint fixed, or give it an armature.",
+            )
+
+
+def _moved_mass(model: Model, index: int) -> float:
+    return float(sum(float(model.inertias[i].mass) for i in model.subtree(index)))
+
+
+def _link(link: Link, points: Floats | None) -> Iterator[Finding]:
+    name = f"link {link.name!r}"
+    mass, tensor = float(link.inertia.mass), np.asarray(link.inertia.inertia, dtype=float)
+    moments = np.linalg.eigvalsh(tensor)
+    a, b, c = (float(x) for x in moments)
+    shown = f"principal moments {a:.4g}, {b:.4g}, {c:.4g} kg m^2"
+    if mass == 0.0:
+        if c > 0.0:
+            yield Finding(
+                "warning",
+                "inertia-without-mass",
+                name,
+                f"it has an inertia ({shown}) and no mass",
+                "Give it its mass, or leave the inertia out.",
+            )
+        return
+    if not tensor.any():
+        yield Finding(
+            "warning",
+            "mass-without-inertia",
+            name,
+            f"it has a mass of {mass:g} kg and no rotational inertia: a point",
+            "Give it the inertia of its shape; ulna.Inertia.from_box and the like compute it.",
+        )
+        return
+    largest = max(abs(a), abs(c))
+    if a < -1e-9 * largest:
+        yield Finding(
+            "error",
+            "not-positive",
+            name,
+            f"its inertia is not positive definite: {shown}",
+            "No body has a negative moment of inertia; look at the signs of ixy, ixz, iyz.",
+        )
+    elif c > a + b + _SLACK * c:
+        yield Finding(
+            "error",
+            "triangle-inequality",
+            name,
+            f"its inertia violates the triangle inequality: {shown}, and {c:.4g} > {a:.4g} + {b:.4g}",
+            "No distribution of mass has it; ulna.identification.nearest_physical gives the nearest possible one.",
+        )
+    if points is not None and len(points):
+        yield from _size(name, mass, c, np.asarray(link.inertia.com, dtype=float), points)
+
+
+def _size(name: str, mass: float, moment: float, com: Floats, points: Floats) -> Iterator[Finding]:
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = float(np.linalg.norm(high - low))
+    outside = float(np.linalg.norm(np.maximum(np.maximum(low - com, com - high), 0.0)))
+    radius = float(np.linalg.norm(points - com, axis=1).max())
+    if outside > size:
+        yield Finding(
+            "warning",
+            "com-outside",
+            name,
+            f"its centre of mass is {outside:.3g} m outside its geometry, which is {size:.3g} m large",
+            "Look at the units and the frame of <inertial><origin>.",
+        )
+        return
+    most = mass * radius**2
+    if moment > _LARGE * most > 0.0:
+        yield Finding(
+            "warning",
+            "inertia-large",
+            name,
+            f"its largest moment of inertia, {moment:.3g} kg m^2, is {moment / most:.3g} times m R^2, the most that "
+            f"{mass:.3g} kg within {radius:.3g} m can have",
+            "Look at the units: kg m^2, not kg mm^2 or g cm^2.",
+        )
+    elif moment < _SMALL * most:
+        yield Finding(
+            "note",
+            "inertia-small",
+            name,
+            f"its largest moment of inertia, {moment:.3g} kg m^2, is {moment / most:.1g} times m R^2, as if "
+            f"{mass:.3g} kg within {radius:.3g} m were nearly a point",
+            "Look at the units: kg m^2.",
+        )

@@ -1,0 +1,109 @@
+"""Everything that looks wrong with a robot, from its model or its file."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import re
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ulna.diagnosis.bodies import body_findings
+from ulna.diagnosis.finding import Finding, grouped
+from ulna.diagnosis.joints import joint_findings
+from ulna.diagnosis.shapes import Shapes
+from ulna.errors import FormatError, ModelError
+from ulna.formats.markup import read_file
+from ulna.formats.urdf_document import UrdfDocument
+from ulna.formats.urdf_parse import parse_urdf
+from ulna.loading import load_model
+from ulna.model import Model
+
+_SHOWN = 4
+"""How many findings of one kind a report shows in full."""
+
+_PLACE = re.compile(r"^(?P<file>.*?):(?P<line>\d+): ")
+
+
+def diagnose(robot: Any, **options: Any) -> tuple[Finding, ...]:
+    """What looks wrong with a robot: errors first, then warnings, then notes.
+
+    Args:
+        robot: A `Robot`, a `Model`, or what `ulna.load` takes: a name, or the path of a file.
+        options: As for `ulna.load`, where `robot` is a name or a path.
+
+    Returns:
+        The findings. A file that cannot be loaded is one finding of severity "error"; files have lines.
+
+    Raises:
+        UnknownName: There is no robot of that name.
+        MissingExtra: The robot needs a package that is not installed.
+    """
+    model = getattr(robot, "model", robot)
+    found: list[Finding] = []
+    if not isinstance(model, Model):
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            try:
+                model = load_model(robot, **options)
+            except ModelError as error:
+                return (_refused(error),)
+        found += [_warned(str(w.message)) for w in said]
+    shapes = Shapes(model)
+    bodies = list(body_findings(model, shapes.points))
+    impossible = {f.subject.removeprefix("link ") for f in bodies if f.severity == "error"}
+    found = [f for f in found if not any(name in f.message and "kg m^2" in f.message for name in impossible)]
+    found += [*shapes.findings, *joint_findings(model), *bodies]
+    lines = _lines(model.source)
+    placed = [f if f.line else dataclasses.replace(f, line=lines.get(f.subject)) for f in found]
+    return tuple(f for group in grouped(dict.fromkeys(placed)) for f in group)
+
+
+def report(findings: Sequence[Finding]) -> str:
+    """Findings as text, those of a kind together."""
+    if not findings:
+        return "Nothing looks wrong."
+    parts = []
+    for group in grouped(findings):
+        first = group[0]
+        for finding in group[:_SHOWN]:
+            place = f"line {finding.line}: " if finding.line else ""
+            subject = f"{finding.subject}: " if finding.subject else ""
+            parts.append(f"{finding.severity}: {place}{subject}{finding.message}.")
+        if len(group) > _SHOWN:
+            names = ", ".join(f.subject for f in group[_SHOWN : _SHOWN + 8])
+            more = len(group) - _SHOWN
+            dots = ", ..." if more > 8 else ""
+            parts.append(f"{first.severity}: likewise {more} more: {names}{dots}.")
+        if first.advice:
+            parts.append(f"    {first.advice}")
+    counts = [(sum(f.severity == s for f in findings), s) for s in ("error", "warning", "note")]
+    parts.append(", ".join(f"{n} {s}{'' if n == 1 else 's'}" for n, s in counts if n) + ".")
+    return "\n".join(parts)
+
+
+def _refused(error: ModelError) -> Finding:
+    line = error.line if isinstance(error, FormatError) else None
+    return Finding("error", "refused", "", f"it cannot be loaded: {str(error).rstrip('.')}", "", line)
+
+
+def _warned(text: str) -> Finding:
+    place = _PLACE.match(text)
+    message = text[place.end() :] if place else text
+    return Finding("warning", "reader", "", message.rstrip("."), "", int(place["line"]) if place else None)
+
+
+def _lines(source: str | None) -> dict[str, int | None]:
+    """Lines of the links and joints of a URDF file; none of other files."""
+    if source is None or not os.path.isfile(source) or Path(source).suffix.lower() != ".urdf":
+        return {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            document: UrdfDocument = parse_urdf(read_file(source), source)
+        except ModelError:
+            return {}
+    links: dict[str, int | None] = {f"link {link.name!r}": link.line for link in document.links}
+    return links | {f"joint {joint.name!r}": joint.line for joint in document.joints}

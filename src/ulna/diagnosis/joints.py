@@ -1,0 +1,135 @@
+"""Checks of joints: limits in degrees, joints that cannot move, limits that are none, drives without power."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from ulna.diagnosis.finding import Finding
+from ulna.model import Model
+from ulna.model.parts import Joint
+
+_TURNS = 4.0 * math.pi
+"""Beyond two turns either way, a limit in radians is rare, and one in degrees common [rad]."""
+
+_MANY_TURNS = 1000.0
+"""Beyond this it is neither: such limits stand for none [rad]."""
+
+_FAST = 100.0
+"""Few joints turn faster; 90 to 360 degrees a second are common [rad/s]."""
+
+_FAR = 20.0
+"""No slide is longer; in millimetres many are [m]."""
+
+
+def joint_findings(model: Model) -> Iterator[Finding]:
+    """What looks wrong with the joints of a model."""
+    for joint in model.joints:
+        if joint.kind.nq == 1 and joint.kind.nv == 1:
+            yield from _of_one_axis(joint)
+    links, joints = set(model.link_names), {joint.name for joint in model.joints}
+    for name in sorted(links & joints):
+        yield Finding(
+            "note",
+            "shared-name",
+            f"{name!r}",
+            "a link and a joint have this name",
+            "Frames are asked for by name, and the link comes first; rename one of them.",
+        )
+    yield from _neutral(model)
+
+
+def _of_one_axis(joint: Joint) -> Iterator[Finding]:
+    lower, upper = joint.limits.lower[0], joint.limits.upper[0]
+    velocity, effort = joint.limits.velocity[0], joint.limits.effort[0]
+    name = f"joint {joint.name!r}"
+    turns = type(joint.kind).__name__ in ("Revolute", "Continuous")
+    slides = type(joint.kind).__name__ == "Prismatic"
+    largest = max((abs(x) for x in (lower, upper) if math.isfinite(x)), default=0.0)
+    if lower == upper:
+        yield Finding(
+            "warning",
+            "stuck",
+            name,
+            f"it cannot move: lower = upper = {lower:g}",
+            "Give it its range, or make it a fixed joint.",
+        )
+    if turns and _TURNS < largest <= _MANY_TURNS:
+        yield Finding(
+            "warning",
+            "degrees",
+            name,
+            f"limits {lower:g} to {upper:g} rad look like degrees; these would be "
+            f"{math.radians(lower):.4g} to {math.radians(upper):.4g} rad",
+            "URDF has radians: multiply by pi/180.",
+        )
+    elif turns and largest > _MANY_TURNS:
+        yield Finding(
+            "note",
+            "endless",
+            name,
+            f"limits {lower:g} to {upper:g} rad stand for none",
+            "Make it a continuous joint, so that samples and searches do not take the range literally.",
+        )
+    elif slides and largest > _FAR:
+        yield Finding(
+            "warning",
+            "millimetres",
+            name,
+            f"limits {lower:g} to {upper:g} m look like millimetres",
+            "URDF has metres: divide by 1000.",
+        )
+    elif type(joint.kind).__name__ in ("Revolute", "Prismatic") and not math.isfinite(upper - lower):
+        yield Finding(
+            "note",
+            "unlimited",
+            name,
+            "it has no position limits on at least one side",
+            "Give it lower and upper, or make it continuous.",
+        )
+    if joint.mimic is None:
+        yield from _drive(name, velocity, effort, turns)
+
+
+def _drive(name: str, velocity: float, effort: float, turns: bool) -> Iterator[Finding]:
+    if velocity == 0.0:
+        yield Finding(
+            "warning",
+            "no-velocity",
+            name,
+            "its velocity limit is zero, so it may not move",
+            "Give it the greatest speed of its drive, or leave the attribute out for no limit.",
+        )
+    if turns and math.isfinite(velocity) and velocity > _FAST:
+        yield Finding(
+            "note",
+            "fast",
+            name,
+            f"its velocity limit is {velocity:g} rad/s; in degrees per second that would be "
+            f"{math.radians(velocity):.4g} rad/s",
+            "Look whether the file has degrees per second.",
+        )
+    if effort == 0.0:
+        yield Finding(
+            "warning",
+            "no-effort",
+            name,
+            "its effort limit is zero, so its drive has no torque or force",
+            "Give it the greatest torque or force of its drive, or leave the attribute out for no limit.",
+        )
+
+
+def _neutral(model: Model) -> Iterator[Finding]:
+    q = np.asarray(model.neutral)
+    outside = (q < model.lower_position) | (q > model.upper_position)
+    names = model.position_names
+    for k in np.flatnonzero(outside):
+        yield Finding(
+            "note",
+            "neutral-outside",
+            f"joint {names[k]!r}",
+            f"its neutral position 0 is outside its limits {model.lower_position[k]:g} to {model.upper_position[k]:g}",
+            "Start from a named configuration or robot.random_configuration() instead of zeros.",
+        )
