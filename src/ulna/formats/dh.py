@@ -20,7 +20,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ulna.errors import InputError, UnknownName
+import numpy as np
+
+from ulna.errors import InputError, UnknownName, excerpt
 from ulna.formats.poses import snapped
 from ulna.model import Fixed, JointKind, Model, ModelBuilder, Prismatic, Revolute
 from ulna.spatial import SE3, Inertia
@@ -142,23 +144,33 @@ def model_from_dh(
 
 def _checked(row: DHRow | Sequence[float], index: int) -> DHRow:
     if not isinstance(row, DHRow):
-        numbers = tuple(row)
+        numbers = _numbers_of(row, index)
         if len(numbers) != 4:
             raise InputError(
                 f"Row {index} of the Denavit-Hartenberg table has {len(numbers)} numbers; "
                 "expected theta, d, a, alpha, or a row made by dh.revolute(...) or dh.prismatic(...)."
             )
-        theta, d, a, alpha = (float(x) for x in numbers)
+        theta, d, a, alpha = numbers
         row = DHRow(d=d, a=a, alpha=alpha, offset=theta)
     if row.moves not in ("revolute", "prismatic"):
         raise UnknownName("kind of Denavit-Hartenberg joint", row.moves, ("revolute", "prismatic"))
     for symbol in ("theta", "d", "a", "alpha", "offset"):
         value = getattr(row, symbol)
-        if not math.isfinite(value):
+        if not isinstance(value, (int, float, np.number)) or not math.isfinite(value):
+            given = excerpt(repr(value))
             raise InputError(
-                f"`{symbol}` of row {index} of the Denavit-Hartenberg table is {value}; expected a number."
+                f"`{symbol}` of row {index} of the Denavit-Hartenberg table is {given}; expected a number."
             )
     return row
+
+
+def _numbers_of(row: Sequence[float], index: int) -> tuple[float, ...]:
+    try:
+        return tuple(float(x) for x in row)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(
+            f"Row {index} of the Denavit-Hartenberg table is {excerpt(repr(row))}; expected theta, d, a, alpha."
+        ) from None
 
 
 def _kind(row: DHRow) -> JointKind:

@@ -15,6 +15,9 @@ from ulna.errors import InputError, MissingExtra
 from ulna.files import open_regular, refuse_special
 from ulna.typing import Array, Floats
 
+FARTHEST = 1e15
+"""How far a vertex may be from the origin [m]; beyond it squares of distances leave the range of single precision."""
+
 
 class Piece(NamedTuple):
     """One part of a mesh file, placed where the file puts it."""
@@ -51,12 +54,31 @@ def read_pieces(path: str) -> tuple[Piece, ...]:
         if factor != 1.0 or not np.array_equal(transform, np.eye(4)):
             vertices = (vertices @ transform[:3, :3].T + transform[:3, 3]) * factor
         triangles = np.asarray(mesh.faces, dtype=np.int64)
+        _refuse_damage(path, vertices, triangles)
         if np.linalg.det(transform[:3, :3]) < 0:
             triangles = triangles[:, ::-1]
         pieces.append(Piece(vertices, triangles, mesh))
     if not pieces:
         raise InputError(f"The mesh file {path!r} holds no triangles.")
     return tuple(pieces)
+
+
+def _refuse_damage(path: str, vertices: Floats, triangles: Array) -> None:
+    """Refuse what no sound file holds; the parsers let it pass."""
+    wrong = ""
+    if vertices.ndim != 2 or vertices.shape[1] != 3:
+        wrong = f"its vertices have the shape {vertices.shape}; expected (n, 3)"
+    elif triangles.ndim != 2 or triangles.shape[1] != 3:
+        wrong = f"its faces have the shape {triangles.shape}; expected (m, 3)"
+    elif not np.isfinite(vertices).all():
+        wrong = f"vertex {int(np.argwhere(~np.isfinite(vertices))[0][0])} is not finite"
+    elif np.abs(vertices).max(initial=0.0) > FARTHEST:
+        wrong = f"a vertex is {np.abs(vertices).max():.3g} m from the origin; expected at most {FARTHEST:g} m"
+    elif triangles.min() < 0 or triangles.max() >= len(vertices):
+        number = int(triangles.min() if triangles.min() < 0 else triangles.max())
+        wrong = f"a face names vertex {number}, and there are {len(vertices)}"
+    if wrong:
+        raise InputError(f"The mesh file {path!r} is damaged: {wrong}.")
 
 
 def _scene(file: BinaryIO, path: str) -> Any:

@@ -103,3 +103,17 @@ def test_refusals():
         prismatic(alhpa=1.0)
     with pytest.raises(UnknownName, match="revolute"):
         model_from_dh([DHRow(moves="revolut")])
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        (["x", 0, 0, 0], r"Row 1 .* is \['x', 0, 0, 0\]; expected theta, d, a, alpha"),
+        (None, "Row 1 .* is None; expected"),
+        (DHRow(a=None), "`a` of row 1 .* is None; expected a number"),  # type: ignore[arg-type]
+        (DHRow(d="1"), "`d` of row 1 .* is '1'; expected a number"),  # type: ignore[arg-type]
+    ],
+)
+def test_rows_that_are_no_numbers_are_refused(row, said):
+    with pytest.raises(InputError, match=said):
+        model_from_dh([row])
