@@ -140,15 +140,15 @@ def _refusal(model: Model, entries: Iterable[int]) -> ModelError:
     heavy = not is_symbolic(*masses) and any(masses[i] for joint in loose for i in _moved(model, joint))
     if not heavy:
         cause = "nothing they move has mass, and their drives have no armature"
-    elif len(loose) == 1:
+    elif len(loose) == 1 and loose[0].nv == 1:
         cause = (
             "what it moves has mass but no inertia about its axis (the centre of mass is on the axis, and the "
             "rotational inertia about it is zero), and its drive has no armature"
         )
     else:
         cause = (
-            "what they move has mass, but they can move, together or alone, so that no inertia is felt (point masses "
-            "on the axes, or joints on one axis with nothing between them), and their drives have no armature"
+            "what is moved has mass, but some motion of all together, or of one alone, meets no inertia (point masses "
+            "on the axes, or joints on one axis with nothing between them), and the drives have no armature"
         )
     return ModelError(
         f"Forces would accelerate {named} of {model.name!r} without bound: {cause}. Lock them (robot.lock([{named}])), "
