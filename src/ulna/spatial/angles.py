@@ -207,7 +207,8 @@ def _turn_axes(angles: Array, axes: str) -> tuple[Array, Array, Array]:
 
 def _parse(axes: str) -> tuple[int, int, int]:
     """The three axes as numbers."""
-    numbers = ["xyz".find(letter) for letter in axes]
+    letters = list(axes) if isinstance(axes, (str, list, tuple)) else []
+    numbers = [("x", "y", "z").index(letter) if letter in ("x", "y", "z") else -1 for letter in letters]
     if len(numbers) != 3 or min(numbers) < 0 or numbers[0] == numbers[1] or numbers[1] == numbers[2]:
         raise InputError(
             f"`axes` is {axes!r}; expected three of the letters x, y, z with neighbours different, "

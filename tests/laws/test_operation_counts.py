@@ -1,0 +1,84 @@
+"""Upper bounds of operation counts: a change that makes an algorithm dearer for any kind of robot must say so.
+
+The bounds are the counts at the time of writing; the tests allow 2 % more, for rearrangements that cost nothing.
+"""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+
+from support.random_models import random_model
+from ulna import kernels
+from ulna.model import FrameContact, Model, PointContact
+from ulna.robots.panda import panda
+from ulna.robots.ur5 import ur5
+
+NAMES = (
+    "fk", "jacobian", "inverse_dynamics", "forward_dynamics", "mass_matrix", "bias_forces", "gravity_forces",
+    "inverse_mass_matrix",
+)  # fmt: skip
+
+BOUNDS: dict[str, tuple[int, ...]] = {
+    "panda": (147, 187, 624, 1207, 386, 599, 115, 730),
+    "ur5": (125, 148, 289, 527, 156, 259, 22, 330),
+    "floating panda": (219, 301, 895, 2018, 594, 856, 186, 2690),
+    "tree": (160, 136, 831, 1188, 391, 704, 262, 502),
+    "floating tree": (589, 703, 1870, 5561, 1958, 1765, 589, 4476),
+}
+
+LEAVES = ("link1", "link2", "link7")
+"""Links at the ends of three branches of the floating tree."""
+
+CONSTRAINED: dict[str, tuple[tuple[PointContact | FrameContact, ...], tuple[int, ...]]] = {
+    "one point": ((PointContact("link1", (0.1, 0.0, 0.0)),), (5436, 3472, 3037, 80)),
+    "three points": (tuple(PointContact(name, (0.1, 0.0, 0.0)) for name in LEAVES), (8129, 6058, 4453, 572)),
+    "two frames": (tuple(FrameContact(name) for name in LEAVES[:2]), (8828, 6719, 4249, 143)),
+}
+OF_CONSTRAINTS = ("constrained_dynamics", "impulse_dynamics", "delassus_matrix", "constraint_jacobian")
+
+
+@functools.cache
+def model(name: str) -> Model:
+    kinds = ["revolute", "revolute", "prismatic"]
+    match name:
+        case "panda":
+            return panda()
+        case "ur5":
+            return ur5()
+        case "floating panda":
+            return panda(root="free_flyer")
+        case "tree":
+            return random_model(np.random.default_rng(1), kinds, 10, mimics=0, branching=0.5)
+    return random_model(np.random.default_rng(2), kinds, 10, root="free_flyer", mimics=0, branching=0.5)
+
+
+@pytest.mark.parametrize("robot", BOUNDS)
+def test_no_algorithm_becomes_dearer(robot: str) -> None:
+    counts = {name: kernels.function(model(robot), name).operations for name in NAMES}
+    for name, bound in zip(NAMES, BOUNDS[robot], strict=True):
+        assert counts[name] <= 1.02 * bound, (name, counts[name], bound)
+
+
+@pytest.mark.parametrize("case", CONSTRAINED)
+def test_no_constraint_becomes_dearer(case: str) -> None:
+    constraints, bounds = CONSTRAINED[case]
+    for name, bound in zip(OF_CONSTRAINTS, bounds, strict=True):
+        count = kernels.function(model("floating tree"), name, constraints=constraints).operations
+        assert count <= 1.02 * bound, (name, count, bound)
+
+
+def test_branches_without_contact_cost_a_contact_nothing() -> None:
+    """The constraint Jacobian has entries only for the joints that carry the contact, and so has its factor."""
+    whole = model("floating tree")
+    one, three = (CONSTRAINED[name][0] for name in ("one point", "three points"))
+    carried = {i for name in LEAVES for i in whole.support(whole.link(name).joint)}
+    assert len(carried) < len(whole.joints)
+    count = {
+        n: kernels.function(whole, "constrained_dynamics", constraints=c).operations
+        for n, c in ((1, one), (3, three))
+    }
+    free = kernels.function(whole, "forward_dynamics").operations
+    assert count[1] < 1.2 * free and count[3] < 1.7 * free
