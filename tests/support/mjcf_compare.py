@@ -43,13 +43,14 @@ def differences(source: str | Path, seed: int = 0) -> list[str]:
 
 
 def _joined_to_world(m: Any, pair: frozenset[str]) -> bool:
-    """Whether a pair is of the world and a body that one joint, not a free one, joins to it.
+    """Whether a pair is of what stands still and a body that one joint, not a free one, joins to it.
 
     Ulna takes such links as neighbours, MuJoCo looks at them.
     """
-    if "world" not in pair or len(pair) == 1:
+    welded = {int(m.body_weldid[m.body(name).id]) for name in pair}
+    if 0 not in welded or len(welded) == 1:
         return False
-    body = int(m.body_weldid[m.body(next(iter(pair - {"world"}))).id])
+    body = max(welded)
     hangs = m.body_weldid[m.body_parentid[body]] == 0 and m.body_jntnum[body] == 1
     return bool(hangs and m.jnt_type[m.body_jntadr[body]] != FREE)
 

@@ -55,6 +55,7 @@ INERTIAL = document(f'<body name="a" euler="20 0 0"><joint name="j" axis="3 1 1"
 JOINT = document(
     f'<body name="a" euler="20 30 0"><joint name="j" @/><geom size=".1 .2 .3" type="box" pos=".3 .1 0"/>{FORE}</body>'
 )
+LONE_JOINT = JOINT.replace(FORE, "")
 JOINT_GRAVCOMP = JOINT.replace('<body name="a"', '<body name="a" gravcomp="1"')
 DRIVEN_JOINT = JOINT.replace("</worldbody>", '</worldbody><actuator><motor joint="j" gear="2"/></actuator>')
 FREEJOINT = document(

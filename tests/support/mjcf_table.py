@@ -174,6 +174,14 @@ def joints() -> Iterator[Sample]:
         },
         without_sample="name",
     )
+    yield from rows(
+        "body/joint",
+        doc.LONE_JOINT,
+        warned={
+            "armature": ('type="free" armature="1"', "<joint armature> of joint 'j'"),
+            "frictionloss": ('type="free" frictionloss="1"', "<joint frictionloss> of joint 'j'"),
+        },
+    )
     forced = 'actuatorfrcrange="-3 3"'
     yield from rows(
         "body/joint",

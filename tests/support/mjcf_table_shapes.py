@@ -158,6 +158,8 @@ def pairs() -> Iterator[Sample]:
             "geom2": ("", '<pair geom1="gc" geom2="gd"/>'),
         },
     )
+    near = ("", '<pair geom1="g" geom2="h"/>'), "<contact><pair> of 'a' and 'a'"
+    yield from rows("contact/pair", doc.TWO_PARTS, warned={"geom1": near, "geom2": near})
     yield from rows(
         "contact/pair",
         doc.PAIR,

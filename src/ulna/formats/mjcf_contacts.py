@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.formats.mjcf_parse import FREE
 from ulna.formats.mjcf_switches import Switches
 
 Masks = tuple[tuple[int, int], ...]
@@ -24,11 +25,13 @@ class Contacts:
         geoms: indices of the geoms that can touch something.
         disabled: pairs of bodies, by index, that never touch.
         mixed: pairs of bodies of which some geoms may touch and others not.
+        neighbours: pairs of bodies that <pair> names, joined rigidly or by one joint.
     """
 
     geoms: frozenset[int]
     disabled: tuple[tuple[int, int], ...]
     mixed: tuple[tuple[int, int], ...]
+    neighbours: tuple[tuple[int, int], ...] = ()
 
 
 def contacts(m: Any, switches: Switches) -> Contacts:
@@ -42,14 +45,14 @@ def contacts(m: Any, switches: Switches) -> Contacts:
     masks = _masks(m, geoms)
     disabled, mixed = set(excluded), []
     bodies = sorted(masks)
+    welded = m.body_weldid.tolist()
+    before = m.body_weldid[m.body_parentid[m.body_weldid]].tolist()
     alike = len({mask for of_body in masks.values() for mask in of_body}) == 1
     for k, one in enumerate(bodies):
         # Where all masks are equal, and that is nearly always, only neighbours need a look.
         others = bodies[k + 1 :]
         if alike and _meet(masks[one][0], masks[one][0]):
-            others = [
-                b for b in others if m.body_weldid[m.body_parentid[m.body_weldid[b]]] == m.body_weldid[one]
-            ]
+            others = [b for b in others if before[b] == welded[one] or before[one] == welded[b]]
         for two in others:
             if (one, two) in excluded or m.body_weldid[one] == m.body_weldid[two]:
                 continue
@@ -59,7 +62,10 @@ def contacts(m: Any, switches: Switches) -> Contacts:
             elif len(allowed) == 2:
                 mixed.append((one, two))
     partly = [pair for pair, every in sorted(chosen.items()) if pair in disabled and not every]
-    return Contacts(frozenset(geoms), tuple(sorted(disabled.difference(chosen))), (*mixed, *partly))
+    neighbours = tuple(pair for pair in sorted(chosen) if _are_neighbours(m, *pair))
+    return Contacts(
+        frozenset(geoms), tuple(sorted(disabled.difference(chosen))), (*mixed, *partly), neighbours
+    )
 
 
 def _chosen(m: Any) -> dict[tuple[int, int], bool]:
@@ -98,6 +104,17 @@ def _filtered(m: Any, one: int, two: int, switches: Switches) -> bool:
     for child, other in ((a, b), (b, a)):
         if child and other and m.body_weldid[m.body_parentid[child]] == other and m.body_jntnum[child] > 1:
             return True
+    return False
+
+
+def _are_neighbours(m: Any, one: int, two: int) -> bool:
+    """Whether two bodies are one, or joined rigidly, or by one joint that is not free."""
+    a, b = int(m.body_weldid[one]), int(m.body_weldid[two])
+    if a == b:
+        return True
+    for child, other in ((a, b), (b, a)):
+        if child and m.body_weldid[m.body_parentid[child]] == other and m.body_jntnum[child] == 1:
+            return bool(m.jnt_type[m.body_jntadr[child]] != FREE)
     return False
 
 

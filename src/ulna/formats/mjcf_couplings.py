@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-SAME_JOINTS = 2
-"""mjEQ_JOINT of mjtEq."""
+CONNECT, WELD, SAME_JOINTS, TENDONS = range(4)
+"""mjtEq."""
 
 Relation = tuple[float, float]
 """(multiplier, offset): q = multiplier q_other + offset."""
@@ -58,6 +58,33 @@ def couplings(m: Any, equalities_on: bool = True) -> Couplings:
                     waiting.append(other)
     kept = {e for e, (one, two, r) in edges.items() if _same(from_root[one], _after(r, from_root[two]))}
     return Couplings(followed, frozenset(kept))
+
+
+def why_left(m: Any, e: int) -> tuple[str, str, str]:
+    """The element of an equality that no mimic joint keeps, what that means, and what to do about it."""
+    kind = int(m.eq_type[e])
+    if kind in (CONNECT, WELD):
+        return (
+            f"<{'connect' if kind == CONNECT else 'weld'}>",
+            "closed loops are not in the model.",
+            "Pass ulna.formats.mjcf_loops.loops_from_mjcf(file) to the constrained dynamics.",
+        )
+    if kind != SAME_JOINTS:
+        name = "tendon" if kind == TENDONS else "flex"
+        return f"<equality><{name}>", f"equalities of {name}s are not kept.", "Use <equality><joint>."
+    if m.eq_obj2id[e] < 0 or not np.any(m.eq_data[e, 1:5]):
+        return (
+            "<equality><joint>",
+            "joints held at a constant are free here.",
+            "Lock them: robot.lock({...}).",
+        )
+    if np.any(m.eq_data[e, 2:5]) or not m.eq_data[e, 1]:
+        return (
+            "<equality><joint polycoef>",
+            "couplings that are not linear are not kept.",
+            "Make them linear.",
+        )
+    return "<equality><joint>", "couplings that contradict others are not kept.", "Remove all but one."
 
 
 def _is_linear(m: Any, e: int) -> bool:

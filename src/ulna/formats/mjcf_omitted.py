@@ -8,15 +8,11 @@ from typing import Any
 import numpy as np
 
 from ulna.formats.mjcf_contacts import Contacts
-from ulna.formats.mjcf_couplings import SAME_JOINTS, Couplings
+from ulna.formats.mjcf_couplings import Couplings, why_left
 from ulna.formats.mjcf_drives import Drives
 from ulna.formats.mjcf_parse import BALL, FREE, CompiledMjcf, names_of
 from ulna.formats.mjcf_switches import Switches
 from ulna.formats.omitted import Omission, place
-
-CONNECT, WELD = 0, 1
-TENDONS = 3
-"""Further mjtEq."""
 
 ADD_TO_TAU = "Add their torques to `tau`."
 
@@ -71,6 +67,13 @@ class Audit:
                 "only the first, linear coefficient is in `model.damping`.",
                 "Add the torques of the others to `tau`.",
             )
+        free = np.flatnonzero(m.jnt_type == FREE).tolist()
+        yield from self._at_joints(
+            "<joint armature>",
+            [j for j in free if self._drives.armature(j).any()],
+            "at a free joint MuJoCo counts it along the world's axes: bias forces of a turning body differ by it.",
+            "Give the body the inertia instead.",
+        )
         if on.frictionloss:
             rough = self._nonzero(m.dof_frictionloss)
             yield from self._at_joints(
@@ -116,35 +119,9 @@ class Audit:
         left: dict[tuple[str, str, str], list[str]] = {}
         for e in range(m.neq):
             if self._switches.equalities and m.eq_active0[e] and e not in self._joined.kept:
-                left.setdefault(self._why_left(e), []).append(self._place("equality", m.equality(e).name, e))
+                left.setdefault(why_left(m, e), []).append(self._place("equality", m.equality(e).name, e))
         for (element, effect, advice), places in left.items():
             yield Omission(element, effect, advice, tuple(places))
-
-    def _why_left(self, e: int) -> tuple[str, str, str]:
-        m = self._m
-        kind = int(m.eq_type[e])
-        if kind in (CONNECT, WELD):
-            return (
-                f"<{'connect' if kind == CONNECT else 'weld'}>",
-                "closed loops are not in the model.",
-                "Pass ulna.formats.mjcf_loops.loops_from_mjcf(file) to the constrained dynamics.",
-            )
-        if kind != SAME_JOINTS:
-            name = "tendon" if kind == TENDONS else "flex"
-            return f"<equality><{name}>", f"equalities of {name}s are not kept.", "Use <equality><joint>."
-        if m.eq_obj2id[e] < 0 or not np.any(m.eq_data[e, 1:5]):
-            return (
-                "<equality><joint>",
-                "joints held at a constant are free here.",
-                "Lock them: robot.lock({...}).",
-            )
-        if np.any(m.eq_data[e, 2:5]) or not m.eq_data[e, 1]:
-            return (
-                "<equality><joint polycoef>",
-                "couplings that are not linear are not kept.",
-                "Make them linear.",
-            )
-        return "<equality><joint>", "couplings that contradict others are not kept.", "Remove all but one."
 
     def _actuators(self) -> Iterator[Omission]:
         m, drives = self._m, self._drives
@@ -239,13 +216,23 @@ class Audit:
 
     def _contacts(self) -> Iterator[Omission]:
         m = self._m
-        if self._touching.mixed:
-            pairs = (f"{self._links[a]!r} and {self._links[b]!r}" for a, b in self._touching.mixed)
+        mixed, neighbours = (
+            tuple(f"{self._links[a]!r} and {self._links[b]!r}" for a, b in pairs)
+            for pairs in (self._touching.mixed, self._touching.neighbours)
+        )
+        if neighbours:
+            yield Omission(
+                "<contact><pair>",
+                "links that are joined rigidly or by one joint are not checked against each other.",
+                "Name joined links in `pairs` of the checker; rigid ones never move apart.",
+                neighbours,
+            )
+        if mixed:
             yield Omission(
                 "<geom contype conaffinity>, <contact><pair>",
                 "of these bodies only some geoms may touch each other; checks of collision look at all of them.",
                 "Put the geoms on bodies of their own, if that matters.",
-                tuple(pairs),
+                mixed,
             )
         if not self._switches.filtered_parents and np.any(m.body_jntnum):
             yield Omission(
