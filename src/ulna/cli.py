@@ -26,7 +26,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):  # tables are drawn with signs that not every terminal knows
             stream.reconfigure(errors="replace")
     parser = _parser()
-    chosen = parser.parse_args(arguments)
+    own, program = _parted(list(sys.argv[1:] if arguments is None else arguments))
+    chosen = parser.parse_args(own)
+    chosen.program = program
     if not hasattr(chosen, "run"):
         parser.print_help()
         return 0
@@ -136,7 +138,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--only", action="append", default=[], metavar="FACE", help="roboticstoolbox or pinocchio"
     )
-    run.add_argument("words", nargs=argparse.REMAINDER, metavar="SCRIPT ...", help="script and its arguments")
+    run.usage = "%(prog)s [-h] [--only FACE] (SCRIPT | -m MODULE | -c CODE | -) [ARGUMENT ...]"
     doctor = command("doctor", _doctor, "tell what a script uses of those packages that Ulna does not offer")
     doctor.add_argument("path", metavar="SCRIPT")
     cache = command("cache", _cache, "tell where compiled kernels are kept, and how many")
@@ -261,7 +263,17 @@ def _demo(chosen: argparse.Namespace) -> None:
 def _run(chosen: argparse.Namespace) -> int:
     from ulna.faces.run import run
 
-    return run(chosen.words, chosen.only)
+    return run(chosen.program, chosen.only)
+
+
+def _parted(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """What the parser of the command reads, and the program that `ulna run` is to run."""
+    if arguments[:1] != ["run"]:
+        return arguments, []
+    from ulna.faces.run import split
+
+    own, program = split(arguments[1:])
+    return ["run", *own], program
 
 
 def _doctor(chosen: argparse.Namespace) -> int:

@@ -6,7 +6,6 @@ out of `ulna.algorithms`; that function is traced and compiled. Kernels are shar
 
 from __future__ import annotations
 
-import threading
 import weakref
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -24,6 +23,7 @@ from ulna.recipes import constraints, dynamics, operational
 from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, Q, Recipe, Size, frame_of, on_model
 from ulna.recipes.mass import MASS_PARAMETERS, WithMass, check_mass
 from ulna.recipes.size import sized
+from ulna.system import forks
 from ulna.typing import Array
 
 
@@ -220,7 +220,7 @@ _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
 _recent: deque[Any] = deque(
     maxlen=64
 )  # stay alive for callers that ask anew each time instead of holding one
-_lock = threading.RLock()
+_lock = forks.lock(forks.RECIPES)
 
 
 def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), **options: Any) -> Function:

@@ -6,7 +6,6 @@ those. Pairs are ruled out by lower bounds alone, so that the answers are those 
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, final
 
@@ -23,6 +22,7 @@ from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.geometry import Plane
 from ulna.model import Model
 from ulna.spatial import SE3
+from ulna.system import forks
 from ulna.typing import Array, ArrayLike, Floats
 
 _CHUNK = 256  # configurations whose boxes are compared at once: what fits the second cache
@@ -77,7 +77,7 @@ class Checker:
         self._planes = [len(links) + k for k, s in enumerate(obstacles) if isinstance(s.shape, Plane)]
         self._narrow = Narrow([narrow.geometry_of(s, convex) for s in self.solids])
         self._jacobians: dict[str, Any] = {}
-        self.lock = threading.RLock()
+        self.lock = forks.lock()
 
     def _link_pairs(
         self, pairs: Iterable[LinkPair] | None, without: Iterable[LinkPair]

@@ -16,6 +16,7 @@ from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Plane, 
 from ulna.geometry.meshes import read_pieces
 from ulna.model import Model
 from ulna.spatial import SE3
+from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
 Missing = Literal["error", "skip"]
@@ -42,7 +43,7 @@ class Solid:
     vertices: Floats
     triangles: Array
 
-    @functools.cached_property
+    @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
         """Centre and half edges of the box around it in its own frame, (3,) each [m]; infinite for a plane."""
         if isinstance(self.shape, Mesh):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -19,6 +18,7 @@ from ulna.errors import FormatError, InputError, NonFiniteError, ShapeError
 from ulna.geometry import Mesh
 from ulna.model import Model
 from ulna.model.content import fingerprint
+from ulna.system.cached import cached_property
 from ulna.typing import ArrayLike, Floats
 
 _TRIALS = 64

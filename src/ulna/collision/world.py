@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, final
 
 import numpy as np
@@ -16,6 +15,7 @@ from ulna.idioms import unknown_attribute
 from ulna.model import Model
 from ulna.model.content import fingerprint
 from ulna.spatial import SE3
+from ulna.system.cached import cached_property
 from ulna.typing import ArrayLike, Floats
 
 

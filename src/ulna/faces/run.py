@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import subprocess
 import sys
@@ -19,19 +20,15 @@ def run(words: Sequence[str], only: Sequence[str] = ()) -> int:
     Where the system can, this process becomes that Python, so that signals reach it and no second process waits.
 
     Args:
-        words: What would follow `python`: a script and its arguments, or `-m` and a module.
+        words: What would follow `python`: its options, then a script, `-m` and a module, `-c` and a program, or `-`;
+            and arguments, which are passed on as they are.
         only: Faces to put on the path; all when empty.
 
     Raises:
-        InputError: If there is no such script.
+        InputError: If there is no such script, or an option of Python would hide the faces.
         UnknownName: If there is no such face.
     """
-    if not words:
-        raise InputError("`ulna run` needs a script: ulna run script.py.")
-    if not words[0].startswith("-") and not Path(words[0]).is_file():
-        raise InputError(
-            f"There is no file {words[0]!r}. Expected: ulna run script.py, or ulna run -m module."
-        )
+    _check(words)
     shelves = list(dict.fromkeys(shelf_of(name) for name in only)) or list(SHELVES)
     variables = environment(shelves)
     command = [sys.executable, *words]
@@ -40,3 +37,53 @@ def run(words: Sequence[str], only: Sequence[str] = ()) -> int:
         sys.stderr.flush()
         os.execve(sys.executable, command, variables)
     return subprocess.run(command, env=variables, check=False).returncode
+
+
+def split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Parts the arguments of `ulna run` into its own options and what would follow `python`.
+
+    An argument parser cannot do this: it takes `-m`, `-c` and options of the script for its own.
+    """
+    own, rest = [], list(arguments)
+    while rest:
+        name, given, _ = rest[0].partition("=")
+        if rest[0] == "--":
+            return own, rest[1:]
+        if rest[0] not in ("-h", "--help") and not (len(name) > 2 and "--only".startswith(name)):
+            break
+        own.append(rest.pop(0))
+        if name not in ("-h", "--help") and not given and rest:
+            own.append(rest.pop(0))
+    return own, rest
+
+
+def _check(words: Sequence[str]) -> None:
+    """Refuses what Python cannot run, or would run without the faces.
+
+    Raises:
+        InputError: See `run`.
+    """
+    for k, word in enumerate(words):
+        if k and words[k - 1] in ("-W", "-X", "--check-hash-based-pycs"):
+            continue  # the value of that option
+        if not word.startswith("-"):
+            if not Path(word).exists():
+                raise InputError(
+                    f"There is no file {word!r}. Expected: ulna run script.py, ulna run -m module, "
+                    "ulna run -c 'code', or ulna run - for a program from the standard input."
+                )
+            return
+        if word.startswith("--"):
+            continue
+        letters = list(itertools.takewhile(lambda letter: letter not in "mcWX", word[1:]))
+        hiding = next((letter for letter in letters if letter in "EI"), "")
+        if hiding:
+            raise InputError(
+                f"`ulna run {word}`: -{hiding} makes Python ignore PYTHONPATH, by which it finds Ulna's packages. "
+                "Leave it out."
+            )
+        if word == "-" or word[1 + len(letters) : 2 + len(letters)] in ("m", "c"):
+            return
+    raise InputError(
+        "`ulna run` needs a program: ulna run script.py, ulna run -m module or ulna run -c 'code'."
+    )

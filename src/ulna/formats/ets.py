@@ -12,7 +12,6 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, final, overload
 
 from ulna.errors import InputError, ShapeError, UnknownName, excerpt
@@ -20,6 +19,7 @@ from ulna.formats.poses import tidy
 from ulna.model import JointKind, Model, ModelBuilder, Prismatic, Revolute
 from ulna.numeric import is_symbolic
 from ulna.spatial import SE3
+from ulna.system.cached import cached_property
 from ulna.typing import ArrayLike
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import re
-import threading
 import warnings
 from collections.abc import Mapping
 from typing import Any, TextIO
@@ -14,8 +13,9 @@ from ulna.errors import FormatError, MissingExtra
 from ulna.files import open_regular
 from ulna.formats.markup import read_file
 from ulna.formats.resolve import Resolver
+from ulna.system import forks
 
-_EXPANDING = threading.Lock()
+_EXPANDING = forks.lock()
 """The package keeps its state in module globals; one expansion at a time."""
 
 

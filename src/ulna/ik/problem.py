@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -24,6 +23,7 @@ from ulna import algorithms, numeric
 from ulna.ik.goal import Distance, Mask, distance
 from ulna.linalg import solve_damped
 from ulna.model import Frame, Model
+from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
 _LENGTH = 0.2  # a radian counts as this part of the sum of all link lengths

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any, final
 
 import numpy as np
@@ -28,6 +27,7 @@ from ulna.ik.question import (
 from ulna.ik.result import IKSolution
 from ulna.ik.verdict import judge
 from ulna.model import Model
+from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
 _BATCH = 64  # goals from which marching together beats racing one by one

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from ulna.model.named import Named
 from ulna.model.parts import Frame, FrameKind, Joint, Link
 from ulna.model.table import table
 from ulna.spatial import Inertia
+from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
 _OF_JOINT = "joint:"

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import final
 
 from ulna.compiler.runtime import jit
+from ulna.system import forks
 
 Report = Callable[[int, int], None]
 """Told how much of how much is done."""
@@ -60,7 +61,7 @@ class _Work:
         self._what, self._count = what, ""
         self._shown = self._over = False
         self._told_at = 0.0
-        self._lock, self._speaking = threading.Lock(), threading.Lock()
+        self._lock, self._speaking = forks.lock(), forks.lock()
         self._due = True  # whether a word is on its way
         self._timer = self._later(_PATIENCE)
 

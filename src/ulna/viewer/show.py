@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 from typing import Any, final
 
 import numpy as np
 
 from ulna.checks.values import checked_robot, flag, short_repr
 from ulna.errors import InputError
+from ulna.system import forks
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.graph.camera import Camera
 from ulna.viewer.graph.theme import LIGHT, Theme, theme_of
@@ -83,7 +83,7 @@ class Show:
         showing: Showing = "visual",
     ) -> None:
         self.robot, self.scene = robot, scene
-        self.lock = threading.RLock()
+        self.lock = forks.lock()
         with progress("Loading meshes") as report:
             self._figure = RobotVisual(scene, robot, q, show=showing, report=report)
         self.name = self._figure.name

@@ -7,7 +7,6 @@ import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from ulna.compiler.language.ports import Port, Shape, prefixed
 from ulna.compiler.language.scalar import Scalar, Value, index_in, innermost, number_in, tracing
 from ulna.errors import InputError, ShapeError, TraceError, UnknownName
 from ulna.numeric import is_symbolic
+from ulna.system.cached import cached_property
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
 
@@ -19,6 +18,7 @@ from ulna.compiler.runtime import jit
 from ulna.compiler.runtime.foreign import is_foreign, refuse_lazy, refuse_tables, shape_advice, shown
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 from ulna.numeric import refuse_masked
+from ulna.system import forks
 
 Unit = tuple[tuple[int, tuple[int, ...]], ...]
 """Which entries of which inputs must form unit vectors, quaternions say: (number of the input, entries), ..."""
@@ -42,7 +42,7 @@ class General:
             not function.inputs or not function.outputs or not all(p.size for p in ports) or len(ports) > 64
         )
         self._ufunc: np.ufunc | None = None
-        self._lock = threading.Lock()
+        self._lock = forks.lock(forks.KERNEL)
 
     @property
     def element(self) -> DType:

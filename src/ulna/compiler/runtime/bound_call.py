@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Sequence
 from typing import Any, final
 
@@ -11,6 +10,7 @@ import numpy as np
 from ulna.compiler.runtime import gufunc as native
 from ulna.compiler.runtime.array_call import General
 from ulna.errors import DtypeError, InputError, ShapeError
+from ulna.system import forks
 from ulna.typing import Array
 
 _Pairs = Sequence[tuple[Array, Array]]
@@ -126,7 +126,7 @@ def _same(pairs: Sequence[tuple[Any, ...]]) -> bool:
     )
 
 
-_lock = threading.Lock()
+_lock = forks.lock(forks.KERNEL)
 _types: list[type | None] = []
 
 

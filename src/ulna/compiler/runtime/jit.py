@@ -6,7 +6,6 @@ import contextlib
 import math
 import os
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from ulna.compiler.codegen.target import Target, register_bytes
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime.interrupt import interruptible
 from ulna.errors import CompileError
+from ulna.system import forks
 
 # Part of the cache's key: change it with `_optimised` and `_machine`.
 _RECIPE = "inlining or level 1, codegen 2"
@@ -27,14 +27,18 @@ _SPEED = {"entry": 4e6, "batch": 2e6}
 _PATIENCE = 0.5
 watchers: list[Callable[[str, str], None]] = []
 """Told what is compiled and how long that takes, where it is long, and nothing for how long once it is done."""
-_lock = threading.RLock()  # LLVM's contexts are not safe to share
+_lock = forks.lock(forks.COMPILER)  # LLVM's contexts are not safe to share
 
 
 @cache
 def _llvm() -> Any:
     """LLVM's library, which takes longer to load than all of Ulna; who only looks at models never waits for it."""
-    import llvmlite.binding
+    with _lock:  # a fork while a module is imported leaves the child without it
+        import llvmlite.binding
 
+        inner = getattr(getattr(llvmlite.binding.ffi.lib, "_lock", None), "_lock", None)
+        if inner is not None:  # other libraries compile with LLVM, too
+            forks.adopt(inner)
     return llvmlite.binding
 
 
@@ -55,16 +59,17 @@ class Code:
 def target() -> Target:
     """This machine."""
     llvm = _llvm()
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    features = llvm.get_host_cpu_features().flatten()
-    return Target(
-        triple=llvm.get_process_triple(),
-        cpu=llvm.get_host_cpu_name(),
-        features=features,
-        llvm=".".join(map(str, llvm.llvm_version_info)),
-        register_bytes=register_bytes(features),
-    )
+    with _lock:
+        llvm.initialize_native_target()
+        llvm.initialize_native_asmprinter()
+        features = llvm.get_host_cpu_features().flatten()
+        return Target(
+            triple=llvm.get_process_triple(),
+            cpu=llvm.get_host_cpu_name(),
+            features=features,
+            llvm=".".join(map(str, llvm.llvm_version_info)),
+            register_bytes=register_bytes(features),
+        )
 
 
 def _new_machine() -> Any:
@@ -95,7 +100,8 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[
     content = disk.read(key)
     fresh = content is None
     if content is None:
-        content = interruptible(lambda: _object(key, ir, has_loops, announced))
+        with announced():  # in this thread and without the lock: watchers may do anything, forks included
+            content = interruptible(lambda: _object(key, ir, has_loops))
     seconds = time.perf_counter() - start if fresh else 0.0
     with _lock:
         own = _new_machine()  # the engine takes it over
@@ -112,13 +118,12 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[
     return code
 
 
-def _object(key: str, ir: str, has_loops: bool, announced: Callable[[], Any]) -> bytes:
+def _object(key: str, ir: str, has_loops: bool) -> bytes:
     """The object file of `ir`, which another thread, or a compilation that was interrupted, may have made by now."""
     with _lock:
         content = disk.read(key)
         if content is None:
-            with announced():
-                content = _machine().emit_object(_optimised(ir, has_loops))
+            content = _machine().emit_object(_optimised(ir, has_loops))
             disk.write(key, content)
         return content
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
 import weakref
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -19,6 +18,7 @@ from ulna.compiler.runtime import jit
 from ulna.compiler.runtime.array_call import ELEMENT, General, Unit
 from ulna.errors import DtypeError, MissingExtra
 from ulna.idioms import unknown_attribute
+from ulna.system import forks
 from ulna.typing import Array
 
 
@@ -178,7 +178,7 @@ def _doc(f: Function) -> str:
 
 _NATIVE: Any = None
 _native_made = False
-_native_lock = threading.Lock()
+_native_lock = forks.lock(forks.KERNEL)
 
 
 def _native_type() -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any, final
 
 import numpy as np
@@ -20,6 +20,7 @@ from ulna.ik.analytic.geometry import EXACT, Plan, plans, remaining
 from ulna.ik.analytic.refine import refined
 from ulna.model import Model
 from ulna.spatial import SE3
+from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
 _STARTS = 256

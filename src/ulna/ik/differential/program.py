@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,6 +34,7 @@ from ulna.ik.differential.task import Shapes, Task
 from ulna.ik.qp import solve_box
 from ulna.model import Model
 from ulna.numeric import apply, clip, is_symbolic, less, maximum, vector, where
+from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
 GAP = 1e-9  # limits may miss each other by so much, in rad/s or m/s, before it is called a conflict

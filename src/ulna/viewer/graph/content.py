@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import abc
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, final
 
 import numpy as np
@@ -13,6 +12,7 @@ from ulna.checks.arrays import length_array, scale_factors
 from ulna.checks.values import length, text
 from ulna.errors import ShapeError
 from ulna.spatial import quat_xyzw_to_matrix
+from ulna.system.cached import cached_property
 from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.colours import Colour, shades
 from ulna.viewer.mesh.surface import RGBA, Surface, colour, unit

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ulna.errors import UnknownName
+from ulna.system import forks
 from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.graph.content import Content, Lines
@@ -40,7 +40,7 @@ class SceneGraph:
     """
 
     def __init__(self) -> None:
-        self._lock = threading.RLock()
+        self._lock = forks.lock()
         self._nodes: dict[str, Node] = {}
         self._row: dict[str, int] = {}
         self._above = np.zeros(0, dtype=np.intp)

@@ -13,11 +13,11 @@ the surface moved is then measured, and edges are given back until it is within 
 from __future__ import annotations
 
 import importlib.util
-import threading
 from typing import Any
 
 import numpy as np
 
+from ulna.system import forks
 from ulna.typing import Array, Floats
 
 _FEW = 200  # triangles that are not worth the trouble
@@ -25,7 +25,7 @@ _MANY = 300_000  # triangles that take longer to collapse than anybody waits
 _QUADRIC = 1e-9  # the library's limit of a quadric error, which the surface is scaled to
 _START = 2.0  # a quadric adds distances from many planes, and so is twice what the surface moves, or more
 _TRIES = 6
-_lock = threading.Lock()  # the library keeps the surface in one place
+_lock = forks.lock()  # the library keeps the surface in one place
 
 
 def can_decimate() -> bool:

@@ -11,13 +11,13 @@ import gzip
 import json
 import re
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any, final
 
 import numpy as np
 
 from ulna import disk_cache as cache
+from ulna.system.cached import cached_property
 
 _FORMAT = "ulna client 1"
 _PACKED = re.compile(r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">.*?</script>', re.DOTALL)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import threading
 from typing import Any, final
+
+from ulna.system import forks
 
 
 @final
@@ -15,7 +16,7 @@ class ProgressNotifications:
     """
 
     def __init__(self, server: Any) -> None:
-        self._server, self._lock = server, threading.Lock()
+        self._server, self._lock = server, forks.lock()
         self._notices: dict[str, dict[int, Any]] = {}  # by what is done and by tab
 
     def __call__(self, what: str, how_far: str) -> None:

@@ -21,6 +21,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ulna.errors import UlnaWarning
+from ulna.system import forks
 from ulna.viewer.graph.camera import Camera, checked_camera, frame
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import LIGHT, Theme
@@ -28,7 +29,7 @@ from ulna.viewer.page import access as guard
 from ulna.viewer.page.notifications import ProgressNotifications
 from ulna.viewer.page.pose_channel import PoseChannel
 from ulna.viewer.page.publisher import Publisher
-from ulna.viewer.page.server import serve, stop
+from ulna.viewer.page.server import disconnect, serve, stop
 from ulna.viewer.page.surroundings import decorate, lay_floor, look_from
 from ulna.viewer.progress import unwatch, watch
 
@@ -86,9 +87,9 @@ class Page:
         self._publisher = Publisher(scene, self.server, channel, live, theme)
         self._plain = not channel.open
         self._events: dict[int, tuple[Callable[[Any], None], Any]] = {}
-        self._events_lock = threading.Lock()
+        self._events_lock = forks.lock()
         self._count = itertools.count(1)
-        self._tick_lock = threading.RLock()
+        self._tick_lock = forks.lock()
         self._ticks: list[Callable[[], None]] = []
         self._stop = threading.Event()
         self._complaint = ""
@@ -100,6 +101,7 @@ class Page:
         self._thread = threading.Thread(target=self._run, name="ulna-page", daemon=True)
         self._waiting = ProgressNotifications(self.server)
         atexit.register(self.close)
+        forks.in_child(self._leave)
         decorate(self.server, theme, self._plain)
         lay_floor(self.server, theme, scene.floor() if floor is None else floor)
         look_from(self.server, camera or self._view())
@@ -144,6 +146,14 @@ class Page:
             stop(self.server)
             atexit.unregister(self.close)
 
+    def _leave(self) -> None:
+        """In a forked child: the page is the parent's; here it is closed, and nothing reaches the tabs."""
+        self._stop = threading.Event()  # the lock of the old one may be held
+        self._stop.set()
+        unwatch(self._waiting)
+        atexit.unregister(self.close)
+        disconnect(self.server)
+
     def __enter__(self) -> Page:
         return self
 
@@ -179,6 +189,8 @@ class Page:
 
     def flush(self) -> None:
         """Send what the scene holds now, without waiting for the thread of the page."""
+        if self._stop.is_set():
+            return
         with self._tick_lock:
             self._publisher.hurry()
             self._framed_at = 0.0

@@ -10,7 +10,6 @@ import atexit
 import contextlib
 import logging
 import socket
-import threading
 from collections.abc import Iterator
 from numbers import Integral
 from pathlib import Path
@@ -18,11 +17,12 @@ from typing import Any
 
 from ulna.errors import InputError, MissingExtra, ViewerError
 from ulna.extras import install_command
+from ulna.system import forks
 from ulna.viewer.page import access as guard
 from ulna.viewer.page import client_files as client
 from ulna.viewer.page.pose_channel import early_script, known
 
-_construction = threading.Lock()
+_construction = forks.lock()
 _log = logging.getLogger("ulna.page")
 _log.setLevel(logging.CRITICAL)
 
@@ -119,11 +119,25 @@ def stop(server: Any) -> None:
     """Stop a server without a word."""
     with _quiet():
         server.stop()
-    if known():  # what a program still tells the page goes nowhere, without a word of viser
+    _silence(server)
+    server._thread_executor.shutdown(wait=False)
+
+
+def disconnect(server: Any) -> None:
+    """Let go of a server that runs in the parent of this forked child: nothing here reaches it or waits for it."""
+    _silence(server)
+    buffer = server._websock_server.get_message_buffer() if known() else None
+    for part in (server, server._websock_server, server.gui, server.scene, buffer):
+        for value in vars(part).values() if part is not None else ():
+            forks.renew(value)
+
+
+def _silence(server: Any) -> None:
+    """What a program still tells the page goes nowhere, without a word of viser."""
+    if known():
         server._websock_server.get_message_buffer().push = lambda message: None
         for control in server.gui._gui_input_handle_from_uuid.values():
             control._impl.update_cb.clear()
-    server._thread_executor.shutdown(wait=False)
 
 
 @contextlib.contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable
 from typing import Any, final
@@ -12,6 +11,7 @@ import numpy as np
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import duration, number, text
 from ulna.errors import ShapeError
+from ulna.system import forks
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.panel.controls import Control, with_unit
 
@@ -46,7 +46,7 @@ class Plot(Control):
         super().__init__(handle, label)
         self._names, self._seconds, self._unit, self._forget = names, seconds, unit, forget
         self._rows: list[tuple[float, Floats]] = []
-        self._lock = threading.Lock()
+        self._lock = forks.lock()
         self._drawn_at, self._news = 0.0, False
 
     @property

@@ -11,6 +11,7 @@ import numpy as np
 from ulna.checks.arrays import shaped_array
 from ulna.checks.values import one_of
 from ulna.sim import Body
+from ulna.system import forks
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.robot.configuration import checked_configuration
@@ -30,7 +31,7 @@ class RobotHandle(RobotOverlays):
 
     def __init__(self, figure: RobotVisual) -> None:
         super().__init__(figure)
-        self._lock = threading.RLock()
+        self._lock = forks.lock()
         self._body: Body | None = None
         self._qd = np.zeros(figure.robot.nv)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from ulna.errors import ShapeError
 from ulna.formats.ets import ETS as Transforms
 from ulna.model import Frame, Model
 from ulna.robot import Robot
+from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
 _ANGLES = {"rpy/xyz", "rpy/zyx", "eul", "exp"}

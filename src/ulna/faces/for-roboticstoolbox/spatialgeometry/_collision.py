@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import abc
 import functools
-import threading
 from collections.abc import Iterable
 from typing import Any
 
@@ -14,11 +13,12 @@ from spatialgeometry._node import Members
 from spatialgeometry._shape import Shape, box_corners
 from ulna import geometry
 from ulna.errors import InputError
+from ulna.system import forks
 from ulna.typing import Floats
 
 __all__ = ["CollisionShape", "CollisionShapeGroup"]
 
-_LOCK = threading.Lock()  # coal's requests and results are not for two threads at once
+_LOCK = forks.lock()  # coal's requests and results are not for two threads at once
 
 
 class CollisionShape(Shape):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -15,6 +15,7 @@ from ulna.algorithms.factors import Factors
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.numeric import vector
+from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any, final
 
 import numpy as np
@@ -16,6 +15,7 @@ from pinocchio._data.binding import refuse
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from ulna.errors import InputError, ShapeError
+from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
 __all__ = [

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import copy
-import threading
 from collections.abc import Callable, Container, Sequence
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -19,13 +17,15 @@ from ulna.errors import InputError
 from ulna.model import Frame, Joint, Limits, Link, Mimic
 from ulna.model import Model as TowerModel
 from ulna.model.joints.axes import constant, snap_pose
+from ulna.system import forks
+from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:
     from pinocchio._model.model import Model
 
 WORLD_LINK = "universe"
-MAKING = threading.RLock()
+MAKING = forks.lock(forks.RECIPES)
 """Held while something is compiled, so that threads that want the same wait for it instead of compiling it, too."""
 _PATIENCE = 3
 """How many times frames move before kernels take their placements as inputs."""

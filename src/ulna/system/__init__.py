@@ -1,0 +1,1 @@
+"""What depends on the operating system, in one place: folders, files that are whole or absent, locks across forks."""

@@ -1,0 +1,148 @@
+"""Locks that are free in forked children.
+
+A child of `os.fork` has one thread. A lock that another thread held stays locked in it for ever, and what that thread
+was changing stays half changed; LLVM has such data, too. So every lock of Ulna is made here, and a fork waits until no
+other thread holds one: a compilation that runs is finished first. Where there is no fork, these are plain locks.
+
+Locks that may be held for as long as a user's function runs (those of the viewer, say) are waited for `PATIENCE`
+seconds only. The child then gets a new lock in place of one that is still held.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+import weakref
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, final
+
+OUTER, RECIPES, KERNEL, COMPILER, LIBRARY = range(5)
+"""The order in which locks are taken: whoever holds one takes only those of a higher rank, or of the same twice."""
+
+PATIENCE = 5.0
+"""How long a fork waits for locks of rank OUTER [s]; it waits for the others as long as it takes."""
+
+_SLICE = 0.05  # s for which a fork holds some locks while it waits for another
+
+
+@final
+@dataclass
+class _Fork:
+    """A fork under way: the locks that it holds, and those that it did not wait for."""
+
+    held: list[Any] = field(default_factory=list)
+    renewed: list[Any] = field(default_factory=list)
+    interrupted: bool = False
+
+
+_locks: dict[int, tuple[int, weakref.ref[Any]]] = {}
+_calls: dict[int, weakref.WeakMethod[Any]] = {}
+_one_at_a_time = threading.RLock()
+_forks: list[_Fork] = []
+
+
+def lock(rank: int = OUTER) -> threading.RLock:
+    """A re-entrant lock that no other thread holds while the process forks."""
+    made = threading.RLock()
+    adopt(made, rank)
+    return made
+
+
+def adopt(foreign: Any, rank: int = LIBRARY) -> None:
+    """Treats a lock of another library like one from `lock`."""
+    key = id(foreign)
+    _locks[key] = rank, weakref.ref(foreign, lambda _: _locks.pop(key, None))
+
+
+def in_child(method: Callable[[], None]) -> None:
+    """Has a method called in forked children, while its object lives."""
+    key = id(getattr(method, "__self__", method))
+    _calls[key] = weakref.WeakMethod(method, lambda _: _calls.pop(key, None))
+
+
+def _before() -> None:
+    _one_at_a_time.acquire()
+    fork = _Fork()
+    _forks.append(fork)
+    began = time.monotonic()
+    while True:
+        try:
+            busy = _take(fork)
+            if busy is None:
+                return
+            _wait(fork, *busy, began)
+        except KeyboardInterrupt:  # a fork cannot be called off; Ctrl-C comes after it
+            fork.interrupted = True
+            _release(fork)
+
+
+def _take(fork: _Fork) -> tuple[int, Any] | None:
+    """Takes all locks, outer ones first; where another thread does not let go of one, none, and returns that one.
+
+    Letting go of all makes a deadlock impossible even where some thread takes locks in another order.
+    """
+    known = list(_locks.values())
+    for rank, one in sorted(((rank, made()) for rank, made in known), key=lambda pair: pair[0]):
+        if one is None or any(one is renewed for renewed in fork.renewed):
+            continue
+        if not one.acquire(timeout=_SLICE):
+            _release(fork)
+            return rank, one
+        fork.held.append(one)
+    seen = {id(pair) for pair in known}
+    if all(id(pair) in seen for pair in list(_locks.values())):
+        return None
+    _release(fork)  # there is one more by now
+    return _take(fork)
+
+
+def _wait(fork: _Fork, rank: int, one: Any, began: float) -> None:
+    """Waits for a lock that another thread holds, or gives it up."""
+    if one.acquire(timeout=1.0):
+        one.release()
+    elif rank == OUTER and time.monotonic() - began > PATIENCE:
+        fork.renewed.append(one)
+
+
+def _release(fork: _Fork) -> None:
+    while fork.held:
+        fork.held.pop().release()
+
+
+def _after_in_parent() -> None:
+    fork = _forks.pop()
+    _release(fork)
+    _one_at_a_time.release()
+    if (
+        fork.interrupted
+    ):  # what this function raises would be ignored, so another thread sends the signal again
+        main = threading.main_thread().ident
+        timer = threading.Timer(0.01, signal.pthread_kill, (main, signal.SIGINT))
+        timer.daemon = True
+        timer.start()
+
+
+def _after_in_child() -> None:
+    fork = _forks.pop()
+    _release(fork)
+    for one in fork.renewed:
+        renew(one)
+    _one_at_a_time.release()
+    for call in list(_calls.values()):
+        method = call()
+        if method is not None:
+            method()
+
+
+def renew(one: Any) -> None:
+    """Unlocks a lock whose thread does not exist in this forked child."""
+    again = getattr(one, "_at_fork_reinit", None)  # what Python's own modules call for theirs
+    if again is not None:
+        again()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_before, after_in_parent=_after_in_parent, after_in_child=_after_in_child)

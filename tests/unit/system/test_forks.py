@@ -1,0 +1,299 @@
+"""Children forked while other threads compile, draw and hold locks: they compile, load and draw, and never hang."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+
+import pytest
+
+from ulna.system import forks
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+
+_HEAD = """
+import faulthandler, os, sys, threading, time
+import numpy as np
+import ulna
+from ulna.system import forks
+from ulna.compiler import compile
+
+def child(work):
+    # one fork whose child does `work`; its exit status, 99 after a hang
+    number = os.fork()
+    if number == 0:
+        faulthandler.dump_traceback_later(30.0, exit=True)
+        try:
+            work()
+            os._exit(0)
+        except BaseException:
+            import traceback
+            traceback.print_exc()
+        finally:
+            os._exit(1)
+    return os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
+
+def heavy(n):
+    # takes LLVM about 0.3 s
+    def f(q):
+        x = q
+        for k in range(60):
+            x = np.sin(x + k * n) * x[::-1] + np.cos(q * x)
+        return x
+    return compile(f, q=(8,))
+
+def fresh():
+    n = float(time.monotonic_ns())
+    assert compile(lambda q: n * q, q=(3,))(np.ones(3))[0] == n
+"""
+
+
+def _run(text: str, cache: str = "0") -> str:
+    script = _HEAD + textwrap.dedent(text)
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore::DeprecationWarning", "-c", script],
+        capture_output=True,
+        text=True,
+        timeout=170,
+        env={**os.environ, "ULNA_CACHE": cache, "ULNA_QUIET": "1"},
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-6000:]
+    return done.stdout
+
+
+def test_a_child_forked_during_a_compilation_compiles(tmp_path):
+    out = _run(
+        """
+        robot = ulna.load("ur5")
+        known = robot.kernel("fk")
+        q = np.zeros(6)
+        T = known(q)
+        going = threading.Event()
+        def forever():
+            n = 0
+            while not going.is_set():
+                n += 1
+                heavy(n)
+        thread = threading.Thread(target=forever, daemon=True)
+        thread.start()
+        def work():
+            assert (known(q) == T).all()
+            fresh()
+            assert "panda" in [e.name for e in ulna.robots.catalogue.entries()]
+            panda = ulna.load("panda")
+            assert panda.fk(np.zeros(7)).shape == (4, 4)
+            assert panda.fk(np.zeros((40, 7))).shape == (40, 4, 4)
+        import ulna.robots.catalogue
+        for k in range(4):
+            time.sleep(0.1)
+            status = child(work)
+            assert status == 0, status
+        going.set()
+        thread.join()
+        fresh()
+        print("done")
+        """,
+        cache=str(tmp_path),
+    )
+    assert out == "done\n"
+
+
+def test_multiprocessing_forks_during_compilations():
+    _run(
+        """
+        import multiprocessing
+        going = threading.Event()
+        def forever(seed):
+            while not going.is_set():
+                seed += 2
+                heavy(seed)
+        def thrice(k):
+            return float(compile(lambda q: (3.0 + 0.0 * k) * q, q=())(float(k)))
+        threads = [threading.Thread(target=forever, args=(k,), daemon=True) for k in range(2)]
+        for thread in threads:
+            thread.start()
+        with multiprocessing.get_context("fork").Pool(2) as pool:
+            assert pool.map_async(thrice, range(4)).get(60) == [3.0 * k for k in range(4)]
+        going.set()
+        for thread in threads:
+            thread.join()
+        """
+    )
+
+
+def test_a_fork_within_what_is_told_of_a_compilation():
+    _run(
+        """
+        from ulna.compiler.runtime import jit
+        jit._PATIENCE = 0.0
+        seen = []
+        def watcher(what, how_long):
+            if not seen:
+                seen.append(None)
+                seen[0] = child(fresh)
+        jit.watchers.append(watcher)
+        fresh()
+        assert seen == [0], seen
+        """
+    )
+
+
+def test_a_fork_while_inverse_kinematics_is_compiled_elsewhere():
+    # Python 3.11 holds a lock in functools.cached_property
+    _run(
+        """
+        robots = [ulna.load("ur5"), ulna.load("panda")]
+        def solve(robot):
+            q = robot.configurations.get("qr", np.full(robot.nq, 0.3))
+            assert robot.ik(robot.fk(q)).success
+        thread = threading.Thread(target=solve, args=(robots[0],))
+        thread.start()
+        statuses = []
+        while thread.is_alive():
+            statuses.append(child(lambda: solve(robots[1])))
+        thread.join()
+        assert statuses and not any(statuses), statuses
+        """
+    )
+
+
+def test_a_child_uses_what_the_viewer_had():
+    pytest.importorskip("viser")
+    _run(
+        """
+        from ulna.viewer.viewer import Viewer
+        robot = ulna.load("ur5")
+        viewer = Viewer(port=0)
+        handle = viewer.add(robot, np.zeros(6))
+        slider = viewer.panel.slider("speed", 0.0, 1.0)
+        busy = threading.Event()
+        def move():
+            while not busy.is_set():
+                handle.q = np.random.uniform(-1, 1, 6)
+        thread = threading.Thread(target=move, daemon=True)
+        thread.start()
+        import urllib.request
+        def work():
+            assert viewer.closed and viewer.clients == 0
+            handle.q = np.ones(6)
+            assert (handle.q == 1.0).all()
+            viewer.sphere(0.1, name="ball")
+            viewer.panel.button("press", lambda: None)
+            slider.value = 0.5
+            viewer.flush()
+            viewer.close()
+        for k in range(20):
+            status = child(work)
+            assert status == 0, status
+        assert not viewer.closed
+        busy.set()
+        thread.join()
+        handle.q = np.zeros(6)
+        assert urllib.request.urlopen(viewer.url, timeout=20).status == 200
+        viewer.close()
+        """
+    )
+
+
+def test_a_lock_that_is_held_for_long_is_new_in_the_child():
+    _run(
+        """
+        forks.PATIENCE = 0.5
+        lock = forks.lock()
+        ready, leave = threading.Event(), threading.Event()
+        def hold():
+            with lock:
+                ready.set()
+                leave.wait()
+        thread = threading.Thread(target=hold)
+        thread.start()
+        ready.wait()
+        def work():
+            assert lock.acquire(timeout=1.0)
+        assert child(work) == 0
+        assert not lock.acquire(blocking=False)  # in the parent the thread has it
+        leave.set()
+        thread.join()
+        assert lock.acquire(timeout=1.0)
+        """
+    )
+
+
+def test_locks_taken_in_any_order_do_not_stop_a_fork():
+    _run(
+        """
+        a, b = forks.lock(), forks.lock()
+        end = time.monotonic() + 1.5
+        def use(first, second):
+            while time.monotonic() < end:
+                with first:
+                    with second:
+                        pass
+        # each thread takes a and b, and forks take them, too, in the order of their making
+        threads = [threading.Thread(target=use, args=(b, a)) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        def work():
+            with a, b:
+                pass
+        count = 0
+        while time.monotonic() < end:
+            assert child(work) == 0
+            count += 1
+        assert count > 3, count
+        """
+    )
+
+
+def test_ctrl_c_while_a_fork_waits_comes_after_it():
+    _run(
+        """
+        import signal
+        lock = forks.lock(forks.COMPILER)
+        ready = threading.Event()
+        def hold():
+            with lock:
+                ready.set()
+                time.sleep(0.5)
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(0.5)
+        threading.Thread(target=hold).start()
+        ready.wait()
+        try:
+            status = child(lambda: lock.acquire(timeout=1.0) or os._exit(3))
+            assert status == 0, status
+            time.sleep(5.0)
+        except KeyboardInterrupt:
+            pass
+        else:
+            raise SystemExit("Ctrl-C was lost")
+        with lock:
+            pass
+        """
+    )
+
+
+def test_locks_are_forgotten_with_their_owners():
+    before = len(forks._locks)
+    made = [forks.lock() for _ in range(100)]
+    assert len(forks._locks) == before + 100
+    del made
+    assert len(forks._locks) == before
+
+
+def test_a_lock_is_reentrant_and_free_after_a_fork_in_the_parent():
+    lock = forks.lock()
+    with lock:
+        number = os.fork()
+        if number == 0:
+            os._exit(0 if lock._is_owned() else 1)  # type: ignore[attr-defined]
+        assert os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]) == 0
+    taken: list[bool] = []
+    thread = threading.Thread(target=lambda: taken.append(lock.acquire(timeout=5.0)))
+    thread.start()
+    thread.join()
+    assert taken == [True]
