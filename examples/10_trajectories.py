@@ -30,11 +30,9 @@ def main() -> None:
     print(report, "\n")
     assert not report
 
-    best = trajectory.time_optimal(
-        points, robot, velocity=0.98 * robot.limits.velocity, acceleration=9.8, grid=200
-    )
-    print(best, "takes", round(best.duration, 3), "s")
-    report = trajectory.check(robot, best, acceleration=10.0, tolerance=0.01)
+    best = trajectory.time_optimal(points, robot, acceleration=10.0)
+    print(best, "takes", round(best.duration, 3), "s and uses", best.use)
+    report = trajectory.check(robot, best, acceleration=10.0)
     print(report, "\n")
     assert report
 

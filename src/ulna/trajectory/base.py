@@ -10,6 +10,7 @@ import numpy as np
 
 from ulna.errors import InputError
 from ulna.trajectory.inputs import above_zero, numbers, positive, seconds
+from ulna.trajectory.peaks import greatest
 from ulna.trajectory.space import Poses, Space
 from ulna.typing import ArrayLike, Floats
 
@@ -17,7 +18,7 @@ END_TOLERANCE = 1e-9
 """How far beyond its ends, in parts of the duration, a time still counts as that end: what summing steps may lose."""
 
 _BETWEEN = np.arange(1, 16) / 16.0  # where between two knots peaks are looked for at least
-_NEAR = 201  # times around the greatest of them
+_CLOSE = 1e-9  # how close the bound of a peak is to it, in parts of it
 
 
 class Samples(NamedTuple):
@@ -183,7 +184,7 @@ class Trajectory(ABC):
             velocity: Limits of speed, one or (nv,) [rad/s or m/s].
             acceleration: Limits of acceleration [rad/s^2 or m/s^2].
             jerk: Limits of jerk [rad/s^3 or m/s^3].
-            samples: At how many times the motion is looked at, besides its knots and some between any two.
+            samples: At how many times the motion is looked at, at least, before it is looked at closer near its peaks.
         """
         given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
         limits = [positive(name, x, self.space.n, infinite=True) for name, x in given.items()]
@@ -208,17 +209,15 @@ class Trajectory(ABC):
         return np.sort(np.concatenate([even, between.reshape(-1), knots, before]))
 
     def _peaks(self, samples: int, order: int) -> list[Floats]:
-        """The greatest absolute values (n,) of the derivatives from the first to `order`."""
-        t = self.instants(samples)
-        found = []
-        for k, rate in enumerate(self._checked_at(t, order)[1:], start=1):
-            size = np.abs(rate)
-            peak = size.max(axis=0)
-            for j, at in enumerate(size.argmax(axis=0)):
-                near = np.linspace(t[max(at - 1, 0)], t[min(at + 1, t.size - 1)], _NEAR)
-                peak[j] = max(peak[j], float(np.abs(self._checked_at(near, k)[k][:, j]).max()))
-            found.append(peak)
-        return found
+        """Bounds (n,) of the absolute values of the derivatives from the first to `order`."""
+
+        def sizes(t: Floats) -> Floats:
+            rates = np.concatenate(self._checked_at(t, order)[1:], axis=1)
+            return np.concatenate([rates, -rates], axis=1)
+
+        rough = sizes(self.instants(2)).max(axis=0)
+        found = greatest(sizes, self.knots, samples, _CLOSE * np.maximum(rough, rough.max() * 1e-6)).bound
+        return list(found.reshape(2, order, -1).max(axis=0))
 
     def reversed(self) -> Trajectory:
         """The same way back: at `t` it is where this one is at `duration - t`."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, final
 
 import numpy as np
@@ -13,10 +14,13 @@ from ulna.errors import InputError
 from ulna.model import Model
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.inputs import positive
+from ulna.trajectory.peaks import greatest
 from ulna.trajectory.space import Poses, model_of, require_configurations
 from ulna.typing import ArrayLike, Floats
 
-_ZOOMS = 3  # each narrows the place of the worst value tenfold
+_CLOSE = 1e-8  # how close to the worst values their bounds come, in parts of the limits
+Limits = dict[str, tuple[Floats, Floats]]
+
 _RATES = {"position": "", "velocity": "/s", "acceleration": "/s^2", "jerk": "/s^3"}
 
 
@@ -99,9 +103,9 @@ def check(
 ) -> Report:
     """Whether a trajectory keeps the limits of a robot: positions, speeds, torques, and others that are given.
 
-    It looks at even times, between any two knots, at each knot from both sides, and then closer around each worst
-    value. Torques are those of inverse dynamics, with gravity and armature, without friction. Position limits of
-    joints without any are not checked.
+    It looks at even times, between any two knots and at each knot from both sides, bounds what may be between those
+    times, and looks closer wherever a bound is above the worst value found. Torques are those of inverse dynamics,
+    with gravity and armature, without friction. Position limits of joints without any are not checked.
 
     Args:
         robot: A Robot or a Model.
@@ -110,7 +114,7 @@ def check(
         jerk: Limits of jerk, one or (nv,) [rad/s^3 or m/s^3]; None for no check.
         torque: Whether to check torques.
         tolerance: What part of a limit may be exceeded: rounding, or what a controller forgives.
-        samples: How many even times.
+        samples: How many times to begin with.
 
     Returns:
         A report: `if report`, `print(report)`, `report.require()`.
@@ -128,37 +132,63 @@ def check(
     if isinstance(trajectory.space, Poses):
         raise InputError("The trajectory moves a pose; expected joints: follow(trajectory, ik) makes them.")
     require_configurations("trajectory", trajectory.space, model)
-    limits = _limits(model, acceleration, jerk, torque)
-    t = trajectory.instants(samples)
-    values = _values(model, trajectory, t, limits)
-    breaches, use = [], {}
+    columns = _columns(model, _limits(model, acceleration, jerk, torque))
+    if not columns:
+        return Report((), {}, model.name)
+    tolerances = np.full(len(columns), _CLOSE)
+    peaks = greatest(partial(_excesses, model, trajectory, columns), trajectory.knots, samples, tolerances)
+    worst: dict[tuple[str, int], tuple[float, Breach]] = {}
+    use: dict[str, float] = {}
+    for column, over, time in zip(columns, peaks.value, peaks.time, strict=True):
+        use[column.what] = max(use.get(column.what, 0.0), 1.0 + float(over))
+        key = column.what, column.k
+        if over > tolerance and (key not in worst or over > worst[key][0]):
+            worst[key] = float(over), column.breach(model, float(over), float(time))
+    ranked = sorted(worst.values(), key=lambda pair: -pair[0])
+    return Report(tuple(breach for _, breach in ranked), use, model.name)
+
+
+@dataclass(frozen=True)
+class _Column:
+    """One side of one limit: sign * (value - limit) / scale is its excess."""
+
+    what: str
+    k: int
+    sign: float
+    limit: float
+    scale: float
+
+    def breach(self, model: Model, over: float, time: float) -> Breach:
+        """The breach whose excess is `over`, in parts of the scale."""
+        names = model.position_names if self.what == "position" else model.velocity_names
+        value = self.limit + self.sign * over * self.scale
+        return Breach(names[self.k], self.what, time, value, self.limit, _unit(model, self.what, self.k))
+
+
+def _columns(model: Model, limits: Limits) -> list[_Column]:
+    """Both sides of all limits that are finite."""
+    columns = []
     for what, (low, high) in limits.items():
-        finite = np.isfinite(low) | np.isfinite(high)
-        if not finite.any():
-            continue
         scale = np.where(np.isfinite(high - low), 0.5 * (high - low), np.maximum(np.abs(high), np.abs(low)))
         scale = np.where(np.isfinite(scale) & (scale > 0.0), scale, 1.0)
-        names = model.position_names if what == "position" else model.velocity_names
-        worst = 0.0
-        for k in np.flatnonzero(finite):
-            over = np.maximum(values[what][:, k] - high[k], low[k] - values[what][:, k])
-            time, value = _closer(model, trajectory, t, int(np.argmax(over)), what, limits, k)
-            excess = max(value - high[k], low[k] - value)
-            worst = max(worst, 1.0 + excess / scale[k])
-            if excess > tolerance * scale[k]:
-                limit = high[k] if value > high[k] else low[k]
-                breaches.append(
-                    (
-                        excess / scale[k],
-                        Breach(names[k], what, time, value, float(limit), _unit(model, what, k)),
-                    )
-                )
-        use[what] = float(worst)
-    breaches.sort(key=lambda pair: -pair[0])
-    return Report(tuple(b for _, b in breaches), use, model.name)
+        for side, sign in ((high, 1.0), (low, -1.0)):
+            columns += [
+                _Column(what, int(k), sign, float(side[k]), float(scale[k]))
+                for k in np.flatnonzero(np.isfinite(side))
+            ]
+    return columns
 
 
-Limits = dict[str, tuple[Floats, Floats]]
+def _excesses(model: Model, trajectory: Trajectory, columns: list[_Column], t: Floats) -> Floats:
+    """The excess over each side of each limit at times (m,), in parts of its scale, (m, columns)."""
+    quantities = {column.what for column in columns}
+    rows = trajectory._checked_at(t, 3 if "jerk" in quantities else 2)
+    values: dict[str, Floats] = dict(
+        zip(("position", "velocity", "acceleration", "jerk"), rows, strict=False)
+    )
+    if "torque" in quantities:
+        values["torque"] = kernels.kernel(model, "inverse_dynamics")(*rows[:3])
+    return np.stack([c.sign / c.scale * (values[c.what][:, c.k] - c.limit) for c in columns], axis=1)
 
 
 def _limits(model: Model, acceleration: Any, jerk: Any, torque: bool) -> Limits:
@@ -183,31 +213,3 @@ def _unit(model: Model, what: str, k: Any) -> str:
     if what == "torque":
         return "N m" if unit == "rad" else "N"
     return unit + _RATES[what]
-
-
-def _values(model: Model, trajectory: Trajectory, t: Floats, limits: Limits) -> dict[str, Floats]:
-    """Each limited quantity at times (m,)."""
-    rows = trajectory._checked_at(t, 3 if "jerk" in limits else 2)
-    names = ("position", "velocity", "acceleration", "jerk")
-    values: dict[str, Floats] = dict(zip(names, rows, strict=False))
-    if "torque" in limits and np.isfinite(limits["torque"][1]).any():
-        values["torque"] = kernels.kernel(model, "inverse_dynamics")(*rows[:3])
-    return values
-
-
-def _closer(
-    model: Model, trajectory: Trajectory, t: Floats, at: int, what: str, limits: Limits, k: Any
-) -> tuple[float, float]:
-    """Time and value of the worst of joint k between the neighbours of a sample, without crossing a knot."""
-    low, high = limits[what]
-    only = {what: limits[what]}
-    begin, end = t[max(at - 1, 0)], t[min(at + 1, len(t) - 1)]
-    best = float(t[at])
-    for _ in range(_ZOOMS):
-        times = np.append(np.linspace(begin, end, 21), best)
-        found = _values(model, trajectory, times, only)[what][:, k]
-        place = int(np.argmax(np.maximum(found - high[k], low[k] - found)))
-        best, value = float(times[place]), float(found[place])
-        width = (end - begin) / 20.0
-        begin, end = max(best - width, 0.0), min(best + width, trajectory.duration)
-    return best, value

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import final
 
@@ -17,6 +18,7 @@ from ulna.typing import Floats
 
 _SAME = 1e-9  # how near a knot of the law and one of the path are one, in parts of the path's length
 _HALVINGS = 60
+_INSIDE = np.linspace(0.01, 0.99, 9)  # where a law is asked whether it turns between two knots
 _AT_ENDS = 1e-6  # how far a law may miss the ends of the path, in parts of its length
 
 
@@ -29,11 +31,13 @@ class Retimed(Trajectory):
         path: What is followed; its time is the path's parameter s.
         law: s(t), a trajectory of one number.
         kind: What made it.
+        use: What part of each limit is used at most, by quantity, where the maker has bounded it: 1 is at the limit.
     """
 
     path: Trajectory
     law: Polynomial
     kind: str
+    use: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, path: Trajectory, law: Trajectory, kind: str = "") -> Retimed:
@@ -70,6 +74,10 @@ class Retimed(Trajectory):
     @property
     def knots(self) -> Floats:
         """Times where the law's pieces meet, and where it passes the path's knots."""
+        return self._knots
+
+    @cached_property
+    def _knots(self) -> Floats:
         law, times, inner = self.law, self.law.times, self.path.knots[1:-1]
         s = law._at(times, 0)[0][:, 0]
         rounding = _SAME * self.path.duration
@@ -89,7 +97,7 @@ class Retimed(Trajectory):
 
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
         s, *rates = self.law._at(t, order)
-        q, *d = self.path._at(np.minimum(np.maximum(s[:, 0], 0.0), self.path.duration), order)
+        q, *d = self.path._at(self._on_its_side(s[:, 0], t), order)
         if order == 0:
             return (q,)
         rows, ds = [d[0] * rates[0]], rates[0]
@@ -98,6 +106,32 @@ class Retimed(Trajectory):
         if order > 2:
             rows.append(d[2] * ds**3 + 3.0 * d[1] * (ds * rates[1]) + d[0] * rates[2])
         return (q, *rows)
+
+    def _on_its_side(self, s: Floats, t: Floats) -> Floats:
+        """Places on the path at times, on that side of the path's knots which belongs to the time despite rounding.
+
+        So the law's acceleration and the path's curvature are always those of one piece.
+        """
+        low, high = self._sides
+        if len(low) == 1:
+            return np.minimum(np.maximum(s, low[0]), high[0])
+        piece = np.searchsorted(self._knots[1:-1], t, side="right")
+        return np.minimum(np.maximum(s, low[piece]), high[piece])
+
+    @cached_property
+    def _sides(self) -> tuple[Floats, Floats]:
+        """The least and the greatest place on the path between any two knots."""
+        length, times, knots = self.path.duration, self._knots, self.path.knots
+        ends = self.law._at(times, 0)[0][:, 0]
+        near = np.clip(np.searchsorted(knots, ends - _SAME * length), 0, knots.size - 1)
+        ends = np.where(np.abs(knots[near] - ends) <= _SAME * length, knots[near], ends)
+        inside = times[:-1, None] + np.diff(times)[:, None] * _INSIDE
+        rates = self.law._at(inside.reshape(-1), 1)[1].reshape(inside.shape)
+        turns = (rates.min(axis=1) < 0.0) & (rates.max(axis=1) > 0.0)
+        low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])
+        high = np.where(high < length, np.nextafter(high, -np.inf), high)
+        low, high = np.where(turns, 0.0, low), np.where(turns, length, high)
+        return np.clip(low, 0.0, length), np.clip(np.maximum(high, low), 0.0, length)
 
 
 @final

@@ -23,24 +23,31 @@ from ulna import algorithms
 from ulna.compiler import compile
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model
-from ulna.numeric import minimum, where
-from ulna.trajectory.reach import HUGE
 from ulna.typing import Array, ArrayLike, Floats
 
-TINY = 1e-140  # a path that moves a joint less than this in one unit does not move it
+_SHORT, _LONG = 1e-2, 1e2  # a path's parameter, as usual
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Rows:
-    """Constraints low <= a u + b x <= high at each grid point, (N + 1, m), and what they limit: quantities and joints.
+    """Constraints low <= a u + b x <= high at the nodes of each segment, (N, 5, m), and what they limit.
 
-    `low` and `high` are (m,) where they are everywhere the same.
+    `low` and `high` are (1, m) where they are the same everywhere.
+
+    Attributes:
+        a: Factors of the path's acceleration.
+        b: Factors of the path's squared rate.
+        low: Least values: the limits, less what is there at rest.
+        high: Greatest values, likewise.
+        limits: The limits themselves, (2, m).
+        quantities: What is limited, and of which joints.
     """
 
     a: Floats
     b: Floats
     low: Floats
     high: Floats
+    limits: Floats
     quantities: tuple[tuple[str, Any], ...]
 
     @property
@@ -54,6 +61,15 @@ class Rows:
             f"{what} of {names[int(k)]!r}" for what, kept in self.quantities for k in np.flatnonzero(kept)
         ]
 
+    def of_quantity(self) -> list[tuple[str, slice]]:
+        """Each quantity with its rows."""
+        found, begin = [], 0
+        for what, kept in self.quantities:
+            count = int(np.count_nonzero(kept))
+            found.append((what, slice(begin, begin + count)))
+            begin += count
+        return found
+
 
 @dataclass(frozen=True)
 class Bounds:
@@ -64,6 +80,11 @@ class Bounds:
     finite: Any
     all: bool
     any: bool
+
+    @property
+    def both(self) -> Floats:
+        """Least and greatest, (2, n)."""
+        return np.array([self.low, self.high])
 
 
 def bounds_of(name: str, value: ArrayLike | None, n: int) -> Bounds:
@@ -91,7 +112,7 @@ def bounds_of(name: str, value: ArrayLike | None, n: int) -> Bounds:
     k = int(np.argmax(~((low < 0.0) & (high > 0.0)) | (np.isinf(low) != np.isinf(high))))
     raise InputError(
         f"`{name}` of joint {k} is from {low[k]:g} to {high[k]:g}; expected limits with zero between them, or "
-        "np.inf for none. A joint that must not move does not belong on the path: robot.lock([...])."
+        "np.inf on both sides for none. A joint that must not move does not belong on the path: robot.lock([...])."
     )
 
 
@@ -105,30 +126,21 @@ def _yes(n: int) -> Any:
     return np.ones(n, dtype=bool)
 
 
-def speed_cap(tangent: Floats, velocity: Bounds) -> Floats:
-    """The greatest x that keeps joint speeds within limits, (N + 1,); huge where nothing limits it."""
-    if not velocity.any:
-        return np.full(len(tangent), HUGE)
-    return _cap_kernel(tangent.shape[1])(tangent, velocity.low, velocity.high)
-
-
 def acceleration_rows(tangent: Floats, curvature: Floats, limits: Bounds) -> Rows:
-    """What limits of joint acceleration say."""
-    low, high = limits.low, limits.high
-    if not limits.all:
-        kept = limits.finite
-        tangent, curvature, low, high = tangent[:, kept], curvature[:, kept], low[kept], high[kept]
-    return Rows(tangent, curvature, low, high, (("acceleration", limits.finite),))
+    """What limits of joint acceleration say, at places (..., n) of the path."""
+    return _kept("acceleration", (tangent, curvature, limits.low[None], limits.high[None]), limits)
 
 
-def torque_rows(model: Model, q: Floats, tangent: Floats, curvature: Floats, limits: Bounds) -> Rows:
-    """What limits of joint torque say."""
-    a, b, c = _along_path(model)(q, tangent, curvature)
-    low, high = limits.low - c, limits.high - c
-    if not limits.all:
-        kept = limits.finite
-        a, b, low, high = a[:, kept], b[:, kept], low[:, kept], high[:, kept]
-    return Rows(a, b, low, high, (("torque", limits.finite),))
+def torque_rows(
+    model: Model, q: Floats, tangent: Floats, curvature: Floats, limits: Bounds, length: float = 1.0
+) -> Rows:
+    """What limits of joint torque say, at places (..., n) of the path, whose parameter runs from 0 to `length`."""
+    if _SHORT < length < _LONG:
+        a, b, c = _along_path(model)(q, tangent, curvature)
+    else:  # by a parameter from 0 to 1: else torques that accelerate drown in the rounding of those that hold
+        a, b, c = _along_path(model)(q, tangent * length, curvature * length**2)
+        a, b = a / length, b / length**2
+    return _kept("torque", (a, b, limits.low - c, limits.high - c), limits)
 
 
 def joined(rows: Sequence[Rows]) -> Rows:
@@ -136,26 +148,19 @@ def joined(rows: Sequence[Rows]) -> Rows:
     if len(rows) == 1:
         return rows[0]
     parts = zip(*(np.broadcast_arrays(*r.arrays) for r in rows), strict=True)
-    a, b, low, high = (np.concatenate(part, axis=1) for part in parts)
-    return Rows(a, b, low, high, tuple(x for r in rows for x in r.quantities))
+    a, b, low, high = (np.concatenate(part, axis=-1) for part in parts)
+    limits = np.concatenate([r.limits for r in rows], axis=1)
+    return Rows(a, b, low, high, limits, tuple(x for r in rows for x in r.quantities))
 
 
-@lru_cache(maxsize=32)
-def _cap_kernel(n: int) -> Any:
-    """The kernel p', least and greatest speeds -> x."""
-
-    def cap(tangent: Array, low: Array, high: Array) -> Any:
-        rates = [
-            where(t < 0.0, lo, hi) / where(abs(t) < TINY, TINY, abs(t))
-            for t, lo, hi in zip(tangent, low, high, strict=True)
-        ]
-        squares = [minimum(rate * rate, HUGE) for rate in rates]
-        least = squares[0]
-        for x in squares[1:]:
-            least = minimum(least, x)
-        return least
-
-    return compile(cap, tangent=(n,), low=(n,), high=(n,)).gufunc
+def _kept(what: str, arrays: tuple[Floats, Floats, Floats, Floats], limits: Bounds) -> Rows:
+    """The rows whose limits are finite."""
+    both = limits.both
+    if not limits.all:
+        kept = limits.finite
+        a, b, low, high = (x[..., kept] for x in arrays)
+        return Rows(a, b, low, high, both[:, kept], ((what, limits.finite),))
+    return Rows(*arrays, both, ((what, limits.finite),))
 
 
 @lru_cache(maxsize=32)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.trajectory.constraints import TINY, Bounds, Rows
+from ulna.trajectory.constraints import Bounds
+from ulna.trajectory.survey import TINY
 from ulna.typing import Floats
 
 _WAY_ON = "the way on that is left behind this point"
@@ -17,15 +18,16 @@ _WAY_ON = "the way on that is left behind this point"
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A path on a grid with its limits; see `time_optimal` for the symbols."""
+    """A path on a grid with its limits: rows a, b, low and high at the start of each segment, and maybe at its end."""
 
     s: Floats
     D: Floats
     names: Sequence[str]
     tangent: Floats
     speeds: Bounds
-    rows: Rows
-    both_ends: bool
+    labels: Callable[[Sequence[str]], list[str]]
+    start: Sequence[Floats]
+    end: Sequence[Floats]
     cap: Floats
 
     def check_rate(self, which: str, rate: float, k: int, low: float, high: float) -> None:
@@ -38,8 +40,9 @@ class Problem:
         if low - slack <= x <= high + slack:
             return
         if x > self.cap[k]:
-            speed = np.where(self.tangent[k] > 0.0, self.speeds.high, -self.speeds.low)
-            fastest = speed / np.maximum(np.abs(self.tangent[k]), TINY)
+            tangent = self.tangent[0, 0] if k == 0 else self.tangent[k - 1, -1]
+            speed = np.where(tangent > 0.0, self.speeds.high, -self.speeds.low)
+            fastest = speed / np.maximum(np.abs(tangent), TINY)
             reason = f"above that the speed of {self.names[int(np.argmin(fastest))]!r} exceeds its limit"
         else:
             reason = self._conflict(k, np.array([x]))
@@ -48,28 +51,28 @@ class Problem:
             f"{np.sqrt(high):.6g} 1/s can be kept along the path: {reason}."
         )
 
-    def refuse_empty(self, K: Floats, k: int) -> None:
-        """Raises for grid point k, the last one whose controllable set is empty: from it the end cannot be reached."""
+    def refuse_empty(self, K: Floats, k: int, at_rest: str) -> None:
+        """Raises for grid point k, the last one whose controllable set is empty: from it the end cannot be reached.
+
+        `at_rest` says which limits the robot breaks by holding still, if any.
+        """
         reason = self._conflict(
             k, np.append(0.0, np.geomspace(1e-9, 1.0, 200)) * min(self.cap[k], 1e6), K[k + 1]
         )
         raise InputError(
-            f"No motion along the path keeps the limits {self._at(k)}: {reason}. "
+            f"No motion along the path keeps the limits {self._at(k)}: {reason}. {at_rest}"
             "Raise one of them, or smooth the path there."
         )
 
     def _at(self, k: int) -> str:
         return f"at s = {self.s[k]:.6g} of {self.s[-1]:.6g} (grid point {k})"
 
-    def _rows(self, k: int) -> list[Floats]:
-        return [part[k] if part.ndim > 1 else part for part in self.rows.arrays]
-
     def _conflict(self, k: int, trials: Floats, following: Any = None) -> str:
         """The rows on segment k that exclude each other at each squared rate in `trials`, where they do so least."""
-        D, labels = self.D[k], self.rows.labels(self.names)
-        a, b, low, high = self._rows(k)
-        if self.both_ends:
-            a1, b1, low1, high1 = self._rows(k + 1)
+        D, labels = self.D[k], self.labels(self.names)
+        a, b, low, high = (part[k] if part.ndim > 1 else part for part in self.start)
+        if self.end:
+            a1, b1, low1, high1 = (part[k] if part.ndim > 1 else part for part in self.end)
             a, b = np.append(a, a1 + D * b1), np.append(b, b1)
             low, high, labels = np.append(low, low1), np.append(high, high1), labels * 2
         if following is not None:  # the next x = x + D u lies in its controllable set

@@ -111,22 +111,19 @@ def forward_kernel(m: int, steps: int) -> Any:
     return compile(forward, bounds=(steps, 2 * m), K=(steps, 2), start=(1,))
 
 
-def reachable(rows: Sequence[Floats], D: Floats, both_ends: bool) -> tuple[Floats, Floats]:
+def reachable(D: Floats, start: Sequence[Floats], end: Sequence[Floats] = ()) -> tuple[Floats, Floats]:
     """Backward and forward bounds of all segments, padded with segments that bound nothing to whole blocks.
 
     Args:
-        rows: a, b, low and high of each grid point, (N + 1, n) each, finite; (n,) where they are everywhere the same.
         D: Twice the length of each segment, (N,).
-        both_ends: Whether rows hold at both ends of a segment or at its start.
+        start: a, b, low and high of the rows at the start of each segment, (N, n) each, finite.
+        end: The same at its end; nothing where rows hold at the starts only.
     """
-    n, N = rows[0].shape[1], len(D)
-    m = 2 * n if both_ends else n
+    n, N = start[0].shape[1], len(D)
+    m = 2 * n if end else n
     total = -(-N // _steps(m)) * _steps(m)
     back, ahead = np.empty((total, 3 * m + 2)), np.empty((total, 2 * m))
-    ends = [row[:-1] if row.ndim > 1 else row for row in rows]
-    if both_ends:
-        ends += [row[1:] if row.ndim > 1 else row for row in rows]
-    bounds_kernel(n, both_ends)(D, *ends, out=(back[:N], ahead[:N]))
+    bounds_kernel(n, bool(end))(D, *start, *end, out=(back[:N], ahead[:N]))
     if total > N:
         back[N:, :m], back[N:, m:-2], back[N:, -2], back[N:, -1] = 1.0, 0.0, -HUGE, HUGE
         ahead[N:, :m], ahead[N:, m:] = 1.0, 0.0

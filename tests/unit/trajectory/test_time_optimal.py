@@ -50,7 +50,7 @@ def test_rates_at_the_ends() -> None:
 def test_limits_are_used_and_kept(panda: ulna.Robot, seed: int) -> None:
     path = wander(panda, seed)
     best = trajectory.time_optimal(path, panda, acceleration=12.0, grid=400)
-    report = trajectory.check(panda, best, acceleration=12.0, tolerance=0.015)
+    report = trajectory.check(panda, best, acceleration=12.0)
     assert report, str(report)
     used = max(report.use[name] for name in ("velocity", "acceleration", "torque"))
     assert used > 0.999
@@ -58,23 +58,21 @@ def test_limits_are_used_and_kept(panda: ulna.Robot, seed: int) -> None:
     np.testing.assert_allclose(best.v([0.0, best.duration]), 0.0, atol=1e-9)
 
 
-def test_excess_between_grid_points_falls_with_the_square_of_the_grid(panda: ulna.Robot) -> None:
+def test_a_coarse_grid_costs_time_and_no_limit(panda: ulna.Robot) -> None:
     path = wander(panda, 7)
-    excess = [
-        trajectory.check(panda, trajectory.time_optimal(path, panda, acceleration=12.0, grid=grid)).use[
-            "velocity"
-        ]
-        - 1.0
-        for grid in (50, 200)
-    ]
-    assert excess[1] < excess[0] / 8.0
+    durations = []
+    for grid in (10, 50, 200, 800):
+        best = trajectory.time_optimal(path, panda, acceleration=12.0, grid=grid)
+        assert trajectory.check(panda, best, acceleration=12.0)
+        durations.append(best.duration)
+    assert (np.diff(durations) < 0.0).all() and durations[1] < 1.03 * durations[-1]
 
 
 def test_knots_of_the_path_are_grid_points(panda: ulna.Robot) -> None:
     path = wander(panda, 2)
     best = trajectory.time_optimal(path, panda, acceleration=12.0, grid=100)
     assert set(path.knots) <= {0.0, 1.0, *best.law.coefficients[:, 0, 0]}
-    assert trajectory.check(panda, best, acceleration=12.0).use["acceleration"] < 1.01
+    assert trajectory.check(panda, best, acceleration=12.0).use["acceleration"] <= 1.0 + 1e-6
 
 
 @pytest.mark.parametrize("grid", [7, 100, 113])
@@ -86,8 +84,8 @@ def test_the_sets_are_those_of_linear_programs(panda: ulna.Robot, grid: int) -> 
     q, a, b = path._at(s, 2)
     limits = constraints.bounds_of("torque", 0.6 * panda.limits.effort, 7)
     rows = constraints.torque_rows(panda.model, q, a, b, limits)
-    cap = constraints.speed_cap(a, constraints.bounds_of("velocity", panda.limits.velocity, 7))
-    back, ahead = reach.reachable(rows.arrays, D, False)
+    cap = ((panda.limits.velocity / np.abs(a)) ** 2).min(axis=1)
+    back, ahead = reach.reachable(D, [row[:-1] for row in rows.arrays])
     K = reach.controllable(back, cap, 0.0)
     x = reach.fastest(ahead, K, 0.0)
     for k in np.linspace(0, grid - 1, 7).astype(int):
@@ -119,9 +117,9 @@ def test_points_of_zero_inertia() -> None:
         np.stack([(s - 0.5) ** 2, s], axis=1), times=s, v0=[-1.0, 1.0], v1=[1.0, 1.0]
     )
     best = trajectory.time_optimal(path, acceleration=[1.0, 100.0], velocity=10.0, grid=200)
-    middle = best.law.times[100]
+    middle = best.law.times[np.argmin(np.abs(best.law.coefficients[:, 0, 0] - 0.5))]
     assert best.law._at(np.array([middle]), 1)[1][0, 0] == pytest.approx(np.sqrt(0.5), rel=1e-2)  # 2 x <= 1
-    assert np.abs(best.sample(n=2000).a[:, 0]).max() < 1.02
+    assert np.abs(best.sample(n=2000).a[:, 0]).max() < 1.0 + 1e-6
 
 
 def test_a_joint_that_rests_does_not_matter() -> None:
@@ -136,7 +134,7 @@ def test_a_path_that_rests_at_its_ends_is_no_obstacle() -> None:
     """There p' is zero, and no limit bounds the rate: what one would call a bad parameter still has an answer."""
     path = trajectory.quintic([0.0, 0.0], [1.0, -0.5], 1.0)
     best = trajectory.time_optimal(path, velocity=10.0, acceleration=2.0, grid=400)
-    assert best.duration == pytest.approx(2.0 * np.sqrt(0.5), rel=0.02)
+    assert best.duration == pytest.approx(2.0 * np.sqrt(0.5), rel=0.01)
 
 
 def test_way_points_and_grids(panda: ulna.Robot) -> None:
@@ -147,7 +145,8 @@ def test_way_points_and_grids(panda: ulna.Robot) -> None:
         points, panda, acceleration=free, torque=np.inf, grid=np.linspace(0, 1, 30) ** 1.2
     )
     np.testing.assert_allclose(best.end, points[-1], atol=1e-12)
-    assert len(best.law.knots) == 30
+    given = np.linspace(0, 1, 30) ** 1.2
+    assert set(given[1:-1]) < set(best.law.coefficients[:, 0, 0])  # the path's knots come on top
     assert best.kind == "time-optimal"
 
 
