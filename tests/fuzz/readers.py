@@ -119,7 +119,7 @@ def use_dh(path: Path) -> None:
     rows: list[Any] = []
     for line in path.read_text(encoding="utf-8").splitlines():
         values = [_number(word) for word in line.split()]
-        rows.append(values if len(values) != 5 else DHRow(*values[:4], limits=(values[4], -values[4])))  # type: ignore[arg-type]
+        rows.append(values if len(values) != 5 else DHRow(*values[:4], limits=(values[4], 2.0)))  # type: ignore[arg-type]
     compute(Robot(model_from_dh(rows)))
 
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from roboticstoolbox._et import flat
-from ulna.errors import FormatError, InputError, UnknownName
+from ulna.errors import FormatError, InputError, UnknownName, excerpt
 from ulna.formats.ets import ET
 from ulna.typing import Floats
 
@@ -103,7 +103,7 @@ def _evaluated(
         names = {**_KNOWN, **variables}
         if token.index:
             names[f"{qvar}{token.index}"] = joints[token.index - 1]
-        value = float(_value(token.arg, names))
+        value = _value(token.arg, names)
         if unit == "deg" and token.op[0] == "R":
             value = math.radians(value)
         T = T @ makers[token.op](value).transform().matrix()
@@ -111,7 +111,7 @@ def _evaluated(
 
 
 def _parsed(text: str, qvar: str) -> tuple[TrChainToken, ...]:
-    joint = re.compile(rf"\b{re.escape(qvar)}([1-9][0-9]*)\b")
+    joint = re.compile(rf"\b{re.escape(qvar)}([1-9][0-9]{{0,5}})\b")
     out, at = [], 0
     while found := re.compile(r"(R.?|T.)\(").search(text, at):
         depth, at = 1, found.end()
@@ -119,7 +119,7 @@ def _parsed(text: str, qvar: str) -> tuple[TrChainToken, ...]:
             depth += {"(": 1, ")": -1}.get(text[at], 0)
             at += 1
         if depth:
-            raise FormatError(f"the bracket of {found[1]!r} is not closed in {text!r}")
+            raise FormatError(f"the bracket of {found[1]!r} is not closed in {excerpt(repr(text))}")
         arg = text[found.end() : at - 1]
         numbers = joint.findall(arg)
         if len(numbers) > 1:
@@ -128,19 +128,27 @@ def _parsed(text: str, qvar: str) -> tuple[TrChainToken, ...]:
     return tuple(out)
 
 
-def _value(text: str, names: Mapping[str, Any]) -> Any:
+def _value(text: str, names: Mapping[str, Any]) -> float:
     """The value of an arithmetic expression; nothing else is evaluated."""
+    said = excerpt(repr(text))
     try:
-        return _of(ast.parse(text.strip(), mode="eval").body, names, text)
-    except SyntaxError:
-        raise FormatError(f"{text!r} is no arithmetic expression") from None
+        value = float(_of(ast.parse(text.strip(), mode="eval").body, names, text))
+    except FormatError:  # which is a ValueError, too
+        raise
+    except (SyntaxError, RecursionError, MemoryError):  # too deep for Python's own parser
+        raise FormatError(f"{said} is no arithmetic expression") from None
+    except (ArithmeticError, TypeError, ValueError) as error:
+        raise FormatError(f"{said} has no value: {error}") from None
+    if not math.isfinite(value):
+        raise FormatError(f"{said} is {value}; expected a finite number")
+    return value
 
 
 def _of(node: ast.AST, names: Mapping[str, Any], text: str) -> Any:
     inner = partial(_of, names=names, text=text)
     match node:
         case ast.Constant(value=int() | float() as number):
-            return number
+            return float(number)  # powers of integers may have any number of digits
         case ast.Name(id=name):
             if name not in names:
                 raise UnknownName("name in a chain", name, names)
@@ -151,4 +159,4 @@ def _of(node: ast.AST, names: Mapping[str, Any], text: str) -> Any:
             return _OPERATORS[type(op)](inner(operand))
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if callable(names.get(name)):
             return names[name](*map(inner, arguments))
-    raise FormatError(f"{text!r} is no arithmetic expression of numbers, names and functions")
+    raise FormatError(f"{excerpt(repr(text))} is no arithmetic expression of numbers, names and functions")

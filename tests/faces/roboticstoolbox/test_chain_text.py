@@ -1,0 +1,38 @@
+"""Chains written as text: whatever stands in the brackets has a value or is refused, and at once."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("spatialmath")
+
+from support.shelf import worn
+from ulna.errors import FormatError, UnknownName
+
+DEEP = 100_000
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("Rx(9**9**9**9)", "has no value"),
+        ("Rx(1e308*1e308)", "is inf; expected a finite number"),
+        ("Rx((-1)**0.5)", "has no value"),
+        ("Rx(1/0)", "has no value: float division by zero"),
+        ("Rx(" + "-" * DEEP + "1)", "is no arithmetic expression"),
+        ("Rx(" + "1+" * DEEP + "1)", "is no arithmetic expression"),
+        ("Rx(" + "(" * DEEP + ")" * DEEP + ")", "is no arithmetic expression"),
+        ("Rx(" + "9" * 6000 + ")", "is no arithmetic expression"),
+        ("Rx(q" + "1" * 6000 + ")", "No name in a chain"),
+        ("R(" * DEEP, "is not closed"),
+    ],
+    ids=range(10),
+)
+def test_expressions_without_a_value_are_refused(text: str, said: str) -> None:
+    with worn("roboticstoolbox"):
+        from roboticstoolbox.tools.chains import trchain
+
+        with pytest.raises((FormatError, UnknownName), match=said) as refused:
+            trchain(text, [0.5])
+        assert len(str(refused.value)) < 4100
+        assert trchain("Rx(2 * q1 - 1) Tz(3**2)", [0.5])[2, 3] == 9.0
