@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 
 import ulna
+from support.mjcf_compare import differences
+from support.mjcf_physics import loaded
+from support.random_mjcf import RandomMjcf
 from ulna.typing import Floats
 
 mj: Any = mujoco
@@ -111,3 +114,22 @@ def test_a_random_tree_moves_as_in_mujoco(seed: int, floating: bool) -> None:
             np.testing.assert_allclose(
                 bias, d.qfrc_bias, atol=1e-9 * (1.0 + np.abs(d.qfrc_bias).max(initial=0.0))
             )
+
+
+@pytest.mark.parametrize(
+    "seeds",
+    [range(5), *(pytest.param(range(k, k + 30), marks=pytest.mark.slow) for k in range(5, 185, 30))],
+    ids=str,
+)
+def test_random_documents_of_all_that_is_honoured(seeds: range) -> None:
+    """Poses, mass matrix, gravity, bias, damping, friction, limits, efforts, couplings, contacts and shapes."""
+    for seed in seeds:
+        text = RandomMjcf(seed).text
+        said = "".join(loaded(text)[1])
+        assert not said or "<geom contype conaffinity>" in said or "<joint armature>" in said, (seed, said)
+        found = set(differences(text))
+        if "<geom contype conaffinity>" in said:
+            found.discard("contacts")  # links are checked with all of their shapes
+        if "<joint armature>" in said:
+            found.discard("bias")
+        assert not found, (seed, found)
