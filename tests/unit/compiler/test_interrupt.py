@@ -12,6 +12,7 @@ import time
 import pytest
 
 from ulna.compiler import compile, trace
+from ulna.compiler.runtime import jit
 from ulna.compiler.runtime.interrupt import interruptible
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends signals as POSIX has them")
@@ -60,6 +61,17 @@ def test_the_main_thread_alone_needs_another_thread() -> None:
     other.start()
     other.join()
     assert names == ["ulna compiler", "mine"]
+
+
+def test_watchers_are_called_by_the_thread_that_compiles(monkeypatch) -> None:
+    """They may take locks that it holds."""
+    monkeypatch.setenv("ULNA_CACHE", "0")
+    monkeypatch.setattr(jit, "_PATIENCE", 0.0)
+    told: list[tuple[str, str]] = []
+    monkeypatch.setattr(jit, "watchers", [lambda *_: told.append((threading.current_thread().name, _[1]))])
+    compile(trace(lambda q: q * 1.2345 + 6.0, q=()))
+    assert told and {name for name, _ in told} == {threading.current_thread().name}
+    assert told[-1][1] == ""
 
 
 def test_an_interruption_that_nobody_catches_ends_the_process_at_once() -> None:
