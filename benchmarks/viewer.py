@@ -89,9 +89,9 @@ def meshes() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for what in ("the first time", "later"):
             program = (
-                "import time, ulna; from ulna.viewer.robot.link_surfaces import link_looks; robot = ulna.load('panda')\n"
+                "import time, ulna; from ulna.viewer.robot.link_surfaces import surfaces_by_link; robot = ulna.load('panda')\n"
                 "for detail in ('seen', 'full'):\n"
-                "    began = time.perf_counter(); looks = link_looks(robot, 'visual', detail=detail)\n"
+                "    began = time.perf_counter(); looks = surfaces_by_link(robot, 'visual', detail=detail)\n"
                 "    spent = time.perf_counter() - began\n"
                 "    print(detail, sum(len(s.triangles) for look in looks for s in look), f'{spent:.2f} s')"
             )
@@ -249,7 +249,7 @@ def applied(driven: Any, count: int = 220) -> None:
 
         page = viewer._page
         assert page is not None
-        page.dress(page._theme, 0.0, grid=False)  # a floor would be laid anew when all is framed
+        page.set_theme(page._theme, 0.0, grid=False)  # a floor would be laid anew when all is framed
         for name in ("key", "rim", "fill", "sky"):
             page.server.scene.remove_by_name(f"/(page)/{name}")
         page.server.scene.configure_environment_map(None)

@@ -186,17 +186,17 @@ def _info(chosen: argparse.Namespace) -> int:
 def _show(chosen: argparse.Namespace) -> None:
     from ulna.loading import load
     from ulna.viewer.graph.theme import theme_of
-    from ulna.viewer.output.png import checked_picture
-    from ulna.viewer.output.video import check_film
+    from ulna.viewer.output.png import checked_png_path
+    from ulna.viewer.output.video import checked_video_path
     from ulna.viewer.page.browser import somebody_can_look
-    from ulna.viewer.robot.link_surfaces import checked_showing
+    from ulna.viewer.robot.link_surfaces import checked_display
     from ulna.viewer.show import configuration, show
 
-    what, theme = checked_showing(chosen.show), theme_of(chosen.theme)
+    what, theme = checked_display(chosen.show), theme_of(chosen.theme)
     if chosen.output:
-        checked_picture(chosen.output)
+        checked_png_path(chosen.output)
     if chosen.film:
-        check_film(chosen.film)
+        checked_video_path(chosen.film)
     robot = load(chosen.name)
     q = configuration(robot, _values(chosen.q))
     written = chosen.output or chosen.film or chosen.html

@@ -227,9 +227,9 @@ def _picture(robot: Any, start: Floats, result: Servoing, output: str, size: tup
 
 def _view(scene: Scene, margin: float, aside: float = 0.0) -> Camera:
     """From the side to which the way of the tool is open."""
-    from ulna.viewer.graph.camera import frame
+    from ulna.viewer.graph.camera import camera_for
 
-    return frame(scene, direction=(1.1, 2.0, 0.8), margin=margin, aside=aside)
+    return camera_for(scene, direction=(1.1, 2.0, 0.8), margin=margin, aside=aside)
 
 
 def _pose(T: Floats) -> str:

@@ -14,7 +14,7 @@ import ulna
 from support.patience import patient
 from ulna.viewer.graph.camera import Camera
 from ulna.viewer.mesh.surface import Surface
-from ulna.viewer.render.lighting import KEY
+from ulna.viewer.render.lighting import KEY_DIRECTION
 from ulna.viewer.viewer import Viewer
 
 pytestmark = pytest.mark.browser
@@ -95,7 +95,7 @@ def test_one_lamp_throws_shadows_and_they_are_drawn_when_something_moved(viewer:
 
 def test_the_shadow_falls_where_the_lamp_throws_it(viewer: Viewer, tab: Any) -> None:
     Image = pytest.importorskip("PIL.Image")
-    away = np.array(KEY) / KEY[2] * 0.6
+    away = np.array(KEY_DIRECTION) / KEY_DIRECTION[2] * 0.6
 
     def brightness(point: np.ndarray) -> float:
         """Of the floor around a point, free of the lines of the grid."""

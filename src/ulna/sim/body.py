@@ -18,13 +18,13 @@ from ulna.sim.kinematic import moved_within_limits
 from ulna.sim.recording import Recording
 from ulna.typing import ArrayLike, Floats
 
-Control = Literal["position", "velocity", "acceleration", "torque"]
-CONTROLS: tuple[str, ...] = ("position", "velocity", "acceleration", "torque")
-Limited = Literal["none", "position", "all"]
-TOLD = ("control", "limits", "friction", "record")
+ControlMode = Literal["position", "velocity", "acceleration", "torque"]
+CONTROL_MODES: tuple[str, ...] = ("position", "velocity", "acceleration", "torque")
+LimitKind = Literal["none", "position", "all"]
+BODY_OPTIONS = ("control", "limits", "friction", "record")
 """What robots of a simulation can be told alike."""
 
-_LIMITED: tuple[str, ...] = ("none", "position", "all")
+_LIMIT_KINDS: tuple[str, ...] = ("none", "position", "all")
 
 
 @final
@@ -58,13 +58,13 @@ class Body:
         robot: Robot,
         q: ArrayLike | None = None,
         qd: ArrayLike | None = None,
-        control: Control = "velocity",
-        limits: Limited = "position",
+        control: ControlMode = "velocity",
+        limits: LimitKind = "position",
         friction: Friction | Literal["model"] | None = "model",
         record: bool = True,
         name: str | None = None,
     ) -> None:
-        check_told(control, limits, friction, record)
+        check_body_options(control, limits, friction, record)
         self.robot, self.limits, self.record = checked_robot(robot), limits, record
         self._name = robot.name if name is None else text("name", name)
         self.recording = Recording()
@@ -74,7 +74,7 @@ class Body:
         self._qd = shaped_array("qd", np.zeros(robot.nv) if qd is None else qd, robot.nv)
         self._qdd, self._target = np.zeros(robot.nv), None
         self._tau: Any = np.zeros(robot.nv)
-        self._moving, self._stood = self._qd, self._q
+        self._actual_qd, self._previous_q = self._qd, self._q
         self._applied: Floats | None = None
         self.control = control
         single = [j for j in robot.model.joints if j.mimic is None and j.kind.nq == j.kind.nv]
@@ -90,13 +90,13 @@ class Body:
         return self._name
 
     @property
-    def limits(self) -> Limited:
+    def limits(self) -> LimitKind:
         """What holds it: "none", "position" or "all"."""
         return self._limits
 
     @limits.setter
-    def limits(self, limits: Limited) -> None:
-        self._limits: Limited = one_of("limit", limits, _LIMITED)
+    def limits(self, limits: LimitKind) -> None:
+        self._limits: LimitKind = one_of("limit", limits, _LIMIT_KINDS)
 
     @property
     def record(self) -> bool:
@@ -108,16 +108,16 @@ class Body:
         self._record = flag("record", record)
 
     @property
-    def control(self) -> Control:
+    def control(self) -> ControlMode:
         """What it is told: "position", "velocity", "acceleration" or "torque"."""
         return self._control
 
     @control.setter
-    def control(self, control: Control) -> None:
-        one_of("control", control, CONTROLS)
+    def control(self, control: ControlMode) -> None:
+        one_of("control", control, CONTROL_MODES)
         if control == "torque" and self._plant is None:
             self._plant = Plant(self.robot, self._friction)
-        self._control: Control = control
+        self._control: ControlMode = control
 
     @property
     def q(self) -> Floats:
@@ -126,11 +126,14 @@ class Body:
 
     @q.setter
     def q(self, q: ArrayLike) -> None:
-        self.put(shaped_array("q", q, self.robot.nq))
+        self.set_checked_q(shaped_array("q", q, self.robot.nq))
 
-    def put(self, q: Floats) -> None:
+    def set_checked_q(self, q: Floats) -> None:
         """As assigning to `q`, for an array that is known to be a configuration and that nobody will change."""
         self._q = q
+
+    put = set_checked_q
+    """Old name."""
 
     @property
     def qd(self) -> Floats:
@@ -139,7 +142,7 @@ class Body:
 
     @qd.setter
     def qd(self, qd: ArrayLike) -> None:
-        self._qd = self._moving = shaped_array("qd", qd, self.robot.nv)
+        self._qd = self._actual_qd = shaped_array("qd", qd, self.robot.nv)
 
     @property
     def qdd(self) -> Floats:
@@ -171,14 +174,14 @@ class Body:
     def reset(self) -> None:
         """Back to the configuration and velocity it began with, with an empty recording."""
         self._q, self._qd = self._start[0].copy(), self._start[1].copy()
-        self._moving, self._stood, self._applied = self._qd, self._q, None
+        self._actual_qd, self._previous_q, self._applied = self._qd, self._q, None
         self.recording = Recording()
 
-    def note(self, t: float) -> None:
+    def record_row(self, t: float) -> None:
         """Record where it is and how it moved, which at a limit is not as it was told, and what torques it had."""
         if self._record:
             torque = {} if self._applied is None else {"tau": self._applied}
-            self.recording.add(t, self._q, v=self._moving, **torque)
+            self.recording.add(t, self._q, v=self._actual_qd, **torque)
 
     def step(self, t: float, dt: float, substep: float) -> None:
         """Move on from time `t` by `dt` [s]; under torques in steps no longer than `substep` [s].
@@ -187,23 +190,23 @@ class Body:
             InputError: The motion grew beyond all bounds.
         """
         self._applied = None
-        before, self._stood = self._stood, self._q
+        before, self._previous_q = self._previous_q, self._q
         if self._control == "position" and self._target is None:
-            self._qd = self._moving = np.zeros(self.robot.nv)
+            self._qd = self._actual_qd = np.zeros(self.robot.nv)
             if before is not self._q:
-                self._moving = np.asarray(self.robot.difference(before, self._q)) / dt
+                self._actual_qd = np.asarray(self.robot.difference(before, self._q)) / dt
             return
         with np.errstate(over="ignore", invalid="ignore"):
             _STEPS[self._control](self, t, dt, substep)
             size = self._q.dot(self._q) + self._qd.dot(self._qd)
-        self._stood = self._q
+        self._previous_q = self._q
         if not math.isfinite(size):
             raise InputError(
                 f"The motion of {self.name!r} grew beyond all bounds at t = {t + dt:g} s. Take a smaller step, or "
                 "look at what it is told."
             )
 
-    def _go(self, t: float, dt: float, _: float) -> None:
+    def _step_to_target(self, t: float, dt: float, _: float) -> None:
         assert self._target is not None
         way = np.asarray(self.robot.difference(self._q, self._target))
         longest = self.robot.limits.velocity * dt
@@ -212,26 +215,26 @@ class Body:
         self._q = (
             self._target.copy() if share >= 1.0 else np.asarray(self.robot.integrate(before, share * way))
         )
-        self._held()
-        self._qd = self._moving = np.asarray(self.robot.difference(before, self._q)) / dt
+        self._apply_position_limits()
+        self._qd = self._actual_qd = np.asarray(self.robot.difference(before, self._q)) / dt
 
-    def _slide(self, t: float, dt: float, _: float) -> None:
-        speed = self._slowed(self._qd)
+    def _step_velocity(self, t: float, dt: float, _: float) -> None:
+        speed = self._speed_limited(self._qd)
         if self._limits == "none":
             self._q = np.asarray(self.robot.integrate(self._q, dt * speed))
         else:
             before, self._q = self._q, moved_within_limits(self.robot, self._q, speed, dt)
             speed = np.asarray(self.robot.difference(before, self._q)) / dt
-        self._moving = speed
+        self._actual_qd = speed
 
-    def _push(self, t: float, dt: float, _: float) -> None:
-        faster = self._slowed(self._qd + dt * self._qdd)
+    def _step_acceleration(self, t: float, dt: float, _: float) -> None:
+        faster = self._speed_limited(self._qd + dt * self._qdd)
         self._q = np.asarray(self.robot.integrate(self._q, dt / 2 * (self._qd + faster)))
         self._qd = faster
-        self._held()
-        self._moving = self._qd
+        self._apply_position_limits()
+        self._actual_qd = self._qd
 
-    def _swing(self, t: float, dt: float, substep: float) -> None:
+    def _step_dynamics(self, t: float, dt: float, substep: float) -> None:
         assert self._plant is not None
         count = max(1, int(np.ceil(dt / substep - 1e-9)))
         effort = self.robot.limits.effort
@@ -243,15 +246,15 @@ class Body:
             if self._limits == "all":
                 tau = np.clip(tau, -effort, effort)
             self._q, self._qd = self._plant.euler(self._q, self._qd, tau, dt / count)
-            self._held()
+            self._apply_position_limits()
             self._applied = tau
-        self._moving = self._qd
+        self._actual_qd = self._qd
 
-    def _slowed(self, speed: Floats) -> Floats:
+    def _speed_limited(self, speed: Floats) -> Floats:
         fastest = self.robot.limits.velocity
         return np.clip(speed, -fastest, fastest) if self._limits == "all" else speed
 
-    def _held(self) -> None:
+    def _apply_position_limits(self) -> None:
         """A joint that has gone past a position limit stands at it."""
         if self._limits == "none":
             return
@@ -267,9 +270,9 @@ class Body:
         return f"<{self.name!r} under {self.control} control>"
 
 
-def check_told(
-    control: Control = "velocity",
-    limits: Limited = "position",
+def check_body_options(
+    control: ControlMode = "velocity",
+    limits: LimitKind = "position",
     friction: Friction | Literal["model"] | None = "model",
     record: bool = True,
 ) -> None:
@@ -279,15 +282,15 @@ def check_told(
         UnknownName: There is no such control, limit or friction.
         InputError: `record` is not True or False.
     """
-    one_of("control", control, CONTROLS)
-    one_of("limit", limits, _LIMITED)
+    one_of("control", control, CONTROL_MODES)
+    one_of("limit", limits, _LIMIT_KINDS)
     check_friction(friction)
     flag("record", record)
 
 
 _STEPS: dict[str, Callable[[Body, float, float, float], None]] = {
-    "position": Body._go,
-    "velocity": Body._slide,
-    "acceleration": Body._push,
-    "torque": Body._swing,
+    "position": Body._step_to_target,
+    "velocity": Body._step_velocity,
+    "acceleration": Body._step_acceleration,
+    "torque": Body._step_dynamics,
 }

@@ -81,7 +81,7 @@ class Plant:
         if self.friction is not None:
             self.friction.numbers(robot.nv)
         joints = [j for j in robot.model.joints if j.mimic is None]
-        self._flat = all(_is_flat(j.kind) for j in joints)
+        self._is_vector_space = all(_is_vector_joint(j.kind) for j in joints)
         self._is_bound = bound is not None
         self._acceleration = bound or compile(self._forward_dynamics, robot)
         self._integrate = robot.kernel("integrate")
@@ -90,7 +90,7 @@ class Plant:
     def acceleration(self, q: Floats, v: Floats, tau: Floats) -> Floats:
         """Accelerations (nv,) [rad/s^2, m/s^2] under torques `tau` and smooth friction."""
         if self.friction is not None:
-            tau = tau + self._rub(v)
+            tau = tau + self._friction_torque(v)
         return self._acceleration(q, v, tau)
 
     def euler(self, q: Floats, v: Floats, tau: Floats, dt: float) -> tuple[Floats, Floats]:
@@ -100,7 +100,7 @@ class Plant:
             return self._integrate(q, dt * free), free
         free = v + dt * self._acceleration(q, v, tau)
         if self.friction is not None:
-            free = self._settle(self._inverse_mass(q), free, v, dt)
+            free = self._velocity_after_friction(self._inverse_mass(q), free, v, dt)
         return self._integrate(q, dt * free), free
 
     def rk4(self, q: Floats, v: Floats, torque: Torque, t: float, dt: float) -> tuple[Floats, Floats]:
@@ -130,26 +130,26 @@ class Plant:
         """du/dt and dv/dt at q0 (+) u."""
         q = self._integrate(q0, u)
         tau = _torques(torque(t, q, v), self.robot.nv)
-        return (v if self._flat else self._tangent(u, v)), self.acceleration(q, v, tau)
+        return (v if self._is_vector_space else self._tangent(u, v)), self.acceleration(q, v, tau)
 
     def _forward_dynamics(self, q: Any, v: Any, tau: Any) -> Any:
         return forward_dynamics(self.robot.model, q, v, tau)
 
-    def _made(self, name: str, make: Callable[[], Any]) -> Any:
+    def _kernel(self, name: str, make: Callable[[], Any]) -> Any:
         if name not in self._kernels:
             self._kernels[name] = make()
         return self._kernels[name]
 
     def _inverse_mass(self, q: Floats) -> Floats:
         model = self.robot.model
-        return self._made("mass", lambda: compile(lambda q: inverse_mass_matrix(model, q), self.robot))(q)
+        return self._kernel("mass", lambda: compile(lambda q: inverse_mass_matrix(model, q), self.robot))(q)
 
-    def _rub(self, v: Floats) -> Floats:
+    def _friction_torque(self, v: Floats) -> Floats:
         law = self.friction
         assert law is not None
-        return self._made("rub", lambda: compile(law.torque, self.robot))(v)
+        return self._kernel("rub", lambda: compile(law.torque, self.robot))(v)
 
-    def _settle(self, G: Floats, free: Floats, v: Floats, dt: float) -> Floats:
+    def _velocity_after_friction(self, G: Floats, free: Floats, v: Floats, dt: float) -> Floats:
         law, n = self.friction, self.robot.nv
         assert law is not None
 
@@ -159,7 +159,7 @@ class Plant:
 
             return compile(settle, G=(n, n), u=(n,), v=(n,), h=())
 
-        return self._made("settle", make)(G, free, v, dt)
+        return self._kernel("settle", make)(G, free, v, dt)
 
     def _tangent(self, u: Floats, v: Floats) -> Floats:
         model = self.robot.model
@@ -172,7 +172,7 @@ class Plant:
 
             return compile(tangent, self.robot, u=(self.robot.nv,))
 
-        return self._made("tangent", make)(u, v)
+        return self._kernel("tangent", make)(u, v)
 
 
 def check_friction(friction: Friction | Literal["model"] | None) -> None:
@@ -274,7 +274,9 @@ def simulate(
     law = _torque_law(torque, model.nv)
     bound = not (isinstance(constraints, tuple | list) and not constraints)
     plant = (
-        Plant(robot, friction, _bound(robot, start, constraints, kp)) if bound else _plant(robot, friction)
+        Plant(robot, friction, _constrained_acceleration(robot, start, constraints, kp))
+        if bound
+        else _plant(robot, friction)
     )
     duration, count = step_count(duration, dt, _MOST_STEPS)
     every = checked_count("every", every)
@@ -299,7 +301,7 @@ def simulate(
             recording.add(t, q, v=v, tau=tau)
         q, v = plant.euler(q, v, tau, step) if method == "euler" else plant.rk4(q, v, law, t, step)
         if not np.isfinite(v).all():
-            raise _diverged(float(times[k + 1]), v)
+            raise _divergence_error(float(times[k + 1]), v)
     recording.add(duration, q, v=v, tau=_torques(law(duration, q, v), model.nv))
     return recording
 
@@ -343,7 +345,7 @@ def _adaptive(
             np.concatenate([np.zeros(n), v]),
             method=method,
             t_eval=times[row:],
-            events=None if plant._flat else far,
+            events=None if plant._is_vector_space else far,
             rtol=rtol,
             atol=atol,
         )
@@ -366,7 +368,7 @@ def _plant(robot: Robot, friction: Friction | Literal["model"] | None) -> Plant:
     return Plant(robot, friction)
 
 
-def _bound(
+def _constrained_acceleration(
     robot: Robot, q: Floats, constraints: Sequence[Constraint] | Constraint, kp: float
 ) -> Callable[[Floats, Floats, Floats], Floats]:
     """The accelerations of the robot under constraints that hold where they are at `q`."""
@@ -378,7 +380,7 @@ def _bound(
     return lambda q, v, tau: kernel(q, v, tau, *anchors, gains)[0]
 
 
-def _is_flat(kind: Any) -> bool:
+def _is_vector_joint(kind: Any) -> bool:
     """Whether integrating adds, so that u is q - q0."""
     return kind.nq == 1 or isinstance(kind, VectorKind)
 
@@ -394,7 +396,7 @@ def _torques(tau: ArrayLike, nv: int) -> Floats:
     return shaped_array("tau", tau, nv)
 
 
-def _diverged(t: float, v: Floats) -> InputError:
+def _divergence_error(t: float, v: Floats) -> InputError:
     return InputError(
         f"The motion grew beyond all bounds at t = {t:g} s. Take a smaller `dt`, or look at the torques; "
         f"the velocity is {v}."

@@ -18,30 +18,30 @@ from ulna.typing import Array, ArrayLike, Floats
 
 
 @lru_cache(maxsize=64)
-def held_step(n: int) -> Callable[..., tuple[Floats, float]]:
+def limited_step(n: int) -> Callable[..., tuple[Floats, float]]:
     """A kernel that moves `n` coordinates for a time and holds them within limits.
 
     It takes q (n,), v (n,), dt (), and the limits lower (n,), upper (n,), and gives the new q (n,) and a number that is
     finite only if all of q and v are.
     """
-    return compile(_held_step, q=(n,), v=(n,), dt=(), lower=(n,), upper=(n,))
+    return compile(_limited_step, q=(n,), v=(n,), dt=(), lower=(n,), upper=(n,))
 
 
-def _held_step(q: Array, v: Array, dt: Any, lower: Array, upper: Array) -> tuple[Array, Any]:
+def _limited_step(q: Array, v: Array, dt: Any, lower: Array, upper: Array) -> tuple[Array, Any]:
     return numeric.clip(q + dt * v, lower, upper), (q + v).sum()
 
 
 @lru_cache(maxsize=1)
-def drift() -> Callable[..., tuple[Floats, float]]:
+def pose_step() -> Callable[..., tuple[Floats, float]]:
     """A kernel that moves a pose at a constant velocity for a time.
 
     It takes T_world_body (4, 4), its velocity v (6,) in the world, linear [m/s] then angular [rad/s], and dt (), and
     gives the new pose (4, 4) and a number that is finite only if all of v is.
     """
-    return compile(_drift, T=(4, 4), v=(6,), dt=())
+    return compile(_pose_step, T=(4, 4), v=(6,), dt=())
 
 
-def _drift(T: Array, v: Array, dt: Any) -> tuple[Array, Any]:
+def _pose_step(T: Array, v: Array, dt: Any) -> tuple[Array, Any]:
     R, p = so3_exp(dt * v[3:]) @ T[:3, :3], T[:3, 3] + dt * v[:3]
     rows = [[*R[k], p[k]] for k in range(3)]
     return numeric.matrix([*rows, [0.0, 0.0, 0.0, 1.0]]), v.sum()
@@ -70,12 +70,12 @@ def moved_within_limits(robot: Any, q: Floats, v: Floats, dt: float) -> Floats:
     """As `kinematic_step`, for numbers that are known to fit."""
     model = robot.model
     lower, upper = model.lower_position, model.upper_position
-    if _adds(model):
-        return held_step(model.nq)(q, v, dt, lower, upper)[0]
+    if _has_vector_coordinates(model):
+        return limited_step(model.nq)(q, v, dt, lower, upper)[0]
     return np.clip(robot.integrate(q, dt * v), lower, upper)
 
 
 @lru_cache(maxsize=256)
-def _adds(model: Model) -> bool:
+def _has_vector_coordinates(model: Model) -> bool:
     """Whether moving is adding: every joint has one coordinate. Rotations and bases move on their group."""
     return 0 < model.nq == model.nv and all(j.kind.nq == 1 for j in model.joints)

@@ -19,7 +19,7 @@ class Recording:
     """
 
     def __init__(self) -> None:
-        self._count = self._room = 0
+        self._count = self._capacity = 0
         self._columns: dict[str, Floats] = {}
 
     def add(self, t: float, q: ArrayLike, **notes: Any) -> None:
@@ -28,8 +28,8 @@ class Recording:
         Raises:
             ShapeError: A number of entries differs from that of the rows before.
         """
-        if self._count == self._room:
-            self._room = 2 * self._room or 64
+        if self._count == self._capacity:
+            self._capacity = 2 * self._capacity or 64
             for name, column in self._columns.items():
                 self._columns[name] = np.concatenate([column, np.full_like(column, np.nan)])
         cells = []
@@ -40,7 +40,7 @@ class Recording:
             except (TypeError, ValueError):
                 raise InputError(f"`{name}` is {short_repr(value)}; expected numbers.") from None
             if column is None:
-                column = self._columns[name] = np.full((self._room, *cell.shape), np.nan)
+                column = self._columns[name] = np.full((self._capacity, *cell.shape), np.nan)
             elif column.shape[1:] != cell.shape:
                 raise ShapeError(name, cell.shape, f"{column.shape[1:]}, as in the rows before")
             cells.append((column, cell))

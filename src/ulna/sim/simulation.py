@@ -31,7 +31,7 @@ class Simulation:
     def __init__(self, realtime: bool = False, speed: float = 1.0, substep: float = 1e-3) -> None:
         self._realtime, self._substep = flag("realtime", realtime), checked_duration("substep", substep)
         self._speed, self._paused = number("speed", speed, _SPEED, above=0.0), False
-        self.patience: Callable[[], bool] = lambda: False
+        self.can_resume: Callable[[], bool] = lambda: False
         """Whether there is anybody who could end a pause; asked while one lasts, so that it never lasts for ever."""
         self.waiting = False
         """Whether a step is waiting for a pause to end."""
@@ -39,6 +39,15 @@ class Simulation:
         self._listeners: list[Callable[[Simulation], object]] = []
         self._t, self._steps = 0.0, 0
         self._origin: tuple[float, float] | None = None
+
+    @property
+    def patience(self) -> Callable[[], bool]:
+        """Old name of `can_resume`."""
+        return self.can_resume
+
+    @patience.setter
+    def patience(self, can_resume: Callable[[], bool]) -> None:
+        self.can_resume = can_resume
 
     @property
     def t(self) -> float:
@@ -107,7 +116,7 @@ class Simulation:
                 f"There is a robot {body.name!r} in the simulation already; give it another `name`."
             )
         self._bodies.append(body)
-        body.note(self._t)
+        body.record_row(self._t)
         return body
 
     def remove(self, body: Body) -> None:
@@ -140,7 +149,7 @@ class Simulation:
         self._t += dt
         self._steps += 1
         for body in self._bodies:
-            body.note(self._t)
+            body.record_row(self._t)
         for function in self._listeners:
             function(self)
         if self._realtime:
@@ -167,10 +176,10 @@ class Simulation:
         self._t, self._steps, self._origin = 0.0, 0, None
         for body in self._bodies:
             body.reset()
-            body.note(0.0)
+            body.record_row(0.0)
 
     def _wait(self) -> None:
-        while self._paused and self.patience():
+        while self._paused and self.can_resume():
             self._origin, self.waiting = None, True
             time.sleep(0.02)
         self.waiting = False

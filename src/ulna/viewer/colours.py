@@ -14,7 +14,7 @@ from ulna.typing import ArrayLike, Floats
 RGBA = tuple[float, float, float, float]
 """Red, green, blue (sRGB) and opacity, each from 0 to 1."""
 
-_SLACK = 1e-6  # what arithmetic leaves beyond 0 and 1
+_ROUNDING = 1e-6  # what arithmetic leaves beyond 0 and 1
 
 Colour = str | Iterable[float]
 """What `colour` understands."""
@@ -57,12 +57,12 @@ ff7f0e, tab:green 2ca02c, tab:red d62728, tab:purple 9467bd, tab:brown 8c564b, t
 """
 """Names that matplotlib has besides: its letters, and the colours of its lines."""
 
-NAMES, _MORE = (
+NAMES, _MATPLOTLIB_NAMES = (
     {name: digits for name, digits in (pair.split() for pair in text.split(","))}
     for text in (_CSS, _MATPLOTLIB)
 )
 
-_MEND = "Numbers from 0 to 255 are divided by 255, or given as integers, one of them above 1."
+_RANGE_HINT = "Numbers from 0 to 255 are divided by 255, or given as integers, one of them above 1."
 
 
 def colour(value: Colour) -> RGBA:
@@ -77,7 +77,7 @@ def colour(value: Colour) -> RGBA:
         InputError: If it is no colour at all.
     """
     if isinstance(value, str):
-        return _written(value)
+        return _parsed(value)
     try:
         given = np.asarray(value if isinstance(value, np.ndarray) else list(value))
     except (TypeError, ValueError):
@@ -87,11 +87,11 @@ def colour(value: Colour) -> RGBA:
             "A colour is a name, '#rrggbb', or 3 or 4 finite numbers from 0 to 1 (red, green, blue, opacity); "
             f"got {short_repr(value)}."
         )
-    r, g, b, *a = shades("color", given).tolist()
+    r, g, b, *a = colour_values("color", given).tolist()
     return (r, g, b, a[0] if a else 1.0)
 
 
-def shades(name: str, value: ArrayLike) -> Floats:
+def colour_values(name: str, value: ArrayLike) -> Floats:
     """Numbers from 0 to 1, from such, or from integers that go up to 255.
 
     Raises:
@@ -101,14 +101,14 @@ def shades(name: str, value: ArrayLike) -> Floats:
     given = np.asarray(value)
     if out.size and given.dtype.kind in "iu" and (given.dtype == np.uint8 or out.max() > 1.0):
         out = out / 255.0
-    if out.size and not (out.min() >= -_SLACK and out.max() <= 1.0 + _SLACK):
-        raise InputError(f"`{name}` is {short_repr(value)}; expected numbers from 0 to 1. {_MEND}")
+    if out.size and not (out.min() >= -_ROUNDING and out.max() <= 1.0 + _ROUNDING):
+        raise InputError(f"`{name}` is {short_repr(value)}; expected numbers from 0 to 1. {_RANGE_HINT}")
     return np.clip(out, 0.0, 1.0)
 
 
-def _written(text: str) -> RGBA:
+def _parsed(text: str) -> RGBA:
     name = text.replace(" ", "").lower()
-    digits = NAMES.get(name) or _MORE.get(name) or (text[1:] if text.startswith("#") else "")
+    digits = NAMES.get(name) or _MATPLOTLIB_NAMES.get(name) or (text[1:] if text.startswith("#") else "")
     if len(digits) in (3, 4):
         digits = "".join(2 * d for d in digits)
     try:

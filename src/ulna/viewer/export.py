@@ -14,18 +14,18 @@ from ulna.checks.values import function as checked_function
 from ulna.errors import InputError
 from ulna.sim import Recording
 from ulna.typing import Array
-from ulna.viewer.graph.camera import Camera, checked_camera, frame
+from ulna.viewer.graph.camera import Camera, camera_for, checked_camera
 from ulna.viewer.graph.theme import Theme, theme_of
-from ulna.viewer.output.png import checked_picture
-from ulna.viewer.output.video import check_film, moments, write_film
-from ulna.viewer.page.html_file import checked_page, write_html
-from ulna.viewer.panel.timeline import Motion, Timeline
+from ulna.viewer.output.png import checked_png_path
+from ulna.viewer.output.video import checked_video_path, frame_times, write_video
+from ulna.viewer.page.html_file import checked_html_path, write_html
+from ulna.viewer.panel.timeline import RecordedMotion, Timeline
 from ulna.viewer.progress import progress
 from ulna.viewer.render.renderer import check_size, render, write_png
 from ulna.viewer.robot.robot_handle import RobotHandle
 from ulna.viewer.scene.objects import SceneMethods
 
-Recorded = Recording | Mapping[RobotHandle, Recording] | None
+RecordedMotions = Recording | Mapping[RobotHandle, Recording] | None
 
 
 class ExportMethods(SceneMethods, abc.ABC):
@@ -34,10 +34,10 @@ class ExportMethods(SceneMethods, abc.ABC):
     def __init__(self, title: str, theme: Theme | str, camera: Camera | None, floor: float | None) -> None:
         super().__init__()
         self.title, self._theme = text("title", title), theme_of(theme)
-        self._camera, self._floor = checked_camera(camera), checked_height(floor)
+        self._camera, self._floor = checked_camera(camera), checked_floor(floor)
 
     @abc.abstractmethod
-    def _simulated(self) -> Sequence[Motion]:
+    def _simulated(self) -> Sequence[RecordedMotion]:
         """The robots that a simulation moves, and what gives its recordings."""
 
     @property
@@ -68,8 +68,8 @@ class ExportMethods(SceneMethods, abc.ABC):
             UnknownName: The path does not end in .png.
         """
         check_size(width, height, samples)
-        target = None if path is None else checked_picture(path)
-        view = checked_camera(camera) or self._camera or frame(self.scene, width / height)
+        target = None if path is None else checked_png_path(path)
+        view = checked_camera(camera) or self._camera or camera_for(self.scene, width / height)
         image = render(self.scene, width, height, view, samples, self._theme, self._floor)
         if target is not None:
             write_png(target, image)
@@ -78,7 +78,7 @@ class ExportMethods(SceneMethods, abc.ABC):
     def film(
         self,
         path: str | os.PathLike[str],
-        recorded: Recorded = None,
+        recorded: RecordedMotions = None,
         *,
         fps: float = 25.0,
         speed: float = 1.0,
@@ -108,12 +108,16 @@ class ExportMethods(SceneMethods, abc.ABC):
             MissingExtra: imageio-ffmpeg or Pillow is not installed.
             InputError: It is not clear what to show, or the file cannot be written.
         """
-        check_film(path)
+        checked_video_path(path)
         check_size(width, height, samples)
-        bring, length = self._mover(recorded, move, duration)
-        times = moments(length, fps, speed)
-        with self._as_it_was():
-            view = checked_camera(camera) or self._camera or self._view_of(bring, times, width / height)
+        bring, length = self._motion(recorded, move, duration)
+        times = frame_times(length, fps, speed)
+        with self._restoring_configurations():
+            view = (
+                checked_camera(camera)
+                or self._camera
+                or self._camera_for_motion(bring, times, width / height)
+            )
             floor = self.scene.floor() if self._floor is None else self._floor
             with progress(f"Drawing {os.path.basename(os.fspath(path))}") as report:
 
@@ -123,12 +127,12 @@ class ExportMethods(SceneMethods, abc.ABC):
                         bring(float(t))
                         yield render(self.scene, width, height, view, samples, self._theme, floor)
 
-                return write_film(path, pictures(), fps)
+                return write_video(path, pictures(), fps)
 
     def html(
         self,
         path: str | os.PathLike[str],
-        recorded: Recorded = None,
+        recorded: RecordedMotions = None,
         *,
         fps: float = 30.0,
         camera: Camera | None = None,
@@ -145,13 +149,13 @@ class ExportMethods(SceneMethods, abc.ABC):
             MissingExtra: viser is not installed.
             InputError: It is not clear what to show, or the file cannot be written.
         """
-        checked_page(path)
-        times, bring = moments(0.0, fps), None
+        checked_html_path(path)
+        times, bring = frame_times(0.0, fps), None
         if recorded is not None or self._simulated():
-            bring, length = self._mover(recorded, None, None)
-            times = moments(length, fps)
+            bring, length = self._motion(recorded, None, None)
+            times = frame_times(length, fps)
         options: dict[str, Any] = {"title": self.title, "theme": self._theme, "floor": self._floor}
-        with self._as_it_was():
+        with self._restoring_configurations():
             return write_html(
                 path,
                 self.scene,
@@ -161,8 +165,8 @@ class ExportMethods(SceneMethods, abc.ABC):
                 **options,
             )
 
-    def _mover(
-        self, recorded: Recorded, move: Callable[[float], None] | None, duration: float | None
+    def _motion(
+        self, recorded: RecordedMotions, move: Callable[[float], None] | None, duration: float | None
     ) -> tuple[Callable[[float], None], float]:
         if (move is None) != (duration is None) or (move is not None and recorded is not None):
             raise InputError("Give either what was recorded, or `move` with a `duration` [s].")
@@ -176,23 +180,23 @@ class ExportMethods(SceneMethods, abc.ABC):
 
         return bring, timeline.duration
 
-    def _view_of(self, bring: Callable[[float], None], times: Array, aspect: float) -> Camera:
+    def _camera_for_motion(self, bring: Callable[[float], None], times: Array, aspect: float) -> Camera:
         bring(float(times[-1]))
         last = self.scene.points()
         bring(float(times[0]))
-        return frame(self.scene, aspect, also=last)
+        return camera_for(self.scene, aspect, also=last)
 
     @contextmanager
-    def _as_it_was(self) -> Iterator[None]:
+    def _restoring_configurations(self) -> Iterator[None]:
         """Robots stand afterwards where they stood before."""
         before = [(robot, robot.q) for robot in self.robots]
         try:
             yield
         finally:
             for robot, q in before:
-                robot.show_at(q)
+                robot.display(q)
 
-    def _motions(self, recorded: Recorded) -> Sequence[Motion]:
+    def _motions(self, recorded: RecordedMotions) -> Sequence[RecordedMotion]:
         if recorded is None:
             motions = self._simulated()
             if not motions:
@@ -218,7 +222,7 @@ class ExportMethods(SceneMethods, abc.ABC):
         return [(robot, lambda r=r: r) for robot, r in recorded.items()]
 
 
-def checked_height(floor: float | None) -> float | None:
+def checked_floor(floor: float | None) -> float | None:
     """The height of a floor [m], or None.
 
     Raises:

@@ -18,8 +18,8 @@ Report = Callable[[int, int], None]
 Watcher = Callable[[str, str], None]
 """Told what is being done and how far it is; nothing for how far once it is done."""
 
-_PATIENCE = 0.7  # s
-_CALM = 0.1  # s between two words about one work
+_DELAY = 0.7  # s
+_INTERVAL = 0.1  # s between two words about one work
 
 _watchers: list[Watcher] = []
 
@@ -48,7 +48,7 @@ def progress(what: str) -> Iterator[Report]:
     Args:
         what: What is being done: "Loading meshes".
     """
-    work = _Work(what)
+    work = _Task(what)
     try:
         yield work.report
     finally:
@@ -56,32 +56,32 @@ def progress(what: str) -> Iterator[Report]:
 
 
 @final
-class _Work:
+class _Task:
     def __init__(self, what: str) -> None:
         self._what, self._count = what, ""
-        self._shown = self._over = False
-        self._told_at = 0.0
-        self._lock, self._speaking = forks.lock(), forks.lock()
-        self._due = True  # whether a word is on its way
-        self._timer = self._later(_PATIENCE)
+        self._shown = self._finished = False
+        self._reported_at = 0.0
+        self._lock, self._output_lock = forks.lock(), forks.lock()
+        self._report_pending = True  # whether a word is on its way
+        self._timer = self._start_timer(_DELAY)
 
     def report(self, done: int, of: int) -> None:
         with self._lock:
             self._count = f"{done} of {of}" if of > 1 else ""
-            if self._due or self._over:
+            if self._report_pending or self._finished:
                 return
-            self._due, wait = True, self._told_at + _CALM - time.monotonic()
+            self._report_pending, wait = True, self._reported_at + _INTERVAL - time.monotonic()
             if wait > 0.0:
-                self._timer = self._later(wait)
+                self._timer = self._start_timer(wait)
                 return
-        self._tell()
+        self._report_now()
 
     def finish(self) -> None:
         with self._lock:
-            self._over = True
+            self._finished = True
             self._timer.cancel()
         self._timer.join()
-        with self._speaking:
+        with self._output_lock:
             if not self._shown:
                 return
             if _terminal():
@@ -89,19 +89,19 @@ class _Work:
             for watcher in tuple(_watchers):
                 watcher(self._what, "")
 
-    def _later(self, seconds: float) -> threading.Timer:
-        timer = threading.Timer(seconds, self._tell)
+    def _start_timer(self, seconds: float) -> threading.Timer:
+        timer = threading.Timer(seconds, self._report_now)
         timer.daemon = True
         timer.start()
         return timer
 
-    def _tell(self) -> None:
-        with self._speaking:
+    def _report_now(self) -> None:
+        with self._output_lock:
             with self._lock:
-                if self._over:
+                if self._finished:
                     return
-                self._due, self._shown = False, True
-                self._told_at, count = time.monotonic(), self._count or "..."
+                self._report_pending, self._shown = False, True
+                self._reported_at, count = time.monotonic(), self._count or "..."
             if _terminal():
                 print(f"\r{self._what}: {count} ", end="", file=sys.stderr, flush=True)
             for watcher in tuple(_watchers):

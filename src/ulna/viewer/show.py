@@ -14,11 +14,11 @@ from ulna.viewer.graph.camera import Camera
 from ulna.viewer.graph.theme import LIGHT, Theme, theme_of
 from ulna.viewer.page import Page
 from ulna.viewer.page.browser import open_browser
-from ulna.viewer.page.keep_open import hold
+from ulna.viewer.page.keep_open import keep_open
 from ulna.viewer.panel.teach_panel import TeachPanel
 from ulna.viewer.progress import progress
 from ulna.viewer.robot.configuration import configuration
-from ulna.viewer.robot.link_surfaces import Showing, checked_showing
+from ulna.viewer.robot.link_surfaces import RobotDisplay, checked_display
 from ulna.viewer.robot.robot_visual import RobotVisual
 from ulna.viewer.scene import Scene
 
@@ -33,7 +33,7 @@ def show(
     scene: Scene | None = None,
     camera: Camera | None = None,
     theme: Theme | str = LIGHT,
-    show: Showing = "visual",
+    show: RobotDisplay = "visual",
 ) -> Show:
     """Open a page that shows a robot, with sliders and a target to drag, and return at once.
 
@@ -61,7 +61,7 @@ def show(
         )
     flag("browser", browser)
     place = scene if scene is not None else Scene()
-    out = Show(robot, start, place, port, host, camera, theme_of(theme), checked_showing(show))
+    out = Show(robot, start, place, port, host, camera, theme_of(theme), checked_display(show))
     if browser:
         open_browser(out.url)
     return out
@@ -80,19 +80,24 @@ class Show:
         host: str,
         camera: Camera | None,
         theme: Theme,
-        showing: Showing = "visual",
+        showing: RobotDisplay = "visual",
     ) -> None:
         self.robot, self.scene = robot, scene
         self.lock = forks.lock()
         with progress("Loading meshes") as report:
-            self._figure = RobotVisual(scene, robot, q, show=showing, report=report)
-        self.name = self._figure.name
+            self._visual = RobotVisual(scene, robot, q, show=showing, report=report)
+        self.name = self._visual.name
         try:
             self.page = Page(scene, title=robot.name, port=port, host=host, camera=camera, theme=theme)
         except BaseException:
-            self._figure.remove()
+            self._visual.remove()
             raise
-        self.pendant = TeachPanel(self.page, self)
+        self.teach_panel = TeachPanel(self.page, self)
+
+    @property
+    def pendant(self) -> TeachPanel:
+        """Old name of `teach_panel`."""
+        return self.teach_panel
 
     @property
     def url(self) -> str:
@@ -102,33 +107,36 @@ class Show:
     @property
     def q(self) -> Floats:
         """The configuration, shape (nq,)."""
-        return self._figure.q
+        return self._visual.q
 
     @q.setter
     def q(self, q: ArrayLike | str) -> None:
         with self.lock:
-            self._figure.move(configuration(self.robot, q))
+            self._visual.move(configuration(self.robot, q))
 
     @property
     def moves(self) -> int:
         """How often it was moved."""
-        return self._figure.moves
+        return self._visual.moves
 
     @property
     def tool(self) -> Floats:
         """Where the tool is, T_world_tool, shape (4, 4)."""
         return np.asarray(self.robot.fk(self.q))
 
-    def aim(self, T_goal: ArrayLike) -> None:
+    def set_target(self, T_goal: ArrayLike) -> None:
         """Move the target, as dragging it does: the tool follows as far as the joints allow."""
-        self.pendant.aim(T_goal)
+        self.teach_panel.set_target(T_goal)
+
+    aim = set_target
+    """Old name."""
 
     def hold(self, seconds: float | None = None) -> None:
         """Keep the page open until Ctrl-C, until `close`, until the last tab is closed, or for some seconds.
 
         Where nobody can look (no screen, no terminal) it says so and returns at once.
         """
-        hold(self.page, seconds)
+        keep_open(self.page, seconds)
 
     def close(self) -> None:
         """Close the page."""

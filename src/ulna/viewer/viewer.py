@@ -10,18 +10,18 @@ from ulna.checks.values import short_repr as worded
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import unknown_attribute
 from ulna.sim import Simulation
-from ulna.sim.body import TOLD, check_told
-from ulna.viewer.export import ExportMethods, Recorded, checked_height
-from ulna.viewer.graph.camera import Camera, checked_camera, frame
+from ulna.sim.body import BODY_OPTIONS, check_body_options
+from ulna.viewer.export import ExportMethods, RecordedMotions, checked_floor
+from ulna.viewer.graph.camera import Camera, camera_for, checked_camera
 from ulna.viewer.graph.handles import Handle
 from ulna.viewer.graph.theme import LIGHT, Theme, theme_of
 from ulna.viewer.page import Page
 from ulna.viewer.page.access import checked_host
 from ulna.viewer.page.browser import open_browser, somebody_can_look
-from ulna.viewer.page.keep_open import hold
+from ulna.viewer.page.keep_open import keep_open
 from ulna.viewer.panel import Panel
 from ulna.viewer.panel.teach_panel import TeachPanel
-from ulna.viewer.panel.timeline import PACE, Motion, Timeline
+from ulna.viewer.panel.timeline import SPEED_EXPECTED, RecordedMotion, Timeline
 from ulna.viewer.robot.robot_handle import RobotHandle
 
 
@@ -105,7 +105,7 @@ class Viewer(ExportMethods):
         if self._page is None:
             print("There is no page to hold open.", flush=True)
         else:
-            hold(self._page, seconds)
+            keep_open(self._page, seconds)
 
     def close(self) -> None:
         """Close the page. The scene stays."""
@@ -139,7 +139,7 @@ class Viewer(ExportMethods):
     @theme.setter
     def theme(self, theme: Theme | str) -> None:
         self._theme = theme_of(theme)
-        self._dress()
+        self._update_surroundings()
 
     @property
     def floor(self) -> float | None:
@@ -148,31 +148,31 @@ class Viewer(ExportMethods):
 
     @floor.setter
     def floor(self, height: float | None) -> None:
-        self._floor = checked_height(height)
-        self._dress()
+        self._floor = checked_floor(height)
+        self._update_surroundings()
 
     @property
     def camera(self) -> Camera:
         """Where the scene is looked at from; assigning one moves every tab, None has everything in view again."""
-        return self._camera or frame(self.scene)
+        return self._camera or camera_for(self.scene)
 
     @camera.setter
     def camera(self, camera: Camera | None) -> None:
         self._camera = checked_camera(camera)
         if self._page is not None:
-            self._page.look(camera)
+            self._page.set_camera(camera)
 
-    def _dress(self) -> None:
+    def _update_surroundings(self) -> None:
         if self._page is not None:
-            self._page.dress(self._theme, self._floor)
+            self._page.set_theme(self._theme, self._floor)
 
-    def _added(self, handle: Handle) -> None:
+    def _on_added(self, handle: Handle) -> None:
         if self._page is not None:
-            self._page.frame_soon()
+            self._page.request_framing()
         if isinstance(handle, RobotHandle) and self._simulation is not None:
-            self._adopt(handle)
+            self._simulate_robot(handle)
 
-    def pendant(self, robot: RobotHandle) -> TeachPanel:
+    def teach_panel(self, robot: RobotHandle) -> TeachPanel:
         """Put a robot's joints, its tool's pose and a target to drag into the panel.
 
         Raises:
@@ -185,6 +185,9 @@ class Viewer(ExportMethods):
         if self._page is None:
             raise InputError("There is no page to put sliders into.")
         return TeachPanel(self._page, robot, lambda: robot.world_pose, heading=robot.name)
+
+    pendant = teach_panel
+    """Old name."""
 
     # time -----------------------------------------------------------------------------------------------------
 
@@ -204,36 +207,36 @@ class Viewer(ExportMethods):
         Raises:
             InputError: A number is out of range.
         """
-        unknown = [name for name in told if name not in TOLD]
+        unknown = [name for name in told if name not in BODY_OPTIONS]
         if unknown:
-            raise UnknownName("thing to tell a robot", unknown[0], TOLD)
-        check_told(**told)
+            raise UnknownName("thing to tell a robot", unknown[0], BODY_OPTIONS)
+        check_body_options(**told)
         watched = not self.closed and somebody_can_look()
         sim = Simulation(watched if realtime is None else realtime, speed, substep)
-        sim.patience = lambda: self.clients > 0
-        self._simulation, self._told = sim, told
+        sim.can_resume = lambda: self.clients > 0
+        self._simulation, self._body_options = sim, told
         for robot in self.robots:
-            robot.simulated_by(None)
-            self._adopt(robot)
+            robot.set_body(None)
+            self._simulate_robot(robot)
         sim.each_step(self._show_step)
         self._timeline = Timeline(self._page, self._simulated, sim, speed)
         return sim
 
-    def _adopt(self, robot: RobotHandle) -> None:
+    def _simulate_robot(self, robot: RobotHandle) -> None:
         assert self._simulation is not None
-        robot.simulated_by(
-            self._simulation.add(robot.robot, q=robot.q, qd=robot.qd, name=robot.name, **self._told)
+        robot.set_body(
+            self._simulation.add(robot.robot, q=robot.q, qd=robot.qd, name=robot.name, **self._body_options)
         )
 
     def _show_step(self, _: Simulation) -> None:
-        with self.scene.together():  # all robots or none: no picture shows them at different times
+        with self.scene.atomic():  # all robots or none: no picture shows them at different times
             for robot in self.robots:
-                robot.follow_body()
+                robot.show_body_state()
 
-    def _simulated(self) -> Sequence[Motion]:
+    def _simulated(self) -> Sequence[RecordedMotion]:
         return [(r, lambda b=b: b.recording) for r in self.robots if (b := r.body) is not None]
 
-    def play(self, recorded: Recorded = None, speed: float = 1.0) -> Timeline:
+    def play(self, recorded: RecordedMotions = None, speed: float = 1.0) -> Timeline:
         """Play what was recorded in the page, with a time line to pause and scrub, and return at once.
 
         Args:
@@ -243,7 +246,7 @@ class Viewer(ExportMethods):
         Raises:
             InputError: It is not clear what to play.
         """
-        number("speed", speed, PACE, above=0.0)
+        number("speed", speed, SPEED_EXPECTED, above=0.0)
         motions = self._motions(recorded)
         timeline = self._timeline if recorded is None else None
         if timeline is None:

@@ -34,3 +34,25 @@ def test_what_was_never_there_is_not_there_now():
         importlib.import_module("ulna.viewer.telescope")
     with pytest.raises(AttributeError, match="telescope"):
         _ = importlib.import_module("ulna.viewer.camera").telescope
+
+
+def test_old_methods_are_the_new_ones():
+    from ulna.sim import Body, Simulation
+    from ulna.viewer import RobotHandle, Scene, Viewer
+    from ulna.viewer.panel.teach_panel import TeachPanel
+    from ulna.viewer.show import Show
+
+    pairs = {
+        Scene: {"together": "atomic", "later": "defer", "look": "appearance", "set_look": "set_appearance"},
+        Viewer: {"pendant": "teach_panel"},
+        Show: {"aim": "set_target"},
+        TeachPanel: {"aim": "set_target", "glide_to": "move_to"},
+        RobotHandle: {"put": "set_checked_q"},
+        Body: {"put": "set_checked_q"},
+    }
+    for cls, names in pairs.items():
+        for old, new in names.items():
+            assert getattr(cls, old) is getattr(cls, new)
+    simulation = Simulation()
+    simulation.patience = bool
+    assert simulation.can_resume is bool is simulation.patience

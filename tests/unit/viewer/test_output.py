@@ -12,7 +12,7 @@ import pytest
 import ulna
 from ulna.errors import InputError, MissingExtra, ShapeError, UnknownName
 from ulna.sim import Recording
-from ulna.viewer.output.video import gif_times, moments, write_film
+from ulna.viewer.output.video import frame_times, gif_frame_durations, write_video
 from ulna.viewer.viewer import Viewer
 
 
@@ -33,18 +33,18 @@ def pictures(count: int) -> list[np.ndarray]:
 
 
 def test_the_moments_of_a_film() -> None:
-    np.testing.assert_allclose(moments(1.0, 4.0), [0, 0.25, 0.5, 0.75, 1.0])
-    np.testing.assert_allclose(moments(1.0, 4.0, 2.0), [0, 0.5, 1.0])
-    assert len(moments(0.0, 25.0)) == 1
+    np.testing.assert_allclose(frame_times(1.0, 4.0), [0, 0.25, 0.5, 0.75, 1.0])
+    np.testing.assert_allclose(frame_times(1.0, 4.0, 2.0), [0, 0.5, 1.0])
+    assert len(frame_times(0.0, 25.0)) == 1
     for wrong in ((-1.0, 25.0, 1.0), (1.0, 0.0, 1.0), (1.0, 25.0, 0.0), (np.nan, 25.0, 1.0)):
         with pytest.raises(InputError):
-            moments(*wrong)
+            frame_times(*wrong)
 
 
 @pytest.mark.parametrize("fps", [25.0, 30.0, 60.0])
 def test_a_gif_keeps_its_time(tmp_path: Path, fps: float) -> None:
     Image = pytest.importorskip("PIL.Image")
-    path = write_film(tmp_path / "new" / "a.gif", pictures(31), fps)
+    path = write_video(tmp_path / "new" / "a.gif", pictures(31), fps)
     with Image.open(path) as film:
         total = 0
         for k in range(film.n_frames):
@@ -55,7 +55,7 @@ def test_a_gif_keeps_its_time(tmp_path: Path, fps: float) -> None:
 
 def test_an_mp4_keeps_its_time_and_size(tmp_path: Path) -> None:
     ffmpeg = pytest.importorskip("imageio_ffmpeg")
-    path = write_film(tmp_path / "a.mp4", pictures(31), 30.0)
+    path = write_video(tmp_path / "a.mp4", pictures(31), 30.0)
     command = [ffmpeg.get_ffmpeg_exe(), "-i", str(path), "-f", "null", "-"]
     about = subprocess.run(command, capture_output=True, text=True, check=True).stderr
     assert "32x20" in about  # the codec wants even sizes
@@ -66,7 +66,7 @@ def test_an_mp4_keeps_its_time_and_size(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("fps", "shortest"), [(60.0, 20), (100.0, 20), (240.0, 20), (25.0, 40)])
 def test_a_gif_shows_no_picture_for_less_than_browsers_keep_to(fps: float, shortest: int) -> None:
-    chosen, durations = gif_times(481, fps)
+    chosen, durations = gif_frame_durations(481, fps)
     assert min(durations) >= shortest
     assert sum(durations) == pytest.approx(481 / fps * 1000, abs=20)
     assert chosen == sorted(set(chosen))
@@ -84,9 +84,9 @@ def test_a_film_that_fails_leaves_what_was_there(tmp_path: Path, suffix: str) ->
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        write_film(path, stops(), 25.0)
+        write_video(path, stops(), 25.0)
     assert (path.read_bytes(), list(tmp_path.iterdir())) == (b"before", [path])
-    write_film(path, pictures(3), 25.0)
+    write_video(path, pictures(3), 25.0)
     assert path.stat().st_size > 100
     assert list(tmp_path.iterdir()) == [path]
 
@@ -115,13 +115,13 @@ def test_what_is_no_film_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     import sys
 
     with pytest.raises(UnknownName, match=r"\.mp4"):
-        write_film(tmp_path / "a.mp3", pictures(1), 25.0)
+        write_video(tmp_path / "a.mp3", pictures(1), 25.0)
     pytest.importorskip("PIL")
     with pytest.raises(InputError, match="at least one"):
-        write_film(tmp_path / "a.gif", [], 25.0)
+        write_video(tmp_path / "a.gif", [], 25.0)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(MissingExtra, match=r"pip install .*'imageio-ffmpeg>="):
-        write_film(tmp_path / "a.mp4", pictures(1), 25.0)
+        write_video(tmp_path / "a.mp4", pictures(1), 25.0)
 
 
 def test_a_film_of_a_recording_shows_what_happened(tmp_path: Path, panda: ulna.Robot) -> None:

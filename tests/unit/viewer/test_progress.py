@@ -40,8 +40,8 @@ def heard() -> Iterator[list[tuple[str, str]]]:
 
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "_PATIENCE", 0.02)
-    monkeypatch.setattr(module, "_CALM", 0.0)
+    monkeypatch.setattr(module, "_DELAY", 0.02)
+    monkeypatch.setattr(module, "_INTERVAL", 0.0)
 
 
 def test_short_work_says_nothing(heard: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -69,7 +69,7 @@ def test_long_work_counts_and_is_gone_when_it_is_done(
 def test_the_newest_of_quick_counts_is_told(
     heard: list[Any], impatient: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "_CALM", 0.05)
+    monkeypatch.setattr(module, "_INTERVAL", 0.05)
     with progress("Loading") as report:
         time.sleep(0.3)
         for k in range(1, 8):

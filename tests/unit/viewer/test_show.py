@@ -13,7 +13,7 @@ from support.patience import patient
 from ulna.errors import InputError, MissingExtra, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Continuous, FreeFlyer, ModelBuilder, Prismatic, Revolute, Spherical
 from ulna.spatial import SE3
-from ulna.viewer.robot.slider_coordinates import _short
+from ulna.viewer.robot.slider_coordinates import _without_common_prefix
 from ulna.viewer.scene import Scene
 from ulna.viewer.show import Show, configuration, show
 
@@ -77,11 +77,11 @@ def test_from_out_of_reach_the_target_returns_to_the_tool(shown: Show, panda: ul
 def test_while_it_is_held_the_target_stays_in_the_hand(shown: Show) -> None:
     goal = shown.tool
     goal[0, 3] = 3.0
-    shown.pendant.gizmo.held = True
+    shown.pendant.gizmo.is_dragged = True
     shown.aim(goal)
     time.sleep(1.0)
     np.testing.assert_allclose(shown.pendant.gizmo.pose, goal, atol=1e-6)
-    shown.pendant.gizmo.held = False
+    shown.pendant.gizmo.is_dragged = False
     assert wait(lambda: bool(np.abs(shown.pendant.gizmo.pose - shown.tool).max() < 1e-6))
 
 
@@ -142,10 +142,10 @@ def odd_robot() -> ulna.Robot:
 def test_joints_of_several_coordinates_have_a_slider_for_each_and_stay_whole() -> None:
     robot = odd_robot()
     with show(robot, port=0, browser=False) as shown:
-        labels = [dial.label for dial in shown.pendant.dials]
+        labels = [dial.label for dial in shown.teach_panel.coordinates]
         assert len(labels) == len(shown.pendant.sliders) == 6 + 3 + 2
         assert any("yaw [rad]" in label for label in labels)
-        for dial in shown.pendant.dials:
+        for dial in shown.teach_panel.coordinates:
             q = dial.write(robot.neutral, 0.04)
             assert dial.read(q) == pytest.approx(0.04, abs=1e-9)
             np.testing.assert_allclose(robot.normalize(q), q, atol=1e-12)
@@ -190,4 +190,4 @@ def test_the_usual_configuration() -> None:
 def test_names_lose_what_all_of_them_begin_with(
     names: tuple[str, ...], short: tuple[str, ...] | None
 ) -> None:
-    assert tuple(_short(n, names) for n in names) == (short or names)
+    assert tuple(_without_common_prefix(n, names) for n in names) == (short or names)

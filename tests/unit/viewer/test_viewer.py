@@ -323,10 +323,10 @@ def test_what_moves_along_is_where_the_robot_has_it(viewer: Viewer, panda: ulna.
 
 
 def test_ellipsoids_of_inertia_have_the_inertia_of_their_links(viewer: Viewer) -> None:
-    from ulna.viewer.robot.ellipsoids import of_inertias
+    from ulna.viewer.robot.ellipsoids import inertia_ellipsoids
 
     robot = ulna.load("ur5")
-    found = of_inertias(robot.model.links)
+    found = inertia_ellipsoids(robot.model.links)
     assert len(found) >= 4
     for number, place, radii in found:
         inertia = robot.model.links[number].inertia
@@ -427,8 +427,8 @@ def test_contents_say_how_large_they_are() -> None:
     copies = Copies((tessellate(Box((1, 2, 3))),), poses, scales=rng.uniform(1, 2, (9, 3)))
     for content, slack in ((points, 0.006), (lines, 0.006), (copies, 1e-9)):
         drawn = np.concatenate([s.vertices for s in content.surfaces])
-        assert np.abs(drawn.min(axis=0) - content.places.min(axis=0)).max() <= slack
-        assert np.abs(drawn.max(axis=0) - content.places.max(axis=0)).max() <= slack
+        assert np.abs(drawn.min(axis=0) - content.bounding_points.min(axis=0)).max() <= slack
+        assert np.abs(drawn.max(axis=0) - content.bounding_points.max(axis=0)).max() <= slack
 
 
 def test_a_viewer_without_a_page_says_so_and_draws(

@@ -11,7 +11,7 @@ from ulna.viewer.colours import Colour, colour
 from ulna.viewer.graph.handles import Handle
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.mesh.primitives import arrow
-from ulna.viewer.mesh.surface import unit
+from ulna.viewer.mesh.surface import normalized
 
 
 class Arrow(Handle):
@@ -54,12 +54,14 @@ class Arrow(Handle):
         pose[:3, :3] = rotation_to(self._vector)
         top[2, 3] = way - tip
         least = 1e-9  # nothing has no direction
-        with self._scene.together():
+        with self._scene.atomic():
             self._scene.set_pose(self._name, pose)
             self._scene.set_pose(f"{self._name}/tip", top)
             thin = self._radius if way > least else least
-            self._scene.set_look(f"{self._name}/shaft", "scale", (thin, thin, max(way - tip, least)))
-            self._scene.set_look(f"{self._name}/tip", "scale", (2.4 * thin, 2.4 * thin, max(tip, least)))
+            self._scene.set_appearance(f"{self._name}/shaft", "scale", (thin, thin, max(way - tip, least)))
+            self._scene.set_appearance(
+                f"{self._name}/tip", "scale", (2.4 * thin, 2.4 * thin, max(tip, least))
+            )
 
 
 def add_arrow(
@@ -78,7 +80,7 @@ def add_arrow(
 
 def rotation_to(vector: Floats) -> Floats:
     """A rotation (3, 3) that takes z to the direction of a vector."""
-    z = unit(vector)
+    z = normalized(vector)
     helper = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-    x = unit(np.cross(helper, z))
+    x = normalized(np.cross(helper, z))
     return np.stack([x, np.cross(z, x), z], axis=1)

@@ -71,7 +71,7 @@ def checked_camera(camera: Camera | None) -> Camera | None:
     return camera
 
 
-def frame(
+def camera_for(
     scene: SceneGraph,
     aspect: float = 1.6,
     direction: tuple[float, float, float] = DIRECTION,

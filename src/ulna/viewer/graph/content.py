@@ -14,10 +14,10 @@ from ulna.errors import ShapeError
 from ulna.spatial import quat_xyzw_to_matrix
 from ulna.system.cached import cached_property
 from ulna.typing import Array, ArrayLike, Floats
-from ulna.viewer.colours import Colour, shades
-from ulna.viewer.mesh.surface import RGBA, Surface, colour, unit
+from ulna.viewer.colours import Colour, colour_values
+from ulna.viewer.mesh.surface import RGBA, Surface, colour, normalized
 
-_MOST_BALLS = 20_000  # points that a picture draws as balls; more are thinned out
+_MAX_BALLS = 20_000  # points that a picture draws as balls; more are thinned out
 
 
 class Content(abc.ABC):
@@ -25,7 +25,7 @@ class Content(abc.ABC):
 
     @property
     @abc.abstractmethod
-    def places(self) -> Floats:
+    def bounding_points(self) -> Floats:
         """Points that bound it [m], shape (n, 3)."""
 
     @property
@@ -50,26 +50,26 @@ class Points(Content):
     size: float = 0.01
 
     def __post_init__(self) -> None:
-        positions = _frozen("points", self.positions, None, 3)
+        positions = _read_only("points", self.positions, None, 3)
         object.__setattr__(self, "positions", positions)
-        object.__setattr__(self, "colours", _tints(self.colours, len(positions)))
+        object.__setattr__(self, "colours", _colours(self.colours, len(positions)))
         object.__setattr__(self, "size", length("size", self.size))
 
     @property
-    def places(self) -> Floats:
+    def bounding_points(self) -> Floats:
         """The points."""
         return self.positions
 
     @cached_property
     def surfaces(self) -> tuple[Surface, ...]:
         """An octahedron with the normals of a ball for each point, one surface for each of few colours."""
-        step = max(len(self.positions) // _MOST_BALLS, 1)
-        return _repeated(
+        step = max(len(self.positions) // _MAX_BALLS, 1)
+        return _repeated_by_colour(
             _BALL.moved(np.eye(4), (self.size / 2,) * 3), self.positions[::step], self.colours[::step]
         )
 
     @property
-    def balls(self) -> Copies:
+    def as_balls(self) -> Copies:
         """A small ball for each point, drawn at once."""
         ball = _BALL.moved(np.eye(4), (self.size / 2,) * 3)
         return Copies((ball,), transforms(self.positions), self.colours)
@@ -91,32 +91,32 @@ class Lines(Content):
     thickness: float = 0.004
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "segments", _frozen("segments", self.segments, None, 2, 3))
+        object.__setattr__(self, "segments", _read_only("segments", self.segments, None, 2, 3))
         object.__setattr__(self, "rgba", colour(self.rgba))
         object.__setattr__(self, "thickness", length("thickness", self.thickness))
 
     @classmethod
     def through(cls, points: ArrayLike, rgba: Colour, thickness: float = 0.004) -> Lines:
         """A line from point to point, (n, 3) [m]."""
-        way = _frozen("points", points, None, 3)
+        way = _read_only("points", points, None, 3)
         return cls(np.stack([way[:-1], way[1:]], axis=1), colour(rgba), thickness)
 
     @property
-    def places(self) -> Floats:
+    def bounding_points(self) -> Floats:
         """The ends."""
         return self.segments.reshape(-1, 3)
 
     @cached_property
     def surfaces(self) -> tuple[Surface, ...]:
         """A prism with six sides for each line."""
-        return self.prisms(np.full((len(self.segments), 2), self.thickness / 2))
+        return self.as_prisms(np.full((len(self.segments), 2), self.thickness / 2))
 
-    def prisms(self, radii: Floats) -> tuple[Surface, ...]:
+    def as_prisms(self, radii: Floats) -> tuple[Surface, ...]:
         """The lines as prisms with six sides that have a radius at each end, shape (n, 2) [m]."""
         start, end = self.segments[:, 0], self.segments[:, 1]
-        along = unit(end - start)
+        along = normalized(end - start)
         helper = np.where(np.abs(along[:, 2:]) < 0.9, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
-        side = unit(np.cross(along, helper))
+        side = normalized(np.cross(along, helper))
         other = np.cross(along, side)
         angle = np.linspace(0, 2 * np.pi, 6, endpoint=False)
         ring = (
@@ -148,7 +148,7 @@ class Text(Content):
         object.__setattr__(self, "height", length("height", self.height))
 
     @property
-    def places(self) -> Floats:
+    def bounding_points(self) -> Floats:
         """Where the words begin."""
         return np.zeros((1, 3))
 
@@ -178,16 +178,16 @@ class Copies(Content):
     opacity: float = 1.0
 
     def __post_init__(self) -> None:
-        poses = _frozen("poses", self.poses, None, 4, 4)
+        poses = _read_only("poses", self.poses, None, 4, 4)
         object.__setattr__(self, "poses", poses)
         if self.colours is not None:
-            object.__setattr__(self, "colours", _tints(self.colours, len(poses)))
+            object.__setattr__(self, "colours", _colours(self.colours, len(poses)))
         scales = scale_factors("scales", 1.0 if self.scales is None else self.scales, len(poses))
         scales.setflags(write=False)
         object.__setattr__(self, "scales", scales)
 
     @property
-    def places(self) -> Floats:
+    def bounding_points(self) -> Floats:
         """The corners of each copy's box."""
         corners = [s.vertices for s in self.original if len(s.vertices)]
         if not corners or not len(self.poses):
@@ -212,7 +212,7 @@ class Copies(Content):
                 self.colours if self.colours is not None else np.tile(surface.rgba[:3], (len(self.poses), 1))
             )
             alpha = surface.rgba[3] * self.opacity
-            pieces += _repeated(
+            pieces += _repeated_by_colour(
                 surface, self.poses[:, :3, 3], colours, self.poses[:, :3, :3], self.scales, alpha
             )
         return tuple(pieces)
@@ -227,7 +227,7 @@ def _octahedron() -> Surface:
 _BALL = _octahedron()
 
 
-def _repeated(
+def _repeated_by_colour(
     surface: Surface,
     positions: Floats,
     colours: Floats,
@@ -246,7 +246,10 @@ def _repeated(
         normals = np.broadcast_to(surface.normals, vertices.shape)
         if scales is not None:
             factors = scales[chosen, None]
-            vertices, normals = vertices * factors, unit(normals / np.where(factors != 0.0, factors, 1.0))
+            vertices, normals = (
+                vertices * factors,
+                normalized(normals / np.where(factors != 0.0, factors, 1.0)),
+            )
         if rotations is not None:
             turn = rotations[chosen].mT
             vertices, normals = vertices @ turn, normals @ turn
@@ -258,23 +261,23 @@ def _repeated(
 
 def transforms(positions: ArrayLike, quat_xyzw: ArrayLike | None = None) -> Floats:
     """Poses (n, 4, 4) from positions (n, 3) [m], and rotations as quaternions x y z w (n, 4) where given."""
-    places = _frozen("positions", positions, None, 3)
+    places = _read_only("positions", positions, None, 3)
     out = np.tile(np.eye(4), (len(places), 1, 1))
     out[:, :3, 3] = places
     if quat_xyzw is not None:
-        out[:, :3, :3] = quat_xyzw_to_matrix(_frozen("quat_xyzw", quat_xyzw, len(places), 4))
+        out[:, :3, :3] = quat_xyzw_to_matrix(_read_only("quat_xyzw", quat_xyzw, len(places), 4))
     return out
 
 
-def _frozen(name: str, value: ArrayLike, *shape: int | None) -> Floats:
+def _read_only(name: str, value: ArrayLike, *shape: int | None) -> Floats:
     """A read-only copy of lengths of that shape [m], None for any length."""
     out = length_array(name, value, *shape)
     out.setflags(write=False)
     return out
 
 
-def _tints(value: ArrayLike, count: int) -> Array:
-    out = shades("colors", value)
+def _colours(value: ArrayLike, count: int) -> Array:
+    out = colour_values("colors", value)
     if out.shape not in ((3,), (4,), (count, 3)):
         raise ShapeError("colors", out.shape, f"({count}, 3) or (3,), from 0 to 1")
-    return _frozen("colors", np.broadcast_to(out[..., :3], (count, 3)), count, 3)
+    return _read_only("colors", np.broadcast_to(out[..., :3], (count, 3)), count, 3)

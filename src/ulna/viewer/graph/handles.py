@@ -70,39 +70,41 @@ class Handle(FixedAttributes, metaclass=Explained):
     @property
     def color(self) -> tuple[float, float, float] | None:
         """Red, green, blue from 0 to 1 that hide its own colours; None to show these."""
-        tint = self._scene.look(self._name, "tint")
+        tint = self._scene.appearance(self._name, "tint")
         return None if tint[0] == _NONE else (float(tint[0]), float(tint[1]), float(tint[2]))
 
     @color.setter
     def color(self, color: Colour | None) -> None:
-        self._scene.set_look(self._name, "tint", np.full(3, _NONE) if color is None else colour(color)[:3])
+        self._scene.set_appearance(
+            self._name, "tint", np.full(3, _NONE) if color is None else colour(color)[:3]
+        )
 
     @property
     def opacity(self) -> float:
         """From 0, not to be seen, to 1."""
-        return float(self._scene.look(self._name, "opacity"))
+        return float(self._scene.appearance(self._name, "opacity"))
 
     @opacity.setter
     def opacity(self, opacity: float) -> None:
-        self._scene.set_look(self._name, "opacity", fraction("opacity", opacity))
+        self._scene.set_appearance(self._name, "opacity", fraction("opacity", opacity))
 
     @property
     def scale(self) -> Floats:
         """A factor along each axis, shape (3,); one number can be assigned for all three."""
-        return self._scene.look(self._name, "scale")
+        return self._scene.appearance(self._name, "scale")
 
     @scale.setter
     def scale(self, scale: ArrayLike) -> None:
-        self._scene.set_look(self._name, "scale", scale_factors("scale", scale))
+        self._scene.set_appearance(self._name, "scale", scale_factors("scale", scale))
 
     @property
     def visible(self) -> bool:
         """Whether it can be seen."""
-        return bool(self._scene.look(self._name, "visible"))
+        return bool(self._scene.appearance(self._name, "visible"))
 
     @visible.setter
     def visible(self, visible: bool) -> None:
-        self._scene.set_look(self._name, "visible", flag("visible", visible))
+        self._scene.set_appearance(self._name, "visible", flag("visible", visible))
 
     def remove(self) -> None:
         """Take it out of the scene, with all that is in it."""

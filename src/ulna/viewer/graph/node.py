@@ -35,7 +35,7 @@ class Node:
     through: bool = False
 
     @property
-    def casting(self) -> bool:
+    def casts_shadow(self) -> bool:
         """Whether it casts a shadow: if it is to, and any of its surfaces holds light back."""
         return self.shadow and any(s.rgba[3] >= 0.999 for s in self.surfaces)
 
@@ -54,7 +54,7 @@ class Snapshot(NamedTuple):
 
     structure: int
     motion: int
-    looks: int
+    appearance: int
     nodes: tuple[Node, ...]
     poses: Floats
     scales: Floats
@@ -63,8 +63,8 @@ class Snapshot(NamedTuple):
     tint: Floats
 
 
-_LOWEST = np.array([0.0, 0.0, 0.0, 1.0])
-_UNIT = np.eye(3)
+_BOTTOM_ROW = np.array([0.0, 0.0, 0.0, 1.0])
+_IDENTITY = np.eye(3)
 
 
 def checked_pose(value: Any, name: str = "pose") -> Floats:
@@ -76,7 +76,7 @@ def checked_pose(value: Any, name: str = "pose") -> Floats:
     return checked_poses(value, name, 4, 4, mend="An SE3 serves, too.")
 
 
-def standing(value: Any) -> Floats:
+def pose_or_position(value: Any) -> Floats:
     """The pose (4, 4) of what stands at a pose, an array or an `SE3`, or unturned at a place (3,) [m].
 
     Raises:
@@ -98,9 +98,9 @@ def checked_poses(value: Any, name: str, *shape: int | None, mend: str = "") -> 
     """
     out = length_array(name, value.matrix() if hasattr(value, "matrix") else value, *shape, fix=mend)
     turned = out[..., :3, :3]
-    off = np.abs(turned @ turned.mT - _UNIT).max(axis=(-2, -1))
+    off = np.abs(turned @ turned.mT - _IDENTITY).max(axis=(-2, -1))
     off = np.where(np.linalg.det(turned) < 0.0, 1.0, off)
-    if np.abs(out[..., 3, :] - _LOWEST).max(initial=0.0) > 1e-6:
+    if np.abs(out[..., 3, :] - _BOTTOM_ROW).max(initial=0.0) > 1e-6:
         raise InputError(
             f"`{name}` has a lowest row that is not 0 0 0 1; expected a pose whose position is its last column."
         )
@@ -130,7 +130,7 @@ def node_name(text: str) -> str:
     return "/".join(part for part in text.split("/") if part.strip()) or "robot"
 
 
-def check_even(name: str, scale: Floats) -> None:
+def check_uniform_scale(name: str, scale: Floats) -> None:
     """Refuse to stretch a group.
 
     Raises:

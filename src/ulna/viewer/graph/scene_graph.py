@@ -14,7 +14,7 @@ from ulna.system import forks
 from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.graph.content import Content, Lines
-from ulna.viewer.graph.node import Node, Snapshot, check_even, check_name, standing
+from ulna.viewer.graph.node import Node, Snapshot, check_name, check_uniform_scale, pose_or_position
 from ulna.viewer.mesh.primitives import axes
 from ulna.viewer.mesh.surface import Surface, colour
 
@@ -42,12 +42,12 @@ class SceneGraph:
     def __init__(self) -> None:
         self._lock = forks.lock()
         self._nodes: dict[str, Node] = {}
-        self._row: dict[str, int] = {}
-        self._above = np.zeros(0, dtype=np.intp)
+        self._rows: dict[str, int] = {}
+        self._parent_row = np.zeros(0, dtype=np.intp)
         self._data = {name: np.zeros((0, *np.shape(value)), kind) for name, (value, kind) in _COLUMNS.items()}
-        self._levels: list[tuple[Array, Array]] | None = []
-        self._late: dict[int, Callable[[], None]] = {}
-        self._structure = self._motion = self._looks = 0
+        self._rows_by_depth: list[tuple[Array, Array]] | None = []
+        self._deferred: dict[int, Callable[[], None]] = {}
+        self._structure = self._motion = self._appearance = 0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -69,7 +69,7 @@ class SceneGraph:
     @property
     def version(self) -> tuple[int, int, int]:
         """Three counters: changes of the set of nodes, of poses, of looks."""
-        return self._structure, self._motion, self._looks
+        return self._structure, self._motion, self._appearance
 
     def __contains__(self, name: object) -> bool:
         return name in self._nodes
@@ -77,11 +77,11 @@ class SceneGraph:
     def snapshot(self) -> Snapshot:
         """The whole scene at one instant."""
         with self._lock:
-            while self._late:
-                self._late.pop(next(iter(self._late)))()
+            while self._deferred:
+                self._deferred.pop(next(iter(self._deferred)))()
             n = len(self._nodes)
             pose, scale, visible, opacity, tint = (self._data[name][:n].copy() for name in _COLUMNS)
-            for rows, above in self._depths():
+            for rows, above in self._depth_levels():
                 factor = scale[above, 0]
                 pose[rows, :3, 3] *= factor[:, None]
                 pose[rows] = pose[above] @ pose[rows]
@@ -93,24 +93,24 @@ class SceneGraph:
             nodes = tuple(self._nodes.values())
             return Snapshot(*self.version, nodes, pose, scale, visible, opacity, tint)
 
-    def _depths(self) -> list[tuple[Array, Array]]:
+    def _depth_levels(self) -> list[tuple[Array, Array]]:
         """Rows of nodes in groups and the rows of these groups, outermost first."""
-        if self._levels is None:
+        if self._rows_by_depth is None:
             depth = np.zeros(len(self._nodes), dtype=np.intp)
-            for row, above in enumerate(self._above[: len(depth)]):
+            for row, above in enumerate(self._parent_row[: len(depth)]):
                 depth[row] = 0 if above < 0 else depth[above] + 1
             chosen = [np.flatnonzero(depth == d) for d in range(1, int(depth.max(initial=0)) + 1)]
-            self._levels = [(rows, self._above[rows]) for rows in chosen]
-        return self._levels
+            self._rows_by_depth = [(rows, self._parent_row[rows]) for rows in chosen]
+        return self._rows_by_depth
 
-    def together(self) -> AbstractContextManager[Any]:
+    def atomic(self) -> AbstractContextManager[Any]:
         """What is changed within is seen at once or not at all. Keep it short: whoever draws waits meanwhile."""
         return self._lock
 
-    def later(self, key: object, function: Callable[[], None]) -> None:
+    def defer(self, key: object, function: Callable[[], None]) -> None:
         """Have `function` bring the scene up to date before it is next looked at; the newest counts for each key."""
         with self._lock:
-            self._late[id(key)] = function
+            self._deferred[id(key)] = function
             self._motion += 1
 
     def node(self, name: str) -> Node:
@@ -129,7 +129,7 @@ class SceneGraph:
             UnknownName: There is no node of that name.
         """
         try:
-            return self._row[name]
+            return self._rows[name]
         except KeyError:
             raise UnknownName("thing in the scene", name, self._nodes) from None
 
@@ -164,32 +164,32 @@ class SceneGraph:
             ShapeError, NonFiniteError: `pose` is no pose.
         """
         check_name(name)
-        matrix = np.eye(4) if pose is None else standing(pose)
+        matrix = np.eye(4) if pose is None else pose_or_position(pose)
         node = Node(name, tuple(surfaces), content, shadow, through)
         with self._lock:
             if node.group and node.group not in self._nodes:
                 self.add(node.group)
-            above = self._row[node.group] if node.group else -1
+            above = self._rows[node.group] if node.group else -1
             if above >= 0:
-                check_even(node.group, self._data["scale"][above])
+                check_uniform_scale(node.group, self._data["scale"][above])
             if name not in self._nodes:
                 self._append(name, above)
             for key, (value, _) in _COLUMNS.items():
-                self._data[key][self._row[name]] = matrix if key == "pose" else value
+                self._data[key][self._rows[name]] = matrix if key == "pose" else value
             self._nodes[name] = node
             self._structure += 1
         return node
 
     def _append(self, name: str, above: int) -> None:
-        row = self._row[name] = len(self._nodes)
-        if row == len(self._above):  # room for twice as many, so that adding many stays cheap
+        row = self._rows[name] = len(self._nodes)
+        if row == len(self._parent_row):  # room for twice as many, so that adding many stays cheap
             more = max(row, 16)
-            self._above = np.concatenate([self._above, np.full(more, -1, dtype=np.intp)])
+            self._parent_row = np.concatenate([self._parent_row, np.full(more, -1, dtype=np.intp)])
             for key, (value, kind) in _COLUMNS.items():
                 rest = np.broadcast_to(np.asarray(value, kind), (more, *np.shape(value)))
                 self._data[key] = np.concatenate([self._data[key], rest])
-        self._above[row] = above
-        self._levels = None
+        self._parent_row[row] = above
+        self._rows_by_depth = None
 
     def remove(self, name: str) -> None:
         """Remove a node and everything in it.
@@ -199,15 +199,15 @@ class SceneGraph:
         """
         with self._lock:
             self.row(name)
-            keep = [row for n, row in self._row.items() if n != name and not n.startswith(f"{name}/")]
+            keep = [row for n, row in self._rows.items() if n != name and not n.startswith(f"{name}/")]
             moved = np.full(len(self._nodes) + 1, -1, dtype=np.intp)
             moved[keep] = np.arange(len(keep))
             kept = [n for n in self._nodes if n != name and not n.startswith(f"{name}/")]
             self._nodes = {n: self._nodes[n] for n in kept}
-            self._row = {n: i for i, n in enumerate(kept)}
-            self._above = moved[self._above[keep]]
+            self._rows = {n: i for i, n in enumerate(kept)}
+            self._parent_row = moved[self._parent_row[keep]]
             self._data = {key: value[keep] for key, value in self._data.items()}
-            self._levels = None
+            self._rows_by_depth = None
             self._structure += 1
 
     def set_poses(self, poses: ArrayLike, rows: Any = slice(None)) -> None:
@@ -218,7 +218,7 @@ class SceneGraph:
 
     def set_pose(self, name: str, pose: ArrayLike) -> None:
         """Write the pose (4, 4) of one node in its group."""
-        self.set_poses(standing(pose), self.row(name))
+        self.set_poses(pose_or_position(pose), self.row(name))
 
     def pose(self, name: str) -> Floats:
         """The pose (4, 4) of a node in its group."""
@@ -237,20 +237,23 @@ class SceneGraph:
             self._nodes[name] = replace(self.node(name), content=content)
             self._structure += 1
 
-    def look(self, name: str, key: str) -> Any:
+    def appearance(self, name: str, key: str) -> Any:
         """A node's own "scale" (3,), "visible", "opacity" or "tint" (3,)."""
         with self._lock:
             value = self._data[key][self.row(name)]
             return value.copy() if np.ndim(value) else value.item()
 
-    def set_look(self, name: str, key: str, value: Any) -> None:
+    def set_appearance(self, name: str, key: str, value: Any) -> None:
         """Write a node's own "scale", "visible", "opacity" or "tint"; for a group, that of all in it."""
         with self._lock:
             row = self.row(name)
-            if key == "scale" and (self._above[: len(self._nodes)] == row).any():
-                check_even(name, np.broadcast_to(value, 3))
+            if key == "scale" and (self._parent_row[: len(self._nodes)] == row).any():
+                check_uniform_scale(name, np.broadcast_to(value, 3))
             self._data[key][row] = value
-            self._looks += 1
+            self._appearance += 1
+
+    look, set_look, together, later = appearance, set_appearance, atomic, defer
+    """Old names."""
 
     def add_axes(self, name: str, pose: ArrayLike | None = None, length: float = 0.1) -> Node:
         """Add three arrows in red, green, blue along x, y, z; `length` in metres."""
@@ -270,7 +273,7 @@ class SceneGraph:
         seen = self.snapshot()
         chosen = [i for i, node in enumerate(seen.nodes) if seen.visible[i] and seen.opacity[i] > 0.0]
         parts = [(i, s.vertices) for i in chosen for s in seen.nodes[i].surfaces if s.rgba[3] > 0.0]
-        parts += [(i, c.places) for i in chosen if (c := seen.nodes[i].content) is not None]
+        parts += [(i, c.bounding_points) for i in chosen if (c := seen.nodes[i].content) is not None]
         step = max(sum(len(places) for _, places in parts) // most, 1)
         out = [np.zeros((0, 3))]
         for i, places in parts:

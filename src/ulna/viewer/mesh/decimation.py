@@ -20,12 +20,14 @@ import numpy as np
 from ulna.system import forks
 from ulna.typing import Array, Floats
 
-_FEW = 200  # triangles that are not worth the trouble
-_MANY = 300_000  # triangles that take longer to collapse than anybody waits
-_QUADRIC = 1e-9  # the library's limit of a quadric error, which the surface is scaled to
-_START = 2.0  # a quadric adds distances from many planes, and so is twice what the surface moves, or more
-_TRIES = 6
-_lock = forks.lock()  # the library keeps the surface in one place
+_MIN_TRIANGLES = 200  # triangles that are not worth the trouble
+_MAX_TRIANGLES = 300_000  # triangles that take longer to collapse than anybody waits
+_QUADRIC_LIMIT = 1e-9  # the library's limit of a quadric error, which the surface is scaled to
+_SAFETY_FACTOR = (
+    2.0  # a quadric adds distances from many planes, and so is twice what the surface moves, or more
+)
+_MAX_ATTEMPTS = 6
+_library_lock = forks.lock()  # the library keeps the surface in one place
 
 
 def can_decimate() -> bool:
@@ -44,12 +46,12 @@ def decimated(vertices: Floats, triangles: Array, bound: float) -> tuple[Floats,
         triangles: Indices of vertices, shape (m, 3), none of them without area.
         bound: The distance, in units of `vertices`.
     """
-    if not _FEW <= len(triangles) <= _MANY or not can_decimate():
+    if not _MIN_TRIANGLES <= len(triangles) <= _MAX_TRIANGLES or not can_decimate():
         return vertices, triangles
     import fast_simplification as library
 
     kept = np.zeros(len(triangles), dtype=bool)  # as they are, because edges around them went too far
-    for _ in range(_TRIES):
+    for _ in range(_MAX_ATTEMPTS):
         some, inside = np.unique(triangles[~kept], return_inverse=True)
         if not len(some):
             break
@@ -68,9 +70,9 @@ def decimated(vertices: Floats, triangles: Array, bound: float) -> tuple[Floats,
 
 def _collapsed(library: Any, vertices: Floats, triangles: Array, bound: float) -> tuple[Floats, Array, Array]:
     """Vertices and triangles after edges collapsed, and where each vertex went."""
-    scale, middle = np.sqrt(_QUADRIC) / (_START * bound), vertices.mean(axis=0)
+    scale, middle = np.sqrt(_QUADRIC_LIMIT) / (_SAFETY_FACTOR * bound), vertices.mean(axis=0)
     surface = (vertices - middle) * scale, triangles.astype(np.int32)
-    with _lock:
+    with _library_lock:
         # a constant limit: the exponent by which it would grow is 0, and so few triangles are never reached
         points, faces, collapses = library.simplify(
             *surface, target_count=4, agg=0.0, return_collapses=True, preserve_border=True

@@ -10,20 +10,20 @@ from typing import Any
 import numpy as np
 
 from ulna.typing import Array
-from ulna.viewer.mesh.surface import Surface, Texture, paint
-from ulna.viewer.mesh.vertex_clustering import HEAVY, coarse
-from ulna.viewer.output.png import png
+from ulna.viewer.mesh.surface import Surface, Texture, albedo
+from ulna.viewer.mesh.vertex_clustering import CLUSTERING_THRESHOLD, clustered
+from ulna.viewer.output.png import encode_png
 
 _FLOAT, _UINT16, _UINT32 = 5126, 5123, 5125
 _VERTICES, _INDICES = 34962, 34963
-INSET = 0.0007
+TRANSLUCENT_INSET = 0.0007
 """How far within itself a translucent thing is drawn [m]: it does not flicker on a solid one where it coincides."""
 
 
-def words_glb(height: float) -> bytes:
+def label_glb(height: float) -> bytes:
     """A square for words that the page draws in letters of `height` [m]; it lights itself."""
     corners = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)])
-    up, image = np.tile((0.0, 0.0, 1.0), (4, 1)), png(np.full((1, 1, 3), 255, dtype=np.uint8))
+    up, image = np.tile((0.0, 0.0, 1.0), (4, 1)), encode_png(np.full((1, 1, 3), 255, dtype=np.uint8))
     square = Surface(corners, np.array([(0, 1, 2), (0, 2, 3)]), up, texture=Texture(corners[:, :2], image))
     return glb([square], {"words": height})
 
@@ -57,7 +57,7 @@ def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, ours: b
     for surface, level in _levels(surfaces, ours):
         vertices = surface.vertices.astype("<f4")
         if surface.rgba[3] < 0.999:
-            vertices = (surface.vertices - INSET * surface.normals).astype("<f4")
+            vertices = (surface.vertices - TRANSLUCENT_INSET * surface.normals).astype("<f4")
         bounds = {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
         attributes = {
             "POSITION": accessor(vertices, _FLOAT, _VERTICES, **bounds),
@@ -117,8 +117,8 @@ def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, ours: b
 def _levels(surfaces: Iterable[Surface], ours: bool) -> Iterator[tuple[Surface, str]]:
     """Surfaces that are not empty, and how many of their triangles are shown."""
     for surface in surfaces:
-        if ours and surface.texture is None and len(surface.triangles) >= HEAVY:
-            yield coarse(surface), "few"
+        if ours and surface.texture is None and len(surface.triangles) >= CLUSTERING_THRESHOLD:
+            yield clustered(surface), "few"
             yield surface, "all"
         elif len(surface.triangles):
             yield surface, ""
@@ -126,7 +126,7 @@ def _levels(surfaces: Iterable[Surface], ours: bool) -> Iterator[tuple[Surface, 
 
 def _material(surface: Surface, texture: int) -> dict[str, Any]:
     opacity = surface.rgba[3]
-    factor = [*(float(c) for c in paint(np.asarray(surface.rgba[:3]))), opacity]
+    factor = [*(float(c) for c in albedo(np.asarray(surface.rgba[:3]))), opacity]
     shine: dict[str, Any] = {"baseColorFactor": factor, "metallicFactor": 0.0, "roughnessFactor": 0.5}
     if surface.texture is not None:
         shine |= {"baseColorFactor": [0.8, 0.8, 0.8, opacity], "baseColorTexture": {"index": texture}}

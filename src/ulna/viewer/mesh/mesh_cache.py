@@ -12,29 +12,29 @@ from ulna import disk_cache as cache
 from ulna.files import read_regular
 from ulna.viewer.mesh.surface import Surface, Texture
 
-_FORMAT = "ulna mesh 2"
+_FORMAT_VERSION = "ulna mesh 2"
 # other files that a mesh file names: materials, textures, buffers
-_ENDING = re.compile(rb"\.(?:png|jpe?g|tga|bmp|tiff?|gif|mtl|bin)\b", re.IGNORECASE)
-_BOUND = re.compile(rb"[\"'<>\r\n\t]")
+_FILE_ENDING = re.compile(rb"\.(?:png|jpe?g|tga|bmp|tiff?|gif|mtl|bin)\b", re.IGNORECASE)
+_DELIMITER = re.compile(rb"[\"'<>\r\n\t]")
 
 
-def entry(path: str, bound: float = 0.0) -> str:
+def cache_key(path: str, bound: float = 0.0) -> str:
     """The name under which what a mesh file holds is kept: it changes with the content of all files that it names, and
     with how far surfaces may be from it, in its own units.
     """
     content = read_regular(path)
-    parts: list[str | bytes] = [_FORMAT, f"{bound:.6g}", os.path.splitext(path)[1].lower(), content]
-    _add_others(os.path.dirname(path), content, parts, set())
+    parts: list[str | bytes] = [_FORMAT_VERSION, f"{bound:.6g}", os.path.splitext(path)[1].lower(), content]
+    _append_referenced_files(os.path.dirname(path), content, parts, set())
     return cache.key(*parts)
 
 
-def _add_others(
+def _append_referenced_files(
     folder: str, content: bytes, parts: list[str | bytes], seen: set[str], depth: int = 0
 ) -> None:
     """Append what the files hold that a text file names, and those that they name; each file once."""
     names: set[bytes] = set()
-    for found in _ENDING.finditer(content):
-        before = _BOUND.split(content[max(0, found.start() - 300) : found.end()])[-1].strip()
+    for found in _FILE_ENDING.finditer(content):
+        before = _DELIMITER.split(content[max(0, found.start() - 300) : found.end()])[-1].strip()
         names |= {before, before.split()[-1]}  # alone, or after a keyword
     for name in sorted(names):
         other = os.path.join(folder, os.fsdecode(name).replace("\\", "/"))
@@ -43,10 +43,10 @@ def _add_others(
             content = read_regular(other)
             parts += [name, content]
             if depth == 0 and other.lower().endswith(".mtl"):
-                _add_others(folder, content, parts, seen, 1)
+                _append_referenced_files(folder, content, parts, seen, 1)
 
 
-def read(name: str) -> tuple[Surface, ...] | None:
+def read_cached(name: str) -> tuple[Surface, ...] | None:
     """The surfaces kept under a name; None where there are none that can be trusted."""
     data = cache.read(name)
     if data is None:
@@ -62,7 +62,7 @@ def read(name: str) -> tuple[Surface, ...] | None:
     return tuple(out)
 
 
-def write(name: str, surfaces: tuple[Surface, ...]) -> None:
+def write_cached(name: str, surfaces: tuple[Surface, ...]) -> None:
     """Keep surfaces under a name; a disk that cannot be written costs time the next time, nothing else."""
     parts: dict[str, np.ndarray] = {"count": np.array(len(surfaces))}
     for k, s in enumerate(surfaces):

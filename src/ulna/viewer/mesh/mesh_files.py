@@ -18,13 +18,15 @@ from ulna.typing import Array, Floats
 from ulna.viewer.mesh import mesh_cache as mesh_store
 from ulna.viewer.mesh.decimation import can_decimate
 from ulna.viewer.mesh.surface import DEFAULT_COLOUR, RGBA, Surface, colour
-from ulna.viewer.mesh.vertex_normals import smooth
+from ulna.viewer.mesh.vertex_normals import surface_with_normals
 
-_LARGEST = 2048  # pixels along an edge of a texture; more cost time and are not seen
+_MAX_TEXTURE_SIZE = 2048  # pixels along an edge of a texture; more cost time and are not seen
 
-UNSEEN = 3e-4
+MAX_DEVIATION = 3e-4
 """How far a surface may be from what the file holds [m]: a quarter of a pixel for who stands before a whole robot."""
-_FINE = 1e-3  # and of the size of the file's content: less than a pixel where it fills the screen
+_MAX_RELATIVE_DEVIATION = (
+    1e-3  # and of the size of the file's content: less than a pixel where it fills the screen
+)
 
 Detail = Literal["seen", "full"]
 DETAILS: tuple[str, ...] = ("seen", "full")
@@ -60,7 +62,7 @@ def load_mesh(
     if os.path.isdir(path):
         raise InputError(f"Cannot open the mesh file {path!r}: it is a folder.")
     factors = (float(scale[0]), float(scale[1]), float(scale[2]))
-    return _load(os.path.abspath(path), stamp, factors, detail)
+    return _load_cached(os.path.abspath(path), stamp, factors, detail)
 
 
 def check_detail(detail: str) -> None:
@@ -73,28 +75,32 @@ def check_detail(detail: str) -> None:
 
 
 @functools.lru_cache(maxsize=512)
-def _load(path: str, stamp: int, factors: tuple[float, float, float], detail: Detail) -> tuple[Surface, ...]:
+def _load_cached(
+    path: str, stamp: int, factors: tuple[float, float, float], detail: Detail
+) -> tuple[Surface, ...]:
     largest = max(abs(f) for f in factors)
-    bound = UNSEEN / largest if detail == "seen" and largest > 0.0 and can_decimate() else 0.0
-    entry = mesh_store.entry(path, bound)
-    surfaces = mesh_store.read(entry)
+    bound = MAX_DEVIATION / largest if detail == "seen" and largest > 0.0 and can_decimate() else 0.0
+    entry = mesh_store.cache_key(path, bound)
+    surfaces = mesh_store.read_cached(entry)
     if surfaces is None:
-        surfaces = _parsed(path, bound)
-        mesh_store.write(entry, surfaces)
+        surfaces = _read_surfaces(path, bound)
+        mesh_store.write_cached(entry, surfaces)
     return surfaces if factors == (1.0, 1.0, 1.0) else tuple(s.moved(np.eye(4), factors) for s in surfaces)
 
 
-def _parsed(path: str, bound: float) -> tuple[Surface, ...]:
+def _read_surfaces(path: str, bound: float) -> tuple[Surface, ...]:
     pieces: dict[RGBA, list[tuple[Floats, Array]]] = {}
     surfaces, found = [], read_pieces(path)
     everything = np.concatenate([piece.vertices for piece in found])
-    bound = min(bound, _FINE * float(np.ptp(everything, axis=0).max()))
+    bound = min(bound, _MAX_RELATIVE_DEVIATION * float(np.ptp(everything, axis=0).max()))
     for vertices, faces, mesh in found:
-        picture = _picture(mesh)
+        picture = _texture_of(mesh)
         if picture is not None:
             uv, image = picture
             surfaces.append(
-                smooth(vertices, faces, _material_colour(mesh.visual.material), uv=uv, image=image)
+                surface_with_normals(
+                    vertices, faces, _material_colour(mesh.visual.material), uv=uv, image=image
+                )
             )
             continue
         for rgba, chosen in _colours(mesh):
@@ -103,7 +109,7 @@ def _parsed(path: str, bound: float) -> tuple[Surface, ...]:
         offsets = np.cumsum([0, *(len(v) for v, _ in parts)])
         vertices = np.concatenate([v for v, _ in parts])
         faces = np.concatenate([f + o for (_, f), o in zip(parts, offsets, strict=False)])
-        surface = smooth(vertices, faces, rgba, bound=bound)
+        surface = surface_with_normals(vertices, faces, rgba, bound=bound)
         if len(surface.triangles):
             surfaces.append(surface)
     if not surfaces:
@@ -111,7 +117,7 @@ def _parsed(path: str, bound: float) -> tuple[Surface, ...]:
     return tuple(surfaces)
 
 
-def _picture(mesh: Any) -> tuple[Floats, bytes] | None:
+def _texture_of(mesh: Any) -> tuple[Floats, bytes] | None:
     """Where the vertices of a trimesh mesh lie in its texture, and the texture as a PNG file."""
     visual = getattr(mesh, "visual", None)
     uv = getattr(visual, "uv", None)
@@ -121,8 +127,8 @@ def _picture(mesh: Any) -> tuple[Floats, bytes] | None:
         return None
     try:
         largest = max(image.size)
-        if largest > _LARGEST:
-            image = image.resize(tuple(max(1, round(n * _LARGEST / largest)) for n in image.size))
+        if largest > _MAX_TEXTURE_SIZE:
+            image = image.resize(tuple(max(1, round(n * _MAX_TEXTURE_SIZE / largest)) for n in image.size))
         file = io.BytesIO()
         image.convert("RGB").save(file, "PNG")
     except Exception:  # an image that cannot be decoded is no reason to draw nothing

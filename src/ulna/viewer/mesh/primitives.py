@@ -7,9 +7,9 @@ import numpy as np
 from ulna.errors import InputError
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Plane, Shape, Sphere
 from ulna.typing import ArrayLike, Floats
-from ulna.viewer.mesh.surface import DEFAULT_COLOUR, RGBA, Surface, unit
+from ulna.viewer.mesh.surface import DEFAULT_COLOUR, RGBA, Surface, normalized
 
-AROUND = 36
+FACETS = 36
 """Facets around a round shape."""
 
 AXIS_COLOURS: tuple[RGBA, RGBA, RGBA] = (
@@ -20,7 +20,7 @@ AXIS_COLOURS: tuple[RGBA, RGBA, RGBA] = (
 """Red, green, blue for x, y, z."""
 
 
-def tessellate(shape: Shape, rgba: RGBA = DEFAULT_COLOUR, around: int = AROUND) -> Surface:
+def tessellate(shape: Shape, rgba: RGBA = DEFAULT_COLOUR, around: int = FACETS) -> Surface:
     """The surface of a simple shape in its own frame.
 
     Raises:
@@ -62,7 +62,7 @@ def axes(length: float = 0.1, radius: float | None = None) -> tuple[Surface, Sur
         np.array([(0, 0, 0, -1), (r, 0, 0, -1)], dtype=float),
         np.array([(r, 0, 1, 0), (r, tip, 1, 0)], dtype=float),
         np.array([(r, tip, 0, -1), (2.4 * r, tip, 0, -1)], dtype=float),
-        _slope((2.4 * r, tip), (0.0, length)),
+        _straight_strip((2.4 * r, tip), (0.0, length)),
     ]
     along_z = _revolve(profile, AXIS_COLOURS[2], 20)
     from_z = {0: [(0, 0, 1), (1, 0, 0), (0, 1, 0)], 1: [(0, 1, 0), (0, 0, 1), (1, 0, 0)], 2: np.eye(3)}
@@ -81,8 +81,8 @@ def ball(radius: float, rgba: RGBA, around: int = 24) -> Surface:
 
 def arrow(rgba: RGBA, around: int = 20) -> tuple[Surface, Surface]:
     """The shaft and the tip of an arrow along z, each of length 1 and radius 1, from the origin up."""
-    shaft = [_slope((0, 0), (1, 0)), _slope((1, 0), (1, 1))]
-    tip = [_slope((0, 0), (1, 0)), _slope((1, 0), (0, 1))]
+    shaft = [_straight_strip((0, 0), (1, 0)), _straight_strip((1, 0), (1, 1))]
+    tip = [_straight_strip((0, 0), (1, 0)), _straight_strip((1, 0), (0, 1))]
     return _revolve(shaft, rgba, around), _revolve(tip, rgba, around)
 
 
@@ -105,7 +105,7 @@ def tube(points: ArrayLike, radius: float, rgba: RGBA, around: int = 8) -> Surfa
     if len(path) < 2:
         empty = np.zeros((0, 3))
         return Surface(empty, empty, empty, rgba)
-    tangent = unit(np.asarray(np.gradient(path, axis=0)))
+    tangent = normalized(np.asarray(np.gradient(path, axis=0)))
     # carry one normal along the path, so that the tube does not twist
     helper = np.eye(3)[np.argmin(np.abs(tangent[0]))]
     normal = np.empty_like(path)
@@ -147,7 +147,7 @@ def _ellipsoid(radii: tuple[float, ...], rgba: RGBA, around: int) -> Surface:
     return ball.moved(np.eye(4), radii)
 
 
-def _slope(start: tuple[float, float], end: tuple[float, float]) -> Floats:
+def _straight_strip(start: tuple[float, float], end: tuple[float, float]) -> Floats:
     """A straight strip of a profile from (r, z) to (r, z), its normal to the right of the way."""
     (r0, z0), (r1, z1) = start, end
     nr, nz = z1 - z0, r0 - r1
@@ -157,15 +157,19 @@ def _slope(start: tuple[float, float], end: tuple[float, float]) -> Floats:
 
 def _cylinder_profile(radius: float, length: float) -> list[Floats]:
     h = length / 2
-    return [_slope((0, -h), (radius, -h)), _slope((radius, -h), (radius, h)), _slope((radius, h), (0, h))]
+    return [
+        _straight_strip((0, -h), (radius, -h)),
+        _straight_strip((radius, -h), (radius, h)),
+        _straight_strip((radius, h), (0, h)),
+    ]
 
 
 def _cone_profile(radius: float, length: float) -> list[Floats]:
     h = length / 2
     steps = np.linspace(0, 1, 7)  # several rings, so that the normals near the tip stay good
-    side = _slope((radius, -h), (0, h))
+    side = _straight_strip((radius, -h), (0, h))
     side = side[0] + steps[:, None] * (side[1] - side[0])
-    return [_slope((0, -h), (radius, -h)), side]
+    return [_straight_strip((0, -h), (radius, -h)), side]
 
 
 def _capsule_profile(radius: float, length: float, around: int) -> Floats:

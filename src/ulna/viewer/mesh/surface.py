@@ -86,7 +86,7 @@ class Surface:
             self,
             vertices=self.vertices @ linear.T + translation,
             triangles=triangles,
-            normals=unit(normals),
+            normals=normalized(normals),
         )
 
     def coloured(self, rgba: Colour) -> Surface:
@@ -94,13 +94,13 @@ class Surface:
         return replace(self, rgba=colour(rgba), texture=None)
 
 
-def unit(vectors: Array) -> Array:
+def normalized(vectors: Array) -> Array:
     """Vectors of length 1 along `vectors`; those too short to have a direction become +z."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.where(length > 1e-300, vectors / np.maximum(length, 1e-300), (0.0, 0.0, 1.0))
 
 
-def paint(rgb: Array) -> Floats:
+def albedo(rgb: Array) -> Floats:
     """The linear reflectance that colours (..., 3), as a model states them, are drawn with.
 
     Paint is never quite white (lamps would bleach it), and dark grey never quite black (its form would be

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 
 from ulna.typing import Floats
-from ulna.viewer.mesh.surface import Surface, unit
+from ulna.viewer.mesh.surface import Surface, normalized
 
-HEAVY = 100_000
+CLUSTERING_THRESHOLD = 100_000
 """Triangles from which on a surface is drawn in few of them while things move."""
 _CELLS = 20_000  # of cubes that a surface of their area would fill
 _SAMPLE = 16  # triangles of which one tells of the area of all
 
 
-def coarse(surface: Surface) -> Surface:
+def clustered(surface: Surface) -> Surface:
     """The surface with vertices in one cube of a grid, that face alike, moved to their mean: some 50,000 triangles."""
     vertices, triangles = surface.vertices, surface.triangles
     a, b, c = (vertices[triangles[::_SAMPLE, k]] for k in range(3))
@@ -38,5 +38,5 @@ def coarse(surface: Surface) -> Surface:
         surface,
         vertices=mean(vertices),
         triangles=corners[apart],
-        normals=unit(mean(surface.normals)),
+        normals=normalized(mean(surface.normals)),
     )

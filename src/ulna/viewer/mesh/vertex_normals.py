@@ -6,13 +6,13 @@ import numpy as np
 
 from ulna.typing import Array, Floats
 from ulna.viewer.mesh.decimation import decimated
-from ulna.viewer.mesh.surface import DEFAULT_COLOUR, RGBA, Surface, Texture, unit
+from ulna.viewer.mesh.surface import DEFAULT_COLOUR, RGBA, Surface, Texture, normalized
 
 CREASE = np.deg2rad(38.0)
 """Edges that turn by more than this [rad] are drawn sharp."""
 
 
-def smooth(
+def surface_with_normals(
     vertices: Floats,
     triangles: Array,
     rgba: RGBA = DEFAULT_COLOUR,
@@ -29,39 +29,43 @@ def smooth(
     lie at two places of it occur twice. Without, edges collapse as long as no vertex is farther than `bound` from what
     is left.
     """
-    place, index = weld(np.asarray(vertices, dtype=float))
+    place, index = merged_vertices(np.asarray(vertices, dtype=float))
     given = np.asarray(triangles, dtype=np.int64)
     corners = index[given]
-    solid = np.linalg.norm(_areas(place, corners), axis=1) > 1e-16
+    solid = np.linalg.norm(_area_normals(place, corners), axis=1) > 1e-16
     corners, given = corners[solid], given[solid]
     if uv is None and bound > 0.0:
         place, corners = decimated(place, corners, bound)
-    weighted = _areas(place, corners)
-    facing = unit(weighted)
-    first, vertex = _shared(corners, weighted, facing, crease, len(place))
+    weighted = _area_normals(place, corners)
+    facing = normalized(weighted)
+    first, vertex = _shared_vertices(corners, weighted, facing, crease, len(place))
     normals = np.zeros((len(first), 3))
     per_corner = np.repeat(weighted, 3, axis=0)
     for axis in range(3):
         normals[:, axis] = np.bincount(vertex, weights=per_corner[:, axis], minlength=len(first))
     if uv is None:
-        return Surface(place[corners.reshape(-1)[first]], vertex.reshape(-1, 3), unit(normals), rgba)
+        return Surface(place[corners.reshape(-1)[first]], vertex.reshape(-1, 3), normalized(normals), rgba)
     spot, where = np.unique(np.round(uv, 6), axis=0, return_inverse=True)
     pair = vertex * len(spot) + where.reshape(-1)[given.reshape(-1)]
     both, split = np.unique(pair, return_inverse=True)
     owner = both // len(spot)
     texture = Texture(spot[both % len(spot)], image)
     return Surface(
-        place[corners.reshape(-1)[first[owner]]], split.reshape(-1, 3), unit(normals)[owner], rgba, texture
+        place[corners.reshape(-1)[first[owner]]],
+        split.reshape(-1, 3),
+        normalized(normals)[owner],
+        rgba,
+        texture,
     )
 
 
-def _areas(vertices: Floats, triangles: Array) -> Floats:
+def _area_normals(vertices: Floats, triangles: Array) -> Floats:
     """Normals as long as twice the area of triangles, shape (m, 3)."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     return np.cross(b - a, c - a)
 
 
-def weld(vertices: Floats) -> tuple[Floats, Array]:
+def merged_vertices(vertices: Floats) -> tuple[Floats, Array]:
     """Vertices that lie together become one: the distinct positions, and each vertex's index among them."""
     if not len(vertices):
         return vertices, np.zeros(0, dtype=np.int64)
@@ -73,7 +77,7 @@ def weld(vertices: Floats) -> tuple[Floats, Array]:
     return vertices[first], index.reshape(-1)
 
 
-def _shared(
+def _shared_vertices(
     corners: Array, weighted: Floats, facing: Floats, crease: float, count: int
 ) -> tuple[Array, Array]:
     """Which corners (3 m) share a vertex: the first corner of each vertex, and the vertex of each corner.
@@ -85,12 +89,12 @@ def _shared(
     mean = np.stack(
         [np.bincount(flat, np.repeat(column, 3), minlength=count) for column in weighted.T], axis=1
     )
-    turned = np.einsum("ij,ikj->ik", facing, unit(mean)[corners]) <= np.cos(crease / 2)
+    turned = np.einsum("ij,ikj->ik", facing, normalized(mean)[corners]) <= np.cos(crease / 2)
     sharp = np.bincount(flat[turned.reshape(-1)], minlength=count) > 0
     label = flat.copy()
     near = np.flatnonzero(sharp[corners].any(axis=1))
     own = 3 * near[:, None] + np.arange(3)
-    joined = own.reshape(-1)[_join_corners(corners[near], facing[near], crease, count)].reshape(-1, 3)
+    joined = own.reshape(-1)[_corner_labels(corners[near], facing[near], crease, count)].reshape(-1, 3)
     label[own] = np.where(sharp[corners[near]], joined + count, label[own])
     place = np.full(count + len(flat), len(flat), dtype=np.int64)
     np.minimum.at(place, label, np.arange(len(flat)))
@@ -100,7 +104,7 @@ def _shared(
     return place[used], number[label]
 
 
-def _join_corners(corners: Array, facing: Floats, crease: float, count: int) -> Array:
+def _corner_labels(corners: Array, facing: Floats, crease: float, count: int) -> Array:
     """A label for every corner (3 m); corners with one label share a vertex."""
     m = len(corners)
     face = np.tile(np.arange(m), 3)

@@ -31,7 +31,7 @@ def checked_path(path: Any, what: str, suffixes: Sequence[str]) -> Path:
 
 
 @contextmanager
-def written(target: Path, what: str) -> Iterator[Path]:
+def atomic_write(target: Path, what: str) -> Iterator[Path]:
     """A path to write to, which becomes `target` at the end, with the folders that it needs; nothing when that fails.
 
     Raises:

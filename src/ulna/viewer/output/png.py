@@ -11,7 +11,7 @@ import numpy as np
 
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Array
-from ulna.viewer.output.atomic_file import checked_path, written
+from ulna.viewer.output.atomic_file import atomic_write, checked_path
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -27,13 +27,13 @@ def write_png(path: str | os.PathLike[str], image: Array) -> Path:
         InputError: The image is not one, or the file cannot be written.
         UnknownName: The path does not end in .png.
     """
-    target, content = checked_picture(path), png(image)
-    with written(target, "picture") as place:
+    target, content = checked_png_path(path), encode_png(image)
+    with atomic_write(target, "picture") as place:
         place.write_bytes(content)
     return target
 
 
-def checked_picture(path: str | os.PathLike[str]) -> Path:
+def checked_png_path(path: str | os.PathLike[str]) -> Path:
     """The path of a picture.
 
     Raises:
@@ -42,7 +42,7 @@ def checked_picture(path: str | os.PathLike[str]) -> Path:
     return checked_path(path, "picture", (".png",))
 
 
-def png(image: Array) -> bytes:
+def encode_png(image: Array) -> bytes:
     """The content of a PNG file with an image of shape (h, w, 3) or (h, w, 4), uint8.
 
     Raises:

@@ -15,14 +15,14 @@ import numpy as np
 from ulna.checks.values import number
 from ulna.errors import InputError, MissingExtra
 from ulna.typing import Array
-from ulna.viewer.output.atomic_file import checked_path, written
+from ulna.viewer.output.atomic_file import atomic_write, checked_path
 
 SUFFIXES = (".mp4", ".gif")
-_MOST_PICTURES = 10**7
-_SHORTEST = 2  # hundredths of a second for which a picture of a GIF is shown
+_MAX_FRAMES = 10**7
+_MIN_GIF_DURATION = 2  # hundredths of a second for which a picture of a GIF is shown
 
 
-def moments(duration: float, fps: float, speed: float = 1.0) -> Array:
+def frame_times(duration: float, fps: float, speed: float = 1.0) -> Array:
     """The times [s] of what happened that a film shows, one for each picture, from 0 to `duration`.
 
     Args:
@@ -37,16 +37,16 @@ def moments(duration: float, fps: float, speed: float = 1.0) -> Array:
     rate = number("fps", fps, "pictures a second, above 0 and up to 240", above=0.0, most=240.0)
     pace = number("speed", speed, "seconds of what happened per second of film, above 0", above=0.0)
     pictures = length / pace * rate + 1e-9
-    if not pictures < _MOST_PICTURES:
+    if not pictures < _MAX_FRAMES:
         raise InputError(
             f"{length:g} s at {rate:g} pictures a second and speed {pace:g} are {pictures:.3g} pictures; expected "
-            f"fewer than {_MOST_PICTURES:.0e}. Take a lower `fps`, or a higher `speed`."
+            f"fewer than {_MAX_FRAMES:.0e}. Take a lower `fps`, or a higher `speed`."
         )
     count = int(pictures) + 1
     return np.minimum(np.arange(count) * (pace / rate), length)
 
 
-def check_film(path: str | os.PathLike[str]) -> Path:
+def checked_video_path(path: str | os.PathLike[str]) -> Path:
     """The path of a film, when its kind is known and what writes it is installed.
 
     Raises:
@@ -64,7 +64,7 @@ def check_film(path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def write_film(path: str | os.PathLike[str], pictures: Iterable[Array], fps: float) -> Path:
+def write_video(path: str | os.PathLike[str], pictures: Iterable[Array], fps: float) -> Path:
     """Write pictures (h, w, 3) uint8 as a film, each shown for 1 / `fps` seconds; returns the path.
 
     A GIF counts in hundredths of a second: its pictures take turns being shown a little shorter and longer, so that
@@ -74,12 +74,12 @@ def write_film(path: str | os.PathLike[str], pictures: Iterable[Array], fps: flo
         UnknownName, MissingExtra: See `check_film`.
         InputError: There are no pictures, or the file cannot be written.
     """
-    target = check_film(path)
+    target = checked_video_path(path)
     first = iter(pictures)
     picture = next(first, None)
     if picture is None:
         raise InputError("A film needs at least one picture.")
-    with written(target, "film") as place:
+    with atomic_write(target, "film") as place:
         write = _write_gif if target.suffix.lower() == ".gif" else _write_mp4
         write(place, itertools.chain([picture], first), fps, picture.shape)
     return target
@@ -141,7 +141,7 @@ def _write_gif(target: Path, pictures: Iterable[Array], fps: float, shape: tuple
 
         some = np.unique(np.linspace(0, count - 1, 6).astype(int))
         palette = Image.fromarray(np.concatenate([read(int(k)) for k in some])).quantize(255)
-        chosen, durations = gif_times(count, fps)
+        chosen, durations = gif_frame_durations(count, fps)
         frames = (
             Image.fromarray(read(k)).quantize(palette=palette, dither=Image.Dither.NONE) for k in chosen
         )
@@ -149,7 +149,7 @@ def _write_gif(target: Path, pictures: Iterable[Array], fps: float, shape: tuple
         first.save(target, save_all=True, append_images=frames, duration=durations, loop=0, optimize=False)
 
 
-def gif_times(count: int, fps: float) -> tuple[list[int], list[int]]:
+def gif_frame_durations(count: int, fps: float) -> tuple[list[int], list[int]]:
     """Which of `count` pictures a GIF holds, and how long each of them is shown [ms].
 
     Browsers show a picture that is to be shown for less than 20 ms for 100 ms: of faster films some are left out.
@@ -157,8 +157,8 @@ def gif_times(count: int, fps: float) -> tuple[list[int], list[int]]:
     ends = np.round(np.arange(1, count + 1) * 100.0 / fps).astype(int)  # in hundredths of a second
     chosen, durations, shown = [], [], 0
     for k, end in enumerate(ends.tolist()):
-        if end - shown >= _SHORTEST or k == count - 1:
+        if end - shown >= _MIN_GIF_DURATION or k == count - 1:
             chosen.append(k)
-            durations.append(10 * max(end - shown, _SHORTEST))
+            durations.append(10 * max(end - shown, _MIN_GIF_DURATION))
             shown = end
     return chosen, durations

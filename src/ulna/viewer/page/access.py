@@ -26,7 +26,7 @@ def checked_host(host: str) -> str:
     return host
 
 
-def allowed(host: str | None, origin: str | None, any_host: bool = False) -> bool:
+def is_allowed(host: str | None, origin: str | None, any_host: bool = False) -> bool:
     """Whether a request may be answered.
 
     A browser states in `Origin` which page speaks, and in `Host` which name it was sent to. A page of
@@ -53,7 +53,7 @@ def allowed(host: str | None, origin: str | None, any_host: bool = False) -> boo
         return False
 
 
-def knows(token: str, path: str, cookies: str | None) -> bool:
+def has_token(token: str, path: str, cookies: str | None) -> bool:
     """Whether a request carries the token, in its address or in a cookie; any does where there is no token."""
     if not token:
         return True
@@ -67,12 +67,12 @@ def knows(token: str, path: str, cookies: str | None) -> bool:
     return any(hmac.compare_digest(g.encode(), token.encode()) for g in given)
 
 
-def cookie(token: str) -> str:
+def token_cookie(token: str) -> str:
     """What makes a browser remember the token for this page alone, and keep it from scripts and other sites."""
     return f"{_name(token)}={token}; Path=/; HttpOnly; SameSite=Strict"
 
 
-def frames(host: str) -> str:
+def frame_ancestors(host: str) -> str:
     """Which pages may hold this one in a frame: those of the same machine and of editors, as notebooks are.
 
     Another's could lay it, unseen, under something to click, and so have its buttons pressed.

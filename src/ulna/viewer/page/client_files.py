@@ -20,18 +20,20 @@ from ulna import disk_cache as cache
 from ulna.system.cached import cached_property
 
 _FORMAT = "ulna client 1"
-_PACKED = re.compile(r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">.*?</script>', re.DOTALL)
-_LETTERS = re.compile(r'const A=("(?:[^"\\]|\\.)*");')
+_PACKED_SCRIPT = re.compile(
+    r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">.*?</script>', re.DOTALL
+)
+_ALPHABET = re.compile(r'const A=("(?:[^"\\]|\\.)*");')
 _DECODER = re.compile(r'const gzWasm=("(?:[^"\\]|\\.)*");')
 # the light of a city that the program carries for pages which are told of no other light; ours always are
-_CITY = re.compile(rb"`data:image/jpeg;base64,[A-Za-z0-9+/=]{20000,}`")
-_KINDS = {
+_DEFAULT_ENVIRONMENT = re.compile(rb"`data:image/jpeg;base64,[A-Za-z0-9+/=]{20000,}`")
+_CONTENT_TYPES = {
     "js": "text/javascript; charset=utf-8",
     "css": "text/css; charset=utf-8",
     "wasm": "application/wasm",
 }
-_FOREVER = "private, max-age=31536000, immutable"
-_START = """<script type="module">
+_CACHE_FOREVER = "private, max-age=31536000, immutable"
+_START_SCRIPT = """<script type="module">
 globalThis.__viserZstdWasm = await WebAssembly.compileStreaming(fetch("{wasm}"));
 await import("./{js}");
 </script>"""
@@ -39,7 +41,7 @@ await import("./{js}");
 
 @final
 @dataclass(frozen=True)
-class File:
+class ServedFile:
     """What a server answers with: its kind, whether it is compressed with gzip, how long it may be kept, its bytes."""
 
     kind: str
@@ -60,35 +62,35 @@ class ClientFiles:
     def __init__(self, page: Path, early: str = "") -> None:
         self._page, self._early = page, early
 
-    def file(self, path: str) -> File | None:
+    def file(self, path: str) -> ServedFile | None:
         """The file of a request's path; None where there is none, or the page cannot be taken apart."""
         return self._files.get(path.partition("?")[0])
 
     @cached_property
-    def _files(self) -> dict[str, File]:
+    def _files(self) -> dict[str, ServedFile]:
         text = self._page.read_text(encoding="utf-8")
-        parts = _kept(text)
+        parts = _cached_parts(text)
         if parts is None:
             return {}
         names = {kind: f"ulna-{cache.key(content)[:16]}.{kind}" for kind, content in parts.items()}
         files = {
-            f"/{names[kind]}": File(_KINDS[kind], kind != "wasm", _FOREVER, content)
+            f"/{names[kind]}": ServedFile(_CONTENT_TYPES[kind], kind != "wasm", _CACHE_FOREVER, content)
             for kind, content in parts.items()
         }
         head = f"""<script>{self._early}</script>
 <link rel="stylesheet" href="{names["css"]}"><link rel="modulepreload" href="{names["js"]}">
-{_START.format(**names)}"""
-        page = _PACKED.sub(lambda _: head, text)
-        files["/"] = File("text/html; charset=utf-8", False, "no-cache", page.encode())
+{_START_SCRIPT.format(**names)}"""
+        page = _PACKED_SCRIPT.sub(lambda _: head, text)
+        files["/"] = ServedFile("text/html; charset=utf-8", False, "no-cache", page.encode())
         return files
 
 
-def _kept(text: str) -> dict[str, bytes] | None:
+def _cached_parts(text: str) -> dict[str, bytes] | None:
     """The parts of a page, from disk where it was taken apart before."""
     name = cache.key(_FORMAT, text)
     data = cache.read(name)
     if data is None:
-        parts = unpacked(text)
+        parts = unpacked_parts(text)
         if parts is None:
             return None
         head = json.dumps({kind: len(content) for kind, content in parts.items()}).encode()
@@ -102,27 +104,27 @@ def _kept(text: str) -> dict[str, bytes] | None:
     return out
 
 
-def unpacked(text: str) -> dict[str, bytes] | None:
+def unpacked_parts(text: str) -> dict[str, bytes] | None:
     """Program and style of a page, compressed with gzip, and its decoder; None where they are not found."""
-    packed, letters, decoder = (pattern.search(text) for pattern in (_PACKED, _LETTERS, _DECODER))
+    packed, letters, decoder = (pattern.search(text) for pattern in (_PACKED_SCRIPT, _ALPHABET, _DECODER))
     if packed is None or letters is None or decoder is None:
         return None
     try:
         import zstandard
 
         alphabet = json.loads(letters.group(1))
-        content = zstandard.ZstdDecompressor().decompress(_from_letters(packed.group(1), alphabet))
-        wasm = gzip.decompress(_from_letters(json.loads(decoder.group(1)), alphabet))
+        content = zstandard.ZstdDecompressor().decompress(_from_base88(packed.group(1), alphabet))
+        wasm = gzip.decompress(_from_base88(json.loads(decoder.group(1)), alphabet))
     except Exception:  # built in another way; the page as it is does as well
         return None
     style, program = int(packed.group(2)), int(packed.group(3))
     if len(content) != style + program or not wasm.startswith(b"\0asm"):
         return None
-    code = _CITY.sub(b"null", content[style:])
+    code = _DEFAULT_ENVIRONMENT.sub(b"null", content[style:])
     return {"js": gzip.compress(code, 6), "css": gzip.compress(content[:style], 6), "wasm": wasm}
 
 
-def _from_letters(text: str, alphabet: str) -> bytes:
+def _from_base88(text: str, alphabet: str) -> bytes:
     """Bytes from letters: five digits in base 88 for four bytes, one more digit than bytes at the end."""
     value = np.zeros(128, dtype=np.int64)
     value[np.frombuffer(alphabet.encode("ascii"), np.uint8)] = np.arange(len(alphabet))
@@ -136,7 +138,7 @@ def _from_letters(text: str, alphabet: str) -> bytes:
     return out
 
 
-def answer(client: ClientFiles | None, request: Any) -> Any:
+def response_to(client: ClientFiles | None, request: Any) -> Any:
     """The answer of a server of `websockets` to a request; None to leave it to viser."""
     if client is None or request.headers.get("Upgrade"):
         return None

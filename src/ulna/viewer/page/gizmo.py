@@ -17,7 +17,7 @@ class Gizmo:
 
     def __init__(self, handle: Any) -> None:
         self._handle = handle
-        self.held = False
+        self.is_dragged = False
 
     @property
     def pose(self) -> Floats:

@@ -9,7 +9,7 @@ from pathlib import Path
 from ulna.viewer.graph.camera import Camera
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import LIGHT, Theme
-from ulna.viewer.output.atomic_file import checked_path, written
+from ulna.viewer.output.atomic_file import atomic_write, checked_path
 from ulna.viewer.page import Page
 from ulna.viewer.page.server import start_recording
 from ulna.viewer.progress import progress
@@ -43,7 +43,7 @@ def write_html(
         InputError: The file cannot be written.
         UnknownName: It ends neither in .html nor in .htm.
     """
-    target = checked_page(path)
+    target = checked_html_path(path)
     moments = list(times)
     if moments and move is not None:
         move(moments[0])
@@ -59,12 +59,12 @@ def write_html(
                 move(t)
                 page.flush()
             content = recording.as_html(dark_mode=theme.dark)
-    with written(target, "page") as place:
+    with atomic_write(target, "page") as place:
         place.write_text(content, encoding="utf-8")
     return target
 
 
-def checked_page(path: str | os.PathLike[str]) -> Path:
+def checked_html_path(path: str | os.PathLike[str]) -> Path:
     """The path of an HTML file.
 
     Raises:

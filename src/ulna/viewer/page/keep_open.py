@@ -10,7 +10,7 @@ from ulna.viewer.page import Page
 from ulna.viewer.page.browser import somebody_can_look
 
 
-def hold(page: Page, seconds: float | None = None) -> None:
+def keep_open(page: Page, seconds: float | None = None) -> None:
     """Keep a page open until Ctrl-C, until it is closed, or until the last tab that looked at it has gone.
 
     Where nobody can look (no screen, no terminal) it says so and returns at once.

@@ -22,7 +22,7 @@ from typing import Any
 
 from ulna.errors import UlnaWarning
 from ulna.system import forks
-from ulna.viewer.graph.camera import Camera, checked_camera, frame
+from ulna.viewer.graph.camera import Camera, camera_for, checked_camera
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import LIGHT, Theme
 from ulna.viewer.page import access as guard
@@ -30,13 +30,13 @@ from ulna.viewer.page.notifications import ProgressNotifications
 from ulna.viewer.page.pose_channel import PoseChannel
 from ulna.viewer.page.publisher import Publisher
 from ulna.viewer.page.server import disconnect, serve, stop
-from ulna.viewer.page.surroundings import decorate, lay_floor, look_from
+from ulna.viewer.page.surroundings import add_floor, configure_scene, set_camera
 from ulna.viewer.progress import unwatch, watch
 
 RATE = 60.0
 """How often the page looks for something new [1/s]."""
 
-_SETTLING = 0.2  # s between two looks for a camera that has everything in view
+_FRAMING_INTERVAL = 0.2  # s between two looks for a camera that has everything in view
 
 
 class Page:
@@ -85,32 +85,32 @@ class Page:
             )
         channel = PoseChannel(self.server, f"{title} · Ulna" if title != "Ulna" else title)
         self._publisher = Publisher(scene, self.server, channel, live, theme)
-        self._plain = not channel.open
+        self._viser_shadows = not channel.is_supported
         self._events: dict[int, tuple[Callable[[Any], None], Any]] = {}
         self._events_lock = forks.lock()
-        self._count = itertools.count(1)
+        self._event_count = itertools.count(1)
         self._tick_lock = forks.lock()
         self._ticks: list[Callable[[], None]] = []
         self._stop = threading.Event()
-        self._complaint = ""
+        self._last_error = ""
         self._floor, self._grid = floor, True
-        self._framed, self._unframed, self._framed_at = camera is not None, False, 0.0
+        self._camera_chosen, self._framing_requested, self._framed_at = camera is not None, False, 0.0
         self._theme = theme
         self.visited = False
         """Whether any tab has looked at it so far."""
         self._thread = threading.Thread(target=self._run, name="ulna-page", daemon=True)
-        self._waiting = ProgressNotifications(self.server)
+        self._notifications = ProgressNotifications(self.server)
         atexit.register(self.close)
         forks.in_child(self._leave)
-        decorate(self.server, theme, self._plain)
-        lay_floor(self.server, theme, scene.floor() if floor is None else floor)
-        look_from(self.server, camera or self._view())
-        self.server.on_client_connect(self._greet)
+        configure_scene(self.server, theme, self._viser_shadows)
+        add_floor(self.server, theme, scene.floor() if floor is None else floor)
+        set_camera(self.server, camera or self._default_camera())
+        self.server.on_client_connect(self._on_connect)
         with self._tick_lock:
             self._publish()
         if live:
             self._thread.start()
-            watch(self._waiting)
+            watch(self._notifications)
 
     @property
     def port(self) -> int:
@@ -140,7 +140,7 @@ class Page:
             self.flush()  # tabs keep what they had last: the newest, not that of a sixtieth of a second ago
         finally:
             self._stop.set()
-            unwatch(self._waiting)
+            unwatch(self._notifications)
             if self._thread.is_alive() and threading.current_thread() is not self._thread:
                 self._thread.join(timeout=2.0)
             stop(self.server)
@@ -163,58 +163,58 @@ class Page:
     def _repr_html_(self) -> str:
         return f'<iframe src="{self.url}" width="100%" height="560" style="border:0"></iframe>'
 
-    def look(self, camera: Camera | None = None) -> None:
+    def set_camera(self, camera: Camera | None = None) -> None:
         """Look from a camera in every tab; from one that has everything in view when not given."""
-        self._framed = True
-        look_from(self.server, camera or self._view())
+        self._camera_chosen = True
+        set_camera(self.server, camera or self._default_camera())
 
-    def frame_soon(self) -> None:
+    def request_framing(self) -> None:
         """Have all in view and above the floor, unless a camera or a floor was chosen or somebody looks already."""
-        self._unframed = True
+        self._framing_requested = True
 
-    def _frame(self, now: float) -> None:
-        self._unframed, self._framed_at = False, now
-        if not self._framed and (not self.visited or now < self._publisher.until):
-            look_from(self.server, self._view())
+    def _frame_scene(self, now: float) -> None:
+        self._framing_requested, self._framed_at = False, now
+        if not self._camera_chosen and (not self.visited or now < self._publisher.resend_until):
+            set_camera(self.server, self._default_camera())
         if self._floor is None:
-            lay_floor(self.server, self._theme, self.scene.floor(), self._grid)
+            add_floor(self.server, self._theme, self.scene.floor(), self._grid)
 
-    def dress(self, theme: Theme, floor: float | None, grid: bool = True) -> None:
+    def set_theme(self, theme: Theme, floor: float | None, grid: bool = True) -> None:
         """Change the colours around, the height of the floor [m], and whether there is one."""
         with self._tick_lock:
             self._theme, self._floor, self._grid = theme, floor, grid
-            self._publisher.dress(theme)
-        decorate(self.server, theme, self._plain)
-        lay_floor(self.server, theme, self.scene.floor() if floor is None else floor, grid)
+            self._publisher.set_theme(theme)
+        configure_scene(self.server, theme, self._viser_shadows)
+        add_floor(self.server, theme, self.scene.floor() if floor is None else floor, grid)
 
     def flush(self) -> None:
         """Send what the scene holds now, without waiting for the thread of the page."""
         if self._stop.is_set():
             return
         with self._tick_lock:
-            self._publisher.hurry()
+            self._publisher.send_content_now()
             self._framed_at = 0.0
             self._publish()
         self.server.flush()
 
-    def each_tick(self, function: Callable[[], None]) -> None:
+    def add_tick(self, function: Callable[[], None]) -> None:
         """Call `function` on the thread of the page, 60 times a second, before poses are sent."""
         self._ticks.append(function)
 
-    def never_again(self, function: Callable[[], None]) -> None:
+    def remove_tick(self, function: Callable[[], None]) -> None:
         """Do not call `function` any more."""
         self._ticks = [f for f in self._ticks if f != function]
 
-    def notice(self, key: int | None, function: Callable[[Any], None], value: Any) -> None:
+    def post_event(self, key: int | None, function: Callable[[Any], None], value: Any) -> None:
         """Have `function(value)` called on the thread of the page; of one key only the newest, of None each."""
         with self._events_lock:
-            key = -next(self._count) if key is None else key
+            key = -next(self._event_count) if key is None else key
             self._events.pop(key, None)  # in the order of the newest
             self._events[key] = (function, value)
 
-    def _view(self) -> Camera:
+    def _default_camera(self) -> Camera:
         # robots reach further than they stand, and the panel covers the right
-        return frame(self.scene, margin=1.75, aside=0.10)
+        return camera_for(self.scene, margin=1.75, aside=0.10)
 
     # the thread --------------------------------------------------------------------------------------------
 
@@ -232,22 +232,22 @@ class Page:
                     self._publish()
             except Exception:  # a mistake in a user's function must not silence the page
                 complaint = traceback.format_exc()
-                if complaint != self._complaint and not self._stop.is_set():  # once, not 60 times a second
+                if complaint != self._last_error and not self._stop.is_set():  # once, not 60 times a second
                     print(complaint, file=sys.stderr, end="")
-                self._complaint = complaint
+                self._last_error = complaint
             due = max(due + 1.0 / RATE, time.monotonic())
             self._stop.wait(due - time.monotonic())
 
-    async def _greet(self, client: Any) -> None:
+    async def _on_connect(self, client: Any) -> None:
         self.visited = True
-        self.again()
+        self.resend()
 
-    def again(self) -> None:
+    def resend(self) -> None:
         """Send poses and looks again for a while: a newcomer replays the scene, and its hook may come after them."""
-        self._publisher.again()
+        self._publisher.resend()
 
     def _publish(self) -> None:
         now = time.monotonic()
-        if self._unframed and now - self._framed_at > _SETTLING:
-            self._frame(now)
+        if self._framing_requested and now - self._framed_at > _FRAMING_INTERVAL:
+            self._frame_scene(now)
         self._publisher.publish(now)

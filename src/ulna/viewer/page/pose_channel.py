@@ -13,28 +13,37 @@ from typing import Any
 
 from ulna.typing import Array
 
-KNOWN = ("1.1.",)
+KNOWN_VERSIONS = ("1.1.",)
 """Versions of viser whose page has the queue that the hook relies on."""
 
-LAMP, SKY = "/(page)/key", "/(page)/sky"
+KEY_LIGHT, SKY = "/(page)/key", "/(page)/sky"
 """The names of the lamp that throws shadows, and of the light from all around."""
 
-POSES, LOOKS, FLOOR = "/(page)/poses", "/(page)/looks", "/(page)/floor"
+POSES, APPEARANCES, FLOOR = "/(page)/poses", "/(page)/looks", "/(page)/floor"
 """The names under which all poses, and all looks that are not plain, are sent, which no node has; and the floor's."""
 
 
-def known() -> bool:
+def is_known_version() -> bool:
     """Whether the version of viser is one whose page was read: with that queue, and normals that it computes itself."""
     import viser
 
-    return viser.__version__.startswith(KNOWN)
+    return viser.__version__.startswith(KNOWN_VERSIONS)
 
 
-def _hook(title: str) -> str:
+def _hook_script(title: str) -> str:
     """The program that makes viser's page ours."""
     source = "".join(_script(name) for name in ("shadow_light", "render_on_demand", "scene_messages"))
-    names = {"POSES": POSES, "LOOKS": LOOKS, "FLOOR": FLOOR, "LAMP": LAMP, "SKY": SKY, "TITLE": title}
-    return re.sub(r"\b(" + "|".join(names) + r")\b", lambda match: _quoted(names[match[0]]), source)
+    names = {
+        "POSES": POSES,
+        "APPEARANCES": APPEARANCES,
+        "FLOOR": FLOOR,
+        "KEY_LIGHT": KEY_LIGHT,
+        "SKY": SKY,
+        "TITLE": title,
+    }
+    return re.sub(
+        r"\b(" + "|".join(names) + r")\b", lambda match: _javascript_string(names[match[0]]), source
+    )
 
 
 def _script(name: str) -> str:
@@ -42,44 +51,44 @@ def _script(name: str) -> str:
     return (Path(__file__).parent / "client" / f"{name}.js").read_text(encoding="utf-8")
 
 
-def _quoted(text: str) -> str:
+def _javascript_string(text: str) -> str:
     """A text as JavaScript has it, also within HTML."""
     return json.dumps(text).replace("<", "\\u003c")
 
 
 def early_script(title: str) -> str:
     """A program that runs before that of viser's page, and so before any message arrives."""
-    return _script("early_hook").replace("HOOK", _hook(title))
+    return _script("early_hook").replace("HOOK", _hook_script(title))
 
 
 class PoseChannel:
     """All poses in one message, where the version of viser is known to take it (`open`)."""
 
     def __init__(self, server: Any, title: str) -> None:
-        self.open = known()
+        self.is_supported = is_known_version()
         self._server = server
-        if self.open:
+        if self.is_supported:
             from viser import _messages
 
             self._message = _messages.SceneNodeUpdateMessage
             self._script = _messages.RunJavascriptMessage
-            self._run(_hook(title))
+            self._run(_hook_script(title))
 
-    def send(self, paths: Sequence[str], rows: Array) -> None:
+    def send_poses(self, paths: Sequence[str], rows: Array) -> None:
         """Send poses as rows x y z, w x y z, float32, one for each path; they replace those not sent yet."""
         self._queue(POSES, {"names": list(paths), "p": rows})
 
-    def dress(self, paths: Sequence[str], rows: Array, words: dict[str, str]) -> None:
+    def send_appearances(self, paths: Sequence[str], rows: Array, words: dict[str, str]) -> None:
         """Send looks as rows: linear red, green, blue or -1, opacity, three scales; float32. All others are plain.
 
         What those with words say stands in `words`.
         """
-        self._queue(LOOKS, {"names": list(paths), "v": rows.reshape(-1), "words": words})
+        self._queue(APPEARANCES, {"names": list(paths), "v": rows.reshape(-1), "words": words})
 
-    def dress_file(self, paths: Sequence[str], rows: Array, words: dict[str, str]) -> None:
+    def send_appearances_to_file(self, paths: Sequence[str], rows: Array, words: dict[str, str]) -> None:
         """Send the same to a file, which hands its first messages over all at once, before any is heeded."""
         looks = {"names": list(paths), "v": rows.reshape(-1).tolist(), "words": words}
-        message = {"type": "SceneNodeUpdateMessage", "name": LOOKS, "updates": looks}
+        message = {"type": "SceneNodeUpdateMessage", "name": APPEARANCES, "updates": looks}
         self._run(f"window.__viserMutable.messageQueue.push({json.dumps(message)})")
 
     def _run(self, script: str) -> None:

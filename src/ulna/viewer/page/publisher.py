@@ -11,12 +11,21 @@ from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import Theme
 from ulna.viewer.page.pose_channel import PoseChannel
 from ulna.viewer.page.poses import pose_rows
-from ulna.viewer.page.viser_nodes import Paths, Shown, build, dress_rows, is_drawn, look_of
+from ulna.viewer.page.viser_nodes import (
+    ViserNode,
+    ViserPaths,
+    add_node,
+    appearance_of,
+    appearance_rows,
+    is_drawn,
+)
 
-_PLAIN = (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
-_SHARE = 1 / 8  # of its time that the page's thread may spend on contents that change all the time
-_LONGEST = 0.25  # s that they wait at most
-_REST = 0.3  # s without a motion after which all is at rest
+_DEFAULT_APPEARANCE = (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
+_CONTENT_TIME_FRACTION = (
+    1 / 8
+)  # of its time that the page's thread may spend on contents that change all the time
+_MAX_CONTENT_DELAY = 0.25  # s that they wait at most
+_IDLE_TIME = 0.3  # s without a motion after which all is at rest
 
 
 @final
@@ -36,85 +45,88 @@ class Publisher:
     ) -> None:
         self._scene, self._server, self._channel = scene, server, channel
         self._theme = theme
-        self._baked = not (live and channel.open)
-        self.shown: dict[str, Shown] = {}
+        self._baked = not (live and channel.is_supported)
+        self.shown: dict[str, ViserNode] = {}
         """The nodes of the scene as the page has them."""
-        self._paths = Paths()
-        self._route: tuple[list[str], list[int]] | None = None
-        self._due = 0.0  # when contents may be sent again
-        self._words: dict[str, str] = {}  # what those of a file say
-        self._stale = False  # whether some wait for that
+        self._paths = ViserPaths()
+        self._pose_targets: tuple[list[str], list[int]] | None = None
+        self._content_due = 0.0  # when contents may be sent again
+        self._label_texts: dict[str, str] = {}  # what those of a file say
+        self._content_pending = False  # whether some wait for that
         self._sent = (-1, -1, -1)
         self._settled = True
         self._moved_at = 0.0
-        self.until = 0.0
+        self.resend_until = 0.0
         """Until when poses and looks are sent again for newcomers [s, monotonic]."""
 
-    def again(self) -> None:
+    def resend(self) -> None:
         """Send poses and looks again for a while: a newcomer replays the scene, and its hook may come after them."""
-        self.until = time.monotonic() + 3.0
+        self.resend_until = time.monotonic() + 3.0
 
-    def dress(self, theme: Theme) -> None:
+    def set_theme(self, theme: Theme) -> None:
         """Take over other colours around: words without a colour of their own have the theme's."""
         self._theme, self._sent = theme, (*self._sent[:2], -1)
 
-    def hurry(self) -> None:
+    def send_content_now(self) -> None:
         """Send contents that change often at once."""
-        self._due = 0.0
+        self._content_due = 0.0
 
     def publish(self, now: float) -> None:
         """Send what is new at this time [s, monotonic]."""
-        if self._settled and self._scene.version == self._sent and now >= self.until and not self._stale:
+        unchanged = self._settled and self._scene.version == self._sent
+        if unchanged and now >= self.resend_until and not self._content_pending:
             return
         seen = self._scene.snapshot()
         structure, _, looks = self._sent
-        if seen.structure != structure or self._stale:
-            self._build(seen, now)
-        if seen.looks != looks or seen.structure != structure or now < self.until:
-            self._style(seen)
+        if seen.structure != structure or self._content_pending:
+            self._update_nodes(seen, now)
+        if seen.appearance != looks or seen.structure != structure or now < self.resend_until:
+            self._update_appearances(seen)
         if seen[:3] != self._sent:
             self._sent, self._settled, self._moved_at = seen[:3], False, now
-        elif not self._settled and now - self._moved_at > _REST:
+        elif not self._settled and now - self._moved_at > _IDLE_TIME:
             # at rest: leave the poses in viser's own state, too, which newcomers and recordings start from
             self._settled = True
             self._set_each(seen)
-        elif now >= self.until:
+        elif now >= self.resend_until:
             return
-        if self._channel.open:
+        if self._channel.is_supported:
             self._send(seen)
         else:
             self._set_each(seen)
 
-    def _build(self, seen: Snapshot, now: float) -> None:
+    def _update_nodes(self, seen: Snapshot, now: float) -> None:
         """Make the nodes of the page those of the scene."""
         present = {node.name: (i, node) for i, node in enumerate(seen.nodes) if is_drawn(node)}
-        self._stale, self._route = False, None
-        began, calm = time.thread_time(), now < self._due
+        self._content_pending, self._pose_targets = False, None
+        began, calm = time.thread_time(), now < self._content_due
         for name, shown in list(self.shown.items()):
             i, node = present.get(name, (0, None))
             if node is shown.node:
                 continue
             if calm and node is not None and node.content is not None:
-                self._stale = True
-            elif node is None or not shown.revise(seen, i):
-                self._drop(name)
+                self._content_pending = True
+            elif node is None or not shown.update_content(seen, i):
+                self._remove_node(name)
         for name, (i, _) in present.items():
             if name not in self.shown:
                 path = self._paths.take(name)
-                self.shown[name] = self._make(path, seen, i)
-                self.until = max(self.until, now + 1.0)
+                self.shown[name] = self._add_node(path, seen, i)
+                self.resend_until = max(self.resend_until, now + 1.0)
         if not calm:
-            self._due = now + min((time.thread_time() - began) / _SHARE, _LONGEST)
+            self._content_due = now + min(
+                (time.thread_time() - began) / _CONTENT_TIME_FRACTION, _MAX_CONTENT_DELAY
+            )
 
-    def _make(self, path: str, seen: Snapshot, i: int) -> Shown:
-        return build(self._server, path, seen, i, self._baked, self._channel.open)
+    def _add_node(self, path: str, seen: Snapshot, i: int) -> ViserNode:
+        return add_node(self._server, path, seen, i, self._baked, self._channel.is_supported)
 
-    def _drop(self, name: str) -> None:
+    def _remove_node(self, name: str) -> None:
         shown = self.shown.pop(name)
         shown.remove()
         self._paths.free(shown.path)
 
-    def _style(self, seen: Snapshot) -> None:
+    def _update_appearances(self, seen: Snapshot) -> None:
         """Colours, opacity, scale and visibility as the scene has them."""
         paths, looks, words = [], [], {}
         ink = tuple(c / 255 for c in self._theme.ink)
@@ -122,39 +134,44 @@ class Publisher:
             shown = self.shown.get(node.name)
             if shown is None:
                 continue
-            look = look_of(seen, i)
-            if look != shown.look and not shown.solid and shown.node is node and not shown.rescale(look):
+            look = appearance_of(seen, i)
+            if (
+                look != shown.appearance
+                and not shown.is_mesh
+                and shown.node is node
+                and not shown.update_scale(look)
+            ):
                 shown.remove()
-                shown = self.shown[node.name] = self._make(shown.path, seen, i)
-                self._route = None
-            shown.look = look
-            shown.see(bool(seen.visible[i]))
-            if shown.solid and isinstance(node.content, Text):
+                shown = self.shown[node.name] = self._add_node(shown.path, seen, i)
+                self._pose_targets = None
+            shown.appearance = look
+            shown.set_visible(bool(seen.visible[i]))
+            if shown.is_mesh and isinstance(node.content, Text):
                 words[shown.path] = node.content.words
                 look = (*ink, *look[3:]) if look[0] < 0 else look
-            if shown.solid and look != _PLAIN:
+            if shown.is_mesh and look != _DEFAULT_APPEARANCE:
                 paths.append(shown.path)
                 looks.append(look)
-        rows = dress_rows(looks, [p in words for p in paths])
+        rows = appearance_rows(looks, [p in words for p in paths])
         if not self._baked:
-            self._channel.dress(paths, rows, words)
-        elif words and words != self._words:
-            self._words = words
-            self._channel.dress_file(paths, rows, words)
+            self._channel.send_appearances(paths, rows, words)
+        elif words and words != self._label_texts:
+            self._label_texts = words
+            self._channel.send_appearances_to_file(paths, rows, words)
 
     def _send(self, seen: Snapshot) -> None:
-        if self._route is None:
+        if self._pose_targets is None:
             pairs = [
                 (h.name, i)
                 for i, n in enumerate(seen.nodes)
                 if n.name in self.shown
                 for h in self.shown[n.name].handles
             ]
-            self._route = [path for path, _ in pairs], [i for _, i in pairs]
-        paths, rows = self._route
-        self._channel.send(paths, pose_rows(seen.poses[rows]))
+            self._pose_targets = [path for path, _ in pairs], [i for _, i in pairs]
+        paths, rows = self._pose_targets
+        self._channel.send_poses(paths, pose_rows(seen.poses[rows]))
 
     def _set_each(self, seen: Snapshot) -> None:
         for node, row in zip(seen.nodes, pose_rows(seen.poses), strict=True):
             if node.name in self.shown:
-                self.shown[node.name].place(row)
+                self.shown[node.name].set_pose(row)

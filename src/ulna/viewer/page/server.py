@@ -20,9 +20,9 @@ from ulna.extras import install_command
 from ulna.system import forks
 from ulna.viewer.page import access as guard
 from ulna.viewer.page import client_files as client
-from ulna.viewer.page.pose_channel import early_script, known
+from ulna.viewer.page.pose_channel import early_script, is_known_version
 
-_construction = forks.lock()
+_construction_lock = forks.lock()
 _log = logging.getLogger("ulna.page")
 _log.setLevel(logging.CRITICAL)
 
@@ -47,7 +47,7 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
     _check_address(host)
     any_host = host not in guard.LOOPBACK
     page = Path(viser.__file__).parent / "client" / "build" / "index.html"
-    kept = client.ClientFiles(page, early_script(title)) if known() else None
+    kept = client.ClientFiles(page, early_script(title)) if is_known_version() else None
     original: Any = sockets.serve
     guarded: list[bool] = []
 
@@ -57,15 +57,15 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
 
             def process_request(connection: Any, request: Any) -> Any:
                 headers = request.headers
-                if not guard.allowed(headers.get("Host"), headers.get("Origin"), any_host):
+                if not guard.is_allowed(headers.get("Host"), headers.get("Origin"), any_host):
                     return connection.respond(403, "This page answers its own machine only.\n")
-                if not guard.knows(token, request.path, headers.get("Cookie")):
+                if not guard.has_token(token, request.path, headers.get("Cookie")):
                     return connection.respond(403, "This page answers those who know its token only.\n")
-                response = client.answer(kept, request) or answer(connection, request)
+                response = client.response_to(kept, request) or answer(connection, request)
                 if response is not None:
-                    response.headers["Content-Security-Policy"] = guard.frames(headers["Host"])
+                    response.headers["Content-Security-Policy"] = guard.frame_ancestors(headers["Host"])
                     if token:
-                        response.headers["Set-Cookie"] = guard.cookie(token)
+                        response.headers["Set-Cookie"] = guard.token_cookie(token)
                 return response
 
             if len(args) > 2 and args[2] > 65535:  # all ports from the one asked for to the last are in use
@@ -75,7 +75,7 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
             guarded.append(True)
         return original(*args, **options)
 
-    with _construction, _quiet():
+    with _construction_lock, _without_viser_output():
         sockets.serve = guarded_serve
         try:
             server = viser.ViserServer(host=host, port=port, label=title, verbose=False)
@@ -117,7 +117,7 @@ def _check_address(host: str) -> None:
 
 def stop(server: Any) -> None:
     """Stop a server without a word."""
-    with _quiet():
+    with _without_viser_output():
         server.stop()
     _silence(server)
     server._thread_executor.shutdown(wait=False)
@@ -126,7 +126,7 @@ def stop(server: Any) -> None:
 def disconnect(server: Any) -> None:
     """Let go of a server that runs in the parent of this forked child: nothing here reaches it or waits for it."""
     _silence(server)
-    buffer = server._websock_server.get_message_buffer() if known() else None
+    buffer = server._websock_server.get_message_buffer() if is_known_version() else None
     for part in (server, server._websock_server, server.gui, server.scene, buffer):
         for value in vars(part).values() if part is not None else ():
             forks.renew(value)
@@ -134,14 +134,14 @@ def disconnect(server: Any) -> None:
 
 def _silence(server: Any) -> None:
     """What a program still tells the page goes nowhere, without a word of viser."""
-    if known():
+    if is_known_version():
         server._websock_server.get_message_buffer().push = lambda message: None
         for control in server.gui._gui_input_handle_from_uuid.values():
             control._impl.update_cb.clear()
 
 
 @contextlib.contextmanager
-def _quiet() -> Iterator[None]:
+def _without_viser_output() -> Iterator[None]:
     """Without viser's banner and its goodbye."""
     import rich
 

@@ -10,7 +10,7 @@ from ulna.viewer.graph.camera import Camera
 from ulna.viewer.graph.theme import Theme
 
 
-def decorate(server: Any, theme: Theme, shadows: bool = True) -> None:
+def configure_scene(server: Any, theme: Theme, shadows: bool = True) -> None:
     """Give a viser server its panel, lights and background; `shadows` for viser's own, where the page throws none."""
     scene, gui = server.scene, server.gui
     gui.configure_theme(
@@ -40,7 +40,7 @@ def decorate(server: Any, theme: Theme, shadows: bool = True) -> None:
     scene.set_background_image(np.repeat(gradient[:, None, :], 8, axis=1).astype(np.uint8), format="png")
 
 
-def lay_floor(server: Any, theme: Theme, height: float, visible: bool = True) -> None:
+def add_floor(server: Any, theme: Theme, height: float, visible: bool = True) -> None:
     """Lay the floor at a height [m]."""
     server.scene.add_grid(
         "/(page)/floor",
@@ -61,7 +61,7 @@ def lay_floor(server: Any, theme: Theme, height: float, visible: bool = True) ->
     )
 
 
-def look_from(server: Any, camera: Camera) -> None:
+def set_camera(server: Any, camera: Camera) -> None:
     """Look at the scene from a camera: in tabs that are open, and in those to come."""
     first = server.initial_camera
     first.position, first.look_at, first.up, first.fov = camera.position, camera.target, camera.up, camera.fov

@@ -12,14 +12,14 @@ import numpy as np
 from ulna.typing import Floats
 from ulna.viewer.graph.content import Copies, Lines, Points, Text
 from ulna.viewer.graph.node import Node, Snapshot
-from ulna.viewer.mesh.gltf import INSET, glb, words_glb
-from ulna.viewer.mesh.surface import Surface, linear_from_srgb, paint
-from ulna.viewer.page.pose_channel import known
+from ulna.viewer.mesh.gltf import TRANSLUCENT_INSET, glb, label_glb
+from ulna.viewer.mesh.surface import Surface, albedo, linear_from_srgb
+from ulna.viewer.page.pose_channel import is_known_version
 from ulna.viewer.page.poses import pose_rows, position_wxyz
 
 
 @final
-class Paths:
+class ViserPaths:
     """Paths of the page, each with no other pose above it: groups are for display, poses are of the world."""
 
     def __init__(self) -> None:
@@ -51,7 +51,7 @@ class Paths:
 
 @final
 @dataclass
-class Shown:
+class ViserNode:
     """A node as the page has it: the viser handles that stand for it, all under one path.
 
     `solid` nodes are surfaces and words whose colours, opacity and scale the page changes by itself; the others are
@@ -61,46 +61,46 @@ class Shown:
     node: Node
     path: str
     handles: list[Any]
-    solid: bool
-    look: tuple[Any, ...]
+    is_mesh: bool
+    appearance: tuple[Any, ...]
 
-    def revise(self, seen: Snapshot, i: int) -> bool:
+    def update_content(self, seen: Snapshot, i: int) -> bool:
         """Take over what node `i` holds now, where that needs no new node of the page; whether it did."""
         node, old = seen.nodes[i], self.node.content
-        if type(node.content) is not type(old) or old is None or look_of(seen, i) != self.look:
+        if type(node.content) is not type(old) or old is None or appearance_of(seen, i) != self.appearance:
             return False
-        clear = is_clear(seen, i)
+        clear = is_translucent(seen, i)
         match node.content:
-            case Points(positions) if _alike(node.content, old) and not clear:
+            case Points(positions) if _same_except_positions(node.content, old) and not clear:
                 self.handles[0].points = positions.astype(np.float32)
-            case Lines(segments) if _alike(node.content, old) and not clear:
+            case Lines(segments) if _same_except_positions(node.content, old) and not clear:
                 self.handles[0].points = segments.astype(np.float32)
-            case Copies(_, poses) if _alike(node.content, old):
+            case Copies(_, poses) if _same_except_positions(node.content, old):
                 rows = pose_rows(poses)
                 for handle in self.handles:
                     handle.batched_positions, handle.batched_wxyzs = rows[:, :3], rows[:, 3:]
             case Text(words, height) if height == getattr(old, "height", None):
-                if not self.solid:
+                if not self.is_mesh:
                     self.handles[0].text = words
             case _:
                 return False
         self.node = node
         return True
 
-    def rescale(self, look: tuple[Any, ...]) -> bool:
+    def update_scale(self, look: tuple[Any, ...]) -> bool:
         """Take over another scale, where nothing else of the look is new and its kind has one; whether it did."""
-        if look[:4] != self.look[:4] or isinstance(self.node.content, Text):
+        if look[:4] != self.appearance[:4] or isinstance(self.node.content, Text):
             return False
         for handle in self.handles:
             handle.scale = look[4:]
         return True
 
-    def place(self, row: Any) -> None:
+    def set_pose(self, row: Any) -> None:
         """Set the pose through viser's public interface: x y z, w x y z."""
         for handle in self.handles:
             handle.position, handle.wxyz = row[:3], row[3:]
 
-    def see(self, visible: bool) -> None:
+    def set_visible(self, visible: bool) -> None:
         """Show or hide it."""
         for handle in self.handles:
             if handle.visible != visible:
@@ -112,7 +112,7 @@ class Shown:
             handle.remove()
 
 
-def _alike(new: Any, old: Any) -> bool:
+def _same_except_positions(new: Any, old: Any) -> bool:
     """Whether two contents of one kind differ in where things are only."""
     match new:
         case Points():
@@ -128,29 +128,29 @@ def is_drawn(node: Node) -> bool:
     return node.content is not None or any(len(s.triangles) for s in node.surfaces)
 
 
-def look_of(seen: Snapshot, i: int) -> tuple[Any, ...]:
+def appearance_of(seen: Snapshot, i: int) -> tuple[Any, ...]:
     """Tint, opacity and scale of a node, to compare."""
     return (*seen.tint[i].tolist(), float(seen.opacity[i]), *seen.scales[i].tolist())
 
 
-def is_clear(seen: Snapshot, i: int) -> bool:
+def is_translucent(seen: Snapshot, i: int) -> bool:
     """Whether what node `i` holds lets light through."""
     return float(seen.opacity[i]) * getattr(seen.nodes[i].content, "rgba", (1.0,))[-1] < 0.999
 
 
-def dress_rows(looks: list[tuple[Any, ...]], flat: list[bool]) -> Any:
+def appearance_rows(looks: list[tuple[Any, ...]], flat: list[bool]) -> Any:
     """Looks as the page takes them: linear red, green, blue or -1, opacity, three scales; float32 (n, 7).
 
     What is `flat` shows its colour as it is, whatever light falls on it.
     """
     out = np.array(looks, dtype=np.float32).reshape(-1, 7)
     own, plain = out[:, 0] >= 0, np.array(flat, dtype=bool)
-    out[own & ~plain, :3] = paint(out[own & ~plain, :3])
+    out[own & ~plain, :3] = albedo(out[own & ~plain, :3])
     out[own & plain, :3] = linear_from_srgb(out[own & plain, :3])
     return out
 
 
-def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: bool = False) -> Shown:
+def add_node(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: bool = False) -> ViserNode:
     """Add node `i` to the page.
 
     Args:
@@ -164,7 +164,7 @@ def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: b
     node, pose = seen.nodes[i], seen.poses[i]
     position, wxyz = position_wxyz(pose)
     place = {"position": position, "wxyz": wxyz, "visible": bool(seen.visible[i])}
-    look = look_of(seen, i)
+    look = appearance_of(seen, i)
     scale = tuple(float(s) for s in seen.scales[i])
     handles: list[Any] = []
     content = node.content
@@ -181,36 +181,38 @@ def build(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: b
                 for s in surfaces
             ]
             place["scale"] = scale
-        handles.append(server.scene.add_glb(path, _content(surfaces), cast_shadow=node.casting, **place))
+        handles.append(
+            server.scene.add_glb(path, _glb_content(surfaces), cast_shadow=node.casts_shadow, **place)
+        )
         place.pop("scale", None)
     written = writes and isinstance(content, Text)
     if isinstance(content, Text) and written:
-        handles.append(server.scene.add_glb(path, words_glb(content.height), cast_shadow=False, **place))
+        handles.append(server.scene.add_glb(path, label_glb(content.height), cast_shadow=False, **place))
     elif content is not None and not node.surfaces:
-        handles += _MAKERS[type(content)](server, path, content, seen, i, place | {"scale": scale})
-    return Shown(node, path, handles, written or (not baked and content is None), look)
+        handles += _ADDERS[type(content)](server, path, content, seen, i, place | {"scale": scale})
+    return ViserNode(node, path, handles, written or (not baked and content is None), look)
 
 
-def _content(surfaces: Sequence[Surface]) -> Any:
+def _glb_content(surfaces: Sequence[Surface]) -> Any:
     """Surfaces as a page takes them; ours takes them as they are, not compressed, which costs both sides more time."""
-    return np.frombuffer(glb(surfaces, ours=True), dtype=np.uint8) if known() else glb(surfaces)
+    return np.frombuffer(glb(surfaces, ours=True), dtype=np.uint8) if is_known_version() else glb(surfaces)
 
 
-def _tinted(seen: Snapshot, i: int, colours: Any) -> Floats:
+def _tinted_colours(seen: Snapshot, i: int, colours: Any) -> Floats:
     tint = seen.tint[i]
     return np.asarray(colours, dtype=float) if tint[0] < 0 else np.broadcast_to(tint, np.shape(colours))
 
 
-def _bytes(colours: Floats) -> Any:
+def _colour_bytes(colours: Floats) -> Any:
     return np.round(np.asarray(colours) * 255).astype(np.uint8)
 
 
-def _points(
+def _add_points(
     server: Any, path: str, content: Points, seen: Snapshot, i: int, place: dict[str, Any]
 ) -> list[Any]:
-    if is_clear(seen, i):  # points of the page let no light through
-        return _copies(server, path, content.balls, seen, i, place)
-    colours = _bytes(_tinted(seen, i, content.colours))
+    if is_translucent(seen, i):  # points of the page let no light through
+        return _add_copies(server, path, content.as_balls, seen, i, place)
+    colours = _colour_bytes(_tinted_colours(seen, i, content.colours))
     return [
         server.scene.add_point_cloud(
             path,
@@ -224,11 +226,11 @@ def _points(
     ]
 
 
-def _lines(
+def _add_lines(
     server: Any, path: str, content: Lines, seen: Snapshot, i: int, place: dict[str, Any]
 ) -> list[Any]:
-    colours = _bytes(_tinted(seen, i, np.array(content.rgba[:3])))
-    if is_clear(seen, i):  # neither do lines
+    colours = _colour_bytes(_tinted_colours(seen, i, np.array(content.rgba[:3])))
+    if is_translucent(seen, i):  # neither do lines
         (tubes,) = content.surfaces
         opacity = float(seen.opacity[i] * content.rgba[3])
         shape = tubes.vertices.astype(np.float32), tubes.triangles.astype(np.uint32)
@@ -239,7 +241,9 @@ def _lines(
     ]
 
 
-def _text(server: Any, path: str, content: Text, seen: Snapshot, i: int, place: dict[str, Any]) -> list[Any]:
+def _add_label(
+    server: Any, path: str, content: Text, seen: Snapshot, i: int, place: dict[str, Any]
+) -> list[Any]:
     height = content.height * place.pop("scale")[2]
     return [
         server.scene.add_label(
@@ -254,7 +258,7 @@ def _text(server: Any, path: str, content: Text, seen: Snapshot, i: int, place: 
     ]
 
 
-def _copies(
+def _add_copies(
     server: Any, path: str, content: Copies, seen: Snapshot, i: int, place: dict[str, Any]
 ) -> list[Any]:
     rows = pose_rows(content.poses)
@@ -262,7 +266,9 @@ def _copies(
     for k, surface in enumerate(content.original):
         own = surface.rgba[:3] if content.colours is None else content.colours
         opacity = float(surface.rgba[3] * content.opacity * seen.opacity[i])
-        vertices = surface.vertices if opacity >= 0.999 else surface.vertices - INSET * surface.normals
+        vertices = (
+            surface.vertices if opacity >= 0.999 else surface.vertices - TRANSLUCENT_INSET * surface.normals
+        )
         handles.append(
             server.scene.add_batched_meshes_simple(
                 path if k == 0 else f"{path} ·{k}",
@@ -271,7 +277,7 @@ def _copies(
                 rows[:, 3:],
                 rows[:, :3],
                 batched_scales=content.scales,
-                batched_colors=_bytes(paint(_tinted(seen, i, own))),
+                batched_colors=_colour_bytes(albedo(_tinted_colours(seen, i, own))),
                 opacity=None if opacity >= 0.999 else opacity,
                 cast_shadow=seen.nodes[i].shadow and opacity >= 0.999,
                 **place,
@@ -280,4 +286,9 @@ def _copies(
     return handles
 
 
-_MAKERS: dict[type, Callable[..., list[Any]]] = {Points: _points, Lines: _lines, Text: _text, Copies: _copies}
+_ADDERS: dict[type, Callable[..., list[Any]]] = {
+    Points: _add_points,
+    Lines: _add_lines,
+    Text: _add_label,
+    Copies: _add_copies,
+}

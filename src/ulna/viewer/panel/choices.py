@@ -7,10 +7,10 @@ from typing import Any, final
 
 from ulna.checks.values import one_of, short_repr, text
 from ulna.errors import InputError
-from ulna.viewer.panel.controls import Labelled, Named
+from ulna.viewer.panel.controls import DisableableControl, LabelledControl
 
 
-def through(part: str, name: str) -> Any:
+def delegated_property(part: str, name: str) -> Any:
     """A property that is the one of that name of a part."""
     return property(
         lambda self: getattr(getattr(self, part), name),
@@ -18,7 +18,7 @@ def through(part: str, name: str) -> Any:
     )
 
 
-class _Options(Named):
+class _ControlWithOptions(LabelledControl):
     """A control with choices."""
 
     __slots__ = ()
@@ -30,14 +30,14 @@ class _Options(Named):
 
     @options.setter
     def options(self, options: Sequence[str]) -> None:
-        names, first = choices(self._label, options, None)
+        names, first = checked_choices(self._label, options, None)
         self._set("options", names)
         if self._handle.value not in names:
             self._handle.value = first
 
 
 @final
-class Choice(_Options, Labelled):
+class Choice(_ControlWithOptions, DisableableControl):
     """A menu or boxes of which one is chosen; where its choices change and lack that one, the first is."""
 
     __slots__ = ()
@@ -49,11 +49,11 @@ class Choice(_Options, Labelled):
 
     @value.setter
     def value(self, value: str) -> None:
-        self._set("value", choices(self._label, self.options, text("value", value))[1])
+        self._set("value", checked_choices(self._label, self.options, text("value", value))[1])
 
 
 @final
-class Buttons(_Options):
+class Buttons(_ControlWithOptions):
     """Buttons of which any is pressed; `value` is the last that was, empty before."""
 
     __slots__ = ("_pressed",)
@@ -73,7 +73,7 @@ class Buttons(_Options):
 
 
 @final
-class Menu:
+class ButtonMenu:
     """Many choices to press, as one handle of the page: a menu, and a button under it that presses.
 
     A menu alone would seem to have chosen its first, and could not choose the same again.
@@ -82,8 +82,8 @@ class Menu:
     def __init__(self, menu: Any, button: Any) -> None:
         self._menu, self._button = menu, button
 
-    label, options = through("_menu", "label"), through("_menu", "options")
-    value = through("_menu", "value")
+    label, options = delegated_property("_menu", "label"), delegated_property("_menu", "options")
+    value = delegated_property("_menu", "value")
 
     @property
     def visible(self) -> bool:
@@ -105,7 +105,7 @@ class Menu:
 
 
 @final
-class Boxes:
+class RadioBoxes:
     """Boxes under a heading of which exactly one is ticked, as one handle of the page.
 
     Args:
@@ -122,7 +122,7 @@ class Boxes:
         self._value, self._boxes, self._disabled = value, {}, False
         self.options = options
 
-    label, visible = through("_heading", "label"), through("_heading", "visible")
+    label, visible = delegated_property("_heading", "label"), delegated_property("_heading", "visible")
 
     @property
     def value(self) -> str:
@@ -165,7 +165,7 @@ class Boxes:
         self._heading.remove()
 
 
-def choices(label: str, options: Sequence[str], value: str | None) -> tuple[tuple[str, ...], str]:
+def checked_choices(label: str, options: Sequence[str], value: str | None) -> tuple[tuple[str, ...], str]:
     """Choices as words, and the one that is chosen: `value`, or the first.
 
     Raises:

@@ -65,17 +65,17 @@ class Control(FixedAttributes):
     def _title(self) -> str:
         return f"{type(self).__name__.lower()} {self._label!r}"
 
-    def _alive(self) -> None:
+    def _check_not_removed(self) -> None:
         if self._removed:
             raise InputError(f"The {self._title()} was removed from the panel. Make a new one.")
 
     def _set(self, attribute: str, value: Any) -> None:
-        self._alive()
+        self._check_not_removed()
         if getattr(self._handle, attribute) != value:
             setattr(self._handle, attribute, value)
 
 
-class Named(Control):
+class LabelledControl(Control):
     """A control with words beside it."""
 
     __slots__ = ()
@@ -87,15 +87,15 @@ class Named(Control):
 
     @label.setter
     def label(self, label: str) -> None:
-        self._alive()
+        self._check_not_removed()
         self._label = text("label", label)
-        self._set("label", self._words())
+        self._set("label", self._label_text())
 
-    def _words(self) -> str:
+    def _label_text(self) -> str:
         return self._label
 
 
-class Labelled(Named):
+class DisableableControl(LabelledControl):
     """A control with words beside it, that can be out of use for a while."""
 
     __slots__ = ()
@@ -110,7 +110,7 @@ class Labelled(Named):
         self._set("disabled", flag("disabled", disabled))
 
 
-class Valued(Labelled):
+class ValueControl(DisableableControl):
     """A control with a value."""
 
     __slots__ = ()
@@ -129,7 +129,7 @@ class Valued(Labelled):
 
 
 @final
-class Checkbox(Valued):
+class Checkbox(ValueControl):
     """A box to tick."""
 
     __slots__ = ()
@@ -155,7 +155,7 @@ class Text(Control):
 
 
 @final
-class Button(Labelled):
+class Button(DisableableControl):
     """A button; `value` counts how often it was clicked."""
 
     __slots__ = ("_clicks",)
@@ -175,22 +175,22 @@ class Button(Labelled):
 
 
 @final
-class Folder(Named):
+class Folder(LabelledControl):
     """A heading with controls under it; hidden or removed, they are, too."""
 
-    __slots__ = ("_within",)
+    __slots__ = ("_children",)
 
     def __init__(self, handle: Any, label: str) -> None:
         super().__init__(handle, label)
-        self._within: list[Control] = []
+        self._children: list[Control] = []
 
-    def take(self, control: Control) -> None:
+    def add_child(self, control: Control) -> None:
         """A control stands within."""
-        self._within = [*(c for c in self._within if not c.removed), control]
+        self._children = [*(c for c in self._children if not c.removed), control]
 
     def remove(self) -> None:
         """Take it out of the panel with all that stands within, for good. May be called twice."""
-        for control in self._within:
+        for control in self._children:
             control.remove()
         super().remove()
 

@@ -15,16 +15,16 @@ from ulna.typing import Floats
 from ulna.viewer.page import Page
 from ulna.viewer.page.gizmo import Gizmo
 from ulna.viewer.page.poses import position_wxyz
-from ulna.viewer.panel.choices import Boxes, Buttons, Choice, Menu, choices
+from ulna.viewer.panel.choices import ButtonMenu, Buttons, Choice, RadioBoxes, checked_choices
 from ulna.viewer.panel.controls import Button, Checkbox, Control, Folder, OfflineHandle, Text, with_unit
-from ulna.viewer.panel.plot import INKS, Plot
+from ulna.viewer.panel.plot import LINE_COLOURS, Plot
 from ulna.viewer.panel.sliders import Number, Slider, check_limits, check_step
 
-_MANY = 6  # choices from which on buttons become a menu
+_MAX_BUTTONS = 6  # choices from which on buttons become a menu
 _C = TypeVar("_C", bound=Control)
 
 
-def nothing(_: Any) -> None:
+def ignore_value(_: Any) -> None:
     """Does nothing."""
 
 
@@ -43,20 +43,20 @@ class Panel:
     def __init__(self, page: Page | None) -> None:
         self._page = page
         self._gui: Any = None if page is None else page.server.gui
-        self._open = threading.local()  # folders that this thread is within
+        self._open_folders = threading.local()  # folders that this thread is within
 
     @contextlib.contextmanager
     def folder(self, label: str, open: bool = True) -> Iterator[Folder]:
         """Controls that are made within stand together under a heading."""
-        heading = self._made("folder", label, expand_by_default=flag("open", open))
-        out = self._keep(Folder(heading, label))
-        around = getattr(self._open, "folder", None)
+        heading = self._add("folder", label, expand_by_default=flag("open", open))
+        out = self._register(Folder(heading, label))
+        around = getattr(self._open_folders, "folder", None)
         with heading:
-            self._open.folder = out
+            self._open_folders.folder = out
             try:
                 yield out
             finally:
-                self._open.folder = around
+                self._open_folders.folder = around
 
     def slider(
         self,
@@ -64,7 +64,7 @@ class Panel:
         low: float,
         high: float,
         value: float | None = None,
-        on_change: Callable[[float], None] = nothing,
+        on_change: Callable[[float], None] = ignore_value,
         *,
         step: float | None = None,
         unit: str = "",
@@ -80,31 +80,38 @@ class Panel:
         low, high = check_limits(label, low, high)
         start = min(max(low if value is None else number("value", value), low), high)
         each = (high - low) / 1000 if step is None else min(check_step(label, step), high - low)
-        handle = self._made("slider", with_unit(label, unit), start, min=low, max=high, step=each, hint=hint)
-        return self._heard(Slider(handle, label, unit, step is not None), on_change)
+        handle = self._add("slider", with_unit(label, unit), start, min=low, max=high, step=each, hint=hint)
+        return self._register_listening(Slider(handle, label, unit, step is not None), on_change)
 
     def number(
-        self, label: str, value: float = 0.0, on_change: Callable[[float], None] = nothing, *, unit: str = ""
+        self,
+        label: str,
+        value: float = 0.0,
+        on_change: Callable[[float], None] = ignore_value,
+        *,
+        unit: str = "",
     ) -> Number:
         """A number to type."""
         text("label", label)
         function("on_change", on_change)
-        handle = self._made("number", with_unit(label, unit), number("value", value))
-        return self._heard(Number(handle, label, unit), on_change)
+        handle = self._add("number", with_unit(label, unit), number("value", value))
+        return self._register_listening(Number(handle, label, unit), on_change)
 
     def checkbox(
-        self, label: str, value: bool = False, on_change: Callable[[bool], None] = nothing
+        self, label: str, value: bool = False, on_change: Callable[[bool], None] = ignore_value
     ) -> Checkbox:
         """A box to tick."""
         function("on_change", on_change)
-        return self._heard(Checkbox(self._made("checkbox", label, flag("value", value)), label), on_change)
+        return self._register_listening(
+            Checkbox(self._add("checkbox", label, flag("value", value)), label), on_change
+        )
 
     def select(
         self,
         label: str,
         options: Sequence[str],
         value: str | None = None,
-        on_change: Callable[[str], None] = nothing,
+        on_change: Callable[[str], None] = ignore_value,
     ) -> Choice:
         """A menu of which one is chosen.
 
@@ -112,16 +119,18 @@ class Panel:
             InputError: There are no options, or one twice.
             UnknownName: `value` is none of them.
         """
-        names, chosen = choices(label, options, value)
+        names, chosen = checked_choices(label, options, value)
         function("on_change", on_change)
-        return self._heard(Choice(self._made("dropdown", label, chosen, options=names), label), on_change)
+        return self._register_listening(
+            Choice(self._add("dropdown", label, chosen, options=names), label), on_change
+        )
 
     def radio(
         self,
         label: str,
         options: Sequence[str],
         value: str | None = None,
-        on_change: Callable[[str], None] = nothing,
+        on_change: Callable[[str], None] = ignore_value,
     ) -> Choice:
         """Boxes of which exactly one is ticked.
 
@@ -129,11 +138,11 @@ class Panel:
             InputError: There are no options, or one twice.
             UnknownName: `value` is none of them.
         """
-        names, chosen = choices(label, options, value)
+        names, chosen = checked_choices(label, options, value)
         function("on_change", on_change)
 
         def make(option: str, ticked: bool) -> Any:
-            box = self._made("checkbox", option, ticked)
+            box = self._add("checkbox", option, ticked)
 
             def clicked(_: Any) -> None:
                 changed = boxes.value != option
@@ -144,14 +153,14 @@ class Panel:
             self._listen(box, "on_update", clicked, lambda: None, lambda: out.removed)
             return box
 
-        boxes = Boxes(self._made("folder", label), names, chosen, make)
-        out = self._keep(Choice(boxes, label))
+        boxes = RadioBoxes(self._add("folder", label), names, chosen, make)
+        out = self._register(Choice(boxes, label))
         return out
 
     def button(self, label: str, on_click: Callable[[], None], *, hint: str | None = None) -> Button:
         """A button; `value` counts how often it was clicked."""
         function("on_click", on_click)
-        out = self._keep(Button(self._made("button", label, hint=hint), label))
+        out = self._register(Button(self._add("button", label, hint=hint), label))
 
         def clicked(_: Any) -> None:
             out.count()
@@ -162,13 +171,15 @@ class Panel:
 
     def buttons(self, label: str, options: Sequence[str], on_click: Callable[[str], None]) -> Buttons:
         """A row of buttons, or a menu of many with one button to press; calls `on_click` with what was chosen."""
-        names, _ = choices(label, options, None)
+        names, _ = checked_choices(label, options, None)
         function("on_click", on_click)
-        if len(names) <= _MANY:
-            handle = self._made("button_group", label, options=names, value=names[0])
+        if len(names) <= _MAX_BUTTONS:
+            handle = self._add("button_group", label, options=names, value=names[0])
         else:
-            handle = Menu(self._made("dropdown", label, names[0], options=names), self._made("button", "Go"))
-        out = self._keep(Buttons(handle, label))
+            handle = ButtonMenu(
+                self._add("dropdown", label, names[0], options=names), self._add("button", "Go")
+            )
+        out = self._register(Buttons(handle, label))
 
         def pressed(option: str) -> None:
             out.press(option)
@@ -180,7 +191,7 @@ class Panel:
     def text(self, content: str = "") -> Text:
         """Words in Markdown; setting `value` replaces them."""
         said = text("content", content)
-        return self._keep(
+        return self._register(
             Text(OfflineHandle(content=said) if self._gui is None else self._gui.add_markdown(said))
         )
 
@@ -196,12 +207,15 @@ class Panel:
             unit: What the numbers are measured in.
             height: Height [pixels].
         """
-        names, _ = choices(title, series, None)
+        names, _ = checked_choices(title, series, None)
         heading, span = with_unit(text("title", title), unit), duration("seconds", seconds)
         count("height", height, 20, 4000)
         if self._gui is None or self._page is None:
-            return self._keep(Plot(OfflineHandle(title=heading), title, unit, names, span, nothing))
-        lines = [{"label": n, "stroke": INKS[k % len(INKS)], "width": 2} for k, n in enumerate(names)]
+            return self._register(Plot(OfflineHandle(title=heading), title, unit, names, span, ignore_value))
+        lines = [
+            {"label": n, "stroke": LINE_COLOURS[k % len(LINE_COLOURS)], "width": 2}
+            for k, n in enumerate(names)
+        ]
         handle = self._gui.add_uplot(
             tuple(np.zeros(1) for _ in range(len(names) + 1)),
             ({"label": "t"}, *lines),
@@ -210,9 +224,9 @@ class Panel:
             height=height,
         )
         page = self._page
-        out = Plot(handle, title, unit, names, span, lambda plot: page.never_again(plot.draw))
-        page.each_tick(out.draw)
-        return self._keep(out)
+        out = Plot(handle, title, unit, names, span, lambda plot: page.remove_tick(plot.draw))
+        page.add_tick(out.draw)
+        return self._register(out)
 
     def gizmo(
         self, name: str, pose: Floats, on_drag: Callable[[tuple[Floats, str]], None], size: float = 0.2
@@ -238,13 +252,15 @@ class Panel:
 
         @handle.on_update
         async def _(event: Any) -> None:  # async: on viser's own loop, so that events stay in order
-            gizmo.held = event.phase != "end"
+            gizmo.is_dragged = event.phase != "end"
             # starts and ends are never dropped, of updates only the newest counts
-            page.notice(id(handle) if event.phase == "update" else None, on_drag, (gizmo.pose, event.phase))
+            page.post_event(
+                id(handle) if event.phase == "update" else None, on_drag, (gizmo.pose, event.phase)
+            )
 
         return gizmo
 
-    def _made(self, kind: str, label: str, *value: Any, **more: Any) -> Any:
+    def _add(self, kind: str, label: str, *value: Any, **more: Any) -> Any:
         """A control of the page, or what stands in for one."""
         text("label", label)
         if more.get("hint") is not None:
@@ -255,16 +271,16 @@ class Panel:
         add = getattr(self._gui, f"add_{kind}")
         return add(label, **more, **({"initial_value": value[0]} if value else {}))
 
-    def _keep(self, control: _C) -> _C:
-        around = getattr(self._open, "folder", None)
+    def _register(self, control: _C) -> _C:
+        around = getattr(self._open_folders, "folder", None)
         if around is not None:
-            around.take(control)
+            around.add_child(control)
         return control
 
-    def _heard(self, control: Any, on_change: Callable[[Any], None]) -> Any:
+    def _register_listening(self, control: Any, on_change: Callable[[Any], None]) -> Any:
         handle = control._handle
         self._listen(handle, "on_update", on_change, lambda: handle.value, lambda: control.removed)
-        return self._keep(control)
+        return self._register(control)
 
     def _listen(
         self,
@@ -286,6 +302,6 @@ class Panel:
 
         async def changed(event: Any) -> None:
             if event.client is not None:  # a value that the program set itself is no news
-                page.notice(None if each else id(handle), call, value())
+                page.post_event(None if each else id(handle), call, value())
 
         getattr(handle, event)(changed)

@@ -15,7 +15,7 @@ from ulna.system import forks
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.panel.controls import Control, with_unit
 
-INKS = ("#2563eb", "#dc2626", "#16a34a", "#d97706", "#7c3aed", "#0891b2", "#db2777", "#65a30d")
+LINE_COLOURS = ("#2563eb", "#dc2626", "#16a34a", "#d97706", "#7c3aed", "#0891b2", "#db2777", "#65a30d")
 
 
 @final
@@ -31,8 +31,8 @@ class Plot(Control):
         forget: Called when it is removed.
     """
 
-    __slots__ = ("_drawn_at", "_forget", "_lock", "_names", "_news", "_rows", "_seconds", "_unit")
-    _MOST = 4000
+    __slots__ = ("_changed", "_drawn_at", "_lock", "_names", "_on_remove", "_rows", "_seconds", "_unit")
+    _MAX_ROWS = 4000
 
     def __init__(
         self,
@@ -44,10 +44,10 @@ class Plot(Control):
         forget: Callable[[Plot], None],
     ) -> None:
         super().__init__(handle, label)
-        self._names, self._seconds, self._unit, self._forget = names, seconds, unit, forget
+        self._names, self._seconds, self._unit, self._on_remove = names, seconds, unit, forget
         self._rows: list[tuple[float, Floats]] = []
         self._lock = forks.lock()
-        self._drawn_at, self._news = 0.0, False
+        self._drawn_at, self._changed = 0.0, False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -63,7 +63,7 @@ class Plot(Control):
     def seconds(self, seconds: float) -> None:
         span = duration("seconds", seconds)
         with self._lock:
-            self._seconds, self._news = span, True
+            self._seconds, self._changed = span, True
 
     @property
     def label(self) -> str:
@@ -72,7 +72,7 @@ class Plot(Control):
 
     @label.setter
     def label(self, label: str) -> None:
-        self._alive()
+        self._check_not_removed()
         self._label = text("label", label)
         self._set("title", with_unit(self._label, self._unit))
 
@@ -91,16 +91,16 @@ class Plot(Control):
             if self._rows and t < self._rows[-1][0]:  # time began anew
                 self._rows.clear()
             self._rows.append((t, row))
-            if len(self._rows) > self._MOST or self._rows[0][0] < t - 2 * self._seconds:
+            if len(self._rows) > self._MAX_ROWS or self._rows[0][0] < t - 2 * self._seconds:
                 first = next(k for k, (at, _) in enumerate(self._rows) if at >= t - self._seconds)
-                self._rows = self._rows[max(first, len(self._rows) - self._MOST // 2) :]
-            self._news = True
+                self._rows = self._rows[max(first, len(self._rows) - self._MAX_ROWS // 2) :]
+            self._changed = True
 
     def clear(self) -> None:
         """Forget everything."""
         with self._lock:
             self._rows.clear()
-            self._news = True
+            self._changed = True
 
     @property
     def data(self) -> Floats:
@@ -112,13 +112,13 @@ class Plot(Control):
 
     def remove(self) -> None:
         """Take it out of the panel, for good. May be called twice."""
-        self._forget(self)
+        self._on_remove(self)
         super().remove()
 
     def draw(self) -> None:
         """Show what is new, ten times a second at most."""
         now = time.monotonic()
-        if self._news and not self._removed and now - self._drawn_at > 0.1:
-            self._news, self._drawn_at = False, now
+        if self._changed and not self._removed and now - self._drawn_at > 0.1:
+            self._changed, self._drawn_at = False, now
             data = self.data if self._rows else np.zeros((1, 1 + len(self._names)))
             self._handle.data = tuple(np.ascontiguousarray(column) for column in data.T)

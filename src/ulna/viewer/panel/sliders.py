@@ -9,10 +9,10 @@ from typing import Any, final
 from ulna.checks.arrays import shaped_array
 from ulna.checks.values import number, text
 from ulna.errors import InputError
-from ulna.viewer.panel.controls import Valued, with_unit
+from ulna.viewer.panel.controls import ValueControl, with_unit
 
 
-class Number(Valued):
+class Number(ValueControl):
     """A number to type, with what it is measured in."""
 
     __slots__ = ("_unit",)
@@ -29,9 +29,9 @@ class Number(Valued):
     @unit.setter
     def unit(self, unit: str) -> None:
         self._unit = text("unit", unit)
-        self._set("label", self._words())
+        self._set("label", self._label_text())
 
-    def _words(self) -> str:
+    def _label_text(self) -> str:
         return with_unit(self._label, self._unit)
 
     def _checked(self, value: Any) -> float:
@@ -42,11 +42,11 @@ class Number(Valued):
 class Slider(Number):
     """A slider; what is outside its limits is brought to the nearer one."""
 
-    __slots__ = ("_stepped",)
+    __slots__ = ("_step_chosen",)
 
     def __init__(self, handle: Any, label: str, unit: str, stepped: bool) -> None:
         super().__init__(handle, label, unit)
-        self._stepped = stepped
+        self._step_chosen = stepped
 
     @property
     def low(self) -> float:
@@ -80,7 +80,7 @@ class Slider(Number):
         self._set("value", value)
         self._set("min", low)
         self._set("max", high)
-        self._fit(self.step if self._stepped else (high - low) / 1000)
+        self._apply_step(self.step if self._step_chosen else (high - low) / 1000)
 
     @property
     def step(self) -> float:
@@ -90,12 +90,12 @@ class Slider(Number):
     @step.setter
     def step(self, step: float) -> None:
         step = check_step(self._label, step)
-        self._stepped = True
-        self._fit(step)
+        self._step_chosen = True
+        self._apply_step(step)
 
-    def _fit(self, step: float) -> None:
+    def _apply_step(self, step: float) -> None:
         self._set("step", min(step, self.high - self.low))
-        self._set("precision", max(digits(x) for x in (self.low, self.high, self.step)))
+        self._set("precision", max(decimals(x) for x in (self.low, self.high, self.step)))
 
     def _checked(self, value: Any) -> float:
         return min(max(super()._checked(value), self.low), self.high)
@@ -122,6 +122,6 @@ def check_step(label: str, step: Any) -> float:
     return number(f"step of {label}", step, "a number above zero", above=0.0)
 
 
-def digits(x: float) -> int:
+def decimals(x: float) -> int:
     """How many digits after the point a number is written with, at most 6."""
     return next((k for k in range(6) if math.isclose(x, round(x, k), rel_tol=1e-9, abs_tol=1e-12)), 6)

@@ -21,8 +21,8 @@ from ulna.viewer.panel.sliders import Slider
 from ulna.viewer.robot.slider_coordinates import SliderCoordinate, slider_coordinates
 from ulna.viewer.robot.target_following import TargetFollower
 
-_GLIDE = 0.6  # how long a move to a named configuration takes [s]
-_CALM = 1 / 15  # s between two updates of sliders and words
+_MOVE_DURATION = 0.6  # how long a move to a named configuration takes [s]
+_UPDATE_INTERVAL = 1 / 15  # s between two updates of sliders and words
 
 
 class MovableRobot(Protocol):
@@ -82,10 +82,10 @@ class TeachPanel:
         self._follower = TargetFollower(self.robot)
         self.goal: Floats | None = None
         """Where the tool shall go in the robot's world, while it is on its way."""
-        self._glide: tuple[float, Floats, Floats] | None = None
-        self._told = np.full_like(self._last, np.nan)
-        self._told_at = 0.0
-        self.dials = slider_coordinates(self.robot)
+        self._motion: tuple[float, Floats, Floats] | None = None
+        self._shown_q = np.full_like(self._last, np.nan)
+        self._updated_at = 0.0
+        self.coordinates = slider_coordinates(self.robot)
         self.sliders: list[Slider] = []
         self._parts: list[Any] = []
         with self._panel.folder(heading) if heading else contextlib.nullcontext() as folder:
@@ -93,17 +93,17 @@ class TeachPanel:
         if folder is not None:
             self._parts.append(folder)
         self._page = page
-        page.each_tick(self._tick)
+        page.add_tick(self._tick)
 
     def remove(self) -> None:
         """Take it out of the panel, and the target out of the scene. May be called twice."""
         with self._target.lock:
-            self._page.never_again(self._tick)
+            self._page.remove_tick(self._tick)
             parts, self._parts = self._parts, []
             for part in parts:
                 part.remove()
 
-    def aim(self, T_goal: ArrayLike) -> None:
+    def set_target(self, T_goal: ArrayLike) -> None:
         """Move the target to T_world_goal, as dragging it does: the tool follows as far as the joints allow.
 
         Raises:
@@ -111,22 +111,25 @@ class TeachPanel:
         """
         goal = checked_pose(T_goal, "T_goal")
         with self._target.lock:
-            self._adopt()
-            self._glide, self.goal = None, self._in_base(goal)
+            self._accept_program_motion()
+            self._motion, self.goal = None, self._in_base(goal)
             self.gizmo.pose = goal
 
-    def glide_to(self, q: Floats) -> None:
+    def move_to(self, q: Floats) -> None:
         """Move smoothly to a configuration."""
         with self._target.lock:
-            self._adopt()
-            self.goal, self._glide = None, (time.monotonic(), self._last, np.array(q, dtype=float))
+            self._accept_program_motion()
+            self.goal, self._motion = None, (time.monotonic(), self._last, np.array(q, dtype=float))
+
+    aim, glide_to = set_target, move_to
+    """Old names."""
 
     def _build(self) -> None:
         panel, q = self._panel, self._last
         with panel.folder("Tool") as tools:
             self.readout = panel.text("")
         with panel.folder("Joints") as joints:
-            for dial in self.dials:
+            for dial in self.coordinates:
                 value = round(dial.read(q), 3)
                 self.sliders.append(
                     panel.slider(
@@ -134,17 +137,17 @@ class TeachPanel:
                         dial.low,
                         dial.high,
                         value,
-                        self._turner(dial),
+                        self._slider_callback(dial),
                         step=dial.step,
                         hint=dial.hint,
                     )
                 )
-            if not self.dials:
+            if not self.coordinates:
                 panel.text("This robot has no joint to move.")
         named = tuple(self.robot.configurations)
         if named:
             places = self.robot.configurations
-            self._parts.append(panel.buttons("Go to", named, lambda name: self.glide_to(places[name])))
+            self._parts.append(panel.buttons("Go to", named, lambda name: self.move_to(places[name])))
         tool = self._base() @ np.asarray(self.robot.fk(q))
         name = f"target of {self._target.name}"
         self.gizmo: Gizmo = panel.gizmo(name, tool, self._dragged, size=self._gizmo_size())
@@ -155,10 +158,10 @@ class TeachPanel:
         extent = float(np.ptp(points, axis=0).max()) if len(points) else 1.0
         return float(np.clip(0.2 * extent, 0.05, 0.4))
 
-    def _turner(self, dial: SliderCoordinate) -> Callable[[float], None]:
+    def _slider_callback(self, dial: SliderCoordinate) -> Callable[[float], None]:
         def moved(value: float) -> None:
             with self._target.lock:
-                self.goal = self._glide = None
+                self.goal = self._motion = None
                 self._move(dial.write(self._target.q, value))
 
         return moved
@@ -170,17 +173,17 @@ class TeachPanel:
         with self._target.lock:
             if self._target.name not in self._target.scene:
                 return
-            self._adopt()
-            self._glide, self.goal = None, self._in_base(pose)
+            self._accept_program_motion()
+            self._motion, self.goal = None, self._in_base(pose)
 
     def _in_base(self, T: Floats) -> Floats:
         return SE3.project(np.linalg.inv(self._base()) @ T).matrix()
 
-    def _adopt(self) -> None:
+    def _accept_program_motion(self) -> None:
         """Take over what the program did with the robot meanwhile, which ends a way of ours."""
         if self._target.moves != self._moves:
             self._last, self._moves = self._target.q, self._target.moves
-            self.goal = self._glide = None
+            self.goal = self._motion = None
 
     def _tick(self) -> None:
         with self._target.lock:
@@ -188,41 +191,41 @@ class TeachPanel:
                 self.remove()
             if not self._parts:
                 return
-            self._adopt()
+            self._accept_program_motion()
             if self.goal is not None:
-                self._follow(self.goal)
-            elif self._glide is not None:
-                began, start, end = self._glide
-                t = min((time.monotonic() - began) / _GLIDE, 1.0)
+                self._step_to_goal(self.goal)
+            elif self._motion is not None:
+                began, start, end = self._motion
+                t = min((time.monotonic() - began) / _MOVE_DURATION, 1.0)
                 share = t * t * t * (10 + t * (6 * t - 15))
                 self._move(self.robot.interpolate(start, end, share) if t < 1 else end)
                 if t >= 1:
-                    self._glide = None
-            self._tell()
+                    self._motion = None
+            self._update_panel()
 
-    def _follow(self, goal: Floats) -> None:
+    def _step_to_goal(self, goal: Floats) -> None:
         step = self._follower.step(self._last, goal)
-        if step.rests and not self.gizmo.held:  # as near as can be: the target returns to the tool
+        if step.converged and not self.gizmo.is_dragged:  # as near as can be: the target returns to the tool
             self.goal = None
-            self._told.fill(np.nan)
+            self._shown_q.fill(np.nan)
         self._move(step.q)
 
     def _move(self, q: Floats) -> None:
         self._target.q = q
         self._last, self._moves = self._target.q, self._target.moves
 
-    def _tell(self) -> None:
+    def _update_panel(self) -> None:
         """Sliders, the tool's pose and the target follow the robot, 15 times a second, at rest once more."""
         now = time.monotonic()
         q = self._last
-        if np.array_equal(self._told, q) or now - self._told_at < _CALM:
+        if np.array_equal(self._shown_q, q) or now - self._updated_at < _UPDATE_INTERVAL:
             return
-        self._told, self._told_at = q, now
-        for dial, slider in zip(self.dials, self.sliders, strict=True):
+        self._shown_q, self._updated_at = q, now
+        for dial, slider in zip(self.coordinates, self.sliders, strict=True):
             slider.value = round(dial.read(q), 3)
         T = self._base() @ np.asarray(self.robot.fk(q))
         self.readout.value = _pose_text(self.robot.tool, T)
-        if self.goal is None and not self.gizmo.held:
+        if self.goal is None and not self.gizmo.is_dragged:
             self.gizmo.pose = T
 
 

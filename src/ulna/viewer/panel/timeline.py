@@ -15,11 +15,11 @@ from ulna.viewer.panel import Panel
 from ulna.viewer.robot.robot_handle import RobotHandle
 
 SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
-_CALM = 1 / 15  # s between two updates of the panel
-PACE = "seconds of what happened per second, above zero"
-_QUIET = 0.5  # s without a step after which a simulation is not running
+_UPDATE_INTERVAL = 1 / 15  # s between two updates of the panel
+SPEED_EXPECTED = "seconds of what happened per second, above zero"
+_IDLE_TIME = 0.5  # s without a step after which a simulation is not running
 
-Motion = tuple[RobotHandle, Callable[[], Recording]]
+RecordedMotion = tuple[RobotHandle, Callable[[], Recording]]
 """A robot, and what gives its recording."""
 
 
@@ -37,13 +37,13 @@ class Timeline:
     def __init__(
         self,
         page: Page | None,
-        motions: Callable[[], Sequence[Motion]],
+        motions: Callable[[], Sequence[RecordedMotion]],
         simulation: Simulation | None = None,
         speed: float = 1.0,
     ) -> None:
         self._motions, self._simulation = motions, simulation
-        self._speed, self._playing, self._t = number("speed", speed, PACE, above=0.0), False, 0.0
-        self._steps, self._stepped_at, self._told_at, self._ticked = -1, -np.inf, 0.0, time.monotonic()
+        self._speed, self._playing, self._t = number("speed", speed, SPEED_EXPECTED, above=0.0), False, 0.0
+        self._steps, self._last_step, self._updated_at, self._last_tick = -1, -np.inf, 0.0, time.monotonic()
         if page is not None:
             self._build(page)
 
@@ -63,7 +63,7 @@ class Timeline:
         for handle, get in self._motions():
             recording = get()
             if len(recording):
-                handle.show_at(recording.at(self._t, handle.robot))
+                handle.display(recording.at(self._t, handle.robot))
 
     @property
     def playing(self) -> bool:
@@ -72,7 +72,7 @@ class Timeline:
 
     def play(self, speed: float | None = None) -> None:
         """Let time run, from the beginning when it is at its end; a paused simulation goes on."""
-        self._speed = self._speed if speed is None else number("speed", speed, PACE, above=0.0)
+        self._speed = self._speed if speed is None else number("speed", speed, SPEED_EXPECTED, above=0.0)
         if self._simulation is not None and self._simulation.paused:
             self._simulation.paused = False
             return
@@ -99,10 +99,10 @@ class Timeline:
 
         async def scrubbed(event: Any) -> None:
             if event.client is not None:
-                page.notice(id(handle), self._scrub, handle.value)
+                page.post_event(id(handle), self._scrub, handle.value)
 
         handle.on_update(scrubbed)
-        page.each_tick(self._tick)
+        page.add_tick(self._tick)
 
     def _set_speed(self, speed: str) -> None:
         self._speed = float(speed)
@@ -124,23 +124,23 @@ class Timeline:
         if sim is None:
             return False
         if sim.steps != self._steps or sim.waiting:
-            self._steps, self._stepped_at = sim.steps, now
-        return now - self._stepped_at < _QUIET
+            self._steps, self._last_step = sim.steps, now
+        return now - self._last_step < _IDLE_TIME
 
     def _tick(self) -> None:
         now = time.monotonic()
-        passed, self._ticked = now - self._ticked, now
+        passed, self._last_tick = now - self._last_tick, now
         sim = self._simulation
         if self._running() and sim is not None and not sim.paused:
             self._playing, self._t = False, sim.t
         elif self._playing:
             self.time = self._t + passed * self._speed
             self._playing = self._t < self.duration
-        if now - self._told_at > _CALM:
-            self._told_at = now
-            self._tell()
+        if now - self._updated_at > _UPDATE_INTERVAL:
+            self._updated_at = now
+            self._update_panel()
 
-    def _tell(self) -> None:
+    def _update_panel(self) -> None:
         end = max(round(self.duration, 3), 1e-3)
         if self._slider.max != end:
             self._slider.max = end

@@ -14,14 +14,14 @@ from ulna.viewer.render import lighting as light
 from ulna.viewer.render.projection import Projection
 from ulna.viewer.render.zbuffer import rasterise
 
-_SHADOW = np.array(
+_SHADOW_COLOUR = np.array(
     [0.20, 0.195, 0.185], dtype=np.float32
 )  # how much a full shadow takes from red, green, blue
-_AROUND = 0.25  # m around things that their nearness darkens
+_OCCLUSION_RADIUS = 0.25  # m around things that their nearness darkens
 
 
 @dataclass(frozen=True, eq=False)
-class _Bare:
+class _GroundImage:
     """A floor that nothing stands on.
 
     Args:
@@ -47,7 +47,7 @@ def ground(
     look: Theme,
 ) -> Array:
     """The background and the floor with its grid and shadows, one sample a pixel; (height, width, 3) float32."""
-    bare = _bare(camera, width, height, float(floor), look)
+    bare = _ground_image(camera, width, height, float(floor), look)
     picture = bare.picture.copy()
     if not len(casting):
         return picture
@@ -55,22 +55,22 @@ def ground(
     above, reached = casting[:, :, 2] - floor, np.ones(len(bare.points), dtype=bool)
     for axis in (0, 1):
         over = casting[:, :, axis]
-        thrown = over - above * (light.KEY[axis] / light.KEY[2])
-        reached &= bare.points[:, axis] > min(over.min(), thrown.min()) - _AROUND
-        reached &= bare.points[:, axis] < max(over.max(), thrown.max()) + _AROUND
+        thrown = over - above * (light.KEY_DIRECTION[axis] / light.KEY_DIRECTION[2])
+        reached &= bare.points[:, axis] > min(over.min(), thrown.min()) - _OCCLUSION_RADIUS
+        reached &= bare.points[:, axis] < max(over.max(), thrown.max()) + _OCCLUSION_RADIUS
     held_at = np.flatnonzero(reached)
     point = bare.points[held_at]
     level = np.full((len(point), 1), floor, dtype=np.float32)
     dark = np.clip(shadows.floor_shadow(np.concatenate([point, level], axis=1)), 0, 1)[:, None]
-    near = _shelter(casting, floor, point)[:, None]
-    held = (1 - (1 - dark * _SHADOW) * (1 - np.float32(0.30) * near)) * bare.fade[held_at, None]
+    near = _ambient_occlusion(casting, floor, point)[:, None]
+    held = (1 - (1 - dark * _SHADOW_COLOUR) * (1 - np.float32(0.30) * near)) * bare.fade[held_at, None]
     flat = picture.reshape(-1, 3)
     flat[bare.pixels[held_at]] *= 1 - held
     return picture
 
 
 @functools.lru_cache(maxsize=2)
-def _bare(camera: Camera, width: int, height: int, floor: float, look: Theme) -> _Bare:
+def _ground_image(camera: Camera, width: int, height: int, floor: float, look: Theme) -> _GroundImage:
     view = Projection(camera, width, height)
     share = np.clip((np.arange(height) + 0.5) / height / 0.33, 0, 1) ** 0.8
     top, horizon = np.array(look.top) / 255, np.array(look.horizon) / 255
@@ -91,16 +91,18 @@ def _bare(camera: Camera, width: int, height: int, floor: float, look: Theme) ->
         foot = distance / view.focus
         slant = foot * np.linalg.norm(ray[down], axis=1) / np.maximum(-ray[down, 2], 1e-3)
         for period, wide, tint, strength in ((0.1, 0.7, look.cell, 0.22), (1.0, 1.1, look.section, 0.6)):
-            line = _lines(point[:, :2], ray[down], foot, slant, period, wide) * strength
+            line = _grid_coverage(point[:, :2], ray[down], foot, slant, period, wide) * strength
             colour = colour + line[:, None] * (np.array(tint) / 255 - colour)
         picture[row[down], column[down]] = colour * solid + picture[row[down], column[down]] * (1 - solid)
         pixels.append(row[down] * width + column[down])
         points.append(point[:, :2].astype(np.float32))
         fade.append(np.exp(-((away / 14.0) ** 2)).astype(np.float32))
-    return _Bare(picture, np.concatenate(pixels), np.concatenate(points), np.concatenate(fade))
+    return _GroundImage(picture, np.concatenate(pixels), np.concatenate(points), np.concatenate(fade))
 
 
-def _lines(point: Array, ray: Array, foot: Array, slant: Array, period: float, pixels: float) -> Array:
+def _grid_coverage(
+    point: Array, ray: Array, foot: Array, slant: Array, period: float, pixels: float
+) -> Array:
     """How much of each pixel the lines of a grid cover, from 0 to 1."""
     flat = ray[:, :2] / np.maximum(np.linalg.norm(ray[:, :2], axis=1, keepdims=True), 1e-9)
     cover = np.zeros(len(point))
@@ -113,10 +115,10 @@ def _lines(point: Array, ray: Array, foot: Array, slant: Array, period: float, p
     return cover
 
 
-def _shelter(casting: Floats, floor: float, points: Array, size: int = 192) -> Array:
+def _ambient_occlusion(casting: Floats, floor: float, points: Array, size: int = 192) -> Array:
     """How much of the sky is hidden at points (n, 2) of the floor by things close above, from 0 to 1."""
     low, high = (np.array([f(casting[:, :, 0]), f(casting[:, :, 1])]) for f in (np.min, np.max))
-    centre, half = (low + high) / 2, float((high - low).max()) / 2 + _AROUND
+    centre, half = (low + high) / 2, float((high - low).max()) / 2 + _OCCLUSION_RADIUS
     scale = size / (2 * half)
     top = float(casting[:, :, 2].max())
     screen = (casting[:, :, :2] - centre + half) * scale

@@ -20,10 +20,10 @@ from ulna.viewer.graph.node import Snapshot
 from ulna.viewer.graph.theme import Theme
 
 _FONTS = ("DejaVuSans.ttf", "Arial Unicode.ttf", "Arial.ttf", "arial.ttf", "LiberationSans-Regular.ttf")
-_BUNDLED = Path("mpl-data", "fonts", "ttf", "DejaVuSans.ttf")
+_MATPLOTLIB_FONT = Path("mpl-data", "fonts", "ttf", "DejaVuSans.ttf")
 
 
-def write_words(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> Array:
+def draw_labels(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> Array:
     """The picture (h, w, 3) with the words of a scene over it, each where its node is."""
     said = [(i, node.content) for i, node in enumerate(seen.nodes) if isinstance(node.content, Text)]
     said = [(i, text) for i, text in said if seen.visible[i] and seen.opacity[i] > 0.0]
@@ -66,7 +66,9 @@ def _font(size: float) -> Any:
 
     matplotlib = find_spec("matplotlib")
     found = (
-        [] if matplotlib is None or matplotlib.origin is None else [Path(matplotlib.origin).parent / _BUNDLED]
+        []
+        if matplotlib is None or matplotlib.origin is None
+        else [Path(matplotlib.origin).parent / _MATPLOTLIB_FONT]
     )
     for font in (*_FONTS, *found):
         with suppress(OSError):

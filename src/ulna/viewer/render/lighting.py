@@ -12,19 +12,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from ulna.typing import Array, Floats
-from ulna.viewer.mesh.surface import unit
+from ulna.viewer.mesh.surface import normalized
 from ulna.viewer.render.zbuffer import rasterise
 
-KEY = (1.6, -1.0, 3.2)
+KEY_DIRECTION = (1.6, -1.0, 3.2)
 """From the scene towards the key light."""
 
-_LAMPS = (  # direction towards the lamp, colour, strength
-    (KEY, (1.0, 0.957, 0.902), 2.9),
+_LIGHTS = (  # direction towards the lamp, colour, strength
+    (KEY_DIRECTION, (1.0, 0.957, 0.902), 2.9),
     ((-2.0, 2.4, 1.6), (0.902, 0.941, 1.0), 0.8),
     ((-1.0, -3.0, 1.2), (0.863, 0.910, 1.0), 0.75),
 )
 _SKY, _GROUND = np.array([0.36, 0.40, 0.44]), np.array([0.130, 0.150, 0.170])
-_ROUGHNESS, _GLINT = 0.5, 0.04
+_ROUGHNESS, _REFLECTANCE = 0.5, 0.04
 _SELF_SHADOW = 0.55  # a robot half in its own shadow is hard to read; a studio has light from everywhere
 
 
@@ -49,7 +49,7 @@ class ShadowMap:
     base: float
     soft: Array
 
-    def place(self, points: Array) -> tuple[Array, Array, Array]:
+    def to_map(self, points: Array) -> tuple[Array, Array, Array]:
         """Map coordinates in samples (x, y) and nearness of world points (n, 3)."""
         scale, kind = len(self.nearness) / (2 * self.half), points.dtype.type
 
@@ -60,31 +60,31 @@ class ShadowMap:
         x, y, z = (along(axis) for axis in self.rotation)
         return (x + self.half) * scale, (self.half - y) * scale, z - self.base + 1.0
 
-    def lit(self, points: Array, normals: Array) -> Array:
+    def light_fraction(self, points: Array, normals: Array) -> Array:
         """The share of the key light that reaches points (n, 3) of surfaces, from 0 to 1."""
         size = len(self.nearness)
         sample = 2 * self.half / size
         facing = np.clip(normals @ self.rotation[2].astype(normals.dtype), 0.0, 1.0)
         # lift the point off its own surface, more where the light grazes it
         lifted = points + normals * (sample * (1.5 + 2.5 * np.sqrt(1 - facing**2)))[:, None]
-        x, y, near = self.place(lifted)
+        x, y, near = self.to_map(lifted)
         light = np.zeros(len(points), dtype=np.float32)
         flat = self.nearness.reshape(-1)
-        for dx, dy in _TAPS:
+        for dx, dy in _SHADOW_OFFSETS:
             i = np.clip((x + dx).astype(np.int64), 0, size - 1)
             j = np.clip((y + dy).astype(np.int64), 0, size - 1)
             light += flat[j * size + i] <= near + sample
-        return light / len(_TAPS)
+        return light / len(_SHADOW_OFFSETS)
 
     def floor_shadow(self, points: Array) -> Array:
         """The share of the key light that is held back at points (n, 3) of the floor, from 0 to 1."""
-        x, y, _ = self.place(points)
+        x, y, _ = self.to_map(points)
         finer = len(self.nearness) / len(self.soft)
         return bilinear(self.soft, x / finer - 0.5, y / finer - 0.5)
 
 
 # sixteen samples spread evenly over a disc of 2.6 samples, by the golden angle
-_TAPS = [
+_SHADOW_OFFSETS = [
     (2.6 * np.sqrt((k + 0.5) / 16) * np.cos(2.39996 * k), 2.6 * np.sqrt((k + 0.5) / 16) * np.sin(2.39996 * k))
     for k in range(16)
 ]
@@ -99,7 +99,7 @@ def shadow_map(corners: Floats, floor: float, size: int = 1536, blur: float = 0.
         size: Samples along an edge of the map.
         blur: Softness of the edge of the shadow on the floor [m].
     """
-    towards = np.asarray(KEY) / np.linalg.norm(KEY)
+    towards = np.asarray(KEY_DIRECTION) / np.linalg.norm(KEY_DIRECTION)
     right = np.cross((0.0, 1.0, 0.0), towards)
     right /= np.linalg.norm(right)
     rotation = np.stack([right, np.cross(towards, right), towards])
@@ -137,29 +137,29 @@ def shade(albedo: Array, normals: Array, towards_eye: Array, lit: Array) -> Arra
     facing = np.clip(_dot(normals, towards_eye), 1e-3, 1.0)
     up = 0.5 + 0.5 * normals[:, 2:3]
     colour = albedo * (_GROUND + (_SKY - _GROUND) * up).astype(np.float32)
-    for number, (direction, tint, strength) in enumerate(_LAMPS):
+    for number, (direction, tint, strength) in enumerate(_LIGHTS):
         towards = (np.asarray(direction) / np.linalg.norm(direction)).astype(np.float32)
         falling = np.clip(normals @ towards, 0.0, 1.0)
         power = falling * np.float32(strength / np.pi)
         if number == 0:
             power = power * (1.0 - _SELF_SHADOW * (1.0 - lit))
-        middle = unit(towards_eye + towards)
+        middle = normalized(towards_eye + towards)
         glint = _ggx(np.clip(_dot(normals, middle), 0, 1), facing, falling, np.clip(middle @ towards, 0, 1))
         colour += (albedo + (np.pi * glint)[:, None]) * (power[:, None] * np.asarray(tint, dtype=np.float32))
-    return colour + _studio(normals, towards_eye, facing)
+    return colour + _environment_reflection(normals, towards_eye, facing)
 
 
-def display(linear: Array) -> Array:
+def tone_mapped(linear: Array) -> Array:
     """Linear colours as a screen shows them, from 0 to 1: a film-like curve, then the sRGB transfer function.
 
     The curve is Narkowicz's fit ("ACES filmic tone mapping curve", 2016).
     """
     x = np.maximum(linear, 0.0) * 1.07
     film = np.clip(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0)
-    return srgb(film)
+    return srgb_from_linear(film)
 
 
-def srgb(linear: Array) -> Array:
+def srgb_from_linear(linear: Array) -> Array:
     """The sRGB transfer function (IEC 61966-2-1)."""
     return np.where(
         linear <= 0.0031308, 12.92 * linear, 1.055 * np.power(np.maximum(linear, 1e-8), 1 / 2.4) - 0.055
@@ -202,23 +202,23 @@ def _ggx(half: Array, facing: Array, falling: Array, turned: Array) -> Array:
     spread = alpha**2 / (np.pi * (half**2 * (alpha**2 - 1) + 1) ** 2)
     k = alpha / 2
     visible = 0.25 / ((facing * (1 - k) + k) * (falling * (1 - k) + k))
-    return spread * visible * (_GLINT + (1 - _GLINT) * (1 - turned) ** 5)
+    return spread * visible * (_REFLECTANCE + (1 - _REFLECTANCE) * (1 - turned) ** 5)
 
 
-def _studio(normals: Array, towards_eye: Array, facing: Array) -> Array:
+def _environment_reflection(normals: Array, towards_eye: Array, facing: Array) -> Array:
     """The room as the coat mirrors it: a bright ceiling, two soft boxes, a dark floor."""
     mirrored = 2 * facing[:, None] * normals - towards_eye
     x, y, z = mirrored.T
-    room = 0.25 + 0.55 * _step(-0.3, 0.9, z)
-    room += 1.6 * _step(0.80, 0.93, 0.55 * x - 0.45 * y + 0.70 * z)
-    room += 0.9 * _step(0.78, 0.92, -0.75 * x - 0.40 * y + 0.52 * z)
+    room = 0.25 + 0.55 * _smoothstep(-0.3, 0.9, z)
+    room += 1.6 * _smoothstep(0.80, 0.93, 0.55 * x - 0.45 * y + 0.70 * z)
+    room += 0.9 * _smoothstep(0.78, 0.92, -0.75 * x - 0.40 * y + 0.52 * z)
     fresnel = (
-        _GLINT + (1.0 - _ROUGHNESS - _GLINT) * (1 - facing) ** 5
+        _REFLECTANCE + (1.0 - _ROUGHNESS - _REFLECTANCE) * (1 - facing) ** 5
     )  # (1 - roughness) bounds the rim of a rough coat
     return (room * fresnel)[:, None] * np.array([0.96, 0.98, 1.0], dtype=np.float32)
 
 
-def _step(low: float, high: float, x: Array) -> Array:
+def _smoothstep(low: float, high: float, x: Array) -> Array:
     t = np.clip((x - low) / (high - low), 0, 1)
     return t * t * (3 - 2 * t)
 

@@ -9,15 +9,15 @@ import numpy as np
 from ulna.checks.values import count
 from ulna.errors import InputError
 from ulna.typing import Array
-from ulna.viewer.graph.camera import Camera, frame
+from ulna.viewer.graph.camera import Camera, camera_for
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import LIGHT, Theme, theme_of
-from ulna.viewer.mesh.surface import unit
+from ulna.viewer.mesh.surface import normalized
 from ulna.viewer.output.png import write_png
 from ulna.viewer.render import lighting as light
 from ulna.viewer.render import textures as texels
 from ulna.viewer.render.ground import ground
-from ulna.viewer.render.labels import write_words
+from ulna.viewer.render.labels import draw_labels
 from ulna.viewer.render.projection import Projection
 from ulna.viewer.render.world_triangles import Triangles, world_triangles
 from ulna.viewer.render.zbuffer import clip_near, rasterise
@@ -25,8 +25,8 @@ from ulna.viewer.render.zbuffer import clip_near, rasterise
 __all__ = ["render", "write_png"]
 
 _NEAR = 0.02
-_MOST = 2**28  # samples
-_ALIKE = 0.95  # cosine between triangles of one surface that a pixel shades as one
+_MAX_SAMPLES = 2**28  # samples
+_SAME_SHADING_COSINE = 0.95  # cosine between triangles of one surface that a pixel shades as one
 
 
 def check_size(width: int, height: int, samples: int) -> None:
@@ -36,7 +36,7 @@ def check_size(width: int, height: int, samples: int) -> None:
         InputError: It is.
     """
     pixels = count("width", width, 1, 16384) * count("height", height, 1, 16384)
-    if pixels * count("samples", samples, 1, 4) ** 2 > _MOST:
+    if pixels * count("samples", samples, 1, 4) ** 2 > _MAX_SAMPLES:
         raise InputError(
             f"{width} x {height} pixels with {samples} x {samples} samples each need too much memory. "
             "Take a smaller picture, or samples=1."
@@ -68,7 +68,7 @@ def render(
     """
     check_size(width, height, samples)
     look = theme_of(theme)
-    camera = camera or frame(scene, width / height)
+    camera = camera or camera_for(scene, width / height)
     floor = scene.floor() if floor is None else floor
     seen = scene.snapshot()
     view = Projection(camera, width * samples, height * samples)
@@ -79,17 +79,19 @@ def render(
     picture = ground(camera, width, height, floor, shadows, casting, look)
     depth = None
     for chosen in (solid, ~solid):
-        depth = _layer(picture, depth, view, triangles, np.flatnonzero(chosen), shadows, samples)
-    if triangles.through.any():  # once more over everything, faintly: no change where they were in sight
+        depth = _draw_layer(picture, depth, view, triangles, np.flatnonzero(chosen), shadows, samples)
+    if (
+        triangles.show_occluded.any()
+    ):  # once more over everything, faintly: no change where they were in sight
         faint = replace(triangles, rgba=triangles.rgba * np.array((1.0, 1.0, 1.0, 0.3), np.float32))
-        _layer(picture, None, view, faint, np.flatnonzero(triangles.through), shadows, samples)
+        _draw_layer(picture, None, view, faint, np.flatnonzero(triangles.show_occluded), shadows, samples)
     # half a step of noise hides the bands of slow gradients
     noise = np.random.default_rng(0).random((height, width, 1), dtype=np.float32) - 0.5
     image = np.clip(picture * 255 + 0.5 + 0.9 * noise, 0, 255).astype(np.uint8)
-    return write_words(image, camera, seen, look)
+    return draw_labels(image, camera, seen, look)
 
 
-def _layer(
+def _draw_layer(
     picture: Array,
     before: Array | None,
     view: Projection,
@@ -126,13 +128,13 @@ def _layer(
     by_pixel = by_pixel.transpose(0, 2, 1, 3).reshape(-1, samples * samples)
     pixel = np.flatnonzero(np.logical_or.reduce([column >= 0 for column in by_pixel.T]))
     own = by_pixel[pixel]
-    at, sample, weight = _shaded_once(own, triangles)
+    at, sample, weight = _samples_to_shade(own, triangles)
     row = pixel[at] // (width // samples) * samples + sample // samples + low[1]
     column = pixel[at] % (width // samples) * samples + sample % samples + low[0]
     mixed = np.zeros((len(pixel), 4), dtype=np.float32)
     for start in range(0, len(at), 400_000):
         part = slice(start, start + 400_000)
-        colours = _colours(
+        colours = _shaded_colours(
             view, triangles, own[at[part], sample[part]], column[part], row[part], shadows, samples
         )
         for k in range(4):
@@ -145,7 +147,7 @@ def _layer(
     return depth
 
 
-def _shaded_once(own: Array, triangles: Triangles) -> tuple[Array, Array, Array]:
+def _samples_to_shade(own: Array, triangles: Triangles) -> tuple[Array, Array, Array]:
     """What to shade of pixels whose samples (n, k) show triangles, -1 for none: once for what looks alike in a pixel.
 
     Gives the row, the sample, and the share of the pixel that it stands for.
@@ -158,15 +160,17 @@ def _shaded_once(own: Array, triangles: Triangles) -> tuple[Array, Array, Array]
     if len(rest):
         used, index = np.unique(own[rest], return_inverse=True)
         corners = triangles.corners[used].astype(np.float32)
-        facing = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])).astype(
+        facing = normalized(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])).astype(
             np.float32
         )
-        piece, index = triangles.piece[used], index.reshape(len(rest), many)
+        piece, index = triangles.surface[used], index.reshape(len(rest), many)
         leader, there = first[rest], own[rest] >= 0
         for k in range(1, many):
             for j in range(k):
                 a, b = index[:, j], index[:, k]
-                alike = (piece[a] == piece[b]) & (np.einsum("ij,ij->i", facing[a], facing[b]) > _ALIKE)
+                alike = (piece[a] == piece[b]) & (
+                    np.einsum("ij,ij->i", facing[a], facing[b]) > _SAME_SHADING_COSINE
+                )
                 leader[:, k] = np.where(
                     alike & there[:, j] & there[:, k] & (leader[:, j] == j) & (leader[:, k] == k),
                     j,
@@ -181,7 +185,7 @@ def _shaded_once(own: Array, triangles: Triangles) -> tuple[Array, Array, Array]
     return at, sample, share[at, sample]
 
 
-def _colours(
+def _shaded_colours(
     view: Projection,
     triangles: Triangles,
     seen: Array,
@@ -204,32 +208,32 @@ def _colours(
     v = np.clip(np.einsum("ij,ij->i", ray, np.cross(from_corner, edge_1)) * inverse, 0, 1)[:, None]
     point = corner[:, 0] + u * edge_1 + v * edge_2
     own = triangles.normals[seen]
-    normal = unit(own[:, 0] + u * (own[:, 1] - own[:, 0]) + v * (own[:, 2] - own[:, 0]))
-    towards_eye = unit(eye - point)
+    normal = normalized(own[:, 0] + u * (own[:, 1] - own[:, 0]) + v * (own[:, 2] - own[:, 0]))
+    towards_eye = normalized(eye - point)
     face = np.cross(edge_1, edge_2)
     # an open surface seen from behind is lit as from its front
     away = np.einsum("ij,ij->i", face, towards_eye) < 0
     normal = np.where(away[:, None], -normal, normal).astype(np.float32)
     rgba = triangles.rgba[seen]
     albedo = rgba[:, :3]
-    for number in np.unique(triangles.picture[seen]):
+    for number in np.unique(triangles.texture[seen]):
         if number < 0:
             continue
-        on = np.flatnonzero(triangles.picture[seen] == number)
+        on = np.flatnonzero(triangles.texture[seen] == number)
         uv = triangles.uv[seen[on]]
         spread_1, spread_2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
         # a pixel's share of the texture: that of the triangle in it, times that of the pixel in the triangle
         texture = np.abs(spread_1[:, 0] * spread_2[:, 1] - spread_1[:, 1] * spread_2[:, 0])
         footprint = samples**2 * np.linalg.norm(eye - point[on], axis=1) ** 2 / view.focus**2
         slant = np.abs(np.einsum("ij,ij->i", face[on], towards_eye[on]))
-        painted = texels.colours(
+        painted = texels.sample_texture(
             triangles.textures[number].image,
             uv[:, 0] + u[on] * spread_1 + v[on] * spread_2,
             texture * footprint / np.maximum(slant, 1e-12),
         )
         if painted is not None:
             albedo[on] = np.float32(0.8) * painted
-    lit = shadows.lit(point.astype(np.float32), normal)
-    shaded = light.display(light.shade(albedo, normal, towards_eye.astype(np.float32), lit))
+    lit = shadows.light_fraction(point.astype(np.float32), normal)
+    shaded = light.tone_mapped(light.shade(albedo, normal, towards_eye.astype(np.float32), lit))
     opacity = rgba[:, 3:]
     return np.concatenate([shaded * opacity, opacity], axis=1)

@@ -18,7 +18,7 @@ from ulna.typing import Array
 from ulna.viewer.mesh.surface import linear_from_srgb
 
 
-def colours(image: bytes, uv: Array, density: Array) -> Array | None:
+def sample_texture(image: bytes, uv: Array, density: Array) -> Array | None:
     """Linear colours of a texture, shape (n, 3); None where it cannot be decoded.
 
     Args:
@@ -26,7 +26,7 @@ def colours(image: bytes, uv: Array, density: Array) -> Array | None:
         uv: Where, from 0 to 1 with the origin at the lower left, repeating beyond; shape (n, 2).
         density: How much of the texture's area a pixel covers, as a share, shape (n,).
     """
-    levels = _pyramid(image)
+    levels = _mip_levels(image)
     if not levels:
         return None
     height, width = levels[0].shape[:2]
@@ -35,11 +35,11 @@ def colours(image: bytes, uv: Array, density: Array) -> Array | None:
     out = np.zeros((len(uv), 3), dtype=np.float32)
     for k in np.unique(level):
         chosen = level == k
-        out[chosen] = _between(levels[k], uv[chosen])
+        out[chosen] = _bilinear(levels[k], uv[chosen])
     return out
 
 
-def _between(texels: Array, uv: Array) -> Array:
+def _bilinear(texels: Array, uv: Array) -> Array:
     height, width = texels.shape[:2]
     x, y = uv[:, 0] * width - 0.5, (1.0 - uv[:, 1]) * height - 0.5
     i, j = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
@@ -51,7 +51,7 @@ def _between(texels: Array, uv: Array) -> Array:
 
 
 @functools.lru_cache(maxsize=32)
-def _pyramid(image: bytes) -> tuple[Array, ...]:
+def _mip_levels(image: bytes) -> tuple[Array, ...]:
     """The texture in linear colours, halved down to a point; nothing where it cannot be decoded."""
     try:
         from PIL import Image
@@ -69,11 +69,11 @@ def _pyramid(image: bytes) -> tuple[Array, ...]:
         return ()
     levels = [linear_from_srgb(decoded / 255.0).astype(np.float32)]
     while max(levels[-1].shape[:2]) > 1:
-        levels.append(_halved(_halved(levels[-1], 0), 1))
+        levels.append(_half_resolution(_half_resolution(levels[-1], 0), 1))
     return tuple(levels)
 
 
-def _halved(texels: Array, axis: int) -> Array:
+def _half_resolution(texels: Array, axis: int) -> Array:
     count = texels.shape[axis]
     if count == 1:
         return texels

@@ -9,10 +9,10 @@ import numpy as np
 from ulna.typing import Array, Floats
 from ulna.viewer.graph.content import Lines
 from ulna.viewer.graph.node import Snapshot
-from ulna.viewer.mesh.surface import Surface, Texture, paint, unit
+from ulna.viewer.mesh.surface import Surface, Texture, albedo, normalized
 from ulna.viewer.render.projection import Projection
 
-_THINNEST = 1.3  # samples across that a line has at least: what is thinner would be drawn in dots
+_MIN_LINE_WIDTH = 1.3  # samples across that a line has at least: what is thinner would be drawn in dots
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +35,9 @@ class Triangles:
     normals: Array
     rgba: Array
     shadow: Array
-    through: Array
-    piece: Array
-    picture: Array
+    show_occluded: Array
+    surface: Array
+    texture: Array
     uv: Array
     textures: tuple[Texture, ...]
 
@@ -59,12 +59,12 @@ def world_triangles(seen: Snapshot, view: Projection) -> Triangles:
         node, pose, scale, tint = seen.nodes[i], seen.poses[i], seen.scales[i], seen.tint[i]
         rotation, translation = pose[:3, :3], pose[:3, 3]
         turned = bool(np.prod(scale) < 0)
-        for surface in (*node.surfaces, *_drawn(seen, int(i), view)):
+        for surface in (*node.surfaces, *_content_surfaces(seen, int(i), view)):
             count, opacity = len(surface.triangles), surface.rgba[3] * seen.opacity[i]
             if count == 0 or opacity <= 0.002:
                 continue
             faces = surface.triangles[:, ::-1] if turned else surface.triangles
-            bent = surface.normals if (scale == scale[0]).all() else unit(surface.normals / scale)
+            bent = surface.normals if (scale == scale[0]).all() else normalized(surface.normals / scale)
             shown = np.asarray(surface.rgba[:3] if tint[0] < 0 else tint)
             texture = surface.texture if tint[0] < 0 else None
             if texture is not None:
@@ -74,7 +74,7 @@ def world_triangles(seen: Snapshot, view: Projection) -> Triangles:
                 (
                     ((surface.vertices * scale) @ rotation.T + translation)[faces],
                     (bent @ rotation.T).astype(np.float32)[faces],
-                    np.broadcast_to(np.array([*paint(shown), opacity], np.float32), (count, 4)),
+                    np.broadcast_to(np.array([*albedo(shown), opacity], np.float32), (count, 4)),
                     np.full(count, node.shadow),
                     np.full(count, node.through),
                     np.full(count, len(parts), np.int32),
@@ -86,7 +86,7 @@ def world_triangles(seen: Snapshot, view: Projection) -> Triangles:
     return Triangles(*columns, textures=tuple(textures))
 
 
-def _drawn(seen: Snapshot, i: int, view: Projection) -> tuple[Surface, ...]:
+def _content_surfaces(seen: Snapshot, i: int, view: Projection) -> tuple[Surface, ...]:
     """The surfaces that a node's content is drawn by."""
     content = seen.nodes[i].content
     if content is None:
@@ -95,6 +95,6 @@ def _drawn(seen: Snapshot, i: int, view: Projection) -> tuple[Surface, ...]:
         return content.surfaces
     scale = seen.scales[i]
     ends = (content.segments * scale) @ seen.poses[i, :3, :3].T + seen.poses[i, :3, 3]
-    least = 0.5 * _THINNEST * np.maximum(view.local(ends)[..., 2], 0.0) / view.focus / scale.max()
+    least = 0.5 * _MIN_LINE_WIDTH * np.maximum(view.local(ends)[..., 2], 0.0) / view.focus / scale.max()
     radii = np.maximum(least, content.thickness / 2)
-    return content.surfaces if (least <= content.thickness / 2).all() else content.prisms(radii)
+    return content.surfaces if (least <= content.thickness / 2).all() else content.as_prisms(radii)

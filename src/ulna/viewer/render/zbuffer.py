@@ -6,7 +6,7 @@ import numpy as np
 
 from ulna.typing import Array, Floats
 
-_CHUNK = 2_000_000  # samples of the boxes around triangles
+_CHUNK_SAMPLES = 2_000_000  # samples of the boxes around triangles
 
 
 def clip_near(corners: Floats, near: float) -> tuple[Floats, Array]:
@@ -25,32 +25,35 @@ def clip_near(corners: Floats, near: float) -> tuple[Floats, Array]:
     pieces, owner = [corners[whole]], [whole]
     one, two = np.flatnonzero(count == 1), np.flatnonzero(count == 2)
     if len(one):  # turn the corner that stays to the front, and shorten both its edges
-        turned = _turn(corners[one], beyond[one].argmax(axis=1))
+        turned = _rotate_corners(corners[one], beyond[one].argmax(axis=1))
         pieces.append(
             np.stack(
                 [
                     turned[:, 0],
-                    _cut(turned[:, 0], turned[:, 1], near),
-                    _cut(turned[:, 0], turned[:, 2], near),
+                    _edge_at_near(turned[:, 0], turned[:, 1], near),
+                    _edge_at_near(turned[:, 0], turned[:, 2], near),
                 ],
                 1,
             )
         )
         owner.append(one)
     if len(two):  # turn the corner that goes to the front; a four-sided piece stays
-        turned = _turn(corners[two], (~beyond[two]).argmax(axis=1))
-        p, q = _cut(turned[:, 1], turned[:, 0], near), _cut(turned[:, 2], turned[:, 0], near)
+        turned = _rotate_corners(corners[two], (~beyond[two]).argmax(axis=1))
+        p, q = (
+            _edge_at_near(turned[:, 1], turned[:, 0], near),
+            _edge_at_near(turned[:, 2], turned[:, 0], near),
+        )
         pieces += [np.stack([p, turned[:, 1], turned[:, 2]], 1), np.stack([p, turned[:, 2], q], 1)]
         owner += [two, two]
     return np.concatenate(pieces), np.concatenate(owner)
 
 
-def _turn(corners: Floats, front: Array) -> Floats:
+def _rotate_corners(corners: Floats, front: Array) -> Floats:
     order = (front[:, None] + np.arange(3)) % 3
     return np.take_along_axis(corners, order[:, :, None], axis=1)
 
 
-def _cut(inside: Floats, outside: Floats, near: float) -> Floats:
+def _edge_at_near(inside: Floats, outside: Floats, near: float) -> Floats:
     t = (inside[:, 2] - near) / np.maximum(inside[:, 2] - outside[:, 2], 1e-30)
     return inside + t[:, None] * (outside - inside)
 
@@ -72,7 +75,7 @@ def rasterise(points: Array, nearness: Array, owner: Array, width: int, height: 
     # one 64-bit key holds both: the bits of a positive float32 sort as the number does
     keys = np.zeros(height * width, dtype=np.uint64)
     x, y = points[:, :, 0].astype(float), points[:, :, 1].astype(float)
-    (x_low, x_high), (y_low, y_high) = _span(x), _span(y)
+    (x_low, x_high), (y_low, y_high) = _extent(x), _extent(y)
     area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (y[:, 1] - y[:, 0]) * (x[:, 2] - x[:, 0])
     # first and last row, and column, of samples whose middle can lie inside
     top, bottom = np.maximum(np.ceil(y_low - 0.5), 0), np.minimum(np.floor(y_high - 0.5), height - 1)
@@ -83,10 +86,10 @@ def rasterise(points: Array, nearness: Array, owner: Array, width: int, height: 
     part = 0
     while part < len(drawn):  # as many triangles at once as memory is well used for
         done = cells[part - 1] if part else 0.0
-        end = max(int(np.searchsorted(cells, done + _CHUNK, side="right")), part + 1)
+        end = max(int(np.searchsorted(cells, done + _CHUNK_SAMPLES, side="right")), part + 1)
         chosen = drawn[part:end]
         bounds = x[chosen], y[chosen], area[chosen], top[chosen].astype(np.int64), rows[part:end]
-        _fill(keys, *bounds, nearness[chosen].astype(float), owner[chosen], width)
+        _rasterise_rows(keys, *bounds, nearness[chosen].astype(float), owner[chosen], width)
         part = end
     found = (keys >> np.uint64(32)).astype(np.uint32).view(np.float32)
     return found.reshape(height, width), (keys & np.uint64(0xFFFFFFFF)).astype(np.int64).reshape(
@@ -94,7 +97,7 @@ def rasterise(points: Array, nearness: Array, owner: Array, width: int, height: 
     )
 
 
-def _fill(
+def _rasterise_rows(
     keys: Array,
     x: Array,
     y: Array,
@@ -106,7 +109,7 @@ def _fill(
     width: int,
 ) -> None:
     """Enter triangles into the keys, each with `rows` rows of samples from `top` on."""
-    which, step = _spread(rows)
+    which, step = _repeat_indices(rows)
     row = top[which] + step
     at = row + 0.5
     low, high = np.full(len(row), -0.5), np.full(len(row), width - 0.5)
@@ -129,20 +132,20 @@ def _fill(
     origin = near[:, 0] - x[:, 0] * across - y[:, 0] * down
     which, row, first, at = which[lines], row[lines], first[lines], at[lines]
     at_first = origin[which] + (first + 0.5) * across[which] + at * down[which]
-    line, step = _spread(last[lines] - first + 1)
+    line, step = _repeat_indices(last[lines] - first + 1)
     value = at_first[line] + step * across[which][line]
     bits = np.maximum(value, 1e-30).astype(np.float32).view(np.uint32).astype(np.uint64)
     key = (bits << np.uint64(32)) | owner[which].astype(np.uint64)[line]
     np.maximum.at(keys, (row * width + first)[line] + step, key)
 
 
-def _span(v: Array) -> tuple[Array, Array]:
+def _extent(v: Array) -> tuple[Array, Array]:
     """The least and the largest of three columns; many times faster than a reduction over so few."""
     a, b, c = v.T
     return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
 
 
-def _spread(counts: Array) -> tuple[Array, Array]:
+def _repeat_indices(counts: Array) -> tuple[Array, Array]:
     """Every number as often as its count says, and how often it occurred before: [2, 3] gives 0 0 1 1 1, 0 1 0 1 2."""
     which = np.repeat(np.arange(len(counts)), counts)
     return which, np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)

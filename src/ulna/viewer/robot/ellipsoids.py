@@ -19,12 +19,12 @@ from ulna.checks.values import one_of
 from ulna.typing import Floats
 
 KINDS = ("velocity", "force")
-_LONGEST = (
+_MAX_RATIO = (
     10.0  # a direction that cannot move can push without bounds; drawn this much longer than the shortest
 )
 
 
-def of_inertias(links: Sequence[Any]) -> list[tuple[int, Floats, Floats]]:
+def inertia_ellipsoids(links: Sequence[Any]) -> list[tuple[int, Floats, Floats]]:
     """For each link with an inertia that a body can have: its number, T_link_ellipsoid (4, 4), half axes (3,) [m]."""
     out = []
     for number, link in enumerate(links):
@@ -52,13 +52,13 @@ def check_kind(kind: str) -> None:
     one_of("ellipsoid", kind, KINDS)
 
 
-def of_jacobian(J: Floats, kind: str = "velocity") -> tuple[Floats, Floats]:
+def manipulability_ellipsoid(J: Floats, kind: str = "velocity") -> tuple[Floats, Floats]:
     """Axes as a pose (4, 4) at the origin, and half axes (3,), of the ellipsoid of a Jacobian's linear part (3, nv)."""
     values, axes = np.linalg.eigh(J @ J.T)
     radii = np.sqrt(np.maximum(values, 0.0))
     if kind == "force":
         least = 1.0 / max(float(radii.max()), 1e-9)
-        radii = np.minimum(1.0 / np.maximum(radii, 1e-9), _LONGEST * least)
+        radii = np.minimum(1.0 / np.maximum(radii, 1e-9), _MAX_RATIO * least)
     if np.linalg.det(axes) < 0.0:
         axes[:, 0] = -axes[:, 0]
     pose = np.eye(4)

@@ -11,7 +11,7 @@ from ulna.typing import Floats
 from ulna.viewer.graph.content import Lines
 from ulna.viewer.graph.scene_graph import SceneGraph
 
-_SEEN = 1e-4  # m between two points
+_MIN_DISTANCE = 1e-4  # m between two points
 
 
 @final
@@ -28,11 +28,11 @@ class FramePath:
     def add(self, q: Floats) -> None:
         """The robot is at `q` (nq,) now."""
         point = np.asarray(self._robot.fk(q, self._frame))[:3, 3]
-        if not self._points or np.abs(point - self._points[-1]).max() > _SEEN:
+        if not self._points or np.abs(point - self._points[-1]).max() > _MIN_DISTANCE:
             self._points.append(point)
-            self.scene.later(self, self._bring)
+            self.scene.defer(self, self._update)
 
-    def _bring(self) -> None:
+    def _update(self) -> None:
         if self.name in self.scene:
             line = self._line
             self.scene.set_content(self.name, Lines.through(list(self._points), line.rgba, line.thickness))

@@ -10,14 +10,14 @@ from ulna.sim import Recording
 from ulna.typing import Floats
 from ulna.viewer.robot.slider_coordinates import slider_coordinates
 
-_EACH, _WHOLE = 1.6, 14.0  # s for a joint, and at most for all
+_JOINT_DURATION, _MAX_DURATION = 1.6, 14.0  # s for a joint, and at most for all
 _RATE = 25.0  # rows a second
 
 
 def joint_sweep(robot: Any, q: Floats) -> Recording:
     """A recording that begins and ends at configuration `q` (nq,); a robot without joints stands for a second."""
     out, numbers, k = Recording(), slider_coordinates(robot), 0
-    count = max(round(min(_EACH, _WHOLE / max(len(numbers), 1)) * _RATE), 8)
+    count = max(round(min(_JOINT_DURATION, _MAX_DURATION / max(len(numbers), 1)) * _RATE), 8)
     turn = np.sin(2 * np.pi * np.arange(count) / count)
     for dial in numbers:
         start = dial.read(q)

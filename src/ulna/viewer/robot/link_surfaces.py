@@ -17,12 +17,12 @@ from ulna.viewer.mesh.primitives import ball, tessellate, tube
 from ulna.viewer.mesh.surface import DEFAULT_COLOUR, RGBA, Surface, colour
 from ulna.viewer.progress import Report, silent
 
-Showing = Literal["visual", "collision", "both", "skeleton"]
-SHOWINGS: tuple[str, ...] = ("visual", "collision", "both", "skeleton")
+RobotDisplay = Literal["visual", "collision", "both", "skeleton"]
+ROBOT_DISPLAYS: tuple[str, ...] = ("visual", "collision", "both", "skeleton")
 
-_HULL: RGBA = (0.96, 0.55, 0.18, 1.0)
-_BONE: RGBA = (0.20, 0.36, 0.62, 1.0)
-_KNUCKLE: RGBA = (0.93, 0.52, 0.13, 1.0)
+_COLLISION_COLOUR: RGBA = (0.96, 0.55, 0.18, 1.0)
+_ROD_COLOUR: RGBA = (0.20, 0.36, 0.62, 1.0)
+_JOINT_COLOUR: RGBA = (0.93, 0.52, 0.13, 1.0)
 
 
 def link_names(robot: Any) -> tuple[str, ...]:
@@ -35,24 +35,24 @@ def link_names(robot: Any) -> tuple[str, ...]:
     return tuple(out)
 
 
-def checked_showing(show: str) -> Showing:
+def checked_display(show: str) -> RobotDisplay:
     """A way to show a robot.
 
     Raises:
         UnknownName: There is no such way.
     """
-    return one_of("way to show a robot", show, SHOWINGS)
+    return one_of("way to show a robot", show, ROBOT_DISPLAYS)
 
 
-def link_looks(
-    robot: Any, show: Showing, rgba: RGBA | None = None, report: Report = silent, detail: Detail = "seen"
+def surfaces_by_link(
+    robot: Any, show: RobotDisplay, rgba: RGBA | None = None, report: Report = silent, detail: Detail = "seen"
 ) -> list[tuple[Surface, ...]]:
     """What each link looks like, in the link's frame.
 
     Raises:
         UnknownName: There is no such way to show it, or no such detail.
     """
-    checked_showing(show)
+    checked_display(show)
     check_detail(detail)
     links = robot.model.links
     if show == "skeleton":
@@ -64,7 +64,7 @@ def link_looks(
         if show in ("visual", "both"):
             pieces += link_surfaces(link.visuals, link.name, rgba, detail)
         if show in ("collision", "both"):
-            paint = rgba or _HULL
+            paint = rgba or _COLLISION_COLOUR
             hull = (*paint[:3], paint[3] * (0.35 if show == "both" else 1.0))
             pieces += link_surfaces(link.collisions, link.name, hull, detail)
         out.append(pieces)
@@ -108,10 +108,10 @@ def link_surfaces(
         else:
             parts = [tessellate(shape, DEFAULT_COLOUR if stated is None else colour(stated)).moved(pose)]
         pieces += parts if rgba is None else [p.coloured(rgba) for p in parts]
-    return joined(pieces)
+    return joined_by_colour(pieces)
 
 
-def joined(pieces: Iterable[Surface]) -> tuple[Surface, ...]:
+def joined_by_colour(pieces: Iterable[Surface]) -> tuple[Surface, ...]:
     """Surfaces with those of one colour and without texture joined into one."""
     by_colour: dict[Any, list[Surface]] = {}
     for piece in pieces:
@@ -139,12 +139,12 @@ def _skeleton(robot: Any, rgba: RGBA | None) -> list[tuple[Surface, ...]]:
     poses = robot.link_poses(model.neutral)
     reach = float(np.ptp(poses[:, :3, 3], axis=0).max()) or 1.0
     number = {link.name: k for k, link in enumerate(links)}
-    pieces: list[list[Surface]] = [[ball(0.02 * reach, rgba or _KNUCKLE)] for _ in links]
+    pieces: list[list[Surface]] = [[ball(0.02 * reach, rgba or _JOINT_COLOUR)] for _ in links]
     for link in links:
         if link.parent is not None:
             for bearer, joint in ((link.parent, link.origin), (link.name, link.offset.inverse())):
                 end = joint.matrix()[:3, 3]
                 if np.linalg.norm(end) > 1e-9:
-                    rod = tube(np.linspace((0.0, 0.0, 0.0), end, 2), 0.010 * reach, rgba or _BONE, 12)
+                    rod = tube(np.linspace((0.0, 0.0, 0.0), end, 2), 0.010 * reach, rgba or _ROD_COLOUR, 12)
                     pieces[number[bearer]].append(rod)
-    return [joined(p) for p in pieces]
+    return [joined_by_colour(p) for p in pieces]

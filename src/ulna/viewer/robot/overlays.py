@@ -24,29 +24,29 @@ from ulna.viewer.robot.frame_path import FramePath
 from ulna.viewer.robot.robot_instances import RobotInstances, RobotInstancesHandle
 from ulna.viewer.robot.robot_visual import RobotVisual
 
-_CENTRE: RGBA = (0.85, 0.20, 0.55, 1.0)
-_HEAVY: RGBA = (0.55, 0.35, 0.80, 0.45)
-_REACH: RGBA = (0.16, 0.62, 0.56, 0.35)
-_TRACE: RGBA = (0.95, 0.45, 0.10, 1.0)
-_FORCE: RGBA = (0.86, 0.16, 0.16, 1.0)
-_SPEED: RGBA = (0.10, 0.55, 0.30, 1.0)
+_COM_COLOUR: RGBA = (0.85, 0.20, 0.55, 1.0)
+_INERTIA_COLOUR: RGBA = (0.55, 0.35, 0.80, 0.45)
+_MANIPULABILITY_COLOUR: RGBA = (0.16, 0.62, 0.56, 0.35)
+_PATH_COLOUR: RGBA = (0.95, 0.45, 0.10, 1.0)
+_FORCE_COLOUR: RGBA = (0.86, 0.16, 0.16, 1.0)
+_VELOCITY_COLOUR: RGBA = (0.10, 0.55, 0.30, 1.0)
 
 
 class RobotOverlays(Handle, abc.ABC):
     """A robot in a scene, with what moves along with it."""
 
-    __slots__ = ("_count", "_figure", "_traces")
+    __slots__ = ("_count", "_paths", "_visual")
 
     def __init__(self, figure: RobotVisual) -> None:
         super().__init__(figure.scene, figure.name)
-        self._figure = figure
-        self._traces: list[FramePath] = []
+        self._visual = figure
+        self._paths: list[FramePath] = []
         self._count = itertools.count(1)
 
     @property
     def robot(self) -> Any:
         """The robot."""
-        return self._figure.robot
+        return self._visual.robot
 
     @property
     @abc.abstractmethod
@@ -85,11 +85,11 @@ class RobotOverlays(Handle, abc.ABC):
             if group.name in self._scene:
                 self._scene.set_poses(kernel(q), self._scene.rows(nodes))
 
-        return self._follow(group, bring)
+        return self._attach(group, bring)
 
     def center_of_mass(self, radius: float = 0.02) -> Handle:
         """Show the centre of mass as a ball."""
-        dot = ball(checked_length("radius", radius), _CENTRE)
+        dot = ball(checked_length("radius", radius), _COM_COLOUR)
         group = self._group("centre of mass")
         self._scene.add(f"{group.name}/ball", [dot], shadow=False, through=True)
         place = np.eye(4)
@@ -99,7 +99,7 @@ class RobotOverlays(Handle, abc.ABC):
             if group.name in self._scene:
                 self._scene.set_pose(group.name, place)
 
-        return self._follow(group, bring)
+        return self._attach(group, bring)
 
     def inertias(self) -> Handle:
         """Show each link as the ellipsoid of even density that has its mass, centre of mass and inertia.
@@ -107,10 +107,10 @@ class RobotOverlays(Handle, abc.ABC):
         Links of no mass, and inertias that no body can have, are left out.
         """
         group = self._group("inertias")
-        found = ellipsoids.of_inertias(self.robot.model.links)
+        found = ellipsoids.inertia_ellipsoids(self.robot.model.links)
         for k, (_, _, radii) in enumerate(found):
-            self._scene.add(f"{group.name}/{k}", [ball(1.0, _HEAVY)], shadow=False)
-            self._scene.set_look(f"{group.name}/{k}", "scale", radii)
+            self._scene.add(f"{group.name}/{k}", [ball(1.0, _INERTIA_COLOUR)], shadow=False)
+            self._scene.set_appearance(f"{group.name}/{k}", "scale", radii)
         nodes = [f"{group.name}/{k}" for k in range(len(found))]
         links, places = [link for link, _, _ in found], np.array([T for _, T, _ in found]).reshape(-1, 4, 4)
 
@@ -118,7 +118,7 @@ class RobotOverlays(Handle, abc.ABC):
             if group.name in self._scene:
                 self._scene.set_poses(self.robot.link_poses(q)[links] @ places, self._scene.rows(nodes))
 
-        return self._follow(group, bring)
+        return self._attach(group, bring)
 
     def manipulability(self, frame: str | None = None, size: float = 0.2, of: str = "velocity") -> Handle:
         """Show how fast a frame can move in each direction at joint speeds of length 1, or how hard it can push.
@@ -132,26 +132,26 @@ class RobotOverlays(Handle, abc.ABC):
             UnknownName: There is no such frame, or no such ellipsoid.
         """
         ellipsoids.check_kind(of)
-        self._at(frame)
+        self._check_frame(frame)
         factor = number("size", size, "metres for each unit, above zero", above=0.0, most=MAX_LENGTH)
         group = self._group("manipulability")
         node = f"{group.name}/ellipsoid"
-        self._scene.add(node, [ball(1.0, _REACH, 36)], shadow=False)
+        self._scene.add(node, [ball(1.0, _MANIPULABILITY_COLOUR, 36)], shadow=False)
 
         def bring(q: Floats) -> None:
             T, J = self.robot.fk(q, frame), self.robot.jacobian(q, frame)
-            pose, radii = ellipsoids.of_jacobian(J[:3], of)
+            pose, radii = ellipsoids.manipulability_ellipsoid(J[:3], of)
             pose[:3, 3] = T[:3, 3]
             if node in self._scene:
                 self._scene.set_pose(node, pose)
-                self._scene.set_look(node, "scale", factor * radii)
+                self._scene.set_appearance(node, "scale", factor * radii)
 
-        return self._follow(group, bring)
+        return self._attach(group, bring)
 
     def trace(
         self,
         frame: str | None = None,
-        color: Colour = _TRACE,
+        color: Colour = _PATH_COLOUR,
         most: int = 2000,
         thickness: float = 0.006,
     ) -> Polyline:
@@ -160,19 +160,19 @@ class RobotOverlays(Handle, abc.ABC):
         Raises:
             UnknownName: There is no such frame.
         """
-        self._at(frame)
+        self._check_frame(frame)
         kept, line = count("most", most, 2, 10**6), Lines.through(np.zeros((0, 3)), color, thickness)
         group = self._group("trace")
         trace = FramePath(self._scene, f"{group.name}/path", self.robot, frame, line, kept)
         trace.add(self.q)
-        self._traces.append(trace)
+        self._paths.append(trace)
         return Polyline(self._scene, trace.name)
 
     def force(
         self,
         frame: str | None = None,
         vector: ArrayLike = (0.0, 0.0, 0.0),
-        color: Colour = _FORCE,
+        color: Colour = _FORCE_COLOUR,
         size: float = 0.01,
     ) -> Arrow:
         """An arrow from a frame's origin along a force; assign `vector` anew as it changes.
@@ -188,7 +188,9 @@ class RobotOverlays(Handle, abc.ABC):
         """
         return self._arrow("force", frame, color, size, lambda q, arrow: None, vector)
 
-    def velocity(self, frame: str | None = None, size: float = 0.5, color: Colour = _SPEED) -> Arrow:
+    def velocity(
+        self, frame: str | None = None, size: float = 0.5, color: Colour = _VELOCITY_COLOUR
+    ) -> Arrow:
         """An arrow for the velocity of a frame's origin, as `qd` has it.
 
         Args:
@@ -214,13 +216,13 @@ class RobotOverlays(Handle, abc.ABC):
             ShapeError, NonFiniteError: `q` holds no configurations.
         """
         faint = number("opacity", opacity, "a number above 0, at most 1", above=0.0, most=1.0)
-        show = "visual" if self._figure.show == "both" else self._figure.show
+        show = "visual" if self._visual.show == "both" else self._visual.show
         rgba = (*colour(color)[:3], faint)
         return RobotInstancesHandle(
-            RobotInstances(self._scene, self.robot, q, self._fresh("ghosts"), rgba, show)
+            RobotInstances(self._scene, self.robot, q, self._new_name("ghosts"), rgba, show)
         )
 
-    def _at(self, frame: str | None) -> None:
+    def _check_frame(self, frame: str | None) -> None:
         """Refuse what is no frame."""
         if not (frame is None or isinstance(frame, str)):
             raise InputError(
@@ -228,12 +230,12 @@ class RobotOverlays(Handle, abc.ABC):
             )
         self.robot.fk(self.q, frame)
 
-    def _fresh(self, kind: str) -> str:
+    def _new_name(self, kind: str) -> str:
         self._scene.row(self.name)  # what was removed is not begun anew
         return f"{self.name}/({kind} {next(self._count)})"
 
     def _group(self, kind: str) -> Handle:
-        name = self._fresh(kind)
+        name = self._new_name(kind)
         self._scene.add(name)
         return Handle(self._scene, name)
 
@@ -247,7 +249,7 @@ class RobotOverlays(Handle, abc.ABC):
         vector: ArrayLike = (0.0, 0.0, 0.0),
     ) -> Arrow:
         """An arrow at a frame's origin, which `turn` turns when the robot moves."""
-        self._at(frame)
+        self._check_frame(frame)
         group, place = self._group(kind), np.eye(4)
         try:
             out = add_arrow(self._scene, f"{group.name}/arrow", vector, color, 0.008, size)
@@ -261,14 +263,14 @@ class RobotOverlays(Handle, abc.ABC):
                 self._scene.set_pose(group.name, place)
                 turn(q, out)
 
-        self._follow(group, bring)
+        self._attach(group, bring)
         return out
 
-    def _follow(self, group: Handle, bring: Any) -> Handle:
+    def _attach(self, group: Handle, bring: Any) -> Handle:
         try:
             bring(self.q)
         except BaseException:
             group.remove()
             raise
-        self._figure.follow(bring)
+        self._visual.follow(bring)
         return group

@@ -15,7 +15,7 @@ from ulna.system import forks
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.robot.configuration import checked_configuration
-from ulna.viewer.robot.link_surfaces import Showing
+from ulna.viewer.robot.link_surfaces import RobotDisplay
 from ulna.viewer.robot.overlays import RobotOverlays
 from ulna.viewer.robot.robot_visual import RobotVisual
 
@@ -48,7 +48,7 @@ class RobotHandle(RobotOverlays):
     @property
     def moves(self) -> int:
         """How often it was moved."""
-        return self._figure.moves
+        return self._visual.moves
 
     @property
     def body(self) -> Body | None:
@@ -58,14 +58,14 @@ class RobotHandle(RobotOverlays):
     @property
     def q(self) -> Floats:
         """The configuration, shape (nq,); the name of one of the robot's own can be assigned, too."""
-        return self._figure.q if self._body is None else self._body.q
+        return self._visual.q if self._body is None else self._body.q
 
     @q.setter
     def q(self, q: ArrayLike | str) -> None:
-        robot = self._figure.robot
-        self.put(_named(robot, q) if isinstance(q, str) else checked_configuration(robot, q))
+        robot = self._visual.robot
+        self.set_checked_q(_named(robot, q) if isinstance(q, str) else checked_configuration(robot, q))
 
-    def put(self, q: Floats | Callable[[], Floats]) -> None:
+    def set_checked_q(self, q: Floats | Callable[[], Floats]) -> None:
         """As assigning to `q`, for an array that is known to be a configuration and that nobody will change.
 
         A function that gives such an array serves, too: it is called when somebody looks, on any thread.
@@ -73,15 +73,18 @@ class RobotHandle(RobotOverlays):
         lock = self._lock
         lock.acquire()  # half the time of `with`
         try:
-            if self._body is None and not self._traces:
-                self._figure.put(q)
+            if self._body is None and not self._paths:
+                self._visual.set_checked_q(q)
                 return
             now = q() if callable(q) else q
             if self._body is not None:
-                self._body.put(now)
+                self._body.set_checked_q(now)
             self._move(now)
         finally:
             lock.release()
+
+    put = set_checked_q
+    """Old name."""
 
     @property
     def qd(self) -> Floats:
@@ -95,48 +98,48 @@ class RobotHandle(RobotOverlays):
                 self._qd = shaped_array("qd", qd, self.robot.nv)
             else:
                 self._body.qd = qd
-            self._figure.again()
+            self._visual.request_update()
 
     @property
-    def show(self) -> Showing:
+    def show(self) -> RobotDisplay:
         """What of it is shown: "visual", "collision", "both" or "skeleton"."""
-        return self._figure.show
+        return self._visual.show
 
     @show.setter
-    def show(self, show: Showing) -> None:
-        self._figure.dress(show)
+    def show(self, show: RobotDisplay) -> None:
+        self._visual.set_display(show)
 
     @property
     def tool(self) -> Floats:
         """Where its tool is, T_world_tool, shape (4, 4)."""
         return self.world_pose @ np.asarray(self.robot.fk(self.q))
 
-    def simulated_by(self, body: Body | None) -> None:
+    def set_body(self, body: Body | None) -> None:
         """Have its state be that of a simulated body, or its own again."""
         with self._lock:
             if body is None and self._body is not None:
                 self._qd = self._body.qd
             self._body = body
 
-    def show_at(self, q: Floats) -> None:
+    def display(self, q: Floats) -> None:
         """Show a configuration of the past, unless it was removed; where a simulation has it stays as it is."""
         if self._name in self._scene:
-            self._figure.move(q)
+            self._visual.move(q)
 
-    def follow_body(self) -> None:
+    def show_body_state(self) -> None:
         """Show where the simulation has it now, unless it was removed."""
         if self._body is not None and self._name in self._scene:
             self._move(self._body.q)
 
     def _move(self, q: Floats) -> None:
-        self._figure.put(q)
-        for trace in self._traces:
+        self._visual.set_checked_q(q)
+        for trace in self._paths:
             trace.add(q)
 
     def remove(self) -> None:
         """Take it out of the scene, with all that follows it."""
-        self._traces.clear()
-        self._figure.remove()
+        self._paths.clear()
+        self._visual.remove()
 
 
 def _named(robot: Any, name: str) -> Floats:

@@ -13,7 +13,7 @@ from ulna.viewer.graph.content import Copies
 from ulna.viewer.graph.handles import Handle
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.mesh.surface import RGBA
-from ulna.viewer.robot.link_surfaces import Showing, link_looks, link_names
+from ulna.viewer.robot.link_surfaces import RobotDisplay, link_names, surfaces_by_link
 
 
 @final
@@ -37,7 +37,7 @@ class RobotInstances:
         q: ArrayLike,
         name: str,
         rgba: RGBA | None = None,
-        show: Showing = "visual",
+        show: RobotDisplay = "visual",
         bases: Floats | None = None,
     ) -> None:
         self.scene, self.robot, self.name = scene, robot, name
@@ -45,10 +45,10 @@ class RobotInstances:
         if bases is not None and np.shape(bases) != (len(self._q), 4, 4):
             raise ShapeError("bases", np.shape(bases), f"({len(self._q)}, 4, 4), one for each configuration")
         self._bases = None if bases is None else np.array(bases, dtype=float)
-        self._looks = link_looks(robot, show, None if rgba is None else (*rgba[:3], 1.0))
+        self._looks = surfaces_by_link(robot, show, None if rgba is None else (*rgba[:3], 1.0))
         self._opacity = 1.0 if rgba is None else rgba[3]
         scene.add(name)
-        self._bring()
+        self._update()
 
     @property
     def q(self) -> Floats:
@@ -58,14 +58,14 @@ class RobotInstances:
     def move(self, q: ArrayLike) -> None:
         """Hand over configurations `q`, shape (n, nq). Where the links are is computed when somebody looks."""
         self._q = self._checked(q)
-        self.scene.later(self, self._bring)
+        self.scene.defer(self, self._update)
 
     def _checked(self, q: ArrayLike) -> Floats:
         rows = len(self._q) if getattr(self, "_bases", None) is not None else None
         mend = "One configuration in each row" + ("." if rows is None else ", as many as there are bases.")
         return shaped_array("q", q, rows, self.robot.nq, fix=mend)
 
-    def _bring(self) -> None:
+    def _update(self) -> None:
         if self.name not in self.scene:
             return
         poses = self.robot.link_poses(self._q)

@@ -7,13 +7,13 @@ from typing import Any, final
 
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
-from ulna.viewer.graph.node import node_name, standing
+from ulna.viewer.graph.node import node_name, pose_or_position
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.mesh.mesh_files import Detail
 from ulna.viewer.mesh.surface import colour
 from ulna.viewer.progress import Report, silent
 from ulna.viewer.robot.configuration import checked_configuration
-from ulna.viewer.robot.link_surfaces import Showing, link_looks, link_names
+from ulna.viewer.robot.link_surfaces import RobotDisplay, link_names, surfaces_by_link
 
 
 @final
@@ -44,7 +44,7 @@ class RobotVisual:
         q: ArrayLike,
         name: str | None = None,
         rgba: Colour | None = None,
-        show: Showing = "visual",
+        show: RobotDisplay = "visual",
         pose: ArrayLike | None = None,
         report: Report = silent,
         detail: Detail = "seen",
@@ -52,85 +52,87 @@ class RobotVisual:
         self.scene, self.robot, self.name = scene, robot, name or node_name(robot.name)
         start = checked_configuration(robot, q)
         self._q: Floats | Callable[[], Floats] = start
-        self._late = False  # whether the scene will ask for what is newest anyway
+        self._update_pending = False  # whether the scene will ask for what is newest anyway
         self.moves = 0
         """How often it was moved."""
         self._followers: list[Callable[[Floats], None]] = []
         tint = None if rgba is None else colour(rgba)
         # adding robots must not half-happen: everything that can fail comes first
-        place, poses = None if pose is None else standing(pose), robot.link_poses(start)
-        looks = link_looks(robot, show, tint, report, detail)
+        place, poses = None if pose is None else pose_or_position(pose), robot.link_poses(start)
+        looks = surfaces_by_link(robot, show, tint, report, detail)
         self.names = tuple(f"{self.name}/{n}" for n in link_names(robot))
-        with scene.together():
+        with scene.atomic():
             if self.name in scene:
                 scene.remove(self.name)
             scene.add(self.name, pose=place)
             for node, surfaces, link_pose in zip(self.names, looks, poses, strict=True):
                 scene.add(node, surfaces, link_pose)
             self._structure, self._rows = scene.version[0], scene.rows(self.names)
-        self._show: Showing = show
+        self._show: RobotDisplay = show
         self._tint = tint
         self._detail: Detail = detail
 
     @property
     def q(self) -> Floats:
         """The configuration it shows, shape (nq,)."""
-        return self._now().copy()
+        return self._current_q().copy()
 
     @property
-    def show(self) -> Showing:
+    def show(self) -> RobotDisplay:
         """What of it is shown."""
         return self._show
 
-    def dress(self, show: Showing) -> None:
+    def set_display(self, show: RobotDisplay) -> None:
         """Show something else of it: "visual", "collision", "both" or "skeleton"."""
-        looks = link_looks(self.robot, show, self._tint, detail=self._detail)
-        with self.scene.together():
+        looks = surfaces_by_link(self.robot, show, self._tint, detail=self._detail)
+        with self.scene.atomic():
             for node, surfaces in zip(self.names, looks, strict=True):
                 self.scene.set_surfaces(node, surfaces)
         self._show = show
 
     def move(self, q: ArrayLike) -> None:
         """Hand over configuration `q` (nq,). Where the links are is computed when somebody looks."""
-        self.put(checked_configuration(self.robot, q))
+        self.set_checked_q(checked_configuration(self.robot, q))
 
-    def put(self, q: Floats | Callable[[], Floats]) -> None:
+    def set_checked_q(self, q: Floats | Callable[[], Floats]) -> None:
         """As `move`, for an array that is known to be a configuration and that nobody will change.
 
         A function that gives such an array serves, too: it is called when somebody looks, on any thread.
         """
         self._q = q
         self.moves += 1
-        if not self._late:
-            self.again()
+        if not self._update_pending:
+            self.request_update()
 
     def follow(self, function: Callable[[Floats], None]) -> None:
         """Call `function` with the configuration when the links are moved."""
         self._followers.append(function)
-        self.scene.later(self, self._bring)
+        self.scene.defer(self, self._update)
 
-    def again(self) -> None:
+    def request_update(self) -> None:
         """Have links, and what follows them, brought up to date before somebody looks.
 
         Raises:
             UnknownName: The robot was removed from the scene.
         """
         self.scene.row(self.name)
-        self._late = True
-        self.scene.later(self, self._bring)
+        self._update_pending = True
+        self.scene.defer(self, self._update)
 
-    def _now(self) -> Floats:
+    def _current_q(self) -> Floats:
         q = self._q
         return q() if callable(q) else q
 
-    def _bring(self) -> None:
-        self._late = False  # before the newest is read, so that nothing that comes meanwhile is missed
+    def _update(self) -> None:
+        self._update_pending = (
+            False  # before the newest is read, so that nothing that comes meanwhile is missed
+        )
         if self.name not in self.scene:
             return
         structure = self.scene.version[0]
         if structure != self._structure:
             self._structure, self._rows = structure, self.scene.rows(self.names)
-        q = self._now()
+        q = self._current_q()
         self.scene.set_poses(self.robot.link_poses(q), self._rows)
         for function in self._followers:
             function(q)
@@ -138,5 +140,5 @@ class RobotVisual:
     def remove(self) -> None:
         """Take the robot out of the scene, with all that follows it."""
         self._followers.clear()
-        self._late = False
+        self._update_pending = False
         self.scene.remove(self.name)

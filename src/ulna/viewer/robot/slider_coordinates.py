@@ -35,7 +35,7 @@ def slider_coordinates(robot: Any) -> list[SliderCoordinate]:
     for joint in model.joints:
         if joint.mimic is not None:
             continue
-        short, entries = _short(joint.name, robot.joint_names), joint.kind.coordinates
+        short, entries = _without_common_prefix(joint.name, robot.joint_names), joint.kind.coordinates
         k = 0
         while k < len(entries):
             i = joint.idx_q + k
@@ -93,7 +93,7 @@ def _angle(label: str, joint: Any, i: int, axis: int) -> SliderCoordinate:
     )
 
 
-def _short(name: str, names: tuple[str, ...]) -> str:
+def _without_common_prefix(name: str, names: tuple[str, ...]) -> str:
     """A joint's name without what all joints' names begin with."""
     if len(names) < 2:
         return name

@@ -14,8 +14,8 @@ from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour, colour
 from ulna.viewer.robot.configuration import checked_configuration
 
-_BONE, _JOINT, _SHADOW = "#33518f", "#e08a1e", "#00000022"
-_AXES = ("#db3338", "#33a847", "#2963eb")
+_LINK_COLOUR, _JOINT_COLOUR, _SHADOW_COLOUR = "#33518f", "#e08a1e", "#00000022"
+_AXIS_COLOURS = ("#db3338", "#33a847", "#2963eb")
 
 
 def stick_figure(
@@ -25,7 +25,7 @@ def stick_figure(
     *,
     frames: Sequence[str] = (),
     tool: bool = True,
-    color: Colour = _BONE,
+    color: Colour = _LINK_COLOUR,
     alpha: float = 1.0,
     shadow: bool = True,
 ) -> Any:
@@ -58,7 +58,7 @@ def stick_figure(
         )
     flag("tool", tool)
     flag("shadow", shadow)
-    ends = _sticks(robot)
+    ends = _connected_links(robot)
     extra = [*frames, robot.tool] if tool else list(frames)
     poses = np.asarray(robot.fk(configurations[-1], list(extra))) if extra else np.zeros((0, 4, 4))
     if ax is None:
@@ -76,16 +76,16 @@ def stick_figure(
         for a, b in segments:
             ax.plot(*np.stack([a, b]).T, color=ink, lw=3.5, alpha=strength, solid_capstyle="round")
             if shadow and last:
-                ax.plot([a[0], b[0]], [a[1], b[1]], [0, 0], color=_SHADOW, lw=3)
+                ax.plot([a[0], b[0]], [a[1], b[1]], [0, 0], color=_SHADOW_COLOUR, lw=3)
         joints = _joints(robot, one)
-        ax.scatter(*joints.T, color=_JOINT, s=32, alpha=strength, depthshade=False, zorder=5)
+        ax.scatter(*joints.T, color=_JOINT_COLOUR, s=32, alpha=strength, depthshade=False, zorder=5)
         everything.append(joints)
     points = np.concatenate(everything)
     reach = float(np.ptp(points, axis=0).max()) or 1.0
     for T in poses:
         for axis in range(3):
             tip = T[:3, 3] + 0.1 * reach * T[:3, axis]
-            ax.plot(*np.stack([T[:3, 3], tip]).T, color=_AXES[axis], lw=2)
+            ax.plot(*np.stack([T[:3, 3], tip]).T, color=_AXIS_COLOURS[axis], lw=2)
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     ax.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     for axis, centre in zip("xyz", middle, strict=True):
@@ -103,7 +103,7 @@ def _configurations(robot: Any, q: ArrayLike | None) -> list[Floats]:
     return [checked_configuration(robot, many)]
 
 
-def _sticks(robot: Any) -> list[tuple[int, int]]:
+def _connected_links(robot: Any) -> list[tuple[int, int]]:
     """Pairs of numbers of links that are joined."""
     number = {link.name: k for k, link in enumerate(robot.model.links)}
     return [(number[link.parent], k) for k, link in enumerate(robot.model.links) if link.parent is not None]

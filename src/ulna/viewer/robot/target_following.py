@@ -9,18 +9,18 @@ import numpy as np
 from ulna.spatial import SE3
 from ulna.typing import Floats
 
-_STRIDE = 0.5  # the most a joint moves in one step [rad or m], 60 times a second
-_SHARES = tuple(0.5**k for k in range(10))  # of the way to the target, while more of it would be a jump
-_MET = 1e-9  # m and rad
-_STILL = 1e-7  # rad or m
-_TURN = 0.3  # what a radian counts, in metres, for a tool that too few joints carry
+_MAX_STEP = 0.5  # the most a joint moves in one step [rad or m], 60 times a second
+_FRACTIONS = tuple(0.5**k for k in range(10))  # of the way to the target, while more of it would be a jump
+_TOLERANCE = 1e-9  # m and rad
+_CONVERGED = 1e-7  # rad or m
+_RADIAN_WEIGHT = 0.3  # what a radian counts, in metres, for a tool that too few joints carry
 
 
 class FollowStep(NamedTuple):
     """What a step led to: the configuration (nq,), and whether another one would lead nowhere else."""
 
     q: Floats
-    rests: bool
+    converged: bool
 
 
 @final
@@ -41,7 +41,9 @@ class TargetFollower:
             j for j in model.joints if j.mimic is None and j.kind.nq == j.kind.nv == 1 and j.idx_v in carrying
         ]
         self._joints = tuple(j.name for j in moving)
-        self._mask = None if len(moving) >= 6 else (1.0, 1.0, 1.0, _TURN, _TURN, _TURN)
+        self._mask = (
+            None if len(moving) >= 6 else (1.0, 1.0, 1.0, _RADIAN_WEIGHT, _RADIAN_WEIGHT, _RADIAN_WEIGHT)
+        )
 
     def step(self, q: Floats, T_goal: Floats) -> FollowStep:
         """One step from `q` (nq,) towards a configuration with the tool at T_world_goal (4, 4).
@@ -51,21 +53,21 @@ class TargetFollower:
         if not self._joints:
             return FollowStep(q, True)
         start, end = SE3.from_matrix(self.robot.fk(q)), SE3.from_matrix(T_goal)
-        for share in _SHARES:
+        for share in _FRACTIONS:
             goal = T_goal if share == 1.0 else start.interpolate(end, share).matrix()
             found = self.robot.ik(
                 goal,
                 q,
                 mask=self._mask,
                 joints=self._joints,
-                position_tolerance=_MET,
-                rotation_tolerance=_MET,
+                position_tolerance=_TOLERANCE,
+                rotation_tolerance=_TOLERANCE,
                 attempts=1,  # from here, and from beside: what lies far away would be a jump
             )
             move = found.q - q
             size = float(np.abs(move).max(initial=0.0))
-            if size <= _STRIDE:
-                return FollowStep(found.q, size < _STILL)
+            if size <= _MAX_STEP:
+                return FollowStep(found.q, size < _CONVERGED)
             if found.success:
-                return FollowStep(q + move * (_STRIDE / size), False)
+                return FollowStep(q + move * (_MAX_STEP / size), False)
         return FollowStep(q, True)

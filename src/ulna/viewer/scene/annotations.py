@@ -20,11 +20,11 @@ from ulna.viewer.mesh.primitives import axes
 from ulna.viewer.mesh.surface import RGBA, colour
 from ulna.viewer.scene.registry import HandleRegistry
 
-PLAIN: RGBA = (0.35, 0.52, 0.78, 1.0)
+DEFAULT_SHAPE_COLOUR: RGBA = (0.35, 0.52, 0.78, 1.0)
 """The colour of shapes and arrows that are given none."""
 
-_MOST_LINES = 2000  # of a grid, each way
-_INK: RGBA = (0.32, 0.42, 0.56, 1.0)  # seen on a light floor and on a dark one
+_MAX_GRID_LINES = 2000  # of a grid, each way
+_LINE_COLOUR: RGBA = (0.32, 0.42, 0.56, 1.0)  # seen on a light floor and on a dark one
 
 
 class AnnotationMethods(HandleRegistry):
@@ -33,14 +33,14 @@ class AnnotationMethods(HandleRegistry):
     @check_keywords
     def group(self, name: str, *, pose: Any = None) -> Handle:
         """A group of its own, to move, tint, fade, scale and hide what is added under its name."""
-        return self._put(name, "group", pose=pose)
+        return self._add_node(name, "group", pose=pose)
 
     @check_keywords
     def axes(
         self, length: float = 0.1, *, name: str | None = None, pose: Any = None, opacity: float = 1.0
     ) -> Handle:
         """A frame: arrows in red, green, blue along x, y, z."""
-        return self._put(
+        return self._add_node(
             name,
             "axes",
             axes(checked_length("length", length)),
@@ -69,11 +69,13 @@ class AnnotationMethods(HandleRegistry):
         place = length_array("start", start, 3)
         node = self._name(name, "arrow")
         fraction("opacity", opacity)
-        out = add_arrow(self.scene, node, vector, PLAIN if color is None else color, radius, size)
+        out = add_arrow(
+            self.scene, node, vector, DEFAULT_SHAPE_COLOUR if color is None else color, radius, size
+        )
         turn = out.pose
         turn[:3, 3] = place
         out.pose = turn
-        self._keep(out, opacity)
+        self._register(out, opacity)
         return out
 
     @check_keywords
@@ -88,8 +90,8 @@ class AnnotationMethods(HandleRegistry):
         thickness: float = 0.004,
     ) -> Polyline:
         """A line from point to point, (n, 3) [m]."""
-        content = Lines.through(points, _INK if color is None else color, thickness)
-        return self._put(
+        content = Lines.through(points, _LINE_COLOUR if color is None else color, thickness)
+        return self._add_node(
             name, "line", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Polyline
         )
 
@@ -112,7 +114,7 @@ class AnnotationMethods(HandleRegistry):
     ) -> PointCloud:
         """A cloud of points (n, 3) [m], of one colour (3,) or one for each (n, 3); `size` is their diameter [m]."""
         content = Points(length_array("positions", positions, None, 3), colors, size)
-        return self._put(
+        return self._add_node(
             name, "points", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=PointCloud
         )
 
@@ -130,7 +132,9 @@ class AnnotationMethods(HandleRegistry):
         """Words that face whoever looks, dark or light as suits the theme; `height` of the letters in metres."""
         place = transforms([length_array("position", position, 3)])[0]
         rgba = None if color is None else colour(color)
-        out = self._put(name, "text", content=Text(words, height), pose=place, opacity=opacity, kind_of=Label)
+        out = self._add_node(
+            name, "text", content=Text(words, height), pose=place, opacity=opacity, kind_of=Label
+        )
         out.color = rgba
         return out
 
@@ -147,19 +151,21 @@ class AnnotationMethods(HandleRegistry):
     ) -> Handle:
         """A grid of lines in the plane z = 0, `size` [m] wide with cells of `cell` [m]."""
         whole, each = checked_length("size", size), checked_length("cell", cell)
-        lines = int(min(whole / each, 2.0 * _MOST_LINES) + 1e-9)
-        if not 1 <= lines <= _MOST_LINES:
+        lines = int(min(whole / each, 2.0 * _MAX_GRID_LINES) + 1e-9)
+        if not 1 <= lines <= _MAX_GRID_LINES:
             raise InputError(
                 f"A grid of `size` {whole} m has {whole / each:.3g} cells of {each} m along an edge; expected 1 to "
-                f"{_MOST_LINES}."
+                f"{_MAX_GRID_LINES}."
             )
         ticks = (np.arange(lines + 1) - lines / 2) * each
         end = np.full_like(ticks, lines / 2 * each)
         flat = np.zeros_like(ticks)
         along = np.stack([np.stack([ticks, -end, flat], 1), np.stack([ticks, end, flat], 1)], 1)
         segments = np.concatenate([along, along[:, :, [1, 0, 2]]])
-        content = Lines(np.asarray(segments, dtype=float), _INK if color is None else colour(color), 0.002)
-        return self._put(name, "grid", content=content, pose=pose, opacity=opacity, shadow=False)
+        content = Lines(
+            np.asarray(segments, dtype=float), _LINE_COLOUR if color is None else colour(color), 0.002
+        )
+        return self._add_node(name, "grid", content=content, pose=pose, opacity=opacity, shadow=False)
 
 
 def _catmull_rom(points: Floats, steps: int) -> Floats:

@@ -17,17 +17,17 @@ from ulna.typing import ArrayLike
 from ulna.viewer.colours import Colour
 from ulna.viewer.graph.content import Copies, transforms
 from ulna.viewer.graph.handles import Handle, Instances
-from ulna.viewer.graph.node import checked_poses, node_name, standing
+from ulna.viewer.graph.node import checked_poses, node_name, pose_or_position
 from ulna.viewer.mesh.mesh_files import Detail, load_mesh
 from ulna.viewer.mesh.primitives import tessellate
 from ulna.viewer.mesh.surface import Surface, colour
 from ulna.viewer.progress import progress
 from ulna.viewer.robot.configuration import configuration
-from ulna.viewer.robot.link_surfaces import Showing
+from ulna.viewer.robot.link_surfaces import RobotDisplay
 from ulna.viewer.robot.robot_handle import RobotHandle
 from ulna.viewer.robot.robot_instances import RobotInstances, RobotInstancesHandle
 from ulna.viewer.robot.robot_visual import RobotVisual
-from ulna.viewer.scene.annotations import PLAIN, AnnotationMethods
+from ulna.viewer.scene.annotations import DEFAULT_SHAPE_COLOUR, AnnotationMethods
 
 
 class SceneMethods(AnnotationMethods):
@@ -49,7 +49,7 @@ class SceneMethods(AnnotationMethods):
         pose: Any = None,
         color: Colour | None = None,
         opacity: float = 1.0,
-        show: Showing = "visual",
+        show: RobotDisplay = "visual",
         detail: Detail = "seen",
     ) -> Any:
         """Add a robot, a shape of `ulna.geometry`, a surface, or the path of a mesh file (dae, stl, obj, glb ...).
@@ -76,11 +76,11 @@ class SceneMethods(AnnotationMethods):
             if isinstance(thing, Mesh):
                 return self.mesh(thing.path or "", thing.scale, detail=detail, **common)
             kind = type(thing).__name__.lower()
-            surface = tessellate(thing, PLAIN if color is None else colour(color))
-            return self._put(name, kind, (surface,), pose=pose, opacity=opacity)
+            surface = tessellate(thing, DEFAULT_SHAPE_COLOUR if color is None else colour(color))
+            return self._add_node(name, kind, (surface,), pose=pose, opacity=opacity)
         if isinstance(thing, Surface):
             surface = thing if color is None else thing.coloured(colour(color))
-            return self._put(name, "surface", (surface,), pose=pose, opacity=opacity)
+            return self._add_node(name, "surface", (surface,), pose=pose, opacity=opacity)
         if isinstance(thing, str | os.PathLike):
             return self.mesh(thing, detail=detail, **common)
         if not hasattr(thing, "link_poses"):
@@ -97,7 +97,7 @@ class SceneMethods(AnnotationMethods):
         pose: Any,
         color: Colour | None,
         opacity: float,
-        show: Showing,
+        show: RobotDisplay,
         detail: Detail,
     ) -> RobotHandle:
         fraction("opacity", opacity)
@@ -108,7 +108,7 @@ class SceneMethods(AnnotationMethods):
         if old is not None:
             self._handles.pop(group)
         out = RobotHandle(figure)
-        self._keep(out, opacity)
+        self._register(out, opacity)
         return out
 
     def box(self, size: Sequence[float], **more: Any) -> Handle:
@@ -175,7 +175,7 @@ class SceneMethods(AnnotationMethods):
         if color is not None:
             surfaces = [s.coloured(colour(color)) for s in surfaces]
         kind = os.path.splitext(os.path.basename(file))[0].replace("/", ".") or "mesh"
-        return self._put(name, kind, surfaces, pose=pose, opacity=opacity)
+        return self._add_node(name, kind, surfaces, pose=pose, opacity=opacity)
 
     @check_keywords
     def copies(
@@ -210,7 +210,7 @@ class SceneMethods(AnnotationMethods):
         given = positions is not None
         places = transforms(positions) if given else checked_poses(poses, "poses", None, 4, 4)
         content = Copies(_surfaces(thing), places, colors, scales)
-        return self._put(name, "copies", content=content, pose=pose, opacity=opacity, kind_of=Instances)
+        return self._add_node(name, "copies", content=content, pose=pose, opacity=opacity, kind_of=Instances)
 
     @check_keywords
     def fleet(
@@ -223,7 +223,7 @@ class SceneMethods(AnnotationMethods):
         pose: Any = None,
         color: Colour | None = None,
         opacity: float = 1.0,
-        show: Showing = "visual",
+        show: RobotDisplay = "visual",
     ) -> RobotInstancesHandle:
         """Many robots of one make, drawn at once; the handle's `q`, shape (n, nq), moves all of them.
 
@@ -242,12 +242,12 @@ class SceneMethods(AnnotationMethods):
         """
         rgba = None if color is None else colour(color)
         fraction("opacity", opacity)
-        stand = np.eye(4) if pose is None else standing(pose)
+        stand = np.eye(4) if pose is None else pose_or_position(pose)
         places = None if bases is None else checked_poses(bases, "bases", None, 4, 4)
         node = self._name(name, f"{checked_robot(robot).name} fleet")
         out = RobotInstancesHandle(RobotInstances(self.scene, robot, q, node, rgba, show, places))
         out.pose = stand
-        self._keep(out, opacity)
+        self._register(out, opacity)
         return out
 
 
@@ -257,7 +257,7 @@ def _surfaces(thing: Any) -> tuple[Surface, ...]:
     if isinstance(thing, Mesh):
         return load_mesh(thing.path or "", thing.scale)
     if isinstance(thing, Shape):
-        return (tessellate(thing, PLAIN),)
+        return (tessellate(thing, DEFAULT_SHAPE_COLOUR),)
     return load_mesh(_file(thing))
 
 

@@ -25,7 +25,7 @@ class HandleRegistry(abc.ABC):
         self._counts: dict[str, int] = {}
 
     @abc.abstractmethod
-    def _added(self, handle: Handle) -> None:
+    def _on_added(self, handle: Handle) -> None:
         """Something was added."""
 
     def remove(self, thing: Handle | str) -> None:
@@ -59,7 +59,7 @@ class HandleRegistry(abc.ABC):
     def __contains__(self, name: object) -> bool:
         return name in self.scene
 
-    def _free(self, kind: str) -> str:
+    def _unused_name(self, kind: str) -> str:
         """A name for another thing of that kind."""
         names = ((k, kind if k == 1 else f"{kind} {k}") for k in itertools.count(self._counts.get(kind, 1)))
         count, name = next((k, n) for k, n in names if n not in self.scene)
@@ -69,11 +69,11 @@ class HandleRegistry(abc.ABC):
     def _name(self, name: str | None, kind: str) -> str:
         """A name that was given, or one for another thing of that kind."""
         if name is None:
-            return self._free(kind)
+            return self._unused_name(kind)
         check_name(name)
         return name
 
-    def _put(
+    def _add_node(
         self,
         name: str | None,
         kind: str,
@@ -90,10 +90,10 @@ class HandleRegistry(abc.ABC):
         fraction("opacity", opacity)
         self.scene.add(node, surfaces, pose, shadow, through, content)
         out = kind_of(self.scene, node)
-        self._keep(out, opacity)
+        self._register(out, opacity)
         return out
 
-    def _keep(self, handle: Handle, opacity: float) -> None:
+    def _register(self, handle: Handle, opacity: float) -> None:
         handle.opacity = opacity
         self._handles[handle.name] = handle
-        self._added(handle)
+        self._on_added(handle)

@@ -16,7 +16,7 @@ from ulna.viewer.mesh.decimation import decimated, distances
 from ulna.viewer.mesh.mesh_files import Detail, load_mesh
 from ulna.viewer.mesh.primitives import tessellate, tube
 from ulna.viewer.mesh.surface import Surface
-from ulna.viewer.mesh.vertex_normals import smooth, weld
+from ulna.viewer.mesh.vertex_normals import merged_vertices, surface_with_normals
 
 pytest.importorskip(
     "fast_simplification", reason="fast-simplification, which collapses edges, is not installed"
@@ -46,7 +46,7 @@ def knot() -> tuple[np.ndarray, np.ndarray]:
     t = np.linspace(0, 2 * np.pi, 241)
     way = 0.1 * np.stack([np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)], 1)
     surface = tube(way, 0.03, (1, 1, 1, 1), 24)
-    place, index = weld(surface.vertices)
+    place, index = merged_vertices(surface.vertices)
     return place, index[surface.triangles]
 
 
@@ -68,13 +68,13 @@ def test_no_point_of_either_surface_is_farther_from_the_other_than_told(bound: f
 
 
 def test_a_surface_without_a_hole_gets_none() -> None:
-    place, index = weld(tessellate(Capsule(0.1, 0.4)).vertices)
+    place, index = merged_vertices(tessellate(Capsule(0.1, 0.4)).vertices)
     triangles = index[tessellate(Capsule(0.1, 0.4)).triangles]
     triangles = triangles[(np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)]
     assert closed(triangles)
     points, faces = decimated(place, triangles, 1e-3)
     assert len(faces) < len(triangles)
-    assert closed(weld(points)[1][faces])
+    assert closed(merged_vertices(points)[1][faces])
 
 
 def test_where_two_colours_meet_nothing_moves() -> None:
@@ -88,7 +88,7 @@ def test_where_two_colours_meet_nothing_moves() -> None:
 
 def rim(vertices: np.ndarray, triangles: np.ndarray) -> set[tuple[float, ...]]:
     """Places of the ends of edges that have one triangle only."""
-    place, index = weld(vertices)
+    place, index = merged_vertices(vertices)
     corners = index[triangles]
     edges = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]), axis=1)
     ends, count = np.unique(edges, axis=0, return_counts=True)
@@ -108,7 +108,7 @@ def test_small_surfaces_and_a_bound_of_nothing_leave_all_as_it_is() -> None:
     vertices, triangles = knot()
     assert decimated(vertices, triangles[:100], 1.0)[1] is not None
     np.testing.assert_array_equal(decimated(vertices, triangles[:100], 1.0)[1], triangles[:100])
-    assert len(smooth(vertices, triangles).triangles) == len(triangles)
+    assert len(surface_with_normals(vertices, triangles).triangles) == len(triangles)
 
 
 def test_without_the_package_all_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,7 +129,7 @@ def write_obj(path: Path, surface: Surface) -> str:
 def knot_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     pytest.importorskip("trimesh")
     monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "cache"))
-    return write_obj(tmp_path / "knot.obj", smooth(*knot()))
+    return write_obj(tmp_path / "knot.obj", surface_with_normals(*knot()))
 
 
 def test_detail_is_what_is_asked_for(knot_file: str) -> None:
@@ -151,21 +151,21 @@ def test_a_mesh_shown_large_keeps_more_of_its_triangles(knot_file: str) -> None:
         sum(len(s.triangles) for s in load_mesh(knot_file, (f, f, f))) for f in (0.1, 1.0, 10.0)
     )
     assert small < usual < large
-    bounds = [mesh_store.entry(knot_file, meshes.UNSEEN / f) for f in (0.1, 1.0, 10.0)]
+    bounds = [mesh_store.cache_key(knot_file, meshes.MAX_DEVIATION / f) for f in (0.1, 1.0, 10.0)]
     assert len(set(bounds)) == 3
 
 
 def test_each_bound_is_kept_by_itself_and_by_content(knot_file: str, monkeypatch: pytest.MonkeyPatch) -> None:
     counts = [len(load_mesh(knot_file, detail=d)[0].triangles) for d in ("seen", "full")]
-    meshes._load.cache_clear()
-    monkeypatch.setattr(meshes, "_parsed", lambda *_: pytest.fail("it should be in the store"))
+    meshes._load_cached.cache_clear()
+    monkeypatch.setattr(meshes, "_read_surfaces", lambda *_: pytest.fail("it should be in the store"))
     assert [len(load_mesh(knot_file, detail=d)[0].triangles) for d in ("seen", "full")] == counts
-    before = mesh_store.entry(knot_file, 1e-3)
-    assert before not in (mesh_store.entry(knot_file), mesh_store.entry(knot_file, 2e-3))
+    before = mesh_store.cache_key(knot_file, 1e-3)
+    assert before not in (mesh_store.cache_key(knot_file), mesh_store.cache_key(knot_file, 2e-3))
     os.utime(knot_file, (1, 1))
-    assert mesh_store.entry(knot_file, 1e-3) == before
+    assert mesh_store.cache_key(knot_file, 1e-3) == before
     write_obj(Path(knot_file), tessellate(Cylinder(0.1, 0.2)))
-    assert mesh_store.entry(knot_file, 1e-3) != before
+    assert mesh_store.cache_key(knot_file, 1e-3) != before
 
 
 def test_what_is_very_large_stays_whole_because_nobody_waits_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -173,5 +173,5 @@ def test_what_is_very_large_stays_whole_because_nobody_waits_for_it(monkeypatch:
     corner = (20 * np.arange(19)[:, None] + np.arange(19)).reshape(-1, 1)
     triangles = np.concatenate([corner + (0, 1, 21), corner + (0, 21, 20)])
     assert len(decimated(sheet, triangles, 1e-3)[1]) < len(triangles)
-    monkeypatch.setattr("ulna.viewer.mesh.decimation._MANY", len(triangles) - 1)
+    monkeypatch.setattr("ulna.viewer.mesh.decimation._MAX_TRIANGLES", len(triangles) - 1)
     assert decimated(sheet, triangles, 1e-3)[1] is triangles

@@ -9,9 +9,10 @@ import pytest
 
 from ulna.errors import InputError
 from ulna.geometry import Box, Sphere
-from ulna.viewer.mesh.mesh_files import load_mesh, smooth
+from ulna.viewer.mesh.mesh_files import load_mesh
 from ulna.viewer.mesh.primitives import tessellate
 from ulna.viewer.mesh.surface import DEFAULT_COLOUR, Surface
+from ulna.viewer.mesh.vertex_normals import surface_with_normals
 
 pytest.importorskip("trimesh", reason="trimesh, which reads mesh files, is not installed")
 
@@ -42,19 +43,19 @@ def test_a_ball_from_loose_triangles_becomes_smooth(tmp_path: Path) -> None:
 
 def test_triangles_without_area_are_dropped() -> None:
     vertices = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (2, 0, 0)], dtype=float)
-    out = smooth(vertices, np.array([(0, 1, 2), (0, 0, 1), (0, 1, 3)]))
+    out = surface_with_normals(vertices, np.array([(0, 1, 2), (0, 0, 1), (0, 1, 3)]))
     assert len(out.triangles) == 1
 
 
 def test_no_triangles_at_all() -> None:
-    assert len(smooth(np.zeros((0, 3)), np.zeros((0, 3), dtype=int)).triangles) == 0
+    assert len(surface_with_normals(np.zeros((0, 3)), np.zeros((0, 3), dtype=int)).triangles) == 0
 
 
 @pytest.mark.parametrize(("bend", "shared"), [(20.0, 4), (60.0, 6)])
 def test_the_crease_angle_decides_what_is_shared(bend: float, shared: int) -> None:
     b = np.deg2rad(bend)
     vertices = np.array([(0, 0, 0), (0, 1, 0), (-1, 0, 0), (np.cos(b), 0, np.sin(b))])
-    out = smooth(vertices, np.array([(0, 1, 2), (1, 0, 3)]))
+    out = surface_with_normals(vertices, np.array([(0, 1, 2), (1, 0, 3)]))
     assert len(out.vertices) == shared
 
 
@@ -146,15 +147,15 @@ def test_a_mesh_is_kept_by_the_content_of_all_its_files(tmp_path, monkeypatch: p
 
     monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "cache"))
     first = load_mesh(textured(tmp_path, (255, 0, 0)))[0]
-    meshes._load.cache_clear()
-    monkeypatch.setattr(meshes, "_parsed", lambda path: pytest.fail("read anew"))
+    meshes._load_cached.cache_clear()
+    monkeypatch.setattr(meshes, "_read_surfaces", lambda path: pytest.fail("read anew"))
     kept = load_mesh(str(tmp_path / "square.obj"))[0]
     np.testing.assert_array_equal(kept.vertices, first.vertices)
     np.testing.assert_array_equal(kept.triangles, first.triangles)
     assert kept.rgba == first.rgba
     assert kept.texture is not None and first.texture is not None
     assert kept.texture.image == first.texture.image
-    meshes._load.cache_clear()
+    meshes._load_cached.cache_clear()
     monkeypatch.undo()
     monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "cache"))
     changed = load_mesh(textured(tmp_path, (0, 0, 255)))[0]  # the picture, not the mesh file

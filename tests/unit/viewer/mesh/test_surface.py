@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ulna.errors import InputError, ShapeError
-from ulna.viewer.mesh.surface import Surface, colour, linear_from_srgb, paint
+from ulna.viewer.mesh.surface import Surface, albedo, colour, linear_from_srgb
 
 CORNERS = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0)])
 
@@ -58,7 +58,7 @@ def test_colours_are_checked() -> None:
 
 
 def test_paint_keeps_white_below_white_and_black_above_black_and_does_not_grey_red() -> None:
-    white, black, red = paint(np.array([(1.0, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)]))
+    white, black, red = albedo(np.array([(1.0, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)]))
     assert 0.6 < white[0] < 0.8
     assert 0.01 < black[0] < 0.1
     assert red[1] == red[2] == 0.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from ulna.viewer.mesh.gltf import glb
 from ulna.viewer.mesh.surface import Surface
-from ulna.viewer.mesh.vertex_clustering import HEAVY, coarse
+from ulna.viewer.mesh.vertex_clustering import CLUSTERING_THRESHOLD, clustered
 
 
 def sheet(size: int, height: float = 0.0, up: float = 1.0) -> Surface:
@@ -19,7 +19,7 @@ def sheet(size: int, height: float = 0.0, up: float = 1.0) -> Surface:
 
 def test_few_triangles_lie_where_all_did() -> None:
     whole = sheet(400)
-    few = coarse(whole)
+    few = clustered(whole)
     assert 20_000 < len(few.triangles) < 70_000
     x, y, z = few.vertices.T
     np.testing.assert_allclose(z, 0.1 * np.sin(3 * x) * np.cos(2 * y), atol=3e-4)
@@ -31,7 +31,7 @@ def test_few_triangles_lie_where_all_did() -> None:
 def test_both_sides_of_a_thin_sheet_stay_apart() -> None:
     over, under = sheet(300, 1e-4), sheet(300, -1e-4, up=-1.0)
     count = len(over.vertices)
-    few = coarse(
+    few = clustered(
         Surface(
             np.concatenate([over.vertices, under.vertices]),
             np.concatenate([over.triangles, under.triangles[:, ::-1] + count]),
@@ -48,6 +48,6 @@ def test_a_heavy_surface_is_there_twice_in_our_page_alone() -> None:
         return [p.get("extras", {}).get("level") for p in document["meshes"][0]["primitives"]]
 
     heavy, light = sheet(230), sheet(20)
-    assert len(heavy.triangles) > HEAVY
+    assert len(heavy.triangles) > CLUSTERING_THRESHOLD
     assert levels(heavy, True) == ["few", "all"]
     assert levels(heavy, False) == levels(light, True) == [None]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ulna.viewer.page.access import allowed, cookie, frames, knows
+from ulna.viewer.page.access import frame_ancestors, has_token, is_allowed, token_cookie
 
 OURS = "localhost:8080"
 
@@ -20,7 +20,7 @@ OURS = "localhost:8080"
     ],
 )
 def test_own_pages_and_programs_may(host: str, origin: str | None) -> None:
-    assert allowed(host, origin)
+    assert is_allowed(host, origin)
 
 
 @pytest.mark.parametrize(
@@ -41,39 +41,39 @@ def test_own_pages_and_programs_may(host: str, origin: str | None) -> None:
     ],
 )
 def test_others_may_not(host: str | None, origin: str | None) -> None:
-    assert not allowed(host, origin)
+    assert not is_allowed(host, origin)
 
 
 def test_an_open_host_still_refuses_foreign_pages() -> None:
-    assert allowed("robot.lab:8080", "http://robot.lab:8080", any_host=True)
-    assert not allowed("robot.lab:8080", "http://evil.example", any_host=True)
+    assert is_allowed("robot.lab:8080", "http://robot.lab:8080", any_host=True)
+    assert not is_allowed("robot.lab:8080", "http://evil.example", any_host=True)
 
 
 def test_a_token_is_known_from_the_address_or_a_cookie() -> None:
-    assert knows("", "/", None)
-    assert knows("secret", "/?token=secret", None)
-    assert knows("secret", "/?x=1&token=secret", "other=1")
-    remembered = cookie("secret").partition(";")[0]
-    assert knows("secret", "/", remembered)
-    assert knows("secret", "/", f"a=b; {remembered}")
+    assert has_token("", "/", None)
+    assert has_token("secret", "/?token=secret", None)
+    assert has_token("secret", "/?x=1&token=secret", "other=1")
+    remembered = token_cookie("secret").partition(";")[0]
+    assert has_token("secret", "/", remembered)
+    assert has_token("secret", "/", f"a=b; {remembered}")
     for path, jar in (
         ("/", None),
         ("/?token=", None),
         ("/?token=Secret", None),
         ("/?token=sécret", None),
         ("/", "ulna=secret"),
-        ("/", cookie("another").partition(";")[0]),
+        ("/", token_cookie("another").partition(";")[0]),
         ("/", '"\\";;='),
         ("http://[", None),
     ):
-        assert not knows("secret", path, jar)
-    assert "HttpOnly" in cookie("secret")
-    assert "SameSite=Strict" in cookie("secret")
+        assert not has_token("secret", path, jar)
+    assert "HttpOnly" in token_cookie("secret")
+    assert "SameSite=Strict" in token_cookie("secret")
 
 
 def test_pages_of_this_machine_and_editors_may_frame_it_and_no_other() -> None:
-    places = frames("localhost:8080").split()
+    places = frame_ancestors("localhost:8080").split()
     assert places[:2] == ["frame-ancestors", "'self'"]
     assert {"http://localhost:*", "http://127.0.0.1:*", "vscode-webview:"} < set(places)
-    assert "http://host.example:*" in frames("host.example:8080").split()
-    assert not any("[" in place or place == "http://:*" for place in frames("[::1]:8080").split())
+    assert "http://host.example:*" in frame_ancestors("host.example:8080").split()
+    assert not any("[" in place or place == "http://:*" for place in frame_ancestors("[::1]:8080").split())

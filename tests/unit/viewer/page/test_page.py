@@ -84,7 +84,9 @@ def test_only_pages_of_this_machine_may_frame_it(page: Page) -> None:
     for encoding in ("gzip", "identity"):  # viser's page and ours
         connection = http.client.HTTPConnection("127.0.0.1", page.port, timeout=10)
         connection.request("GET", "/", headers={"Host": "localhost:1", "Accept-Encoding": encoding})
-        assert connection.getresponse().headers["Content-Security-Policy"] == guard.frames("localhost:1")
+        assert connection.getresponse().headers["Content-Security-Policy"] == guard.frame_ancestors(
+            "localhost:1"
+        )
         connection.close()
 
 
@@ -195,7 +197,7 @@ def test_at_rest_newcomers_find_the_poses_in_the_public_state(page: Page) -> Non
 def test_another_version_of_viser_is_driven_through_its_public_interface(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(pose_channel, "KNOWN", ("0.0.",))
+    monkeypatch.setattr(pose_channel, "KNOWN_VERSIONS", ("0.0.",))
     with Page(box_scene(), port=0) as page:
         page.scene.set_pose("robot/box", at(4.0))
         assert wait(lambda: page._publisher.shown["robot/box"].handles[0].position[0] == 4.0)
@@ -234,7 +236,7 @@ def test_a_mistake_in_a_users_function_does_not_stop_the_page(
         called.append(1)
         raise ValueError("oh")  # 60 times a second; said once
 
-    page.each_tick(wrong)
+    page.add_tick(wrong)
     assert wait(lambda: len(called) > 2)
     assert capfd.readouterr().err.count("ValueError: oh") == 1
 
@@ -243,7 +245,7 @@ def test_hold_returns_at_once_where_nobody_can_look(
     page: Page, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(hold_module, "somebody_can_look", lambda: False)
-    hold_module.hold(page)
+    hold_module.keep_open(page)
     assert "Nobody can look" in capsys.readouterr().out
 
 
@@ -255,7 +257,7 @@ def test_hold_ends_with_ctrl_c(
 
     monkeypatch.setattr(hold_module, "somebody_can_look", lambda: True)
     monkeypatch.setattr(hold_module, "time", SimpleNamespace(sleep=interrupt))
-    hold_module.hold(page)
+    hold_module.keep_open(page)
     assert page.closed
 
 
@@ -263,7 +265,7 @@ def test_hold_ends_when_the_page_is_closed(page: Page, monkeypatch: pytest.Monke
     monkeypatch.setattr(hold_module, "somebody_can_look", lambda: True)
     timer = threading.Timer(0.2, page.close)
     timer.start()
-    hold_module.hold(page)
+    hold_module.keep_open(page)
     timer.join()
     assert page.closed
 
@@ -280,7 +282,7 @@ def test_on_a_network_the_page_warns_and_asks_for_a_token() -> None:
         assert status(page, f"/?token={token}", Host="192.0.2.1") == 200
         assert status(page, f"/?token={token}", Origin="http://evil.example") == 403
         assert status(page, Origin=f"http://localhost:{page.port}", **UPGRADE) == 403
-        remembered = guard.cookie(token).partition(";")[0]
+        remembered = guard.token_cookie(token).partition(";")[0]
         own = f"http://localhost:{page.port}"
         assert status(page, Cookie=remembered, Origin=own, **UPGRADE) == 101
 
@@ -297,7 +299,7 @@ def test_no_file_of_the_machine_can_be_fetched(page: Page) -> None:
 
 def test_looks_travel_in_one_message_and_plain_ones_not_at_all(page: Page) -> None:
     def looks() -> dict:
-        messages = [m for m in buffered(page, "SceneNodeUpdateMessage") if m.name == pose_channel.LOOKS]
+        messages = [m for m in buffered(page, "SceneNodeUpdateMessage") if m.name == pose_channel.APPEARANCES]
         return dict(zip(messages[-1].updates["names"], messages[-1].updates["v"].reshape(-1, 7), strict=True))
 
     page.scene.set_look("robot", "opacity", 0.5)
@@ -312,7 +314,7 @@ def test_looks_travel_in_one_message_and_plain_ones_not_at_all(page: Page) -> No
 def test_hold_ends_after_its_time(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hold_module, "somebody_can_look", lambda: True)
     began = time.monotonic()
-    hold_module.hold(page, 0.3)
+    hold_module.keep_open(page, 0.3)
     assert 0.3 <= time.monotonic() - began < 10
     assert page.closed
 
@@ -325,7 +327,7 @@ def test_a_slow_page_does_not_hold_up_the_loop(page: Page) -> None:
 
 
 def test_a_scale_that_changes_makes_no_new_node(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pose_channel, "KNOWN", ("0.0.",))  # a page that cannot change materials
+    monkeypatch.setattr(pose_channel, "KNOWN_VERSIONS", ("0.0.",))  # a page that cannot change materials
     with Page(box_scene(), port=0) as page:
         handle = page._publisher.shown["robot/box"].handles[0]
         page.scene.set_look("robot/box", "scale", (1.0, 2.0, 3.0))

@@ -11,7 +11,7 @@ import pytest
 
 import ulna
 from ulna.errors import InputError, UnknownName
-from ulna.viewer.panel.panel import Panel, nothing
+from ulna.viewer.panel.panel import Panel, ignore_value
 from ulna.viewer.viewer import Viewer
 
 
@@ -35,8 +35,8 @@ MAKERS: dict[str, Any] = {
     "select": lambda p: p.select("a", ("x", "y")),
     "radio": lambda p: p.radio("a", ("x", "y")),
     "button": lambda p: p.button("a", lambda: None),
-    "buttons": lambda p: p.buttons("a", ("x", "y"), nothing),
-    "menu of buttons": lambda p: p.buttons("a", tuple("abcdefgh"), nothing),
+    "buttons": lambda p: p.buttons("a", ("x", "y"), ignore_value),
+    "menu of buttons": lambda p: p.buttons("a", tuple("abcdefgh"), ignore_value),
     "plot": lambda p: p.plot("a", ("x", "y")),
     "text": lambda p: p.text("a"),
 }
@@ -145,7 +145,7 @@ def test_choices_change_and_the_first_is_chosen_where_the_old_one_is_gone(panel:
 
 @pytest.mark.parametrize("options", [("a", "b"), tuple("abcdefgh")])
 def test_buttons_get_other_choices(panel: Panel, options: tuple[str, ...]) -> None:
-    row = panel.buttons("go", options, nothing)
+    row = panel.buttons("go", options, ignore_value)
     assert row.value == "" and row.options == options
     row.options = ("left", "right")
     assert row.options == ("left", "right")

@@ -7,7 +7,7 @@ import pytest
 
 from ulna.errors import InputError
 from ulna.geometry import Box, Plane, Sphere
-from ulna.viewer.graph.camera import Camera, frame
+from ulna.viewer.graph.camera import Camera, camera_for
 from ulna.viewer.mesh.primitives import tessellate
 from ulna.viewer.render.renderer import render
 from ulna.viewer.scene import Scene
@@ -142,7 +142,7 @@ def test_more_samples_make_smoother_edges(samples: int) -> None:
 @pytest.mark.parametrize("direction", [(1.55, -1.75, 0.7), (0.0, 0.0, 1.0), (-1.0, 0.2, 0.1)])
 def test_a_framed_scene_lies_within_the_picture_and_fills_it(direction: tuple[float, float, float]) -> None:
     scene = boxes((0, 0, 0.5), (1.0, 2.0, 1.5), (-0.5, 0.3, 0.2))
-    camera = frame(scene, 1.5, direction, margin=1.1)
+    camera = camera_for(scene, 1.5, direction, margin=1.1)
     local = (scene.points() - camera.position) @ camera.axes()
     x, y = (local[:, k] / -local[:, 2] / np.tan(camera.fov / 2) for k in (0, 1))
     reach = max(np.abs(x).max() / 1.5, np.abs(y).max())
@@ -150,7 +150,7 @@ def test_a_framed_scene_lies_within_the_picture_and_fills_it(direction: tuple[fl
 
 
 def test_an_empty_scene_is_framed_too() -> None:
-    assert frame(Scene()) == Camera()
+    assert camera_for(Scene()) == Camera()
 
 
 def test_words_have_their_units() -> None:

@@ -10,9 +10,9 @@ import pytest
 from ulna.viewer.graph.camera import Camera
 from ulna.viewer.graph.content import Lines
 from ulna.viewer.mesh.surface import Surface, Texture, linear_from_srgb
-from ulna.viewer.output.png import png
+from ulna.viewer.output.png import encode_png
 from ulna.viewer.render.renderer import render
-from ulna.viewer.render.textures import colours
+from ulna.viewer.render.textures import sample_texture
 from ulna.viewer.scene import Scene
 
 RED, GREEN, BLUE, WHITE = (220, 20, 20), (20, 200, 20), (20, 20, 220), (240, 240, 240)
@@ -28,7 +28,7 @@ def wall(image: np.ndarray, repeat: float = 1.0) -> Scene:
         corners,
         np.array([(0, 1, 2), (0, 2, 3)]),
         np.tile((0.0, -1.0, 0.0), (4, 1)),
-        texture=Texture(uv, png(image)),
+        texture=Texture(uv, encode_png(image)),
     )
     scene = Scene()
     scene.add("wall", [surface])
@@ -65,15 +65,15 @@ def test_a_fine_texture_is_seen_as_its_mean_and_does_not_flicker() -> None:
 
 def test_texels_are_read_between_each_other_and_repeat() -> None:
     pytest.importorskip("PIL")
-    image = png(QUARTERS)
+    image = encode_png(QUARTERS)
     middles = np.array([(0.25, 0.75), (0.75, 0.75), (0.25, 0.25), (0.75, 0.25)])
     expected = linear_from_srgb(QUARTERS.reshape(-1, 3) / 255)
     for shift in (0.0, 1.0, -3.0):
-        found = colours(image, middles + shift, np.zeros(4))
+        found = sample_texture(image, middles + shift, np.zeros(4))
         np.testing.assert_allclose(found, expected, atol=1e-5)
-    between = colours(image, np.array([(0.5, 0.75)]), np.zeros(1))
+    between = sample_texture(image, np.array([(0.5, 0.75)]), np.zeros(1))
     np.testing.assert_allclose(between, expected[:2].mean(axis=0, keepdims=True), atol=1e-5)
-    mean = colours(image, middles, np.ones(4))
+    mean = sample_texture(image, middles, np.ones(4))
     np.testing.assert_allclose(mean, np.tile(expected.mean(axis=0), (4, 1)), atol=1e-5)
 
 
@@ -81,9 +81,9 @@ def test_jpeg_files_and_odd_sizes_are_read_and_broken_ones_are_not() -> None:
     Image = pytest.importorskip("PIL.Image")
     file = io.BytesIO()
     Image.new("RGB", (7, 3), BLUE).save(file, "JPEG")
-    found = colours(file.getvalue(), np.array([(0.5, 0.5)]), np.array([1.0]))
+    found = sample_texture(file.getvalue(), np.array([(0.5, 0.5)]), np.array([1.0]))
     assert found is not None and found[0].argmax() == 2
-    assert colours(b"no picture", np.zeros((1, 2)), np.zeros(1)) is None
+    assert sample_texture(b"no picture", np.zeros((1, 2)), np.zeros(1)) is None
 
 
 def test_a_line_thinner_than_a_pixel_has_no_gaps() -> None:

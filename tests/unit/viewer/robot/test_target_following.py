@@ -23,7 +23,7 @@ def rest(robot: ulna.Robot, q: np.ndarray, goal: np.ndarray, most: int = 400) ->
         assert robot.limits.contains(step.q)
         assert np.abs(step.q - q).max() <= STRIDE + 1e-12
         q = step.q
-        if step.rests:
+        if step.converged:
             return q
     raise AssertionError(f"still moving after {most} steps")
 
@@ -74,7 +74,7 @@ def test_dragged_out_and_back_it_is_on_the_target_again(panda: ulna.Robot) -> No
 def test_at_the_goal_it_stands_still(panda: ulna.Robot) -> None:
     q = np.array(panda.configurations["qr"])
     step = TargetFollower(panda).step(q, panda.fk(q))
-    assert step.rests
+    assert step.converged
     np.testing.assert_allclose(step.q, q, atol=1e-9)
 
 

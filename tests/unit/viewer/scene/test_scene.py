@@ -262,6 +262,6 @@ def test_the_floor_is_at_zero_or_below_everything() -> None:
 def test_a_robot_within_translucent_hulls_casts_its_shadow() -> None:
     scene = Scene()
     solid, clear = tessellate(Box((1, 1, 1))), tessellate(Box((2, 2, 2)), (1.0, 0.5, 0.0, 0.3))
-    assert scene.add("both", [solid, clear]).casting
-    assert not scene.add("hull", [clear]).casting
-    assert not scene.add("line", [solid], shadow=False).casting
+    assert scene.add("both", [solid, clear]).casts_shadow
+    assert not scene.add("hull", [clear]).casts_shadow
+    assert not scene.add("line", [solid], shadow=False).casts_shadow

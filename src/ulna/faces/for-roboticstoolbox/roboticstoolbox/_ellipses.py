@@ -54,7 +54,7 @@ class Ellipses(Part):
     def _shell(
         self, q: Any, kind: str, opt: str, scale: float, centre: Any = "ee", unit: str = "rad"
     ) -> Ellipse:
-        from ulna.viewer.robot.ellipsoids import of_jacobian
+        from ulna.viewer.robot.ellipsoids import manipulability_ellipsoid
 
         if opt not in ("trans", "rot"):
             raise InputError(f"`opt` is {opt!r}; expected 'trans' or 'rot'.")
@@ -64,7 +64,7 @@ class Ellipses(Part):
         at = at if unit == "rad" else self.toradians(at)
         chain, end = self._chain(None, None), lifted(self.fkine(at).A)
         J = end[:3, :3] @ np.split(chain.jacobe(at), 2)[0 if opt == "trans" else 1]
-        axes, radii = of_jacobian(J, kind)
+        axes, radii = manipulability_ellipsoid(J, kind)
         middle = end[:3, 3] if isinstance(centre, str) else np.asarray(centre, dtype=float)
         return Ellipse(axes[:3, :3], scale * radii, middle)
 

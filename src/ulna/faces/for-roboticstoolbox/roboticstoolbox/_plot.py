@@ -91,9 +91,9 @@ class Plotting(Part):
             env = (PyPlot2 if chosen == "pyplot2" else PyPlot)(ax, limits, fig or "")
             env.launch(view=view)
         if movie is not None:
-            from ulna.viewer.output.video import write_film
+            from ulna.viewer.output.video import write_video
 
-            write_film(movie, self._frames(env, rows, dt, vellipse, fellipse), 1.0 / dt)
+            write_video(movie, self._frames(env, rows, dt, vellipse, fellipse), 1.0 / dt)
         else:
             wait = has_window()
             for _ in self._frames(env, rows if wait else rows[-1:], dt, vellipse, fellipse, drawn=False):

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.sim.kinematic import drift
+from ulna.sim.kinematic import pose_step
 from ulna.typing import Floats
 
 Callback = Callable[[float, dict[str, Any]], Any]
@@ -77,7 +77,7 @@ class ShapeHandle(Item):
         if self.callback is not None:
             shape.T = self.callback(t, values)
         elif np.count_nonzero(shape.v):
-            pose, sound = drift()(shape.T, shape.v, dt)
+            pose, sound = pose_step()(shape.T, shape.v, dt)
             if not math.isfinite(sound):
                 shape.v = shape.v  # which tells what is wrong with it
             shape.put(pose)

@@ -43,7 +43,7 @@ class Recorder:
         self._times: list[float] = []
         self._rows: list[tuple[dict[Any, Any], dict[str, Any]]] = []
 
-    def note(self, t: float, figures: list[Any], names: list[str]) -> None:
+    def record_row(self, t: float, figures: list[Any], names: list[str]) -> None:
         """Note where robots and shapes are at a time [s]."""
         scene = self._viewer.scene
         poses = {name: scene.pose(name) for name in names}
@@ -53,7 +53,7 @@ class Recorder:
 
     def write(self) -> Path:
         """Draw and write it."""
-        from ulna.viewer.output.video import moments
+        from ulna.viewer.output.video import frame_times
 
         times = np.array(self._times) - self._times[0]
         if self.path.suffix:
@@ -61,7 +61,7 @@ class Recorder:
                 self.path, move=lambda t: self._bring(times, t), duration=float(times[-1]), fps=self._fps
             )
         self.path.mkdir(parents=True, exist_ok=True)
-        for k, t in enumerate(moments(float(times[-1]), self._fps)):
+        for k, t in enumerate(frame_times(float(times[-1]), self._fps)):
             self._bring(times, float(t))
             self._viewer.picture(self.path / f"{k:05d}.png", 960, 600)
         self._bring(times, float(times[-1]))
@@ -72,10 +72,10 @@ class Recorder:
         k = int(np.searchsorted(times, t + 1e-9, side="right")) - 1
         configurations, poses = self._rows[max(k, 0)]
         scene = self._viewer.scene
-        with scene.together():
+        with scene.atomic():
             for figure, q in configurations.items():
                 if figure.name in scene:
-                    figure.show_at(q)
+                    figure.display(q)
             for name, pose in poses.items():
                 if name in scene:
                     scene.set_pose(name, pose)

@@ -12,7 +12,7 @@ import numpy as np
 from swift._handles import AssemblyHandle
 from swift._items import pose_of
 from ulna.errors import InputError, ShapeError
-from ulna.sim.kinematic import held_step
+from ulna.sim.kinematic import limited_step
 from ulna.typing import Floats
 
 
@@ -36,7 +36,7 @@ class RobotHandle(AssemblyHandle):
         self._viewer, self.robot, self._model = viewer, robot, robot.ulna
         self._whole = getattr(robot, "_configuration", np.copy)
         self._low, self._high = _limits_of(robot)
-        self._held_step = held_step(len(self._low))
+        self._held_step = limited_step(len(self._low))
         stands = np.asarray(self._model.link_poses(self._model.neutral))[0]
         self._base, self._to_place = self._placed(), False
         self._moved: Floats | None = None
@@ -96,7 +96,7 @@ class RobotHandle(AssemblyHandle):
             if q is None:  # a script may have told it where to be
                 figure.q = self._configuration()
             else:
-                figure.put(partial(self._whole, q))  # which is asked for when somebody looks
+                figure.set_checked_q(partial(self._whole, q))  # which is asked for when somebody looks
         if not self._to_place:  # a base seldom moves, and asking for it takes time: not before somebody looks
             self._to_place = True
             self._viewer.scene.later(self, self._place)

@@ -42,7 +42,7 @@ class Swift(Contents):
             t, values = simulation.t + dt, controls.values
             for item in items:
                 item.tell(t, dt, values)
-        with viewer.scene.together():
+        with viewer.scene.atomic():
             for item in items:
                 item.show()
         if dt > 0.0:
@@ -145,7 +145,7 @@ class Swift(Contents):
         items = self._items.values()
         figures = [figure for item in items for figure in item.figures]
         drawn = [name for item in items for name in item.drawn]
-        self._recorder.note(self.sim_time, figures, drawn)
+        self._recorder.record_row(self.sim_time, figures, drawn)
 
     def __repr__(self) -> str:
         if self._viewer is None:

@@ -142,7 +142,7 @@
     for (const m of messages) {
       const update = m.type === "SceneNodeUpdateMessage";
       if (update && m.name === POSES) say(apply(m.updates));
-      else if (update && m.name === LOOKS) {
+      else if (update && m.name === APPEARANCES) {
         looks(m.updates);
         say(false);  // it asked for a frame where it needed one
       } else {

@@ -1,6 +1,6 @@
 // One lamp of the page throws shadows, by one map that fits what is there and is drawn anew only when something moved.
 //
-// `LAMP` is the path of the lamp: a directional light whose node stands where the light comes from.
+// `KEY_LIGHT` is the path of the lamp: a directional light whose node stands where the light comes from.
 (() => {
   const page = window.__viserMutable;
   if (!page || page.ulnaSoftware !== undefined) return;
@@ -19,7 +19,7 @@
 
   function found() {
     let light = null;
-    page.nodeRefFromName[LAMP]?.traverse(o => { if (o.isDirectionalLight) light = o; });
+    page.nodeRefFromName[KEY_LIGHT]?.traverse(o => { if (o.isDirectionalLight) light = o; });
     if (light && light !== lamp) {
       lamp = light;
       lamp.castShadow = true;

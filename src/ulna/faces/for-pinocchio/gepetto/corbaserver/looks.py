@@ -33,11 +33,11 @@ class Looks(Tree, abc.ABC):
     def setColor(self, nodeName: str, color: Sequence[float]) -> bool:
         """Colours a node and all in it: red, green, blue, opacity from 0 to 1."""
         rgba, place = colour(color), self.known(nodeName)
-        with self.scene.together():
+        with self.scene.atomic():
             for name in self.scene.names:
                 if name == place or name.startswith(place + "/"):
-                    self.scene.set_look(name, "tint", rgba[:3])
-            self.scene.set_look(place, "opacity", rgba[3])
+                    self.scene.set_appearance(name, "tint", rgba[:3])
+            self.scene.set_appearance(place, "opacity", rgba[3])
         return True
 
     def setScale(self, nodeName: str, scale: Sequence[float]) -> bool:

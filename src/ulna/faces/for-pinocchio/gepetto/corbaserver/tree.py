@@ -110,18 +110,18 @@ class Tree(abc.ABC):
         """Takes a node out of a group, and so out of sight, until it is added to another."""
         if self.known(nodeName).rpartition("/")[0] != self.known(groupName):
             return False
-        self.scene.set_look(self.known(nodeName), "visible", False)
+        self.scene.set_appearance(self.known(nodeName), "visible", False)
         return True
 
     def _move(self, old: str, new: str) -> None:
         scene = self.scene
-        with scene.together():
+        with scene.atomic():
             for name in [n for n in scene.names if n == old or n.startswith(old + "/")]:
                 node, to = scene.node(name), new + name[len(old) :]
                 scene.add(to, node.surfaces, scene.pose(name), node.shadow, node.through, node.content)
                 for key in ("scale", "opacity", "tint", "visible"):
-                    scene.set_look(to, key, scene.look(name, key))
-            scene.set_look(new, "visible", True)
+                    scene.set_appearance(to, key, scene.look(name, key))
+            scene.set_appearance(new, "visible", True)
             self.viewer.remove(old)
 
     def deleteNode(self, nodeName: str, all: bool = True) -> bool:
@@ -174,7 +174,7 @@ class Tree(abc.ABC):
 
     def refresh(self) -> bool:
         """Shows what was placed since the last time, all of it at once."""
-        with self.scene.together():
+        with self.scene.atomic():
             self.settle()
         self.refreshed()
         return True

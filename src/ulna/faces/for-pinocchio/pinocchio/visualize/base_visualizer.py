@@ -152,7 +152,7 @@ class BaseVisualizer(MotionPictures, abc.ABC):
             for kind, own in ((GeometryType.VISUAL, visual_color), (GeometryType.COLLISION, collision_color))
             for g in self._objects(kind)
         }
-        with self._scene.together():
+        with self._scene.atomic():
             gui.deleteNode(self._root, True)
             for kind in (GeometryType.VISUAL, GeometryType.COLLISION):
                 gui.createGroup(self._group(kind))
@@ -211,7 +211,7 @@ class BaseVisualizer(MotionPictures, abc.ABC):
             forwardKinematics(self.model, self.data, q)
             self._q = q
         scene, gui = self._scene, self.viewer.gui
-        with scene.together():
+        with scene.atomic():
             gui.settle()
             for kind, shown in self._shown.items():
                 if shown:

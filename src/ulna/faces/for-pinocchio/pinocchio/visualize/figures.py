@@ -13,9 +13,10 @@ from pinocchio._geometry.geometry_model import GeometryObject
 from ulna.errors import InputError, MissingExtra, ModelWarning
 from ulna.geometry import Mesh
 from ulna.viewer.colours import colour
-from ulna.viewer.mesh.mesh_files import load_mesh, smooth
+from ulna.viewer.mesh.mesh_files import load_mesh
 from ulna.viewer.mesh.primitives import tessellate
 from ulna.viewer.mesh.surface import Surface
+from ulna.viewer.mesh.vertex_normals import surface_with_normals
 
 
 def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) -> list[Surface]:
@@ -49,4 +50,4 @@ def _of_triangles(geometry: Any, rgba: Any) -> Surface:
     triangles = [
         [int(t[k]) for k in range(3)] for t in (geometry.tri_indices(i) for i in range(geometry.num_tris))
     ]
-    return smooth(vertices, np.array(triangles), rgba)
+    return surface_with_normals(vertices, np.array(triangles), rgba)

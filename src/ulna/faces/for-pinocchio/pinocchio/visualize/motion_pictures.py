@@ -121,13 +121,13 @@ class MotionPictures(abc.ABC):
     @contextmanager
     def create_video_ctx(self, filename: str, fps: float = 25.0, **_: Any) -> Iterator[None]:
         """Writes what is played within to a film: .mp4 or .gif."""
-        from ulna.viewer.output.video import check_film, write_film
+        from ulna.viewer.output.video import checked_video_path, write_video
 
-        check_film(filename)
+        checked_video_path(filename)
         self._film = []
         try:
             yield
-            write_film(filename, iter(self._film), fps)
+            write_video(filename, iter(self._film), fps)
         finally:
             self._film = None
 
