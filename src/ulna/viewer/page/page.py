@@ -150,7 +150,7 @@ class Page:
         """In a forked child: the page is the parent's; here it is closed, and nothing reaches the tabs."""
         self._stop = threading.Event()  # the lock of the old one may be held
         self._stop.set()
-        unwatch(self._waiting)
+        unwatch(self._notifications)
         atexit.unregister(self.close)
         disconnect(self.server)
 
