@@ -1,4 +1,4 @@
-"""Every element and attribute of MuJoCo's schema against the table: what is honoured equals MuJoCo, what is not is said."""
+"""Every element and attribute of MuJoCo's schema against the table: what is honoured equals MuJoCo, what is not is warned of."""
 
 from __future__ import annotations
 
@@ -48,7 +48,9 @@ def check(sample: Sample, folder: Path) -> None:
     said = "".join(warnings)
     if sample.verdict == "warned":
         assert sample.words in said
-        if sample.without is not None and "fluid" not in sample.attribute:  # of fluids <option> tells
+        if (
+            sample.without is not None and "fluid" not in sample.attribute
+        ):  # of fluids the warning names <option>
             assert sample.words not in "".join(loaded(_placed(sample.without, folder, "before.xml"))[1])
         return
     if sample.verdict == "honoured":

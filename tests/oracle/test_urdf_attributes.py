@@ -1,4 +1,4 @@
-"""Every attribute of URDF against a table: what is honoured equals Pinocchio, what is not is said or has no effect."""
+"""Every attribute of URDF against a table: what is honoured equals Pinocchio, what is not is warned of or has no effect."""
 
 from __future__ import annotations
 
@@ -87,10 +87,10 @@ def _same(key: str, one: Any, two: Any) -> bool:
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.name)
 def test_an_attribute_has_its_verdict(row: Row) -> None:
     model, said = loaded(row.source)
-    told = [text for text in said if "parts of this file" in text]
+    listed = [text for text in said if "parts of this file" in text]
     if row.verdict == "warned":
-        assert len(told) == 1
-        assert row.words in told[0]
+        assert len(listed) == 1
+        assert row.words in listed[0]
         return
     assert not said
     theirs = of_pinocchio(row.source)
