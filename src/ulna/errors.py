@@ -8,6 +8,7 @@ UlnaError
 ├── UnknownName (LookupError)        a frame, joint, robot, kernel ... of that name does not exist
 ├── UnknownAttribute (AttributeError) an object has no attribute of that name
 ├── UnknownArgument (TypeError)      a function has no argument of that name
+├── UnknownOperation (TypeError)     an operator is not defined for these objects
 ├── ModelError (ValueError)          a robot model contradicts itself
 │   └── FormatError                  a model file is broken: file, line, element, mend
 ├── InfeasibleError (ValueError)     limits and constraints leave no motion at all
@@ -161,6 +162,10 @@ class UnknownArgument(UlnaError, TypeError):
         named = ", ".join(f"`{name}`" for name in self.choices)
         hint = f"Did you mean {' or '.join(f'`{n}`' for n in near)}?" if near else f"It has: {named}."
         super().__init__(f"{function}() has no argument `{excerpt(given)}`. {hint}")
+
+
+class UnknownOperation(UlnaError, TypeError):
+    """An operator is not defined for these objects; says which one is."""
 
 
 class ModelError(UlnaError, ValueError):

@@ -216,6 +216,8 @@ RECIPES: dict[str, Recipe] = {
     **operational.RECIPES,
 }
 
+_SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "first_contact")
+
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
 _recent: deque[Any] = deque(
     maxlen=64
@@ -318,7 +320,10 @@ def shapes_for(model: Model, names: Sequence[str], given: Mapping[str, Any]) -> 
 def _choose(name: str, options: Mapping[str, Any]) -> tuple[Recipe, dict[str, Any]]:
     recipe = RECIPES.get(name)
     if recipe is None:
-        raise UnknownName("kernel", name, RECIPES)
+        search = (
+            f"robot.{name} is a method that searches; no kernel stands for it." if name in _SEARCHES else ""
+        )
+        raise UnknownName("kernel", name, RECIPES, search)
     for key in options:
         if key not in recipe.options:
             raise UnknownName(f"option of kernel {name!r}", key, recipe.options)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ulna.errors import InputError, UnknownName
+from ulna.idioms import check_keywords
 from ulna.model import JointKind, Model
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ _ENDINGS = (".urdf", ".xacro", ".xml", ".srdf", ".mjcf", ".sdf")
 PathLike = str | os.PathLike[str]
 
 
+@check_keywords
 def load(
     name_or_path: PathLike,
     *,
@@ -68,6 +70,7 @@ def load(
     return Robot(model)
 
 
+@check_keywords
 def load_model(
     name_or_path: PathLike,
     *,
@@ -104,6 +107,11 @@ def load_model(
         MissingExtra: the robot needs a package that is not installed.
     """
     if not isinstance(name_or_path, (str, os.PathLike)):
+        if isinstance(name_or_path, Model) or isinstance(getattr(name_or_path, "model", None), Model):
+            raise InputError(
+                f"`name_or_path` is {_described(name_or_path)}, loaded already. Use it as it is; "
+                "ulna.Robot(model) makes a Robot of a Model."
+            )
         raise InputError(
             f"`name_or_path` is {_described(name_or_path)}; expected a robot's name such as 'panda', the path of a "
             ".urdf, .xacro or MJCF (.xml) file, or URDF or MJCF text."

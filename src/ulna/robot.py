@@ -10,6 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
+from ulna.checks.values import short_repr
 from ulna.compiler import Function, trace
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, UnknownName
@@ -81,6 +82,11 @@ class Robot(
     __slots__ = ("_fk", "_jacobian", "_kernels", "_plain", "_solvers", "limits", "model")
 
     def __init__(self, model: Model) -> None:
+        if not isinstance(model, Model):
+            raise InputError(
+                f"`model` is of type {type(model).__name__}; expected a Model. ulna.load(name_or_path) makes a "
+                "Robot of a name or a file; a Robot needs no other."
+            )
         self.model = model
         self.limits = Limits(
             model.lower_position, model.upper_position, model.velocity_limit, model.effort_limit
@@ -205,6 +211,11 @@ def compile(
     """
     if robot is not None and not isinstance(robot, Robot):
         raise InputError(f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) gives.")
+    if not callable(f):
+        raise InputError(
+            f"`f` is {short_repr(f)}; expected a function of arrays. Kernels with names come from "
+            'robot.kernel("fk").'
+        )
     names = [n for n, p in inspect.signature(f).parameters.items() if n in shapes or p.default is p.empty]
     if robot is not None:
         shapes = kernels.shapes_for(robot.model, names, shapes)

@@ -36,7 +36,7 @@ def joint_findings(model: Model) -> Iterator[Finding]:
             "shared-name",
             f"{name!r}",
             "a link and a joint have this name",
-            "Frames are asked for by name, and the link comes first; rename one of them.",
+            'Asked for by name, the frame is that of the link; the frame of the joint is "joint:NAME".',
         )
     yield from _neutral(model)
 

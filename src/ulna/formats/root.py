@@ -16,5 +16,8 @@ def root_kind(root: str | JointKind | None) -> JointKind | None:
         return root
     kinds: dict[str, JointKind | None] = {"fixed": None, "free_flyer": FreeFlyer(), "planar": Planar()}
     if root not in kinds:
-        raise UnknownName("root joint", root, kinds)
+        floats = "float" in str(root).casefold()
+        raise UnknownName(
+            "root joint", root, kinds, 'A floating base is root="free_flyer".' if floats else ""
+        )
     return kinds[root]

@@ -127,13 +127,16 @@ class _Foreign:
 
 def check_keywords(f: F) -> F:
     """Has a function name the keyword that was meant, where it is given one that it does not have."""
-    names = [p.name for p in inspect.signature(f).parameters.values() if p.kind is not p.VAR_KEYWORD][1:]
+    names = [p.name for p in inspect.signature(f).parameters.values() if p.kind is not p.VAR_KEYWORD]
+    names = [name for name in names if name != "self"]
 
     @functools.wraps(f)
-    def checked(self: Any, /, *args: Any, **given: Any) -> Any:
+    def checked(*args: Any, **given: Any) -> Any:
         for name in given:
             if name not in names:
-                raise UnknownArgument(f.__name__, name, names, scene_names.KEYWORDS.get(name))
-        return f(self, *args, **given)
+                known = (module_names.KEYWORDS.get(name), scene_names.KEYWORDS.get(name))
+                meant = next((other for other in known if other in names), None)
+                raise UnknownArgument(f.__name__, name, names, meant)
+        return f(*args, **given)
 
     return checked  # type: ignore[return-value]

@@ -173,3 +173,24 @@ MODULE: dict[str, dict[str, str]] = {
         "Wrench": "ulna.Force",
     },
 }
+
+KEYWORDS: dict[str, str] = {
+    "floating": "root",
+    "floating_base": "root",
+    "free_flyer": "root",
+    "freeflyer": "root",
+    "root_joint": "root",
+    "base": "root",
+    "fixed_base": "root",
+    "useFixedBase": "root",
+    "package_dir": "package_dirs",
+    "mesh_dir": "package_dirs",
+    "mesh_folder": "package_dirs",
+    "packages": "package_dirs",
+    "file": "name_or_path",
+    "filename": "name_or_path",
+    "urdf": "name_or_path",
+    "name": "name_or_path",
+    "path": "name_or_path",
+}
+"""Names that arguments of `ulna.load` have elsewhere."""

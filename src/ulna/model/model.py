@@ -212,7 +212,10 @@ class Model(metaclass=Explained):
         index = self._joint_places.get(name)
         if index is None:
             fixed = any(frame.name == name and frame.kind == "fixed_joint" for frame in self.frames)
-            raise UnknownName("joint", name, self.joint_names, "That joint is fixed." if fixed else "")
+            advice = "That joint is fixed." if fixed else ""
+            if isinstance(name, int) and 0 <= name < len(self.joint_names):
+                advice = f"Joints go by name: joint_names[{name}] is {self.joint_names[name]!r}."
+            raise UnknownName("joint", name, self.joint_names, advice)
         return index
 
     def link_index(self, name: str) -> int:
@@ -230,7 +233,9 @@ class Model(metaclass=Explained):
         """
         index = self._frame_places.get(name)
         if index is None:
-            raise UnknownName("frame", name, self.frame_names)
+            is_reference = name in ("world", "local", "local_world_aligned")
+            advice = f'{name!r} is a reference: write reference="{name}".' if is_reference else ""
+            raise UnknownName("frame", name, self.frame_names, advice)
         return index
 
     @cached_property

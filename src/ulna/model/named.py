@@ -7,7 +7,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from ulna.errors import UnknownName
+from ulna.errors import UnknownAttribute, UnknownName
 
 V = TypeVar("V")
 
@@ -34,6 +34,11 @@ class Named(Mapping[str, V], Generic[V]):
             return self._items[name]
         except KeyError:
             raise UnknownName(self._kind, name, self._items) from None
+
+    def __getattr__(self, name: str) -> V:
+        if not name.startswith("_") and name in self._items:
+            raise UnknownAttribute(f"Mapping of each {self._kind}", name, (), f'Write ["{name}"].')
+        raise AttributeError(f"A mapping of each {self._kind} has no attribute {name!r}.")
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._items)

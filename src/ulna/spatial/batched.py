@@ -45,7 +45,13 @@ class Batched(ABC):
         """The part of the batch that `index` picks, as for a NumPy array of shape `batch_shape`."""
         batch = self.batch_shape
         index = index if isinstance(index, tuple) else (index,)
-        np.broadcast_to(0.0, batch)[index]  # raises where the index reaches beyond the batch axes
+        try:
+            np.broadcast_to(0.0, batch)[index]  # raises where the index reaches beyond the batch axes
+        except IndexError as error:
+            raise IndexError(
+                f"{error}. An index picks from a batch, of shape {batch} here; entries are those of the arrays, such "
+                "as T.matrix()[..., :3, 3] or T.translation[..., 0]."
+            ) from None
         has_ellipsis = any(i is Ellipsis for i in index)
         parts = []
         for name, rank in self._ranks.items():

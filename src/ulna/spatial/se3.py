@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar, final, overload
 import numpy as np
 
 from ulna.checks.arrays import ROTATION_TOLERANCE, batched_array, checked_rotation
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError, ShapeError, UnknownOperation
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, is_symbolic, skew, sqrt, vector
 from ulna.spatial import angles, exponential, quaternion
@@ -144,6 +144,14 @@ class SE3(Batched, metaclass=Explained):
     def random(cls, rng: np.random.Generator, size: tuple[int, ...] = (), reach: float = 1.0) -> SE3:
         """Rotations spread evenly, and translations spread evenly over a cube of +-`reach` [m]."""
         return cls(SO3.random(rng, size).matrix, rng.uniform(-reach, reach, (*size, 3)))
+
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, (type(self), np.ndarray, list, tuple)):
+            kind = type(self).__name__
+            raise UnknownOperation(
+                f"{kind} has no `*`; compose and apply with `@`: T_a_b @ T_b_c, T @ points."
+            )
+        return NotImplemented
 
     @overload
     def __matmul__(self, other: SE3) -> SE3: ...

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from ulna.checks.arrays import batched_array, checked_rotation
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError, ShapeError, UnknownOperation
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, sqrt
 from ulna.spatial import angles, exponential, quaternion
@@ -110,6 +110,14 @@ class SO3(Batched, metaclass=Explained):
     def inverse(self) -> SO3:
         """The rotation back."""
         return SO3(np.swapaxes(self.matrix, -1, -2))
+
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, (type(self), np.ndarray, list, tuple)):
+            kind = type(self).__name__
+            raise UnknownOperation(
+                f"{kind} has no `*`; compose and apply with `@`: T_a_b @ T_b_c, T @ points."
+            )
+        return NotImplemented
 
     def __matmul__(self, other: Any) -> Any:
         """The rotation `other` followed by this one; or vectors (..., 3), rotated."""

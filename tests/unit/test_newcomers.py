@@ -1,0 +1,78 @@
+"""What people who come from other libraries try first: each is answered with the call that does it."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.errors import UlnaError
+
+R = ulna.load("panda", visuals="simple")
+Q = R.configurations["qr"]
+T = ulna.SE3.from_matrix(R.fk(Q))
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: ulna.load(R), "is of type Robot, loaded already"),
+        (lambda: ulna.load(R.model), r"ulna.Robot\(model\) makes a Robot of a Model"),
+        (
+            lambda: ulna.load("panda", floating=True),
+            r"load\(\) has no argument `floating`. Did you mean `root`",
+        ),
+        (lambda: ulna.load("panda", base=np.eye(4)), "Did you mean `root`"),
+        (lambda: ulna.load("panda", mesh_dir="."), "Did you mean `package_dirs`"),
+        (lambda: ulna.load(filename="panda"), "Did you mean `name_or_path`"),
+        (lambda: ulna.load_model("panda", packagedirs="."), "Did you mean `package_dirs`"),
+        (lambda: ulna.load("panda", root="floating"), 'A floating base is root="free_flyer"'),
+        (lambda: ulna.Robot("panda"), r"of type str; expected a Model. ulna.load\(name_or_path\)"),  # type: ignore[arg-type]
+        (lambda: ulna.Robot(R), "a Robot needs no other"),  # type: ignore[arg-type]
+        (lambda: ulna.compile("fk", R), r'robot.kernel\("fk"\)'),  # type: ignore[arg-type]
+        (lambda: R.jacobian(Q, "local"), "'local' is a reference: write reference=\"local\""),
+        (lambda: R.jacobian(Q, "world"), "'world' is a reference"),
+        (lambda: R.configurations.qr, r'has no attribute \'qr\'. Write \["qr"\]'),  # type: ignore[attr-defined]
+        (lambda: R.kernel("ik"), "robot.ik is a method that searches"),
+        (lambda: R.kernel("collides"), "robot.collides is a method that searches"),
+        (lambda: T * T, r"SE3 has no `\*`; compose and apply with `@`"),
+        (lambda: T * [1.0, 2.0, 3.0], "compose and apply with `@`"),
+        (lambda: T * np.eye(4), "compose and apply with `@`"),
+        (lambda: T.so3() * T.so3(), r"SO3 has no `\*`"),
+        (lambda: R.model.joint_index(0), "Joints go by name: joint_names.0. is 'panda_joint1'"),  # type: ignore[arg-type]
+        (lambda: R.ik(T, joints=[0, 1, 2]), "Joints go by name"),  # type: ignore[list-item]
+    ],
+)
+def test_first_attempts_are_answered(call: Callable[[], Any], said: str) -> None:
+    with pytest.raises(UlnaError, match=said):
+        call()
+
+
+def test_entries_of_a_pose_are_those_of_its_matrix() -> None:
+    for index in ((0, 3), (slice(3), 3), 0):
+        with pytest.raises(
+            IndexError, match=r"An index picks from a batch, of shape \(\) here.*T.matrix\(\)"
+        ):
+            T[index]
+    batch = ulna.SE3.stack([T, T])
+    assert batch[1].is_close(T)
+    with pytest.raises(IndexError, match=r"batch, of shape \(2,\) here"):
+        batch[2]
+
+
+def test_what_is_right_stays_as_it_was() -> None:
+    configurations = R.configurations
+    assert dict(pickle.loads(pickle.dumps(configurations))).keys() == dict(configurations).keys()
+    assert copy.deepcopy(configurations) == configurations and copy.copy(configurations) == configurations
+    assert not hasattr(configurations, "shape") and not hasattr(configurations, "qr")
+    with pytest.raises(TypeError):
+        T * 2.0  # type: ignore[operator]
+    with pytest.raises(TypeError):
+        T * ulna.Motion.zero()  # type: ignore[operator]
+    assert R.jacobian(Q, "panda_hand", "local").shape == (6, 7)
+    assert ulna.load("panda", root="free_flyer", visuals="simple").nv == 13
