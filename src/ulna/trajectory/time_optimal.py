@@ -136,7 +136,7 @@ def _law(s: Floats, D: Floats, x: Floats) -> Polynomial:
         k = int(np.argmin(mean))
         raise InputError(
             f"The motion comes to rest on the path at s = {s[k]:.6g} of {s[-1]:.6g} and cannot leave it. "
-            "Look for limits that are too low there, or a way-point at which the path turns back."
+            "Look for limits that are too low there, or nearly reached at rest."
         )
     times, c = np.zeros(x.size), np.empty((D.size, 3, 1))
     np.cumsum(D / mean, out=times[1:])
