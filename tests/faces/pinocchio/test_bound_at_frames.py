@@ -85,7 +85,7 @@ def test_copying_a_model_compiles_nothing(pin: Any, model: Any, monkeypatch: pyt
     data, q = model.createData(), np.linspace(0.1, 0.6, 6)
     _asked(pin, model, data, q)
     model.copy()
-    monkeypatch.setattr(pin._model.kernels, "compile_function", None)
+    monkeypatch.setattr(pin._model.compiled_model, "compile_function", None)
     _asked(pin, model, data, q)
 
 

@@ -54,8 +54,8 @@ def test_nothing_is_compiled_once_numbers_keep_changing(pin: Any, monkeypatch: p
         _answers(pin, model, data, q)
     other = model.copy()
     with monkeypatch.context() as patch:
-        patch.setattr(pin._model.kernels, "compile_function", None)
-        patch.setattr(pin._model.kernels, "tower_model", None)
+        patch.setattr(pin._model.compiled_model, "compile_function", None)
+        patch.setattr(pin._model.compiled_model, "core_model", None)
         for k in range(6, 40):
             _changed(model, k)
             found = _answers(pin, model, data, q)

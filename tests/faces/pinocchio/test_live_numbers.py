@@ -247,7 +247,7 @@ def test_arguments_to_be_converted_bind_nothing_anew(pin: Any, monkeypatch: pyte
     q = np.linspace(0.1, 0.6, 6)
     wanted = pin.rnea(model, data, q, q, q), pin.integrate(model, q, q)
     monkeypatch.setattr(binding, "_bind", None)
-    monkeypatch.setattr(configurations, "Scratch", None)
+    monkeypatch.setattr(configurations, "BoundKernel", None)
     for given in (np.tile(q[:, None], 3)[:, 1], list(q), q.reshape(-1, 1)):
         assert np.array_equal(pin.rnea(model, data, given, given, given), wanted[0])
         assert np.array_equal(pin.integrate(model, given, given), wanted[1])

@@ -28,16 +28,16 @@ def _answers(pin: Any, model: Any, q: Any) -> list[Any]:
 
 
 def test_threads_compute_what_one_does_and_compile_once(pin: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    import pinocchio._model.kernels
+    import pinocchio._model.compiled_model
 
     made: list[Any] = []
-    compiled = pinocchio._model.kernels.compile_function
+    compiled = pinocchio._model.compiled_model.compile_function
 
     def counted(function: Any, **shapes: Any) -> Any:
         made.append(function)
         return compiled(function, **shapes)
 
-    monkeypatch.setattr(pinocchio._model.kernels, "compile_function", counted)
+    monkeypatch.setattr(pinocchio._model.compiled_model, "compile_function", counted)
     model = pin.buildSampleModelManipulator()
     states = np.random.default_rng(4).normal(size=(4 * THREADS, model.nq))
     with ThreadPoolExecutor(THREADS) as threads:
@@ -51,18 +51,18 @@ def test_threads_compute_what_one_does_and_compile_once(pin: Any, monkeypatch: p
 def test_a_number_that_changes_while_another_thread_compiles_is_not_missed(
     pin: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import pinocchio._model.kernels
+    import pinocchio._model.compiled_model
 
     model = pin.buildSampleModelManipulator()
     data, q = model.createData(), np.ones(model.nq)
-    compiled = pinocchio._model.kernels.compile_function
+    compiled = pinocchio._model.compiled_model.compile_function
 
     def meanwhile(function: Any, **shapes: Any) -> Any:
         found = compiled(function, **shapes)
         model.inertias[2].mass = 7.0
         return found
 
-    monkeypatch.setattr(pinocchio._model.kernels, "compile_function", meanwhile)
+    monkeypatch.setattr(pinocchio._model.compiled_model, "compile_function", meanwhile)
     pin.rnea(model, data, q, q, q)
     monkeypatch.undo()
     other = model.copy()

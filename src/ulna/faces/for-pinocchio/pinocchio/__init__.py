@@ -17,12 +17,14 @@ from pinocchio._algorithms.energy import *
 from pinocchio._algorithms.jacobians import *
 from pinocchio._algorithms.kinematics import *
 from pinocchio._algorithms.kinematics_derivatives import *
+from pinocchio._algorithms.model_editing import *
 from pinocchio._algorithms.regressors import *
 from pinocchio._constraints.anchors import *
 from pinocchio._constraints.cholesky import *
 from pinocchio._constraints.cones import *
 from pinocchio._constraints.contact_inverse_dynamics import *
 from pinocchio._constraints.delassus import *
+from pinocchio._constraints.delassus_of_cholesky import *
 from pinocchio._constraints.dynamics import *
 from pinocchio._constraints.dynamics_derivatives import *
 from pinocchio._constraints.frame_pair import *
@@ -32,13 +34,13 @@ from pinocchio._constraints.jacobians import *
 from pinocchio._constraints.joint_constraints import *
 from pinocchio._constraints.proximal_settings import *
 from pinocchio._constraints.rigid_constraint import *
+from pinocchio._constraints.rigid_constraint_model import *
 from pinocchio._containers.arrays import StdVec as StdVec
 from pinocchio._containers.enums import *
 from pinocchio._data.data import Data as Data
 from pinocchio._model.frame import Frame as Frame
 from pinocchio._model.joint_kinds import *
 from pinocchio._model.model import Model as Model
-from pinocchio._model.reduction import *
 from pinocchio._package.former_modules import register_former_modules
 from pinocchio._package.lazy_names import lazy_names, load_lazy_name
 from pinocchio._package.unsupported_names import refusal, stands_in_an_import
@@ -48,10 +50,10 @@ from pinocchio._spatial.inertia import Inertia as Inertia
 from pinocchio._spatial.motion_force import Force as Force
 from pinocchio._spatial.motion_force import Motion as Motion
 from pinocchio._spatial.motion_force import classicAcceleration as classicAcceleration
-from pinocchio._spatial.motion_force import seed as seed
 from pinocchio._spatial.motion_force import skew as skew
 from pinocchio._spatial.motion_force import skewSquare as skewSquare
 from pinocchio._spatial.motion_force import unSkew as unSkew
+from pinocchio._spatial.random_numbers import seed as seed
 from pinocchio._spatial.rotations import AngleAxis as AngleAxis
 from pinocchio._spatial.rotations import Quaternion as Quaternion
 from pinocchio._spatial.se3 import SE3 as SE3

@@ -29,18 +29,18 @@ def solve(model: Model, data: Data, v: Any) -> Floats:
 
 def computeMinv(model: Model, data: Data) -> Floats:
     """The inverse of the M that was decomposed last; kept in `data.Minv`. After crba."""
-    data._blocks["Minv"][...] = found = _factored(model, data).inverse_mass()
-    data.written("Minv")
+    data._arrays["Minv"][...] = found = _factored(model, data).inverse_mass()
+    data.mark_filled("Minv")
     return found
 
 
 def _factored(model: Model, data: Data, anew: bool = False) -> Factored:
-    found = data._run_at.get("cholesky") if data._model is model else None
+    found = data._bound_at.get("cholesky") if data._model is model else None
     if anew or found is None or found.due:
-        M = data._blocks["M"]
+        M = data._arrays["M"]
         if found is None or found.factor(M, *found.no_rows) is NotImplemented:
             kernels = kernels_for(data.attach(model), np.zeros((0, model.nv)))
-            found = data._run_at["cholesky"] = Factored(kernels, model.watched("shape"))
+            found = data._bound_at["cholesky"] = Factored(kernels, model.watched("structure"))
             found.factor(M, *found.no_rows)
         found.due = False
         if not found.unique:

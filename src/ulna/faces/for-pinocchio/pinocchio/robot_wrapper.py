@@ -6,9 +6,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from pinocchio._algorithms import center_of_mass, configurations, dynamics
+from pinocchio._algorithms import center_of_mass, configurations, dynamics, model_editing
 from pinocchio._geometry.geometry_model import GeometryModel
-from pinocchio._model import reduction
 from pinocchio._model.model import Model
 from pinocchio._parsers.mjcf import buildModelsFromMJCF
 from pinocchio._robot_wrapper.kinematics import Kinematic
@@ -196,7 +195,7 @@ class RobotWrapper(Kinematic, Viewed):
         locked = [self.index(j) if isinstance(j, str) else self._joint(j) for j in list_of_joints_to_lock]
         q = configurations.neutral(self.model) if reference_configuration is None else reference_configuration
         geometries = [g for g in (self.visual_model, self.collision_model) if g is not None]
-        model, reduced = reduction.buildReducedModel(self.model, geometries, locked, q)
+        model, reduced = model_editing.buildReducedModel(self.model, geometries, locked, q)
         left = iter(reduced)
         visual = None if self.visual_model is None else next(left)
         collision = None if self.collision_model is None else next(left)

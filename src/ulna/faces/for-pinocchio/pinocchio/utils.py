@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._spatial.motion_force import generator, skew
+from pinocchio._spatial.motion_force import skew
+from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.se3 import SE3ToXYZQUAT as se3ToXYZQUAT
 from pinocchio._spatial.se3 import XYZQUATToSE3 as XYZQUATToSe3
 from pinocchio.rpy import matrixToRpy, rotate, rpyToMatrix

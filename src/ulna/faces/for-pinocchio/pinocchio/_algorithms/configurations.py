@@ -9,14 +9,14 @@ import numpy as np
 
 from pinocchio._containers.arrays import StdVec, exact, vector
 from pinocchio._containers.enums import ArgumentPosition
-from pinocchio._data.binding import Scratch
+from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.building import FREE
 from pinocchio._model.model import Model
-from pinocchio._spatial.motion_force import generator
+from pinocchio._spatial.random_numbers import generator
 from ulna import algorithms
 from ulna.algorithms.tree import blank
 from ulna.errors import InputError
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 from ulna.model.joints.base import Coordinate
 from ulna.numeric import less, minimum, where
 from ulna.typing import Array, Floats
@@ -45,7 +45,7 @@ __all__ = [
 
 def neutral(model: Model) -> Floats:
     """The configuration (nq,) in which nothing is turned or slid."""
-    return np.array(algorithms.neutral(model.shape().model))
+    return np.array(algorithms.neutral(model.compiled_structure().model))
 
 
 def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any = None) -> Floats:
@@ -61,8 +61,8 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
         found = model._random(parts, normal, low, high)
     if found is NotImplemented:
         shapes = dict.fromkeys(("parts", "normal", "low", "high"), (model.nq,))
-        kernel = model.shape().made("random", _within, **shapes)
-        model._random = Scratch(kernel, others=[model._narrowest]).call
+        kernel = model.compiled_structure().compile("random", _within, **shapes)
+        model._random = BoundKernel(kernel, others=[model._narrowest]).call
         found = model._random(parts, normal, low, high)
     if not model._narrowest[()] >= 0.0:
         raise InputError(
@@ -71,7 +71,7 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
     return found
 
 
-def _within(model: TowerModel) -> Any:
+def _within(model: CoreModel) -> Any:
     """What evenly drawn parts in [0, 1] make within limits, and the narrowest of these.
 
     Normal deviates, scaled to unit length, are even over all rotations.
@@ -120,19 +120,19 @@ def _bound(model: Model, name: str, *state: Floats) -> Floats:
     """What the bound `integrate` or `difference` of a model says, which is bound where it does not apply."""
     found = getattr(model, f"_{name}")(*state)
     if found is NotImplemented:
-        setattr(model, f"_{name}", Scratch(model.shape().plain(name)).call)
+        setattr(model, f"_{name}", BoundKernel(model.compiled_structure().core_kernel(name)).call)
         found = getattr(model, f"_{name}")(*state)
     return found
 
 
 def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
     """The configuration (nq,) a part `alpha` of the way from q1 to q2."""
-    return model.shape().plain("interpolate")(*_pair(model, q1, q2), np.float64(alpha))
+    return model.compiled_structure().core_kernel("interpolate")(*_pair(model, q1, q2), np.float64(alpha))
 
 
 def distance(model: Model, q1: Any, q2: Any) -> float:
     """The length of the difference."""
-    return float(model.shape().plain("distance")(*_pair(model, q1, q2)))
+    return float(model.compiled_structure().core_kernel("distance")(*_pair(model, q1, q2)))
 
 
 def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
@@ -144,7 +144,7 @@ def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
 
 def normalize(model: Model, q: Any) -> Floats:
     """The same configuration with quaternions, and pairs of cosine and sine, of unit length."""
-    return model.shape().plain("normalize")(vector(q, model.nq, "q"))
+    return model.compiled_structure().core_kernel("normalize")(vector(q, model.nq, "q"))
 
 
 def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
@@ -155,18 +155,20 @@ def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
 
 def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float = 1e-12) -> bool:
     """Whether two configurations are the same place."""
-    return bool(algorithms.is_same(model.shape().model, *_pair(model, q1, q2), tolerance=prec))
+    return bool(algorithms.is_same(model.compiled_structure().model, *_pair(model, q1, q2), tolerance=prec))
 
 
 def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> Any:
     """The derivatives (nv, nv) of `integrate` by q and v; one of them for ARG0 or ARG1."""
-    both = model.shape().plain("integrate_derivatives")(vector(q, model.nq, "q"), vector(v, model.nv, "v"))
+    both = model.compiled_structure().core_kernel("integrate_derivatives")(
+        vector(q, model.nq, "q"), vector(v, model.nv, "v")
+    )
     return _chosen(both, argument_position)
 
 
 def dDifference(model: Model, q1: Any, q2: Any, argument_position: Any = None) -> Any:
     """The derivatives (nv, nv) of `difference` by q1 and q2; one of them for ARG0 or ARG1."""
-    both = model.shape().plain("difference_derivatives")(*_pair(model, q1, q2))
+    both = model.compiled_structure().core_kernel("difference_derivatives")(*_pair(model, q1, q2))
     return _chosen(both, argument_position)
 
 
@@ -177,7 +179,7 @@ def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_positio
 
 def tangentMap(model: Model, q: Any) -> Floats:
     """The matrix (nq, nv) from velocities to the rates of the entries of q."""
-    kernel = model.shape().made("tangent map", _tangent_map, q=(model.nq,))
+    kernel = model.compiled_structure().compile("tangent map", _tangent_map, q=(model.nq,))
     return kernel(vector(q, model.nq, "q"))
 
 

@@ -7,34 +7,37 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.center_of_mass import about_origin, as_one_body
-from pinocchio._algorithms.dynamics import external, rnea, run_under, under_forces
+from pinocchio._algorithms.dynamics import external, rnea, under_forces
 from pinocchio._algorithms.jacobians import (
-    COLUMNS,
-    RATES,
+    JACOBIAN_RATES,
+    JACOBIANS,
     columns,
     computeJointJacobians,
     rates,
 )
 from pinocchio._containers.arrays import vector
-from pinocchio._data.binding import Algorithm, refuse, run
+from pinocchio._data.algorithm import Algorithm
+from pinocchio._data.binding import run
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import (
+    ACCELERATIONS_IN_WORLD,
     BODIES,
-    CENTRES,
-    IN_WORLD,
-    OA,
-    OV,
-    OWN,
-    SLOPES,
-    SLOPES_UNDER_FORCES,
-    UNDER_FORCES,
-    Late,
+    BODIES_UNDER_FORCES,
+    CENTERS,
+    JOINTS,
+    SUBTREE_MOMENTA_IN_WORLD,
+    TORQUE_DERIVATIVES,
+    TORQUE_DERIVATIVES_UNDER_FORCES,
+    VELOCITIES_IN_WORLD,
     rows,
     split_forces,
 )
+from pinocchio._data.functions import algorithm, fast_path
+from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
+from pinocchio._spatial.motion_force import checked_forces
 from ulna import algorithms
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
 
@@ -48,28 +51,18 @@ __all__ = [
 ]
 
 
-def _inverse(model: TowerModel) -> Any:
+def _inverse(model: CoreModel) -> Any:
     def run(q: Array, v: Array, a: Array, *F: Array) -> tuple[Array, ...]:
         forces = [split_forces(x) for x in F]
-        found = algorithms.inverse_dynamics_derivatives(model, q, v, a, *forces)
-        gains = rows(algorithms.joint_accelerations(model, q, v, a))
-        return (
-            *found,
-            algorithms.inverse_dynamics(model, q, v, a, *forces),
-            q,
-            v,
-            a,
-            gains,
-            q,
-            v,
-            a,
-            *rates(model)(q, v),
-        )
+        derivatives = algorithms.inverse_dynamics_derivatives(model, q, v, a, *forces)
+        tau = algorithms.inverse_dynamics(model, q, v, a, *forces)
+        accelerations = rows(algorithms.joint_accelerations(model, q, v, a))
+        return *derivatives, tau, accelerations, *rates(model)(q, v)
 
     return run
 
 
-def _forward(model: TowerModel) -> Any:
+def _forward(model: CoreModel) -> Any:
     def run(q: Array, v: Array, tau: Array, *F: Array) -> tuple[Array, ...]:
         forces = [split_forces(x) for x in F]
         by_q, by_v, by_tau = algorithms.forward_dynamics_derivatives(model, q, v, tau, *forces)
@@ -79,108 +72,80 @@ def _forward(model: TowerModel) -> Any:
     return run
 
 
-def _weight(model: TowerModel) -> Any:
+def _gravity(model: CoreModel) -> Any:
     def run(q: Array) -> tuple[Array, ...]:
-        rest = np.zeros(model.nv)
-        by_q, _, _ = algorithms.inverse_dynamics_derivatives(model, q, rest, rest)
-        lift = np.concatenate([-np.asarray(model.gravity), np.zeros(3)])
-        return by_q, algorithms.gravity_forces(model, q), lift, *columns(model)(q)
+        zero = np.zeros(model.nv)
+        by_q, _, _ = algorithms.inverse_dynamics_derivatives(model, q, zero, zero)
+        base_acceleration = np.concatenate([-np.asarray(model.gravity), np.zeros(3)])
+        return by_q, algorithms.gravity_forces(model, q), base_acceleration, *columns(model)(q)
 
     return run
 
 
-def _momenta(model: TowerModel) -> Any:
+def _centroidal(model: CoreModel) -> Any:
     def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
-        found = algorithms.centroidal_derivatives(model, q, v, a)
+        derivatives = algorithms.centroidal_derivatives(model, q, v, a)
         Ag = algorithms.centroidal_matrix(model, q)
         hg, rate = Ag @ v, algorithms.centroidal_momentum_rate(model, q, v, a)
-        gains = rows(algorithms.joint_accelerations(model, q, v, a))
-        whole = about_origin(model, q, hg), about_origin(model, q, rate), as_one_body(model, q)
+        accelerations = rows(algorithms.joint_accelerations(model, q, v, a))
+        totals = about_origin(model, q, hg), about_origin(model, q, rate), as_one_body(model, q)
         com = algorithms.center_of_mass(model, q)
-        return *found, Ag, hg, rate, *whole, com, gains, q, v, a, *rates(model)(q, v)
+        return *derivatives, Ag, hg, rate, *totals, com, accelerations, *rates(model)(q, v)
 
     return run
 
 
-_STEPS = ("dFda", "dFdq", "dFdv")
-_STATE = ("derivatives q", "derivatives v", "derivatives a")
-_GAINED = ("a", "gains q", "gains v", "gains a")
-_IN_WORLD = {name: late for name, late in BODIES.items() if name in ("oa_gf", "of", "oh")}
-_UNDER = {name: UNDER_FORCES[name] for name in _IN_WORLD}
-
-
-def _of_rnea(name: str, inputs: str, in_world: dict[str, Late]) -> Algorithm:
-    return Algorithm(
-        name,
-        inputs,
-        ("dtau_dq", "dtau_dv", "M", "tau", *_STATE, *_GAINED, *RATES),
-        _inverse,
-        (0, 1, 2),
-        late=OWN | OV | OA | in_world,
-        spoils=_STEPS,
-        title="computeRNEADerivatives",
-    )
-
-
-def _of_aba(name: str, inputs: str, late: dict[str, Late]) -> Algorithm:
-    return Algorithm(
-        name,
-        inputs,
-        ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq", f"{name} a", *RATES),
-        with_mass(_forward),
-        (0, 1, 2),
-        late=OWN | OV | OA | late,
-        spoils=_STEPS,
-        title="computeABADerivatives",
-    )
-
-
-_RNEA = _of_rnea("rnea_derivatives", "qva", _IN_WORLD)
-_RNEA_UNDER = _of_rnea("rnea_derivatives_under", "qvaf", _UNDER)
-_ABA = _of_aba("aba_derivatives", "qvt", _IN_WORLD | SLOPES)
-_ABA_UNDER = _of_aba("aba_derivatives_under", "qvtf", _UNDER | SLOPES_UNDER_FORCES)
-_WEIGHT = Algorithm(
-    "gravity_derivatives",
-    "q",
-    ("gravity by q", "g", "oa_gf[0]", *COLUMNS),
-    _weight,
-    (0,),
-    late=OWN | {"of": BODIES["of"]},
-    spoils=("Ag", "dFdq"),
-    title="derivatives of torques against gravity",
+_INTERMEDIATE = ("dFda", "dFdq", "dFdv")
+_MOTION = JOINTS | VELOCITIES_IN_WORLD | ACCELERATIONS_IN_WORLD
+_WORLD_FIELDS = ("oa_gf", "of", "oh")
+_IN_WORLD = {name: BODIES[name] for name in _WORLD_FIELDS}
+_IN_WORLD_UNDER_FORCES = {name: BODIES_UNDER_FORCES[name] for name in _WORLD_FIELDS}
+_RNEA: dict[str, Any] = {
+    "fills": ("dtau_dq", "dtau_dv", "M", "tau", "a", *JACOBIAN_RATES),
+    "kernel": _inverse,
+    "returns": (0, 1, 2),
+    "states": ("derivatives",),
+    "invalidates": _INTERMEDIATE,
+}
+_ABA_FIELDS = ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq")
+_ABA: dict[str, Any] = {
+    "kernel": with_mass(_forward),
+    "returns": (0, 1, 2),
+    "invalidates": _INTERMEDIATE,
+    "title": "computeABADerivatives",
+}
+_RNEA_UNDER_FORCES = Algorithm(
+    "rnea_derivatives_under_forces",
+    "qvaf",
+    **_RNEA,
+    deferred=_MOTION | _IN_WORLD_UNDER_FORCES,
+    title="computeRNEADerivatives",
 )
-_MOMENTA = Algorithm(
-    "centroidal_derivatives",
-    "qva",
-    (
-        *("dHdq", "dFdq", "dFdv", "dFda", "Ag", "hg", "dhg", "oh[0]", "of[0]", "Ig", "com[0]"),
-        *(*_GAINED, *RATES),
-    ),
-    _momenta,
-    (0, 1, 2, 3),
-    late=OWN | OV | OA | CENTRES | IN_WORLD,
-    spoils=("tau",),
-    title="computeCentroidalDynamicsDerivatives",
+_ABA_ALONE = Algorithm(
+    "aba_derivatives",
+    "qvt",
+    (*_ABA_FIELDS, "aba_derivatives a", *JACOBIAN_RATES),
+    **_ABA,
+    deferred=_MOTION | _IN_WORLD | TORQUE_DERIVATIVES,
 )
-
-_LATER_MOMENTA = Algorithm(
-    "later_momenta", "", (), refuse, spoils=("of",), title="getCentroidalDynamicsDerivatives"
+_ABA_UNDER_FORCES = Algorithm(
+    "aba_derivatives_under_forces",
+    "qvtf",
+    (*_ABA_FIELDS, "aba_derivatives_under_forces a", *JACOBIAN_RATES),
+    **_ABA,
+    deferred=_MOTION | _IN_WORLD_UNDER_FORCES | TORQUE_DERIVATIVES_UNDER_FORCES,
 )
 
 
+@algorithm(**_RNEA, deferred=_MOTION | _IN_WORLD, forces=_RNEA_UNDER_FORCES)
 def computeRNEADerivatives(
     model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None
 ) -> tuple[Floats, Floats, Floats]:
     """Derivatives of the torques by q, v and a (the mass matrix), (nv, nv) each; kept in `data`."""
-    if fext is None:
-        step = data._run.rnea_derivatives
-        found = step(q, v, a) if data._model is model else NotImplemented
-        if found is NotImplemented:
-            found = run(model, data, _RNEA, q, v, a)
-        return found
-    return run_under(model, data, _RNEA_UNDER, q, v, a, fext)
+    ...
 
 
+@fast_path(_ABA_ALONE, forces=_ABA_UNDER_FORCES)
 def computeABADerivatives(
     model: Model, data: Data, q: Any = None, v: Any = None, tau: Any = None, fext: Any = None
 ) -> tuple[Floats, Floats, Floats]:
@@ -190,48 +155,79 @@ def computeABADerivatives(
     """
     if v is None:
         fext = q if fext is None else fext
-        q, v, ddq = (x.copy() for x in data.require(data._of_forward, "aba(model, data, q, v, tau)"))
+        stored = data.require(data._state_of_forward_dynamics, "aba(model, data, q, v, tau)")
+        q, v, ddq = (x.copy() for x in stored)
         tau = rnea(model, data, q, v, ddq, fext)
     if fext is None:
-        step = data._run.aba_derivatives
-        found = step(q, v, tau) if data._model is model else NotImplemented
-        if found is NotImplemented:
-            found = run(model, data, _ABA, q, v, tau)
-        return found
-    return run_under(model, data, _ABA_UNDER, q, v, tau, fext)
+        return run(model, data, _ABA_ALONE, q, v, tau)
+    return run(model, data, _ABA_UNDER_FORCES, q, v, tau, *checked_forces(fext, model.njoints))
 
 
+@algorithm(
+    fills=("gravity by q", "g", "oa_gf[0]", *JACOBIANS),
+    kernel=_gravity,
+    returns=(0,),
+    deferred=JOINTS | {"of": BODIES["of"]},
+    invalidates=("Ag", "dFdq"),
+)
 def computeGeneralizedGravityDerivatives(model: Model, data: Data, q: Any) -> Floats:
     """The derivative (nv, nv) of the torques against gravity by q."""
-    step = data._run.gravity_derivatives
-    found = step(q) if data._model is model else NotImplemented
-    return run(model, data, _WEIGHT, q) if found is NotImplemented else found
+    ...
+
+
+_STATIC = Algorithm(
+    "static_torque_derivatives",
+    "",
+    (),
+    not_applicable,
+    invalidates=("Ag", "dFdq"),
+    title="computeStaticTorqueDerivatives",
+)
 
 
 def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     """The derivative (nv, nv) of the torques against gravity and forces on the joints by q."""
     q, rest, F = vector(q, model.nq, "q"), np.zeros(model.nv), external(fext, model.njoints)
     computeJointJacobians(model, data, q)
-    engine = data.attach(model)
-    data.tau = under_forces(engine, algorithms.static_torque, q, F)
-    data._blocks["oa_gf"][0] = -model.gravity.vector
-    data.leave(BODIES["of"], ("of",), engine, q.copy(), rest, rest, F)
-    data.spoil(_WEIGHT)
-    return under_forces(engine, algorithms.inverse_dynamics_derivatives, q, rest, rest, F)[0]
+    compiled = data.attach(model)
+    data.tau = under_forces(compiled, algorithms.static_torque, q, F)
+    data._arrays["oa_gf"][0] = -model.gravity.vector
+    data.defer(BODIES["of"], ("of",), compiled, q.copy(), rest, rest, F)
+    data.invalidate(_STATIC)
+    return under_forces(compiled, algorithms.inverse_dynamics_derivatives, q, rest, rest, F)[0]
 
 
+@algorithm(
+    fills=(
+        *("dHdq", "dFdq", "dFdv", "dFda", "Ag", "hg", "dhg", "oh[0]", "of[0]", "Ig", "com[0]", "a"),
+        *JACOBIAN_RATES,
+    ),
+    kernel=_centroidal,
+    returns=(0, 1, 2, 3),
+    deferred=_MOTION | CENTERS | SUBTREE_MOMENTA_IN_WORLD,
+    invalidates=("tau",),
+)
 def computeCentroidalDynamicsDerivatives(
     model: Model, data: Data, q: Any, v: Any, a: Any
 ) -> tuple[Floats, ...]:
     """Derivatives of the centroidal momentum by q, and of its rate by q, v and a, (6, nv) each."""
-    step = data._run.centroidal_derivatives
-    found = step(q, v, a) if data._model is model else NotImplemented
-    return run(model, data, _MOMENTA, q, v, a) if found is NotImplemented else found
+    ...
+
+
+_CENTROIDAL_AFTER_RNEA = Algorithm(
+    "centroidal_derivatives_after_rnea",
+    "",
+    (),
+    not_applicable,
+    invalidates=("of",),
+    title="getCentroidalDynamicsDerivatives",
+)
 
 
 def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Floats, ...]:
     """The same at the state of the last computeRNEADerivatives."""
-    state = data.require(data._of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
-    found = computeCentroidalDynamicsDerivatives(model, data, *state)
-    data.spoil(_LATER_MOMENTA)
-    return found
+    call = "computeRNEADerivatives(model, data, q, v, a)"
+    state = data.require(data._state_of_derivatives, call)
+    derivatives = computeCentroidalDynamicsDerivatives(model, data, *state)
+    data.invalidate(_CENTROIDAL_AFTER_RNEA)
+    return derivatives

@@ -9,7 +9,6 @@ import numpy as np
 
 from pinocchio._algorithms.kinematics import (
     LOCAL,
-    PLACED,
     at_frame,
     at_joint,
     split,
@@ -18,15 +17,18 @@ from pinocchio._algorithms.kinematics import (
 )
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
-from pinocchio._data.binding import Algorithm, Scratch, refuse, run, run_at
-from pinocchio._data.data import Data, engine_for
-from pinocchio._data.deferred_fields import OV, OWN, rows, stacked
-from pinocchio._model.kernel_parameters import unread
+from pinocchio._data.algorithm import Algorithm
+from pinocchio._data.binding import run_at_frame
+from pinocchio._data.data import Data
+from pinocchio._data.deferred_fields import JOINTS, VELOCITIES_IN_WORLD, rows, stacked
+from pinocchio._data.functions import algorithm
+from pinocchio._data.states import compiled_for
+from pinocchio._model.bound_kernels import BoundKernel, not_applicable, not_read
 from pinocchio._model.model import Model
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
 from ulna.model import Frame
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
 __all__ = [
@@ -45,52 +47,50 @@ __all__ = [
 ]
 
 
-def columns(model: TowerModel) -> Any:
-    return lambda q: (
-        algorithms.joint_jacobians(model, q),
-        stacked(algorithms.joint_poses(model, q)),
-        q,
-        q,
-    )
+def columns(model: CoreModel) -> Any:
+    """The fields of `JACOBIANS`."""
+    return lambda q: (algorithms.joint_jacobians(model, q), stacked(algorithms.joint_poses(model, q)))
 
 
-def rates(model: TowerModel) -> Any:
-    first = columns(model)
+def rates(model: CoreModel) -> Any:
+    """The fields of `JACOBIAN_RATES`."""
 
     def run(q: Array, v: Array) -> tuple[Array, ...]:
-        speeds = rows(algorithms.joint_velocities(model, q, v))
-        return algorithms.joint_jacobians_dot(model, q, v), *first(q), q, v, speeds, q, v
+        velocities = rows(algorithms.joint_velocities(model, q, v))
+        return algorithms.joint_jacobians_dot(model, q, v), *columns(model)(q), velocities
 
     return run
 
 
-COLUMNS = ("J", "oMi", "places q", "jacobians q")
-RATES = ("dJ", *COLUMNS, "rates q", "rates v", "v", "speeds q", "speeds v")
-_J = Algorithm("columns", "q", COLUMNS, columns, (0,), on="places", late=OWN)
-_DJ = Algorithm("joint_rates", "qv", RATES, rates, (0,), on="places", late=OWN | OV)
-_HERE_J = Algorithm("jacobian_here", "q", (), refuse, (0,), on="places", late=OWN)
-_PLACED_J = Algorithm("jacobian_placed", "q", PLACED, refuse, (0,), on="places", late=OWN)
-"""Of a joint or frame; not in LOCAL all joints are placed, too."""
+JACOBIANS = ("J", "oMi")
+JACOBIAN_RATES = ("dJ", *JACOBIANS, "v")
+_JACOBIAN = Algorithm("jacobian", "q", (), not_applicable, (0,), depends_on="placements", deferred=JOINTS)
+_JACOBIAN_AND_PLACEMENTS = Algorithm(
+    "jacobian_and_placements", "q", ("oMi",), not_applicable, (0,), depends_on="placements", deferred=JOINTS
+)
+"""Of a joint or frame; all reference frames but LOCAL need the placements of all joints, too."""
 
 
+@algorithm(
+    fills=JACOBIANS,
+    kernel=columns,
+    returns=(0,),
+    depends_on="placements",
+    deferred=JOINTS,
+    default_state=("_q", "forwardKinematics(model, data, q)"),
+)
 def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
     """Fills `data.J` (columns in WORLD), `data.oMi` and `data.liMi`; returns J (6, nv)."""
-    if q is None:
-        q = data.require(data._q, "forwardKinematics(model, data, q)")
-    step = data._run.columns
-    J = step(q) if data._model is model else NotImplemented
-    if J is NotImplemented:
-        J = run(model, data, _J, q)
-    return J
+    ...
 
 
 def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
     """The Jacobian (6, nv) of a joint, after computeJointJacobians."""
     place = (joint_id, reference_frame, "joint")
     try:
-        step, told = data._run_at[place]
+        step, told = data._bound_at[place]
     except (KeyError, TypeError):
-        step = told = refuse
+        step = told = not_applicable
     if told is reference_frame and data._model is model:  # 0 equals WORLD, and is refused
         found = step()
         if found is not NotImplemented:
@@ -103,7 +103,7 @@ def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Flo
     """The Jacobian (6, nv) of a joint in LOCAL."""
     place = (joint_id, LOCAL, "joint at q")
     try:
-        found = data._run_at[place][0](q) if data._model is model else NotImplemented
+        found = data._bound_at[place][0](q) if data._model is model else NotImplemented
     except (KeyError, TypeError):
         found = NotImplemented
     if found is not NotImplemented:
@@ -128,9 +128,9 @@ def getFrameJacobian(
         placement, reference_frame = reference_frame, None
     if reference_frame is None:
         try:
-            step, told = data._run_at[frame_id, placement]
+            step, told = data._bound_at[frame_id, placement]
         except (KeyError, TypeError):
-            step = told = refuse
+            step = told = not_applicable
         if told is placement and data._model is model:  # 0 equals WORLD, and is refused
             found = step()
             if found is not NotImplemented:
@@ -147,28 +147,30 @@ def _bind_at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: 
     """The Jacobian of a frame in a reference, the second of `place`, computed and bound for the next time."""
     reference = reference_of(place[1])
     q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
-    watch = model.watched("shape" if given is not None else "frame", key)  # before the engine: see `run`
-    engine = data.attach(model)
+    watch = model.watched("structure" if given is not None else "frame", key)  # first: see `run`
+    compiled = data.attach(model)
     if model.nvExtended != model.nv:  # columns of mimic joints are not told apart in `data.J`
         return _jacobian(model, data, reference, key, given)(q)
 
-    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+    def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = frames[key] if given is None else given
 
         def run(J: Array, T: Array) -> tuple[Array, Array]:
             of = spatial.SE3(T[:3, :3], T[:3, 3])
-            return algorithms.frame_jacobian_of(tower, J, of, frame, reference), (
+            return algorithms.frame_jacobian_of(core, J, of, frame, reference), (
                 of @ frame.placement
             ).matrix()
 
         return run
 
-    kernel = engine.living(engine.of_frame(("J of", key, reference), build, J=(6, model.nv), T=(4, 4)))
+    kernel = compiled.live(
+        compiled.compile_at_frames(("J of", key, reference), build, J=(6, model.nv), T=(4, 4))
+    )
     joint = model.frames[key].parentJoint if given is None else given.joint + 1
-    placed = data._blocks["oMf"][key] if given is None else np.empty((4, 4))
-    read = data._blocks["J"], data._blocks["oMi"][joint]
-    step = Scratch(kernel, unread(kernel, watch), [placed], read).call
-    data._run_at[place] = step, place[1]
+    placed = data._arrays["oMf"][key] if given is None else np.empty((4, 4))
+    read = data._arrays["J"], data._arrays["oMi"][joint]
+    step = BoundKernel(kernel, not_read(kernel, watch), [placed], read).call
+    data._bound_at[place] = step, place[1]
     return step()
 
 
@@ -178,9 +180,9 @@ def computeFrameJacobian(
     """The Jacobian (6, nv) of a frame at q."""
     place = (frame_id, reference_frame, "at q")
     try:
-        step, told = data._run_at[place]
+        step, told = data._bound_at[place]
     except (KeyError, TypeError):
-        step = told = refuse
+        step = told = not_applicable
     if told is reference_frame and data._model is model:  # 0 equals WORLD, and is refused
         found = step(q)
         if found is not NotImplemented:
@@ -192,38 +194,42 @@ def _at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: Frame
     """The Jacobian at q of a frame in a reference, the second of `place`, computed and bound for the next time."""
     reference = reference_of(place[1])
 
-    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+    def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = given or frames[key]
 
         def run(q: Array) -> tuple[Array, ...]:
-            J = algorithms.frame_jacobian(tower, q, frame, reference)
-            return (J,) if reference == "local" else (J, stacked(algorithms.joint_poses(tower, q)), q)
+            J = algorithms.frame_jacobian(core, q, frame, reference)
+            return (J,) if reference == "local" else (J, stacked(algorithms.joint_poses(core, q)))
 
         return run
 
-    return run_at(model, data, _HERE_J if reference == "local" else _PLACED_J, place, key, build, q)
+    record = _JACOBIAN if reference == "local" else _JACOBIAN_AND_PLACEMENTS
+    return run_at_frame(model, data, record, place, key, build, q)
 
 
 def _jacobian(model: Model, data: Data, reference: Reference, key: Any, given: Frame | None) -> Any:
-    engine = engine_for(model, data)
+    compiled = compiled_for(model, data)
 
-    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+    def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = frames[key] if given is None else given
-        return lambda q: algorithms.frame_jacobian(tower, q, frame, reference)
+        return lambda q: algorithms.frame_jacobian(core, q, frame, reference)
 
-    return engine.of_frame(("J", key, reference), build, q=(model.nq,))
+    return compiled.compile_at_frames(("J", key, reference), build, q=(model.nq,))
 
 
 # time derivatives and Hessians --------------------------------------------------------------------------
 
 
+@algorithm(
+    fills=JACOBIAN_RATES,
+    kernel=rates,
+    returns=(0,),
+    depends_on="placements",
+    deferred=JOINTS | VELOCITIES_IN_WORLD,
+)
 def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """Fills `data.dJ` (columns in WORLD) and `data.J`; returns dJ (6, nv)."""
-    step = data._run.joint_rates
-    dJ = step(q, v) if data._model is model else NotImplemented
-    if dJ is NotImplemented:
-        dJ = run(model, data, _DJ, q, v)
-    return dJ
+    ...
 
 
 def getJointJacobianTimeVariation(
@@ -262,7 +268,7 @@ def frameJacobianTimeVariation(
 def _known(model: Model, data: Data, place: tuple[Any, ...]) -> Any:
     """What was asked for before, in a reference that is second of `place`, is one native call."""
     try:
-        step, told = data._run_at[place]
+        step, told = data._bound_at[place]
     except (KeyError, TypeError):
         return NotImplemented
     return step() if told is place[1] and data._model is model else NotImplemented  # 0 equals WORLD
@@ -272,17 +278,17 @@ def _bind_dot(model: Model, data: Data, place: tuple[Any, ...], key: Any, given:
     """The time derivative of the Jacobian of a frame, computed and bound for the next time; see `_bind_at`."""
     reference = reference_of(place[1])
     read = data.require(data._qv_of_jacobians, "computeJointJacobiansTimeVariation(model, data, q, v)")
-    watch = model.watched("places") + ([] if given is not None else model.watched("frame", key))
-    engine = data.attach(model)
+    watch = model.watched("placements") + ([] if given is not None else model.watched("frame", key))
+    compiled = data.attach(model)
 
-    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+    def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = given or frames[key]
-        return lambda q, v: algorithms.frame_jacobian_dot(tower, q, v, frame, reference)
+        return lambda q, v: algorithms.frame_jacobian_dot(core, q, v, frame, reference)
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,)}
-    kernel = engine.living(engine.of_frame(("dJ", key, reference), build, **shapes))
-    step = Scratch(kernel, unread(kernel, watch), given=read).call
-    data._run_at[place] = step, place[1]
+    kernel = compiled.live(compiled.compile_at_frames(("dJ", key, reference), build, **shapes))
+    step = BoundKernel(kernel, not_read(kernel, watch), given=read).call
+    data._bound_at[place] = step, place[1]
     return step()
 
 
@@ -306,9 +312,9 @@ def getFrameKinematicHessian(model: Model, data: Data, frame_id: int, reference_
 def _hessian(model: Model, data: Data, reference: Reference, key: Any, given: Frame | None) -> Floats:
     q = data.require(data._q_of_jacobians, "computeJointKinematicHessians(model, data, q)")
 
-    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+    def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = frames[key] if given is None else given
-        return lambda q: algorithms.frame_hessian(tower, q, frame, reference)
+        return lambda q: algorithms.frame_hessian(core, q, frame, reference)
 
-    found = engine_for(model, data).of_frame(("H", key, reference), build, q=(model.nq,))(q)
+    found = compiled_for(model, data).compile_at_frames(("H", key, reference), build, q=(model.nq,))(q)
     return np.ascontiguousarray(np.moveaxis(found, 0, 2))

@@ -12,20 +12,24 @@ import numpy as np
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
-from pinocchio._data.binding import Algorithm, Scratch, refuse, run
-from pinocchio._data.data import Data, engine_for, frames_fit
-from pinocchio._data.deferred_fields import OA, OV, OWN, rows, stacked
+from pinocchio._data.algorithm import Algorithm
+from pinocchio._data.binding import run
+from pinocchio._data.data import Data
+from pinocchio._data.deferred_fields import ACCELERATIONS_IN_WORLD, JOINTS, VELOCITIES_IN_WORLD, rows, stacked
+from pinocchio._data.functions import fast_path
+from pinocchio._data.states import check_frames, compiled_for
+from pinocchio._model.bound_kernels import BoundKernel, not_applicable, not_read
 from pinocchio._model.frame import changes
-from pinocchio._model.kernel_parameters import unread
+from pinocchio._model.kernel_parameters import pose_of
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
-from pinocchio._spatial.se3 import SE3, compiled
+from pinocchio._spatial.se3 import SE3, se3_kernel
 from ulna import algorithms, spatial
 from ulna.algorithms.references import Reference
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.model import Frame
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 from ulna.numeric import cross
 from ulna.typing import Array, Floats
 
@@ -49,112 +53,108 @@ _new = object.__new__
 Asked = TypeVar("Asked", bound=Callable[..., Motion])
 
 
-def _run0(model: TowerModel) -> Any:
-    return lambda q: (stacked(algorithms.joint_poses(model, q)), q)
+def _placements(model: CoreModel) -> Any:
+    return lambda q: stacked(algorithms.joint_poses(model, q))
 
 
-def _run1(model: TowerModel) -> Any:
-    def run(q: Array, v: Array) -> tuple[Array, ...]:
-        places = stacked(algorithms.joint_poses(model, q))
-        return places, q, rows(algorithms.joint_velocities(model, q, v)), q, v
+def _velocities(model: CoreModel) -> Any:
+    return lambda q, v: (_placements(model)(q), rows(algorithms.joint_velocities(model, q, v)))
+
+
+def _accelerations(model: CoreModel) -> Any:
+    def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
+        return *_velocities(model)(q, v), rows(algorithms.joint_accelerations(model, q, v, a))
 
     return run
 
 
-def _run2(model: TowerModel) -> Any:
-    first = _run1(model)
-    return lambda q, v, a: (*first(q, v), rows(algorithms.joint_accelerations(model, q, v, a)), q, v, a)
+def _frame_placements(model: CoreModel, frames: Sequence[Frame]) -> Any:
+    return lambda q: (_placements(model)(q), stacked(algorithms.frame_poses(model, q, frames)))
 
 
-def _run_frames(model: TowerModel, frames: Sequence[Frame]) -> Any:
-    first = _run0(model)
-    return lambda q: (*first(q), stacked(algorithms.frame_poses(model, q, frames)))
+_POSITION = Algorithm("position", "q", ("oMi",), _placements, depends_on="placements", deferred=JOINTS)
+_VELOCITY = Algorithm(
+    "velocity",
+    "qv",
+    ("oMi", "v"),
+    _velocities,
+    depends_on="placements",
+    deferred=JOINTS | VELOCITIES_IN_WORLD,
+)
+_ACCELERATION = Algorithm(
+    "acceleration",
+    "qva",
+    ("oMi", "v", "a"),
+    _accelerations,
+    depends_on="placements",
+    deferred=JOINTS | VELOCITIES_IN_WORLD | ACCELERATIONS_IN_WORLD,
+)
+_FRAMES = Algorithm("frames", "q", ("oMi", "oMf"), _frame_placements, depends_on="frames", deferred=JOINTS)
 
 
-PLACED = ("oMi", "places q")
-_MOVED = (*PLACED, "v", "speeds q", "speeds v")
-_GAINED = ("a", "gains q", "gains v", "gains a")
-_FK = Algorithm("fk", "q", PLACED, _run0, on="places", late=OWN)
-_FK1 = Algorithm("fk1", "qv", _MOVED, _run1, on="places", late=OWN | OV)
-_FK2 = Algorithm("fk2", "qva", (*_MOVED, *_GAINED), _run2, on="places", late=OWN | OV | OA)
-_FRAMES = Algorithm("frames", "q", (*PLACED, "oMf"), _run_frames, on="frames", late=OWN)
-
-
+@fast_path(_POSITION, _VELOCITY, _ACCELERATION)
 def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = None) -> None:
     """Fills `data.oMi` and `data.liMi`; with v and a also `data.v` and `data.a`."""
-    if v is None:
-        if a is not None:
-            raise InputError(
-                "forwardKinematics was given accelerations without velocities; expected both, or q alone."
-            )
-        step = data._run.fk
-        if data._model is not model or step(q) is NotImplemented:
-            run(model, data, _FK, q)
-    elif a is None:
-        step = data._run.fk1
-        if data._model is not model or step(q, v) is NotImplemented:
-            run(model, data, _FK1, q, v)
-    else:
-        step = data._run.fk2
-        if data._model is not model or step(q, v, a) is NotImplemented:
-            run(model, data, _FK2, q, v, a)
+    if v is None and a is not None:
+        raise InputError(
+            "forwardKinematics was given accelerations without velocities; expected both, or q alone."
+        )
+    state = [x for x in (q, v, a) if x is not None]
+    run(model, data, (_POSITION, _VELOCITY, _ACCELERATION)[len(state) - 1], *state)
 
 
+@fast_path(_FRAMES)
 def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
     """Fills `data.oMi`, `data.liMi` and `data.oMf`."""
-    step = data._run.frames
-    if data._model is not model or step(q) is NotImplemented:
-        frames_fit(model, data)
-        run(model, data, _FRAMES, q)
+    check_frames(model, data)
+    run(model, data, _FRAMES, q)
 
 
-def _carried(model: TowerModel, frames: Sequence[Frame]) -> Any:
+def _moved_frames(model: CoreModel, frames: Sequence[Frame]) -> Any:
     def run(oMi: Array) -> Array:
-        found = []
-        for frame in frames:
-            T = oMi[frame.joint + 1]
-            found.append(spatial.SE3(T[:3, :3], T[:3, 3]) @ frame.placement)
-        return stacked(found)
+        return stacked([pose_of(oMi[frame.joint + 1]) @ frame.placement for frame in frames])
 
     return run
 
 
 def updateFramePlacements(model: Model, data: Data) -> None:
     """Fills `data.oMf` from `data.oMi`."""
-    step = data._run_at.get("carried", refuse)
+    step = data._bound_at.get("frames", not_applicable)
     if data._model is not model or step() is NotImplemented:
-        frames_fit(model, data)
+        check_frames(model, data)
         data.require(data._q, "forwardKinematics(model, data, q)")
-        watch = model.watched("frames")  # before the engine: see `run`
-        engine = data.attach(model)
-        kernel = engine.living(engine.of_frame("carried", _carried, oMi=(model.njoints, 4, 4)))
-        oMi, oMf = data._blocks["oMi"], data._blocks["oMf"]
-        step = kernel.into(oMf, watch=unread(kernel, watch), otherwise=refuse, given=[oMi])
-        data._run_at["carried"] = step
+        watch = model.watched("frames")  # first: see `run`
+        compiled = data.attach(model)
+        kernel = compiled.live(compiled.compile_at_frames("frames", _moved_frames, oMi=(model.njoints, 4, 4)))
+        oMi, oMf = data._arrays["oMi"], data._arrays["oMf"]
+        step = kernel.into(oMf, watch=not_read(kernel, watch), otherwise=not_applicable, given=[oMi])
+        data._bound_at["frames"] = step
         step()
 
 
 def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
     """Fills `data.oMf[frame_id]` from `data.oMi`, and returns a copy."""
-    step = data._run_at.get(("carried", frame_id), refuse)
+    step = data._bound_at.get(("frames", frame_id), not_applicable)
     found = step() if data._model is model else NotImplemented
     if found is NotImplemented:
-        frames_fit(model, data)
+        check_frames(model, data)
         place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")
         data.require(data._q, "forwardKinematics(model, data, q)")
         data.attach(model)
         watch, frame = [(changes, changes.copy())], model.frames[place]
-        given = data._blocks["oMi"][frame.parentJoint], frame.placement._m
-        into = data._blocks["oMf"][place]
-        step = compiled("product").into(into, returns=(0,), watch=watch, otherwise=refuse, given=given)
-        data._run_at["carried", frame_id] = step
+        given = data._arrays["oMi"][frame.parentJoint], frame.placement._m
+        into = data._arrays["oMf"][place]
+        step = se3_kernel("product").into(
+            into, returns=(0,), watch=watch, otherwise=not_applicable, given=given
+        )
+        data._bound_at["frames", frame_id] = step
         found = step()
     return SE3._of(found)
 
 
 def updateGlobalPlacements(model: Model, data: Data) -> None:
     """Fills `data.oMi` from `data.liMi`."""
-    blocks = data._blocks
+    blocks = data._arrays
     data.read("liMi")
     for i in range(1, model.njoints):
         np.matmul(blocks["oMi"][model.parents[i]], blocks["liMi"][i], out=blocks["oMi"][i])
@@ -164,7 +164,7 @@ def updateGlobalPlacements(model: Model, data: Data) -> None:
 
 
 def at_joint(joint: int) -> Frame:
-    """The frame of a joint, for the tower."""
+    """The frame of a joint, for the core."""
     return Frame("", joint - 1, spatial.SE3.identity(), "user", "", spatial.SE3.identity())
 
 
@@ -201,9 +201,9 @@ def _quick(kind: str) -> Callable[[Asked], Asked]:
             if told is None:
                 told = LOCAL
             try:
-                step, known = data._run_at[place, told, kind]
+                step, known = data._bound_at[place, told, kind]
             except (KeyError, TypeError):
-                step, known = refuse, None
+                step, known = not_applicable, None
             if known is told and data._model is model:  # 0 equals WORLD, and is refused
                 found = step()
                 if found is not NotImplemented:
@@ -290,20 +290,20 @@ def _motion(
     """The motion of a frame out of what the Data holds of its joint; bound at `place` for the next time."""
     watch = [(changes, changes.copy())]  # joints and frames
     if data._layout is not model._layout:
-        engine_for(model, data)
+        compiled_for(model, data)
     if kind == "velocity":
         data.require(data._qv, "forwardKinematics(model, data, q, v)")
     else:
         data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
-    step = data._run_at.get(place, (refuse,))[0] if data._model is model else refuse
+    step = data._bound_at.get(place, (not_applicable,))[0] if data._model is model else not_applicable
     found = step()  # what was late may be there now
     if found is NotImplemented:
         fields = ("v",) if kind == "velocity" else ("v", "a")
-        arrays = [np.ascontiguousarray(placement), *(data._blocks[x][joint] for x in ("oMi", *fields))]
+        arrays = [np.ascontiguousarray(placement), *(data._arrays[x][joint] for x in ("oMi", *fields))]
         kernel = _seen_from(kind, reference)
         if place is not None and data._model is model:
             watch += [(data.mark_of(field), np.zeros(())) for field in fields]
-            data._run_at[place] = Scratch(kernel, watch, given=arrays).call, place[1]
+            data._bound_at[place] = BoundKernel(kernel, watch, given=arrays).call, place[1]
         found = kernel(*arrays)
     return Motion._of(found)
 

@@ -12,11 +12,12 @@ from pinocchio._algorithms.kinematics import at_frame, at_joint, forwardKinemati
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
-from pinocchio._data.data import Data, engine_for
+from pinocchio._data.data import Data
+from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from ulna import algorithms
 from ulna.model import Frame
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 from ulna.typing import Floats
 
 __all__ = [
@@ -78,13 +79,13 @@ def _motions(model: Model, data: Data, key: Any, given: Frame | None, rf: Any, w
     reference = reference_of(rf)
     state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
 
-    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
+    def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = frames[key] if given is None else given
 
-        return lambda q, v, a: algorithms.motion_derivatives(tower, q, v, a, frame, reference)
+        return lambda q, v, a: algorithms.motion_derivatives(core, q, v, a, frame, reference)
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    kernel = engine_for(model, data).of_frame(("derivatives", key, reference), build, **shapes)
+    kernel = compiled_for(model, data).compile_at_frames(("derivatives", key, reference), build, **shapes)
     V_q, V_v, *of_a = kernel(*state)
     if given is None:
         updateFramePlacement(model, data, key)
@@ -111,14 +112,14 @@ def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> 
     state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
     reference: Any = reference_of(rf)
 
-    def build(tower: TowerModel, frames: Sequence[Frame]) -> Any:
-        return lambda q, v, a: algorithms.point_derivatives(tower, q, v, a, frame, reference)
+    def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
+        return lambda q, v, a: algorithms.point_derivatives(core, q, v, a, frame, reference)
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    return engine_for(model, data).of_frame(("point", key, reference), build, **shapes)(*state)
+    return compiled_for(model, data).compile_at_frames(("point", key, reference), build, **shapes)(*state)
 
 
 def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
     """The derivative (3, nv) of the velocity of the centre of mass by q."""
     q, v = data.require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
-    return engine_for(model, data).kernel("com_velocity_derivatives")(q, v)[0]
+    return compiled_for(model, data).kernel("com_velocity_derivatives")(q, v)[0]

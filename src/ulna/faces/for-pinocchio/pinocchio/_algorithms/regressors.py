@@ -6,8 +6,9 @@ from typing import Any
 
 from pinocchio._algorithms.kinematics import forwardKinematics
 from pinocchio._containers.arrays import index, vector
-from pinocchio._data.data import Data, engine_for
-from pinocchio._data.deferred_fields import BODIES
+from pinocchio._data.data import Data
+from pinocchio._data.deferred_fields import BODIES, defer_joint_placements
+from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
@@ -28,31 +29,31 @@ __all__ = [
 def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any) -> Floats:
     """The matrix (nv, 10 (njoints - 1)) that makes torques of dynamic parameters."""
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
-    engine = data.attach(model)
-    found = engine.kernel("joint_torque_regressor")(*state)
-    data.moved(engine, *state[:2])
-    data.leave(BODIES["f"], ("v", "ov", "a_gf", "oa_gf"), engine, *(x.copy() for x in state))
+    compiled = data.attach(model)
+    found = compiled.kernel("joint_torque_regressor")(*state)
+    defer_joint_placements(data, compiled, *state[:2])
+    data.defer(BODIES["f"], ("v", "ov", "a_gf", "oa_gf"), compiled, *(x.copy() for x in state))
     return _kept(data, "jointTorqueRegressor", found)
 
 
 def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
     """The matrix (3, 4 (njoints - 1)) that makes the centre of mass of masses and first moments."""
     forwardKinematics(model, data, q)
-    kernel = engine_for(model, data).kernel("static_regressor")
+    kernel = compiled_for(model, data).kernel("static_regressor")
     return _kept(data, "staticRegressor", kernel(vector(q, model.nq, "q")))
 
 
 def computeKineticEnergyRegressor(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The vector (10 (njoints - 1),) that makes kinetic energy of dynamic parameters."""
     forwardKinematics(model, data, q, v)
-    kernel = engine_for(model, data).kernel("kinetic_energy_regressor")
+    kernel = compiled_for(model, data).kernel("kinetic_energy_regressor")
     return _kept(data, "kineticEnergyRegressor", kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v")))
 
 
 def computePotentialEnergyRegressor(model: Model, data: Data, q: Any) -> Floats:
     """The same of potential energy."""
     forwardKinematics(model, data, q)
-    kernel = engine_for(model, data).kernel("potential_energy_regressor")
+    kernel = compiled_for(model, data).kernel("potential_energy_regressor")
     return _kept(data, "potentialEnergyRegressor", kernel(vector(q, model.nq, "q")))
 
 
@@ -76,12 +77,12 @@ def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
 
 def _body(model: Model, data: Data, joint: int, placement: SE3) -> Floats:
     """The regressor in a frame at a placement on a joint, whose motion and weight rnea left."""
-    engine_for(model, data)
+    compiled_for(model, data)
     data.require(data._qv, "rnea(model, data, q, v, a)")
     moves = (placement.actInv(motion[joint]) for motion in (data.v, data.a_gf))
     return _kept(data, "bodyRegressor", bodyRegressor(*moves))
 
 
 def _kept(data: Data, name: str, found: Floats) -> Floats:
-    data._blocks[name][:] = found
+    data._arrays[name][:] = found
     return found

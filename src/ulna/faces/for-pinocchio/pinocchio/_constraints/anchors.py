@@ -9,17 +9,18 @@ import numpy as np
 from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
 from pinocchio._constraints.frame_pair import ContactType, Pair
 from pinocchio._constraints.kernels import bonds_of
-from pinocchio._constraints.rigid_constraint import RigidConstraintModel
+from pinocchio._constraints.rigid_constraint_model import RigidConstraintModel
 from pinocchio._containers.arrays import numbers, vector
 from pinocchio._containers.enums import ReferenceFrame
-from pinocchio._data.data import Data, engine_for
+from pinocchio._data.data import Data
+from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
 from pinocchio.explog import exp6
 from ulna.algorithms.constraint_twists import constraint_seen
 from ulna.errors import InputError, ShapeError
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
 __all__ = [
@@ -142,15 +143,15 @@ class _Anchor(Pair):
         state = _state(model, data)
         shapes = ((self._rows, True, self.joint1_id, self.joint2_id),)
 
-        def build(tower: TowerModel) -> Any:
+        def build(core: CoreModel) -> Any:
             def run(q: Array, v: Array, a: Array, places: Array) -> tuple[Array, ...]:
-                return tuple(constraint_seen(tower, q, v, a, bonds_of(shapes, places)[0]))
+                return tuple(constraint_seen(core, q, v, a, bonds_of(shapes, places)[0]))
 
             return run
 
         given = (*state, self._places[None])
         sizes: dict[str, Any] = dict(zip(("q", "v", "a", "places"), (x.shape for x in given), strict=True))
-        found = engine_for(model, data).made(("constraint seen", shapes), build, **sizes)(*given)
+        found = compiled_for(model, data).compile(("constraint seen", shapes), build, **sizes)(*given)
         place, constraint_data._J, velocity, acceleration = found
         wanted = (
             self.desired_constraint_offset,
@@ -162,7 +163,7 @@ class _Anchor(Pair):
         constraint_data.constraint_position_error[:] = place - wanted[0]
         constraint_data.constraint_velocity_error[:] = velocity - wanted[1]
         constraint_data.constraint_acceleration_error[:] = acceleration - wanted[2]
-        oMi = data._blocks["oMi"]
+        oMi = data._arrays["oMi"]
         np.matmul(oMi[self.joint1_id], self._places[0], out=constraint_data.oMc1._m)
         np.matmul(oMi[self.joint2_id], self._places[1], out=constraint_data.oMc2._m)
         constraint_data.c1Mc2 = constraint_data.oMc1.actInv(constraint_data.oMc2)

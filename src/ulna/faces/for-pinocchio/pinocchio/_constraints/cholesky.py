@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 
 from pinocchio._constraints.bound_dynamics import known_ties
-from pinocchio._constraints.delassus import DelassusOperatorCholeskyExpression, diagonal, raised
+from pinocchio._constraints.delassus import diagonal, raised
+from pinocchio._constraints.delassus_of_cholesky import DelassusOperatorCholeskyExpression
 from pinocchio._constraints.factorization import Factored, Kernels, kernels_for, without_factors
 from pinocchio._constraints.jacobians import getConstraintsJacobian, of_ties
 from pinocchio._constraints.kernels import factor_kernels, jacobian_kernel
 from pinocchio._containers.arrays import numbers
-from pinocchio._data.data import Data, engine_for
+from pinocchio._data.data import Data
+from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
@@ -47,7 +49,7 @@ class ConstraintCholeskyDecomposition:
 
     def rebuild(self, model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> None:
         """Makes room for constraints; the matrices are zero until `compute`."""
-        engine_for(model, data)
+        compiled_for(model, data)
         self._make_room(sum(one.residualSize() for one in constraint_models), model.nv)
 
     def compute(
@@ -62,16 +64,18 @@ class ConstraintCholeskyDecomposition:
             contact_datas: Their data.
             mu: Damping: one number, or one for each row.
         """
-        M = data._blocks["M"]
+        M = data._arrays["M"]
         ties = known_ties(model, data, contact_models, contact_datas)
         if ties is not None and ties is self._ties and self._factored is not None:
             self._hold(self._factored.kernels, M, of_ties(model, data, ties, "jacobian", data._q), mu)
         else:
             J = getConstraintsJacobian(model, data, contact_models, contact_datas)
             ties = known_ties(model, data, contact_models, contact_datas)
-            engine = engine_for(model, data)
+            compiled = compiled_for(model, data)
             kernels = (
-                kernels_for(engine, np.ones(J.shape)) if ties is None else factor_kernels(engine, ties.shapes)
+                kernels_for(compiled, np.ones(J.shape))
+                if ties is None
+                else factor_kernels(compiled, ties.shapes)
             )
             self._hold(kernels, M, J, mu)
             self._ties = ties
@@ -206,10 +210,19 @@ ContactCholeskyDecomposition = ConstraintCholeskyDecomposition
 
 def cholesky_of(data: Data) -> ConstraintCholeskyDecomposition:
     """That of the last constraintDynamics or impulseDynamics with constraints; empty when there was none."""
-    solved, engine = data._bound, data.attach(data._model)
-    found = data._run_at.setdefault("constraints", ConstraintCholeskyDecomposition())
+    solved, compiled = data._constraint_solution, data.attach(data._model)
+    found = data._bound_at.setdefault("constraints", ConstraintCholeskyDecomposition())
     if solved is None:
         return found
     q, _, places, _, _ = solved.kept
-    M, J = engine.plain("mass_matrix")(q), jacobian_kernel(engine, solved.shapes, len(q))(q, *places)
-    return found._hold(factor_kernels(engine, solved.shapes), M, J, float(solved.numbers[0]))
+    M, J = (
+        compiled.core_kernel("mass_matrix")(q),
+        jacobian_kernel(compiled, solved.shapes, len(q))(q, *places),
+    )
+    return found._hold(factor_kernels(compiled, solved.shapes), M, J, float(solved.numbers[0]))
+
+
+Data.constraint_chol = Data.contact_chol = property(
+    cholesky_of,
+    doc="The decomposition of mass matrix and constraints of the last constraintDynamics or impulseDynamics.",
+)

@@ -115,7 +115,7 @@ def contactInverseDynamics(
         c, models, contact_datas, lambda_guess, settings, solve_ncp
     )
     tau = rnea(model, data, q, v, a) - J.T @ forces
-    data._blocks["tau"][:] = tau
+    data._arrays["tau"][:] = tau
     return done, tau, forces
 
 

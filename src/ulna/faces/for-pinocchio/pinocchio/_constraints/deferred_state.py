@@ -12,7 +12,7 @@ from pinocchio._constraints.rigid_constraint import RigidConstraintData
 from pinocchio._data.deferred_fields import stacked
 from ulna import algorithms
 from ulna.algorithms.constraint_twists import constraint_twists, frame_of
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
 
@@ -21,17 +21,17 @@ class Left:
     """Placements, velocities and errors of constraints, left to be computed when they are read."""
 
     def __init__(
-        self, engine: Any, datas: Sequence[RigidConstraintData], shapes: Any, *state: Floats
+        self, compiled: Any, datas: Sequence[RigidConstraintData], shapes: Any, *state: Floats
     ) -> None:
         """`state`: q, v, placements and gains, arrays of its own."""
-        self.engine, self.datas, self.shapes, self.state = engine, datas, shapes, state
+        self.compiled, self.datas, self.shapes, self.state = compiled, datas, shapes, state
 
     def fill(self) -> None:
         """Computes them, and writes them into the data of the constraints that still wait for them."""
         sizes: dict[str, Any] = dict(
             zip(("q", "v", "places", "gains"), (x.shape for x in self.state), strict=True)
         )
-        kernel = self.engine.made(("constraint state", self.shapes), _state(self.shapes), **sizes)
+        kernel = self.compiled.compile(("constraint state", self.shapes), _state(self.shapes), **sizes)
         found = kernel(*self.state)
         for k, known in enumerate(self.datas):
             if known._due is self:
@@ -41,20 +41,20 @@ class Left:
 
 
 def _state(shapes: Any) -> Any:
-    def build(tower: TowerModel) -> Any:
+    def build(core: CoreModel) -> Any:
         def run(q: Array, v: Array, places: Array, gains: Array) -> tuple[Array, ...]:
             bonds = bonds_of(shapes, places)
-            twists = constraint_twists(tower, q, v, [bond._replace(local=True) for bond in bonds])
+            twists = constraint_twists(core, q, v, [bond._replace(local=True) for bond in bonds])
             poses, speeds, errors = [], [], []
             start = 0
             for k, bond in enumerate(bonds):
                 assert bond.second is not None
                 first, second = frame_of(bond.first), frame_of(bond.second)
-                T1, T2 = (algorithms.frame_pose(tower, q, frame) for frame in (first, second))
+                T1, T2 = (algorithms.frame_pose(core, q, frame) for frame in (first, second))
                 poses.append((T1, T2, T1.inverse() @ T2))
                 speeds.append(
                     [
-                        algorithms.frame_velocity(tower, q, v, frame, "local").vector()
+                        algorithms.frame_velocity(core, q, v, frame, "local").vector()
                         for frame in (first, second)
                     ]
                 )

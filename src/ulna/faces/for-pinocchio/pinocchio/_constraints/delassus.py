@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache, reduce
-from typing import TYPE_CHECKING, Any, final
+from typing import Any, final
 
 import numpy as np
 
@@ -15,12 +15,7 @@ from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Array, Floats
 
-if TYPE_CHECKING:
-    from pinocchio._constraints.cholesky import ConstraintCholeskyDecomposition
-
 __all__ = [
-    "DelassusCholeskyExpression",
-    "DelassusOperatorCholeskyExpression",
     "DelassusOperatorDense",
     "DelassusOperatorSparse",
 ]
@@ -107,7 +102,7 @@ def damped_inverse(G: Floats, mu: float) -> Floats:
     return found
 
 
-class _Operator:
+class DelassusOperator:
     """A matrix G with a compliance and a damping on its diagonal."""
 
     __slots__ = ("_G", "_compliance", "_damping")
@@ -130,7 +125,7 @@ class _Operator:
 
     def inverse(self) -> Any:
         """The inverse of the matrix with compliance and damping."""
-        G = _Operator.matrix(self)
+        G = DelassusOperator.matrix(self)
         if 0 < len(G) <= _ROWS:
             found, unique = _inverter(len(G))(G, 0.0)
             if unique > 0.0:
@@ -146,10 +141,10 @@ class _Operator:
             found, unique = _solver(len(given))(self._G, self._compliance, self._damping, given)
             if unique > 0.0:
                 return found
-        return linalg.solve(_Operator.matrix(self), given)
+        return linalg.solve(DelassusOperator.matrix(self), given)
 
     def __mul__(self, mat: Any) -> Floats:
-        return np.asarray(_Operator.matrix(self) @ numbers(mat, "mat"), dtype=float)
+        return np.asarray(DelassusOperator.matrix(self) @ numbers(mat, "mat"), dtype=float)
 
     __matmul__ = __mul__
 
@@ -171,7 +166,7 @@ class _Operator:
 
 
 @final
-class DelassusOperatorDense(_Operator):
+class DelassusOperatorDense(DelassusOperator):
     """`DelassusOperatorDense(matrix)`: of a matrix (n, n)."""
 
     __slots__ = ()
@@ -181,7 +176,7 @@ class DelassusOperatorDense(_Operator):
 
 
 @final
-class DelassusOperatorSparse(_Operator):
+class DelassusOperatorSparse(DelassusOperator):
     """`DelassusOperatorSparse(matrix)`: of a sparse matrix of scipy; matrix and inverse are of its kind."""
 
     __slots__ = ("_kind",)
@@ -199,26 +194,3 @@ class DelassusOperatorSparse(_Operator):
     def inverse(self) -> Any:
         """The inverse, sparse."""
         return self._kind(super().inverse())
-
-
-@final
-class DelassusOperatorCholeskyExpression(_Operator):
-    """`DelassusOperatorCholeskyExpression(decomposition)`: of its constraints, with its damping."""
-
-    __slots__ = ("_of",)
-
-    def __init__(self, cholesky_decomposition: ConstraintCholeskyDecomposition) -> None:
-        self._of = cholesky_decomposition
-        self._hold(cholesky_decomposition._filled().G)
-        self._damping = cholesky_decomposition._mu
-
-    def cholesky(self) -> ConstraintCholeskyDecomposition:
-        """The decomposition."""
-        return self._of
-
-    def updateDamping(self, mu: Any) -> None:
-        """Sets the damping, that of the decomposition, too."""
-        self._of.updateDamping(mu)
-
-
-DelassusCholeskyExpression = DelassusOperatorCholeskyExpression

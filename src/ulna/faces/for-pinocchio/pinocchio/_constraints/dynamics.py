@@ -9,12 +9,12 @@ import numpy as np
 from pinocchio._algorithms.dynamics import aba, crba, nonLinearEffects
 from pinocchio._constraints.bound_dynamics import leave_eliminated, solve
 from pinocchio._constraints.jacobian_dynamics import impact_with_jacobian
-from pinocchio._constraints.kernels import paired
 from pinocchio._constraints.proximal_settings import ProximalSettings, settings_of
-from pinocchio._constraints.rigid_constraint import RigidConstraintModel
+from pinocchio._constraints.rigid_constraint import RigidConstraint, paired
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import Convention
-from pinocchio._data.data import Data, engine_for
+from pinocchio._data.data import Data
+from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -31,9 +31,9 @@ __all__ = [
 def initConstraintDynamics(model: Model, data: Data, contact_models: Any, contact_datas: Any) -> None:
     """Makes room in `data` for the forces of constraints, all zero; checks constraints and their data."""
     models = paired(model, contact_models, contact_datas)
-    engine_for(model, data)
+    compiled_for(model, data)
     m, nv = sum(one.residualSize() for one in models), model.nv
-    blocks = data._blocks
+    blocks = data._arrays
     for name in ("lambda_c", "impulse_c"):
         blocks[name] = np.zeros(m)
     for name in ("dlambda_dq", "dlambda_dv", "dlambda_dtau", "dac_da"):
@@ -70,7 +70,7 @@ def constraintDynamics(
         paired(model, contact_models, contact_datas)
         crba(model, data, q, Convention.WORLD)
         nonLinearEffects(model, data, q, v)
-        data._blocks["lambda_c"] = np.zeros(0)
+        data._arrays["lambda_c"] = np.zeros(0)
         return aba(model, data, q, v, tau)
     settings = _ONE_ROUND if prox_settings is None else settings_of(prox_settings)
     session, a = solve(
@@ -78,7 +78,7 @@ def constraintDynamics(
     )
     if prox_settings is not None:
         settings._report(*session.report.tolist())
-    data._blocks["lambda_c"] = session.forces
+    data._arrays["lambda_c"] = session.forces
     return a
 
 
@@ -88,7 +88,7 @@ _ONE_ROUND = ProximalSettings()
 
 def computeJointMinimalOrdering(model: Model, data: Data, constraint_models: Any) -> None:
     """Checks the constraints; `lcaba` needs no ordering here."""
-    engine_for(model, data)
+    compiled_for(model, data)
     paired(model, constraint_models, [one.createData() for one in constraint_models])
 
 
@@ -127,7 +127,7 @@ def impulseDynamics(model: Model, data: Data, *state: Any, **named: Any) -> Floa
 
 
 def _are_constraints(value: Any) -> bool:
-    return isinstance(value, (list, tuple)) and all(isinstance(x, RigidConstraintModel) for x in value)
+    return isinstance(value, (list, tuple)) and all(isinstance(x, RigidConstraint) for x in value)
 
 
 def _impact(
@@ -143,11 +143,11 @@ def _impact(
     settings = _ONE_ROUND if prox_settings is None else settings_of(prox_settings)
     if not len(contact_models):
         paired(model, contact_models, contact_datas)
-        data._blocks["dq_after"][:] = after = vector(v, model.nv, "v")
+        data._arrays["dq_after"][:] = after = vector(v, model.nv, "v")
         return after.copy()
     part = np.array([restitution(r_coeff)])
     session, after = solve(model, data, contact_models, contact_datas, 0, q, v, settings._numbers, part)
-    data._blocks["impulse_c"] = session.forces
+    data._arrays["impulse_c"] = session.forces
     return after
 
 

@@ -8,14 +8,15 @@ import numpy as np
 
 from pinocchio._constraints.bound_dynamics import Solved, flat, leave_derived
 from pinocchio._constraints.dynamics import restitution
-from pinocchio._constraints.kernels import bonds_of, jacobian_kernel, paired, shapes_of
+from pinocchio._constraints.kernels import bonds_of, jacobian_kernel
 from pinocchio._constraints.proximal_settings import settings_of
-from pinocchio._data.binding import refuse
+from pinocchio._constraints.rigid_constraint import paired, shapes_of
 from pinocchio._data.data import Data
+from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
 from ulna.algorithms.constrained_dynamics_derivatives import bound_response, bound_terms
 from ulna.errors import InputError
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
 __all__ = ["computeConstraintDynamicsDerivatives", "computeImpulseDynamicsDerivatives"]
@@ -38,8 +39,8 @@ def computeConstraintDynamicsDerivatives(
     rounds = 1 if settings is None else max(1, settings_of(settings).iter)
     solved = _solved(model, data, contact_models, contact_datas, False, "constraintDynamics")
     derived = _derived(model, data, solved, float(rounds))
-    leave_derived(model, data, derived.engine, solved)
-    blocks = data._blocks
+    leave_derived(model, data, derived.compiled, solved)
+    blocks = data._arrays
     return tuple([blocks[name].copy() for name in derived.names])
 
 
@@ -59,7 +60,7 @@ def computeImpulseDynamicsDerivatives(
     settings_of(prox_settings)
     solved = _solved(model, data, contact_models, contact_datas, True, "impulseDynamics")
     derived = _derived(model, data, solved, 1.0 + restitution(r_coeff))
-    leave_derived(model, data, derived.engine, solved)
+    leave_derived(model, data, derived.compiled, solved)
 
 
 @final
@@ -72,12 +73,12 @@ class Derived:
         self.model, self.impact, n, m = model, solved.impact, model.nv, len(solved.forces)
         self.told = np.zeros(1)
         self.given = (*solved.kept, solved.a, solved.forces, solved.numbers, self.told)
-        watch = model.watched("numbers")  # before the engine: see `run`
-        self.engine = engine = data.attach(model)
+        watch = model.watched("parameters")  # first: see `run`
+        self.compiled = compiled = data.attach(model)
         shapes = solved.shapes
         sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(self.given)}
         key, build = ("bound response", shapes, solved.impact), _response(shapes, solved.impact)
-        kernel = engine.made(key, build, **sizes)
+        kernel = compiled.compile(key, build, **sizes)
         self.own = {name: np.zeros((m, n)) for name in ("dlambda_dq", "dlambda_dv")}
         self.own["osim"] = np.zeros((m, m))
         wide = n if solved.impact else 2 * n
@@ -85,11 +86,11 @@ class Derived:
         self.X_q, self.unique = np.zeros((m, n)), np.zeros(())
         targets = [self.W, self.B, self.X_q, self.own["osim"], self.unique]
         if solved.impact:
-            targets += [data._blocks["ddq_dv"], self.own["dlambda_dv"]]
+            targets += [data._arrays["ddq_dv"], self.own["dlambda_dv"]]
         else:
             self.own |= {name: np.zeros((m, n)) for name in ("dlambda_dtau", "dac_da")}
-            targets += [data._blocks["ddq_dtau"], self.own["dlambda_dtau"], self.own["dac_da"]]
-        self.step = kernel.into(*targets, watch=watch, otherwise=refuse)
+            targets += [data._arrays["ddq_dtau"], self.own["dlambda_dtau"], self.own["dac_da"]]
+        self.step = kernel.into(*targets, watch=watch, otherwise=not_applicable)
         self.by_q, self.by_v = ((x[:n], x[n:]) for x in (self.found[:, :n], self.found[:, n:]))
 
     def fill(self, data: Data, told: float) -> Any:
@@ -98,13 +99,13 @@ class Derived:
         if self.step(*self.given) is NotImplemented or not self.unique:
             return NotImplemented
         np.matmul(self.W, self.B, out=self.found)
-        blocks, own = data._blocks, self.own
+        blocks, own = data._arrays, self.own
         blocks["ddq_dq"][...], forces = self.by_q
         np.add(forces, self.X_q, out=own["dlambda_dq"])
         if not self.impact:
             blocks["ddq_dv"][...], own["dlambda_dv"][...] = self.by_v
         blocks.update(own)
-        data.written("ddq_dq", "ddq_dv", "ddq_dtau", *own)
+        data.mark_filled("ddq_dq", "ddq_dv", "ddq_dtau", *own)
         return None
 
 
@@ -128,7 +129,7 @@ def _derived(model: Model, data: Data, solved: Solved, told: float) -> Derived:
 
 
 def _solved(model: Model, data: Data, models: Any, datas: Any, impact: bool, mend: str) -> Solved:
-    solved = data._bound
+    solved = data._constraint_solution
     if solved is not None and solved.impact == impact and solved.ties.serves(model, models, datas):
         return solved
     data.attach(model)
@@ -141,7 +142,7 @@ def _solved(model: Model, data: Data, models: Any, datas: Any, impact: bool, men
 
 
 def _response(shapes: Any, impact: bool) -> Any:
-    def build(tower: TowerModel) -> Any:
+    def build(core: CoreModel) -> Any:
         def run(
             q: Array,
             v: Array,
@@ -156,12 +157,12 @@ def _response(shapes: Any, impact: bool) -> Any:
             bonds = bonds_of(shapes, places)
             if impact:
                 v, gains, wanted = told[0] * v + a, np.zeros(gains.shape), np.zeros(wanted.shape)
-            terms = bound_terms(tower, q, v, a, forces, gains, flat(wanted, shapes), bonds, impact)
+            terms = bound_terms(core, q, v, a, forces, gains, flat(wanted, shapes), bonds, impact)
             if not impact:
                 found = bound_response(terms, numbers[0], told[0])
                 more = found.a_tau, found.f_tau, terms.X @ terms.J
                 return found.W, found.B, found.X_q, found.S, found.unique, *more
-            found, n = bound_response(terms._replace(g_q=terms.c_q), numbers[0]), tower.nv
+            found, n = bound_response(terms._replace(g_q=terms.c_q), numbers[0]), core.nv
             by_v = found.W[:, n:] @ (told[0] * terms.J)  # all that depends on v
             return found.W, found.B[:, :n], found.X_q, found.S, found.unique, by_v[:n], by_v[n:]
 

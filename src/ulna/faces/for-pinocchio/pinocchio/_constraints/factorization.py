@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, final
+from typing import Any, final
 
 import numpy as np
 
 from pinocchio._constraints.delassus import raised
-from pinocchio._data.binding import refuse
+from pinocchio._model.bound_kernels import not_applicable
+from pinocchio._model.compiled_model import CompiledModel
 from ulna import linalg
 from ulna.algorithms import constrained_factors
 from ulna.algorithms.factors import Factors
@@ -18,18 +19,15 @@ from ulna.numeric import vector
 from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
-if TYPE_CHECKING:
-    from pinocchio._model.kernels import Engine
-
 _OPERATIONS = 30_000
 """Factors that take more are not compiled as a whole; 12 dense rows on a humanoid take 20,000, and a second."""
 _ROWS = 24
 """The dense inverse of more rows is left to LAPACK."""
 
 
-def kernels_for(engine: Engine, rows: Array) -> Kernels:
+def kernels_for(compiled: CompiledModel, rows: Array) -> Kernels:
     """What is compiled for a model, and for Jacobians with entries where `rows` (m, nv) is true."""
-    return _kernels(rows.shape[1], engine.joined, rows.astype(bool).tobytes())
+    return _kernels(rows.shape[1], compiled.mass_pattern, rows.astype(bool).tobytes())
 
 
 @lru_cache(64)
@@ -173,7 +171,7 @@ class Factored:
         self.factor: Any = self._factor_rows
         if not kernels.are_many:
             targets = self.entries, self.D, self.r, self.G, self.unique
-            self.factor = kernels.factor.into(*targets, watch=watch, otherwise=refuse)
+            self.factor = kernels.factor.into(*targets, watch=watch, otherwise=not_applicable)
 
     def _factor_rows(self, M: Floats, J: Floats, mu: Floats) -> Any:
         """The same for many rows, each seen by a native call, and the Delassus matrix by LAPACK."""

@@ -9,7 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._constraints.anchors import PointContactConstraintModel
-from pinocchio._constraints.delassus import DelassusOperatorDense, _Operator
+from pinocchio._constraints.delassus import DelassusOperator, DelassusOperatorDense
 from pinocchio._constraints.joint_constraints import JointFrictionConstraintModel, JointLimitConstraintModel
 from pinocchio._containers.arrays import vector
 from ulna.algorithms.cone_complementarity import Bounded, Held, Kind, Pushed, Touching, gauss_seidel
@@ -193,8 +193,8 @@ class PGSConstraintSolver:
                 "PGSSolverResult()."
             )
         settings.checkValidity()
-        operator = delassus if isinstance(delassus, _Operator) else DelassusOperatorDense(delassus)
-        G = np.ascontiguousarray(_Operator.matrix(operator), dtype=float)
+        operator = delassus if isinstance(delassus, DelassusOperator) else DelassusOperatorDense(delassus)
+        G = np.ascontiguousarray(DelassusOperator.matrix(operator), dtype=float)
         m = operator.size()
         g = vector(g, m, "g")
         kinds = tuple(_kind(*pair) for pair in zip(constraint_models, constraint_datas, strict=True))

@@ -11,8 +11,8 @@ from pinocchio._constraints.factorization import Factored, kernels_for, without_
 from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._containers.arrays import exact, numbers
 from pinocchio._containers.enums import Convention
-from pinocchio._data.binding import refuse
 from pinocchio._data.data import Data
+from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
 from ulna.errors import InputError, ShapeError
 from ulna.system.cached import cached_property
@@ -34,9 +34,9 @@ class Held:
 
     def __init__(self, model: Model, data: Data, rows: int) -> None:
         self.kernels = kernels_for(data.attach(model), np.ones((rows, model.nv)))
-        self.factored = known = Factored(self.kernels, model.watched("shape"))
+        self.factored = known = Factored(self.kernels, model.watched("structure"))
         self.factor, self.entries, self.r, self.unique = known.factor, known.entries, known.r, known.unique
-        self.blocks, self.M, self.nle = data._blocks, data._blocks["M"], data._blocks["nle"]
+        self.blocks, self.M, self.nle = data._arrays, data._arrays["M"], data._arrays["nle"]
         self.mu, self.forces, self.impulses = np.zeros(rows), np.zeros(rows), np.zeros(rows)
 
     def motion(self, J: Any, damping: float, tau: Any, drift: Any) -> Any:
@@ -63,12 +63,12 @@ class Held:
     @cached_property
     def _motion(self) -> Any:
         targets = self.blocks["ddq"], self.forces
-        return self.kernels.motion.into(*targets, returns=(0,), otherwise=refuse)
+        return self.kernels.motion.into(*targets, returns=(0,), otherwise=not_applicable)
 
     @cached_property
     def _impact(self) -> Any:
         targets = self.blocks["dq_after"], self.impulses
-        return self.kernels.impact.into(*targets, returns=(0,), otherwise=refuse)
+        return self.kernels.impact.into(*targets, returns=(0,), otherwise=not_applicable)
 
 
 def _run(model: Model, data: Data, name: str, J: Any, damping: Any, *state: Any) -> tuple[Held, Any]:
@@ -79,7 +79,7 @@ def _run(model: Model, data: Data, name: str, J: Any, damping: Any, *state: Any)
         ShapeError: J has another number of columns, or an argument another size.
     """
     mu = damping_of(damping) if damping else 0.0
-    held, found, known = None, NotImplemented, data._run_at
+    held, found, known = None, NotImplemented, data._bound_at
     if data._model is model and type(J) is np.ndarray and J.ndim == 2:
         held = known.get(len(J))
         if held is not None:
@@ -93,7 +93,7 @@ def _run(model: Model, data: Data, name: str, J: Any, damping: Any, *state: Any)
         given = [
             exact(x, sizes[what], what) if what else x for x, what in zip(state, _STATE[name], strict=True)
         ]
-        known = data._run_at
+        known = data._bound_at
         held = known.get(len(J))
         if held is None or getattr(held, name)(J, mu, *given) is NotImplemented:
             held = known[len(J)] = Held(model, data, len(J))
@@ -128,7 +128,7 @@ def forwardDynamics(
         computeAllTerms(model, data, q, v)
     tau, J, drift, *more = told
     held, a = _run(model, data, "motion", J, more[0] if more else damping, tau, drift)
-    data._blocks["lambda_c"] = held.forces
+    data._arrays["lambda_c"] = held.forces
     return a
 
 
@@ -147,7 +147,7 @@ def impact_with_jacobian(
         )
     v, J, part, mu = *told, *(restitution_coefficient, damping)[len(told) - 2 :]
     held, after = _run(model, data, "impact", J, mu, v, float(part))
-    data._blocks["impulse_c"] = held.impulses
+    data._arrays["impulse_c"] = held.impulses
     return after
 
 

@@ -11,13 +11,14 @@ from pinocchio._constraints.bound_dynamics import Ties, known_ties, tied
 from pinocchio._constraints.delassus import damped_inverse, with_inertia
 from pinocchio._constraints.kernels import bonds_of, jacobian_kernel, sizes_of
 from pinocchio._constraints.proximal_settings import damping_of
-from pinocchio._constraints.rigid_constraint import RigidConstraintModel
+from pinocchio._constraints.rigid_constraint import RigidConstraint
 from pinocchio._containers.arrays import exact
-from pinocchio._data.binding import refuse
-from pinocchio._data.data import Data, engine_for
+from pinocchio._data.data import Data
+from pinocchio._data.states import compiled_for
+from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
 from ulna import algorithms
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
 
@@ -34,8 +35,8 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
     q = data.require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
     ties = known_ties(model, data, constraint_models, constraint_datas)
     if ties is None:
-        engine_for(model, data)
-        if not all(isinstance(one, RigidConstraintModel) for one in constraint_models):
+        compiled_for(model, data)
+        if not all(isinstance(one, RigidConstraint) for one in constraint_models):
             pairs = zip(constraint_models, constraint_datas, strict=True)
             return np.vstack([one.jacobian(model, data, known) for one, known in pairs])
         ties = tied(model, data, constraint_models, constraint_datas)
@@ -88,22 +89,22 @@ def of_ties(model: Model, data: Data, ties: Ties, name: str, q: Any) -> Floats:
 
 
 def _bind(model: Model, data: Data, ties: Ties, name: str, rows: int) -> Any:
-    watch = model.watched("places" if name == "jacobian" else "numbers")  # before the engine: see `run`
-    engine, shapes = data.attach(model), ties.shapes
+    watch = model.watched("placements" if name == "jacobian" else "parameters")  # first: see `run`
+    compiled, shapes = data.attach(model), ties.shapes
     if name == "jacobian":
-        kernel, targets = jacobian_kernel(engine, shapes, model.nq), [np.zeros((rows, model.nv))]
+        kernel, targets = jacobian_kernel(compiled, shapes, model.nq), [np.zeros((rows, model.nv))]
     else:
         build, sizes = with_mass(_delassus(shapes)), sizes_of(shapes)
-        kernel = engine.made(("constraint delassus", shapes), build, q=(model.nq,), **sizes)
-        targets = [np.zeros((rows, rows)), data.target("M"), data.target("own q")]
-    return kernel.into(*targets, returns=(0,), watch=watch, otherwise=refuse)
+        kernel = compiled.compile(("constraint delassus", shapes), build, q=(model.nq,), **sizes)
+        targets = [np.zeros((rows, rows)), data.target("M"), data.target("joints q")]
+    return kernel.into(*targets, returns=(0,), watch=watch, otherwise=not_applicable)
 
 
 def _delassus(shapes: Any) -> Any:
-    def build(tower: TowerModel) -> Any:
+    def build(core: CoreModel) -> Any:
         def run(q: Array, *places: Array) -> tuple[Array, ...]:
-            G = algorithms.delassus_matrix(tower, q, bonds_of(shapes, np.stack(places)))
-            return G, algorithms.mass_matrix(tower, q), q
+            G = algorithms.delassus_matrix(core, q, bonds_of(shapes, np.stack(places)))
+            return G, algorithms.mass_matrix(core, q), q
 
         return run
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from collections.abc import Sequence
+from typing import Any, Self, final
 
 import numpy as np
 
@@ -13,13 +14,11 @@ from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Force, Motion
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import InputError
-from ulna.typing import Floats
 
-__all__ = ["RigidConstraintData", "RigidConstraintModel"]
+__all__ = ["RigidConstraintData"]
 
 
-@final
-class RigidConstraintModel(Pair):
+class RigidConstraint(Pair):
     """`RigidConstraintModel(type, model, joint1[, placement1[, joint2, placement2]][, reference_frame])`.
 
     A point (CONTACT_3D) or a frame (CONTACT_6D) of one joint goes with one of another, or with one of the world, at
@@ -35,7 +34,7 @@ class RigidConstraintModel(Pair):
     )
 
     def __init__(self, *given: Any, **named: Any) -> None:
-        if len(given) == 1 and isinstance(given[0], RigidConstraintModel):
+        if len(given) == 1 and isinstance(given[0], RigidConstraint):
             self._copy(given[0])
             return
         parts = list(given)
@@ -62,7 +61,7 @@ class RigidConstraintModel(Pair):
         if not isinstance(model, Model):
             raise InputError(f"The model is {model!r}; expected a pinocchio.Model.")
 
-    def _copy(self, other: RigidConstraintModel) -> None:
+    def _copy(self, other: RigidConstraint) -> None:
         self._places = other._places.copy()
         self.joint1_placement, self.joint2_placement = (SE3._of(m) for m in self._places)
         self._gains = BaumgarteCorrectorParameters(other._gains.Kp, other._gains.Kd)
@@ -71,17 +70,17 @@ class RigidConstraintModel(Pair):
         for name in ("placement", "velocity", "acceleration"):
             setattr(self, f"desired_contact_{name}", getattr(other, f"desired_contact_{name}").copy())
 
-    def copy(self) -> RigidConstraintModel:
+    def copy(self) -> Self:
         """One of its own, with the same numbers."""
-        return RigidConstraintModel(self)
+        return type(self)(self)
 
     cast = __copy__ = copy
 
-    def __deepcopy__(self, memo: Any) -> RigidConstraintModel:
+    def __deepcopy__(self, memo: Any) -> Self:
         return self.copy()
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, RigidConstraintModel) and (
+        return isinstance(other, RigidConstraint) and (
             self._shape() == other._shape()
             and np.array_equal(self._places, other._places)
             and self._gains == other._gains
@@ -103,20 +102,6 @@ class RigidConstraintModel(Pair):
     def createData(self) -> RigidConstraintData:
         """What is known of it at a state; filled by algorithms."""
         return RigidConstraintData(self)
-
-    def calc(self, model: Model, data: Data, constraint_data: RigidConstraintData) -> None:
-        """Fills the placements of its frames from `data.oMi`."""
-        data.require(data._engine, "forwardKinematics(model, data, q)")
-        from pinocchio._constraints.kernels import paired
-
-        paired(model, [self], [constraint_data])
-        constraint_data._place(self, data)
-
-    def jacobian(self, model: Model, data: Data, constraint_data: RigidConstraintData) -> Floats:
-        """The Jacobian (residualSize, nv) at the configuration of the last forwardKinematics or dynamics."""
-        from pinocchio._constraints.jacobians import getConstraintJacobian
-
-        return getConstraintJacobian(model, data, self, constraint_data)
 
 
 _PLACES = ("oMc1", "oMc2", "c1Mc2")
@@ -140,8 +125,8 @@ class RigidConstraintData:
         "_views",
     )
 
-    def __init__(self, contact_model: RigidConstraintModel) -> None:
-        if not isinstance(contact_model, RigidConstraintModel):
+    def __init__(self, contact_model: RigidConstraint) -> None:
+        if not isinstance(contact_model, RigidConstraint):
             raise InputError(f"The constraint is {contact_model!r}; expected a RigidConstraintModel.")
         self._size = contact_model.residualSize()
         self._due: Any = None
@@ -150,8 +135,8 @@ class RigidConstraintData:
         self._views |= {n: Motion._of(self._blocks[n]) for n in _MOTIONS}
         self._views |= {"contact_force": Force(), "contact_acceleration_desired": Motion()}
 
-    def _place(self, model: RigidConstraintModel, data: Data) -> None:
-        oMi, blocks = data._blocks["oMi"], self._blocks
+    def _place(self, model: RigidConstraint, data: Data) -> None:
+        oMi, blocks = data._arrays["oMi"], self._blocks
         self._due = None
         for name, joint, place in zip(
             _PLACES, (model.joint1_id, model.joint2_id), model._places, strict=False
@@ -179,3 +164,37 @@ def _field(name: str) -> property:
 _LEFT = frozenset((*_PLACES, *_MOTIONS))
 for _name in (*_PLACES, *_MOTIONS, "contact_force", "contact_acceleration_desired"):
     setattr(RigidConstraintData, _name, _field(_name))
+
+
+def paired(model: Model, models: Any, datas: Any) -> list[RigidConstraint]:
+    """The constraints, checked against their data and the model.
+
+    Raises:
+        InputError: something is no constraint, or no data of it; a joint is not one of the model.
+    """
+    if len(models) != len(datas):
+        raise InputError(
+            f"There are {len(models)} constraints and {len(datas)} data of constraints; expected as many."
+        )
+    for one, data in zip(models, datas, strict=True):
+        if not isinstance(one, RigidConstraint) or not isinstance(data, RigidConstraintData):
+            raise InputError(
+                f"The constraint is {one!r} and its data {data!r}; expected a RigidConstraintModel and what its "
+                "createData() returns."
+            )
+        if data._size != one.residualSize():
+            raise InputError(
+                f"The data of a constraint has {data._size} rows, the constraint {one.residualSize()}; make it anew: "
+                "constraint.createData()."
+            )
+        if not 0 <= min(one.joint1_id, one.joint2_id) < max(one.joint1_id, one.joint2_id) < model.njoints:
+            raise InputError(
+                f"A constraint is between the joints {one.joint1_id} and {one.joint2_id}; the model has "
+                f"{model.njoints}. It was made for another model."
+            )
+    return list(models)
+
+
+def shapes_of(models: Sequence[RigidConstraint]) -> tuple[tuple[int, bool, int, int], ...]:
+    """What kernels depend on, for each: rows, whether they are written in local axes, the joints."""
+    return tuple(one._shape() for one in models)

@@ -1,7 +1,7 @@
-"""Files of models, data and geometries: saveToText, saveToXML, saveToBinary, saveToString, and the way back.
+"""Files of models, data and geometries: saveToText, saveToXML, saveToBinary, saveToString, and loading them.
 
-The formats are this face's own: JSON as text, within an element as XML, compressed as binary. Only classes of one table
-are made from a file, so that no file can run code, as a pickle can.
+The formats are those of this package: JSON as text, within an element as XML, compressed as binary. Only registered
+classes are made from a file, so that no file can run code, as a pickle can.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from ulna.errors import FormatError, InputError
 from ulna.files import read_regular
 
 _SIGN = b"ulna pinocchio 1\n"
-_MEND = "Files of other programs are not read: they belong to the classes of their version. Use URDF between both."
+_FIX = "Files of other programs are not read: they belong to the classes of their version. Use URDF between both."
 
 
 class Saved:
-    """What is written to files and read from them."""
+    """An object that can be saved to files and loaded from them."""
 
     def saveToString(self) -> str:
         """Its numbers as JSON."""
@@ -58,43 +58,43 @@ class Saved:
         inner, end, _ = rest.partition(f"</{tag_name}>")
         if not start or not end or before.strip() != '<?xml version="1.0"?>':
             raise FormatError(
-                f"There is no element <{tag_name}> of this face.", file=str(filename), mend=_MEND
+                f"There is no element <{tag_name}> that `saveToXML` wrote.", file=str(filename), mend=_FIX
             )
         self._become(unescape(inner), filename)
 
     @by_name("filename", "buffer")
     def saveToBinary(self, filename: Any) -> None:
         """Writes its numbers compressed, to a file or into a StreamBuffer or StaticBuffer of `serialization`."""
-        told = _SIGN + zlib.compress(self.saveToString().encode("utf-8"))
+        content = _SIGN + zlib.compress(self.saveToString().encode("utf-8"))
         if hasattr(filename, "write"):
-            filename.write(told)
+            filename.write(content)
         else:
-            Path(os.fspath(filename)).write_bytes(told)
+            Path(os.fspath(filename)).write_bytes(content)
 
     @by_name("filename", "buffer")
     def loadFromBinary(self, filename: Any) -> None:
         """Becomes what `saveToBinary` wrote. FormatError where the file is missing or of another kind."""
-        told = filename.tobytes() if hasattr(filename, "tobytes") else _read(filename)
-        if not told.startswith(_SIGN):
+        content = filename.tobytes() if hasattr(filename, "tobytes") else _read(filename)
+        if not content.startswith(_SIGN):
             raise FormatError(
-                "The file does not begin as a binary of this face.", file=str(filename), mend=_MEND
+                "The file does not begin as `saveToBinary` writes it.", file=str(filename), mend=_FIX
             )
         try:
-            text = zlib.decompressobj().decompress(told[len(_SIGN) :]).decode("utf-8")
+            text = zlib.decompressobj().decompress(content[len(_SIGN) :]).decode("utf-8")
         except (zlib.error, UnicodeDecodeError) as error:
             raise FormatError(f"The file is damaged: {error}.", file=str(filename)) from None
         self._become(text, filename)
 
     def _become(self, text: str, filename: Any) -> None:
-        place = None if filename is None else str(filename)
+        file = None if filename is None else str(filename)
         try:
-            made = _made(json.loads(text))
+            parsed = json.loads(text)
+            name = parsed["#"]
+            made = _made(parsed) if name == type(self).__name__ else None
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-            raise FormatError(f"It cannot be read: {error}.", file=place, mend=_MEND) from None
+            raise FormatError(f"It cannot be read: {error}.", file=file, mend=_FIX) from None
         if type(made) is not type(self):
-            raise FormatError(
-                f"It holds a {type(made).__name__}; expected a {type(self).__name__}.", file=place
-            )
+            raise FormatError(f"It holds a {name}; expected a {type(self).__name__}.", file=file)
         if hasattr(self, "__setstate__"):
             self.__setstate__(made.__getstate__())  # pyright: ignore
         else:
@@ -109,23 +109,32 @@ def _read(filename: Any) -> bytes:
         raise FormatError(f"The file cannot be read: {error.strerror}.", file=str(filename)) from None
 
 
+_REGISTERED: dict[str, type] = {}
+
+
+def register(*classes: type) -> None:
+    """Lets files hold objects of some classes, under the names of the classes."""
+    _REGISTERED.update((cls.__name__, cls) for cls in classes)
+
+
+def registered(name: str) -> Any:
+    """The class that files hold under a name. KeyError where there is none."""
+    return _REGISTERED.get(name) or _core_classes()[name]
+
+
 @cache
-def _classes() -> dict[str, type]:
-    """The classes that files may hold, by the names they have there."""
-    from pinocchio._containers import enums as _enums
-    from pinocchio._data import data as _data
-    from pinocchio._geometry import geometry_model as _geometry
-    from pinocchio._geometry import geometry_object as _geometry_object
-    from pinocchio._geometry import materials as _materials
-    from pinocchio._model import frame as _frame
-    from pinocchio._model import joint_kinds as _joints
-    from pinocchio._model import model as _model
-    from pinocchio._spatial import inertia as _inertia
-    from pinocchio._spatial import motion_force as _vectors
-    from pinocchio._spatial import se3 as _se3
+def _name_of(cls: type) -> str | None:
+    if _REGISTERED.get(cls.__name__) is cls:
+        return cls.__name__
+    return next((name for name, other in _core_classes().items() if other is cls), None)
+
+
+@cache
+def _core_classes() -> dict[str, type]:
+    """Classes of Ulna that files may hold: poses, shapes, kinds of joints."""
     from ulna import geometry, model, spatial
 
-    shapes = (
+    names = [
         "Box",
         "Capsule",
         "Cone",
@@ -136,33 +145,10 @@ def _classes() -> dict[str, type]:
         "Plane",
         "Points",
         "Surface",
-    )
-    found = [getattr(geometry, name) for name in shapes if hasattr(geometry, name)]
-    found.append(_geometry_object.ConvexMesh)
-    found += [k for k in vars(model).values() if isinstance(k, type) and issubclass(k, model.JointKind)]
-    found += [
-        _se3.SE3,
-        _vectors.Motion,
-        _vectors.Force,
-        _inertia.Inertia,
-        _frame.Frame,
-        _model.Model,
-        _data.Data,
     ]
-    found += [
-        _geometry.GeometryModel,
-        _geometry.GeometryData,
-        _geometry.GeometryObject,
-        _geometry.CollisionPair,
-    ]
-    found += [_enums.FrameType, *(getattr(_materials, n) for n in _materials.__all__), _joints.JointModel]
-    found += [getattr(_joints, name) for name in _joints.__all__]
-    return {"Pose": spatial.SE3, **{cls.__name__: cls for cls in found}}
-
-
-@cache
-def _names() -> dict[type, str]:
-    return {cls: name for name, cls in _classes().items()}
+    classes = [getattr(geometry, name) for name in names if hasattr(geometry, name)]
+    classes += [k for k in vars(model).values() if isinstance(k, type) and issubclass(k, model.JointKind)]
+    return {"Pose": spatial.SE3, **{cls.__name__: cls for cls in classes}}
 
 
 def _plain(x: Any) -> Any:
@@ -175,7 +161,7 @@ def _plain(x: Any) -> Any:
         return {"#": "dict", "items": [[_plain(k), _plain(v)] for k, v in x.items()]}
     if isinstance(x, (np.number, np.bool_)):
         return x.item()
-    name = _names().get(type(x))
+    name = _name_of(type(x))
     if isinstance(x, (list, tuple)):
         kind = "list" if isinstance(x, list) else name or "tuple"
         return {"#": kind, "items": [_plain(entry) for entry in x]}
@@ -207,7 +193,7 @@ def _made(x: Any) -> Any:
     if name in ("list", "tuple"):
         entries = [_made(entry) for entry in x["items"]]
         return StdVec(entries) if name == "list" else tuple(entries)
-    cls: Any = _classes()[name]
+    cls = registered(name)
     if "items" in x:
         return cls(*(_made(entry) for entry in x["items"]))
     if "value" in x:

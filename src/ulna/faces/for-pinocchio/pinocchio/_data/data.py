@@ -9,21 +9,17 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec, views
-from pinocchio._containers.files import Saved
-from pinocchio._data.binding import ALGORITHMS, Runs
-from pinocchio._data.states import States, Waiting, engine_for, frames_fit
-from pinocchio._data.storage import CENTRES, FORCES, MATRICES, MOTIONS, Blocks
+from pinocchio._containers.files import Saved, register
+from pinocchio._data.algorithm import ALGORITHMS
+from pinocchio._data.states import BoundAlgorithms, FieldStates, Waiting
+from pinocchio._data.storage import CENTRES, FORCES, MATRICES, MOTIONS, FieldArrays
+from pinocchio._model.building import KinematicTree
+from pinocchio._model.compiled_model import CompiledModel
+from pinocchio._model.joint_data import states
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Force, Motion
 from pinocchio._spatial.se3 import SE3
 from ulna.typing import Floats
-
-if TYPE_CHECKING:
-    from pinocchio._model.kernels import Engine
-    from pinocchio._model.model import Model
-
-
-__all__ = ["Data", "engine_for", "frames_fit"]
 
 
 class _PerJoint(StdVec[Any]):
@@ -42,10 +38,10 @@ class _PerJoint(StdVec[Any]):
         return (self[i] for i in range(len(self)))
 
 
-_KEPT = ("kinetic_energy", "potential_energy", "mechanical_energy")
-_WHOLE = {"hg": Force, "dhg": Force, "Ig": Inertia}
+_ENERGIES = ("kinetic_energy", "potential_energy", "mechanical_energy")
+_SINGLE = {"hg": Force, "dhg": Force, "Ig": Inertia}
 _LISTS = ("liMi", *MOTIONS, *FORCES, *CENTRES, "mass")
-_FIELDS = (*MATRICES, *_WHOLE, *_LISTS)
+_FIELDS = (*MATRICES, *_SINGLE, *_LISTS)
 
 
 @final
@@ -58,13 +54,13 @@ class _Lists(dict[str, Any]):
     def __missing__(self, name: str) -> Any:
         data = self._data
         if name == "mass":
-            made = _PerJoint(data, name, [-1.0] * data._blocks["com"].shape[0])
+            made = _PerJoint(data, name, [-1.0] * data._arrays["com"].shape[0])
         elif name in CENTRES:
-            made = _PerJoint(data, name, data._blocks[name])
-        elif name in _WHOLE:
-            made = _WHOLE[name]._of(data._blocks[name])
+            made = _PerJoint(data, name, data._arrays[name])
+        elif name in _SINGLE:
+            made = _SINGLE[name]._of(data._arrays[name])
         else:
-            made = views(SE3 if name == "liMi" else Force if name in FORCES else Motion, data._blocks[name])
+            made = views(SE3 if name == "liMi" else Force if name in FORCES else Motion, data._arrays[name])
         return self.setdefault(name, made)  # another thread may have made it meanwhile
 
 
@@ -78,13 +74,13 @@ class _Placements:
     def __get__(self, data: Data | None, _: type) -> Any:
         if data is None:
             return self
-        found = views(SE3, data._blocks[self._name])
+        found = views(SE3, data._arrays[self._name])
         setattr(data, self._name, found)
         return found
 
 
 @final
-class Data(Saved, States):
+class Data(Saved, FieldStates):
     """Working memory of algorithms for one model: `model.createData()`."""
 
     if TYPE_CHECKING:  # made below, by their names
@@ -132,28 +128,30 @@ class Data(Saved, States):
         hg: Force
         dhg: Force
         Ig: Inertia
+        constraint_chol: Any  # from here on made in the folder _constraints
+        contact_chol: Any
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: KinematicTree) -> None:
         self._model = model
         self._layout = model._layout
         self.nframes = model.nframes
-        self._blocks = Blocks(model)
-        self._known: set[str] = set()
-        self._begin()
+        self._arrays = FieldArrays(model)
+        self._known_states: set[str] = set()
+        self._bind_to_arrays()
         self.kinetic_energy = self.potential_energy = self.mechanical_energy = 0.0
-        self._bound: Any = None
+        self._constraint_solution: Any = None
         self._damped: Any = None
-        self._engine: Engine | None = None
+        self._compiled: CompiledModel | None = None
 
-    def _begin(self) -> None:
-        """What belongs to these very arrays."""
+    def _bind_to_arrays(self) -> None:
+        """Creates what refers to these very arrays."""
         self._marks = array("d", bytes(8 * len(_FIELDS)))
-        self._marked = np.frombuffer(self._marks)
+        self._mark_array = np.frombuffer(self._marks)
         self._waiting: dict[str, Waiting] = {}
-        self._run = Runs()
-        self._told: dict[int, Engine] = {}
-        self._run_at: dict[Any, Any] = {}  # what makes Jacobians of frames, by index and reference
-        self._ties: list[Any] = []
+        self._bound = BoundAlgorithms()
+        self._bound_at: dict[Any, Any] = {}  # kernels of frames, by index and reference frame
+        self._parameters_of: dict[int, CompiledModel] = {}
+        self._constraint_sets: list[Any] = []
         self._lists = _Lists(self)
 
     oMi = _Placements("oMi", "For each joint its placement in the world, live references.")
@@ -162,49 +160,47 @@ class Data(Saved, States):
     @property
     def joints(self) -> StdVec[Any]:
         """For each joint its placement, motion subspace, velocity and bias, at the state of the last algorithm."""
-        from pinocchio._model.joint_data import states
-
-        return states(self._model, self._q_of_joints, self._qv_of_joints)
+        return states(self._model.joints, self._q_of_joints, self._qv_of_joints)
 
     def copy(self) -> Data:
-        """One of its own, with the same numbers."""
+        """A copy."""
         return copy.deepcopy(self)
 
     def __deepcopy__(self, memo: Any) -> Data:
-        self.settle()
+        self.compute_deferred()
         out = object.__new__(Data)
         out.__dict__.update({k: x for k, x in self.__dict__.items() if k not in ("oMi", "oMf")})
-        out._blocks = self._blocks.copied()
-        out._known = set(self._known)
-        out._bound = self._bound and self._bound.copied()
-        out._begin()
-        out._marked[...] = self._marked
+        out._arrays = self._arrays.copied()
+        out._known_states = set(self._known_states)
+        solution = self._constraint_solution
+        out._constraint_solution = solution and solution.copied()
+        out._bind_to_arrays()
+        out._mark_array[...] = self._mark_array
         list.__setitem__(out._lists["mass"], slice(None), list.__iter__(self._lists["mass"]))
         return out
 
     __copy__ = copy
 
     def __getstate__(self) -> dict[str, Any]:
-        self.settle()
-        told = {name: getattr(self, name) for name in _KEPT}
-        spoilt = {
+        self.compute_deferred()
+        energies = {name: getattr(self, name) for name in _ENERGIES}
+        invalid = {
             name: ALGORITHMS[int(self._marks[k]) - 1].name for name, k in self.slots.items() if self._marks[k]
         }
         mass = list(list.__iter__(self._lists["mass"]))
-        return {"model": self._model, "blocks": self._blocks.whole(), "mass": mass, "spoilt": spoilt, **told}
+        arrays = self._arrays.whole()
+        return {"model": self._model, "blocks": arrays, "mass": mass, "spoilt": invalid, **energies}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        told = dict(state)
-        self.__init__(told.pop("model"))
-        self._blocks.update(told.pop("blocks"))
-        self._begin()
-        list.__setitem__(self._lists["mass"], slice(None), told.pop("mass"))
-        for algorithm in ALGORITHMS:
-            for name, by in told["spoilt"].items():
-                if by == algorithm.name:
-                    self._marks[self.slots[name]] = float(algorithm.number)
-        del told["spoilt"]
-        for name, value in told.items():
+        values = dict(state)
+        self.__init__(values.pop("model"))
+        self._arrays.update(values.pop("blocks"))
+        self._bind_to_arrays()
+        list.__setitem__(self._lists["mass"], slice(None), values.pop("mass"))
+        numbers = {algorithm.name: algorithm.number for algorithm in ALGORITHMS}
+        for name, algorithm in values.pop("spoilt").items():
+            self._marks[self.slots[name]] = float(numbers.get(algorithm, 0))
+        for name, value in values.items():
             setattr(self, name, value)
 
     def __eq__(self, other: object) -> bool:
@@ -212,18 +208,9 @@ class Data(Saved, States):
             return NotImplemented
         mine, theirs = self.__getstate__()["blocks"], other.__getstate__()["blocks"]
         same = all(np.array_equal(b, theirs[n]) for n, b in mine.items() if " " not in n)
-        return same and all(getattr(self, name) == getattr(other, name) for name in _KEPT)
+        return same and all(getattr(self, name) == getattr(other, name) for name in _ENERGIES)
 
     __hash__ = object.__hash__
-
-    @property
-    def constraint_chol(self) -> Any:
-        """The decomposition of mass matrix and constraints of the last constraintDynamics or impulseDynamics."""
-        from pinocchio._constraints.cholesky import cholesky_of
-
-        return cholesky_of(self)
-
-    contact_chol = constraint_chol
 
     def __repr__(self) -> str:
         return f"<Data of {self._model.name!r}: nv={self._model.nv}, {len(self.oMi)} joints, {self.nframes} frames>"
@@ -235,10 +222,10 @@ def _block(name: str) -> property:
     def get(self: Data) -> Floats:
         if self._marks[slot]:
             self.read(name)
-        return self._blocks[name]
+        return self._arrays[name]
 
     def put(self: Data, value: Any) -> None:
-        self._blocks[name][...] = value
+        self._arrays[name][...] = value
         self._marks[slot] = 0.0
 
     return property(get, put, doc=f"`{name}` as the last algorithm left it, live; assigning copies into it.")
@@ -260,5 +247,8 @@ def _entries(name: str) -> property:
 Data.slots = {name: k for k, name in enumerate(_FIELDS)}
 for _name in MATRICES:
     setattr(Data, _name, _block(_name))
-for _name in (*_WHOLE, *_LISTS):
+for _name in (*_SINGLE, *_LISTS):
     setattr(Data, _name, _entries(_name))
+
+
+register(Data)

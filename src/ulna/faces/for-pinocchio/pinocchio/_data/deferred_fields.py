@@ -1,37 +1,25 @@
-"""Fields of a Data that are computed when they are read: of which state, and how."""
+"""Fields of a Data that are computed when they are read: from which state, and how."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import Any
 
 import numpy as np
 
+from pinocchio._data.algorithm import Deferred
+from pinocchio._data.states import FieldStates
+from pinocchio._model.compiled_model import CompiledModel
 from ulna import algorithms, spatial
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
 
-if TYPE_CHECKING:
-    from pinocchio._data.data import Data
-    from pinocchio._model.kernels import Engine
-
-_CENTRES = {"com": "center_of_mass", "vcom": "center_of_mass_velocity", "acom": "center_of_mass_acceleration"}
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class Late:
-    """How fields are computed when they are read.
-
-    Attributes:
-        inputs: A letter for each input: q, v, a, f.
-        fill: Called with a Data, kernels, the fields to write, and the inputs; forces on the joints may follow.
-    """
-
-    inputs: str
-    fill: Callable[..., None]
+_CENTER_FUNCTIONS = {
+    "com": "center_of_mass",
+    "vcom": "center_of_mass_velocity",
+    "acom": "center_of_mass_acceleration",
+}
 
 
 def stacked(poses: Sequence[spatial.SE3]) -> Array:
@@ -45,192 +33,192 @@ def rows(motions: Sequence[Any]) -> Array:
 
 
 def split_forces(F: Array) -> list[spatial.Force | None]:
-    """Rows of an array as the tower's forces on joints."""
+    """Rows of an array as forces on joints."""
     return [spatial.Force(F[k, :3], F[k, 3:]) for k in range(F.shape[0])]
 
 
-def _compiled(inputs: str, of: Callable[..., dict[str, Any]], sums: bool = False) -> Late:
-    """Fields that `of(tower, *inputs, forces)` tells; of `sums` the universe's are there before."""
-    motion = inputs.rstrip("f")
+def _compiled(
+    inputs: str, functions: Callable[..., dict[str, Any]], universe_is_filled: bool = False
+) -> Deferred:
+    """Fields that `functions(model, *inputs, forces)` computes: a function without arguments for each field.
 
-    def fill(data: Data, engine: Engine, fields: tuple[str, ...], *state: Floats) -> None:
-        def build(tower: TowerModel) -> Any:
-            def run(*given: Array) -> tuple[Array, ...]:
-                forces = split_forces(given[-1]) if len(given) > len(motion) else None
-                found = of(tower, *given[: len(motion)], forces)
-                return tuple(found[field]() for field in fields)
+    The first row, of the universe, is set here, unless an algorithm fills it.
+    """
+    state_size = len(inputs.rstrip("f"))
+
+    def fill(data: FieldStates, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats) -> None:
+        def build(core: CoreModel) -> Any:
+            def run(*args: Array) -> tuple[Array, ...]:
+                forces = split_forces(args[-1]) if len(args) > state_size else None
+                field_functions = functions(core, *args[:state_size], forces)
+                return tuple(field_functions[field]() for field in fields)
 
             return run
 
         shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(state)}
-        found = engine.made((of, fields, len(state)), build, **shapes)(*state)
-        for field, values in zip(fields, found, strict=True):
+        results = compiled.compile((functions, fields, len(state)), build, **shapes)(*state)
+        for field, values in zip(fields, results, strict=True):
             data.target(field)[...] = values
-            if field in BODIES and not sums:
-                data._blocks[field][0] = 0.0
+            if field in BODIES and not universe_is_filled:
+                data._arrays[field][0] = 0.0
             if field in ("a_gf", "oa_gf"):
-                data._blocks[field][0, :3] = -engine.gravity
+                data._arrays[field][0, :3] = -compiled.gravity
 
-    return Late(inputs, fill)
-
-
-def _own_poses(model: TowerModel, q: Array, _: Any) -> dict[str, Any]:
-    return {"liMi": lambda: own_poses(model, q)}
+    return Deferred(inputs, fill)
 
 
-def own_poses(model: TowerModel, q: Array) -> Array:
+def defer_joint_placements(
+    data: FieldStates, compiled: CompiledModel, q: Floats, v: Floats | None = None
+) -> None:
+    """Defers the joints' placements in their parents, and stores the state of the joints."""
+    data.defer(JOINTS["liMi"], ("liMi",), compiled, q.copy())
+    data._q_of_joints = q
+    if v is not None:
+        data._qv_of_joints = q, v
+
+
+def _joint_placements(model: CoreModel, q: Array, _: Any) -> dict[str, Any]:
+    return {"liMi": lambda: joint_placements(model, q)}
+
+
+def joint_placements(model: CoreModel, q: Array) -> Array:
     """Each joint in the frame of the joint before it, (n, 4, 4)."""
     return stacked([j.placement @ j.kind.transform(j.q_of(q)) for j in model.joints])
 
 
-def _velocities(model: TowerModel, q: Array, v: Array, _: Any) -> dict[str, Any]:
-    speeds = algorithms.joint_velocities(model, q, v)
+def _body_velocities(model: CoreModel, q: Array, v: Array, _: Any) -> dict[str, Any]:
+    velocities = algorithms.joint_velocities(model, q, v)
     poses = algorithms.joint_poses(model, q)
-    momenta = [i.apply(V) for i, V in zip(model.inertias, speeds, strict=True)]
-    carried = {"ov": lambda: _carried(poses, speeds), "oh": lambda: _carried(poses, momenta)}
-    return {"v": lambda: rows(speeds), **carried}
+    momenta = [i.apply(V) for i, V in zip(model.inertias, velocities, strict=True)]
+    carried = {"ov": lambda: _in_world(poses, velocities), "oh": lambda: _in_world(poses, momenta)}
+    return {"v": lambda: rows(velocities), **carried}
 
 
-def _motions(model: TowerModel, q: Array, v: Array, a: Array, _: Any) -> dict[str, Any]:
-    gains = algorithms.joint_accelerations(model, q, v, a)
+def _body_accelerations(model: CoreModel, q: Array, v: Array, a: Array, _: Any) -> dict[str, Any]:
+    accelerations = algorithms.joint_accelerations(model, q, v, a)
     poses = algorithms.joint_poses(model, q)
-    return {"a": lambda: rows(gains), "oa": lambda: _carried(poses, gains)}
+    return {"a": lambda: rows(accelerations), "oa": lambda: _in_world(poses, accelerations)}
 
 
-def _bodies(model: TowerModel, q: Array, v: Array, a: Array, forces: Any) -> dict[str, Any]:
+def _body_dynamics(model: CoreModel, q: Array, v: Array, a: Array, forces: Any) -> dict[str, Any]:
     lift = spatial.Motion(-np.asarray(model.gravity), np.zeros(3))
     poses = algorithms.joint_poses(model, q)
-    speeds = algorithms.joint_velocities(model, q, v)
-    gains = algorithms.joint_accelerations(model, q, v, a)
-    felt = [A + T.act_inverse(lift) for A, T in zip(gains, poses, strict=True)]
-    momenta = [i.apply(V) for i, V in zip(model.inertias, speeds, strict=True)]
+    velocities = algorithms.joint_velocities(model, q, v)
+    accelerations = algorithms.joint_accelerations(model, q, v, a)
+    relative_to_free_fall = [A + T.act_inverse(lift) for A, T in zip(accelerations, poses, strict=True)]
+    momenta = [i.apply(V) for i, V in zip(model.inertias, velocities, strict=True)]
 
     def wrenches() -> list[Any]:
         return algorithms.joint_wrenches(model, q, v, a, forces)
 
     return {
-        "v": lambda: rows(speeds),
-        "a_gf": lambda: rows(felt),
+        "v": lambda: rows(velocities),
+        "a_gf": lambda: rows(relative_to_free_fall),
         "f": lambda: rows(wrenches()),
         "h": lambda: rows(momenta),
-        "ov": lambda: _carried(poses, speeds),
-        "oa": lambda: _carried(poses, gains),
-        "oa_gf": lambda: _carried(poses, felt),
-        "of": lambda: _carried(poses, wrenches()),
-        "oh": lambda: _carried(poses, momenta),
+        "ov": lambda: _in_world(poses, velocities),
+        "oa": lambda: _in_world(poses, accelerations),
+        "oa_gf": lambda: _in_world(poses, relative_to_free_fall),
+        "of": lambda: _in_world(poses, wrenches()),
+        "oh": lambda: _in_world(poses, momenta),
     }
 
 
-def _carried(poses: Sequence[spatial.SE3], own: Sequence[Any]) -> Array:
+def _in_world(poses: Sequence[spatial.SE3], vectors: Sequence[Any]) -> Array:
     """From the joints' frames into the world's."""
-    return rows([T.act(one) for T, one in zip(poses, own, strict=True)])
+    return rows([T.act(one) for T, one in zip(poses, vectors, strict=True)])
 
 
-def _totals(model: TowerModel, q: Array, v: Array, a: Array, _: Any) -> dict[str, Any]:
+def _subtree_momenta(model: CoreModel, q: Array, v: Array, a: Array, _: Any) -> dict[str, Any]:
     """Momenta and their rates of all that each joint moves."""
     poses = algorithms.joint_poses(model, q)
-    speeds = algorithms.joint_velocities(model, q, v)
-    momenta = [i.apply(V) for i, V in zip(model.inertias, speeds, strict=True)]
-    gains = algorithms.joint_accelerations(model, q, v, a)
+    velocities = algorithms.joint_velocities(model, q, v)
+    momenta = [i.apply(V) for i, V in zip(model.inertias, velocities, strict=True)]
+    accelerations = algorithms.joint_accelerations(model, q, v, a)
     rates = [
-        i.apply(A) + V.cross(h) for i, V, A, h in zip(model.inertias, speeds, gains, momenta, strict=True)
+        i.apply(A) + V.cross(h)
+        for i, V, A, h in zip(model.inertias, velocities, accelerations, momenta, strict=True)
     ]
 
-    def gathered(own: Sequence[Any], local: bool) -> Array:
-        found = [T.act(one) for T, one in zip(poses, own, strict=True)]
-        for k in reversed(range(len(found))):
+    def subtree_sums(vectors: Sequence[Any], local: bool) -> Array:
+        sums = [T.act(one) for T, one in zip(poses, vectors, strict=True)]
+        for k in reversed(range(len(sums))):
             if model.joints[k].parent >= 0:
-                found[model.joints[k].parent] += found[k]
-        return rows([T.act_inverse(one) for T, one in zip(poses, found, strict=True)] if local else found)
+                sums[model.joints[k].parent] += sums[k]
+        return rows([T.act_inverse(one) for T, one in zip(poses, sums, strict=True)] if local else sums)
 
     return {
-        "h": lambda: gathered(momenta, True),
-        "f": lambda: gathered(rates, True),
-        "oh": lambda: gathered(momenta, False),
-        "of": lambda: gathered(rates, False),
+        "h": lambda: subtree_sums(momenta, True),
+        "f": lambda: subtree_sums(rates, True),
+        "oh": lambda: subtree_sums(momenta, False),
+        "of": lambda: subtree_sums(rates, False),
     }
 
 
-def _slopes(model: TowerModel, q: Array, v: Array, a: Array, forces: Any) -> dict[str, Any]:
+def _derivatives(model: CoreModel, q: Array, v: Array, a: Array, forces: Any) -> dict[str, Any]:
     by_q, by_v, _ = algorithms.inverse_dynamics_derivatives(model, q, v, a, forces)
     return {"dtau_dq": lambda: by_q, "dtau_dv": lambda: by_v}
 
 
-def _map(model: TowerModel, q: Array, _: Any) -> dict[str, Any]:
+def _map(model: CoreModel, q: Array, _: Any) -> dict[str, Any]:
     return {"Ag": lambda: algorithms.centroidal_matrix(model, q)}
 
 
-def _inverse_mass(model: TowerModel, q: Array, _: Any) -> dict[str, Any]:
+def _inverse_mass(model: CoreModel, q: Array, _: Any) -> dict[str, Any]:
     return {"Minv": lambda: with_mass(_inverse_of)(model)(q)}
 
 
-def _inverse_of(model: TowerModel) -> Any:
+def _inverse_of(model: CoreModel) -> Any:
     return lambda q: algorithms.inverse_mass_matrix(model, q)
 
 
-def _centres(data: Data, engine: Engine, fields: tuple[str, ...], *state: Floats) -> None:
-    """Of what each joint moves, in its frame."""
-    tower = engine.model
-    poses = algorithms.joint_poses(tower, state[0])
+def _subtree_centers(
+    data: FieldStates, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats
+) -> None:
+    """The centre of mass of the subtree of each joint, its velocity and acceleration, in the joint's frame."""
+    core = compiled.model
+    poses = algorithms.joint_poses(core, state[0])
     for field in fields:
-        given = state[: list(_CENTRES).index(field) + 1]
-        for i, (joint, pose) in enumerate(zip(tower.joints, poses, strict=True), start=1):
-            if algorithms.total_mass(tower, joint.name) > 0.0:
-                found = engine.kernel(_CENTRES[field], subtree=joint.name)(*given)
-                own = pose.rotation.T @ (found - pose.translation if field == "com" else found)
-                data._blocks[field][i] = own
+        inputs = state[: list(_CENTER_FUNCTIONS).index(field) + 1]
+        for i, (joint, pose) in enumerate(zip(core.joints, poses, strict=True), start=1):
+            if algorithms.total_mass(core, joint.name) > 0.0:
+                x = compiled.kernel(_CENTER_FUNCTIONS[field], subtree=joint.name)(*inputs)
+                data._arrays[field][i] = pose.rotation.T @ (x - pose.translation if field == "com" else x)
 
 
-def _masses(data: Data, engine: Engine, fields: tuple[str, ...]) -> None:
-    """Of what each joint moves; the universe, first, counts all that moves."""
-    tower = engine.model
-    for i, name in enumerate((None, *tower.joint_names)):
-        list.__setitem__(data.mass, i, float(algorithms.total_mass(tower, name)))
+def _subtree_masses(data: FieldStates, compiled: CompiledModel, fields: tuple[str, ...]) -> None:
+    """The mass of the subtree of each joint; that of the universe, first, leaves out its own body."""
+    core = compiled.model
+    for i, name in enumerate((None, *core.joint_names)):
+        list.__setitem__(data.mass, i, float(algorithms.total_mass(core, name)))
 
 
-OWN = {"liMi": _compiled("q", _own_poses)}
-_BODIES = _compiled("qva", _bodies)
-_MOTIONS = _compiled("qva", _motions)
-_SPEEDS = _compiled("qv", _velocities)
-SPEEDS = dict.fromkeys(("v", "ov"), _SPEEDS)
-OV = {"ov": _SPEEDS}
-OH = {"oh": _SPEEDS}
-GAINS = dict.fromkeys(("a", "oa"), _MOTIONS)
-OA = {"oa": _MOTIONS}
-FELT = dict.fromkeys(("a_gf", "f", "oa_gf", "of"), _BODIES)
-"""What a motion makes bodies feel."""
-FELT_BY_ALL = {**FELT, "f": _compiled("qva", _bodies, sums=True)}
-"""The same, where `f[0]` is there before."""
-BODIES = {**SPEEDS, **dict.fromkeys(("h", "oh"), _BODIES), **FELT}
+JOINTS = {"liMi": _compiled("q", _joint_placements)}
+_BODY_DYNAMICS = _compiled("qva", _body_dynamics)
+_ACCELERATIONS = _compiled("qva", _body_accelerations)
+_VELOCITIES = _compiled("qv", _body_velocities)
+VELOCITIES = dict.fromkeys(("v", "ov"), _VELOCITIES)
+VELOCITIES_IN_WORLD = {"ov": _VELOCITIES}
+BODY_MOMENTA_IN_WORLD = {"oh": _VELOCITIES}
+ACCELERATIONS = dict.fromkeys(("a", "oa"), _ACCELERATIONS)
+ACCELERATIONS_IN_WORLD = {"oa": _ACCELERATIONS}
+BODY_FORCES = dict.fromkeys(("a_gf", "f", "oa_gf", "of"), _BODY_DYNAMICS)
+"""Accelerations relative to free fall, and the forces through the joints."""
+BODY_FORCES_BELOW_TOTAL = {**BODY_FORCES, "f": _compiled("qva", _body_dynamics, universe_is_filled=True)}
+"""The same, where `f[0]` is filled by the algorithm."""
+BODIES = {**VELOCITIES, **dict.fromkeys(("h", "oh"), _BODY_DYNAMICS), **BODY_FORCES}
 """The same, with velocities and momenta."""
-UNDER_FORCES = dict.fromkeys(BODIES, _compiled("qvaf", _bodies))
+BODIES_UNDER_FORCES = dict.fromkeys(BODIES, _compiled("qvaf", _body_dynamics))
 """The same, where forces act on the joints."""
-_TOTALS = _compiled("qva", _totals, sums=True)
-MOMENTA = {"h": _TOTALS}
-RATES_OF_MOMENTA = dict.fromkeys(("h", "f"), _TOTALS)
-"""Momenta and their rates of all that each joint moves."""
-IN_WORLD = dict.fromkeys(("oh", "of"), _TOTALS)
-SLOPES = dict.fromkeys(("dtau_dq", "dtau_dv"), _compiled("qva", _slopes))
-SLOPES_UNDER_FORCES = dict.fromkeys(SLOPES, _compiled("qvaf", _slopes))
-MAP = {"Ag": _compiled("q", _map)}
-MINV = {"Minv": _compiled("q", _inverse_mass)}
-MASSES = {"mass": Late("", _masses)}
-CENTRES = {"com": Late("q", _centres), **MASSES}
-CENTRES_1 = {**CENTRES, "vcom": Late("qv", _centres)}
-CENTRES_2 = {**CENTRES_1, "acom": Late("qva", _centres)}
-FILLED_BY = {
-    "Ag": "computeCentroidalMap(model, data, q)",
-    "Jcom": "jacobianCenterOfMass(model, data, q)",
-    "Minv": "computeMinverse(model, data, q)",
-    "dFda": "computeCentroidalDynamicsDerivatives(model, data, q, v, a)",
-    "dFdq": "computeCentroidalDynamicsDerivatives(model, data, q, v, a)",
-    "dFdv": "computeCentroidalDynamicsDerivatives(model, data, q, v, a)",
-    "dtau_dq": "computeRNEADerivatives(model, data, q, v, a)",
-    "dtau_dv": "computeRNEADerivatives(model, data, q, v, a)",
-    "dlambda_dtau": "computeConstraintDynamicsDerivatives(model, data, contact_models, contact_datas)",
-    "g": "computeGeneralizedGravity(model, data, q)",
-    "oa": "computeForwardKinematicsDerivatives(model, data, q, v, a)",
-    "of": "computeRNEADerivatives(model, data, q, v, a)",
-    "tau": "rnea(model, data, q, v, a)",
-}
-"""The call that fills a field that others spoil."""
+_SUBTREE_MOMENTA = _compiled("qva", _subtree_momenta, universe_is_filled=True)
+SUBTREE_MOMENTA = {"h": _SUBTREE_MOMENTA}
+SUBTREE_MOMENTA_AND_RATES = dict.fromkeys(("h", "f"), _SUBTREE_MOMENTA)
+SUBTREE_MOMENTA_IN_WORLD = dict.fromkeys(("oh", "of"), _SUBTREE_MOMENTA)
+TORQUE_DERIVATIVES = dict.fromkeys(("dtau_dq", "dtau_dv"), _compiled("qva", _derivatives))
+TORQUE_DERIVATIVES_UNDER_FORCES = dict.fromkeys(TORQUE_DERIVATIVES, _compiled("qvaf", _derivatives))
+CENTROIDAL_MAP = {"Ag": _compiled("q", _map)}
+INVERSE_MASS = {"Minv": _compiled("q", _inverse_mass)}
+MASSES = {"mass": Deferred("", _subtree_masses)}
+CENTERS = {"com": Deferred("q", _subtree_centers), **MASSES}
+CENTERS_AND_VELOCITIES = {**CENTERS, "vcom": Deferred("qv", _subtree_centers)}
+CENTERS_TO_ACCELERATIONS = {**CENTERS_AND_VELOCITIES, "acom": Deferred("qva", _subtree_centers)}

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
+from pinocchio._model.building import KinematicTree
 from ulna.typing import Floats
-
-if TYPE_CHECKING:
-    from pinocchio._model.model import Model
 
 MATRICES = {
     "M": "vv",
@@ -60,30 +58,30 @@ _SHAPES = {
     **dict.fromkeys(CENTRES, "n3"),
     **{"hg": "6", "dhg": "6", "Ig": "i", "energy K": "", "energy P": "", "gravity by q": "vv"},
 }
-_OF_STATES = {"q": "q", "v": "v", "a": "v", "f": "m6"}
+_INPUT_SHAPES = {"q": "q", "v": "v", "a": "v", "f": "m6"}
 
 
 @final
-class Blocks(dict[str, Floats]):
-    """The arrays by the names of fields, and of states by names such as "rnea q"."""
+class FieldArrays(dict[str, Floats]):
+    """The arrays by the names of fields, and of stored inputs by names such as "rnea q"."""
 
-    def __init__(self, model: Model) -> None:
-        nj, nf, nv, moving = model.njoints, model.nframes, model.nv, model.njoints - 1
-        sizes = {"n": nj, "f": nf, "m": moving, "v": nv, "q": model.nq, "p": 10 * moving, "s": 4 * moving}
+    def __init__(self, model: KinematicTree) -> None:
+        nj, nf, nv, bodies = model.njoints, model.nframes, model.nv, model.njoints - 1
+        sizes = {"n": nj, "f": nf, "m": bodies, "v": nv, "q": model.nq, "p": 10 * bodies, "s": 4 * bodies}
         self._sizes = sizes | {"0": 0, "3": 3, "4": 4, "6": 6, "t": 10, "i": 13}
         self["a_gf"] = np.zeros((nj, 6))
         self["a_gf"][0] = -model.gravity.vector
 
     def __missing__(self, name: str) -> Floats:
-        letters = _SHAPES[name] if name in _SHAPES else _OF_STATES[name[-1]]
+        letters = _SHAPES[name] if name in _SHAPES else _INPUT_SHAPES[name[-1]]
         block = np.zeros([self._sizes[x] for x in letters])
         if letters.endswith("44"):
             block[...] = np.eye(4)
         return self.setdefault(name, block)  # another thread may have made it meanwhile
 
-    def copied(self) -> Blocks:
-        """Arrays of their own, with the same numbers."""
-        out = Blocks.__new__(Blocks)
+    def copied(self) -> FieldArrays:
+        """A copy of all arrays."""
+        out = FieldArrays.__new__(FieldArrays)
         out._sizes = self._sizes
         out.update((name, block.copy()) for name, block in self.items())
         return out
@@ -93,3 +91,21 @@ class Blocks(dict[str, Floats]):
         for name in _SHAPES:
             self[name]
         return dict(self)
+
+
+FILLED_BY = {
+    "Ag": "computeCentroidalMap(model, data, q)",
+    "Jcom": "jacobianCenterOfMass(model, data, q)",
+    "Minv": "computeMinverse(model, data, q)",
+    "dFda": "computeCentroidalDynamicsDerivatives(model, data, q, v, a)",
+    "dFdq": "computeCentroidalDynamicsDerivatives(model, data, q, v, a)",
+    "dFdv": "computeCentroidalDynamicsDerivatives(model, data, q, v, a)",
+    "dtau_dq": "computeRNEADerivatives(model, data, q, v, a)",
+    "dtau_dv": "computeRNEADerivatives(model, data, q, v, a)",
+    "dlambda_dtau": "computeConstraintDynamicsDerivatives(model, data, contact_models, contact_datas)",
+    "g": "computeGeneralizedGravity(model, data, q)",
+    "oa": "computeForwardKinematicsDerivatives(model, data, q, v, a)",
+    "of": "computeRNEADerivatives(model, data, q, v, a)",
+    "tau": "rnea(model, data, q, v, a)",
+}
+"""The call that fills a field that others invalidate."""

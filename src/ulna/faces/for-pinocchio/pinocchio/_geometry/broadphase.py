@@ -6,23 +6,22 @@ manager of the same name, with the geometries in it, is at `getManager()`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.parallel import GeometryPool
 from pinocchio._containers.arrays import NO_INDEX, StdVec
 from pinocchio._containers.keywords import by_name
 from pinocchio._geometry.collision_callbacks import CollisionCallBackBase, CollisionCallBackDefault
-from pinocchio._geometry.collisions import box_corners
-from pinocchio._geometry.geometry_model import GeometryData, GeometryModel, updateGeometryPlacements
+from pinocchio._geometry.collisions import CollisionManager, box_corners
+from pinocchio._geometry.geometry_data import GeometryData
+from pinocchio._geometry.geometry_model import GeometryModel
+from pinocchio._geometry.geometry_pool import GeometryPool
+from pinocchio._geometry.placements import updateGeometryPlacements
+from pinocchio._model.model import Model
 from ulna.collision.narrow import coal
 from ulna.errors import InputError
 from ulna.typing import Floats
-
-if TYPE_CHECKING:
-    from pinocchio._data.data import Data
-    from pinocchio._model.model import Model
 
 
 class CollisionObject(coal().CollisionObject):
@@ -31,7 +30,7 @@ class CollisionObject(coal().CollisionObject):
     geometryObjectIndex = NO_INDEX
 
 
-class BroadPhaseManager:
+class BroadPhaseManager(CollisionManager):
     """The boxes of a robot's geometries: `(model, geometry_model, geometry_data)`, or a copy of another manager.
 
     After `updateGeometryPlacements`, `update()` moves the boxes; `collide(callback)` compares them.
@@ -151,6 +150,19 @@ class BroadPhaseManager:
             self._manager.setup()
         return self._manager
 
+    def compute_collisions(self, *parts: Any) -> bool:
+        """`computeCollisions` with this manager: (manager, ...), or (model, data, manager, [callback,] q, ...)."""
+        rest = list(parts[1:])
+        if parts[0] is not self:
+            model, data, _, *rest = parts
+            q = rest.pop(1 if isinstance(rest[0], CollisionCallBackBase) else 0)
+            updateGeometryPlacements(model, data, self._geometry, self._data, q)
+            self.update()
+        callback = rest[0] if rest else False
+        if not isinstance(callback, CollisionCallBackBase):
+            callback = CollisionCallBackDefault(self._geometry, self._data, bool(callback))
+        return self.collide(callback)
+
 
 class BroadPhaseManagerPool(GeometryPool):
     """Several data of a robot's geometries, with a broad phase for each."""
@@ -189,23 +201,6 @@ def _overlap(first: tuple[Floats, Floats], second: tuple[Floats, Floats]) -> Any
     """For each box of the first and of the second (n, m), whether they overlap."""
     (low, high), (others_low, others_high) = first, second
     return ((low[:, None] <= others_high) & (others_low <= high[:, None])).all(axis=-1)
-
-
-def by_manager(*parts: Any) -> bool:
-    """`computeCollisions` with a broad-phase manager."""
-    if isinstance(parts[0], BroadPhaseManager):
-        manager, rest = parts[0], parts[1:]
-    else:
-        model: Model = parts[0]
-        data: Data = parts[1]
-        manager, rest = parts[2], list(parts[3:])
-        q = rest.pop(1 if isinstance(rest[0], CollisionCallBackBase) else 0)
-        updateGeometryPlacements(model, data, manager.getGeometryModel(), manager.getGeometryData(), q)
-        manager.update()
-    told = rest[0] if rest else False
-    if not isinstance(told, CollisionCallBackBase):
-        told = CollisionCallBackDefault(manager.getGeometryModel(), manager.getGeometryData(), bool(told))
-    return manager.collide(told)
 
 
 _SEARCHES = ("DynamicAABBTree", "DynamicAABBTreeArray", "IntervalTree", "Naive", "SSaP", "SaP")

@@ -6,7 +6,9 @@ from typing import Any
 
 from pinocchio._containers.arrays import NO_INDEX, StdVec
 from pinocchio._geometry.collisions import computeCollision
-from pinocchio._geometry.geometry_model import CollisionPair, GeometryData, GeometryModel
+from pinocchio._geometry.geometry_collection import CollisionPair
+from pinocchio._geometry.geometry_data import GeometryData
+from pinocchio._geometry.geometry_model import GeometryModel
 
 
 class CollisionCallBackBase:

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
+import abc
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pinocchio._algorithms.parallel import GeometryPool
 from pinocchio._containers.arrays import StdVec, index
 from pinocchio._containers.keywords import by_name
-from pinocchio._geometry.geometry_model import (
-    CollisionPair,
-    GeometryData,
-    GeometryModel,
-    GeometryObject,
-    updateGeometryPlacements,
-)
+from pinocchio._geometry.geometry_collection import CollisionPair
+from pinocchio._geometry.geometry_data import GeometryData
+from pinocchio._geometry.geometry_model import GeometryModel
+from pinocchio._geometry.geometry_pool import GeometryPool
+from pinocchio._geometry.placements import updateGeometryPlacements
 from ulna.collision.narrow import coal
 from ulna.errors import InputError
 
@@ -25,44 +23,12 @@ if TYPE_CHECKING:
     from pinocchio._model.model import Model
 
 
-class _OfTwo:
-    """What coal is asked about two geometries; made anew for coal when one was given another shape."""
+class CollisionManager(abc.ABC):
+    """What `computeCollisions` takes in place of geometries: a broad phase."""
 
-    def __init__(self, geometry_object1: GeometryObject, geometry_object2: GeometryObject) -> None:
-        self.of = geometry_object1, geometry_object2
-        """The two."""
-        self._shapes: tuple[Any, Any] = (None, None)
-        self._ask: Any = None
-
-    def getGeometryObject1(self) -> GeometryObject:
-        """The first geometry."""
-        return self.of[0]
-
-    def getGeometryObject2(self) -> GeometryObject:
-        """The second geometry."""
-        return self.of[1]
-
-    def run(self, tf1: Any, tf2: Any, request: Any, result: Any) -> Any:
-        """Asks coal, the geometries being at two Transform3s; fills `result`."""
-        one, two = self.of
-        first, second = one.geometry, two.geometry
-        if first is not self._shapes[0] or second is not self._shapes[1]:
-            self._shapes = first, second
-            self._ask = getattr(coal(), type(self).__name__)(first, second)
-        result.clear()
-        return self._ask(tf1, tf2, request, result)
-
-    def __call__(self, tf1: Any, tf2: Any, request: Any, result: Any) -> Any:
-        """See `run`."""
-        return self.run(tf1, tf2, request, result)
-
-
-class ComputeCollision(_OfTwo):
-    """A function that asks coal whether two geometries touch; answers how many contacts there are."""
-
-
-class ComputeDistance(_OfTwo):
-    """A function that asks coal for the distance of two geometries [m]."""
+    @abc.abstractmethod
+    def compute_collisions(self, *parts: Any) -> bool:
+        """`computeCollisions` with this manager among its arguments."""
 
 
 def computeCollision(
@@ -125,10 +91,9 @@ def computeCollisions(*parts: Any) -> bool:
     they are. A broad-phase manager may stand for the geometries, `(model, data, manager, [callback,] q,
     stop_at_first=False)` or `(manager, [callback, or stop_at_first=False])`: boxes are compared first.
     """
-    from pinocchio._geometry.broadphase import BroadPhaseManager, by_manager
-
-    if any(isinstance(part, BroadPhaseManager) for part in parts[:3]):
-        return by_manager(*parts)
+    manager = next((part for part in parts[:3] if isinstance(part, CollisionManager)), None)
+    if manager is not None:
+        return manager.compute_collisions(*parts)
     geometry_model, geometry_data, rest = _placed(parts)
     hit = False
     for _, contacts in _answers(geometry_model, geometry_data, "collision"):

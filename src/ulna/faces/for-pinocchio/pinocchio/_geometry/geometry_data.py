@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, final
+from typing import Any, final
 
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec, index, views
-from pinocchio._containers.files import Saved
+from pinocchio._containers.files import Saved, register
+from pinocchio._geometry.geometry_collection import GeometryCollection, pair_map
 from pinocchio._geometry.geometry_object import GeometryObject
+from pinocchio._geometry.pair_functors import ComputeCollision, ComputeDistance
 from pinocchio._spatial.se3 import SE3
-from ulna.errors import InputError
-from ulna.typing import Floats
-
-if TYPE_CHECKING:
-    from pinocchio._data.data import Data
-    from pinocchio._geometry.geometry_model import GeometryModel
-    from pinocchio._model.model import Model
 
 
 @final
@@ -27,7 +22,7 @@ class GeometryData(Saved):
     Requests and results are objects of coal, made when somebody looks at them.
     """
 
-    def __init__(self, geometry_model: GeometryModel) -> None:
+    def __init__(self, geometry_model: GeometryCollection) -> None:
         self._block = np.tile(np.eye(4), (geometry_model.ngeoms, 1, 1))
         self.oMg: StdVec[SE3] = views(SE3, self._block)
         """Where each geometry is in the world, live references."""
@@ -82,15 +77,11 @@ class GeometryData(Saved):
     @property
     def collision_functors(self) -> StdVec[Any]:
         """For each pair a function that asks coal whether it touches."""
-        from pinocchio._geometry.collisions import ComputeCollision
-
         return self._made("collision_functors", lambda c, k: ComputeCollision(*self._two(k)))
 
     @property
     def distance_functors(self) -> StdVec[Any]:
         """For each pair a function that asks coal for its distance."""
-        from pinocchio._geometry.collisions import ComputeDistance
-
         return self._made("distance_functors", lambda c, k: ComputeDistance(*self._two(k)))
 
     def placed(self, geometries: Iterable[int] | None = None) -> StdVec[Any]:
@@ -124,14 +115,14 @@ class GeometryData(Saved):
         self.activeCollisionPairs = StdVec([False] * len(self._pairs))
 
     def setActiveCollisionPairs(
-        self, geometry_model: GeometryModel, collision_map: Any, upper: bool = True
+        self, geometry_model: GeometryCollection, collision_map: Any, upper: bool = True
     ) -> None:
         """Has the pairs checked that a matrix (ngeoms, ngeoms) marks above its diagonal (or below it)."""
         marks = pair_map(geometry_model, collision_map, upper)
         self.activeCollisionPairs = StdVec(bool(marks[min(p), max(p)]) for p in self._pairs)
 
     def setGeometryCollisionStatus(
-        self, geom_model: GeometryModel, geom_id: int, enable_collision: bool
+        self, geom_model: GeometryCollection, geom_id: int, enable_collision: bool
     ) -> None:
         """Has all pairs of one geometry checked, or none."""
         index(geom_id, geom_model.ngeoms, "geometry", "getGeometryId(name) gives one.")
@@ -141,7 +132,7 @@ class GeometryData(Saved):
 
     def setSecurityMargins(
         self,
-        geometry_model: GeometryModel,
+        geometry_model: GeometryCollection,
         security_margin_map: Any,
         upper: bool = True,
         sync_distance_upper_bound: bool = True,
@@ -154,7 +145,7 @@ class GeometryData(Saved):
                 request.distance_upper_bound = request.security_margin
 
     def copy(self) -> GeometryData:
-        """One of its own, with the same placements and choices; requests and results begin anew."""
+        """A copy with the same placements and active pairs, and new requests and results."""
         out = object.__new__(GeometryData)
         out.__setstate__(self.__getstate__())
         return out
@@ -165,8 +156,8 @@ class GeometryData(Saved):
         return self.copy()
 
     def __getstate__(self) -> dict[str, Any]:
-        told = {"_block": self._block.copy(), "_objects": self._objects, "_pairs": StdVec(self._pairs)}
-        return told | {
+        state = {"_block": self._block.copy(), "_objects": self._objects, "_pairs": StdVec(self._pairs)}
+        return state | {
             "activeCollisionPairs": StdVec(self.activeCollisionPairs),
             "radius": StdVec(self.radius),
         }
@@ -190,10 +181,10 @@ class GeometryData(Saved):
     __hash__ = object.__hash__
 
     def __str__(self) -> str:
-        words = ("inactive", "active")
-        pairs = "".join(f"Pairs {k} {words[active]}\n" for k, active in enumerate(self.activeCollisionPairs))
-        told = f"Number of collision pairs = {len(self._pairs)}\n"
-        return f"{told}{pairs}Number of geometry objects = {len(self.oMg)}\n"
+        states = ("inactive", "active")
+        pairs = "".join(f"Pairs {k} {states[active]}\n" for k, active in enumerate(self.activeCollisionPairs))
+        head = f"Number of collision pairs = {len(self._pairs)}\n"
+        return f"{head}{pairs}Number of geometry objects = {len(self.oMg)}\n"
 
     def __repr__(self) -> str:
         return f"<places of {len(self.oMg)} geometries, results of {len(self._pairs)} pairs>"
@@ -205,28 +196,4 @@ def _warm(coal: Any, request: Any) -> Any:
     return request
 
 
-def pair_map(geometry_model: GeometryModel, values: Any, upper: bool) -> Floats:
-    """A matrix (ngeoms, ngeoms), turned over where its lower half counts. InputError where it has another size."""
-    given, count = np.asarray(values), geometry_model.ngeoms
-    if given.shape != (count, count):
-        raise InputError(f"The map has shape {given.shape}; expected {(count, count)}.")
-    return given if upper else given.T
-
-
-def updateGeometryPlacements(
-    model: Model, data: Data, geometry_model: GeometryModel, geometry_data: GeometryData, q: Any = None
-) -> None:
-    """Fills `geometry_data.oMg` from `data.oMi`; with q, forwardKinematics comes first."""
-    if len(geometry_data.oMg) != geometry_model.ngeoms:
-        raise InputError(
-            f"This GeometryData was made for {len(geometry_data.oMg)} geometries; now there are "
-            f"{geometry_model.ngeoms}. Make a new one: geometry_model.createData()."
-        )
-    if q is not None:
-        from pinocchio._algorithms.kinematics import forwardKinematics
-
-        forwardKinematics(model, data, q)
-    objects = geometry_model.geometryObjects
-    joints = [g.parentJoint for g in objects]
-    own = np.array([g._placement._m for g in objects]).reshape(-1, 4, 4)
-    np.matmul(data._blocks["oMi"][joints], own, out=geometry_data._block)
+register(GeometryData)

@@ -11,7 +11,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import NO_INDEX, index, vector
-from pinocchio._containers.files import Saved
+from pinocchio._containers.files import Saved, register
 from pinocchio._geometry.materials import GeometryNoMaterial, PhysicsMaterial
 from pinocchio._spatial.se3 import SE3, Placed
 from ulna.errors import InputError, MissingExtra
@@ -228,3 +228,6 @@ def _of_coal(name: str, shape: Shape) -> Any:
             return mesh.convex
     world = World((Obstacle(name, shape, Pose.identity()),))
     return geometry_of(obstacle_solids(world)[0], False)
+
+
+register(GeometryObject, ConvexMesh)

@@ -9,6 +9,7 @@ import numpy as np
 
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import _Named
+from pinocchio._containers.files import register
 from ulna.typing import Floats
 
 __all__ = ["GeometryNoMaterial", "GeometryPhongMaterial", "PhysicsMaterial", "PhysicsMaterialType"]
@@ -98,3 +99,6 @@ class PhysicsMaterial:
 
 
 ICE, METAL, CONCRETE, PLASTIC, WOOD = PhysicsMaterialType
+
+
+register(GeometryNoMaterial, GeometryPhongMaterial, PhysicsMaterial, PhysicsMaterialType)

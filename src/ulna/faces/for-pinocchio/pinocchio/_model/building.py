@@ -1,22 +1,20 @@
-"""How a model is put together, and how its parts are found by their names."""
+"""How a model is built, and how its joints and frames are found by their names."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, index
+from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.keywords import by_name
 from pinocchio._model.frame import Frame
-from pinocchio._model.live_parameters import Numbers
+from pinocchio._model.joint_model import JointModel
+from pinocchio._model.kernel_cache import KernelCache
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import InputError, ModelError, UnknownName
-
-if TYPE_CHECKING:
-    from pinocchio._model.joint_kinds import JointModel
 
 FREE = float(np.finfo(float).max)
 """What limits are where there is none."""
@@ -38,22 +36,11 @@ _JOINT = "parent_id joint_model joint_placement joint_name"
 _BOUNDS = "min_effort max_effort min_velocity max_velocity min_config max_config"
 
 
-class Building(Numbers):
-    """What of a Model is about adding joints and frames, and about names."""
+class KinematicTree(KernelCache):
+    """Joints and frames: adding them, and finding them by their names."""
 
-    names: StdVec[str]
-    parents: StdVec[int]
-    nq: int
-    nv: int
     nvExtended: int
     nbodies: int
-
-    if TYPE_CHECKING:
-
-        @property
-        def njoints(self) -> int: ...
-        @property
-        def nframes(self) -> int: ...
 
     # names ----------------------------------------------------------------------------------------------
 
@@ -72,17 +59,17 @@ class Building(Numbers):
             UnknownName: There is none; offers the nearest one.
             InputError: A body and a joint, or the like, share the name, and `type` does not say which is meant.
         """
-        wanted = self._frame_type(type)
-        found = [i for i, frame in enumerate(self.frames) if frame._name == name and frame._type & wanted]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            types = ", ".join(f"FrameType.{self.frames[i].type.name}" for i in found)
+        types = self._frame_type(type)
+        matches = [i for i, frame in enumerate(self.frames) if frame._name == name and frame._type & types]
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            choice = ", ".join(f"FrameType.{self.frames[i].type.name}" for i in matches)
             raise InputError(
-                f"{len(found)} frames are named {name!r}; say which: getFrameId({name!r}, type) with one of {types}."
+                f"{len(matches)} frames are named {name!r}; say which: getFrameId({name!r}, type) with one of {choice}."
             )
         mend = "Ask existFrame(name) first where it may be missing."
-        raise UnknownName("frame", name, [f.name for f in self.frames if f.type & wanted], mend)
+        raise UnknownName("frame", name, [f.name for f in self.frames if f.type & types], mend)
 
     def getBodyId(self, name: str) -> int:
         """The index of the frame of the body of that name. Raises UnknownName with the nearest one."""
@@ -94,8 +81,8 @@ class Building(Numbers):
 
     def existFrame(self, name: str, type: Any = None) -> bool:
         """Whether there is a frame of that name (and type)."""
-        wanted = self._frame_type(type)
-        return any(f.name == name and f.type & wanted for f in self.frames)
+        types = self._frame_type(type)
+        return any(f.name == name and f.type & types for f in self.frames)
 
     def existBodyName(self, name: str) -> bool:
         """Whether there is a body of that name."""
@@ -137,11 +124,11 @@ class Building(Numbers):
         follows = joint.mimic is not None
         place = (joint.idx_q, joint.idx_v) if follows else (self.nq, self.nv)
         joint.setIndexes(self.njoints, *place, self.nvExtended)
-        told = _limits(limits)
+        values = _limits(limits)
         for key, default in (*PER_Q.items(), *PER_V.items()):
             size = joint.nq if key in PER_Q else joint.nv
-            own = np.full(size, default) if key not in told else np.broadcast_to(told[key], size)
-            self._arrays[key] = np.concatenate([self._arrays[key], np.asarray(own, dtype=float)])
+            entries = np.full(size, default) if key not in values else np.broadcast_to(values[key], size)
+            self._arrays[key] = np.concatenate([self._arrays[key], np.asarray(entries, dtype=float)])
         self.joints.append(joint)
         self.names.append(joint_name)
         self.parents.append(int(parent_id))
@@ -164,7 +151,12 @@ class Building(Numbers):
             raise ModelError(f"{names}; only joints with one coordinate can follow and be followed.")
         for key in self._arrays:
             self._arrays[key] = np.delete(self._arrays[key], joint.idx_q if key in PER_Q else joint.idx_v)
-        joint.mimic, joint.nq, joint.nv, joint._word = (followed, scaling, offset), 0, 0, "JointModelMimic"
+        joint.mimic, joint.nq, joint.nv, joint._shortname = (
+            (followed, scaling, offset),
+            0,
+            0,
+            "JointModelMimic",
+        )
         self.nq = self.nv = 0
         for other in self.joints[1:]:
             if other.mimic is None:
@@ -224,7 +216,7 @@ class Building(Numbers):
 
 
 def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:
-    """The limits that addJoint was told, by the names of the model's arrays."""
+    """The limits given to addJoint, by the names of the model's arrays."""
     if not limits:
         return {}
     if len(limits) == 4:

@@ -7,6 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.enums import FrameType
+from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3, Placed
@@ -137,3 +138,6 @@ class Frame(Placed):
         )
 
     __repr__ = __str__
+
+
+register(Frame, FrameType)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec, vector
-from pinocchio._model.joint_kinds import JointModelComposite
-from pinocchio._model.joint_model import JointModel
+from pinocchio._model.joint_base import JointBase, present_names
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
 from ulna.typing import Floats
 
-if TYPE_CHECKING:
-    from pinocchio._model.model import Model
-
-_WORDS = (
+_KINDS = (
     *("RX", "RY", "RZ", "RUBX", "RUBY", "RUBZ", "PX", "PY", "PZ", "HX", "HY", "HZ"),
     *(
         "RevoluteUnaligned",
@@ -38,17 +35,17 @@ class JointData:
     def __init__(self, other: JointData | None = None) -> None:
         self.M = SE3()
         """Where the moving frame is in the fixed frame."""
-        self._columns = np.zeros((6, 1))
+        self._subspace = np.zeros((6, 1))
         self.v = Motion()
-        """The velocity of the moving frame, told in it."""
+        """The velocity of the moving frame, in its own axes."""
         self.c = Motion()
         """The bias (dS/dt) v."""
         self.joint_q: Floats = np.zeros(0)
         """The joint's entries of q."""
         self.joint_v: Floats = np.zeros(0)
         """The joint's entries of v."""
-        self._word = type(self).__name__
-        self._kind_word = ""
+        self._shortname = type(self).__name__
+        self._mimic_shortname = ""
         self.joints: StdVec[JointData] = StdVec()
         """Of a composite joint: the data of its parts."""
         if other is not None:
@@ -57,17 +54,17 @@ class JointData:
     @property
     def S(self) -> Floats:
         """The motion subspace (6, nv), or (6,) for one column: the velocity is S times the rates."""
-        return self._columns[:, 0].copy() if self._columns.shape[1] == 1 else self._columns.copy()
+        return self._subspace[:, 0].copy() if self._subspace.shape[1] == 1 else self._subspace.copy()
 
     def shortname(self) -> str:
         """The name of its kind."""
-        return self._word
+        return self._shortname
 
     def extract(self) -> JointData:
         """Itself."""
         return self
 
-    def place(self, joint: JointModel, q: Any, v: Any) -> None:
+    def place(self, joint: JointBase, q: Any, v: Any) -> None:
         """Fills it; see `JointModel.calc`."""
         kind = joint.kind
         if kind is None:
@@ -79,20 +76,20 @@ class JointData:
             at = scaling * at + offset
         self.M._m[...] = kind.transform(at).matrix()
         columns = [s.vector() for s in kind.motion_subspace(at)]
-        self._columns = scaling * np.stack([np.asarray(c, dtype=float) for c in columns], axis=1)
+        self._subspace = scaling * np.stack([np.asarray(c, dtype=float) for c in columns], axis=1)
         if v is not None:
             self.joint_v = vector(v, kind.nv, "v").copy()
-            self.v._v[:] = self._columns @ self.joint_v
+            self.v._v[:] = self._subspace @ self.joint_v
             self.c._v[:] = kind.bias(at, scaling * self.joint_v).vector()
         start = first = 0
-        parts = joint.joints if isinstance(joint, JointModelComposite) else ()
+        parts = joint.parts
         for part, data in zip(parts, self.joints, strict=True):
             end, last = start + part.nq, first + part.nv
             data.place(part, self.joint_q[start:end], None if v is None else self.joint_v[first:last])
             start, first = end, last
 
     def copy(self) -> JointData:
-        """One of its own, with the same numbers."""
+        """A copy."""
         out = object.__new__(type(self))
         out.__dict__.update(self.__dict__)
         out.M, out.v, out.c = self.M.copy(), self.v.copy(), self.c.copy()
@@ -100,6 +97,9 @@ class JointData:
         return out
 
     __copy__ = copy
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(present_names(state))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, JointData):
@@ -112,50 +112,55 @@ class JointData:
     __hash__ = object.__hash__
 
     def __str__(self) -> str:
-        if self._word == "JointDataComposite":
-            return f"{self._word} containing following models:\n" + "".join(
+        if self._shortname == "JointDataComposite":
+            return f"{self._shortname} containing following models:\n" + "".join(
                 f"  {d.shortname()}\n" for d in self.joints
             )
-        return f"{self._word}\n" + (f"  Mimicking joint data: {self._kind_word}\n" if self._kind_word else "")
+        return f"{self._shortname}\n" + (
+            f"  Mimicking joint data: {self._mimic_shortname}\n" if self._mimic_shortname else ""
+        )
 
     __repr__ = __str__
 
 
 CLASSES: dict[str, type[JointData]] = {
-    f"JointData{word}": type(
-        f"JointData{word}",
+    f"JointData{kind}": type(
+        f"JointData{kind}",
         (JointData,),
         {
-            "__doc__": f"The state of a joint of the class JointModel{word.removesuffix('Tpl')}.",
+            "__doc__": f"The state of a joint of the class JointModel{kind.removesuffix('Tpl')}.",
             "__module__": __name__,
         },
     )
-    for word in _WORDS
+    for kind in _KINDS
 }
 """The classes of joints' data, by their names."""
 globals().update(CLASSES)
 
 
-def data_of(joint: JointModel) -> JointData:
+def data_of(joint: JointBase) -> JointData:
     """Data for a joint, at its neutral position."""
-    word = joint.shortname().replace("JointModel", "JointData")
-    cls = CLASSES.get(word) or CLASSES[f"{word}Tpl"]
+    shortname = joint.shortname().replace("JointModel", "JointData")
+    cls = CLASSES.get(shortname) or CLASSES[f"{shortname}Tpl"]
     data = cls()
     if joint.mimic is not None:
-        data._kind_word = (joint._kind_word or type(joint).__name__).replace("JointModel", "JointData")
-    if isinstance(joint, JointModelComposite):
-        data.joints = StdVec(data_of(part) for part in joint.joints)
+        data._mimic_shortname = (joint._mimic_shortname or type(joint).__name__).replace(
+            "JointModel", "JointData"
+        )
+    data.joints = StdVec(data_of(part) for part in joint.parts)
     if joint.kind is not None:
         data.place(joint, joint.kind.neutral(), np.zeros(joint.kind.nv))
     return data
 
 
-def states(model: Model, q: Floats | None, moving: tuple[Floats, Floats] | None) -> StdVec[JointData]:
-    """The data of all joints of a model: placements at q, velocities and biases at a state that may be another one."""
-    out = StdVec(data_of(joint) for joint in model.joints)
-    for joint, data in zip(model.joints[1:], out[1:], strict=True):
-        if moving is not None:
-            joint.calc(data, *moving)
+def states(
+    joints: Sequence[Any], q: Floats | None, velocity_state: tuple[Floats, Floats] | None
+) -> StdVec[JointData]:
+    """The data of the joints of a model: placements at q, velocities and biases at a state that may be another one."""
+    out = StdVec(data_of(joint) for joint in joints)
+    for joint, data in zip(joints[1:], out[1:], strict=True):
+        if velocity_state is not None:
+            joint.calc(data, *velocity_state)
         if q is not None:
             joint.calc(data, q)
     return out

@@ -1,4 +1,4 @@
-"""The kinds of joints by their names, made of the tower's kinds."""
+"""The kinds of joints by their names, made of Ulna's kinds."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from typing import Any, Self
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
-from pinocchio._model.joint_model import NOWHERE, JointModel
+from pinocchio._model.joint_base import NOWHERE
+from pinocchio._model.joint_model import JointModel
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import InputError, UnknownName
 from ulna.model import (
@@ -63,15 +65,15 @@ def _fixed_kind(word: str, kind: JointKind, doc: str, axis: Axis | None = None) 
     """A class of joints without parameters; those along a coordinate axis tell it."""
 
     def __init__(self: JointModel) -> None:
-        self._be(word, kind)
+        self._set_kind(word, kind)
 
     members: dict[str, Any] = {"__init__": __init__, "__doc__": doc, "__module__": __name__}
     if axis is not None:
-        members["getMotionAxis"] = _told(axis)
+        members["getMotionAxis"] = _motion_axis(axis)
     return type(word, (JointModel,), members)
 
 
-def _told(axis: Axis) -> Any:
+def _motion_axis(axis: Axis) -> Any:
     def getMotionAxis(self: JointModel) -> Floats:
         return np.array(axis)
 
@@ -88,7 +90,7 @@ class _Unaligned(JointModel):
     def __init__(self, *axis: Any) -> None:
         given = axis[0] if len(axis) == 1 else axis or _AXES["X"]
         self._axis: Axis = unit_axis(vector(given, 3, "axis"))
-        self._be(type(self).__name__, type(self)._make(self._axis))
+        self._set_kind(type(self).__name__, type(self)._make(self._axis))
 
     @property
     def axis(self) -> Floats:
@@ -123,7 +125,7 @@ class JointModelHelicalUnaligned(JointModel):
         self._axis: Axis = unit_axis(vector(axis[0] if len(axis) == 1 else axis, 3, "axis"))
         self.pitch = float(pitch)
         """Advance per angle [m/rad]."""
-        self._be("JointModelHelicalUnaligned", Helical(self._axis, self.pitch))
+        self._set_kind("JointModelHelicalUnaligned", Helical(self._axis, self.pitch))
 
     @property
     def axis(self) -> Floats:
@@ -140,7 +142,7 @@ class JointModelUniversal(JointModel):
             parts if len(parts) == 2 else (parts[:3], parts[3:]) if parts else (_AXES["X"], _AXES["Y"])
         )
         self._axes = tuple(unit_axis(vector(a, 3, "axis")) for a in (first, second))
-        self._be("JointModelUniversal", Universal(*self._axes))
+        self._set_kind("JointModelUniversal", Universal(*self._axes))
 
     @property
     def axis1(self) -> Floats:
@@ -168,7 +170,7 @@ class JointModelComposite(JointModel):
     @by_name("joint_model joint_placement name", "size")
     def __init__(self, *parts: Any) -> None:
         JointModel.__init__(self)
-        self._word = "JointModelComposite"
+        self._shortname = "JointModelComposite"
         self.kind: Composite | None = None
         self.joints: StdVec[JointModel] = StdVec()
         """The joints it is made of."""
@@ -177,6 +179,11 @@ class JointModelComposite(JointModel):
         self._names: list[str] = []
         if parts and isinstance(parts[0], JointModel):
             self.addJoint(*parts)
+
+    @property
+    def parts(self) -> StdVec[JointModel]:
+        """The joints it is made of."""
+        return self.joints
 
     @property
     def njoints(self) -> int:
@@ -245,14 +252,14 @@ def _screw(letter: str) -> type[JointModel]:
 
     def __init__(self: Any, pitch: float = 0.0) -> None:
         self.pitch = float(pitch)
-        self._be(word, Helical(_AXES[letter], self.pitch))
+        self._set_kind(word, Helical(_AXES[letter], self.pitch))
 
     doc = f"A screw about {letter.lower()} with a pitch [m/rad]."
     members = {
         "__init__": __init__,
         "__doc__": doc,
         "__module__": __name__,
-        "getMotionAxis": _told(_AXES[letter]),
+        "getMotionAxis": _motion_axis(_AXES[letter]),
     }
     return type(word, (JointModel,), members)
 
@@ -299,8 +306,11 @@ class JointModelMimic(JointModel):
                 "JointModelMimic needs a joint, and a joint with one coordinate that is in the model already, "
                 "such as model.joints[1]."
             )
-        self._be("JointModelMimic", joint.kind)
-        self._kind_word = joint.shortname()
+        self._set_kind("JointModelMimic", joint.kind)
+        self._mimic_shortname = joint.shortname()
         self.nq = self.nv = 0
         self.mimic = (int(followed.id), float(scaling), float(offset))
         self.idx_q, self.idx_v = followed.idx_q, followed.idx_v
+
+
+register(*(globals()[_name] for _name in __all__))

@@ -1,36 +1,29 @@
-"""The numbers of a model that kernels depend on: where they lie, and what is compiled for them.
+"""The parameters of a model, stored so that references to them stay live and changes are cheap to see.
 
 Placements and inertias of joints, and placements of frames, lie in rows that never move from the moment a joint or
-frame is added, so that references to them stay live, and a change of any is seen by comparing a few blocks of memory.
+frame is added; a change of any is seen by comparing a few blocks of memory.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, final
+from typing import Any, final
 
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec
-from pinocchio._data.binding import refuse
 from pinocchio._model.frame import Frame, changes
-from pinocchio._model.kernel_parameters import NAMES
-from pinocchio._model.kernels import MAKING, Engine
-from ulna.typing import Array, Floats
+from pinocchio._model.joint_model import JointModel
+from pinocchio._spatial.inertia import Inertia
+from pinocchio._spatial.motion_force import Motion
+from pinocchio._spatial.se3 import SE3
+from ulna.typing import Floats
 
-if TYPE_CHECKING:
-    from pinocchio._model.joint_kinds import JointModel
-    from pinocchio._spatial.inertia import Inertia
-    from pinocchio._spatial.motion_force import Motion
-    from pinocchio._spatial.se3 import SE3
-
-_ROWS = 64  # in a block
-_KEPT = 3
-"""How many states of a model have kernels of their own; what differs among more is an input of kernels."""
+_BLOCK_ROWS = 64
 
 
 @final
-class Rows:
-    """Storage of objects, each in a row of a block; `slot` is the attribute in which an object holds its array."""
+class RowStorage:
+    """Stores the arrays of objects as rows of blocks; `slot` is the attribute in which an object holds its array."""
 
     def __init__(self, slot: str) -> None:
         self._slot = slot
@@ -38,7 +31,7 @@ class Rows:
         self._blocks: list[Floats] = []
 
     def adopt(self, owners: list[Any]) -> bool:
-        """Moves into rows what does not lie in its row yet; whether anything did not."""
+        """Moves the arrays of new objects into rows; returns whether there were any."""
         known = len(self._owners)
         same = len(owners) >= known and all(a is b for a, b in zip(owners, self._owners, strict=False))
         if same and len(owners) == known:
@@ -47,29 +40,29 @@ class Rows:
             self._owners, self._blocks = [], []
         for owner in owners[len(self._owners) :]:
             values = getattr(owner, self._slot)
-            at = len(self._owners) % _ROWS
+            at = len(self._owners) % _BLOCK_ROWS
             if at == 0:
-                self._blocks.append(np.zeros((_ROWS, *values.shape)))
+                self._blocks.append(np.zeros((_BLOCK_ROWS, *values.shape)))
             row = self._blocks[-1][at]
             row[...] = values
             setattr(owner, self._slot, row)
             self._owners.append(owner)
         return True
 
-    def parts(self) -> list[Floats]:
+    def blocks(self) -> list[Floats]:
         """The rows in use."""
         count = len(self._owners)
-        return [block[: count - k * _ROWS] for k, block in enumerate(self._blocks)]
+        return [block[: count - k * _BLOCK_ROWS] for k, block in enumerate(self._blocks)]
 
 
-class Frames(StdVec[Frame]):
-    """The frames of a model; kernels see when one is added or taken away."""
+class FrameList(StdVec[Frame]):
+    """The frames of a model; adding or removing one counts as a change of frames."""
 
 
-def _noticed(name: str) -> Any:
+def _counted(name: str) -> Any:
     change = getattr(list, name)
 
-    def method(self: Frames, *args: Any, **options: Any) -> Any:
+    def method(self: FrameList, *args: Any, **options: Any) -> Any:
         changes[0] += 1
         return change(self, *args, **options)
 
@@ -77,7 +70,7 @@ def _noticed(name: str) -> Any:
     return method
 
 
-for _name in (
+for _name in [
     "append",
     "extend",
     "insert",
@@ -88,28 +81,41 @@ for _name in (
     "sort",
     "__delitem__",
     "__iadd__",
-):
-    setattr(Frames, _name, _noticed(_name))
+]:
+    setattr(FrameList, _name, _counted(_name))
 
 
-class Numbers:
-    """What of a Model is about its numbers."""
+class LiveParameters:
+    """Joints, frames and inertias of a Model, and where their parameters are stored."""
 
+    name: str
+    names: StdVec[str]
+    parents: StdVec[int]
     joints: StdVec[JointModel]
+    nq: int
+    nv: int
     _placements: StdVec[SE3]
     _inertias: StdVec[Inertia]
     _gravity: Motion
     _arrays: dict[str, Floats]
 
-    _engines: dict[tuple[bytes, ...], Engine]
-    _telling: Engine | None
-    _heard: int
-    _places: tuple[tuple[str, int], ...]
+    def _create_storage(self) -> None:
+        self._frames, self._counted_changes, self._frame_owners = FrameList(), -1, ()
+        self._rows = {
+            "placements": RowStorage("_m"),
+            "inertias": RowStorage("_p"),
+            "frames": RowStorage("_m"),
+        }
 
-    def _begin(self) -> None:
-        self._frames, self._heard, self._places = Frames(), -1, ()
-        self._version = np.zeros(1, np.int64)
-        self._rows = Rows("_m"), Rows("_p"), Rows("_m")
+    @property
+    def njoints(self) -> int:
+        """How many joints there are, the universe included."""
+        return len(self.names)
+
+    @property
+    def nframes(self) -> int:
+        """How many frames there are."""
+        return len(self._frames)
 
     @property
     def frames(self) -> StdVec[Frame]:
@@ -118,90 +124,65 @@ class Numbers:
 
     @frames.setter
     def frames(self, values: Any) -> None:
-        self._frames = Frames(values)
+        self._frames = FrameList(values)
         changes[0] += 1
 
-    def _changed(self) -> None:
-        """Joints were added: what was compiled serves no more, and Data made before do not fit."""
-        self._layout = tuple((j.shortname(), j.idx_q, j.idx_v) for j in self.joints)
-        self._version[0] += 1
-        for rows, owners in zip(self._rows, (self._placements, self._inertias), strict=False):
-            rows.adopt(owners)
-        self._engines, self._telling = {}, None
-        self._bits, self._newest = (), None
-        self._integrate = self._difference = self._random = refuse
-        self._narrowest = np.zeros(())
-        self._frames_changed()
+    @property
+    def jointPlacements(self) -> StdVec[SE3]:
+        """For each joint, where it is in the frame of the joint before it; live references."""
+        return self._placements
 
-    def _frames_changed(self) -> None:
-        changes[0] += 1  # also when joints are added
-        self._rows[2].adopt([frame._placement for frame in self._frames])
+    @jointPlacements.setter
+    def jointPlacements(self, values: Any) -> None:
+        self._placements[:] = values
 
-    def part(self, name: str) -> list[Floats]:
-        """The blocks in which numbers of that name, one of `NAMES` or "frames", lie."""
+    jointPosition = jointPlacements
+    """The historic name of `jointPlacements`."""
+
+    @property
+    def inertias(self) -> StdVec[Inertia]:
+        """For each joint, the inertia of all that is fixed to it, in its frame; live references."""
+        return self._inertias
+
+    @inertias.setter
+    def inertias(self, values: Any) -> None:
+        self._inertias[:] = values
+
+    @property
+    def gravity(self) -> Motion:
+        """The acceleration of free fall, a live reference."""
+        return self._gravity
+
+    @gravity.setter
+    def gravity(self, value: Any) -> None:
+        array = np.asarray(value.vector if isinstance(value, Motion) else value, dtype=float)
+        self._gravity._assign(array if array.size == 6 else np.concatenate([array.reshape(3), np.zeros(3)]))
+
+    def parameter_blocks(self, name: str) -> list[Floats]:
+        """The blocks in which the parameters of that name, one of `PARAMETERS` or "frames", are stored."""
         if name == "gravity":
             return [self._gravity._v]
         if name == "armature":
             return [self._arrays["armature"]]
-        return self._rows[("placements", "inertias", "frames").index(name)].parts()
+        return self._rows[name].blocks()
 
-    def engine(self) -> Engine:
-        """The tower's model of the present numbers, and its kernels.
+    def _store_joints(self) -> None:
+        self._rows["placements"].adopt(self._placements)
+        self._rows["inertias"].adopt(self._inertias)
 
-        They are made anew when a number has changed, but not again and again: then they take such numbers as inputs.
-        """
-        bits = tuple(b"".join(block.tobytes() for block in self.part(name)) for name in NAMES)
-        if bits == self._bits and self._newest is not None:
-            return self._newest
-        with MAKING:
-            found = self._engines.get(bits) or self._engine_of(bits)
-            self._bits, self._newest = bits, found
-        return found
+    def _store_frames(self) -> None:
+        self._rows["frames"].adopt([frame._placement for frame in self._frames])
 
-    def _engine_of(self, bits: tuple[bytes, ...]) -> Engine:
-        """That of a state that has none of its own."""
-        telling, names = self._telling, ()
-        if telling is None:
-            self._engines = {state: engine for state, engine in self._engines.items() if engine.kernels}
-            if len(self._engines) < _KEPT:
-                found = self._engines[bits] = Engine(self, (), self._newest)  # type: ignore[arg-type]
-                return found
-            known = [*self._engines, bits]
-        else:
-            names, known = telling.names, [self._bits, bits]
-        more = {name for name, *states in zip(NAMES, *known, strict=True) if len({*states}) > 1}
-        if telling is None or not more <= {*names}:
-            self._engines = {}
-            chosen = tuple(name for name in NAMES if name in {*names, *more})
-            telling = self._telling = Engine(self, chosen, self._newest)  # type: ignore[arg-type]
-        return telling.at(tuple(block.copy() for block in telling.live))
-
-    def shape(self) -> Engine:
-        """Kernels that depend on the kinds of joints alone, not on any number."""
-        return (self._newest or self.engine()).fixed
-
-    def watched(self, on: Literal["shape", "places", "numbers", "frame", "frames"], frame: Any = None) -> Any:
-        """Pairs of what kernels depend on, live and as it is now: kinds of joints, with placements, with all numbers.
-
-        Or the kinds and one frame; or placements and all frames.
-        """
-        if on in ("frame", "frames"):
-            self.frame_state()
-        if on == "shape":
-            live: list[Array] = [self._version]
-        elif on == "frame":
-            live = [changes, self.frames[frame].placement._m]
-        else:
-            which = NAMES if on == "numbers" else ("placements",)
-            live = [self._version, *(x for name in which for x in self.part(name))]
-        if on == "frames":
-            live += [changes, *self.part("frames")]
-        return [(block, block.copy()) for block in live]
+    def _frames_changed(self) -> None:
+        """Frames or joints were added."""
+        changes[0] += 1
+        self._store_frames()
 
     def frame_state(self) -> tuple[Any, bytes]:
-        """What changes when a frame of this model does."""
+        """A key that changes when a frame of this model does."""
         count = int(changes[0])
-        if count != self._heard:
-            self._heard, self._places = count, tuple((f.name, f.parentJoint) for f in self._frames)
-            self._rows[2].adopt([frame._placement for frame in self._frames])
-        return self._places, b"".join(part.tobytes() for part in self._rows[2].parts())
+        if count != self._counted_changes:
+            self._counted_changes = count
+            self._frame_owners = tuple((f.name, f.parentJoint) for f in self._frames)
+            self._store_frames()
+        return self._frame_owners, b"".join(part.tobytes() for part in self._rows["frames"].blocks())

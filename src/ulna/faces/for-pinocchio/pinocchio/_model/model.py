@@ -1,4 +1,4 @@
-"""Model: the mutable tree of joints, whose placements and inertias are live references into one array of numbers."""
+"""Model: the mutable tree of joints, whose placements and inertias are live references."""
 
 from __future__ import annotations
 
@@ -8,24 +8,22 @@ import numpy as np
 
 from pinocchio._containers.arrays import StdVec, vector
 from pinocchio._containers.enums import FrameType
-from pinocchio._containers.files import Saved
+from pinocchio._containers.files import Saved, register
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd
-from pinocchio._model.building import PER_Q, PER_V, Building
+from pinocchio._data.data import Data
+from pinocchio._model.building import PER_Q, PER_V, KinematicTree
+from pinocchio._model.core_model import core_model
 from pinocchio._model.frame import Frame
 from pinocchio._model.joint_kinds import JointModel
-from pinocchio._model.kernels import tower_model
 from pinocchio._model.supports import Supports
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
 from ulna.typing import Floats
 
-if TYPE_CHECKING:
-    from pinocchio._data.data import Data
-
 
 @final
-class Model(Saved, Supports, Building):
+class Model(Saved, Supports, KinematicTree):
     """A kinematic tree. Joint 0 is the universe; every other joint follows its parent."""
 
     if TYPE_CHECKING:  # made below, by their names
@@ -49,7 +47,7 @@ class Model(Saved, Supports, Building):
     gravity981: ClassVar[Floats] = np.array([0.0, 0.0, -9.81])
 
     def __init__(self, other: Model | None = None) -> None:
-        self._begin()
+        self._create_storage()
         self.name = ""
         """The name of the model."""
         self.names: StdVec[str] = StdVec(["universe"])
@@ -61,7 +59,7 @@ class Model(Saved, Supports, Building):
         self._placements: StdVec[SE3] = StdVec([SE3()])
         self._inertias: StdVec[Inertia] = StdVec([Inertia()])
         self.frames = [Frame("universe", 0, 0, SE3(), FrameType.FIXED_JOINT)]
-        self._postures = StdMap_String_VectorXd()
+        self._configurations = StdMap_String_VectorXd()
         self._gravity = Motion(self.gravity981, np.zeros(3))
         self._arrays = {key: np.zeros(0) for key in (*PER_Q, *PER_V)}
         self.nq = self.nv = self.nvExtended = 0
@@ -71,16 +69,6 @@ class Model(Saved, Supports, Building):
             self.__setstate__(other.__getstate__())
 
     # sizes and the tree ---------------------------------------------------------------------------------
-
-    @property
-    def njoints(self) -> int:
-        """How many joints there are, the universe included."""
-        return len(self.names)
-
-    @property
-    def nframes(self) -> int:
-        """How many frames there are."""
-        return len(self.frames)
 
     nqs = property(lambda self: StdVec(j.nq for j in self.joints), doc="For each joint its entries of q.")
     nvs = property(lambda self: StdVec(j.nv for j in self.joints), doc="For each joint its entries of v.")
@@ -107,19 +95,19 @@ class Model(Saved, Supports, Building):
     @property
     def supports(self) -> StdVec[StdVec[int]]:
         """For each joint, the joints from the universe to it."""
-        found: StdVec[StdVec[int]] = StdVec([StdVec([0])])
+        supports: StdVec[StdVec[int]] = StdVec([StdVec([0])])
         for i in range(1, self.njoints):
-            found.append(StdVec([*found[self.parents[i]], i]))
-        return found
+            supports.append(StdVec([*supports[self.parents[i]], i]))
+        return supports
 
     @property
     def subtrees(self) -> StdVec[StdVec[int]]:
         """For each joint, the joints it moves, itself included; the universe is not counted."""
-        found: StdVec[StdVec[int]] = StdVec(StdVec() for _ in self.names)
+        subtrees: StdVec[StdVec[int]] = StdVec(StdVec() for _ in self.names)
         for i, support in enumerate(self.supports):
             for j in support if i else ():
-                found[j].append(i)
-        return found
+                subtrees[j].append(i)
+        return subtrees
 
     @property
     def children(self) -> StdVec[StdVec[int]]:
@@ -130,54 +118,21 @@ class Model(Saved, Supports, Building):
         """The joints that follow a joint at once."""
         return [i for i in range(1, self.njoints) if self.parents[i] == joint_id]
 
-    # live numbers ---------------------------------------------------------------------------------------
-
-    @property
-    def jointPlacements(self) -> StdVec[SE3]:
-        """For each joint, where it is in the frame of the joint before it; live references."""
-        return self._placements
-
-    @jointPlacements.setter
-    def jointPlacements(self, values: Any) -> None:
-        self._placements[:] = values
-
-    jointPosition = jointPlacements
-    """The historic name of `jointPlacements`."""
-
-    @property
-    def inertias(self) -> StdVec[Inertia]:
-        """For each joint, all that it carries rigidly, in its frame; live references."""
-        return self._inertias
-
-    @inertias.setter
-    def inertias(self, values: Any) -> None:
-        self._inertias[:] = values
-
-    @property
-    def gravity(self) -> Motion:
-        """The acceleration of free fall, a live reference."""
-        return self._gravity
-
-    @gravity.setter
-    def gravity(self, value: Any) -> None:
-        given = np.asarray(value.vector if isinstance(value, Motion) else value, dtype=float)
-        self._gravity._assign(given if given.size == 6 else np.concatenate([given.reshape(3), np.zeros(3)]))
+    # named configurations ---------------------------------------------------------------------------------------
 
     @property
     def referenceConfigurations(self) -> StdMap_String_VectorXd:
         """Named configurations; iterating gives entries with `key()` and `data()`."""
-        return self._postures
+        return self._configurations
 
     @referenceConfigurations.setter
     def referenceConfigurations(self, values: Any) -> None:
-        self._postures = StdMap_String_VectorXd(values)
+        self._configurations = StdMap_String_VectorXd(values)
 
     # data -----------------------------------------------------------------------------------------------
 
     def createData(self) -> Data:
         """What algorithms write their results into."""
-        from pinocchio._data.data import Data
-
         return Data(self)
 
     def check(self, data: Data | None = None) -> bool:
@@ -210,16 +165,16 @@ class Model(Saved, Supports, Building):
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        told = dict(state)
+        values = dict(state)
         if "_version" not in self.__dict__:
-            self._begin()
-        self.nq, self.nv, self.nvExtended, self.nbodies = told.pop("sizes")
-        for key, value in told.items():
+            self._create_storage()
+        self.nq, self.nv, self.nvExtended, self.nbodies = values.pop("sizes")
+        for key, value in values.items():
             setattr(self, key, StdVec(value) if isinstance(value, list) else value)
         self._changed()
 
     def copy(self) -> Model:
-        """One of its own."""
+        """A copy."""
         out = object.__new__(Model)
         out.__setstate__(self.__getstate__())
         return out
@@ -246,8 +201,8 @@ class Model(Saved, Supports, Building):
     __repr__ = __str__
 
     def ulna(self) -> Any:
-        """The tower's model of the present numbers: `ulna.Robot(model.ulna())` has all that Ulna has."""
-        return tower_model(self)
+        """Ulna's model of the present parameters, for `ulna.Robot(model.ulna())`."""
+        return core_model(self)
 
 
 def _array(key: str, size: str) -> property:
@@ -270,3 +225,6 @@ for _old, _new in (
     ("friction", "upperDryFrictionLimit"),
 ):
     setattr(Model, _old, _array(_new, "nv"))
+
+
+register(Model)

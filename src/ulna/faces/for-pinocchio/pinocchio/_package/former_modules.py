@@ -40,13 +40,13 @@ FORMER = {
 }
 """The present module of each former one whose classes can be pickled."""
 FORMER_CLASSES = {
-    "_constraints": ("_constraints.rigid_constraint", ("RigidConstraintModel", "RigidConstraintData")),
-    "_data": ("_data.data", ("Data",)),
-    "_geometry": ("_geometry.geometry_model", ("GeometryModel", "CollisionPair")),
-    "_model": ("_model.model", ("Model",)),
-    "_package": ("_package.settings", ("LogLevel",)),
+    "_constraints": ("RigidConstraintModel", "RigidConstraintData"),
+    "_data": ("Data",),
+    "_geometry": ("GeometryModel", "CollisionPair"),
+    "_model": ("Model",),
+    "_package": ("LogLevel",),
 }
-"""The same for former modules whose names are now those of folders, with their classes."""
+"""The classes of former modules whose names are now those of folders."""
 
 
 @final
@@ -56,6 +56,9 @@ class FormerModule(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
+        package = sys.modules["pinocchio"]
+        if name in dir(package):
+            return getattr(package, name)
         return getattr(_present(FORMER[self.__name__.partition(".")[2]]), name)
 
 
@@ -71,10 +74,9 @@ def former_class(package: str, name: str) -> Any:
     Raises:
         AttributeError: There was no such class there.
     """
-    module, classes = FORMER_CLASSES[package.partition(".")[2]]
-    if name not in classes:
+    if name not in FORMER_CLASSES[package.partition(".")[2]]:
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
-    return getattr(_present(module), name)
+    return getattr(sys.modules["pinocchio"], name)
 
 
 def _present(module: str) -> ModuleType:

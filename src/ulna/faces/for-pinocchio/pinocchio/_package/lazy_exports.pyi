@@ -17,7 +17,6 @@ from pinocchio._algorithms.kinematic_regressors import (
 from pinocchio._algorithms.kinematic_regressors import (
     computeJointKinematicRegressor as computeJointKinematicRegressor,
 )
-from pinocchio._algorithms.parallel import GeometryPool as GeometryPool
 from pinocchio._algorithms.parallel import ModelPool as ModelPool
 from pinocchio._algorithms.parallel import abaInParallel as abaInParallel
 from pinocchio._algorithms.parallel import rneaInParallel as rneaInParallel
@@ -34,8 +33,6 @@ from pinocchio._geometry.broadphase import CollisionObject as CollisionObject
 from pinocchio._geometry.collision_callbacks import CollisionCallBackBase as CollisionCallBackBase
 from pinocchio._geometry.collision_callbacks import CollisionCallBackCollect as CollisionCallBackCollect
 from pinocchio._geometry.collision_callbacks import CollisionCallBackDefault as CollisionCallBackDefault
-from pinocchio._geometry.collisions import ComputeCollision as ComputeCollision
-from pinocchio._geometry.collisions import ComputeDistance as ComputeDistance
 from pinocchio._geometry.collisions import computeBodyRadius as computeBodyRadius
 from pinocchio._geometry.collisions import computeCollision as computeCollision
 from pinocchio._geometry.collisions import computeCollisions as computeCollisions
@@ -44,11 +41,11 @@ from pinocchio._geometry.collisions import computeContactPatch as computeContact
 from pinocchio._geometry.collisions import computeContactPatches as computeContactPatches
 from pinocchio._geometry.collisions import computeDistance as computeDistance
 from pinocchio._geometry.collisions import computeDistances as computeDistances
-from pinocchio._geometry.geometry_model import CollisionPair as CollisionPair
-from pinocchio._geometry.geometry_model import GeometryData as GeometryData
+from pinocchio._geometry.geometry_collection import CollisionPair as CollisionPair
+from pinocchio._geometry.geometry_data import GeometryData as GeometryData
 from pinocchio._geometry.geometry_model import GeometryModel as GeometryModel
-from pinocchio._geometry.geometry_model import GeometryObject as GeometryObject
-from pinocchio._geometry.geometry_model import updateGeometryPlacements as updateGeometryPlacements
+from pinocchio._geometry.geometry_object import GeometryObject as GeometryObject
+from pinocchio._geometry.geometry_pool import GeometryPool as GeometryPool
 from pinocchio._geometry.materials import CONCRETE as CONCRETE
 from pinocchio._geometry.materials import ICE as ICE
 from pinocchio._geometry.materials import METAL as METAL
@@ -58,6 +55,9 @@ from pinocchio._geometry.materials import GeometryNoMaterial as GeometryNoMateri
 from pinocchio._geometry.materials import GeometryPhongMaterial as GeometryPhongMaterial
 from pinocchio._geometry.materials import PhysicsMaterial as PhysicsMaterial
 from pinocchio._geometry.materials import PhysicsMaterialType as PhysicsMaterialType
+from pinocchio._geometry.pair_functors import ComputeCollision as ComputeCollision
+from pinocchio._geometry.pair_functors import ComputeDistance as ComputeDistance
+from pinocchio._geometry.placements import updateGeometryPlacements as updateGeometryPlacements
 from pinocchio._model.frame import Frame
 from pinocchio._model.joint_data import JointData as JointData
 from pinocchio._package.settings import Exception as Exception

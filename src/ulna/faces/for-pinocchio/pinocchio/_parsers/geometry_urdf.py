@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pinocchio._containers.enums import FrameType, GeometryType
-from pinocchio._geometry.geometry_model import GeometryModel, GeometryObject
-from pinocchio._geometry.geometry_object import ConvexMesh
+from pinocchio._geometry.geometry_model import GeometryModel
+from pinocchio._geometry.geometry_object import ConvexMesh, GeometryObject
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import FormatError
 from ulna.formats.markup import parse_markup, read_file

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._constraints.frame_pair import ContactType
-from pinocchio._constraints.rigid_constraint import RigidConstraintModel
+from pinocchio._constraints.rigid_constraint_model import RigidConstraintModel
 from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.enums import FrameType, GeometryType, ReferenceFrame
 from pinocchio._geometry.geometry_model import GeometryModel
@@ -27,7 +27,7 @@ from ulna.formats.mjcf_loops import loops_from_mjcf
 from ulna.model import FreeFlyer, JointKind, Prismatic, Revolute, Spherical
 from ulna.model import Joint as TowerJoint
 from ulna.model import Link as TowerLink
-from ulna.model import Model as TowerModel
+from ulna.model import Model as CoreModel
 
 
 def buildModelFromMJCF(
@@ -58,7 +58,7 @@ def buildModelFromMJCF(
     return model if root_joint_name is None else (model, _constraints(model, file))
 
 
-def _read(file: str) -> TowerModel:
+def _read(file: str) -> CoreModel:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ModelWarning)  # what is left out here, Pinocchio leaves out, too
         return model_from_mjcf(file, mimic=False)
@@ -100,7 +100,7 @@ def buildModelsFromMJCF(
     return model, hard, drawn
 
 
-def model_of(source: TowerModel, root: JointModel | None = None, root_name: str = "root_joint") -> Model:
+def model_of(source: CoreModel, root: JointModel | None = None, root_name: str = "root_joint") -> Model:
     """The face's model of a model of Ulna, whose root link is the world."""
     out = Model()
     out.name, out.gravity.linear = source.name, source.gravity
@@ -139,7 +139,7 @@ def _pose(pose: Any) -> SE3:
     return SE3._of(np.array(pose.matrix(), dtype=float))
 
 
-def _rows(source: TowerModel) -> list[list[int]]:
+def _rows(source: CoreModel) -> list[list[int]]:
     """The joints in rows, one for each body.
 
     A joint stands in the row of the one before it where the link between them has no mass, shape, frame or other child.
@@ -196,7 +196,7 @@ def _bounds(joints: Sequence[TowerJoint]) -> tuple[Any, ...]:
     return (-effort, effort, -speed, speed, low, high, -friction, friction, damping)
 
 
-def _copy_armature(out: Model, source: TowerModel, rows: list[list[int]], ids: Mapping[int, int]) -> None:
+def _copy_armature(out: Model, source: CoreModel, rows: list[list[int]], ids: Mapping[int, int]) -> None:
     armature = out.armature.copy()
     for row in rows:
         joint = out.joints[ids[row[0]]]

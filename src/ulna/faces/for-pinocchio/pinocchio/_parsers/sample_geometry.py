@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pinocchio._containers.enums import FrameType
-from pinocchio._geometry.geometry_model import GeometryModel, GeometryObject
+from pinocchio._geometry.geometry_model import GeometryModel
+from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
 from ulna.geometry import Capsule, Shape, Sphere

@@ -10,7 +10,7 @@ from pinocchio._model import joint_kinds
 from pinocchio._model.joint_kinds import JointModel, JointModelComposite
 from pinocchio._model.model import Model
 from pinocchio._spatial.inertia import Inertia
-from pinocchio._spatial.motion_force import generator
+from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.se3 import SE3
 from pinocchio.rpy import rotate
 

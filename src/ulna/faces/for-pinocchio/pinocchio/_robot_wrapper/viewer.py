@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from pinocchio._geometry.geometry_model import (
-    GeometryData,
-    GeometryModel,
-    GeometryObject,
-    updateGeometryPlacements,
-)
+from pinocchio._geometry.geometry_data import GeometryData
+from pinocchio._geometry.geometry_model import GeometryModel
+from pinocchio._geometry.geometry_object import GeometryObject
+from pinocchio._geometry.placements import updateGeometryPlacements
 from pinocchio._model.model import Model
 from ulna.errors import InputError
 

@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import matrix, text, vector
+from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
-from pinocchio._spatial.motion_force import Force, Motion, generator, skew
+from pinocchio._spatial.motion_force import Force, Motion, skew
+from pinocchio._spatial.random_numbers import generator
+from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.symmetric3 import Symmetric3
 from ulna import spatial
 from ulna.errors import InputError
@@ -16,7 +19,6 @@ from ulna.typing import Floats
 
 if TYPE_CHECKING:
     from pinocchio._spatial.pseudo_inertia import LogCholeskyParameters, PseudoInertia
-    from pinocchio._spatial.se3 import SE3
 
 
 @final
@@ -266,3 +268,6 @@ class Inertia:
         return f"  m = {self.mass:.6g}\n  c = {text(self.lever)}\n  I = \n{text(self.inertia)}"
 
     __repr__ = __str__
+
+
+register(Inertia)

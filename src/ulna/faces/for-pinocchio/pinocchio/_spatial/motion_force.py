@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Self, final
+from typing import Any, Self, final
 
 import numpy as np
 
 from pinocchio._containers.arrays import numbers, text, vector
+from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.random_numbers import generator
+from pinocchio._spatial.se3 import SE3
 from ulna import spatial
 from ulna.errors import InputError
 from ulna.typing import Floats
-
-if TYPE_CHECKING:
-    from pinocchio._spatial.se3 import SE3
-
-_random = np.random.default_rng()
-
-
-def seed(seed_value: int) -> None:
-    """Starts the random numbers of `Random` and `randomConfiguration` anew."""
-    global _random
-    _random = np.random.default_rng(seed_value)
-
-
-def generator() -> np.random.Generator:
-    """Where the face's random numbers come from; see `seed`."""
-    return _random
 
 
 class _Six:
@@ -69,7 +56,7 @@ class _Six:
     @classmethod
     def Random(cls) -> Self:
         """Entries drawn evenly from [-1, 1]."""
-        return cls._of(_random.uniform(-1.0, 1.0, 6))
+        return cls._of(generator().uniform(-1.0, 1.0, 6))
 
     @property
     def linear(self) -> Floats:
@@ -112,7 +99,7 @@ class _Six:
 
     def setRandom(self) -> None:
         """Draws it anew; see `Random`."""
-        self._v[:] = _random.uniform(-1.0, 1.0, 6)
+        self._v[:] = generator().uniform(-1.0, 1.0, 6)
 
     def copy(self) -> Self:
         """One of its own, with the same numbers."""
@@ -266,3 +253,19 @@ def classicAcceleration(
     if placement is not None:
         v, a = placement.actInv(v), placement.actInv(a)
     return numbers(a.linear + np.cross(v.angular, v.linear), "acceleration")
+
+
+def checked_forces(fext: Any, count: int) -> list[Floats]:
+    """Forces on the joints, the universe included, each (6,).
+
+    Raises:
+        InputError: There are not as many as joints.
+    """
+    if len(fext) != count:
+        raise InputError(
+            f"`fext` holds {len(fext)} forces; expected {count}, one for each joint, the universe included."
+        )
+    return [f.vector if isinstance(f, Force) else vector(f, 6, "fext") for f in fext]
+
+
+register(Motion, Force)

@@ -7,8 +7,8 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import matrix, text, vector
+from pinocchio._containers.files import registered
 from pinocchio._containers.keywords import by_name
-from pinocchio._spatial.inertia import Inertia
 from ulna.identification.physical import (
     from_log_cholesky,
     log_cholesky,
@@ -19,8 +19,8 @@ from ulna.identification.physical import (
 from ulna.typing import Floats
 
 
-class _OfBody:
-    """What both have in common: they are made of ten numbers, and copied and compared by them."""
+class _BodyParameters:
+    """Parameters of a body that are equivalent to an Inertia, stored in one array."""
 
     __slots__ = ("_p",)
     _p: Floats
@@ -32,9 +32,9 @@ class _OfBody:
         """m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
         raise NotImplementedError
 
-    def toInertia(self) -> Inertia:
+    def toInertia(self) -> Any:
         """The inertia."""
-        return Inertia.FromDynamicParameters(self.toDynamicParameters())
+        return registered("Inertia").FromDynamicParameters(self.toDynamicParameters())
 
     def copy(self) -> Any:
         """One of its own, with the same numbers."""
@@ -55,7 +55,7 @@ class _OfBody:
 
 
 @final
-class PseudoInertia(_OfBody):
+class PseudoInertia(_BodyParameters):
     """`PseudoInertia(mass, h, sigma)`: kg, mass times centre of mass [kg m], second moments [kg m^2]; or its matrix."""
 
     __slots__ = ()
@@ -110,7 +110,7 @@ class PseudoInertia(_OfBody):
         return PseudoInertia(pseudo_inertia(vector(dynamic_parameters, 10, "dynamic_parameters")))
 
     @staticmethod
-    def FromInertia(inertia: Inertia) -> PseudoInertia:
+    def FromInertia(inertia: Any) -> PseudoInertia:
         """From an Inertia."""
         return PseudoInertia.FromDynamicParameters(inertia.toDynamicParameters())
 
@@ -133,7 +133,7 @@ class PseudoInertia(_OfBody):
 
 
 @final
-class LogCholeskyParameters(_OfBody):
+class LogCholeskyParameters(_BodyParameters):
     """Ten numbers without bounds, alpha d1 d2 d3 s12 s23 s13 t1 t2 t3; every choice is a body that can exist."""
 
     __slots__ = ()
@@ -155,7 +155,7 @@ class LogCholeskyParameters(_OfBody):
         self._p[:] = vector(value, 10, "parameters")
 
     @staticmethod
-    def FromInertia(inertia: Inertia) -> LogCholeskyParameters:
+    def FromInertia(inertia: Any) -> LogCholeskyParameters:
         """Those of an Inertia. InputError where the body cannot exist, or is flat."""
         return LogCholeskyParameters(log_cholesky(inertia.toDynamicParameters()))
 

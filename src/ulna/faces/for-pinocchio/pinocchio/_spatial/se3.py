@@ -8,8 +8,9 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import matrix, numbers, text, vector
+from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
-from pinocchio._spatial.motion_force import generator
+from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.rotations import coefficients_of
 from ulna import spatial
 from ulna.compiler import compile as compile_function
@@ -42,7 +43,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
 
 
 @cache
-def compiled(name: str) -> Any:
+def se3_kernel(name: str) -> Any:
     """The compiled function of that name, of placements (4, 4)."""
     function, *sizes = _FUNCTIONS[name]
     shapes: dict[str, Any] = {f"x{k}": size for k, size in enumerate(sizes)}
@@ -85,7 +86,7 @@ class SE3:
 
     def _carried(self, name: str, values: Floats) -> Floats:
         """What a function of `compiled` makes of six numbers."""
-        return compiled(name)(self._m, values)
+        return se3_kernel(name)(self._m, values)
 
     @staticmethod
     def Identity() -> SE3:
@@ -133,17 +134,17 @@ class SE3:
     @property
     def action(self) -> Floats:
         """The 6x6 matrix that carries motions along."""
-        return compiled("action")(self._m)
+        return se3_kernel("action")(self._m)
 
     @property
     def actionInverse(self) -> Floats:
         """The 6x6 matrix that carries motions back."""
-        return compiled("action back")(self._m)
+        return se3_kernel("action back")(self._m)
 
     @property
     def dualAction(self) -> Floats:
         """The 6x6 matrix that carries forces along."""
-        return compiled("dual action")(self._m)
+        return se3_kernel("dual action")(self._m)
 
     def toActionMatrix(self) -> Floats:
         """See `action`."""
@@ -159,14 +160,14 @@ class SE3:
 
     def inverse(self) -> SE3:
         """The displacement back."""
-        return SE3._of(compiled("inverse")(self._m))
+        return SE3._of(se3_kernel("inverse")(self._m))
 
     __invert__ = inverse
 
     def act(self, item: Any) -> Any:
         """What `item` is after the displacement: SE3, Motion, Force, Inertia, or a point (3,), or points (3, N)."""
         if isinstance(item, SE3):
-            return SE3._of(compiled("product")(self._m, item._m))
+            return SE3._of(se3_kernel("product")(self._m, item._m))
         if hasattr(item, "se3Action"):
             return item.se3Action(self)
         return self._point(item, self._m[:3, :3], self._m[:3, 3])
@@ -174,7 +175,7 @@ class SE3:
     def actInv(self, item: Any) -> Any:
         """What `item` was before the displacement; see `act`."""
         if isinstance(item, SE3):
-            return SE3._of(compiled("quotient")(self._m, item._m))
+            return SE3._of(se3_kernel("quotient")(self._m, item._m))
         if hasattr(item, "se3ActionInverse"):
             return item.se3ActionInverse(self)
         back = self.inverse()
@@ -242,7 +243,7 @@ def XYZQUATToSE3(xyzquat: Any) -> SE3:
         raise InputError(
             "XYZQUATToSE3 was given a quaternion (x, y, z, w) that is all zero; expected unit length."
         )
-    return SE3._of(compiled("placed")(given))
+    return SE3._of(se3_kernel("placed")(given))
 
 
 def SE3ToXYZQUAT(M: SE3) -> Floats:
@@ -269,3 +270,6 @@ class Placed:
     @placement.setter
     def placement(self, M: SE3) -> None:
         self._placement._assign(M)
+
+
+register(SE3)

@@ -8,7 +8,8 @@ import numpy as np
 
 from pinocchio._containers.arrays import matrix, text, vector
 from pinocchio._containers.keywords import by_name
-from pinocchio._spatial.motion_force import generator, skew
+from pinocchio._spatial.motion_force import skew
+from pinocchio._spatial.random_numbers import generator
 from ulna.typing import Floats
 
 

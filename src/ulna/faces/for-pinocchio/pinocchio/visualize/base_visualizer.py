@@ -14,12 +14,10 @@ from gepetto.corbaserver.gui import Gui
 from pinocchio._algorithms.configurations import neutral
 from pinocchio._algorithms.kinematics import forwardKinematics
 from pinocchio._containers.enums import GeometryType
-from pinocchio._geometry.geometry_model import (
-    GeometryData,
-    GeometryModel,
-    GeometryObject,
-    updateGeometryPlacements,
-)
+from pinocchio._geometry.geometry_data import GeometryData
+from pinocchio._geometry.geometry_model import GeometryModel
+from pinocchio._geometry.geometry_object import GeometryObject
+from pinocchio._geometry.placements import updateGeometryPlacements
 from pinocchio._model.model import Model
 from pinocchio.visualize.figures import surfaces_of
 from pinocchio.visualize.motion_pictures import MotionPictures

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._geometry.geometry_model import GeometryObject
+from pinocchio._geometry.geometry_object import GeometryObject
 from ulna.errors import InputError, MissingExtra, ModelWarning
 from ulna.geometry import Mesh
 from ulna.viewer.colours import colour

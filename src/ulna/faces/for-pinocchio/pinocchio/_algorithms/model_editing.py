@@ -8,7 +8,7 @@ from typing import Any, final
 from pinocchio._containers.arrays import index, vector
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.keywords import by_name
-from pinocchio._data.deferred_fields import own_poses
+from pinocchio._data.deferred_fields import joint_placements
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
 from ulna import algorithms
@@ -63,7 +63,7 @@ def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, lis
     for i, joint in enumerate(model.joints):
         if joint.mimic and i not in locked and joint.mimic[0] in locked:
             raise InputError(f"Joint {model.names[i]!r} follows a joint that is to be locked. Lock it, too.")
-    poses = own_poses(model.engine().model, q)
+    poses = joint_placements(model.compiled().model, q)
     out = Model()
     out.name, out._gravity = model.name, model.gravity.copy()
     out.frames.clear()
@@ -167,9 +167,7 @@ def appendModel(modelA: Model, modelB: Model, *rest: Any) -> Any:
     out._frames_changed()
     if not geometries:
         return out
-    from pinocchio._geometry.geometry_model import joined
-
-    return out, joined(dict(zip((first, second), geometries, strict=True)), order)
+    return out, _joined_geometries(dict(zip((first, second), geometries, strict=True)), order)
 
 
 @final
@@ -219,12 +217,41 @@ class Part:
         out = self.out
         for name, posture in self.model.referenceConfigurations.items():
             if name not in out.referenceConfigurations:
-                out.referenceConfigurations[name] = algorithms.neutral(out.shape().model)
+                out.referenceConfigurations[name] = algorithms.neutral(out.compiled_structure().model)
             q = out.referenceConfigurations[name]
             for old, new in self.joints.items():
                 if old:
                     own, made = self.model.joints[old], out.joints[new]
                     q[made.idx_q : made.idx_q + made.nq] = posture[own.idx_q : own.idx_q + own.nq]
+
+
+def _joined_geometries(models: dict[Part, Any], order: list[tuple[Part, int]]) -> Any:
+    """The geometries of two models, in the order in which a model took up their joints.
+
+    Their pairs are kept, and joined by all between them.
+    """
+    from pinocchio._geometry.geometry_collection import CollisionPair
+
+    whole = type(next(iter(models.values())))()
+    places: dict[Part, dict[int, int]] = {part: {} for part in models}
+    for part, joint in order:
+        for i, shape in enumerate(models[part].geometryObjects):
+            if shape.parentJoint == joint:
+                added = shape.copy()
+                added.placement = part.base * added.placement if joint == 0 else added.placement
+                added.parentJoint = part.joints[joint]
+                added.parentFrame = part.frames.get(added.parentFrame, added.parentFrame)
+                places[part][i] = whole.ngeoms
+                whole.addGeometryObject(added)
+    pairs = [
+        (places[part][i], places[part][j]) for part, model in models.items() for i, j in model.collisionPairs
+    ]
+    carriers = [shape.parentJoint for shape in whole.geometryObjects]
+    ours, theirs = ([place[i] for i in sorted(place)] for place in places.values())
+    between = [(i, j) for i in ours for j in theirs if carriers[i] != carriers[j]]
+    for i, j in [*pairs, *between]:
+        whole.collisionPairs.append(CollisionPair(i, j))
+    return whole
 
 
 def transformJointIntoMimic(

@@ -1,0 +1,32 @@
+"""The Delassus operator of a decomposition of mass matrix and constraints."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+from pinocchio._constraints.delassus import DelassusOperator
+
+__all__ = ["DelassusCholeskyExpression", "DelassusOperatorCholeskyExpression"]
+
+
+@final
+class DelassusOperatorCholeskyExpression(DelassusOperator):
+    """`DelassusOperatorCholeskyExpression(decomposition)`: of its constraints, with its damping."""
+
+    __slots__ = ("_of",)
+
+    def __init__(self, cholesky_decomposition: Any) -> None:
+        self._of = cholesky_decomposition
+        self._hold(cholesky_decomposition._filled().G)
+        self._damping = cholesky_decomposition._mu
+
+    def cholesky(self) -> Any:
+        """The decomposition."""
+        return self._of
+
+    def updateDamping(self, mu: Any) -> None:
+        """Sets the damping, that of the decomposition, too."""
+        self._of.updateDamping(mu)
+
+
+DelassusCholeskyExpression = DelassusOperatorCholeskyExpression

@@ -1,0 +1,103 @@
+"""The record of an algorithm whose results lie in a Data: its inputs, its kernel, and the fields it fills."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, final
+
+from pinocchio._model.kernel_cache import Dependence
+
+STATES = {
+    "placements": "q",
+    "joints": "q",
+    "joint_velocities": "qv",
+    "velocities": "qv",
+    "accelerations": "qva",
+    "jacobians": "q",
+    "jacobian_rates": "qv",
+    "derivatives": "qva",
+    "aba": "qva",
+}
+"""The states that results in a Data belong to, with a letter for each array.
+
+They are those of `oMi`, of `liMi` and `Data.joints`, of the velocities there, of `v`, of `a`, of `J`, of `dJ`, of
+derivatives of inverse dynamics, and of the last forward dynamics, whose accelerations are computed ones.
+"""
+_STATE_OF = {
+    "oMi": "placements",
+    "v": "velocities",
+    "a": "accelerations",
+    "J": "jacobians",
+    "dJ": "jacobian_rates",
+}
+"""The state that is stored with a field."""
+PARAMETER_NAMES = {"q": "q", "v": "v", "a": "a", "t": "tau"}
+"""The names of arguments by their letters in `Algorithm.inputs`."""
+ALGORITHMS: list[Algorithm] = []
+"""All of them; a field of a Data is marked with the number of the one that left it, the first being 1."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Deferred:
+    """How fields are computed when they are read.
+
+    Attributes:
+        inputs: A letter for each input: q, v, a, and at the end f for forces on the joints.
+        fill: Called with a Data, compiled kernels, the names of the fields to fill, and the inputs.
+    """
+
+    inputs: str
+    fill: Callable[..., None]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Algorithm:
+    """An algorithm whose results lie in a Data.
+
+    Attributes:
+        name: Its name, an attribute of `BoundAlgorithms`.
+        inputs: A letter for each input: q, v, a, t (torques), and at the end f (a force for every joint).
+        fills: The arrays of a Data that its outputs are written into; see `FieldStates.target`.
+        kernel: Makes of Ulna's model (and its frames, where `depends_on` says so) a function of the inputs.
+        returns: The indices of the outputs that a call returns, as copies.
+        depends_on: What its results depend on; see `KernelCache.watched`.
+        deferred: Fields that are computed when read, of its inputs (or of what it writes to `<name> a`).
+        invalidates: Fields that hold an intermediate result after it in Pinocchio, and nothing here.
+        states: Names of states that its inputs are stored as, besides those of the fields it fills.
+        title: The name of the public function.
+        number: What marks the fields that it left.
+    """
+
+    name: str
+    inputs: str
+    fills: tuple[str, ...]
+    kernel: Callable[..., Any]
+    returns: tuple[int, ...] = ()
+    depends_on: Dependence = "parameters"
+    deferred: Mapping[str, Deferred] = field(default_factory=dict)
+    invalidates: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    title: str = ""
+    number: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        ALGORITHMS.append(self)
+        object.__setattr__(self, "number", len(ALGORITHMS))
+
+    def stored_inputs(self) -> dict[str, str]:
+        """Which input is stored under which name, for states, and for fields that are computed when they are read."""
+        needed = {letter for deferred in self.deferred.values() for letter in deferred.inputs}
+        stored = {f"{self.name} {letter}": letter for letter in self.inputs if letter in needed}
+        states = [*self.states, *(_STATE_OF[name] for name in self.fills if name in _STATE_OF)]
+        if "liMi" in self.deferred:
+            states.append("joints")
+            if "v" in self.inputs and {"v", "ov"} & {*self.deferred, *self.fills}:
+                states.append("joint_velocities")
+        return stored | {f"{state} {letter}": letter for state in states for letter in STATES[state]}
+
+    def known_states(self) -> set[str]:
+        """The names of the states that it stores."""
+        return {name.split()[0] for name in (*self.fills, *self.stored_inputs()) if " " in name}

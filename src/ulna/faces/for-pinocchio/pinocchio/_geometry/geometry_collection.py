@@ -1,0 +1,197 @@
+"""Geometries on the joints of a robot, and the pairs of them to check for collisions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Self, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import NO_INDEX, StdVec, index
+from pinocchio._containers.files import Saved, register
+from pinocchio._geometry.geometry_object import GeometryObject
+from pinocchio._model.building import KinematicTree
+from ulna.errors import InputError, UnknownName
+from ulna.typing import Floats
+
+
+@final
+class CollisionPair:
+    """Indices of two geometries, in any order."""
+
+    def __init__(self, index1: int = NO_INDEX, index2: int = NO_INDEX) -> None:
+        self.first, self.second = (
+            index(i, NO_INDEX + 1, "geometry", "getGeometryId(name) gives one.") for i in (index1, index2)
+        )
+        if self.first == self.second != NO_INDEX:
+            raise InputError(f"The pair names geometry {self.first} twice; expected two of them.")
+
+    def copy(self) -> CollisionPair:
+        """One of its own."""
+        return CollisionPair(self.first, self.second)
+
+    def __iter__(self) -> Iterator[int]:
+        return iter((self.first, self.second))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, CollisionPair):
+            return NotImplemented
+        return (other.first, other.second) in ((self.first, self.second), (self.second, self.first))
+
+    __hash__ = object.__hash__
+
+    def __str__(self) -> str:
+        return f"collision pair ({self.first},{self.second})\n"
+
+    __repr__ = __str__
+
+
+class GeometryCollection(Saved):
+    """The geometries of a robot, of one kind, and the pairs of them to check for collisions."""
+
+    def __init__(self) -> None:
+        self.geometryObjects: StdVec[GeometryObject] = StdVec()
+        """The geometries."""
+        self.collisionPairs: StdVec[CollisionPair] = StdVec()
+        """The pairs to check."""
+
+    @property
+    def ngeoms(self) -> int:
+        """How many geometries there are."""
+        return len(self.geometryObjects)
+
+    def addGeometryObject(self, geometry_object: GeometryObject, model: KinematicTree | None = None) -> int:
+        """Adds a geometry; returns its index. With a model, its joint is that of its frame."""
+        if not isinstance(geometry_object, GeometryObject):
+            raise InputError(f"Cannot add {geometry_object!r}; expected a GeometryObject.")
+        added = geometry_object.copy()
+        if model is not None and added.parentFrame != NO_INDEX:
+            mend = "model.getFrameId(name) gives one."
+            added.parentJoint = model.frames[
+                index(added.parentFrame, model.nframes, "frame", mend)
+            ].parentJoint
+        self.geometryObjects.append(added)
+        return self.ngeoms - 1
+
+    def removeGeometryObject(self, name: str) -> None:
+        """Removes the geometry of that name, and the pairs it is in."""
+        gone = self.getGeometryId(name)
+        del self.geometryObjects[gone]
+        kept = [pair for pair in self.collisionPairs if gone not in pair]
+        self._pair_up(CollisionPair(*(i - (i > gone) for i in pair)) for pair in kept)
+
+    def existGeometryName(self, name: str) -> bool:
+        """Whether there is a geometry of that name."""
+        return any(g.name == name for g in self.geometryObjects)
+
+    def getGeometryId(self, name: str) -> int:
+        """The index of the geometry of that name. Raises UnknownName with the nearest one."""
+        for i, geometry in enumerate(self.geometryObjects):
+            if geometry.name == name:
+                return i
+        raise UnknownName("geometry", name, [g.name for g in self.geometryObjects])
+
+    def addCollisionPair(self, collision_pair: CollisionPair) -> None:
+        """Adds a pair to check."""
+        first, second = (
+            index(i, self.ngeoms, "geometry", "getGeometryId(name) gives one.") for i in collision_pair
+        )
+        if not self.existCollisionPair(collision_pair):
+            self.collisionPairs.append(CollisionPair(first, second))
+
+    def addAllCollisionPairs(self) -> None:
+        """Makes the pairs those of all geometries that are not on one joint."""
+        parents = [g.parentJoint for g in self.geometryObjects]
+        count = range(self.ngeoms)
+        self._pair_up(CollisionPair(i, j) for i in count for j in count[i + 1 :] if parents[i] != parents[j])
+
+    def removeCollisionPair(self, collision_pair: CollisionPair) -> None:
+        """Removes a pair, if it is there."""
+        self._pair_up([p for p in self.collisionPairs if p != collision_pair])
+
+    def removeAllCollisionPairs(self) -> None:
+        """Removes all pairs."""
+        self.collisionPairs.clear()
+
+    def setCollisionPairs(self, collision_map: Any, upper: bool = True) -> None:
+        """Makes the pairs those that a matrix (ngeoms, ngeoms) marks above its diagonal (or below it)."""
+        places = np.argwhere(np.triu(pair_map(self, collision_map, upper).astype(bool), 1))
+        self._pair_up(CollisionPair(int(i), int(j)) for i, j in places)
+
+    def _pair_up(self, pairs: Iterable[CollisionPair]) -> None:
+        self.collisionPairs.clear()
+        self.collisionPairs.extend(pairs)
+
+    def existCollisionPair(self, collision_pair: CollisionPair) -> bool:
+        """Whether the pair is checked."""
+        return self.findCollisionPair(collision_pair) < len(self.collisionPairs)
+
+    def findCollisionPair(self, collision_pair: CollisionPair) -> int:
+        """The index of a pair; as many as there are if there is no such pair."""
+        found = (k for k, p in enumerate(self.collisionPairs) if p == collision_pair)
+        return next(found, len(self.collisionPairs))
+
+    @property
+    def collisionPairMapping(self) -> Any:
+        """For each two geometries the index of their pair, -1 for none: a symmetric matrix of integers."""
+        out = np.full((self.ngeoms, self.ngeoms), -1, dtype=np.int32)
+        for k, (i, j) in enumerate(self.collisionPairs):
+            out[i, j] = out[j, i] = k
+        return out
+
+    def copy(self) -> Self:
+        """One of its own; the shapes themselves are shared."""
+        return self._copied(GeometryObject.copy)
+
+    __copy__ = copy
+
+    def clone(self) -> Self:
+        """One of its own, shapes included."""
+        return self._copied(GeometryObject.clone)
+
+    def _copied(self, copied: Callable[[GeometryObject], GeometryObject]) -> Self:
+        out = type(self)()
+        out.geometryObjects.extend(copied(g) for g in self.geometryObjects)
+        out.collisionPairs.extend(p.copy() for p in self.collisionPairs)
+        return out
+
+    def __deepcopy__(self, memo: Any) -> Self:
+        return self.clone()
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, GeometryCollection):
+            return NotImplemented
+        return self.geometryObjects == other.geometryObjects and self.collisionPairs == other.collisionPairs
+
+    __hash__ = object.__hash__
+
+    def __str__(self) -> str:
+        told = "".join(f"{_described(g)}\n" for g in self.geometryObjects)
+        return f"Nb geometry objects = {self.ngeoms}\n{told}"
+
+    def __repr__(self) -> str:
+        return f"<{self.ngeoms} geometries, {len(self.collisionPairs)} pairs to check>"
+
+
+def _described(g: GeometryObject) -> str:
+    parts = {
+        "Name": g.name,
+        "Parent frame ID": g.parentFrame,
+        "Parent joint ID": g.parentJoint,
+        "Position in parent frame": g.placement,
+        "Absolute path to mesh file": g.meshPath,
+        "Scale for transformation of the mesh": " ".join(f"{x:.6g}" for x in g.meshScale),
+        "Disable collision": int(g.disableCollision),
+    }
+    return "".join(f"{key}: \t \n{value}\n" for key, value in parts.items()) + "\n"
+
+
+def pair_map(geometry_model: GeometryCollection, values: Any, upper: bool) -> Floats:
+    """A matrix (ngeoms, ngeoms), transposed where its lower half counts. InputError where it has another size."""
+    matrix, count = np.asarray(values), geometry_model.ngeoms
+    if matrix.shape != (count, count):
+        raise InputError(f"The map has shape {matrix.shape}; expected {(count, count)}.")
+    return matrix if upper else matrix.T
+
+
+register(CollisionPair)

@@ -1,0 +1,99 @@
+"""The compiled kernels of a model: parameters are constants first, and inputs once they keep changing."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+
+from pinocchio._model.bound_kernels import not_applicable
+from pinocchio._model.compiled_model import COMPILING, CompiledModel
+from pinocchio._model.frame import changes
+from pinocchio._model.kernel_parameters import PARAMETERS
+from pinocchio._model.live_parameters import LiveParameters
+from ulna.typing import Array
+
+_MOST_VARIANTS = 3
+"""How many states of a model have kernels compiled for them; what differs among more becomes an input of kernels."""
+
+Dependence = Literal["structure", "placements", "parameters", "frame", "frames"]
+
+
+class KernelCache(LiveParameters):
+    """The compiled kernels of a Model."""
+
+    _variants: dict[tuple[bytes, ...], CompiledModel]
+    _with_inputs: CompiledModel | None
+
+    def _create_storage(self) -> None:
+        super()._create_storage()
+        self._version = np.zeros(1, np.int64)
+
+    def _changed(self) -> None:
+        """Joints were added: kernels compiled before no longer apply, and Data made before do not fit."""
+        self._layout = tuple((j.shortname(), j.idx_q, j.idx_v) for j in self.joints)
+        self._version[0] += 1
+        self._store_joints()
+        self._variants, self._with_inputs = {}, None
+        self._compiled_for, self._newest = (), None
+        self._integrate = self._difference = self._random = not_applicable
+        self._narrowest = np.zeros(())
+        self._frames_changed()
+
+    def compiled(self) -> CompiledModel:
+        """Ulna's model of the present parameters, and its kernels.
+
+        Kernels are compiled anew when a parameter has changed, but not again and again: then they take it as an input.
+        """
+        state = tuple(
+            b"".join(block.tobytes() for block in self.parameter_blocks(name)) for name in PARAMETERS
+        )
+        if state == self._compiled_for and self._newest is not None:
+            return self._newest
+        with COMPILING:
+            newest = self._variants.get(state) or self._variant(state)
+            self._compiled_for, self._newest = state, newest
+        return newest
+
+    def _variant(self, state: tuple[bytes, ...]) -> CompiledModel:
+        """The kernels for a state that none are compiled for."""
+        general, names = self._with_inputs, ()
+        if general is None:
+            self._variants = {key: variant for key, variant in self._variants.items() if variant.cache}
+            if len(self._variants) < _MOST_VARIANTS:
+                variant = self._variants[state] = CompiledModel(self, (), self._newest)
+                return variant
+            states = [*self._variants, state]
+        else:
+            names, states = general.parameter_names, [self._compiled_for, state]
+        changing = {name for name, *values in zip(PARAMETERS, *states, strict=True) if len({*values}) > 1}
+        if general is None or not changing <= {*names}:
+            self._variants = {}
+            chosen = tuple(name for name in PARAMETERS if name in {*names, *changing})
+            general = self._with_inputs = CompiledModel(self, chosen, self._newest)
+        return general.with_values(tuple(block.copy() for block in general.live_parameters))
+
+    def compiled_structure(self) -> CompiledModel:
+        """Kernels that depend on the kinds of joints alone, not on any parameter."""
+        return (self._newest or self.compiled()).structural
+
+    def watched(self, on: Dependence, frame: Any = None) -> Any:
+        """Pairs of an array that kernels depend on and a copy of it.
+
+        Args:
+            on: The kinds of joints ("structure"); these and placements, or all parameters; the kinds and one frame;
+                placements and all frames.
+            frame: The index of that one frame.
+        """
+        if on in ("frame", "frames"):
+            self.frame_state()
+        if on == "structure":
+            live: list[Array] = [self._version]
+        elif on == "frame":
+            live = [changes, self.frames[frame].placement._m]
+        else:
+            names = PARAMETERS if on == "parameters" else ("placements",)
+            live = [self._version, *(x for name in names for x in self.parameter_blocks(name))]
+        if on == "frames":
+            live += [changes, *self.parameter_blocks("frames")]
+        return [(block, block.copy()) for block in live]

@@ -1,0 +1,221 @@
+"""Lie groups of configurations: R1, R2, R3, Rn, SO2, SO3, SE2, SE3, and their products."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import exact, vector
+from pinocchio._containers.enums import ArgumentPosition
+from pinocchio._model.bound_kernels import BoundKernel, not_applicable
+from pinocchio._model.joint_base import JointBase
+from pinocchio._spatial.random_numbers import generator
+from ulna.compiler import compile as compile_function
+from ulna.errors import InputError
+from ulna.model import Circle, Composite, FreeFlyer, JointKind, PlanarCircle, Prismatic, Spherical
+from ulna.typing import Floats
+
+_kernels: dict[tuple[str, str], Any] = {}
+_Block = tuple[str, tuple[JointKind, ...]]
+
+
+@final
+class LieGroup:
+    """A Lie group, or with `*` a product of several."""
+
+    def __init__(self, blocks: tuple[_Block, ...] = ()) -> None:
+        self._blocks = blocks
+        self._name = " x ".join(name for name, _ in blocks)
+        self._integrate = self._difference = self._squared_distance = not_applicable
+        kinds = tuple(kind for _, part in blocks for kind in part)
+        self._kind: JointKind | None = None
+        if kinds:
+            self._kind = kinds[0] if len(kinds) == 1 else Composite(kinds)
+
+    @property
+    def name(self) -> str:
+        """Its name, such as "SE(3) x R^1"."""
+        return self._name
+
+    @property
+    def nq(self) -> int:
+        """How many numbers a point has."""
+        return 0 if self._kind is None else self._kind.nq
+
+    @property
+    def nv(self) -> int:
+        """How many numbers a tangent vector has."""
+        return 0 if self._kind is None else self._kind.nv
+
+    @property
+    def neutral(self) -> Floats:
+        """The neutral point (nq,)."""
+        return np.zeros(0) if self._kind is None else np.array(self._kind.neutral())
+
+    def integrate(self, q: Any, v: Any) -> Floats:
+        """The point reached from q with v."""
+        reached = self._integrate(q, v)
+        return self._bound("integrate", q=q, v=v) if reached is NotImplemented else reached
+
+    def difference(self, q0: Any, q1: Any) -> Floats:
+        """The tangent vector that leads from q0 to q1."""
+        result = self._difference(q0, q1)
+        return self._bound("difference", q0=q0, q1=q1) if result is NotImplemented else result
+
+    def interpolate(self, q0: Any, q1: Any, u: float) -> Floats:
+        """The point a part u of the way from q0 to q1."""
+        return np.array(
+            self._nonempty_kind.interpolate(vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1"), u)
+        )
+
+    def squaredDistance(self, q0: Any, q1: Any) -> float:
+        """The squared length of the difference."""
+        result = self._squared_distance(q0, q1)
+        return float(self._bound("squared_distance", q0=q0, q1=q1) if result is NotImplemented else result)
+
+    def distance(self, q0: Any, q1: Any) -> float:
+        """The length of the difference."""
+        return float(np.sqrt(self.squaredDistance(q0, q1)))
+
+    def normalize(self, q: Any) -> Floats:
+        """The same point with unit entries of unit length."""
+        return np.array(self._nonempty_kind.normalize(vector(q, self.nq, "q")))
+
+    def random(self) -> Floats:
+        """Any point."""
+        return self._nonempty_kind.random(generator())
+
+    def randomConfiguration(self, lower: Any, upper: Any) -> Floats:
+        """A point within limits (nq,)."""
+        return self._nonempty_kind.random(
+            generator(), vector(lower, self.nq, "lower"), vector(upper, self.nq, "upper")
+        )
+
+    def dIntegrate(self, q: Any, v: Any, argument_position: ArgumentPosition) -> Floats:
+        """The derivative (nv, nv) of `integrate` by q (ARG0) or v (ARG1)."""
+        both = self._nonempty_kind.integrate_derivatives(vector(q, self.nq, "q"), vector(v, self.nv, "v"))
+        return np.array(both[_first_or_second(argument_position)])
+
+    def dIntegrate_dq(self, q: Any, v: Any) -> Floats:
+        """The derivative (nv, nv) of `integrate` by q."""
+        return self.dIntegrate(q, v, ArgumentPosition.ARG0)
+
+    def dIntegrate_dv(self, q: Any, v: Any) -> Floats:
+        """The derivative (nv, nv) of `integrate` by v."""
+        return self.dIntegrate(q, v, ArgumentPosition.ARG1)
+
+    def dIntegrateTransport(self, q: Any, v: Any, J: Any, argument_position: ArgumentPosition) -> Floats:
+        """A matrix (nv, n) at integrate(q, v), carried by the derivative."""
+        return self.dIntegrate(q, v, argument_position) @ np.asarray(J, dtype=float)
+
+    def dDifference(self, q0: Any, q1: Any, argument_position: ArgumentPosition) -> Floats:
+        """The derivative (nv, nv) of `difference` by q0 (ARG0) or q1 (ARG1)."""
+        both = self._nonempty_kind.difference_derivatives(
+            vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1")
+        )
+        return np.array(both[_first_or_second(argument_position)])
+
+    def tangentMap(self, q: Any) -> Floats:
+        """The matrix (nq, nv) from tangent vectors at q to changes of its entries."""
+        at = vector(q, self.nq, "q")
+        return np.stack([self._nonempty_kind.coordinate_rates(at, unit) for unit in np.eye(self.nv)], axis=1)
+
+    def tangentMapProduct(self, q: Any, mat_in: Any) -> Floats:
+        """`tangentMap` times a matrix (nv, n)."""
+        return self.tangentMap(q) @ np.asarray(mat_in, dtype=float)
+
+    def tangentMapTransposeProduct(self, q: Any, mat_in: Any) -> Floats:
+        """`tangentMap` transposed times a matrix (nq, n)."""
+        return self.tangentMap(q).T @ np.asarray(mat_in, dtype=float)
+
+    def _bound(self, name: str, **points: Any) -> Any:
+        """Calls the kind's function of that name, and binds its kernel where none was bound."""
+        sizes = {key: self.nv if key == "v" else self.nq for key in points}
+        arrays = [exact(x, sizes[key], key) for key, x in points.items()]
+        key = self._name, name
+        if key not in _kernels:
+            shapes: dict[str, Any] = {key: (size,) for key, size in sizes.items()}
+            _kernels[key] = BoundKernel(compile_function(getattr(self._nonempty_kind, name), **shapes)).call
+        setattr(self, f"_{name}", _kernels[key])
+        return _kernels[key](*arrays)
+
+    def __reduce__(self) -> Any:
+        return LieGroup, (self._blocks,)
+
+    @property
+    def _nonempty_kind(self) -> JointKind:
+        if self._kind is None:
+            raise InputError("This Lie group is empty; make one with pinocchio.liegroups.SE3() and the like.")
+        return self._kind
+
+    def __mul__(self, other: LieGroup) -> LieGroup:
+        return LieGroup((*self._blocks, *other._blocks))
+
+    def __eq__(self, other: object) -> bool:
+        return self._blocks == other._blocks if isinstance(other, LieGroup) else NotImplemented
+
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        return f"<LieGroup {self.name}>"
+
+
+def _first_or_second(position: Any) -> int:
+    if position not in (ArgumentPosition.ARG0, ArgumentPosition.ARG1):
+        raise InputError(f"The argument is {position!r}; expected ARG0 or ARG1.")
+    return int(position)
+
+
+def Rn(n: int) -> LieGroup:
+    """Vectors of n numbers."""
+    return LieGroup(((f"R^{n}", (Prismatic(),) * n),))
+
+
+def R1() -> LieGroup:
+    """Numbers."""
+    return Rn(1)
+
+
+def R2() -> LieGroup:
+    """Vectors in the plane."""
+    return Rn(2)
+
+
+def R3() -> LieGroup:
+    """Vectors in space."""
+    return Rn(3)
+
+
+def SO2() -> LieGroup:
+    """Rotations in the plane, as (cos, sin)."""
+    return LieGroup((("SO(2)", (Circle(),)),))
+
+
+def SO3() -> LieGroup:
+    """Rotations in space, as quaternions xyzw."""
+    return LieGroup((("SO(3)", (Spherical(),)),))
+
+
+def SE2() -> LieGroup:
+    """Displacements in the plane, as (x, y, cos, sin)."""
+    return LieGroup((("SE(2)", (PlanarCircle(),)),))
+
+
+def SE3() -> LieGroup:
+    """Displacements in space, as position and quaternion xyzw."""
+    return LieGroup((("SE(3)", (FreeFlyer(),)),))
+
+
+def of_joint(joint: JointBase) -> LieGroup:
+    """The group of a joint's configurations."""
+    if joint.kind is None or joint.nv == 0:
+        return LieGroup()
+    groups: dict[type, Any] = {Circle: SO2, Spherical: SO3, PlanarCircle: SE2, FreeFlyer: SE3}
+    kinds = joint.kind.kinds if isinstance(joint.kind, Composite) else (joint.kind,)
+    if all(type(kind) not in groups for kind in kinds):
+        return Rn(joint.nv)
+    out = LieGroup()
+    for kind in kinds:
+        out = out * (groups[type(kind)]() if type(kind) in groups else Rn(kind.nv))
+    return out

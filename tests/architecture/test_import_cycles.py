@@ -1,0 +1,121 @@
+"""No two modules need each other: imports inside functions and for type checkers count, in compatibility packages, too."""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+from pathlib import Path
+
+SOURCE = Path(__file__).parents[2] / "src"
+
+KNOWN = [
+    {"ulna.model.builder", "ulna.model.copying"},
+    {"ulna.model.model", "ulna.model.table"},
+    {"ulna.trace.differentiate", "ulna.trace.draw", "ulna.trace.function"},
+    {"ulna.trace.graph", "ulna.trace.simplify"},
+    {"ulna.viewer.figure", "ulna.viewer.scene"},
+    {f"ulna.trajectory.{name}" for name in ("base", "compose", "files", "picture", "polynomial")},
+    {
+        f"roboticstoolbox._{name}"
+        for name in [
+            "chain",
+            "collision",
+            "copies",
+            "dynamics",
+            "ellipses",
+            "et",
+            "ets",
+            "family",
+            "felt",
+            "graph",
+            "gripper",
+            "ik",
+            "kinematics",
+            "link",
+            "load",
+            "motion",
+            "part",
+            "planar",
+            "plot",
+            "robot",
+            "scene",
+            "sequence",
+            "state",
+            "teach",
+            "tree",
+            "weights",
+            "words",
+        ]
+    },
+]
+"""Cycles that are still there; each that is taken apart leaves this list, and none is added."""
+
+
+def module_files() -> dict[str, Path]:
+    """The file of each module; the root of a compatibility package is its own folder, which goes on the path."""
+    modules: dict[str, Path] = {}
+    for file in (SOURCE / "ulna").rglob("*.py"):
+        parts = file.relative_to(SOURCE).with_suffix("").parts
+        roots = [k for k, part in enumerate(parts) if part.startswith("for-")]
+        parts = parts[roots[0] + 1 :] if roots else parts
+        modules[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
+    return modules
+
+
+def imported(module: str, file: Path, modules: dict[str, Path]) -> set[str]:
+    """The modules of this project that a module imports, anywhere in its file."""
+    package = module if file.name == "__init__.py" else module.rpartition(".")[0]
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            base += node.module.split(".") if node.module else []
+            for alias in node.names:
+                inner = ".".join([*base, alias.name])
+                names.add(inner if inner in modules else ".".join(base))
+    return {name for name in names if name in modules and name != module}
+
+
+def cycles(graph: dict[str, set[str]]) -> list[set[str]]:
+    """The sets of nodes that reach each other; nodes that reach none of the rest are removed first."""
+    reach: dict[str, set[str]] = {}
+    left = {node: set(targets) for node, targets in graph.items()}
+    while free := [node for node, targets in left.items() if not targets & left.keys()]:
+        for node in free:
+            del left[node]
+    for node in left:
+        reached, todo = set(), [node]
+        while todo:
+            new = (left[todo.pop()] & left.keys()) - reached
+            reached |= new
+            todo += new
+        reach[node] = reached
+    components: list[set[str]] = []
+    for node in left:
+        if node in reach[node] and not any(node in one for one in components):
+            components.append({other for other in reach[node] if node in reach[other]})
+    return components
+
+
+@cache
+def present_cycles() -> list[set[str]]:
+    """The cycles among the modules of this project."""
+    modules = module_files()
+    return cycles({name: imported(name, file, modules) for name, file in modules.items()})
+
+
+def test_modules_do_not_import_each_other() -> None:
+    new = [sorted(one) for one in present_cycles() if not any(one <= known for known in KNOWN)]
+    assert not new, f"import cycles: {new}"
+
+
+def test_every_known_cycle_is_still_there() -> None:
+    gone = [sorted(known) for known in KNOWN if not any(one <= known for one in present_cycles())]
+    assert not gone, f"take these off the list: {gone}"
+
+
+def test_cycles_are_found() -> None:
+    graph = {"a": {"b"}, "b": {"c"}, "c": {"b", "d"}, "d": set(), "e": {"a"}, "f": {"g"}, "g": {"f"}}
+    assert sorted(map(sorted, cycles(graph))) == [["b", "c"], ["f", "g"]]
