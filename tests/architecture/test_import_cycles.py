@@ -9,11 +9,6 @@ from pathlib import Path
 SOURCE = Path(__file__).parents[2] / "src"
 
 KNOWN = [
-    {"ulna.model.builder", "ulna.model.copying"},
-    {"ulna.model.model", "ulna.model.table"},
-    {"ulna.trace.differentiate", "ulna.trace.draw", "ulna.trace.function"},
-    {"ulna.trace.graph", "ulna.trace.simplify"},
-    {"ulna.viewer.figure", "ulna.viewer.scene"},
     {f"ulna.trajectory.{name}" for name in ("base", "compose", "files", "picture", "polynomial")},
     {
         f"roboticstoolbox._{name}"
