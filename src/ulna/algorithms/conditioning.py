@@ -27,7 +27,7 @@ from ulna.model import Model
 from ulna.numeric import cross
 from ulna.typing import Floats
 
-LARGEST = 200
+LARGEST = 120
 """Coordinates of a model beyond which `conditioning` would take longer than a second."""
 _ROUNDING = 16.0 * np.finfo(float).eps
 
@@ -55,7 +55,7 @@ def conditioning(model: Model, q: Floats) -> Conditioning:
     still = tuple(np.flatnonzero(d <= noise).tolist())
     if still:
         return Conditioning(still, np.inf, still)
-    sigma, V = np.linalg.svd(A / d, full_matrices=False)[1:]
+    sigma, V = np.linalg.svd(np.linalg.qr(A / d, mode="r"))[1:]
     null = V[sigma <= _ROUNDING * len(d) + np.abs(V) @ (noise / d)]
     if len(null):
         loose = tuple(np.flatnonzero(np.abs(null).max(axis=0) > 1e-6).tolist())
