@@ -11,6 +11,7 @@ import ulna
 from support.limited_paths import PATHS, cornered, dense_times, dense_use, part, way_points
 from ulna import trajectory
 from ulna.errors import InputError
+from ulna.model import FreeFlyer
 from ulna.trajectory.peaks import greatest
 from ulna.trajectory.solver import TOLERANCE
 
@@ -263,3 +264,27 @@ def test_other_motions_keep_the_limits_they_promise_in_hundreds_of_cases(panda: 
     pytest.importorskip("ruckig")
     for seed in range(3, 60):
         require_promises(np.random.default_rng(seed), panda)
+
+
+@pytest.mark.parametrize("degree", [7, 12])
+def test_polynomials_of_high_degree(degree: int) -> None:
+    """Their constraints are no quartics: segments are halved until quartics are close enough."""
+    c = np.random.default_rng(degree).normal(size=(1, degree + 1, 3)) * 3.0
+    best = trajectory.time_optimal(
+        trajectory.Polynomial.of([0.0, 1.0], c), velocity=2.0, acceleration=10.0, grid=4
+    )
+    t = dense_times(best)
+    use = max(np.abs(best.a(t)).max() / 10.0, np.abs(best.v(t)).max() / 2.0)
+    assert 0.97 < use <= 1.0 + TOLERANCE
+
+
+def test_paths_on_the_manifold_of_configurations() -> None:
+    flyer = ulna.load("ur5", root=FreeFlyer())
+    q0, q1 = flyer.random_configuration(2, seed=1)
+    best = trajectory.time_optimal(
+        trajectory.straight(flyer, q0, q1, 1.0), flyer, velocity=2.0, acceleration=3.0, torque=np.inf
+    )
+    t = dense_times(best)
+    assert np.abs(best.v(t)).max() <= 2.0 * (1.0 + TOLERANCE)
+    assert 2.9 < np.abs(best.a(t)).max() <= 3.0 * (1.0 + TOLERANCE)
+    np.testing.assert_allclose(flyer.difference(best.end, q1), 0.0, atol=1e-9)
