@@ -1,9 +1,9 @@
 """Keeps compiled kernels on disk: content-addressed, verified before use, private to the user.
 
 The key of an entry is the hash of everything that decides its bytes (IR, LLVM version, processor, options), so a
-stale entry is never found. An entry carries the hash of its key and content, is written beside its place and renamed,
-and is read only from a folder that nobody else can write. Whatever goes wrong costs a compilation, never a wrong
-result.
+stale entry is never found. An entry carries a hash of its name and content under a random key of this user, is written
+beside its place and renamed, and is read only from a folder that nobody else can write. Whatever goes wrong costs a
+compilation, never a wrong result.
 
 The folder is `$ULNA_CACHE`, else the platform's cache folder; `ULNA_CACHE=0` turns the cache off.
 """
@@ -12,20 +12,19 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import hmac
 import os
 import stat
-import sys
-import tempfile
 import time
 import warnings
 from pathlib import Path
 
 from ulna.errors import CacheWarning
+from ulna.system import storage
+from ulna.system.folders import cache_folder, expanded, state_folder
 
-_MAGIC = b"ulna kernel 2\n"
+_MAGIC = b"ulna kernel 3\n"
 _LIMIT = 512 * 2**20  # bytes the folder may hold before the entries unused for longest go
-# no links followed; a pipe that stands in an entry's place is not waited for
-_READING = os.O_RDONLY | sum(getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY"))
 _warned: set[str] = set()
 
 
@@ -34,40 +33,15 @@ def folder() -> Path | None:
     chosen = os.environ.get("ULNA_CACHE", "")
     if chosen == "0":
         return None
-    if not chosen and sys.platform == "win32":
-        chosen = os.path.join(os.environ.get("LOCALAPPDATA") or "~/AppData/Local", "ulna")
-    elif not chosen and sys.platform == "darwin":
-        chosen = "~/Library/Caches/ulna"
-    elif not chosen:
-        chosen = os.path.join(os.environ.get("XDG_CACHE_HOME") or "~/.cache", "ulna")
+    chosen = chosen or cache_folder()
     try:
-        return _expanded(chosen)
+        return expanded(chosen)
     except RuntimeError:  # a user without a home, as in some containers
         _warn(
             f"The kernel cache {chosen} cannot be found, because this user has no home folder; kernels are compiled "
             "anew in each process. Set ULNA_CACHE to a folder you can write, or to 0 for none."
         )
         return None
-
-
-def _expanded(path: str) -> Path:
-    """The path with `~` as the user's home folder; an empty HOME counts as not set.
-
-    Raises:
-        RuntimeError: This user has no home folder.
-    """
-    own = path == "~" or path.startswith("~/")
-    if own and os.environ.get("HOME") == "" and hasattr(os, "getuid"):
-        import pwd
-
-        try:
-            home = pwd.getpwuid(os.getuid()).pw_dir
-        except KeyError:
-            home = ""
-        if not home:
-            raise RuntimeError("no home folder")
-        path = home + path[1:]
-    return Path(path).expanduser()
 
 
 def key(*parts: str | bytes) -> str:
@@ -84,21 +58,15 @@ def read(name: str) -> bytes | None:
     place = _usable()
     if place is None:
         return None
-    path = place / name
-    try:
-        descriptor = os.open(path, _READING)
-    except OSError:
-        return None
-    try:
-        with os.fdopen(descriptor, "rb") as file:
-            if not stat.S_ISREG(os.fstat(descriptor).st_mode) or not _is_private(os.fstat(descriptor)):
-                return None
-            data = file.read()
-    except OSError:  # a failing disk
+    path, secret = place / name, _secret(place)
+    data = storage.read_private(path)
+    if data is None or secret is None:
         return None
     head = len(_MAGIC) + 32
     content = data[head:]
-    if data[: len(_MAGIC)] != _MAGIC or data[len(_MAGIC) : head] != _seal(name, content):
+    if data[: len(_MAGIC)] != _MAGIC or not hmac.compare_digest(
+        data[len(_MAGIC) : head], _seal(secret, name, content)
+    ):
         with contextlib.suppress(OSError):  # damaged: make room for a good one
             path.unlink()
         return None
@@ -113,15 +81,10 @@ def write(name: str, content: bytes) -> None:
     if place is None:
         return
     try:
-        descriptor, temporary = tempfile.mkstemp(dir=place, prefix="new-")
-        try:
-            with os.fdopen(descriptor, "wb") as file:
-                file.write(_MAGIC + _seal(name, content) + content)
-            os.replace(temporary, place / name)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                os.unlink(temporary)
-            raise
+        secret = _secret(place)
+        if secret is None:
+            raise OSError(None, "its key can be neither read nor made")
+        storage.write_private(place / name, _MAGIC + _seal(secret, name, content) + content)
         if hash(content) % 64 == 0:
             prune(place)
     except OSError as error:
@@ -129,9 +92,17 @@ def write(name: str, content: bytes) -> None:
               "each process. Mend the folder, or set ULNA_CACHE to another one, or to 0 for none.")  # fmt: skip
 
 
-def _seal(name: str, content: bytes) -> bytes:
+def _seal(secret: bytes, name: str, content: bytes) -> bytes:
     """What an entry must carry to be believed: content under a wrong name is as bad as damaged content."""
-    return hashlib.sha256(name.encode() + content).digest()
+    return hashlib.blake2b(name.encode() + content, key=secret, digest_size=32).digest()
+
+
+def _secret(place: Path) -> bytes | None:
+    """The user's key of seals: in the folder for state, or in the cache folder where there is no such folder."""
+    folders = [place]
+    with contextlib.suppress(RuntimeError):
+        folders.insert(0, expanded(state_folder()))
+    return storage.secret(folders, "cache-key")
 
 
 def clear() -> int:
@@ -183,17 +154,11 @@ def _usable() -> Path | None:
         _warn(f"The kernel cache {place} cannot be made ({error.strerror or error}); kernels are compiled anew in each "
               "process. Set ULNA_CACHE to a folder you can write, or to 0 for none.")  # fmt: skip
         return None
-    if not stat.S_ISDIR(status.st_mode) or not _is_private(status):
+    if not stat.S_ISDIR(status.st_mode) or not storage.is_private(status):
         _warn(f"The kernel cache {place} is not used, because others could put code there: it must be a real folder, "
               "owned by you and writable by you alone (chmod 700), or set ULNA_CACHE to such a one.")  # fmt: skip
         return None
     return place
-
-
-def _is_private(status: os.stat_result) -> bool:
-    if not hasattr(os, "getuid"):  # Windows: the profile folder's access list guards it
-        return True
-    return status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
 def _warn(text: str) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from ulna.errors import MissingExtra
 from ulna.identification.base import BaseParameters
 from ulna.model import Model, with_dynamic_parameters, with_joint_dynamics
+from ulna.system.storage import save_figure
 from ulna.typing import Floats
 
 
@@ -135,7 +136,7 @@ class Identification:
         panels[0].set_title(f"Torques of {self.model.name} [N m, N]")
         panels[-1].set_xlabel("sample" if t is None else "time [s]")
         if path is not None:
-            figure.savefig(path)
+            save_figure(figure, path)
         return figure
 
     def __repr__(self) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ulna.errors import InputError
 from ulna.files import read_regular
+from ulna.system.storage import replacing
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.inputs import increasing
 from ulna.trajectory.polynomial import Polynomial, hermite
@@ -42,7 +43,10 @@ def save(trajectory: Trajectory, path: str | Path, rate: float | None = None) ->
             raise InputError(f"{trajectory!r} is no plain polynomial, which .npz keeps; save it as .csv.")
         names = np.array(trajectory.space.names)
         kind = np.array([_FORMAT, trajectory.kind])
-        np.savez(target, times=trajectory.times, coefficients=trajectory.coefficients, names=names, kind=kind)
+        with replacing(target) as place:
+            np.savez(
+                place, times=trajectory.times, coefficients=trajectory.coefficients, names=names, kind=kind
+            )
     elif target.suffix == ".csv":
         t, q, v, a = trajectory.sample(rate=1000.0 if rate is None else rate)
         names = trajectory.space.names
@@ -50,7 +54,8 @@ def save(trajectory: Trajectory, path: str | Path, rate: float | None = None) ->
         table = np.column_stack([t, q.reshape(len(t), -1), v, a])
         quoted = ",".join(f'"{name}"' if "," in name else name for name in head)
         lines = [quoted, *(",".join(map(repr, row)) for row in table.tolist())]
-        target.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        with replacing(target) as place:
+            place.write_text("\n".join(lines) + "\n", encoding="utf-8")
     else:
         raise InputError(f"`path` is {str(path)!r}; expected a file name that ends in .npz or .csv.")
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna.errors import MissingExtra
+from ulna.system.storage import save_figure
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.space import Poses
 
@@ -51,5 +52,5 @@ def plot(trajectory: Trajectory, path: str | Path | None = None, samples: int = 
     panels[0].set_title(repr(trajectory).strip("<>"))
     panels[-1].set_xlabel("time [s]")
     if path is not None:
-        figure.savefig(path)
+        save_figure(figure, path)
     return figure

@@ -20,6 +20,7 @@ from ulna import disk_cache as cache
 from ulna.compiler import compile
 from ulna.compiler.runtime import jit
 from ulna.errors import CacheWarning
+from ulna.system import storage
 
 POSIX = pytest.mark.skipif(not hasattr(os, "getuid"), reason="needs owners and modes")
 
@@ -148,13 +149,14 @@ def test_an_unreadable_entry_is_compiled_anew(place, compilations, monkeypatch):
         def __exit__(self, *_: object) -> None:
             return None
 
-        def read(self) -> bytes:
+        def read(self, most: int) -> bytes:
             raise OSError(errno.EIO, "Input/output error")
 
     original = os.fdopen
     monkeypatch.setattr(os, "fdopen", lambda d, mode: Failing(d, mode) if mode == "rb" else original(d, mode))
     monkeypatch.setattr(os, "fstat", lambda d: os.lstat(entries(place)[0]))
-    use()
+    with pytest.warns(CacheWarning, match="key"):
+        use()
     assert len(compilations) == 4
 
 
@@ -234,7 +236,7 @@ def test_a_folder_that_cannot_be_written_warns_once(place, compilations, monkeyp
     def refuse(*args: object, **options: object):
         raise PermissionError(errno.EACCES, "Permission denied")
 
-    monkeypatch.setattr(cache.tempfile, "mkstemp", refuse)
+    monkeypatch.setattr(storage.tempfile, "mkstemp", refuse)
     with pytest.warns(
         CacheWarning, match=r"cannot be written \(Permission denied\); kernels are compiled anew"
     ) as caught:
@@ -274,7 +276,7 @@ def test_a_really_full_device_warns(place, monkeypatch):
     place.mkdir(mode=0o700)
     (place / "new-full").symlink_to("/dev/full")
     monkeypatch.setattr(
-        cache.tempfile,
+        storage.tempfile,
         "mkstemp",
         lambda dir, prefix: (os.open("/dev/full", os.O_WRONLY), str(place / "new-full")),
     )

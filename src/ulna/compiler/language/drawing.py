@@ -17,6 +17,7 @@ from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.ports import Port, element_names
 from ulna.errors import InputError
+from ulna.system.storage import replacing
 
 LIMIT = 400
 """The most nodes that are drawn one by one."""
@@ -80,7 +81,8 @@ def draw(
     if path is not None:
         if Path(path).suffix.lower() != ".svg":
             raise InputError(f"The picture would go to {str(path)!r}; expected a name that ends in .svg.")
-        Path(path).write_text(text, encoding="utf-8")
+        with replacing(path) as place:
+            place.write_text(text, encoding="utf-8")
     return text
 
 

@@ -16,6 +16,7 @@ from ulna import disk_cache as disk
 from ulna.compiler.codegen.target import Target, register_bytes
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime.interrupt import interruptible
+from ulna.compiler.runtime.object_file import is_sound
 from ulna.errors import CompileError
 from ulna.system import forks
 
@@ -97,7 +98,7 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[
     t, llvm = target(), _llvm()
     key = disk.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
     start = time.perf_counter()
-    content = disk.read(key)
+    content = _kept(key)
     fresh = content is None
     if content is None:
         with announced():  # in this thread and without the lock: watchers may do anything, forks included
@@ -118,10 +119,16 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[
     return code
 
 
+def _kept(key: str) -> bytes | None:
+    """The object file in the cache, where there is one that is sound."""
+    content = disk.read(key)
+    return content if content is not None and is_sound(content, target().triple) else None
+
+
 def _object(key: str, ir: str, has_loops: bool) -> bytes:
     """The object file of `ir`, which another thread, or a compilation that was interrupted, may have made by now."""
     with _lock:
-        content = disk.read(key)
+        content = _kept(key)
         if content is None:
             content = _machine().emit_object(_optimised(ir, has_loops))
             disk.write(key, content)

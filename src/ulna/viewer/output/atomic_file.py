@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-import secrets
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ulna.checks.values import short_repr
 from ulna.errors import InputError, UnknownName
+from ulna.system.storage import replacing
 
 
 def checked_path(path: Any, what: str, suffixes: Sequence[str]) -> Path:
@@ -37,18 +37,9 @@ def atomic_write(target: Path, what: str) -> Iterator[Path]:
     Raises:
         InputError: It cannot be written.
     """
-    place = Path(os.path.realpath(target))
-    beside = place.with_name(f".{secrets.token_hex(4)}{place.suffix}")
     try:
-        try:
-            place.parent.mkdir(parents=True, exist_ok=True)
-            if place.is_dir():
-                raise IsADirectoryError(None, "It is a folder")
-            beside.touch()  # before the work that may be long
+        Path(os.path.realpath(target)).parent.mkdir(parents=True, exist_ok=True)
+        with replacing(target) as beside:
             yield beside
-            os.replace(beside, place)
-        finally:
-            with suppress(OSError):
-                beside.unlink(missing_ok=True)
     except OSError as error:
         raise InputError(f"Cannot write the {what} {str(target)!r}: {error.strerror or error}.") from error

@@ -12,6 +12,7 @@ from typing import Any
 
 from roboticstoolbox._part import Part
 from ulna.errors import InputError
+from ulna.system.storage import replacing
 
 _HEADS = {
     "R": '"dot", arrowtail="inv", dir="both"',
@@ -137,4 +138,5 @@ def _write(where: Any, text: str) -> None:
     if hasattr(where, "write"):
         where.write(text)
     else:
-        Path(where).write_text(text, encoding="utf-8")
+        with replacing(where) as place:
+            place.write_text(text, encoding="utf-8")

@@ -12,7 +12,6 @@ import json
 import os
 import zlib
 from functools import cache
-from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape, unescape
 
@@ -22,6 +21,7 @@ from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.keywords import by_name
 from ulna.errors import FormatError, InputError
 from ulna.files import read_regular
+from ulna.system.storage import replacing
 
 _SIGN = b"ulna pinocchio 1\n"
 _FIX = "Files of other programs are not read: they belong to the classes of their version. Use URDF between both."
@@ -40,7 +40,8 @@ class Saved:
 
     def saveToText(self, filename: Any) -> None:
         """Writes its numbers as JSON, one object in lines."""
-        Path(os.fspath(filename)).write_text(json.dumps(_plain(self), indent=1), encoding="utf-8")
+        with replacing(filename) as place:
+            place.write_text(json.dumps(_plain(self), indent=1), encoding="utf-8")
 
     def loadFromText(self, filename: Any) -> None:
         """Becomes what `saveToText` wrote. FormatError where the file is missing or of another kind."""
@@ -49,7 +50,8 @@ class Saved:
     def saveToXML(self, filename: Any, tag_name: str) -> None:
         """Writes its numbers as one element `tag_name` with JSON in it."""
         text = f'<?xml version="1.0"?>\n<{tag_name}>{escape(self.saveToString())}</{tag_name}>\n'
-        Path(os.fspath(filename)).write_text(text, encoding="utf-8")
+        with replacing(filename) as place:
+            place.write_text(text, encoding="utf-8")
 
     def loadFromXML(self, filename: Any, tag_name: str) -> None:
         """Becomes what `saveToXML` wrote under that name. FormatError where the file is missing or of another kind."""
@@ -69,7 +71,8 @@ class Saved:
         if hasattr(filename, "write"):
             filename.write(content)
         else:
-            Path(os.fspath(filename)).write_bytes(content)
+            with replacing(filename) as place:
+                place.write_bytes(content)
 
     @by_name("filename", "buffer")
     def loadFromBinary(self, filename: Any) -> None:

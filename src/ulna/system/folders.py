@@ -1,0 +1,45 @@
+"""Where a user's own files belong on each platform."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+
+def cache_folder() -> str:
+    """The folder of this user's caches of Ulna, as a path that may begin with `~`."""
+    if sys.platform == "win32":
+        return os.path.join(os.environ.get("LOCALAPPDATA") or "~/AppData/Local", "ulna")
+    if sys.platform == "darwin":
+        return "~/Library/Caches/ulna"
+    return os.path.join(os.environ.get("XDG_CACHE_HOME") or "~/.cache", "ulna")
+
+
+def state_folder() -> str:
+    """The folder of what Ulna keeps for this user that is no cache, as a path that may begin with `~`."""
+    if sys.platform == "win32":
+        return os.path.join(os.environ.get("LOCALAPPDATA") or "~/AppData/Local", "ulna-state")
+    if sys.platform == "darwin":
+        return "~/Library/Application Support/ulna"
+    return os.path.join(os.environ.get("XDG_STATE_HOME") or "~/.local/state", "ulna")
+
+
+def expanded(path: str) -> Path:
+    """The path with `~` as the user's home folder; an empty HOME counts as not set.
+
+    Raises:
+        RuntimeError: This user has no home folder.
+    """
+    own = path == "~" or path.startswith("~/")
+    if own and os.environ.get("HOME") == "" and hasattr(os, "getuid"):
+        import pwd
+
+        try:
+            home = pwd.getpwuid(os.getuid()).pw_dir
+        except KeyError:
+            home = ""
+        if not home:
+            raise RuntimeError("no home folder")
+        path = home + path[1:]
+    return Path(path).expanduser()
