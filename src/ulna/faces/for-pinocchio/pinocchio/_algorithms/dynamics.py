@@ -38,6 +38,8 @@ from ulna.model import Model as CoreModel
 from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
 
+_WORLD = Convention.WORLD  # looking a member up costs as much as a small robot's placements
+
 __all__ = [
     "aba",
     "computeAllTerms",
@@ -204,7 +206,7 @@ def aba(
         fext, convention = None, fext
     if convention is not None:
         ddq = aba(model, data, q, v, tau, fext)
-        if convention is Convention.WORLD:
+        if convention is _WORLD:
             computeJointJacobians(model, data, q)
         return ddq
     if fext is None:
@@ -221,7 +223,7 @@ _CRBA_IN_WORLD = Algorithm(
 @fast_path(_CRBA)
 def crba(model: Model, data: Data, q: Any, convention: Any = None) -> Floats:
     """The mass matrix (nv, nv), both triangles; kept in `data.M`."""
-    if convention is not Convention.WORLD:
+    if convention is not _WORLD:
         return run(model, data, _CRBA, q)
     M = data._bound.crba_in_world(q) if data._model is model else NotImplemented
     return run(model, data, _CRBA_IN_WORLD, q) if M is NotImplemented else M
