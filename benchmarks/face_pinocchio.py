@@ -95,7 +95,7 @@ def worker(urdf: str, floating: bool) -> None:
 
 
 def main() -> None:
-    from ulna.faces.shelves import environment
+    from ulna.compat.packages import environment
     from ulna.robots.example_robot_data import files
 
     plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}

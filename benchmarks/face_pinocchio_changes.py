@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 
 from _pair import answer_rounds, in_turns
 
-from ulna.faces.shelves import environment
+from ulna.compat.packages import environment
 
 ROBOTS = {"UR5": ("ur5", ""), "Talos": ("talos", "floating")}
 ROUNDS = 21

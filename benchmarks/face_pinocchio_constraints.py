@@ -105,7 +105,7 @@ def prepared(urdf: str, kind: str, joints: str) -> Callable[[], dict[str, float]
 
 
 def main() -> None:
-    from ulna.faces.shelves import environment
+    from ulna.compat.packages import environment
     from ulna.robots.example_robot_data import files
 
     plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}

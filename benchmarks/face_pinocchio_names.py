@@ -1,4 +1,4 @@
-"""Which public names of Pinocchio 4.1 the face offers, which of them tests ask of both, and what it says of the others.
+"""Which public names of Pinocchio 4.1 the package offers, which of them tests ask of both, and what it says of the others.
 
 Run: python benchmarks/face_pinocchio_names.py [--check | --write]
 
@@ -16,7 +16,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from ulna.faces.shelves import environment
+from ulna.compat.packages import environment
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "pinocchio_names.md"
@@ -144,7 +144,7 @@ def lines() -> str:
         for n in (n for n in names if said[n] is not True):
             refused.setdefault(said[n], []).append(n)
         if refused:
-            out += ["| not offered | what the face says |", "|---|---|"]
+            out += ["| not offered | what the package says |", "|---|---|"]
             out += [f"| {_listed(chosen)} | {word} |" for word, chosen in refused.items()]
             out.append("")
         out.pop()
@@ -156,10 +156,10 @@ TOTALS = (
     ("all but the three above", tuple(g for g, _ in GROUPS if g not in ASIDE)),
     ("all", ()),
 )
-HEAD = """# Names of Pinocchio 4.1 on its face
+HEAD = """# Names of Pinocchio 4.1 that Ulna offers
 
 Written by `python benchmarks/face_pinocchio_names.py --write`, which compares `dir(pinocchio)` of both packages; a test
-checks that it is up to date. "Asked of both" counts the names that stand in the lines which the tests put to the face and
+checks that it is up to date. "Asked of both" counts the names that stand in the lines which the tests put to the package and
 to real Pinocchio (`*asked*.py` in `tests/faces/pinocchio` and `seed1`), whose answers must be equal. What is not offered raises
 AttributeError (ImportError in `from pinocchio import ...`) with the word below.
 """

@@ -18,7 +18,7 @@ from typing import Any
 from _pair import answer_rounds, in_turns
 from _timing import medians, shown, table
 
-from ulna.faces.shelves import environment
+from ulna.compat.packages import environment
 
 ROUNDS = 7
 STARTS = 7

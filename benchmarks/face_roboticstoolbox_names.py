@@ -21,7 +21,7 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-from ulna.faces.shelves import SHELVES, environment
+from ulna.compat.packages import FOLDERS, environment
 
 HERE = Path(__file__)
 PAGE = HERE.parents[1] / "docs" / "robotics_toolbox.md"
@@ -105,7 +105,7 @@ def _set_by(cls: type) -> set[str]:
 
 
 def _refused_as_mobile() -> set[str]:
-    place = SHELVES["roboticstoolbox"] / "roboticstoolbox" / "__init__.py"
+    place = FOLDERS["roboticstoolbox"] / "roboticstoolbox" / "__init__.py"
     spec = importlib.util.spec_from_file_location("face", place)
     assert spec is not None and spec.loader is not None
     face = importlib.util.module_from_spec(spec)

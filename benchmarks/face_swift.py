@@ -19,7 +19,7 @@ from typing import Any
 from _pair import answer_rounds, in_turns
 from _timing import shown, table
 
-from ulna.faces.shelves import environment
+from ulna.compat.packages import environment
 
 ROUNDS = 7
 SERVO = "servo loop of example 3: `fkine`, `p_servo`, `jacobe`, `numpy.linalg.pinv`, `step`"

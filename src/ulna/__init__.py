@@ -41,7 +41,18 @@ _LATER = {
 }
 """Names that are loaded from their rooms when first used, so that `import ulna` stays light."""
 
-_ROOMS = ("collision", "control", "diagnosis", "faces", "identification", "ik", "sim", "trajectory", "viewer")
+_ROOMS = (
+    "collision",
+    "compat",
+    "control",
+    "diagnosis",
+    "faces",
+    "identification",
+    "ik",
+    "sim",
+    "trajectory",
+    "viewer",
+)
 """Rooms that `ulna.NAME` opens when first used."""
 
 __all__ = [

@@ -133,10 +133,10 @@ def _parser() -> argparse.ArgumentParser:
         "run",
         _run,
         "run a script written for the Robotics Toolbox or Pinocchio, unmodified, on Ulna",
-        "In that Python, `import roboticstoolbox`, `import pinocchio` and their companions find Ulna's faces.",
+        "In that Python, `import roboticstoolbox`, `import pinocchio` and their companions find Ulna's packages.",
     )
     run.add_argument(
-        "--only", action="append", default=[], metavar="FACE", help="roboticstoolbox or pinocchio"
+        "--only", action="append", default=[], metavar="PACKAGE", help="roboticstoolbox or pinocchio"
     )
     run.usage = "%(prog)s [-h] [--only FACE] (SCRIPT | -m MODULE | -c CODE | -) [ARGUMENT ...]"
     doctor = command("doctor", _doctor, "tell what a script uses of those packages that Ulna does not offer")
@@ -261,7 +261,7 @@ def _demo(chosen: argparse.Namespace) -> None:
 
 
 def _run(chosen: argparse.Namespace) -> int:
-    from ulna.faces.run import run
+    from ulna.compat.run import run
 
     return run(chosen.program, chosen.only)
 
@@ -270,14 +270,14 @@ def _parted(arguments: list[str]) -> tuple[list[str], list[str]]:
     """What the parser of the command reads, and the program that `ulna run` is to run."""
     if arguments[:1] != ["run"]:
         return arguments, []
-    from ulna.faces.run import split
+    from ulna.compat.run import split
 
     own, program = split(arguments[1:])
     return ["run", *own], program
 
 
 def _doctor(chosen: argparse.Namespace) -> int:
-    from ulna.faces.doctor import examine, report
+    from ulna.compat.doctor import examine, report
 
     findings = examine(chosen.path)
     print(report(chosen.path, findings))

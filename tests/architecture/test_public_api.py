@@ -22,7 +22,18 @@ def test_every_name_is_there_and_documented(name: str) -> None:
 
 @pytest.mark.parametrize(
     "room",
-    ["collision", "control", "diagnosis", "faces", "identification", "ik", "sim", "trajectory", "viewer"],
+    [
+        "collision",
+        "compat",
+        "control",
+        "diagnosis",
+        "faces",
+        "identification",
+        "ik",
+        "sim",
+        "trajectory",
+        "viewer",
+    ],
 )
 def test_rooms_open_when_asked_for(room: str) -> None:
     script = f"import ulna; print(ulna.{room}.__doc__.splitlines()[0])"

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from ulna.faces.shelves import SHELVES, modules
+from ulna.compat.packages import FOLDERS, modules
 
 
 @contextmanager
@@ -17,7 +17,7 @@ def worn(shelf: str) -> Iterator[None]:
     def put_aside() -> dict[str, object]:
         return {name: sys.modules.pop(name) for name in list(sys.modules) if name.split(".")[0] in faced}
 
-    packages, folder = put_aside(), str(SHELVES[shelf])
+    packages, folder = put_aside(), str(FOLDERS[shelf])
     sys.path.insert(0, folder)
     try:
         yield

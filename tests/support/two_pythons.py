@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from ulna.faces.shelves import SHELVES, environment
+from ulna.compat.packages import FOLDERS, environment
 
 
 def both(script: Path, folder: Path, *words: str, shelf: str = "pinocchio") -> tuple[Any, Any]:
@@ -30,6 +30,6 @@ def both(script: Path, folder: Path, *words: str, shelf: str = "pinocchio") -> t
         done = subprocess.run(command, env=variables, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         told = json.loads(target.read_text(encoding="utf-8"))
-        assert (str(SHELVES[shelf]) in told["file"]) == faced
+        assert (str(FOLDERS[shelf]) in told["file"]) == faced
         found.append(told["answers"])
     return found[0], found[1]

@@ -96,7 +96,7 @@ def test_robots_are_not_read_from_pipes(ending: str, fifo: Callable[[str], str])
 
 def test_srdf_trajectories_scripts_and_meshes_are_not_read_from_pipes(fifo: Callable[[str], str]) -> None:
     from ulna import trajectory
-    from ulna.faces.doctor import examine
+    from ulna.compat.doctor import examine
     from ulna.viewer.mesh.mesh_files import load_mesh
 
     for place, call, error in (

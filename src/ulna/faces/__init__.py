@@ -1,10 +1,8 @@
-"""Faces: drop-in packages over Ulna that carry the names of others, so that scripts written for those run unmodified.
+"""The former name of `ulna.compat`."""
 
-A face is a folder on a shelf beside this file. Nothing is replaced until a shelf goes on the path: `ulna run script.py`
-does so for one process and its children, `wear("pinocchio")` for a notebook.
-"""
+from ulna.compat.packages import FOLDERS as SHELVES
+from ulna.compat.packages import library_of as shelf_of
+from ulna.compat.packages import modules
+from ulna.compat.packages import use as wear
 
-from ulna.faces.shelves import SHELVES as SHELVES
-from ulna.faces.shelves import modules as modules
-from ulna.faces.shelves import shelf_of as shelf_of
-from ulna.faces.shelves import wear as wear
+__all__ = ["SHELVES", "modules", "shelf_of", "wear"]

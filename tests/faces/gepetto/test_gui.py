@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 
 import ulna
+from ulna.compat.packages import FOLDERS
 from ulna.errors import InputError, NonFiniteError, ShapeError, UlnaWarning, UnknownName, ViewerError
-from ulna.faces.shelves import SHELVES
 
-sys.path.append(str(SHELVES["pinocchio"]))  # behind everything: only what nobody else has is found there
+sys.path.append(str(FOLDERS["pinocchio"]))  # behind everything: only what nobody else has is found there
 from gepetto import corbaserver
 from gepetto.corbaserver import placement
 from gepetto.corbaserver.gui import REFUSED, Gui
 
-sys.path.remove(str(SHELVES["pinocchio"]))
+sys.path.remove(str(FOLDERS["pinocchio"]))
 
 RED = (1.0, 0.0, 0.0, 1.0)
 NAMES = """

@@ -16,7 +16,7 @@ import pytest
 rtb = pytest.importorskip("roboticstoolbox")
 import spatialmath  # noqa: E402
 
-from ulna.faces.shelves import SHELVES, environment  # noqa: E402
+from ulna.compat.packages import FOLDERS, environment  # noqa: E402
 
 HERE = Path(__file__).parent
 
@@ -42,7 +42,7 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     subprocess.run(command, env=environment(["roboticstoolbox"]), check=True, timeout=600)
     with file.open("rb") as stream:
         place, found = pickle.load(stream)
-    assert place.startswith(str(SHELVES["roboticstoolbox"]))
+    assert place.startswith(str(FOLDERS["roboticstoolbox"]))
     return found
 
 
@@ -52,7 +52,7 @@ def test_answers_are_those_of_the_toolbox(part: str, answers: dict[str, Any]) ->
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what the toolbox says of its own calls
         theirs = asked(rtb, spatialmath)
-    assert not str(rtb.__file__).startswith(str(SHELVES["roboticstoolbox"]))
+    assert not str(rtb.__file__).startswith(str(FOLDERS["roboticstoolbox"]))
     ours = answers[part]
     wrong = [name for name in theirs if not _same(name, ours.get(name), theirs[name])]
     assert set(ours) >= set(theirs)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ulna.faces.shelves import SHELVES, environment
+from ulna.compat.packages import FOLDERS, environment
 from ulna.robots.example_robot_data import share_folder
 
 HERE = Path(__file__).parent
@@ -39,7 +39,7 @@ def test_the_wrapper_and_its_geometries_answer_as_real_ones(tmp_path: Path) -> N
         out = tmp_path / f"{faced}.json"
         run(HERE / "wrapper_asked.py", str(out), str(SHARE), faced=faced)
         said = json.loads(out.read_text(encoding="utf-8"))
-        assert (str(SHELVES["pinocchio"]) in said["file"]) == faced
+        assert (str(FOLDERS["pinocchio"]) in said["file"]) == faced
         answers.append(said["found"])
     own, wanted = answers
     wrong = [f"{r}: {k}" for r in wanted for k in wanted[r] if not _same(own[r][k], wanted[r][k])]

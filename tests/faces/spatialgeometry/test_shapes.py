@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from support.shelf import worn
+from ulna.compat.packages import environment
 from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
-from ulna.faces.shelves import environment
 from ulna.viewer.viewer import Viewer
 
 pytest.importorskip("spatialmath")

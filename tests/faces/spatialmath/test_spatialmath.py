@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from ulna.faces.shelves import SHELVES
+from ulna.compat.packages import FOLDERS
 
 pytest.importorskip("spatialmath")
 TYPICAL = Path(__file__).with_name("typical.py")
@@ -37,7 +37,7 @@ def test_notebooks_that_have_it_keep_it() -> None:
     code = """
 import spatialmath, ulna.faces
 before = spatialmath.SE3
-ulna.faces.wear("roboticstoolbox")
+ulna.compat.use("roboticstoolbox")
 import roboticstoolbox as rtb
 from spatialmath import SE3
 panda = rtb.models.Panda()
@@ -48,6 +48,6 @@ assert SE3 is before and type(panda.fkine(panda.qr)) is SE3
 
 
 def test_where_it_is_not_installed_it_says_so() -> None:
-    code = f"import ulna.faces, sys; sys.path[:] = [{str(SHELVES['roboticstoolbox'])!r}]; import spatialmath"
+    code = f"import ulna.faces, sys; sys.path[:] = [{str(FOLDERS['roboticstoolbox'])!r}]; import spatialmath"
     done = run("-c", code)
     assert "ModuleNotFoundError: spatialmath is not installed; it comes with: pip install " in done.stderr

@@ -9,7 +9,7 @@ from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ulna.faces.later import later
+from ulna.compat.deferred_imports import deferred_imports
 
 _HEAVY = {
     "sympy": ("Expr", "Symbol", "Matrix"),
@@ -45,5 +45,5 @@ if _spec is None or _spec.loader is None:
     )
 _itself = importlib.util.module_from_spec(_spec)
 sys.modules[__name__] = _itself  # what `import spatialmath` gives
-with later(_HEAVY):
+with deferred_imports(_HEAVY):
     _spec.loader.exec_module(_itself)

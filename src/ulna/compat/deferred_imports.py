@@ -18,28 +18,28 @@ from typing import Any, final
 
 
 @contextmanager
-def later(names: Mapping[str, Iterable[str]]) -> Iterator[None]:
+def deferred_imports(names: Mapping[str, Iterable[str]]) -> Iterator[None]:
     """Within, modules are not imported by who imports them, but when they are used.
 
     Args:
         names: Modules, with the classes and functions of each that may be taken from it without importing it. Modules
-            that are imported already, or whose package is not installed, are let alone.
+            that are imported already, or whose package is not installed, stay as they are.
     """
     absent = [module for module in names if module not in sys.modules and _spec(module.partition(".")[0])]
-    made = {module: Later(module, names[module]) for module in absent}
-    watch: Any = _Watch(made)
+    made = {module: DeferredModule(module, names[module]) for module in absent}
+    finder: Any = _SubmoduleFinder(made)
     sys.modules.update(made)
-    sys.meta_path.insert(0, watch)
+    sys.meta_path.insert(0, finder)
     try:
         yield
     finally:
-        sys.meta_path.remove(watch)
+        sys.meta_path.remove(finder)
         for module in made.values():
-            module._step_aside()
+            module._unregister()
 
 
 @final
-class Later(ModuleType):
+class DeferredModule(ModuleType):
     """Stands for a module that is not imported yet."""
 
     def __init__(self, name: str, names: Iterable[str]) -> None:
@@ -54,23 +54,23 @@ class Later(ModuleType):
         if name.startswith("__"):
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
         below = sys.modules.get(f"{self.__name__}.{name}")
-        if type(below) is Later:
+        if type(below) is DeferredModule:
             return below
         if name in self._names and sys.modules.get(self.__name__) in (None, self):
-            return Name(self.__name__, name)
-        return getattr(self._itself(), name)
+            return DeferredName(self.__name__, name)
+        return getattr(self._import_module(), name)
 
-    def _step_aside(self) -> None:
+    def _unregister(self) -> None:
         if sys.modules.get(self.__name__) is self:
             del sys.modules[self.__name__]
 
-    def _itself(self) -> ModuleType:
-        self._step_aside()
+    def _import_module(self) -> ModuleType:
+        self._unregister()
         return importlib.import_module(self.__name__)
 
 
 @final
-class Name:
+class DeferredName:
     """Stands for a class or a function of a module that is not imported yet."""
 
     __slots__ = ("_module", "_name")
@@ -93,7 +93,7 @@ class Name:
     def __instancecheck__(self, instance: Any) -> bool:
         """Nothing is of a class whose module is not imported."""
         module = sys.modules.get(self._module)
-        if module is None or type(module) is Later:
+        if module is None or type(module) is DeferredModule:
             return False
         return isinstance(instance, getattr(module, self._name))
 
@@ -105,21 +105,21 @@ class Name:
 
 
 @final
-class _Watch:
+class _SubmoduleFinder:
     """Sees modules below a stand-in being imported: that takes the real package."""
 
-    def __init__(self, made: Mapping[str, Later]) -> None:
+    def __init__(self, made: Mapping[str, DeferredModule]) -> None:
         self._made = made
 
     def find_spec(self, name: str, path: Any = None, target: Any = None) -> None:
         """Finds nothing itself; the finders after it do."""
         parent = self._made.get(name.rpartition(".")[0])
         if parent is not None and sys.modules.get(parent.__name__) is parent:
-            parent._itself()
+            parent._import_module()
 
 
 def _spec(name: str) -> Any:
     try:
         return importlib.util.find_spec(name)
-    except ValueError:  # a module without a spec, such as a notebook's own
+    except ValueError:  # a module without a spec, such as one of a notebook
         return None

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from ulna.faces.later import later
+from ulna.compat.deferred_imports import deferred_imports
 
 LIBRARY = """
 from __future__ import annotations
@@ -66,7 +66,7 @@ HEAVY = {"heavy_one": ("Thing", "make"), "heavy_two": (), "heavy_two.part": ("f"
 
 
 def imported() -> Any:
-    with later(HEAVY):
+    with deferred_imports(HEAVY):
         return importlib.import_module("library")
 
 

@@ -1,4 +1,4 @@
-"""Looks a script over: which names of the faced packages it uses, and which of them the faces do not offer."""
+"""Examines a script: which names of libraries it uses, and which of them the compatibility packages do not offer."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
+from ulna.compat.packages import FOLDERS, modules
 from ulna.errors import FormatError, InputError
-from ulna.faces.shelves import SHELVES, modules
 from ulna.files import read_regular
 
 
 @final
 @dataclass(frozen=True)
 class Finding:
-    """A name that a script uses of a face.
+    """A name of a library that a script uses.
 
     Attributes:
         line: Where it does so first.
         name: The dotted name, from the package on.
-        offered: Whether the face has it.
-        word: What the face says instead, if it does not.
+        offered: Whether the compatibility package has it.
+        hint: What to use instead, if it does not.
     """
 
     line: int
     name: str
     offered: bool
-    word: str = ""
+    hint: str = ""
 
 
 def examine(path: str | Path) -> list[Finding]:
-    """The names of faced packages that a script uses, in the order of their lines; the script is read, not run.
+    """The names of libraries that a script uses, in the order of their lines; the script is read, not run.
 
     What is reached through an instance (`robot.fkine`) cannot be told from the text and is not listed.
 
@@ -51,31 +51,31 @@ def examine(path: str | Path) -> list[Finding]:
         # ValueError: null characters
         words, line = getattr(error, "msg", None) or str(error), getattr(error, "lineno", None)
         raise FormatError(f"not Python: {words}", file=str(file), line=line) from None
-    shelf_of = {module: shelf for shelf in SHELVES for module in modules(shelf)}
+    known_modules = {module for library in FOLDERS for module in modules(library)}
     used: dict[str, int] = {}
-    for line, name in sorted(_used(tree, frozenset(shelf_of))):
+    for line, name in sorted(_used(tree, frozenset(known_modules))):
         used.setdefault(name, line)
-    for shelf in SHELVES.values():
-        if str(shelf) not in sys.path:
-            sys.path.insert(0, str(shelf))
+    for folder in FOLDERS.values():
+        if str(folder) not in sys.path:
+            sys.path.insert(0, str(folder))
     return [Finding(line, name, *_is_offered(name)) for name, line in used.items()]
 
 
-def _used(tree: ast.AST, faced: frozenset[str]) -> Iterator[tuple[int, str]]:
+def _used(tree: ast.AST, known_modules: frozenset[str]) -> Iterator[tuple[int, str]]:
     """Lines and dotted names."""
-    known: dict[str, str] = {}  # what a name of the script stands for
+    meaning: dict[str, str] = {}  # of the names in the script
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             for alias in node.names:
-                if alias.name.split(".")[0] in faced:
-                    known[alias.asname or alias.name.split(".")[0]] = (
+                if alias.name.split(".")[0] in known_modules:
+                    meaning[alias.asname or alias.name.split(".")[0]] = (
                         alias.name if alias.asname else alias.name.split(".")[0]
                     )
                     yield node.lineno, alias.name
-        elif isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] in faced:
+        elif isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] in known_modules:
             for alias in node.names:
                 if alias.name != "*":
-                    known[alias.asname or alias.name] = f"{node.module}.{alias.name}"
+                    meaning[alias.asname or alias.name] = f"{node.module}.{alias.name}"
                 yield node.lineno, node.module if alias.name == "*" else f"{node.module}.{alias.name}"
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
@@ -84,26 +84,26 @@ def _used(tree: ast.AST, faced: frozenset[str]) -> Iterator[tuple[int, str]]:
             while isinstance(at, ast.Attribute):
                 parts.insert(0, at.attr)
                 at = at.value
-            if isinstance(at, ast.Name) and at.id in known:
-                yield node.lineno, ".".join([known[at.id], *parts])
+            if isinstance(at, ast.Name) and at.id in meaning:
+                yield node.lineno, ".".join([meaning[at.id], *parts])
 
 
 def _is_offered(name: str) -> tuple[bool, str]:
     parts = name.split(".")
-    found: Any = None
+    value: Any = None
     for count in range(len(parts), 0, -1):
         try:
-            found = importlib.import_module(".".join(parts[:count]))
+            value = importlib.import_module(".".join(parts[:count]))
             break
         except ModuleNotFoundError:
             continue
         except ImportError as error:
             return False, str(error)
-    if found is None:
+    if value is None:
         return False, ""
     for part in parts[count:]:
         try:
-            found = getattr(found, part)
+            value = getattr(value, part)
         except AttributeError as error:
             return False, str(error)
     return True, ""
@@ -112,6 +112,6 @@ def _is_offered(name: str) -> tuple[bool, str]:
 def report(path: str | Path, findings: Sequence[Finding]) -> str:
     """What `ulna doctor` prints."""
     missing = [f for f in findings if not f.offered]
-    head = f"{path}: {len(findings)} names of faced packages, {len(findings) - len(missing)} offered."
-    lines = [f"  line {f.line}: {f.name} is not offered. {f.word}".rstrip() for f in missing]
+    head = f"{path}: {len(findings)} names of libraries, {len(findings) - len(missing)} offered."
+    lines = [f"  line {f.line}: {f.name} is not offered. {f.hint}".rstrip() for f in missing]
     return "\n".join([head, *lines])

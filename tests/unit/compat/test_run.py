@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from ulna.compat.run import run, split
 from ulna.errors import InputError
-from ulna.faces.run import run, split
 
 _TELL = """
 import sys, __main__

@@ -1,4 +1,4 @@
-"""Faces get onto the path of a script, of a notebook, and the doctor reads what a script uses."""
+"""Compatibility packages get onto the path of a script and of a notebook; the doctor reads what a script uses."""
 
 import subprocess
 import sys
@@ -6,23 +6,23 @@ import sys
 import pytest
 
 from ulna.cli import main
+from ulna.compat import doctor, packages
 from ulna.errors import FormatError, InputError, UnknownName
-from ulna.faces import doctor, shelves
 
 
 @pytest.fixture
-def shelf(tmp_path, monkeypatch):
-    """A shelf with one face, which offers one name and refuses another with a word."""
-    face = tmp_path / "for-mini" / "minipeer"
-    face.mkdir(parents=True)
-    (face / "__init__.py").write_text(
+def folder(tmp_path, monkeypatch):
+    """A folder with one compatibility package, which offers one name and says of another what to use."""
+    package = tmp_path / "for-mini" / "minipeer"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text(
         "class Arm:\n    length = 3\n\n"
         "def __getattr__(name):\n    raise AttributeError(f'minipeer.{name} is not offered; use ulna.load.')\n"
     )
-    monkeypatch.setattr(shelves, "SHELVES", {"minipeer": face.parent})
-    monkeypatch.setattr(doctor, "SHELVES", {"minipeer": face.parent})
+    monkeypatch.setattr(packages, "FOLDERS", {"minipeer": package.parent})
+    monkeypatch.setattr(doctor, "FOLDERS", {"minipeer": package.parent})
     monkeypatch.setattr(sys, "path", list(sys.path))
-    yield face.parent
+    yield package.parent
     sys.modules.pop("minipeer", None)
 
 
@@ -30,12 +30,12 @@ def _python(words, **options):
     return subprocess.run([sys.executable, *words], check=False, capture_output=True, text=True, **options)
 
 
-def test_a_script_runs_with_faces_in_a_process_of_its_own(shelf, tmp_path):
+def test_a_script_runs_with_compatibility_packages_in_a_new_process(folder, tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
         "import sys, minipeer\nprint(__name__, sys.argv[1:], minipeer.Arm.length)\nsys.exit(3)\n"
     )
-    variables = shelves.environment(["minipeer"], {"PYTHONPATH": "elsewhere"})
+    variables = packages.environment(["minipeer"], {"PYTHONPATH": "elsewhere"})
     assert variables["PYTHONPATH"].endswith("elsewhere")
     done = _python([script, "a", "b"], env=variables)
     assert done.returncode == 3 and done.stdout.split() == ["__main__", "['a',", "'b']", "3"]
@@ -54,32 +54,32 @@ def test_a_script_that_is_not_there_is_named(capsys):
     assert main(["run", "nowhere.py"]) == 2
     assert "nowhere.py" in capsys.readouterr().err
     assert main(["run"]) == 2
-    assert "needs a script" in capsys.readouterr().err
+    assert "needs a program" in capsys.readouterr().err
 
 
-def test_a_notebook_wears_a_face(shelf):
-    shelves.wear("minipeer")
+def test_a_notebook_uses_a_compatibility_package(folder):
+    packages.use("minipeer")
     import minipeer  # pyright: ignore[reportMissingImports]
 
     assert minipeer.Arm.length == 3
-    shelves.wear("minipeer")
-    assert sys.path.count(str(shelf)) == 1
+    packages.use("minipeer")
+    assert sys.path.count(str(folder)) == 1
 
 
-def test_a_face_does_not_mix_with_the_package_itself(shelf, monkeypatch):
+def test_a_compatibility_package_does_not_mix_with_the_library(folder, monkeypatch):
     other = type(sys)("minipeer")
     other.__file__ = "elsewhere/minipeer/__init__.py"
     monkeypatch.setitem(sys.modules, "minipeer", other)
     with pytest.raises(InputError, match="imported already"):
-        shelves.wear("minipeer")
+        packages.use("minipeer")
 
 
-def test_an_unknown_face_is_named(shelf):
+def test_an_unknown_package_is_named(folder):
     with pytest.raises(UnknownName, match="minipeer"):
-        shelves.wear("minipear")
+        packages.use("minipear")
 
 
-def test_the_doctor_tells_what_is_missing(shelf, tmp_path):
+def test_the_doctor_tells_what_is_missing(folder, tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
         "import minipeer as mp\nfrom minipeer import Arm, Leg\nimport numpy\n"
@@ -87,16 +87,24 @@ def test_the_doctor_tells_what_is_missing(shelf, tmp_path):
     )
     found = {f.name: f for f in doctor.examine(script)}
     assert {n for n, f in found.items() if f.offered} == {"minipeer", "minipeer.Arm", "minipeer.Arm.length"}
-    assert found["minipeer.Leg"].line == 2 and "use ulna.load" in found["minipeer.Leg"].word
+    assert found["minipeer.Leg"].line == 2 and "use ulna.load" in found["minipeer.Leg"].hint
     assert not found["minipeer.wheel.spin"].offered and not found["minipeer.Arm.width"].offered
     assert "line 2: minipeer.Leg is not offered" in doctor.report(script, list(found.values()))
     assert main(["doctor", str(script)]) == 1
 
 
-def test_the_doctor_refuses_what_is_no_script(shelf, tmp_path):
+def test_the_doctor_refuses_what_is_no_script(folder, tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         doctor.examine(tmp_path / "none.py")
     broken = tmp_path / "broken.py"
     broken.write_text("import (\n")
     with pytest.raises(FormatError, match=r"broken\.py:1"):
         doctor.examine(broken)
+
+
+def test_the_former_name_still_works():
+    import ulna.faces
+    import ulna.faces.shelves
+
+    assert ulna.faces.wear is packages.use and ulna.faces.shelves.SHELVES is packages.FOLDERS
+    assert ulna.compat.use is packages.use

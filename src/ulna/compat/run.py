@@ -1,4 +1,4 @@
-"""Runs a script with the faces before the packages they stand for, in a Python of its own."""
+"""Runs a script with compatibility packages in place of the libraries it imports, in a new process."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from ulna.compat.packages import FOLDERS, environment, library_of
 from ulna.errors import InputError
-from ulna.faces.shelves import SHELVES, environment, shelf_of
 
 
 def run(words: Sequence[str], only: Sequence[str] = ()) -> int:
-    """Runs `python words...` with faces on the path; returns its exit code.
+    """Runs `python words...` with compatibility packages on the path; returns its exit code.
 
     The script is `__main__` of a fresh Python: arguments, tracebacks, pickling and spawned children behave as ever.
     Where the system can, this process becomes that Python, so that signals reach it and no second process waits.
@@ -22,15 +22,15 @@ def run(words: Sequence[str], only: Sequence[str] = ()) -> int:
     Args:
         words: What would follow `python`: its options, then a script, `-m` and a module, `-c` and a program, or `-`;
             and arguments, which are passed on as they are.
-        only: Faces to put on the path; all when empty.
+        only: Compatibility packages to put on the path; all when empty.
 
     Raises:
-        InputError: If there is no such script, or an option of Python would hide the faces.
-        UnknownName: If there is no such face.
+        InputError: If there is no such script, or an option of Python would hide the packages.
+        UnknownName: If there is no such compatibility package.
     """
     _check(words)
-    shelves = list(dict.fromkeys(shelf_of(name) for name in only)) or list(SHELVES)
-    variables = environment(shelves)
+    libraries = list(dict.fromkeys(library_of(name) for name in only)) or list(FOLDERS)
+    variables = environment(libraries)
     command = [sys.executable, *words]
     if os.name == "posix":
         sys.stdout.flush()
@@ -58,7 +58,7 @@ def split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def _check(words: Sequence[str]) -> None:
-    """Refuses what Python cannot run, or would run without the faces.
+    """Refuses what Python cannot run, or would run without the compatibility packages.
 
     Raises:
         InputError: See `run`.
