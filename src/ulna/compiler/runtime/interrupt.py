@@ -49,6 +49,8 @@ def interruptible(work: Callable[[], T]) -> T:
 
 
 _abandoned: list[threading.Thread] = []
+at_end: list[Callable[[], object]] = []
+"""Called when the process ends, once no interrupted work goes on."""
 
 
 def _end() -> None:
@@ -66,6 +68,8 @@ def _end() -> None:
         signal.raise_signal(signal.SIGINT)
     for thread in working:
         thread.join()
+    for function in at_end:
+        function()
 
 
 atexit.register(_end)  # early, so that what others register later is called before

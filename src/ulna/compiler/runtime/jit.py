@@ -15,7 +15,7 @@ from typing import Any
 from ulna import disk_cache as disk
 from ulna.compiler.codegen.target import Target, register_bytes
 from ulna.compiler.language.function import Function
-from ulna.compiler.runtime.interrupt import interruptible
+from ulna.compiler.runtime.interrupt import at_end, interruptible
 from ulna.compiler.runtime.object_file import is_sound
 from ulna.errors import CompileError
 from ulna.system import forks
@@ -29,6 +29,8 @@ _PATIENCE = 0.5
 watchers: list[Callable[[str, str], None]] = []
 """Told what is compiled and how long that takes, where it is long, and nothing for how long once it is done."""
 _lock = forks.lock(forks.COMPILER)  # LLVM's contexts are not safe to share
+# Daemon threads may still compile: LLVM must not be torn down under them. Nobody compiles from then on.
+at_end.append(lambda: _lock.acquire(timeout=60.0))
 
 
 @cache
