@@ -15,7 +15,7 @@ import numpy as np
 
 from ulna import algorithms
 from ulna import model as models
-from ulna.algorithms.references import check_reference
+from ulna.algorithms.multibody.references import check_reference
 from ulna.compiler import Function, compile, element_of, trace
 from ulna.errors import InputError, UnknownName
 from ulna.model import Frame, Model

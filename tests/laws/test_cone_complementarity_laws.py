@@ -5,9 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ulna.algorithms import friction_cone
-from ulna.algorithms.cone_complementarity import Bounded, Held, Kind, Pushed, Touching, gauss_seidel
-from ulna.algorithms.contact_forces import contact_forces
+from ulna.algorithms.constraints import friction_cone
+from ulna.algorithms.constraints.cone_complementarity import (
+    Bounded,
+    Held,
+    Kind,
+    Pushed,
+    Touching,
+    gauss_seidel,
+)
+from ulna.algorithms.constraints.contact_forces import contact_forces
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.typing import Floats

@@ -7,7 +7,7 @@ import pytest
 
 from support.random_models import random_model
 from ulna import algorithms as alg
-from ulna.algorithms.constrained_factors import (
+from ulna.algorithms.constraints.kkt_factors import (
     constrained_factors,
     constrained_impact,
     constrained_motion,

@@ -10,9 +10,9 @@ import pytest
 from support.derivatives import along, by_configuration, by_vector
 from support.random_models import random_model, random_pose
 from ulna import algorithms as alg
-from ulna.algorithms.constrained_dynamics_damped import Damped, DampedMotion, damped_dynamics, damped_impact
-from ulna.algorithms.constrained_dynamics_derivatives import bound_derivatives, bound_response, bound_terms
-from ulna.algorithms.constraint_twists import constraint_seen, constraint_twists, frame_of
+from ulna.algorithms.constraints.damped_dynamics import Damped, DampedMotion, damped_dynamics, damped_impact
+from ulna.algorithms.constraints.dynamics_derivatives import bound_derivatives, bound_response, bound_terms
+from ulna.algorithms.constraints.frame_errors import constraint_seen, constraint_twists, frame_of
 from ulna.model import Model
 from ulna.model.constraint import Bond, End
 from ulna.typing import Floats

@@ -7,7 +7,7 @@ import pytest
 
 import ulna
 from ulna.algorithms import Friction
-from ulna.algorithms.dry_friction import velocity_after_friction
+from ulna.algorithms.constraints.dry_friction import velocity_after_friction
 from ulna.typing import Floats
 
 LAW = Friction([0.5, 0.0, 0.1, 0.0, 1.0], [1.0, 2.0, 0.0, 0.0, 0.5], [0.5, 2.0, 0.0, 0.0, 1.0])

@@ -9,9 +9,9 @@ from support.derivatives import by_configuration, by_vector
 from support.plain_dynamics import momentum, torques
 from support.random_models import KINDS, random_model
 from ulna.algorithms import random
-from ulna.algorithms.centroidal_derivatives import centroidal_derivatives, com_velocity_derivatives
-from ulna.algorithms.forward_dynamics_derivatives import forward_dynamics_derivatives
-from ulna.algorithms.inverse_dynamics_derivatives import inverse_dynamics_derivatives
+from ulna.algorithms.derivatives.centroidal import centroidal_derivatives, com_velocity_derivatives
+from ulna.algorithms.derivatives.forward_dynamics import forward_dynamics_derivatives
+from ulna.algorithms.derivatives.inverse_dynamics import inverse_dynamics_derivatives
 from ulna.compiler import trace
 from ulna.model import Model
 from ulna.spatial import Force

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies
 from hypothesis.extra import numpy as arrays
 
-from ulna.algorithms import friction_cone
+from ulna.algorithms.constraints import friction_cone
 from ulna.compiler import compile as compile_function
 
 NUMBERS = strategies.floats(-10.0, 10.0)

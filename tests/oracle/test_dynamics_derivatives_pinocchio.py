@@ -16,9 +16,9 @@ pin = pytest.importorskip("pinocchio")
 from support.pinocchio_models import Twin, from_pinocchio, to_pinocchio  # noqa: E402
 from support.random_models import KINDS, random_model  # noqa: E402
 from ulna.algorithms import integrate, neutral, random  # noqa: E402
-from ulna.algorithms.centroidal_derivatives import centroidal_derivatives, com_velocity_derivatives  # noqa: E402
-from ulna.algorithms.forward_dynamics_derivatives import forward_dynamics_derivatives  # noqa: E402
-from ulna.algorithms.inverse_dynamics_derivatives import inverse_dynamics_derivatives  # noqa: E402
+from ulna.algorithms.derivatives.centroidal import centroidal_derivatives, com_velocity_derivatives  # noqa: E402
+from ulna.algorithms.derivatives.forward_dynamics import forward_dynamics_derivatives  # noqa: E402
+from ulna.algorithms.derivatives.inverse_dynamics import inverse_dynamics_derivatives  # noqa: E402
 from ulna.robots import example_robot_data  # noqa: E402
 from ulna.spatial import Force  # noqa: E402
 from ulna.typing import Floats  # noqa: E402

@@ -83,7 +83,7 @@ def _same_inertia(ours, theirs):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_frames_are_where_pinocchio_has_them(name, quiet):
-    from ulna.algorithms.kinematics import frame_poses
+    from ulna.algorithms.kinematics.forward_kinematics import frame_poses
 
     file, _ = example_robot_data.files(name)
     ours = model_from_urdf(file, mimic=False)
@@ -139,7 +139,7 @@ def test_ur5_as_recorded():
     ours = load_model("ur5", visuals="simple")
     theirs = pin.buildModelFromUrdf(str(example_robot_data.files("ur5")[0]))
     data = theirs.createData()
-    from ulna.algorithms.kinematics import frame_pose
+    from ulna.algorithms.kinematics.forward_kinematics import frame_pose
 
     for q in (np.zeros(6), np.array([-2.5, -0.7, -1.3, 2.2, -0.9, 3.0])):
         pin.framesForwardKinematics(theirs, data, q)

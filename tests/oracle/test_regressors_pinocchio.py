@@ -12,7 +12,7 @@ pin = pytest.importorskip("pinocchio")
 from support.pinocchio_models import Twin, from_pinocchio, to_pinocchio  # noqa: E402
 from support.random_models import KINDS, random_model  # noqa: E402
 from ulna import algorithms as alg  # noqa: E402
-from ulna.algorithms import regressors as reg  # noqa: E402
+from ulna.algorithms.dynamics import regressors as reg  # noqa: E402
 from ulna.model import dynamic_parameters  # noqa: E402
 from ulna.robots import example_robot_data  # noqa: E402
 from ulna.typing import Floats  # noqa: E402

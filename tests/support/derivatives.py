@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ulna.algorithms import configuration
+from ulna.algorithms.kinematics import configuration_space as configuration
 from ulna.model import Model
 from ulna.typing import Floats
 

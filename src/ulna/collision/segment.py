@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from ulna import algorithms, kernels
-from ulna.algorithms.tree import steps
+from ulna.algorithms.multibody.tree import steps
 from ulna.collision.exact import Checker
 from ulna.collision.solids import Solid
 from ulna.errors import InputError

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna import algorithms
-from ulna.algorithms.operational_space import Task
+from ulna.algorithms.dynamics.operational_space import Task
 from ulna.control.bounds import within_effort
 from ulna.errors import InputError
 from ulna.linalg import solve_spd

@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import Any
 
 from ulna import algorithms
-from ulna.algorithms.references import Reference, check_reference
+from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.control.bounds import within_speed
 from ulna.linalg import solve_damped
 from ulna.recipes.base import frame_of

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.algorithms.regressors import PARAMETERS
+from ulna.algorithms.dynamics.regressors import PARAMETERS
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model
 from ulna.typing import ArrayLike, Floats

@@ -21,7 +21,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ulna.algorithms.friction import Friction, friction_torque
+from ulna.algorithms.dynamics.joint_friction import Friction, friction_torque
 from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.identification.base import base_parameters_of, extended_regressor, parameter_names
 from ulna.identification.convex import Problem, Progress, minimised

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna.algorithms import ConstrainedMotion, Friction, Impact, Proximal
-from ulna.algorithms.references import Reference
+from ulna.algorithms.multibody.references import Reference
 from ulna.checks.arrays import batched_array
 from ulna.errors import InputError, ShapeError
 from ulna.methods.base import Part

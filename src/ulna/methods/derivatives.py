@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ulna.algorithms.references import Reference
+from ulna.algorithms.multibody.references import Reference
 from ulna.errors import InputError
 from ulna.methods.base import Part
 from ulna.methods.dynamics import Forces, stacked

@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna import algorithms
 from ulna.algorithms import Friction
-from ulna.algorithms.references import Reference
+from ulna.algorithms.multibody.references import Reference
 from ulna.errors import ShapeError
 from ulna.methods.base import Part
 from ulna.numeric import refuse_masked
@@ -85,7 +85,7 @@ class Dynamics(Part):
             ShapeError, DtypeError, NonFiniteError: If an argument cannot be what it stands for.
             UnknownName: If there is no such frame or reference.
 
-        Reference: Featherstone 2008, sections 6.5 and 7.3; see `ulna.algorithms.forward_dynamics` for which is taken.
+        Reference: Featherstone 2008, sections 6.5 and 7.3; `ulna.algorithms.dynamics.forward_dynamics` chooses one.
         """
         if not forces and friction is False:
             return self._plain["forward_dynamics"](q, v, tau)

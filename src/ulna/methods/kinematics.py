@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 from ulna import algorithms
-from ulna.algorithms.references import Reference
+from ulna.algorithms.multibody.references import Reference
 from ulna.methods.base import Part, key_of
 from ulna.typing import ArrayLike
 
@@ -135,7 +135,7 @@ class Kinematics(Part):
         axes: Any = "all",
         frame: str | None = None,
     ) -> Any:
-        """How far the Jacobian is from losing rank, (...): see `ulna.algorithms.manipulability`.
+        """How far the Jacobian is from losing rank, (...): see `ulna.algorithms.kinematics.manipulability`.
 
         `axes` is "all", "trans", "rot", or six truth values. Yoshikawa's measure is a compiled kernel; the others take
         singular values of the compiled Jacobian, or, for "asada", eigenvalues of the inertia felt at the frame.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ulna.algorithms import Representation
-from ulna.algorithms.references import Reference
+from ulna.algorithms.multibody.references import Reference
 from ulna.methods.base import Part
 from ulna.typing import ArrayLike
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.algorithms.references import Reference
+from ulna.algorithms.multibody.references import Reference
 from ulna.methods.base import Part
 from ulna.typing import ArrayLike
 

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna import algorithms
-from ulna.algorithms import conditioning
-from ulna.algorithms.conditioning import Conditioning
-from ulna.algorithms.factors import ZeroPivot
+from ulna.algorithms.dynamics import conditioning
+from ulna.algorithms.dynamics.conditioning import Conditioning
+from ulna.algorithms.dynamics.mass_matrix_factors import ZeroPivot
 from ulna.errors import ModelError, ModelWarning
 from ulna.model import Model
 from ulna.numeric import is_symbolic

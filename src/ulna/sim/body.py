@@ -8,7 +8,7 @@ from typing import Any, Literal, final
 
 import numpy as np
 
-from ulna.algorithms.friction import Friction
+from ulna.algorithms.dynamics.joint_friction import Friction
 from ulna.checks.arrays import shaped_array
 from ulna.checks.values import checked_robot, flag, one_of, text
 from ulna.errors import InputError

@@ -26,10 +26,10 @@ from typing import Any, Literal, final
 import numpy as np
 
 from ulna import algorithms
-from ulna.algorithms.dry_friction import velocity_after_friction
-from ulna.algorithms.forward_dynamics import forward_dynamics
-from ulna.algorithms.friction import Friction
-from ulna.algorithms.inverse_mass_matrix import inverse_mass_matrix
+from ulna.algorithms.constraints.dry_friction import velocity_after_friction
+from ulna.algorithms.dynamics.forward_dynamics import forward_dynamics
+from ulna.algorithms.dynamics.inverse_mass_matrix import inverse_mass_matrix
+from ulna.algorithms.dynamics.joint_friction import Friction
 from ulna.checks.arrays import shaped_array
 from ulna.checks.values import checked_robot, number, one_of, short_repr, step_count
 from ulna.checks.values import count as checked_count

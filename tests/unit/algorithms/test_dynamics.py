@@ -7,8 +7,8 @@ import pytest
 
 from support.random_models import random_model
 from ulna import algorithms as alg
-from ulna.algorithms.factors import Factors
-from ulna.algorithms.forward_dynamics import prefers_mass_matrix
+from ulna.algorithms.dynamics.forward_dynamics import prefers_mass_matrix
+from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.errors import InputError, UnknownName
 from ulna.model import FreeFlyer, Model, ModelBuilder, Prismatic, Revolute
 from ulna.robots.panda import panda

@@ -8,7 +8,7 @@ import pytest
 from support.derivatives import by_configuration
 from support.plain_dynamics import torques
 from support.random_models import random_model
-from ulna.algorithms.inverse_dynamics_derivatives import inverse_dynamics_derivatives
+from ulna.algorithms.derivatives.inverse_dynamics import inverse_dynamics_derivatives
 from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Model, ModelBuilder, Revolute
 from ulna.robot import Robot

@@ -7,7 +7,7 @@ import pytest
 
 from support.random_models import random_model
 from ulna import algorithms as alg
-from ulna.algorithms import tree
+from ulna.algorithms.multibody import tree
 from ulna.model import Composite, Model, ModelBuilder, Revolute, Spherical, Universal
 from ulna.spatial import SE3
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from ulna.algorithms.kinematics import frame_pose
+from ulna.algorithms.kinematics.forward_kinematics import frame_pose
 from ulna.errors import InputError, UnknownName
 from ulna.formats.dh import DHRow, model_from_dh, prismatic, revolute
 from ulna.spatial import SE3, Inertia

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from ulna.algorithms.kinematics import frame_pose
+from ulna.algorithms.kinematics.forward_kinematics import frame_pose
 from ulna.errors import InputError, ShapeError
 from ulna.formats.ets import ET, ETS
 from ulna.loading import load_model

@@ -7,8 +7,8 @@ import pytest
 
 from support.random_models import random_model
 from support.small_robots import arm, arm_builder, gripper
-from ulna.algorithms.configuration import random as random_position
-from ulna.algorithms.kinematics import frame_poses
+from ulna.algorithms.kinematics.configuration_space import random as random_position
+from ulna.algorithms.kinematics.forward_kinematics import frame_poses
 from ulna.errors import InputError, ModelError, UnknownName
 from ulna.model import (
     Fixed,

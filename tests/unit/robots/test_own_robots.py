@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from ulna.algorithms.kinematics import frame_pose
+from ulna.algorithms.kinematics.forward_kinematics import frame_pose
 from ulna.errors import MissingExtra, UnknownName
 from ulna.formats.urdf import model_from_urdf
 from ulna.geometry import Mesh

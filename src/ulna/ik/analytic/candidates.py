@@ -9,7 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
-from ulna.algorithms.tree import chain
+from ulna.algorithms.multibody.tree import chain
 from ulna.compiler import compile
 from ulna.errors import InputError, UnknownName
 from ulna.ik.analytic import general

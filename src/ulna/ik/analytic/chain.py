@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ulna.algorithms.tree import Step, chain, tip_pose
+from ulna.algorithms.multibody.tree import Step, chain, tip_pose
 from ulna.errors import InputError, UnknownName
 from ulna.ik.analytic.lines import Line, turn_about
 from ulna.model import Frame, Model, Prismatic, Revolute

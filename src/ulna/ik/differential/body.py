@@ -15,7 +15,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.algorithms import center_of_mass, center_of_mass_jacobian, manipulability_gradient
-from ulna.algorithms.manipulability import Axes, chosen_rows
+from ulna.algorithms.kinematics.manipulability import Axes, chosen_rows
 from ulna.ik.differential.task import Rows, Shapes, Task, cost_of
 from ulna.model import Model
 from ulna.typing import Array, ArrayLike, Floats

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from ulna.algorithms.tree import blank
+from ulna.algorithms.multibody.tree import blank
 from ulna.errors import InputError, ShapeError
 from ulna.ik.differential.task import Shapes
 from ulna.model import Composite, JointKind, Model

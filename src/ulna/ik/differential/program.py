@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna.algorithms import integrate
-from ulna.algorithms.tree import blank
+from ulna.algorithms.multibody.tree import blank
 from ulna.errors import InputError
 from ulna.ik.differential.joints import PostureTask
 from ulna.ik.differential.limits import Interval, Limit, Strip

@@ -14,7 +14,7 @@ from pinocchio._model.building import FREE
 from pinocchio._model.model import Model
 from pinocchio._spatial.random_numbers import generator
 from ulna import algorithms
-from ulna.algorithms.tree import blank
+from ulna.algorithms.multibody.tree import blank
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.model.joints.base import Coordinate

@@ -26,7 +26,7 @@ from pinocchio._data.states import compiled_for
 from pinocchio._model.bound_kernels import BoundKernel, not_applicable, not_read
 from pinocchio._model.model import Model
 from ulna import algorithms, spatial
-from ulna.algorithms.references import Reference
+from ulna.algorithms.multibody.references import Reference
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats

@@ -25,7 +25,7 @@ from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3, se3_kernel
 from ulna import algorithms, spatial
-from ulna.algorithms.references import Reference
+from ulna.algorithms.multibody.references import Reference
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.model import Frame

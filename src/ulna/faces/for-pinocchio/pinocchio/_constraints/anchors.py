@@ -18,7 +18,7 @@ from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
 from pinocchio.explog import exp6
-from ulna.algorithms.constraint_twists import constraint_seen
+from ulna.algorithms.constraints.frame_errors import constraint_seen
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats

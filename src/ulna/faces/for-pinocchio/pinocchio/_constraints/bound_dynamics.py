@@ -31,8 +31,8 @@ from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.model import Model
 from ulna import algorithms
-from ulna.algorithms.constrained_dynamics_damped import Damped, damped_dynamics, damped_impact
-from ulna.algorithms.constraint_twists import constraint_twists
+from ulna.algorithms.constraints.damped_dynamics import Damped, damped_dynamics, damped_impact
+from ulna.algorithms.constraints.frame_errors import constraint_twists
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.recipes.mass import with_mass

@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import numbers, vector
-from ulna.algorithms import friction_cone
+from ulna.algorithms.constraints import friction_cone
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 

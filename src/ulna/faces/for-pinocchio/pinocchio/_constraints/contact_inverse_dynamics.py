@@ -13,7 +13,7 @@ from pinocchio._constraints.proximal_settings import ProximalSettings, settings_
 from pinocchio._containers.arrays import vector
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
-from ulna.algorithms.contact_forces import contact_forces
+from ulna.algorithms.constraints.contact_forces import contact_forces
 from ulna.errors import InputError
 from ulna.typing import Floats
 

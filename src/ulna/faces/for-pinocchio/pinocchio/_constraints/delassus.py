@@ -9,8 +9,8 @@ import numpy as np
 
 from pinocchio._containers.arrays import numbers, vector
 from ulna import linalg, numeric
-from ulna.algorithms.constrained_dynamics_damped import damped_factors
-from ulna.algorithms.factors import Factors
+from ulna.algorithms.constraints.damped_dynamics import damped_factors
+from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Array, Floats

@@ -14,7 +14,7 @@ from pinocchio._constraints.rigid_constraint import paired, shapes_of
 from pinocchio._data.data import Data
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
-from ulna.algorithms.constrained_dynamics_derivatives import bound_response, bound_terms
+from ulna.algorithms.constraints.dynamics_derivatives import bound_response, bound_terms
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats

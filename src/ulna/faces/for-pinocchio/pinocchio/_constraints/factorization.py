@@ -11,8 +11,8 @@ from pinocchio._constraints.delassus import raised
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.compiled_model import CompiledModel
 from ulna import linalg
-from ulna.algorithms import constrained_factors
-from ulna.algorithms.factors import Factors
+from ulna.algorithms.constraints import kkt_factors as constrained_factors
+from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.numeric import vector

@@ -12,7 +12,14 @@ from pinocchio._constraints.anchors import PointContactConstraintModel
 from pinocchio._constraints.delassus import DelassusOperator, DelassusOperatorDense
 from pinocchio._constraints.joint_constraints import JointFrictionConstraintModel, JointLimitConstraintModel
 from pinocchio._containers.arrays import vector
-from ulna.algorithms.cone_complementarity import Bounded, Held, Kind, Pushed, Touching, gauss_seidel
+from ulna.algorithms.constraints.cone_complementarity import (
+    Bounded,
+    Held,
+    Kind,
+    Pushed,
+    Touching,
+    gauss_seidel,
+)
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats

@@ -1,0 +1,1 @@
+"""Dynamics under constraints: contacts, loops, impacts, friction cones."""

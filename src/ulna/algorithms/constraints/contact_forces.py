@@ -1,0 +1,90 @@
+"""Forces of contacts whose velocities are given, each on its own: inverse dynamics with friction.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| c | velocity of a contact over a time step, so that forces are sought | (3) | [m/s^2] | |
+| R, mu | compliance, diagonal; damping of the rounds | (3), () | [1/kg] | |
+| f | its force, in the friction cone K | (3) | [N] | |
+| y | velocity it gives way with | (3) | [m/s^2] | y = c + R f |
+| s | shift of a contact that slides | (3) | | friction_cone.py |
+| | what is sought | | | y + s in K*, f.(y + s) = 0 |
+| | a round | | | f' nearest in K, in the metric R + mu, to (mu f - c - s) / (R + mu) |
+
+Source: Le Lidec et al., Contact models in robotics: a comparative analysis (2024), section on inverse dynamics; the
+proximal point algorithm (Parikh & Boyd 2014, section 4.1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from ulna import numeric
+from ulna.algorithms.constraints import friction_cone
+from ulna.algorithms.constraints.proximal_solver import largest
+from ulna.numeric import dot, vector
+from ulna.typing import Array
+
+
+class ContactForces(NamedTuple):
+    """What is found."""
+
+    forces: Array
+    """f of all contacts, (..., 3 contacts) [N]."""
+    rounds: Any
+    """How many rounds it took, (...), as a float."""
+    residual: Any
+    """The largest power f.(y + s), or speed of a contact into the other body, (...)."""
+    change: Any
+    """The largest change of a force in the last round [N], (...)."""
+    size: Any
+    """The largest force, of the last two rounds [N], (...)."""
+
+
+def contact_forces(
+    c: Array,
+    frictions: Sequence[float],
+    compliance: Array,
+    guess: Array,
+    mu: float,
+    accuracies: tuple[float, float],
+    rounds: int,
+    sliding: bool = True,
+) -> ContactForces:
+    """The forces of contacts.
+
+    Args:
+        c: Velocities of the contacts over a time step, shape (..., 3 contacts) [m/s^2], normals last.
+        frictions: The coefficient of each.
+        compliance: The diagonal of R, (3 contacts,), not below zero, the tangential ones of a contact equal.
+        guess: Forces to start from, shape (..., 3 contacts) [N].
+        mu: Damping, not below zero; it and the compliance are not both zero.
+        accuracies: The residual that is small enough, and the change of forces, as a part of the largest.
+        rounds: How many at most.
+        sliding: Whether contacts slide as Coulomb says; else the convex problem is solved.
+    """
+    m = 3 * len(frictions)
+    enough, small = accuracies
+
+    def one(*state: Any) -> tuple[Any, ...]:
+        forces = vector(*state[:m])
+        found: list[Any] = []
+        residuals = []
+        for k, friction in enumerate(frictions):
+            own = slice(3 * k, 3 * k + 3)
+            R = compliance[own]
+            y = c[..., own] + R * forces[..., own]
+            shift = friction_cone.sliding_shift(y, friction) if sliding else 0.0 * y
+            wanted = (mu * forces[..., own] - c[..., own] - shift) / (R + mu)
+            f = friction_cone.project_weighted(wanted, friction, R + mu)
+            found += [f[..., i][()] for i in range(3)]
+            residuals += [dot(y + shift, f), numeric.minimum(y[..., 2][()], 0.0)]
+        change = largest([f - state[i] for i, f in enumerate(found)])
+        return (*found, largest(residuals), change, largest([*state[:m], *found]), state[m + 3] + 1.0)
+
+    def unsolved(*state: Any) -> Any:
+        return numeric.minimum(state[m] - enough, state[m + 1] - small * state[m + 2]) > 0.0
+
+    start = one(*(guess[..., i][()] for i in range(m)), *(0.0 * c[..., 0][()],) * 4)
+    *found, residual, change, size, count = numeric.loop(unsolved, one, start, rounds - 1)
+    return ContactForces(vector(*found), count, residual, change, size)

@@ -1,0 +1,171 @@
+"""Constrained dynamics with a damping in numbers, for those who choose it, and its accuracy, themselves.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| M, h, J, G | as in constrained_dynamics.py | | | |
+| g | what the constraint acceleration must be the opposite of | (m) | [m/s^2] | J a + g = 0 |
+| mu | damping | () | [1/kg] ... | |
+| b | acceleration that the forces must bring about | (m) | [m/s^2] | b = -(J M^-1 (tau - h) + g) |
+| f_n | forces of round n | (m) | [N], [N m] | (G + mu 1) f_n = b + mu f_n-1, f_0 = 0 |
+| r_n | what is left of the constraints then | (m) | [m/s^2] | r_n = J a_n + g = mu (f_n-1 - f_n) |
+
+The rounds end when the largest entry of f_n - f_n-1, or that of r_n, is small enough. mu = 0 is one factorisation; a
+row that depends on rows after it then gets no force. `constrained_dynamics` chooses mu by itself. Source: Carpentier,
+Budhiraja & Mansard, Proximal and sparse resolution of constrained dynamic equations, RSS 2021, section IV.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, final
+
+import numpy as np
+
+from ulna import numeric
+from ulna.algorithms.constraints.dynamics import delassus_of, seen_inside
+from ulna.algorithms.constraints.proximal_solver import largest, largest_entry
+from ulna.algorithms.dynamics.crba import mass_matrix
+from ulna.algorithms.dynamics.mass_matrix_factors import Factors
+from ulna.algorithms.dynamics.rnea import bias_forces
+from ulna.algorithms.multibody.external_forces import External
+from ulna.model import Model
+from ulna.numeric import apply, vector
+from ulna.typing import Array
+
+
+@final
+@dataclass(frozen=True)
+class Damped:
+    """When the rounds end.
+
+    Attributes:
+        mu: Damping, a number or shape (...), not below 0.
+        change: The largest change of a force in a round that is small enough [N, N m], the same.
+        residual: The largest residual that is small enough [m/s^2, rad/s^2], the same.
+        rounds: How many at most, 1 or more.
+    """
+
+    mu: Any
+    change: Any
+    residual: Any
+    rounds: int
+
+
+class DampedMotion(NamedTuple):
+    """How a bound robot accelerates, or how its velocity jumps."""
+
+    a: Any
+    """Joint accelerations, (..., nv); of an impact the jump of v."""
+    forces: Any
+    """Constraint forces, (..., m); of an impact impulses."""
+    rounds: Any
+    """How many rounds it took, (...), as a float."""
+    change: Any
+    """The largest change of a force in the last round, (...)."""
+    residual: Any
+    """The largest entry of what is left of the constraints, (...)."""
+
+
+_SAME = 1e-12
+"""Without damping: a pivot that keeps less than this part of its diagonal entry depends on others."""
+_IMMOVABLE = 1e-24
+"""A pivot that is not above this is that of something no force moves."""
+
+
+def damped_dynamics(
+    model: Model,
+    q: Array,
+    v: Array,
+    tau: Array,
+    J: Array,
+    g: Array,
+    damped: Damped,
+    external: External = None,
+) -> DampedMotion:
+    """Forward dynamics under J a + g = 0.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        tau: Joint torques, shape (..., nv) [N m or N].
+        J: Constraint Jacobian, shape (..., m, nv).
+        g: Constraint drift, shape (..., m).
+        damped: The damping, and when the rounds end.
+        external: Forces on the bodies.
+    """
+    drive = tau - bias_forces(model, q, v, external)
+    return damped_response(mass_matrix(model, q), J, drive, g, damped)
+
+
+def damped_impact(model: Model, q: Array, J: Array, jump: Array, damped: Damped) -> DampedMotion:
+    """The jump of v, and impulses, under J dv + jump = 0: all in `a` and `forces`.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        J: Constraint Jacobian, shape (..., m, nv).
+        jump: (1 + restitution) J v, shape (..., m).
+        damped: The damping, and when the rounds end.
+    """
+    return damped_response(mass_matrix(model, q), J, np.zeros(model.nv) * q[..., :1], jump, damped)
+
+
+def damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped) -> DampedMotion:
+    """M a = drive + J^T f and J a + g = 0, for matrices of numbers, symbols or traced scalars.
+
+    Args:
+        M: Mass matrix, shape (..., nv, nv).
+        J: Constraint Jacobian, shape (..., m, nv).
+        drive: Torques, shape (..., nv).
+        g: Constraint drift, shape (..., m).
+        damped: The damping, and when the rounds end.
+    """
+    m = J.shape[-2]
+    factors = Factors(M)
+    Y = seen_inside(factors, J)
+    y = factors.inward([drive[..., k][()] for k in range(M.shape[-1])])
+    z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
+    b = [-sum((entry * z[k] for k, entry in row.items()), g[..., i][()]) for i, row in enumerate(Y)]
+    of_forces = damped_factors(delassus_of(factors, Y), vector(*[damped.mu] * m))
+    forces, count, change = _rounds(of_forces, b, m, damped)
+    for row, force in zip(Y, forces, strict=True):
+        for k, entry in row.items():
+            y[k] = y[k] + entry * force
+    a = factors.outward(entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True))
+    left = apply(J, vector(*a)) + g
+    return DampedMotion(vector(*a), vector(*forces), count, change, largest_entry(left))
+
+
+def damped_factors(G: Array, mu: Array) -> Factors:
+    """The factors of G with mu (..., m) added to its diagonal.
+
+    A row without damping that depends on rows after it has a reciprocal of zero.
+    """
+    m = G.shape[-1]
+    damps = [numeric.less(0.0, mu[..., i][()]) for i in range(m)]
+    floors = [numeric.where(damps[i], _IMMOVABLE, _SAME * G[..., i, i] + _IMMOVABLE) for i in range(m)]
+    return Factors(G + np.eye(m) * mu[..., None, :], floors)
+
+
+def _rounds(factors: Factors, b: Sequence[Any], m: int, damped: Damped) -> tuple[Sequence[Any], Any, Any]:
+    """Forces, how many rounds, and the change of the last one."""
+    mu = damped.mu
+    first = factors.solve(b)
+
+    def unfinished(*state: Any) -> Any:
+        change = state[-1]
+        return numeric.minimum(change - damped.change, mu * change - damped.residual) > 0.0
+
+    def one(*state: Any) -> tuple[Any, ...]:
+        before = state[:m]
+        forces = factors.solve([x + mu * f for x, f in zip(b, before, strict=True)])
+        change = largest([f - old for f, old in zip(forces, before, strict=True)])
+        return (*forces, state[m] + 1.0, change)
+
+    begin = (*first, 1.0 + 0.0 * first[0], largest(first))
+    if damped.rounds == 1:
+        return first, begin[m], begin[m + 1]
+    *end, count, change = numeric.loop(unfinished, one, begin, damped.rounds - 1)
+    return end, count, change

@@ -1,0 +1,226 @@
+"""Accelerations, forces and impulses of a robot that constraints bind.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| M, h | mass matrix; torques that give no acceleration | (nv, nv), (nv) | | M = L^T D L, see mass_matrix_factors.py |
+| J, k, c, e | Jacobian, bias, velocity, error of the constraints | (m, nv), (m) | | constraints.py |
+| g | what the constraint acceleration must be the opposite of | (m) | [m/s^2] | g = k + kd c + kp e |
+| R | compliance | () | [1/kg] | J a + g + R f = 0 |
+| f | constraint forces | (m) | [N], [N m] | M a + h = tau + J^T f |
+| Y, y | J^T and tau - h, seen from inside the factors | (nv, m), (nv) | | Y = L^-T J^T, y = L^-T (tau - h) |
+| G | Delassus matrix | (m, m) | [1/kg] ... | G = J M^-1 J^T = Y^T D^-1 Y |
+| a | joint accelerations | (nv) | [rad/s^2], [m/s^2] | (G + R) f = -(Y^T D^-1 y + g), L a = D^-1 (y + Y f) |
+| v+, i | velocity after an impact; impulses | (nv), (m) | [N s], [N m s] | M (v+ - v) = J^T i, J v+ = -restitution c |
+
+Column i of Y is zero outside the joints that constraint i stands on, which shortens the sums of G; no inverse of M is
+formed. With gains kp and kd the error follows e'' + kd e' + kp e = 0 (exactly for points): critically damped for
+kd = 2 sqrt(kp). Source: Featherstone 2008, sections 8.1 to 8.4 and 11.7; Baumgarte 1972; Carpentier, Budhiraja &
+Mansard, RSS 2021.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.algorithms.constraints.kinematics import (
+    along_axes,
+    constraint_bias,
+    constraint_error,
+    constraint_jacobian,
+)
+from ulna.algorithms.constraints.proximal_solver import Proximal, largest_entry, solve_proximal
+from ulna.algorithms.dynamics.crba import mass_matrix
+from ulna.algorithms.dynamics.mass_matrix_factors import Factors, is_zero
+from ulna.algorithms.dynamics.rnea import bias_forces
+from ulna.algorithms.multibody.external_forces import External
+from ulna.model import Model
+from ulna.model.constraint import Bond
+from ulna.numeric import apply, matrix, vector
+from ulna.typing import Array
+
+
+class ConstrainedMotion(NamedTuple):
+    """How a bound robot accelerates."""
+
+    a: Any
+    """Joint accelerations, (..., nv) [rad/s^2 or m/s^2]."""
+    forces: Any
+    """What the constraints exert on their first frames, one after the other, (..., m) [N, N m]."""
+    residual: Any
+    """The largest entry of J a + g + R f, (...) [m/s^2, rad/s^2]: how far the constraints are from being kept."""
+    iterations: Any
+    """How many rounds the proximal solver took, (...), as a float."""
+
+
+class Impact(NamedTuple):
+    """How fast a robot is after constraints have taken hold of it."""
+
+    v: Any
+    """Velocity after it, (..., nv) [rad/s or m/s]."""
+    impulses: Any
+    """What the constraints gave to their first frames, one after the other, (..., m) [N s, N m s]."""
+    residual: Any
+    """The largest entry of J v + restitution c, (...) [m/s, rad/s]."""
+    iterations: Any
+    """How many rounds the proximal solver took, (...), as a float."""
+
+
+class Stabilisation(NamedTuple):
+    """What pulls constraints together again that have drifted apart."""
+
+    anchors: Array | None
+    """Where the contacts hold, in their order, (..., contacts, 4, 4); None when there is no contact."""
+    gains: Array
+    """kp [1/s^2] and kd [1/s] of every constraint, (..., constraints, 2)."""
+
+
+def constrained_dynamics(
+    model: Model,
+    q: Array,
+    v: Array,
+    tau: Array,
+    bonds: Sequence[Bond],
+    external: External = None,
+    stabilisation: Stabilisation | None = None,
+    settings: Proximal = Proximal(),  # noqa: B008 - frozen
+) -> ConstrainedMotion:
+    """Forward dynamics under constraints.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        tau: Joint torques, shape (..., nv) [N m or N].
+        bonds: The constraints.
+        external: Forces on the bodies.
+        stabilisation: Gains against drift; None for none.
+        settings: How the forces are found.
+    """
+    J = constraint_jacobian(model, q, bonds, turned=False)
+    g = constraint_bias(model, q, v, bonds, turned=False)
+    if stabilisation is not None:
+        owner = [i for i, bond in enumerate(bonds) for _ in range(bond.size)]
+        kp, kd = stabilisation.gains[..., owner, 0], stabilisation.gains[..., owner, 1]
+        error = constraint_error(model, q, stabilisation.anchors, bonds, turned=False)
+        g = g + kd * apply(J, v) + kp * error
+    motion = forward_dynamics_with_jacobian(model, q, v, tau, J, g, 0.0, external, settings)
+    forces = along_axes(model, q, motion.forces[..., None], bonds)[..., 0]
+    return motion._replace(forces=forces)
+
+
+def forward_dynamics_with_jacobian(
+    model: Model,
+    q: Array,
+    v: Array,
+    tau: Array,
+    J: Array,
+    g: Array,
+    compliance: Any = 0.0,
+    external: External = None,
+    settings: Proximal = Proximal(),  # noqa: B008 - frozen
+) -> ConstrainedMotion:
+    """Forward dynamics under J a + g + R f = 0.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        tau: Joint torques, shape (..., nv) [N m or N].
+        J: Constraint Jacobian, shape (..., m, nv).
+        g: Constraint drift, shape (..., m).
+        compliance: R, a number or shape (...).
+        external: Forces on the bodies.
+        settings: How the forces are found.
+    """
+    factors = Factors(mass_matrix(model, q))
+    drive = tau - bias_forces(model, q, v, external)
+    a, forces, iterations = _response(factors, J, drive, g, compliance, settings)
+    given = forces * (compliance[..., None] if isinstance(compliance, np.ndarray) else compliance)
+    left = apply(J, a) + g + given
+    return ConstrainedMotion(a, forces, largest_entry(left), iterations)
+
+
+def impulse_dynamics(
+    model: Model,
+    q: Array,
+    v: Array,
+    bonds: Sequence[Bond],
+    restitution: Array | None = None,
+    settings: Proximal = Proximal(),  # noqa: B008 - frozen
+) -> Impact:
+    """The velocity after constraints have taken hold of a moving robot at once.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity before, shape (..., nv).
+        bonds: The constraints.
+        restitution: What part of its velocity each constraint gives back, shape (..., constraints); None for nothing.
+        settings: How the impulses are found.
+    """
+    J = constraint_jacobian(model, q, bonds, turned=False)
+    back: Any = 0.0
+    if restitution is not None:
+        back = restitution[..., [i for i, bond in enumerate(bonds) for _ in range(bond.size)]]
+    before = apply(J, v)
+    factors = Factors(mass_matrix(model, q))
+    gain, impulses, iterations = _response(factors, J, 0.0 * v, (1.0 + back) * before, 0.0, settings)
+    after = v + gain
+    left = apply(J, after) + back * before
+    impulses = along_axes(model, q, impulses[..., None], bonds)[..., 0]
+    return Impact(after, impulses, largest_entry(left), iterations)
+
+
+def delassus_matrix(model: Model, q: Array, bonds: Sequence[Bond]) -> Array:
+    """G, shape (..., m, m): symmetric, semidefinite, singular where constraints depend on each other.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        bonds: The constraints.
+    """
+    factors = Factors(mass_matrix(model, q))
+    return delassus_of(factors, seen_inside(factors, constraint_jacobian(model, q, bonds)))
+
+
+def _response(
+    factors: Factors, J: Array, drive: Array, g: Array, compliance: Any, settings: Proximal
+) -> tuple[Array, Array, Any]:
+    """a, f and the rounds, for M a = drive + J^T f and J a + g + R f = 0."""
+    Y = seen_inside(factors, J)
+    y = factors.inward([drive[..., k][()] for k in range(len(factors.lower))])
+    z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
+    G = delassus_of(factors, Y)
+    if not is_zero(compliance):
+        R = compliance[..., None, None] if isinstance(compliance, np.ndarray) else compliance
+        G = G + R * np.eye(len(Y))
+    b = [-sum((entry * z[k] for k, entry in row.items()), g[..., i][()]) for i, row in enumerate(Y)]
+    forces, iterations = solve_proximal(G, b, settings)
+    for row, force in zip(Y, forces, strict=True):
+        for k, entry in row.items():
+            y[k] = y[k] + entry * force
+    a = factors.outward(entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True))
+    return vector(*a), vector(*forces), iterations
+
+
+def seen_inside(factors: Factors, J: Array) -> list[dict[int, Any]]:
+    """Y, column by column; entries that are zero by the tree are missing."""
+    found = []
+    for i in range(J.shape[-2]):
+        column = factors.inward([J[..., i, k][()] for k in range(J.shape[-1])])
+        found.append({k: entry for k, entry in enumerate(column) if not is_zero(entry)})
+    return found
+
+
+def delassus_of(factors: Factors, Y: Sequence[dict[int, Any]]) -> Array:
+    """G = Y^T D^-1 Y, of the columns that `seen_inside` gives."""
+    m = len(Y)
+    G: list[list[Any]] = [[0.0] * m for _ in range(m)]
+    for i, row in enumerate(Y):
+        scaled = {k: entry * factors.reciprocals[k] for k, entry in row.items()}
+        for j in range(i + 1):
+            G[i][j] = G[j][i] = sum(scaled[k] * entry for k, entry in Y[j].items() if k in scaled)
+    return matrix(G)

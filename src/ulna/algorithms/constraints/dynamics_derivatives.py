@@ -1,0 +1,310 @@
+"""How accelerations and forces of a robot that constraints bind change with q, v and tau, in closed form.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| a, f | accelerations; constraint forces, along the axes of the first frames | (nv), (m) | | constrained_dynamics.py |
+| J | constraint Jacobian, along the same axes | (m, nv) | | constraint_twists.py |
+| r | what is left of M a + h = tau + J^T f | (nv) | | r = ID(q, v, a) - J^T f - tau |
+| g | what is left of the constraints, with gains kp and kd, z wanted | (m) | | g = J a + k + kd c + kp e - z |
+| V, A | twist and spatial acceleration of a frame, in the axes of the first one | Motion | | velocity_derivatives.py |
+| s | column of J: how the first frame turns for an observer on the second | Motion | | |
+| dX_b/dq | of what moves with the second frame, seen from the first | | | dX_b + X_b x s |
+| dc/dq | of a frame | Motion | | dV_a - (dV_b + V_b x s) |
+| dg/dq | of a frame, kp = kd = 0 | Motion | | dA_a - (dA_b + A_b x s) |
+| | and where "local" axes count their turning | | | + dc/dq x V_b + c x (dV_b + V_b x s) |
+| dz/dq | of what is wanted along the world's axes | (3) | | z x w |
+| de/dq | of a frame; of a point, w being the turning of its axes | | | J_r(e)^-1 s; s + e x w |
+| dr/dq | f, unlike its opposite, stays where it is in the axes of the first frame | | | dID - ... + J_b^T (s x* f) |
+| S | | (m, m) | | (J M^-1 J^T + mu 1)^-1 |
+| P | S after n rounds with damping | (m, m) | | P_1 = S, P_n+1 = S + mu S P_n |
+| K, N | | (nv, nv), (m, nv) | | K = M^-1 - M^-1 J^T N, N = P J M^-1 |
+| W | how a and f answer to changes of r and g; f is turned by X | (nv + m, nv + m) | | W = [-K, -N^T; X N, -X P] |
+| B | changes of r and g by q and v | (nv + m, 2 nv) | | [da; df - (dX f, 0)] = W B |
+
+Forces along the world's axes turn with the first frame: df = R df + w x f. Derivatives by q are along the tangent
+space. Source: Carpentier & Mansard 2018, section III; Budhiraja, Carpentier & Mansard, Dynamics consensus between
+centroidal and whole-body models for locomotion (2019), section III: differentiating both equations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import reduce
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna import numeric
+from ulna.algorithms.constraints.damped_dynamics import damped_factors
+from ulna.algorithms.constraints.dynamics import delassus_of, seen_inside
+from ulna.algorithms.constraints.frame_errors import frame_of, relative_log
+from ulna.algorithms.derivatives.inverse_dynamics import inverse_dynamics_derivatives
+from ulna.algorithms.derivatives.velocity import (
+    frame_acceleration_derivatives,
+    frame_velocity_derivatives,
+    point_derivatives,
+)
+from ulna.algorithms.dynamics.mass_matrix_factors import Factors
+from ulna.algorithms.kinematics.forward_kinematics import frame_acceleration, frame_pose, frame_velocity
+from ulna.algorithms.multibody.tree import blank
+from ulna.model import Frame, Model
+from ulna.model.constraint import Bond, End
+from ulna.numeric import apply, matrix, skew, vector
+from ulna.spatial import SE3, Force, Motion
+from ulna.spatial.exponential import se3_right_jacobian_inverse
+from ulna.typing import Array
+
+_MOST = 2**30
+"""Rounds at most."""
+
+
+class BoundTerms(NamedTuple):
+    """What the derivatives are made of."""
+
+    r_q: Array
+    """dr/dq, (nv, nv)."""
+    r_v: Array
+    """dr/dv, (nv, nv)."""
+    M: Array
+    """The mass matrix, (nv, nv)."""
+    J: Array
+    """The constraint Jacobian along the axes of the first frames, (m, nv)."""
+    c_q: Array
+    """dc/dq, (m, nv)."""
+    g_q: Array
+    """dg/dq, (m, nv)."""
+    g_v: Array
+    """dg/dv, (m, nv)."""
+    X: Array
+    """What turns forces from those axes to those of their constraint, (m, m)."""
+    X_q: Array
+    """The derivative by q of what it gives for the forces f, (m, nv)."""
+
+
+class BoundResponse(NamedTuple):
+    """How a bound robot answers to changes of what is left of dynamics and constraints."""
+
+    W: Array
+    """(nv + m, nv + m)."""
+    B: Array
+    """(nv + m, 2 nv)."""
+    X_q: Array
+    """What turning the forces adds to df/dq, (m, nv)."""
+    a_tau: Array
+    """da/dtau, (nv, nv)."""
+    f_tau: Array
+    """df/dtau, (m, nv)."""
+    S: Array
+    """The inverse of the damped Delassus matrix, along the axes of the constraints, (m, m)."""
+    unique: Any
+    """Above 0 where no constraint depends on others; elsewhere their forces are not unique, and have no derivatives."""
+
+
+class BoundDerivatives(NamedTuple):
+    """How a bound robot reacts."""
+
+    a_q: Array
+    """da/dq, (nv, nv)."""
+    a_v: Array
+    """da/dv, (nv, nv)."""
+    f_q: Array
+    """df/dq, (m, nv)."""
+    f_v: Array
+    """df/dv, (m, nv)."""
+
+
+class _Side(NamedTuple):
+    """Twist, acceleration, and their derivatives, of a frame or of a point, in the axes of the first frame."""
+
+    J: Array
+    V: Array
+    A: Array
+    V_q: Array
+    A_q: Array
+    A_v: Array
+    turns: Array
+    """How those axes turn with the body, (3, nv)."""
+
+
+def bound_terms(
+    model: Model,
+    q: Array,
+    v: Array,
+    a: Array,
+    forces: Array,
+    gains: Array,
+    wanted: Array,
+    bonds: Sequence[Bond],
+    impact: bool = False,
+) -> BoundTerms:
+    """The derivatives of what is left of dynamics and constraints.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (nq,).
+        v: Velocity, shape (nv,).
+        a: Acceleration, shape (nv,).
+        forces: Constraint forces, each along the axes of its constraint, shape (m,).
+        gains: kp and kd of each, shape (constraints, 2).
+        wanted: What J a + k + kd c + kp e shall be, each along the axes of its constraint, shape (m,).
+        bonds: The constraints, all with a second frame.
+        impact: Whether a is a jump of v and the forces are impulses, so that gravity and v count for nothing in r.
+    """
+    external: list[Force | None] = [None] * len(model.joints)
+    m = sum(bond.size for bond in bonds)
+    J, c_q, g_q, g_v, X_q = (blank((m, model.nv), q, v, a, forces) for _ in range(5))
+    X = blank((m, m), q)
+    extra = blank((model.nv, model.nv), q, v, a, forces)
+    start = 0
+    for k, bond in enumerate(bonds):
+        assert bond.second is not None, "the frame that holds it"
+        rows = slice(start, start + bond.size)
+        f = forces[rows]
+        T = frame_pose(model, q, frame_of(bond.first))
+        back = np.swapaxes(T.rotation, -1, -2)
+        own = _parts(f, SE3(back, np.zeros(3))) if not bond.local else _parts(f, SE3.identity())
+        second, first = _second(model, q, bond, T), frame_of(bond.first)
+        one, other = _side(model, q, v, a, first, bond.size), _side(model, q, v, a, second, bond.size)
+        _act(external, first, own)
+        _act(external, second, -own)
+        s = one.J - other.J
+        turn = one.turns - other.turns
+        J[rows, :] = s
+        c_q[rows, :], g_q[rows, :], g_v[rows, :] = _changes(model, q, bond, one, other, s, turn, gains[k])
+        extra = extra + other.J.T @ _moved(own, s, turn)
+        for part in range(start, start + bond.size, 3):
+            here = slice(part, part + 3)
+            X[here, here] = np.eye(3) if bond.local else T.rotation
+            if not bond.local:
+                X_q[here, :] = -skew(forces[here]) @ (T.rotation @ one.turns)
+                g_q[here, :] = g_q[here, :] - skew(apply(back, wanted[here])) @ one.turns
+        start += bond.size
+    if impact:
+        model, v = replace(model, gravity=np.zeros(3)), 0.0 * v
+    r_q, r_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
+    return BoundTerms(r_q + extra, r_v, M, J, c_q, g_q, g_v, X, X_q)
+
+
+def bound_response(terms: BoundTerms, mu: Any = 0.0, rounds: Any = 1) -> BoundResponse:
+    """How accelerations and forces of constrained dynamics with that damping, after those rounds, answer to changes."""
+    m, n = terms.J.shape
+    factors = Factors(terms.M)
+    Y = seen_inside(factors, terms.J)
+    MJ = [factors.outward(column.get(k, 0.0) * r for k, r in enumerate(factors.reciprocals)) for column in Y]
+    of_forces = damped_factors(delassus_of(factors, Y), vector(*[mu] * m))
+    S = of_forces.inverse()
+    P = _after(S, mu, rounds)
+    N = P @ matrix(MJ)
+    rows = [list(row) for row in factors.inverse()]
+    for i in range(n):
+        for j in range(i + 1):
+            rows[i][j] = rows[j][i] = rows[i][j] - sum(MJ[k][i] * N[k, j] for k in range(m))
+    K, X = matrix(rows), terms.X
+    XN = X @ N
+    W = np.concatenate([np.concatenate([-K, -N.T], axis=1), np.concatenate([XN, -(X @ P)], axis=1)])
+    by_q, by_v = np.concatenate([terms.r_q, terms.g_q]), np.concatenate([terms.r_v, terms.g_v])
+    B = np.concatenate([by_q, by_v], axis=1)
+    return BoundResponse(W, B, terms.X_q, K, -XN, X @ S @ X.T, reduce(numeric.minimum, of_forces.reciprocals))
+
+
+def bound_derivatives(response: BoundResponse) -> BoundDerivatives:
+    """The derivatives of accelerations and forces by q and v."""
+    n = len(response.a_tau)
+    found = response.W @ response.B
+    a, f = found[:n], found[n:]
+    return BoundDerivatives(a[:, :n], a[:, n:], f[:, :n] + response.X_q, f[:, n:])
+
+
+def _after(S: Array, mu: Any, rounds: Any) -> Array:
+    """P, symmetric as S is."""
+    m = len(S)
+    places = [(i, j) for i in range(m) for j in range(i + 1)]
+
+    def whole(state: Sequence[Any]) -> list[list[Any]]:
+        rows: list[list[Any]] = [[0.0] * m for _ in range(m)]
+        for (i, j), entry in zip(places, state, strict=False):
+            rows[i][j] = rows[j][i] = entry
+        return rows
+
+    def one(*state: Any) -> tuple[Any, ...]:
+        P = whole(state)
+        return (
+            *(S[i, j] + mu * sum(S[i, k] * P[k][j] for k in range(m)) for i, j in places),
+            state[-1] + 1.0,
+        )
+
+    begin = (*(S[i, j] for i, j in places), 1.0)
+    return matrix(whole(numeric.loop(lambda *state: numeric.less(state[-1], rounds), one, begin, _MOST)))
+
+
+def _second(model: Model, q: Array, bond: Bond, T: SE3) -> Frame:
+    """The second frame, laid on the first one (of a point, only turned like it), as one of the second body."""
+    assert bond.second is not None
+    joint = bond.second.joint
+    carrier = frame_pose(model, q, frame_of(End(joint, SE3.identity())))
+    on = carrier.inverse() @ T
+    return frame_of(End(joint, on if bond.size == 6 else SE3(on.rotation, bond.second.placement.translation)))
+
+
+def _side(model: Model, q: Array, v: Array, a: Array, frame: Frame, size: int) -> _Side:
+    V = frame_velocity(model, q, v, frame, "local").vector()
+    V_q, V_v = frame_velocity_derivatives(model, q, v, frame)
+    if size == 6:
+        A = frame_acceleration(model, q, v, a, frame, "local").vector()
+        A_q, A_v, _ = frame_acceleration_derivatives(model, q, v, a, frame)
+        return _Side(V_v, V, A, V_q, A_q, A_v, V_v[3:, :])
+    A = frame_acceleration(model, q, v, a, frame, "local", classical=True).linear
+    u_q, u_v, A_q, A_v, _ = point_derivatives(model, q, v, a, frame, "local")
+    return _Side(u_v, V[:3], A, u_q, A_q, A_v, V_v[3:, :])
+
+
+def _changes(
+    model: Model, q: Array, bond: Bond, one: _Side, other: _Side, s: Array, turn: Array, gains: Array
+) -> tuple[Array, Array, Array]:
+    """dc/dq, dg/dq and dg/dv of one constraint."""
+    assert bond.second is not None
+    if bond.size == 3:
+        V_q = other.V_q + skew(other.V) @ turn
+        c_q = one.V_q - V_q
+        g_q, g_v = one.A_q - other.A_q - skew(other.A) @ turn, one.A_v - other.A_v
+        T, back = frame_pose(model, q, frame_of(bond.first)), frame_pose(model, q, frame_of(bond.second))
+        e = apply(np.swapaxes(T.rotation, -1, -2), T.translation - back.translation)
+        e_q = s + skew(e) @ one.turns
+    else:
+        V_q = other.V_q + _cross(other.V) @ s
+        c_q = one.V_q - V_q
+        g_q, g_v = one.A_q - other.A_q - _cross(other.A) @ s, one.A_v - other.A_v
+        if bond.local:
+            c = one.V - other.V
+            g_q = g_q - _cross(other.V) @ c_q + _cross(c) @ V_q
+            g_v = g_v - _cross(other.V) @ s + _cross(c) @ other.J
+        e_q = se3_right_jacobian_inverse(relative_log(model, q, bond)) @ s
+    kp, kd = gains[0], gains[1]
+    return c_q, g_q + kd * c_q + kp * e_q, g_v + kd * s
+
+
+def _moved(own: Force, s: Array, turn: Array) -> Array:
+    """What the opposite of a force does on the second body as the first frame moves for it, along each column."""
+    if s.shape[0] == 3:
+        return -skew(own.linear) @ turn
+    linear = -skew(own.linear) @ s[3:, :]
+    return np.concatenate([linear, -skew(own.angular) @ s[3:, :] - skew(own.linear) @ s[:3, :]], axis=0)
+
+
+def _act(external: list[Any], frame: Frame, force: Force) -> None:
+    """Adds a force in a frame to those on the joints."""
+    if frame.joint >= 0:
+        found, before = frame.placement.act(force), external[frame.joint]
+        external[frame.joint] = found if before is None else before + found
+
+
+def _parts(f: Array, turned: SE3) -> Force:
+    """The forces of one constraint as a Force, turned."""
+    moment = apply(turned.rotation, f[3:]) if f.shape[0] == 6 else np.zeros(3)
+    return Force(apply(turned.rotation, f[:3]), moment)
+
+
+def _cross(V: Array) -> Array:
+    """The matrix of V x."""
+    return Motion(V[:3], V[3:]).cross_matrix()

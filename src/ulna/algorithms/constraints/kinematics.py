@@ -1,0 +1,207 @@
+"""How what constraints bind moves: error, velocity, Jacobian, and acceleration without acceleration of the joints.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| a, b | first frame; second frame, or anchor in the world, at rest | | | |
+| p, R | origin and rotation of a frame in the world | (3), (3, 3) | [m] | |
+| u, w | velocity of its origin, its angular velocity | (3) | [m/s], [rad/s] | |
+| d | from b to a | (3) | [m] | d = p_a - p_b |
+| e | error of a point; of a frame | (3); (6) | [m], [rad] | d; (d, log R_a R_b^T) |
+| c | velocity of a point; of a frame | (3); (6) | [m/s], [rad/s] | u_a - u_b; (u_a - u_b - w_b x d, w_a - w_b) |
+| J | constraint Jacobian | (m, nv) | | c = J v |
+| k | bias | (m) | [m/s^2], [rad/s^2] | k = dJ/dt v |
+
+c of a frame is its twist beside b, so that forces along the rows of J are opposite and meet at the origin of a.
+Everything is found along the axes of the world; "local" axes turn the three rows of a part by R_a^T, k included, so
+that they choose how forces are written and nothing else. The moving frames are those of link_frames.py, and the
+accelerations
+those of rnea.py, with which bias forces are computed: a constraint adds little to them. Source: Featherstone 2008,
+sections 3.3 and 8.1; Carpentier, Budhiraja & Mansard 2021, section III.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ulna.algorithms.dynamics.rnea import rates
+from ulna.algorithms.kinematics.jacobian import Column, aligned_columns
+from ulna.algorithms.multibody.link_frames import Tidy, tidy
+from ulna.algorithms.multibody.tree import Step, blank, poses
+from ulna.model import Model
+from ulna.model.constraint import Bond, End
+from ulna.numeric import apply, cross
+from ulna.spatial import SE3
+from ulna.spatial.exponential import so3_log
+from ulna.typing import Array
+
+
+class Side(NamedTuple):
+    """One end of a bond, somewhere on its way."""
+
+    step: int
+    """The step of the tidy tree that carries it; -1 for the world."""
+    placement: SE3
+    """Its pose in the moving frame of that step."""
+    carrier: SE3
+    """The pose of that moving frame in the world."""
+    columns: list[Column]
+    """Those of its Jacobian, along the world's axes."""
+
+    @property
+    def pose(self) -> SE3:
+        """Its pose in the world."""
+        return self.carrier @ self.placement
+
+
+def constraint_jacobian(model: Model, q: Array, bonds: Sequence[Bond], turned: bool = True) -> Array:
+    """J, shape (..., m, nv).
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        bonds: The constraints.
+        turned: Whether rows of "local" constraints are written along the axes of their first frame.
+    """
+    tidied = tidy(model)
+    J = blank((sum(bond.size for bond in bonds), model.nv), q)
+    start = 0
+    for bond in bonds:
+        first, second = _sides(model, tidied, q, bond)
+        for sign, columns in ((1.0, first.columns), (-1.0, second.columns if second else [])):
+            for column in columns:
+                linear, angular = column.motion.linear, column.motion.angular
+                if bond.size == 6 and second is not None and sign < 0.0:
+                    linear = linear + cross(angular, first.pose.translation - second.pose.translation)
+                J[..., start : start + 3, column.index] += sign * linear
+                if bond.size == 6:
+                    J[..., start + 3 : start + 6, column.index] += sign * angular
+        start += bond.size
+    return along_axes(model, q, J, bonds) if turned else J
+
+
+def constraint_velocity(model: Model, q: Array, v: Array, bonds: Sequence[Bond]) -> Array:
+    """c, shape (..., m) [m/s, rad/s].
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        bonds: The constraints.
+    """
+    return apply(constraint_jacobian(model, q, bonds), v)
+
+
+def constraint_error(
+    model: Model, q: Array, anchors: Array | None, bonds: Sequence[Bond], turned: bool = True
+) -> Array:
+    """e, shape (..., m) [m, rad].
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        anchors: Where the contacts hold, in their order, as poses (..., contacts, 4, 4); a point has only a place.
+        bonds: The constraints.
+        turned: Whether rows of "local" constraints are written along the axes of their first frame.
+    """
+    tidied = tidy(model)
+    inputs = (q,) if anchors is None else (q, anchors[..., 0, 0])
+    e = blank((sum(bond.size for bond in bonds),), *inputs)
+    start = contacts = 0
+    for bond in bonds:
+        first, second = _sides(model, tidied, q, bond)
+        if second is not None:
+            to = second.pose
+        else:
+            assert anchors is not None, "contacts have anchors"
+            to = SE3(anchors[..., contacts, :3, :3], anchors[..., contacts, :3, 3])
+            contacts += 1
+        e[..., start : start + 3] = first.pose.translation - to.translation
+        if bond.size == 6:
+            turn = first.pose.rotation @ np.swapaxes(to.rotation, -1, -2)
+            e[..., start + 3 : start + 6] = so3_log(turn)
+        start += bond.size
+    return along_axes(model, q, e[..., None], bonds)[..., 0] if turned else e
+
+
+def constraint_bias(model: Model, q: Array, v: Array, bonds: Sequence[Bond], turned: bool = True) -> Array:
+    """k, shape (..., m) [m/s^2, rad/s^2].
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        bonds: The constraints.
+        turned: Whether rows of "local" constraints are written along the axes of their first frame.
+    """
+    tidied = tidy(model)
+    moving = rates(tidied.tree, q, v, None, -np.asarray(model.gravity))
+
+    def motion(side: Side) -> tuple[Array, Array, Array, Array]:
+        """u, w and their derivatives."""
+        if side.step < 0:
+            return np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+        R, rate = side.carrier.rotation, moving[side.step]
+        linear = apply(R, rate.b + apply(rate.U, side.placement.translation)) + np.asarray(model.gravity)
+        velocity = sum((c.motion.linear * v[..., c.index, None] for c in side.columns), np.zeros(3))
+        return velocity, apply(R, rate.w), linear, apply(R, rate.e)
+
+    k = blank((sum(bond.size for bond in bonds),), q, v)
+    start = 0
+    for bond in bonds:
+        first, second = _sides(model, tidied, q, bond)
+        u, _, linear, angular = motion(first)
+        if second is not None:
+            u_b, w_b, linear_b, angular_b = motion(second)
+            linear, angular = linear - linear_b, angular - angular_b
+            if bond.size == 6:
+                d = first.pose.translation - second.pose.translation
+                linear = linear - cross(angular_b, d) - cross(w_b, u - u_b)
+        k[..., start : start + 3] = linear
+        if bond.size == 6:
+            k[..., start + 3 : start + 6] = angular
+        start += bond.size
+    return along_axes(model, q, k[..., None], bonds)[..., 0] if turned else k
+
+
+def along_axes(model: Model, q: Array, rows: Array, bonds: Sequence[Bond]) -> Array:
+    """Rows (..., m, n) along the world's axes, each part along the axes of its own constraint."""
+    if not any(bond.local for bond in bonds):
+        return rows
+    tidied = tidy(model)
+    parts, start = [], 0
+    for bond in bonds:
+        for first_row in range(start, start + bond.size, 3):
+            part = rows[..., first_row : first_row + 3, :]
+            if bond.local:
+                R = _sides(model, tidied, q, bond)[0].pose.rotation
+                part = np.swapaxes(R, -1, -2) @ part
+            parts.append(part)
+        start += bond.size
+    return np.concatenate(parts, axis=-2)
+
+
+def _sides(model: Model, tidied: Tidy, q: Array, bond: Bond) -> tuple[Side, Side | None]:
+    return _side(model, tidied, q, bond.first), _side(model, tidied, q, bond.second) if bond.second else None
+
+
+def _side(model: Model, tidied: Tidy, q: Array, end: End) -> Side:
+    if end.joint < 0:
+        return Side(-1, end.placement, SE3.identity(), [])
+    last = next(
+        i for i, step in enumerate(tidied.tree) if step.is_last and step.joint is model.joints[end.joint]
+    )
+    placement = tidied.frames[last].inverse() @ end.placement
+    chain = _chain(tidied.tree, last)
+    return Side(last, placement, poses(chain, q)[-1], aligned_columns(chain, q, placement))
+
+
+def _chain(tree: Sequence[Step], last: int) -> tuple[Step, ...]:
+    """The steps from the world out to `last`, each standing on the one before it."""
+    found = [last]
+    while tree[found[-1]].parent >= 0:
+        found.append(tree[found[-1]].parent)
+    return tuple(replace(tree[i], parent=k - 1) for k, i in enumerate(reversed(found)))

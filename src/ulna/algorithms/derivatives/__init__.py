@@ -1,0 +1,1 @@
+"""Analytical derivatives of dynamics and of the velocities of frames."""

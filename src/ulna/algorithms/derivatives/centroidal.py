@@ -1,0 +1,113 @@
+"""How the momentum about the centre of mass, its rate, and the velocity of that centre change with q, v and a.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| s, psi, chi, phi, B | a column of step i and what it does | | | see inverse_dynamics_derivatives.py |
+| I, h, F | inertia, momentum and force of all bodies from step i on, without gravity | | | |
+| c, m | centre of mass of the robot, its mass | (3), () | [m], [kg] | |
+| h_G = (p, n) | momentum about c, in world axes | (6) | [N s, N m s] | |
+| F_G = (f, t) | its rate | (6) | [N, N m] | |
+| A | centroidal momentum matrix | (6, nv) | | h_G = A v |
+| dh/dq | column about the moving centre | Force | | I psi + s x* h, less dc/dq x p in the moment |
+| dF/dq | | Force | | B psi + I chi + s x* F, less dc/dq x f in the moment |
+| dF/dv, dh/dv = dF/da | | Force | | B s + I phi, I s |
+| dc/dq | | (3) | | linear part of I s, over m |
+
+Each column is a force in the moving frame of its step; it is then written about c along the axes of the world.
+Derivatives by q are along the tangent space. Source: Orin, Goswami & Lee, Centroidal dynamics of a humanoid robot
+(2013), for h_G; Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics Algorithms (2018).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ulna.algorithms.derivatives.inverse_dynamics import Beyond, effects, gather, states
+from ulna.algorithms.multibody.link_frames import tidy
+from ulna.algorithms.multibody.mass_moments import lumps
+from ulna.algorithms.multibody.tree import Step, blank, poses
+from ulna.model import Model
+from ulna.numeric import apply, cross, is_symbolic
+from ulna.spatial import SE3, Force
+from ulna.typing import Array
+
+
+def centroidal_derivatives(model: Model, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array, Array]:
+    """The derivatives dh/dq, dF/dq, dF/dv and dF/da of momentum and its rate, each (..., 6, nv).
+
+    The momentum is that about the centre of mass along the axes of the world, linear part first; the last result is
+    also its derivative by v. Bodies that no joint moves do not count.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv).
+    """
+    tidied = tidy(model)
+    tree, T = tidied.tree, poses(tidied.tree, q)
+    state = states(tree, q, v, a, np.zeros(3))
+    beyond = [one for _, one in gather(model, tidied, lumps(model, tidied), state, q)][::-1]
+    mass, centre, h, F = _whole(tree, T, beyond)
+    share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
+    found = [blank((6, model.nv), q, v, a) for _ in range(4)]
+    for i, (step, pose, all_) in enumerate(zip(tree, T, beyond, strict=True)):
+        about = SE3(pose.rotation, pose.translation - centre)
+        for effect in effects(step, state(i)):
+            s, psi = effect.s, effect.psi
+            unit = about.act(all_.body.apply(s))
+            c = unit.linear * share
+            dh = about.act(all_.body.apply(psi) + s.cross(all_.h))
+            dF = about.act(all_.coriolis(psi) + all_.body.apply(effect.chi) + s.cross(all_.F))
+            dF_dv = about.act(all_.coriolis(s) + all_.body.apply(effect.phi))
+            dh = Force(dh.linear, dh.angular - cross(c, h.linear))
+            dF = Force(dF.linear, dF.angular - cross(c, F.linear))
+            for matrix, column in zip(found, (dh, dF, dF_dv, unit), strict=True):
+                matrix[..., :3, effect.index] += column.linear
+                matrix[..., 3:, effect.index] += column.angular
+    dh_dq, dF_dq, dF_dv, dF_da = found
+    return dh_dq, dF_dq, dF_dv, dF_da
+
+
+def com_velocity_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, Array]:
+    """The derivatives of the velocity of the centre of mass by q and by v, each (..., 3, nv), in world axes.
+
+    Args:
+        model: The robot; a robot without mass has zeros here.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+    """
+    tidied = tidy(model)
+    tree, T = tidied.tree, poses(tidied.tree, q)
+    state = states(tree, q, v, 0.0 * v, np.zeros(3))
+    beyond = [one for _, one in gather(model, tidied, lumps(model, tidied), state, q)][::-1]
+    mass = sum(all_.body.mass for step, all_ in zip(tree, beyond, strict=True) if step.parent < 0)
+    share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
+    by_q, by_v = blank((3, model.nv), q, v), blank((3, model.nv), q, v)
+    for i, (step, pose, all_) in enumerate(zip(tree, T, beyond, strict=True)):
+        for effect in effects(step, state(i)):
+            moved = all_.body.apply(effect.psi).linear + cross(effect.s.angular, all_.h.linear)
+            own = all_.body.apply(effect.s).linear
+            by_q[..., effect.index] += apply(pose.rotation, moved) * share
+            by_v[..., effect.index] += apply(pose.rotation, own) * share
+    return by_q, by_v
+
+
+def _whole(
+    tree: Sequence[Step], T: Sequence[SE3], beyond: Sequence[Beyond]
+) -> tuple[Any, Array, Force, Force]:
+    """Of all that moves the mass, the centre, and momentum and force about the world's origin, in the world."""
+    mass: Any = 0.0
+    first, h, F = np.zeros(3), Force.zero(), Force.zero()
+    for step, pose, all_ in zip(tree, T, beyond, strict=True):
+        if step.parent < 0:
+            seen = all_.body
+            mass = mass + seen.mass
+            first = first + apply(pose.rotation, seen.first) + pose.translation * seen.mass
+            h, F = h + pose.act(all_.h), F + pose.act(all_.F)
+    if not is_symbolic(mass) and not mass:
+        return mass, first, h, F
+    return mass, first * (1.0 / mass), h, F

@@ -1,0 +1,73 @@
+"""How the accelerations of forward dynamics change with q, v and tau, in closed form.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| M | mass matrix with armature | (nv, nv) | | crba.py, factored as in mass_matrix_factors.py |
+| a | acceleration | (nv) | [rad/s^2] or [m/s^2] | forward_dynamics.py |
+| da/dq, da/dv | | (nv, nv) | | -M^-1 dtau/dq, -M^-1 dtau/dv, at a |
+| da/dtau | | (nv, nv) | | M^-1 |
+| E, d | factors of the inverse | (nv, nv), (nv) | | M^-1 = E diag(1 / d) E^T |
+
+Source: Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics Algorithms (2018), section V:
+differentiating tau = ID(q, v, FD(q, v, tau)). The matrix is factored once for the acceleration and all columns: in a
+trace equal computations are one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ulna.algorithms.derivatives.inverse_dynamics import inverse_dynamics_derivatives
+from ulna.algorithms.dynamics.forward_dynamics import by_mass_matrix
+from ulna.algorithms.dynamics.mass_matrix_factors import Factors, is_zero
+from ulna.algorithms.multibody.external_forces import External, batches
+from ulna.algorithms.multibody.tree import blank
+from ulna.model import Model
+from ulna.typing import Array
+
+
+def forward_dynamics_derivatives(
+    model: Model, q: Array, v: Array, tau: Array, external: External = None
+) -> tuple[Array, Array, Array]:
+    """The derivatives of the accelerations by q, v and tau, each (..., nv, nv); the last is the inverse mass matrix.
+
+    Args:
+        model: The robot; every motion must move some mass or have armature.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        tau: Joint torques, shape (..., nv).
+        external: As for `inverse_dynamics_derivatives`.
+    """
+    a = by_mass_matrix(model, q, v, tau, external)
+    tau_q, tau_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
+    factors = Factors(M)
+    a_q, a_v = (
+        _negative(factors, by, blank(by.shape[-2:], q, v, tau, *batches(external))) for by in (tau_q, tau_v)
+    )
+    return a_q, a_v, factors.inverse() + blank((model.nv, model.nv), q, v, tau, *batches(external))
+
+
+def _negative(factors: Factors, b: Array, into: Array) -> Array:
+    """-M^-1 b = -E diag(1 / d) E^T b.
+
+    A column of b is zero but for the joints its own stands on and those that stand on it, and so is E^T b; then an
+    entry of the result is a sum over the joints on which both stand, fewer than in an elimination.
+    """
+    E = factors.unit_inverse()
+    negative = [-r for r in factors.reciprocals]
+    n = b.shape[-1]
+    for k in range(n):
+        z: dict[int, Any] = {}
+        for i in range(n):
+            x = b[..., i, k]
+            if not is_zero(x):
+                for j, e in [(i, 1.0), *E[i].items()]:
+                    z[j] = z[j] + e * x if j in z else e * x
+        z = {j: x * negative[j] for j, x in z.items()}
+        for i in range(n):
+            total = z.get(i, 0.0)
+            for j, e in E[i].items():
+                if j in z:
+                    total = total + e * z[j]
+            into[..., i, k] = total
+    return into

@@ -1,0 +1,261 @@
+"""How the torques of inverse dynamics change with q, v and a, in closed form.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| U_i, V_i | twist of the parent and of the body of step i | Motion | [m/s, rad/s] | V_i = U_i + S_i v_i |
+| C_i, A_i | acceleration of the same two, gravity taken off | Motion | | A_i = C_i + S_i a_i + U_i x S_i v_i |
+| m, c, I | inertia of all bodies from step i outward | Lump | | see mass_moments.py |
+| u | velocity of the observer of step i, for that of its parent | (3) | [m/s] | see relative_states |
+| h = (p, n), D | their momentum, and the rate of I | Force, (3, 3) | | |
+| F_i | the force that moves them | Force | [N, N m] | sum of I A + V x* I V - external |
+| s | a column of S_i | Motion | | constant |
+| psi, chi, phi | what s does to the bodies beyond: | Motion | | psi = U x s, chi = C x s + U x psi, phi = V x s + psi |
+| B s | twice the Coriolis matrix of the bodies from i on | Force | | (2 w x p; D w + w x n) for s = (l; w) |
+| B^T s | a pure moment | (3) | | 2 p x l + D w + n x w |
+| r | column of the force at step i by a | Force | | I s |
+| y, z | column of the force at step i by v, by q | Force | | B s + I phi, B psi + I chi + s x* F |
+
+A column s_k of step k and a column s_j of a step j at or beneath it (k stands on j) give four entries:
+
+    d tau_k / d v_j = r_k . phi_j + B^T s_k . s_j        d tau_j / d v_k = s_j . y_k
+    d tau_k / d q_j = r_k . chi_j + B^T s_k . psi_j      d tau_j / d q_k = s_j . z_k (without s x* F when k = j)
+
+Derivatives by q are along the tangent space. Each column travels inward as a force from one moving frame to the
+next, where the subspaces are constant; B^T s, a pure moment, is only turned, and gains 2 u x r.linear with each
+change of observer. Rigid bodies give p, n and D; u adds m u, first moment x u, and steiner(first moment, u) to them.
+
+Source: Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics Algorithms (2018); Singh, Russell &
+Wensing, Efficient Analytical Derivatives of Rigid-Body Dynamics using Spatial Vector Algebra (2022), whose B falls
+into p, n and D here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.algorithms.dynamics.crba import columns_of
+from ulna.algorithms.multibody.external_forces import External, batches
+from ulna.algorithms.multibody.link_frames import Tidy, tidy
+from ulna.algorithms.multibody.mass_moments import Lump, felt, steiner, turned, turning_axis
+from ulna.algorithms.multibody.tree import Step, blank
+from ulna.model import Model
+from ulna.numeric import apply, cross, dot
+from ulna.spatial import SE3, Force, Motion
+from ulna.typing import Array
+
+
+class State(NamedTuple):
+    """Twists and accelerations at a step: before it (U, C) and beyond it (V, A), and u in the parent's axes."""
+
+    U: Motion
+    V: Motion
+    C: Motion
+    A: Motion
+    u: Array
+
+
+class Beyond(NamedTuple):
+    """What is gathered of all bodies from a step outward."""
+
+    body: Lump
+    h: Force
+    D: Array
+    F: Force
+
+    def __add__(self, other: Any) -> Beyond:
+        return Beyond(self.body + other.body, self.h + other.h, self.D + other.D, self.F + other.F)
+
+    def passed(self, step: Step, q: Array, u: Array) -> Beyond:
+        """The same seen from the parent, for whom the moving frame has the velocity u."""
+        J, P, axis = step.transform(q), step.placement.rotation, turning_axis(step.kind)
+        body, arm = self.body, arm_of(step, J)
+        first, linear, angular = (
+            apply(P, apply(J.rotation, x)) for x in (body.first, self.h.linear, self.h.angular)
+        )
+        linear = linear + u * body.mass
+        h = Force(linear, angular + cross(first, u) + cross(arm, linear))
+        D = turned(P, turned(J.rotation, self.D, axis)) + steiner(first, u) + steiner(arm, linear)
+        return Beyond(body.moved(J, axis).moved(step.placement), h, D, _inward(step, self.F, q))
+
+    def coriolis(self, s: Motion) -> Force:
+        """B s."""
+        w = s.angular
+        return Force(2.0 * cross(w, self.h.linear), apply(self.D, w) + cross(w, self.h.angular))
+
+    def coriolis_transposed(self, s: Motion) -> Array:
+        """B^T s."""
+        w = s.angular
+        return 2.0 * cross(self.h.linear, s.linear) + apply(self.D, w) + cross(self.h.angular, w)
+
+
+class Effect(NamedTuple):
+    """A column of a step, and what it does beyond."""
+
+    index: int
+    s: Motion
+    psi: Motion
+    chi: Motion
+    phi: Motion
+
+
+def inverse_dynamics_derivatives(
+    model: Model, q: Array, v: Array, a: Array, external: External = None
+) -> tuple[Array, Array, Array]:
+    """The derivatives of the torques by q, v and a, each (..., nv, nv); the last is the mass matrix.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv).
+        external: For every joint of the model the force on its body, in its moving frame and fixed in it [N, N m], or
+            None.
+    """
+    tidied = tidy(model)
+    tree = tidied.tree
+    state = relative_states(tree, q, v, a, model.gravity)
+    effects_of = cache(lambda i: effects(tree[i], state(i)))
+    by_q, by_v, M = (blank((model.nv, model.nv), q, v, a, *batches(external)) for _ in range(3))
+    for i, beyond in gather(model, tidied, felt(model, tidied), state, q, external):
+        for effect in effects_of(i):
+            _add_pairs(tree, state, effects_of, i, effect, beyond, q, by_q, by_v, M)
+    for k in range(model.nv):
+        M[..., k, k] += model.armature[k]
+    return by_q, by_v, M
+
+
+def _add_pairs(
+    tree: Sequence[Step],
+    state: Callable[[int], State],
+    effects_of: Callable[[int], list[Effect]],
+    i: int,
+    effect: Effect,
+    beyond: Beyond,
+    q: Array,
+    by_q: Array,
+    by_v: Array,
+    M: Array,
+) -> None:
+    """Adds the entries of a column of step i with every column of the steps it stands on."""
+    k, s = effect.index, effect.s
+    r, t = beyond.body.apply(s), beyond.coriolis_transposed(s)
+    y = beyond.coriolis(s) + beyond.body.apply(effect.phi)
+    z = beyond.coriolis(effect.psi) + beyond.body.apply(effect.chi)
+    for own in effects_of(i):
+        M[..., own.index, k] += r.dot(own.s)
+        by_v[..., own.index, k] += y.dot(own.s)
+        by_q[..., own.index, k] += z.dot(own.s)
+    z = z + s.cross(beyond.F)
+    while tree[i].parent >= 0:
+        r, y, z = (_inward(tree[i], force, q) for force in (r, y, z))
+        t = apply(tree[i].placement.rotation, apply(tree[i].transform(q).rotation, t))
+        t = t + cross(2.0 * state(i).u, r.linear)
+        i = tree[i].parent
+        for c in effects_of(i):
+            m = r.dot(c.s)
+            M[..., k, c.index] += m
+            M[..., c.index, k] += m
+            by_v[..., k, c.index] += r.dot(c.phi) + dot(t, c.s.angular)
+            by_q[..., k, c.index] += r.dot(c.chi) + dot(t, c.psi.angular)
+            by_v[..., c.index, k] += y.dot(c.s)
+            by_q[..., c.index, k] += z.dot(c.s)
+
+
+def effects(step: Step, state: State) -> list[Effect]:
+    """The columns of a step with what they do."""
+    found = []
+    for index, s in columns_of(step):
+        psi = state.U.cross(s)
+        chi = state.C.cross(s) + state.U.cross(psi)
+        found.append(Effect(index, s, psi, chi, state.V.cross(s) + psi))
+    return found
+
+
+def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -> Callable[[int], State]:
+    """The twists and accelerations at a step, those of free fall taken off; computed when they are asked for.
+
+    A trace records in the order of asking; what is computed shortly before it is used stays in registers.
+    """
+    zero = Motion.zero()
+    lift = Motion(-np.asarray(gravity), np.zeros(3))
+
+    @cache
+    def state(i: int) -> State:
+        step = tree[i]
+        before = state(step.parent) if step.parent >= 0 else None
+        U = step.carry(before.V, q) if before else zero
+        C = step.carry(before.A if before else lift, q)
+        own = step.motion(v)
+        return State(U, U + own, C, C + step.motion(a) + U.cross(own), np.zeros(3))
+
+    return state
+
+
+def relative_states(
+    tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array
+) -> Callable[[int], State]:
+    """The same, each as observed by somebody who moves on evenly with the origin of the moving frame of the step.
+
+    Forces are the same to all who move evenly (Galilei), so the torques and their derivatives are, too; but half of the
+    twists is zero. The price is u, the velocity of an observer as seen by that of the parent.
+    """
+
+    @cache
+    def state(i: int) -> State:
+        step = tree[i]
+        J, own = step.transform(q), step.motion(v)
+        w, e, b = np.zeros(3), np.zeros(3), -np.asarray(gravity)
+        if step.parent >= 0:
+            before = state(step.parent)
+            w, e, b = before.V.angular, before.A.angular, before.A.linear
+        R, back = step.placement.rotation, np.swapaxes(step.placement.rotation, -1, -2)
+        inverse = np.swapaxes(J.rotation, -1, -2)
+        arm = arm_of(step, J)
+        carried = cross(w, arm)
+        u = carried + apply(R, apply(J.rotation, own.linear))
+        b = b + cross(e, arm) + cross(w, carried)
+        w, e, b = (apply(inverse, apply(back, x)) for x in (w, e, b))
+        U, C = Motion(-own.linear, w), Motion(b + cross(w, own.linear), e)
+        V = Motion(np.zeros(3), w + own.angular)
+        return State(U, V, C, C + step.motion(a) + U.cross(own), u)
+
+    return state
+
+
+def arm_of(step: Step, J: SE3) -> Array:
+    """The origin of the moving frame in the parent's, for the joint transform J."""
+    return step.placement.translation + apply(step.placement.rotation, J.translation)
+
+
+def gather(
+    model: Model,
+    tidied: Tidy,
+    bodies: Sequence[Lump],
+    state: Callable[[int], State],
+    q: Array,
+    external: External = None,
+) -> Iterator[tuple[int, Beyond]]:
+    """Every step, the leaves first, with what is beyond it when each carries one of `bodies`."""
+    waiting: list[list[Beyond]] = [[] for _ in tidied.tree]
+    for i, step in reversed(list(enumerate(tidied.tree))):
+        body, V = bodies[i], state(i).V
+        h = body.apply(V)
+        F = body.apply(state(i).A) + V.cross(h)
+        if external is not None and step.is_last:
+            force = external[model.joint_index(step.joint.name)]
+            F = F if force is None else F - tidied.frames[i].act_inverse(force)
+        beyond = Beyond(body, h, body.rate(V), F)
+        for child in waiting[i]:
+            beyond = beyond + child
+        waiting[i].clear()
+        yield i, beyond
+        if step.parent >= 0:
+            waiting[step.parent].append(beyond.passed(step, q, state(i).u))
+
+
+def _inward(step: Step, force: Force, q: Array) -> Force:
+    return step.placement.act(step.transform(q).act(force))

@@ -1,0 +1,1 @@
+"""Dynamics: inverse and forward dynamics, the mass matrix, momentum, energy, regressors."""

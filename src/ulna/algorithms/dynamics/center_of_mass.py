@@ -1,0 +1,189 @@
+"""The centre of mass of a robot, or of what one joint moves: where it is, how it moves, and its Jacobian.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| m, c | mass and first moment of all bodies from a step outward, in its frame | (), (3) | [kg], [kg m] | |
+| c', c'' | rates of c as the moving frame sees it | (3) | [kg m/s], [kg m/s^2] | zero for the body itself |
+| w, e, l, k | what the joint adds: S v = (l; w), S a = (k; e) | (3) | | |
+| R, p | rotation and origin of the moving frame in the parent's | | [m] | P J(q) |
+| c_p | what the parent gets | (3) | [kg m] | R c + m p |
+| c_p' | | (3) | [kg m/s] | R (c' + w x c + m l) |
+| c_p'' | | (3) | [kg m/s^2] | R (c'' + w x (2 c' + w x c) + e x c + m (k + w x l)) |
+| J | columns, in world axes | (3, nv) | [m], [1] | R_world (m l + w x c) / (mass of all), s = (l; w) |
+
+The first moment travels inward to the world and is differentiated on the way, so that the velocity and the acceleration
+of no body are needed. Source: Siciliano 2009, eq. 7.2 (first moments); the rates are those of a point in a moving
+frame, section 3.1. What no joint moves does not count: the centre is that of the moving bodies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.algorithms.multibody.link_frames import Tidy, tidy
+from ulna.algorithms.multibody.mass_moments import Lump, lumps
+from ulna.algorithms.multibody.tree import Step, blank, gathered_in_world, inward, poses
+from ulna.errors import InputError
+from ulna.model import Model
+from ulna.numeric import apply, cross, is_symbolic
+from ulna.spatial import Motion
+from ulna.typing import Array
+
+
+class Moment(NamedTuple):
+    """c, c' and c''; mass times position, velocity and acceleration."""
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+    def __add__(self, other: Any) -> Moment:
+        return Moment(*(a + b for a, b in zip(self, other, strict=True)))
+
+
+def total_mass(model: Model, subtree: str | None = None) -> Any:
+    """The mass of all that moves, or of what one joint moves [kg].
+
+    Args:
+        model: The robot.
+        subtree: Name of a joint; None for all.
+
+    Raises:
+        UnknownName: no such joint.
+    """
+    return sum((model.inertias[i].mass for i in _joints(model, subtree)), 0.0)
+
+
+def center_of_mass(model: Model, q: Array, subtree: str | None = None) -> Array:
+    """Where the centre of mass is in the world, shape (..., 3) [m].
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        subtree: Name of a joint, for what it moves; None for all.
+
+    Raises:
+        UnknownName: no such joint.
+        InputError: there is no mass.
+    """
+    return _over_mass(model, subtree, first_moment(model, q, subtree=subtree).position, q)
+
+
+def center_of_mass_velocity(model: Model, q: Array, v: Array, subtree: str | None = None) -> Array:
+    """How fast the centre of mass moves in the world, shape (..., 3) [m/s]; see `center_of_mass`."""
+    return _over_mass(model, subtree, first_moment(model, q, v, subtree=subtree).velocity, q, v)
+
+
+def center_of_mass_acceleration(
+    model: Model, q: Array, v: Array, a: Array, subtree: str | None = None
+) -> Array:
+    """How the centre of mass accelerates in the world, shape (..., 3) [m/s^2]; see `center_of_mass`."""
+    return _over_mass(model, subtree, first_moment(model, q, v, a, subtree).acceleration, q, v, a)
+
+
+def center_of_mass_jacobian(model: Model, q: Array, subtree: str | None = None) -> Array:
+    """J, shape (..., 3, nv): `J @ v` is the velocity of the centre of mass in the world.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        subtree: Name of a joint, for what it moves; None for all.
+
+    Raises:
+        UnknownName: no such joint.
+        InputError: there is no mass.
+    """
+    tidied = tidy(model)
+    tree = tidied.tree
+    masses, own = _tared(tree, _bodies(model, tidied, subtree))
+    mass_of = {id(step): m for step, m in zip(tree, masses, strict=True)}
+    moments = inward(tree, own, lambda step, c: _position(step, mass_of[id(step)], c, q))
+    J = blank((3, model.nv), q)
+    for step, m, c, T in zip(tree, masses, moments, poses(tree, q), strict=True):
+        for k, s in zip(step.indices, step.subspace(), strict=True):
+            J[..., :, k] += apply(T.rotation, (m * s.linear + cross(s.angular, c)) * step.multiplier)
+    return J * _reciprocal(model, subtree)
+
+
+def first_moment(
+    model: Model, q: Array, v: Array | None = None, a: Array | None = None, subtree: str | None = None
+) -> Moment:
+    """Mass times position, velocity and acceleration of the centre of mass in the world.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv); None for rest.
+        a: Acceleration, shape (..., nv); None for zero.
+        subtree: Name of a joint, for what it moves; None for all.
+    """
+    tidied = tidy(model)
+    tree = tidied.tree
+    masses, own = _tared(tree, _bodies(model, tidied, subtree))
+    still = np.zeros(3)
+    ground = sum(
+        (m * s.placement.translation for s, m in zip(tree, masses, strict=True) if s.parent < 0), still
+    )
+    mass_of = {id(step): m for step, m in zip(tree, masses, strict=True)}
+
+    def move(step: Step, moment: Moment) -> Moment:
+        c, c1, c2 = moment
+        m = mass_of[id(step)]
+        if v is not None:
+            own = step.motion(v)
+            gain = Motion(still, still) if a is None else step.motion(a)
+            w, l = own.angular, own.linear
+            turned = cross(w, c)
+            c2 = c2 + cross(w, 2.0 * c1 + turned) + cross(gain.angular, c)
+            c2 = c2 + m * (gain.linear + cross(w, l))
+            c1 = c1 + turned + m * l
+        R, J = step.placement.rotation, step.transform(q).rotation
+        rates = (apply(R, apply(J, x)) for x in (c1, c2))
+        return Moment(_position(step, m, c, q), *rates)
+
+    values = [Moment(c, still, still) for c in own]
+    return gathered_in_world(tree, values, Moment(ground, still, still), move)
+
+
+def _position(step: Step, m: Any, c: Array, q: Array) -> Array:
+    """R c + m p, without the constant part of p, which the parent has counted already."""
+    J = step.transform(q)
+    return apply(step.placement.rotation, apply(J.rotation, c) + m * J.translation)
+
+
+def _tared(tree: Sequence[Step], bodies: Sequence[Lump]) -> tuple[list[Any], list[Array]]:
+    """The masses from every step outward; each body's first moment with its children's masses at their fixed frames."""
+    masses, own = [body.mass for body in bodies], [body.first for body in bodies]
+    for i, step in reversed(list(enumerate(tree))):
+        if step.parent >= 0:
+            masses[step.parent] = masses[step.parent] + masses[i]
+            own[step.parent] = own[step.parent] + masses[i] * step.placement.translation
+    return masses, own
+
+
+def _bodies(model: Model, tidied: Tidy, subtree: str | None) -> list[Lump]:
+    """The bodies that count, nothing for the others."""
+    counted = {model.joints[i].name for i in _joints(model, subtree)}
+    return [
+        body if step.joint.name in counted else Lump.zero()
+        for step, body in zip(tidied.tree, lumps(model, tidied), strict=True)
+    ]
+
+
+def _joints(model: Model, subtree: str | None) -> tuple[int, ...]:
+    return model.subtree(-1 if subtree is None else model.joint_index(subtree))
+
+
+def _over_mass(model: Model, subtree: str | None, moment: Array, *inputs: Array) -> Array:
+    return moment * _reciprocal(model, subtree) + blank((3,), *inputs)
+
+
+def _reciprocal(model: Model, subtree: str | None) -> Any:
+    mass = total_mass(model, subtree)
+    if not is_symbolic(mass) and not mass > 0.0:
+        what = f"What joint {subtree!r} moves" if subtree else f"What moves of {model.name!r}"
+        raise InputError(f"{what} has no mass, hence no centre of mass; give its links inertias.")
+    return 1.0 / mass

@@ -1,0 +1,141 @@
+"""The momentum about the centre of mass, its matrix, and how both change.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| T_i | pose of the moving frame of step i in the world | SE3 | [m] | |
+| g | centre of mass of all that moves | (3) | [m] | see centre_of_mass.py |
+| G_i | T_i with its origin counted from g: (R_i, p_i - g) | SE3 | [m] | |
+| I, h, D | inertia, momentum, rate of the second moment, from step i outward | Moving | | see coriolis.py |
+| A | centroidal momentum matrix; its column for s | (6, nv) | | G_i I s |
+| h_G | centroidal momentum, linear part first, in world axes | (6) | [N s, N m s] | A v |
+| dA/dt | its column for s | (6, nv) | | G_i (I (V_i x s) + dI/dt s) less (0; dg/dt x f), f = linear of A's |
+| I_G | rotational inertia about g, joints held, in world axes | (3, 3) | [kg m^2] | that about 0, less that of m in g |
+| dh_G/dt | rate of the momentum | (6) | [N, N m] | forces of rnea.py without gravity, about g; A a + dA/dt v |
+
+Source: Orin, Goswami & Lee, Centroidal dynamics of a humanoid robot (2013); Wensing & Orin, Improved computation of the
+humanoid centroidal dynamics (2016). The momentum is that of all that moves, and neither it nor A change when inertia
+that a joint cannot feel is given to the parent: those inertias are used. A robot without mass has no centre.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ulna.algorithms.dynamics.center_of_mass import center_of_mass, center_of_mass_velocity
+from ulna.algorithms.dynamics.coriolis import Moving, velocities
+from ulna.algorithms.dynamics.crba import columns_of, composites, outside
+from ulna.algorithms.dynamics.rnea import rates, wrench
+from ulna.algorithms.multibody.link_frames import tidy
+from ulna.algorithms.multibody.mass_moments import Lump, felt, lumps, steiner
+from ulna.algorithms.multibody.tree import Step, blank, gathered_in_world, inward, poses
+from ulna.model import Model
+from ulna.numeric import apply, cross
+from ulna.spatial import SE3, Force
+from ulna.typing import Array
+
+
+def centroidal_matrix(model: Model, q: Array) -> Array:
+    """A, shape (..., 6, nv): `A @ v` is the momentum about the centre of mass, in world axes, linear part first.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+    """
+    tidied = tidy(model)
+    tree = tidied.tree
+    beyond = composites(tree, felt(model, tidied), q)
+    A = blank((6, model.nv), q)
+    for step, body, G in zip(tree, beyond, _centred(tree, q, center_of_mass(model, q)), strict=True):
+        for k, s in columns_of(step):
+            _add(A, k, G.act(body.apply(s)))
+    return A
+
+
+def centroidal_matrix_dot(model: Model, q: Array, v: Array) -> Array:
+    """dA/dt along the velocity `v`, shape (..., 6, nv).
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+    """
+    tidied = tidy(model)
+    tree = tidied.tree
+    V = velocities(tree, q, v)
+    own = [Moving.at(body, twist) for body, twist in zip(felt(model, tidied), V, strict=True)]
+    beyond = inward(tree, own, lambda step, moving: moving.seen_from(step, q))
+    drift = center_of_mass_velocity(model, q, v)
+    A = blank((6, model.nv), q, v)
+    for step, all_, twist, G in zip(
+        tree, beyond, V, _centred(tree, q, center_of_mass(model, q)), strict=True
+    ):
+        for k, s in columns_of(step):
+            change = G.act(all_.body.apply(twist.cross(s)) + all_.rate(s))
+            f = apply(G.rotation, all_.body.apply(s).linear)
+            _add(A, k, Force(change.linear, change.angular - cross(drift, f)))
+    return A
+
+
+def centroidal_momentum(model: Model, q: Array, v: Array) -> Array:
+    """h_G, shape (..., 6) [N s, N m s], in world axes, linear part first.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+    """
+    tidied = tidy(model)
+    V = velocities(tidied.tree, q, v)
+    momenta = [body.apply(twist) for body, twist in zip(felt(model, tidied), V, strict=True)]
+    return _about_centre(model, tidied.tree, momenta, q) + blank((6,), q, v)
+
+
+def centroidal_momentum_rate(model: Model, q: Array, v: Array, a: Array) -> Array:
+    """dh_G/dt, shape (..., 6) [N, N m], in world axes, linear part first: what acts on the robot, weight included.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv).
+    """
+    tidied = tidy(model)
+    moving = rates(tidied.tree, q, v, a, np.zeros(3))
+    forces = [wrench(body, rate) for body, rate in zip(felt(model, tidied), moving, strict=True)]
+    return _about_centre(model, tidied.tree, forces, q) + blank((6,), q, v, a)
+
+
+def centroidal_inertia(model: Model, q: Array) -> Array:
+    """I_G, shape (..., 3, 3) [kg m^2]: the rotational inertia of the robot as one rigid body, in world axes.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+    """
+    tidied = tidy(model)
+    whole = gathered_in_world(
+        tidied.tree, lumps(model, tidied), Lump.zero(), lambda step, body: outside(step, body, q)
+    )
+    about_centre = steiner(whole.first, center_of_mass(model, q) * 0.5)
+    return whole.second - about_centre + blank((3, 3), q)
+
+
+def _centred(tree: Sequence[Step], q: Array, g: Array) -> list[SE3]:
+    """G of every step."""
+    return [SE3(T.rotation, T.translation - g) for T in poses(tree, q)]
+
+
+def _about_centre(model: Model, tree: Sequence[Step], own: Sequence[Force], q: Array) -> Array:
+    """The sum of what bodies have in their frames, about g along the axes of the world, (..., 6)."""
+    inward_ = gathered_in_world(
+        tree, own, Force.zero(), lambda step, force: step.placement.act(step.transform(q).act(force))
+    )
+    f = inward_.linear
+    return Force(f, inward_.angular - cross(center_of_mass(model, q), f)).vector()
+
+
+def _add(matrix: Array, k: int, column: Force) -> None:
+    matrix[..., :3, k] += column.linear
+    matrix[..., 3:, k] += column.angular

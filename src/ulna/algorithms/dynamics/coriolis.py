@@ -1,0 +1,111 @@
+"""The Coriolis matrix that belongs to the Christoffel symbols of the mass matrix.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| V_i, s | twist of body i; a column of S_i, both in its moving frame | Motion | | |
+| s' | rate of s as it is carried along | Motion | | s' = V_i x s |
+| I | inertia of all bodies from step i outward | Lump | | sum of theirs |
+| h = (p, n), D | their momentum, and the rate of their second moment | Force, (3, 3) | | see mass_moments.py |
+| B s | for s = (l; w) | Force | | (w x p; (D w + w x n) / 2) |
+| B^T s | a pure moment | (3) | | p x l + (D w + n x w) / 2 |
+| C_ij | s_j of a step on which step i stands, or i itself | () | | column of i: s_j . (B s + I s') |
+| C_ji | the transposed entry | () | | row of i: s_j' . I s + s_j . B^T s |
+| C | Coriolis matrix | (nv, nv) | | C v + gravity = bias, dM/dt = C + C^T |
+
+Source: Echeandia & Wensing, Numerical methods to compute the Coriolis matrix and Christoffel symbols for rigid-body
+systems (2021), algorithm 1. Of the matrices C with C v given, it is the one of the symbols of the first kind, for which
+dM/dt - 2 C is skew. The frames are those of link_frames.py, and the inertias those a joint can feel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from ulna.algorithms.dynamics.crba import columns_of
+from ulna.algorithms.multibody.link_frames import tidy
+from ulna.algorithms.multibody.mass_moments import Lump, felt, steiner, turned, turning_axis
+from ulna.algorithms.multibody.tree import Step, blank, inward, outward
+from ulna.model import Model
+from ulna.numeric import apply, cross, dot
+from ulna.spatial import SE3, Force, Motion
+from ulna.typing import Array
+
+
+class Moving(NamedTuple):
+    """Bodies that move: their inertia I, their momentum h, and D, about the origin of a frame."""
+
+    body: Lump
+    h: Force
+    D: Array
+
+    @classmethod
+    def at(cls, body: Lump, V: Motion) -> Moving:
+        """A body with the twist V."""
+        return cls(body, body.apply(V), body.rate(V))
+
+    def __add__(self, other: Any) -> Moving:
+        return Moving(self.body + other.body, self.h + other.h, self.D + other.D)
+
+    def seen_from(self, step: Step, q: Array) -> Moving:
+        """The same in the parent's moving frame."""
+        return self.moved(step.transform(q), turning_axis(step.kind)).moved(step.placement)
+
+    def moved(self, T: SE3, axis: int | None = None) -> Moving:
+        """The same in the outer frame of T, which turns about a coordinate axis if it is told which."""
+        h = T.act(self.h)
+        return Moving(
+            self.body.moved(T, axis), h, turned(T.rotation, self.D, axis) + steiner(T.translation, h.linear)
+        )
+
+    def rate(self, s: Motion) -> Force:
+        """(dI/dt) s for a column s that stands still: B s + B^T s."""
+        p, w = self.h.linear, s.angular
+        return Force(cross(w, p), apply(self.D, w) + cross(p, s.linear))
+
+
+def coriolis_matrix(model: Model, q: Array, v: Array) -> Array:
+    """C, shape (..., nv, nv).
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+    """
+    tidied = tidy(model)
+    tree = tidied.tree
+    V = velocities(tree, q, v)
+    own = [Moving.at(body, twist) for body, twist in zip(felt(model, tidied), V, strict=True)]
+    beyond = inward(tree, own, lambda step, moving: moving.seen_from(step, q))
+    C = blank((model.nv, model.nv), q, v)
+    for i, step in enumerate(tree):
+        for k, s in columns_of(step):
+            _add_pairs(tree, V, i, k, s, beyond[i], q, C)
+    return C
+
+
+def _add_pairs(
+    tree: Sequence[Step], V: Sequence[Motion], i: int, k: int, s: Motion, beyond: Moving, q: Array, C: Array
+) -> None:
+    """Adds what column s of step i has to do with its own step and with those that step stands on."""
+    h, body = beyond.h, beyond.body
+    half = 0.5 * apply(beyond.D, s.angular)
+    turn = 0.5 * cross(s.angular, h.angular)
+    column = Force(cross(s.angular, h.linear), half + turn) + body.apply(V[i].cross(s))
+    row = body.apply(s)
+    moment = cross(h.linear, s.linear) + half - turn
+    for index, other in columns_of(tree[i]):
+        C[..., index, k] += column.dot(other)
+    while tree[i].parent >= 0:
+        P, J = tree[i].placement, tree[i].transform(q)
+        column, row = P.act(J.act(column)), P.act(J.act(row))
+        moment = apply(P.rotation, apply(J.rotation, moment))
+        i = tree[i].parent
+        for index, other in columns_of(tree[i]):
+            C[..., index, k] += column.dot(other)
+            C[..., k, index] += row.dot(V[i].cross(other)) + dot(moment, other.angular)
+
+
+def velocities(tree: Sequence[Step], q: Array, v: Array) -> list[Motion]:
+    """The twist of every body in its moving frame."""
+    return outward(tree, Motion.zero(), lambda step, V: step.carry(V, q) + step.motion(v))

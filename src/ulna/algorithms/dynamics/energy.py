@@ -1,0 +1,64 @@
+"""Kinetic, potential and mechanical energy.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| u, w | velocity of the origin of a body's frame, angular velocity, in that frame | (3) | [m/s], [rad/s] | |
+| m, c, I | mass, first and second moment about the frame's origin | Lump | | see mass_moments.py |
+| J_a | armature: inertia of the drives | (nv) | [kg], [kg m^2] | |
+| T | kinetic energy | () | [J] | sum of m u.u / 2 + u.(w x c) + w.I w / 2, plus v.J_a v / 2 |
+| U | potential energy, zero at the world's origin | () | [J] | -g . (first moment of all that moves) |
+| E | mechanical energy | () | [J] | T + U |
+
+Source: Featherstone 2008, eq. 2.63; Siciliano 2009, section 7.1. T is v.M v / 2 with the mass matrix of crba.py, which
+holds the armature; so E is kept by a motion without friction and torques. The inertias are those a joint can feel.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ulna.algorithms.dynamics.center_of_mass import first_moment
+from ulna.algorithms.dynamics.coriolis import velocities
+from ulna.algorithms.multibody.link_frames import tidy
+from ulna.algorithms.multibody.mass_moments import felt
+from ulna.algorithms.multibody.tree import blank
+from ulna.model import Model
+from ulna.numeric import apply, cross, dot
+from ulna.typing import Array
+
+
+def kinetic_energy(model: Model, q: Array, v: Array) -> Any:
+    """T, shape (...) [J].
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+    """
+    tidied = tidy(model)
+    T = 0.5 * dot(v * model.armature, v) + blank((), q, v)[()]
+    for body, V in zip(felt(model, tidied), velocities(tidied.tree, q, v), strict=True):
+        u, w = V.linear, V.angular
+        T = T + dot(w, 0.5 * apply(body.second, w) + cross(body.first, u)) + 0.5 * (body.mass * dot(u, u))
+    return T
+
+
+def potential_energy(model: Model, q: Array) -> Any:
+    """U, shape (...) [J], of all that moves.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+    """
+    return -dot(first_moment(model, q).position, model.gravity) + blank((), q)[()]
+
+
+def mechanical_energy(model: Model, q: Array, v: Array) -> Any:
+    """E, shape (...) [J].
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+    """
+    return kinetic_energy(model, q, v) + potential_energy(model, q)

@@ -1,0 +1,54 @@
+"""How much a robot can hold: the multiple of a load at which each joint reaches its greatest torque.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| q | configuration at which the robot stands still | (nq) | [rad] or [m] | |
+| g | torques that hold the robot itself | (nv) | [N m] or [N] | see rnea.py |
+| w | wrench of the load on the frame, in a reference | (6) | [N, N m] | weight of 1 kg: m g |
+| J | Jacobian of the frame in that reference | (6, nv) | | |
+| t | further torques for one such load | (nv) | [N m] or [N] | t = -J^T w |
+| c | multiples that the joints can hold | (nv) | [1] | g + c t within -limit and limit |
+
+Source: Siciliano, section 3.8 (statics). A joint the load does not burden holds any multiple: inf. Where a joint cannot
+even hold the robot the answer is nan.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ulna.algorithms.dynamics.rnea import gravity_forces
+from ulna.algorithms.kinematics.jacobian import frame_jacobian
+from ulna.algorithms.multibody.references import Reference
+from ulna.model import Frame, Model
+from ulna.numeric import apply, less, where
+from ulna.typing import Array
+
+
+def payload_multiples(
+    model: Model,
+    q: Array,
+    wrench: Array,
+    limit: Array,
+    frame: Frame,
+    reference: Reference = "local_world_aligned",
+) -> Array:
+    """c, (..., nv): how many times `wrench` each joint can hold in the frame, standing still.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        wrench: What the load exerts on the frame, shape (..., 6) [N, N m], linear part first.
+        limit: Greatest torque of each joint in both directions, shape (..., nv) [N m or N]; may be inf.
+        frame: Where the load acts.
+        reference: In whose axes and about which point the wrench is written.
+    """
+    g = gravity_forces(model, q)
+    J = frame_jacobian(model, q, frame, reference)
+    t = -apply(np.swapaxes(J, -1, -2), wrench)
+    backward = less(t, 0.0)
+    size = where(backward, -t, t)
+    room = limit - where(backward, -g, g)  # in the direction of the load
+    burdened = less(1e-12, size)
+    multiple = where(burdened, room / where(burdened, size, 1.0), np.inf)
+    return where(less(limit, where(less(g, 0.0), -g, g)), np.nan, multiple)

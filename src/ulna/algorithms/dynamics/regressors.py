@@ -1,0 +1,205 @@
+"""The matrices by which torques, energies and the centre of mass are linear in the masses and inertias of the bodies.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| p_i | m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz of body i in its joint's frame | (10) | [kg], [kg m], [kg m^2] | |
+| p | those of all bodies, in the order of the joints | (10 nbodies) | | |
+| V_i, A_i | twist and acceleration of body i in its frame, that of free fall taken off | Motion | | A_0 = -g |
+| a, w, e | acceleration of the frame's origin, angular velocity, angular acceleration | (3) | | a = A.linear + w x v |
+| D | what m c is multiplied by in the force | (3, 3) | [1/s^2] | D = [e] + [w][w] |
+| M | what the inertias are multiplied by in the moment | (3, 6) | [1/s^2] | M p_I = I e + w x I w |
+| Y_i | body regressor: wrench = Y_i p_i | (6, 10) | | [[a, D, 0], [0, -[a], M]] |
+| Y | joint torque regressor: tau = Y p | (nv, 10 nbodies) | | sum of S_k^T Y_i over k below i |
+
+A body is all that a movable joint carries rigidly, as in `model.inertias`; mimic joints carry bodies, too. The
+inertia of the drives (armature) and friction are not in p: they add their own columns. Source: Atkeson, An &
+Hollerbach, Estimation of inertial parameters of manipulator loads and links (1986); Siciliano, section 7.2.2. The
+subspaces S_k travel outward into the frame of each body: one twist a pair, instead of ten wrenches inward.
+"""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+
+from ulna.algorithms.dynamics.center_of_mass import total_mass
+from ulna.algorithms.multibody.tree import Step, blank, chain, outward, poses, steps
+from ulna.model import Frame, Model
+from ulna.numeric import apply, cross, dot, matrix, vector
+from ulna.spatial import Motion
+from ulna.typing import Array
+
+PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+"""Names of the ten parameters of a body: mass, mass times centre of mass, inertia about the frame's origin."""
+
+_Column = tuple[int, Motion]
+
+
+def body_regressor(V: Motion, A: Motion) -> Array:
+    """Y of one body, (..., 6, 10): the wrench it needs, in its frame, is `Y @ Inertia.parameters()`.
+
+    Args:
+        V: Its twist, in its frame [m/s, rad/s].
+        A: Its spatial acceleration, in its frame, that of free fall taken off [m/s^2, rad/s^2].
+    """
+    a, D, M = _terms(V, A)
+    zero = 0.0 * a[..., 0]
+    rows = [[a[..., i], *(D[..., i, k] for k in range(3)), *[zero] * 6] for i in range(3)]
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    turn = ((zero, z, -y), (-z, zero, x), (y, -x, zero))
+    rows += [[zero, *turn[i], *(M[..., i, k] for k in range(6))] for i in range(3)]
+    return matrix(rows)
+
+
+def joint_torque_regressor(model: Model, q: Array, v: Array | None = None, a: Array | None = None) -> Array:
+    """Y, (..., nv, 10 nbodies): the torques of inverse dynamics without armature are `Y @ p`.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv); None for rest.
+        a: Acceleration, shape (..., nv); None for zero.
+    """
+    inputs = [x for x in (q, v, a) if x is not None]
+    tree = steps(model)
+    root = cast("tuple[_Column, ...]", ())
+    subspaces = outward(tree, root, lambda step, below: _with_own(step, below, q))
+    Y = blank((model.nv, 10 * len(model.joints)), *inputs)
+    for step, (V, A), columns in zip(tree, _motions(model, tree, q, v, a), subspaces, strict=True):
+        if not step.is_last:
+            continue
+        first = 10 * model.joint_index(step.joint.name)
+        terms = _terms(V, A)
+        for row, S in columns:
+            here = slice(first, first + 10)
+            Y[..., row, here] = Y[..., row, here] + _projected(S, *terms)
+    return Y
+
+
+def gravity_regressor(model: Model, q: Array) -> Array:
+    """Y at rest, (..., nv, 10 nbodies): the torques that hold the robot against gravity are `Y @ p`."""
+    return joint_torque_regressor(model, q)
+
+
+def frame_regressor(model: Model, q: Array, v: Array, a: Array, frame: Frame) -> Array:
+    """Y of a body attached to a frame, (..., 6, 10), its parameters and its wrench written in that frame.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv).
+        frame: A frame of the model.
+    """
+    tree = chain(model, frame)
+    motions = _motions(model, tree, q, v, a)
+    V, A = motions[-1] if motions else _at_rest(model)
+    Y = body_regressor(frame.placement.act_inverse(V), frame.placement.act_inverse(A))
+    return Y + blank((6, 10), q, v, a)
+
+
+def static_regressor(model: Model, q: Array) -> Array:
+    """The matrix (..., 3, 4 nbodies) that makes the centre of mass in the world out of each body's m and m c [1/kg].
+
+    It is that of all that moves; multiply by the first four parameters of each body.
+    """
+    tree = steps(model)
+    total = total_mass(model)
+    out = blank((3, 4 * len(model.joints)), q)
+    for step, T in zip(tree, poses(tree, q), strict=True):
+        if step.is_last:
+            first = 4 * model.joint_index(step.joint.name)
+            out[..., first] = T.translation / total
+            out[..., first + 1 : first + 4] = T.rotation / total
+    return out
+
+
+def kinetic_energy_regressor(model: Model, q: Array, v: Array) -> Array:
+    """The row (..., 10 nbodies) that makes the kinetic energy [J] out of p, without that of the drives."""
+    tree = steps(model)
+    out = blank((10 * len(model.joints),), q, v)
+    for step, (V, _) in zip(tree, _motions(model, tree, q, v, None), strict=True):
+        if step.is_last:
+            first = 10 * model.joint_index(step.joint.name)
+            w = V.angular
+            x, y, z = w[..., 0], w[..., 1], w[..., 2]
+            lever = cross(V.linear, w)
+            out[..., first : first + 10] = vector(
+                0.5 * dot(V.linear, V.linear),
+                *(lever[..., k] for k in range(3)),
+                *(0.5 * x * x, x * y, 0.5 * y * y, x * z, y * z, 0.5 * z * z),
+            )
+    return out
+
+
+def potential_energy_regressor(model: Model, q: Array) -> Array:
+    """The row (..., 10 nbodies) that makes the potential energy [J] out of p; zero at the world's origin."""
+    tree = steps(model)
+    out = blank((10 * len(model.joints),), q)
+    for step, T in zip(tree, poses(tree, q), strict=True):
+        if step.is_last:
+            first = 10 * model.joint_index(step.joint.name)
+            out[..., first] = -dot(T.translation, model.gravity)
+            out[..., first + 1 : first + 4] = -apply(np.swapaxes(T.rotation, -1, -2), model.gravity)
+    return out
+
+
+def _with_own(step: Step, below: tuple[_Column, ...], q: Array) -> tuple[_Column, ...]:
+    """The columns of S of the steps up to and with `step`, in its frame, each with its place in v."""
+    carried = [(row, step.carry(S, q)) for row, S in below]
+    own = [(row, S * step.multiplier) for row, S in zip(step.indices, step.subspace(), strict=True)]
+    return (*carried, *own)
+
+
+def _at_rest(model: Model) -> tuple[Motion, Motion]:
+    return Motion.zero(), Motion(-model.gravity, np.zeros(3))
+
+
+def _motions(
+    model: Model, tree: tuple[Step, ...], q: Array, v: Array | None, a: Array | None
+) -> list[tuple[Motion, Motion]]:
+    """V and A of every step."""
+
+    def advance(step: Step, before: tuple[Motion, Motion]) -> tuple[Motion, Motion]:
+        V, A = before[0], step.carry(before[1], q)
+        if v is not None:
+            own = step.motion(v)
+            V = step.carry(V, q) + own
+            A = A + V.cross(own)
+        return V, A if a is None else A + step.motion(a)
+
+    return outward(tree, _at_rest(model), advance)
+
+
+def _terms(V: Motion, A: Motion) -> tuple[Array, Array, Array]:
+    """a, D and M."""
+    w, e = V.angular, A.angular
+    x, y, z = w[..., 0], w[..., 1], w[..., 2]
+    ex, ey, ez = e[..., 0], e[..., 1], e[..., 2]
+    xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, x * y, x * z, y * z
+    D = matrix(
+        [[-(yy + zz), xy - ez, xz + ey], [xy + ez, -(xx + zz), yz - ex], [xz - ey, yz + ex, -(xx + yy)]]
+    )
+    M = matrix(
+        [
+            [ex, ey - xz, -yz, ez + xy, yy - zz, yz],
+            [xz, ex + yz, ey, zz - xx, ez - xy, -xz],
+            [-xy, xx - yy, xy, ex - yz, ey + xz, ez],
+        ]
+    )
+    return A.linear + cross(w, V.linear), D, M
+
+
+def _projected(S: Motion, a: Array, D: Array, M: Array) -> Array:
+    """S^T Y_i, (..., 10)."""
+    first_moments = _times(S.linear, D) + cross(a, S.angular)
+    parts: list[Any] = [dot(S.linear, a)]
+    parts += [first_moments[..., k] for k in range(3)]
+    inertias = _times(S.angular, M)
+    parts += [inertias[..., k] for k in range(6)]
+    return vector(*parts)
+
+
+def _times(row: Array, m: Array) -> Array:
+    return (row[..., None, :] @ m)[..., 0, :]

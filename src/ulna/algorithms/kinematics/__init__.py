@@ -1,0 +1,1 @@
+"""Kinematics: poses, Jacobians and their derivatives, manipulability, the space of configurations."""

@@ -1,0 +1,180 @@
+"""Where the frames of a robot are, how fast they move, and how they accelerate.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| q, v, a | position, velocity, acceleration | (nq), (nv), (nv) | [rad] or [m], per s, per s^2 | |
+| T_i | pose of the moving frame of step i in the world | SE3 | [m] | T_i = T_p P_i J_i(q) |
+| V_i | twist of body i in its own frame | Motion | [m/s, rad/s] | V_i = X_i^-1 V_p + S_i v_i |
+| A_i | its spatial acceleration | Motion | [m/s^2, rad/s^2] | A_i = X_i^-1 A_p + S_i a_i + V_i x S_i v_i |
+| F | constant pose of the frame on body i | SE3 | [m] | T_f = T_i F, V_f = F^-1 V_i, A_f = F^-1 A_i |
+| A' | classical acceleration (of the point) | Motion | [m/s^2, rad/s^2] | A' = A + (w x V.linear; 0) |
+
+Source: Featherstone, sections 2.11 (classical and spatial acceleration) and 5.3 (the recursions, with S
+constant). The acceleration of gravity is not in A. Twists are passed outward in body coordinates: their
+recursion needs no pose of any body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ulna.algorithms.multibody.references import Reference, check_reference, in_reference, relevant_placement
+from ulna.algorithms.multibody.tree import (
+    Step,
+    chain,
+    outward,
+    poses,
+    spread_motion,
+    spread_pose,
+    steps,
+    tip_pose,
+)
+from ulna.model import Frame, Model
+from ulna.numeric import cross
+from ulna.spatial import SE3, Motion
+from ulna.typing import Array
+
+
+def joint_poses(model: Model, q: Array) -> list[SE3]:
+    """T_world_joint of every movable joint, in the order of `model.joints`.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+    """
+    tree = steps(model)
+    return [spread_pose(T, q) for T, step in zip(poses(tree, q), tree, strict=True) if step.is_last]
+
+
+def frame_pose(model: Model, q: Array, frame: Frame) -> SE3:
+    """T_world_frame of one frame; only the joints it stands on are walked.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        frame: A frame of the model.
+    """
+    return spread_pose(tip_pose(chain(model, frame), q, frame.placement), q)
+
+
+def frame_poses(model: Model, q: Array, frames: Sequence[Frame]) -> list[SE3]:
+    """T_world_frame of several frames; every joint they stand on is walked once.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        frames: Frames of the model (links will do: all that is read is `joint` and `placement`).
+    """
+    needed = sorted({i for frame in frames if frame.joint >= 0 for i in model.support(frame.joint)})
+    tree = steps(model, needed)
+    last = [T for T, step in zip(poses(tree, q), tree, strict=True) if step.is_last]
+    of_joint = dict(zip(needed, last, strict=True))
+    return [spread_pose(of_joint[f.joint] @ f.placement if f.joint >= 0 else f.placement, q) for f in frames]
+
+
+def joint_velocities(model: Model, q: Array, v: Array) -> list[Motion]:
+    """V of the moving frame of every joint in its own coordinates [m/s, rad/s].
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+    """
+    tree = steps(model)
+    velocities = _velocities(tree, q, v)
+    return [spread_motion(V, q, v) for V, step in zip(velocities, tree, strict=True) if step.is_last]
+
+
+def joint_accelerations(model: Model, q: Array, v: Array, a: Array | None) -> list[Motion]:
+    """A of the moving frame of every joint in its own coordinates [m/s^2, rad/s^2], without gravity.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv); None for zero.
+    """
+    tree = steps(model)
+    inputs = (q, v) if a is None else (q, v, a)
+    found = _accelerations(tree, q, v, a)
+    return [spread_motion(A, *inputs) for (_, A), step in zip(found, tree, strict=True) if step.is_last]
+
+
+def frame_velocity(
+    model: Model, q: Array, v: Array, frame: Frame, reference: Reference = "local_world_aligned"
+) -> Motion:
+    """The twist of a frame [m/s, rad/s].
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        frame: A frame of the model.
+        reference: "world", "local" or "local_world_aligned".
+    """
+    check_reference(reference)
+    tree = chain(model, frame)
+    if not tree:
+        return spread_motion(Motion.zero(), q, v)
+    placement = relevant_placement(frame.placement, reference)
+    V = placement.act_inverse(_velocities(tree, q, v)[-1])
+    return spread_motion(in_reference(V, tip_pose(tree, q, placement), reference), q, v)
+
+
+def frame_acceleration(
+    model: Model,
+    q: Array,
+    v: Array,
+    a: Array | None,
+    frame: Frame,
+    reference: Reference = "local_world_aligned",
+    classical: bool = False,
+) -> Motion:
+    """The acceleration of a frame [m/s^2, rad/s^2], without gravity.
+
+    With the Jacobian of the same reference, J a + (dJ/dt) v is the spatial acceleration in "world" and
+    "local", and the classical one in "local_world_aligned".
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        v: Velocity, shape (..., nv).
+        a: Acceleration, shape (..., nv); None for zero.
+        frame: A frame of the model.
+        reference: "world", "local" or "local_world_aligned".
+        classical: Whether the linear part is the acceleration of the body's point at the origin, instead of
+            the spatial one.
+    """
+    check_reference(reference)
+    inputs = (q, v) if a is None else (q, v, a)
+    tree = chain(model, frame)
+    if not tree:
+        return spread_motion(Motion.zero(), *inputs)
+
+    V, A = _accelerations(tree, q, v, a)[-1]
+    placement = relevant_placement(frame.placement, reference)
+    V, A = placement.act_inverse(V), placement.act_inverse(A)
+    T = tip_pose(tree, q, placement)
+    if classical and reference != "world":  # the frame's axes do as well as the world's, and cost less
+        A = Motion(A.linear + cross(V.angular, V.linear), A.angular)
+    A = in_reference(A, T, reference)
+    if classical and reference == "world":
+        V = in_reference(V, T, reference)
+        A = Motion(A.linear + cross(V.angular, V.linear), A.angular)
+    return spread_motion(A, *inputs)
+
+
+def _velocities(tree: Sequence[Step], q: Array, v: Array) -> list[Motion]:
+    return outward(tree, Motion.zero(), lambda step, V: step.carry(V, q) + step.motion(v))
+
+
+def _accelerations(tree: Sequence[Step], q: Array, v: Array, a: Array | None) -> list[tuple[Motion, Motion]]:
+    """V and A of every step."""
+
+    def advance(step: Step, before: tuple[Motion, Motion]) -> tuple[Motion, Motion]:
+        own = step.motion(v)
+        V = step.carry(before[0], q) + own
+        A = step.carry(before[1], q) + V.cross(own)
+        return V, A if a is None else A + step.motion(a)
+
+    return outward(tree, (Motion.zero(), Motion.zero()), advance)

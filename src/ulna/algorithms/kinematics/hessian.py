@@ -1,0 +1,63 @@
+"""The kinematic Hessian of a frame: the derivative of its Jacobian by each coordinate, in closed form.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| J_j | column of the Jacobian of step j | Motion | | see jacobian.py |
+| H | Hessian, H[k, :, j] = dJ_j / dq_k | (nv, 6, nv) | | |
+| H_kj | world: | Motion | | J_k x J_j where k <= j, else 0 |
+| | local: | Motion | | J_j x J_k where k > j, else 0 |
+| | local_world_aligned: angular | (3) | | w_k x w_j where k <= j, else 0 |
+| | linear | (3) | | w_k x l_j where k <= j, else w_j x l_k |
+
+Source: the derivative of Ad_T along a twist (Featherstone, section 2.10); for "local_world_aligned", whose
+linear part is symmetric in j and k, Haviland & Corke, Manipulator Differential Kinematics part 2 (2023). The
+columns of one step count as equal. A coordinate of a spherical joint, free flyer or planar joint is a
+direction of its tangent space: dJ / dq_k is the derivative of J(integrate(q, t e_k)) by t at 0. The columns
+of a mimic joint add to those of its source in both places.
+"""
+
+from __future__ import annotations
+
+from ulna.algorithms.kinematics.jacobian import Column, frame_columns
+from ulna.algorithms.multibody.references import Reference
+from ulna.algorithms.multibody.tree import blank, chain
+from ulna.model import Frame, Model
+from ulna.numeric import cross
+from ulna.spatial import Motion
+from ulna.typing import Array
+
+
+def frame_hessian(
+    model: Model, q: Array, frame: Frame, reference: Reference = "local_world_aligned"
+) -> Array:
+    """The derivative of the Jacobian of a frame by q, shape (..., nv, 6, nv): `H[k, i, j] = dJ[i, j] / dq_k`.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        frame: A frame of the model.
+        reference: "world", "local" or "local_world_aligned".
+    """
+    columns = frame_columns(chain(model, frame), q, frame.placement, reference)
+    H = blank((model.nv, 6, model.nv), q)
+    for k in columns:
+        for j in columns:
+            change = _change(k, j, reference)
+            if change is not None:
+                H[..., k.index, :3, j.index] += change.linear
+                H[..., k.index, 3:, j.index] += change.angular
+    return H
+
+
+def _change(k: Column, j: Column, reference: Reference) -> Motion | None:
+    """dJ_j / dq_k, or None where it is zero."""
+    moves = k.order <= j.order
+    if reference == "world":
+        return k.motion.cross(j.motion) if moves else None
+    if reference == "local":
+        return None if moves else j.motion.cross(k.motion)
+    if moves:
+        w = k.motion.angular
+        return Motion(cross(w, j.motion.linear), cross(w, j.motion.angular))
+    linear = cross(j.motion.angular, k.motion.linear)
+    return Motion(linear, 0.0 * linear)

@@ -1,0 +1,149 @@
+"""The Jacobian of a frame: what each joint velocity adds to the frame's twist.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| S_j | column of the motion subspace in the moving frame of its step | Motion | [1] or [m/rad] | constant |
+| T_j, R_j, p_j | pose of that moving frame in the world | SE3 | [m] | |
+| p | origin of the frame in the world | (3) | [m] | |
+| w_j, l_j | column in local_world_aligned | (3) | | w = R_j S.angular, l = R_j S.linear + w x (p - p_j) |
+| J | frame Jacobian, twist = J v, linear rows first | (6, nv) | | sum over columns |
+
+In "world" a column is T_j S_j (the space Jacobian of Lynch & Park, definition 5.1), in "local" it is
+T_frame_j S_j (their body Jacobian, definition 5.2), passed inward from the tip so that no pose in the world
+is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+import numpy as np
+
+from ulna.algorithms.multibody.references import Reference, check_reference
+from ulna.algorithms.multibody.tree import Step, blank, chain, poses, steps
+from ulna.model import Frame, Model
+from ulna.numeric import apply, cross, skew
+from ulna.spatial import SE3, Motion
+from ulna.typing import Array
+
+
+class Column(NamedTuple):
+    """What one column of one step's S, times the multiplier of a mimic joint, adds to the Jacobian."""
+
+    order: int
+    """Position of the step in its chain: a step moves all that have an equal or a larger order."""
+    index: int
+    """The column of the Jacobian it is added to."""
+    motion: Motion
+
+
+def frame_jacobian(
+    model: Model, q: Array, frame: Frame, reference: Reference = "local_world_aligned"
+) -> Array:
+    """The Jacobian of a frame, shape (..., 6, nv): `J @ v` is its twist, linear part first.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+        frame: A frame of the model.
+        reference: "world", "local" or "local_world_aligned".
+    """
+    J = blank((6, model.nv), q)
+    for column in frame_columns(chain(model, frame), q, frame.placement, reference):
+        J[..., :3, column.index] += column.motion.linear
+        J[..., 3:, column.index] += column.motion.angular
+    return J
+
+
+def joint_jacobians(model: Model, q: Array) -> Array:
+    """The columns of all joints in the reference "world", shape (..., 6, nv).
+
+    The columns of the joints that a frame stands on, the others set to zero, are its Jacobian in that
+    reference; but the columns of mimic joints are added to their source's, wherever they stand.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+    """
+    J = blank((6, model.nv), q)
+    for column in world_columns(steps(model), q):
+        J[..., :3, column.index] += column.motion.linear
+        J[..., 3:, column.index] += column.motion.angular
+    return J
+
+
+def frame_jacobian_of(
+    model: Model, J: Array, T_world_body: SE3, frame: Frame, reference: Reference = "local_world_aligned"
+) -> Array:
+    """The Jacobian of a frame out of the columns of all joints, shape (..., 6, nv): no pose is computed anew.
+
+    Args:
+        model: The robot, without mimic joints: their columns are not told apart from their source's.
+        J: What `joint_jacobians` returns.
+        T_world_body: Pose of the moving frame of the frame's joint, at the same configuration.
+        frame: A frame of the model.
+        reference: "world", "local" or "local_world_aligned".
+    """
+    check_reference(reference)
+    carried = np.zeros(model.nv)
+    for step in chain(model, frame):
+        carried[list(step.indices)] = 1.0
+    linear, angular = J[..., :3, :] * carried, J[..., 3:, :] * carried
+    if reference != "world":
+        pose = T_world_body @ frame.placement
+        linear = linear - skew(pose.translation) @ angular
+        if reference == "local":
+            back = np.swapaxes(pose.rotation, -1, -2)
+            linear, angular = back @ linear, back @ angular
+    return np.concatenate([linear, angular], axis=-2)
+
+
+def frame_columns(tree: Sequence[Step], q: Array, placement: SE3, reference: Reference) -> list[Column]:
+    """The columns of a chain, for a frame at `placement` in its last moving frame; root first."""
+    check_reference(reference)
+    if reference == "world":
+        return world_columns(tree, q)
+    return local_columns(tree, q, placement) if reference == "local" else aligned_columns(tree, q, placement)
+
+
+def world_columns(tree: Sequence[Step], q: Array) -> list[Column]:
+    """T_j S_j, for a chain or a whole tree."""
+    return [
+        Column(order, index, T.act(S) * step.multiplier)
+        for order, (step, T) in enumerate(zip(tree, poses(tree, q), strict=True))
+        for index, S in zip(step.indices, step.subspace(), strict=True)
+    ]
+
+
+def local_columns(tree: Sequence[Step], q: Array, placement: SE3) -> list[Column]:
+    """T_frame_j S_j, for a chain."""
+    columns: list[Column] = []
+    T_step_frame = placement
+    for order, step in reversed(list(enumerate(tree))):
+        columns += [
+            Column(order, index, T_step_frame.act_inverse(S) * step.multiplier)
+            for index, S in zip(step.indices, step.subspace(), strict=True)
+        ]
+        if step.parent >= 0:
+            T_step_frame = step.pose_in_parent(T_step_frame, q)
+    return sorted(columns, key=lambda column: column.order)
+
+
+def by_step(columns: Sequence[Column]) -> list[list[Column]]:
+    """The columns of a chain, those of each step together."""
+    return [list(group) for _, group in groupby(columns, key=lambda column: column.order)]
+
+
+def aligned_columns(tree: Sequence[Step], q: Array, placement: SE3) -> list[Column]:
+    """(l_j, w_j), for a chain."""
+    world = poses(tree, q)
+    columns: list[Column] = []
+    for order, (step, T) in enumerate(zip(tree, world, strict=True)):
+        arm = world[-1] @ placement.translation - T.translation
+        for index, S in zip(step.indices, step.subspace(), strict=True):
+            w = apply(T.rotation, S.angular)
+            motion = Motion(apply(T.rotation, S.linear) + cross(w, arm), w)
+            columns.append(Column(order, index, motion * step.multiplier))
+    return columns

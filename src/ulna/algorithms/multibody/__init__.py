@@ -1,0 +1,1 @@
+"""What every algorithm stands on: recursions over the tree, link frames, mass moments, references, forces on bodies."""

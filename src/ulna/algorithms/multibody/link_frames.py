@@ -1,0 +1,186 @@
+"""Moving frames chosen so that passing a vector from one to the next takes the fewest operations.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| P, J(q), X | pose of the fixed frame, of the joint, of the moving frame in the parent's | SE3 | [m] | X = P J(q) |
+| u | axis of a revolute or prismatic step | (3) | [1] | |
+| C | the new moving frame in the old one | SE3 | [m] | a turn and a slide along u, after which u is a coordinate axis |
+| X' | the same for the new frames | SE3 | [m] | X' = C_p^-1 X C = P' J'(q + offset) |
+
+A turn about u and a slide along it commute with J, so the new frame is as good as the old one: S is the same. They are
+chosen, axis by axis from the root, among those that make an entry of P' or of a child's placement vanish; the turns
+become offsets of the angles. What is left are the parameters of Denavit & Hartenberg (Siciliano, section 2.8.2), or
+fewer where that form would be denser than the file's. The choice is made once for a model, on numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.algorithms.multibody.tree import Step, steps
+from ulna.model import Continuous, JointKind, Model, Prismatic, Revolute
+from ulna.numeric import is_symbolic
+from ulna.spatial import SE3
+from ulna.typing import Floats
+
+_EXACT = 1e-14
+_TURN_COST = {3: 0, 4: 6, 5: 12, 6: 15, 7: 18, 8: 24, 9: 30}  # operations by how many entries are not zero
+_SLIDE_COST = (0, 4, 8, 12)
+_CHOICES = (
+    8  # joints beyond from which turns and slides are taken; the cost of each is that of all joints beyond
+)
+
+
+class Tidy(NamedTuple):
+    """Steps between tidy frames."""
+
+    tree: tuple[Step, ...]
+    frames: tuple[SE3, ...]
+    """C: each moving frame, seen from the one that the model names."""
+
+
+def tidy(model: Model) -> Tidy:
+    """The steps of a model between moving frames that are as close to each other as can be."""
+    old = steps(model)
+    if is_symbolic(*(x for s in old for x in (s.placement.rotation, s.placement.translation))):
+        return Tidy(old, tuple(SE3.identity() for _ in old))
+    children: list[list[int]] = [[] for _ in old]
+    for i, step in enumerate(old):
+        if step.parent >= 0:
+            children[step.parent].append(i)
+    tree: list[Step] = []
+    frames: list[SE3] = []
+    for i, step in enumerate(old):
+        P = frames[step.parent].inverse() @ step.placement if step.parent >= 0 else step.placement
+        kind, C = _aligned(step.kind)
+        P = _clean(P @ C)
+        offset = 0.0
+        u = _axis(kind)
+        if u is not None:
+            beyond = [(C.inverse() @ old[c].placement, _axis(_aligned(old[c].kind)[0])) for c in children[i]]
+            if isinstance(kind, Revolute):
+                rotation, offset = _absorbed(P.rotation, u)
+                P = SE3(rotation, P.translation)
+            turn, slide = _best(P, u, beyond, may_turn=isinstance(kind, Revolute))
+            P = _clean(P @ SE3(np.eye(3), slide * u))
+            offset += turn
+            C = C @ SE3(_about(u, turn), slide * u)
+        offset = math.remainder(offset, 2.0 * math.pi)
+        tree.append(replace(step, placement=P, kind=kind, offset=offset))
+        frames.append(C)
+    return Tidy(tuple(tree), tuple(frames))
+
+
+def _aligned(kind: JointKind) -> tuple[JointKind, SE3]:
+    """A joint like this about or along z, unless its axis is a coordinate axis, and the frame it is so in."""
+    if not isinstance(kind, (Revolute, Continuous, Prismatic)):
+        return kind, SE3.identity()
+    u = np.asarray(kind.axis)
+    if np.count_nonzero(u) == 1:
+        return kind, SE3.identity()
+    x = np.cross(np.eye(3)[np.abs(u).argmin()], u)
+    x /= np.linalg.norm(x)
+    return type(kind)((0.0, 0.0, 1.0)), SE3(np.stack([x, np.cross(u, x), u], axis=-1), np.zeros(3))
+
+
+def _axis(kind: JointKind) -> Floats | None:
+    return np.asarray(kind.axis) if isinstance(kind, (Revolute, Continuous, Prismatic)) else None
+
+
+def _best(
+    P: SE3, u: Floats, beyond: Sequence[tuple[SE3, Floats | None]], may_turn: bool
+) -> tuple[float, float]:
+    """The turn [rad] and the slide [m] along u that leave the least to do in P and in the placements beyond."""
+    k = int(np.abs(u).argmax())
+    chosen = beyond[:_CHOICES]
+    turns = list(dict.fromkeys(_turns(u, chosen))) if may_turn else [0.0]
+    slides = [0.0, -float(P.translation @ P.rotation @ u), *(float(p.translation @ u) for p, _ in chosen)]
+    slides = list(dict.fromkeys(slides))
+    along = {slide: _count([p.translation[k] - slide * u[k] for p, _ in beyond], 1) for slide in slides}
+    own = {slide: _slide_cost(P.translation + P.rotation @ u * slide) for slide in slides}
+    costs: list[tuple[float, float, float]] = []
+    for turn in turns:
+        across, rotations = _beyond(_about(u, -turn), k, beyond)
+        for slide in slides:
+            entries = int(np.take(_SLIDE_COST, across + along[slide]).sum())
+            total = own[slide] + rotations + entries + 0.5 * (turn != 0.0) + 0.1 * (slide != 0.0)
+            costs.append((total, turn, slide))
+    _, turn, slide = min(costs, key=lambda found: found[0])
+    return turn, slide
+
+
+def _beyond(R: Floats, k: int, beyond: Sequence[tuple[SE3, Floats | None]]) -> tuple[Floats, int]:
+    """For placements seen from a frame turned by R^-1: entries of translations across axis k, cost of all rotations."""
+    across = _count([np.delete(R @ placement.translation, k) for placement, _ in beyond], 2)
+    total = 0
+    for placement, axis in beyond:
+        rotation = R @ placement.rotation
+        rotation = rotation if axis is None else _absorbed(rotation, axis)[0]
+        total += _TURN_COST[int(_count([rotation], 9)[0])]
+    return across, total
+
+
+def _count(rows: Sequence[Any], width: int) -> Any:
+    """How many entries of each row, `width` wide, are not zero."""
+    return (np.abs(np.reshape(rows, (len(rows), width))) > _EXACT).sum(axis=1)
+
+
+def _turns(u: Floats, beyond: Sequence[tuple[SE3, Floats | None]]) -> Iterator[float]:
+    """Angles that bring a child's axis or origin into a coordinate plane."""
+    yield 0.0
+    k = int(np.abs(u).argmax())
+    a, b = (k + 1) % 3, (k + 2) % 3
+    for placement, axis in beyond:
+        for w in (placement.translation, None if axis is None else placement.rotation @ axis):
+            if w is not None and min(abs(w[a]), abs(w[b])) > _EXACT:
+                yield float(u[k] * np.arctan2(w[b], w[a]))
+
+
+def _absorbed(R: Floats, u: Floats) -> tuple[Floats, float]:
+    """R' and an angle with R = R' Rot(u, angle), R' as sparse as can be."""
+    w = R @ u
+    w = np.where(np.abs(w) < _EXACT, 0.0, w)
+    candidates = [R]
+    k = int(np.abs(u).argmax())
+    a, b = (k + 1) % 3, (k + 2) % 3
+    for n in range(3):
+        side = np.cross(np.eye(3)[n], w)
+        if np.linalg.norm(side) < 0.1:
+            continue
+        side = side / np.linalg.norm(side)
+        other = np.empty((3, 3))
+        other[:, k], other[:, a] = u[k] * w, side
+        other[:, b] = np.cross(other[:, k], side)
+        candidates.append(_snapped(other))
+    best = min(candidates, key=lambda C: int((np.abs(C) > _EXACT).sum()))
+    turned = best.T @ R
+    return best, 0.0 if best is R else float(u[k] * np.arctan2(turned[b, a], turned[a, a]))
+
+
+def _about(u: Floats, angle: float) -> Floats:
+    k = int(np.abs(u).argmax())
+    a, b = (k + 1) % 3, (k + 2) % 3
+    R = np.eye(3)
+    R[a, a] = R[b, b] = np.cos(angle)
+    R[b, a] = u[k] * np.sin(angle)
+    R[a, b] = -R[b, a]
+    return R
+
+
+def _clean(T: SE3) -> SE3:
+    return SE3(_snapped(T.rotation), np.where(np.abs(T.translation) < _EXACT, 0.0, T.translation))
+
+
+def _snapped(R: Floats) -> Floats:
+    for value in (0.0, 1.0, -1.0):
+        R = np.where(np.abs(R - value) < _EXACT, value, R)
+    return R
+
+
+def _slide_cost(p: Floats) -> int:
+    return _SLIDE_COST[int((np.abs(p) > _EXACT).sum())]

@@ -1,0 +1,201 @@
+"""The recursions over the tree of joints, factored out once for every algorithm.
+
+| symbol | meaning | shape | unit | equation |
+|---|---|---|---|---|
+| i, p(i) | a step and the step it stands on; the world is -1 | | | p(i) < i |
+| P | pose of the step's fixed frame in the moving frame of p(i) | SE3 | [m] | constant |
+| J(q) | pose of the moving frame in the fixed frame | SE3 | [m] | joint kind |
+| X | pose of the moving frame in the moving frame of p(i) | SE3 | [m] | X = P J(q) |
+| S | motion subspace, written in the moving frame | nv Motions | [1] or [m/rad] | constant |
+| T | pose of the moving frame in the world | SE3 | [m] | T_i = T_p(i) X_i |
+
+Source: Featherstone, sections 4.1 to 4.4. A *step* is a joint, or one part of a joint that is made of parts
+(composite, universal). Unfolding joints into steps makes every S constant in its own moving frame, so that no
+algorithm needs a derivative of S. Only the last step of a joint carries links and frames. A mimic joint is a
+step whose position is affine in that of its source; its columns of S, times the multiplier, belong to the
+source's velocity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ulna.model import Composite, Frame, Joint, JointKind, Model, Revolute, Universal
+from ulna.numeric import is_symbolic
+from ulna.spatial import SE3, Motion
+from ulna.typing import Array
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One elementary joint on the way outward; its motion subspace is constant in its moving frame."""
+
+    joint: Joint
+    """The joint it is, or is a part of."""
+    parent: int
+    """The step it stands on, as an index into the sequence it came in; -1 for the world."""
+    placement: SE3
+    """P."""
+    kind: JointKind
+    start_q: int
+    """Where its position begins in the joint's position."""
+    start_v: int
+    """Where its velocity begins in the joint's velocity."""
+    is_last: bool
+    """Whether its moving frame is the joint's, which carries links and frames."""
+    offset: float = 0.0
+    """What is added to the angle of a revolute joint; see link_frames.py."""
+
+    @property
+    def multiplier(self) -> float:
+        """The velocity of a mimic joint as a multiple of its source's; 1 for other joints."""
+        return self.joint.mimic.multiplier if self.joint.mimic is not None else 1.0
+
+    @property
+    def indices(self) -> range:
+        """Where its velocity, or for a mimic joint that of its source, stands in `v`."""
+        start = self.joint.idx_v + self.start_v
+        return range(start, start + self.kind.nv)
+
+    def subspace(self) -> tuple[Motion, ...]:
+        """S: its columns in the moving frame."""
+        return self.kind.motion_subspace(self.kind.neutral())
+
+    def transform(self, q: Array) -> SE3:
+        """J(q)."""
+        position = self.joint.q_of(q)[..., self.start_q : self.start_q + self.kind.nq]
+        return self.kind.transform(position + self.offset if self.offset else position)
+
+    def pose(self, T: SE3 | None, q: Array) -> SE3:
+        """T P J(q): the pose of the moving frame, where T is that of the parent's; None for the world's."""
+        fixed = self.placement if T is None else T @ self.placement
+        return fixed @ self.transform(q)
+
+    def pose_in_parent(self, T: SE3, q: Array) -> SE3:
+        """P J(q) T: a pose T in the moving frame, seen from the parent's moving frame."""
+        return self.placement @ (self.transform(q) @ T)
+
+    def carry(self, motion: Motion, q: Array) -> Motion:
+        """X^-1 acting on a twist of the parent's moving frame: the same twist in the moving frame."""
+        return self.transform(q).act_inverse(self.placement.act_inverse(motion))
+
+    def motion(self, v: Array) -> Motion:
+        """S times the part of `v` that moves this step, in the moving frame; likewise of an acceleration."""
+        part = self.joint.v_of(v)
+        terms = [column * part[..., self.start_v + k] for k, column in enumerate(self.subspace())]
+        total = terms[0]
+        for term in terms[1:]:
+            total = total + term
+        return total
+
+
+def steps(model: Model, joints: Iterable[int] | None = None) -> tuple[Step, ...]:
+    """The steps of `joints`, parents first; of all joints when None.
+
+    Args:
+        model: The robot.
+        joints: Ascending indices; with every joint, the joints it stands on.
+    """
+    found: list[Step] = []
+    last_of = {-1: -1}
+    for index in range(len(model.joints)) if joints is None else joints:
+        joint = model.joints[index]
+        parent, start_q, start_v = last_of[joint.parent], 0, 0
+        parts = _unfold(joint.kind, joint.placement)
+        for k, (placement, kind) in enumerate(parts):
+            found.append(Step(joint, parent, placement, kind, start_q, start_v, k == len(parts) - 1))
+            parent, start_q, start_v = len(found) - 1, start_q + kind.nq, start_v + kind.nv
+        last_of[index] = parent
+    return tuple(found)
+
+
+def chain(model: Model, frame: Frame) -> tuple[Step, ...]:
+    """The steps between the world and `frame`, root first: each stands on the one before it."""
+    return steps(model, model.support(frame.joint) if frame.joint >= 0 else ())
+
+
+def outward(tree: Sequence[Step], root: Value, f: Callable[[Step, Value], Value]) -> list[Value]:
+    """Values that grow from the root: value_i = f(step_i, value_p(i)), where `root` is the world's value."""
+    values: list[Value] = []
+    for step in tree:
+        values.append(f(step, values[step.parent] if step.parent >= 0 else root))
+    return values
+
+
+def inward(tree: Sequence[Step], values: Sequence[Any], f: Callable[[Step, Any], Any]) -> list[Any]:
+    """Values that gather towards the root: value_p(i) += f(step_i, value_i), the leaves first."""
+    gathered = list(values)
+    for step, i in zip(reversed(tree), reversed(range(len(tree))), strict=True):
+        if step.parent >= 0:
+            gathered[step.parent] = gathered[step.parent] + f(step, gathered[i])
+    return gathered
+
+
+def gathered_in_world(
+    tree: Sequence[Step], values: Sequence[Any], world: Any, f: Callable[[Step, Any], Any]
+) -> Any:
+    """What `inward` would bring to the world, added to `world`."""
+    for step, value in zip(tree, inward(tree, values, f), strict=True):
+        if step.parent < 0:
+            world = world + f(step, value)
+    return world
+
+
+def poses(tree: Sequence[Step], q: Array) -> list[SE3]:
+    """T of every step."""
+    root: Any = None
+    return outward(tree, root, lambda step, T: step.pose(T, q))
+
+
+def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
+    """T of the last step of a chain, times `placement`; what turns about the last axis is joined first."""
+    if not tree:
+        return placement
+    *before, last = tree
+    tip = last.transform(q) @ placement
+    fixed = poses(before, q)[-1] @ last.placement if before else last.placement
+    return fixed @ tip
+
+
+def blank(shape: tuple[int, ...], *inputs: Array) -> Array:
+    """Zeros of the batch of `inputs`, each (..., n), then of `shape`; objects when an input holds symbols."""
+    if is_symbolic(*inputs):
+        return np.full(shape, 0.0, dtype=object)
+    return np.zeros(_batch(inputs) + shape)
+
+
+def spread_pose(pose: SE3, *inputs: Array) -> SE3:
+    """`pose` once for each element of the batch of `inputs`, also where it does not depend on them."""
+    if is_symbolic(*inputs):
+        return pose
+    batch = _batch(inputs)
+    return SE3(np.broadcast_to(pose.rotation, (*batch, 3, 3)), np.broadcast_to(pose.translation, (*batch, 3)))
+
+
+def spread_motion(motion: Motion, *inputs: Array) -> Motion:
+    """`motion` once for each element of the batch of `inputs`, also where it does not depend on them."""
+    if is_symbolic(*inputs):
+        return motion
+    batch = _batch(inputs)
+    return Motion(np.broadcast_to(motion.linear, (*batch, 3)), np.broadcast_to(motion.angular, (*batch, 3)))
+
+
+def _unfold(kind: JointKind, placement: SE3) -> list[tuple[SE3, JointKind]]:
+    """The parts of a kind, each with the pose of its fixed frame in the moving frame before it."""
+    if isinstance(kind, Universal):
+        return [(placement, Revolute(kind.axis1)), (SE3.identity(), Revolute(kind.axis2))]
+    if isinstance(kind, Composite):
+        assert kind.placements is not None  # a Composite fills them in
+        places = [placement @ kind.placements[0], *kind.placements[1:]]
+        return [part for k, place in zip(kind.kinds, places, strict=True) for part in _unfold(k, place)]
+    return [(placement, kind)]
+
+
+def _batch(inputs: Sequence[Array]) -> tuple[int, ...]:
+    return np.broadcast_shapes(*(np.shape(x)[:-1] for x in inputs))
