@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from ulna import kernels
-from ulna.algorithms import by_mass_matrix, mass_matrix
-from ulna.algorithms.dynamics import aba
+from ulna.algorithms import aba, by_mass_matrix, mass_matrix
 from ulna.algorithms.dynamics.conditioning import conditioning
 from ulna.errors import ModelError, ModelWarning
 from ulna.model import ModelBuilder, Prismatic, Revolute, Spherical, Universal

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ulna.algorithms.kinematics import jacobian_partials
+from ulna.algorithms import jacobian_partials
 from ulna.errors import InputError
 from ulna.formats.ets import ET, ETS
 from ulna.robot import Robot

@@ -151,7 +151,7 @@ class Chain:
 
     def partial(self, q: Any, order: int) -> Floats:
         """The derivatives of the pose of that order in the axes of the start, (n, ..., n, 6, n)."""
-        from ulna.algorithms.kinematics import jacobian_partials
+        from ulna.algorithms import jacobian_partials
 
         return jacobian_partials(np.asarray(self.jacob0(q)), order)
 
