@@ -7,7 +7,7 @@ import pytest
 
 import ulna
 from ulna import kernels
-from ulna.algorithms import tidy as tidy_module
+from ulna.algorithms.multibody import link_frames as tidy_module
 from ulna.compiler import trace
 from ulna.errors import InputError, TooLargeError
 from ulna.model import Model, ModelBuilder, Revolute

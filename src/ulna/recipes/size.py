@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from math import ceil
 from typing import Any
 
-from ulna.algorithms.tree import steps
+from ulna.algorithms.multibody.tree import steps
 from ulna.compiler.language.graph import most_operations, refuse_size
 from ulna.compiler.runtime.jit import announced
 from ulna.model import Model

@@ -11,7 +11,7 @@ from pinocchio._constraints.kernels import bonds_of
 from pinocchio._constraints.rigid_constraint import RigidConstraintData
 from pinocchio._data.deferred_fields import stacked
 from ulna import algorithms
-from ulna.algorithms.constraint_twists import constraint_twists, frame_of
+from ulna.algorithms.constraints.frame_errors import constraint_twists, frame_of
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 

@@ -10,7 +10,7 @@ import numpy as np
 from pinocchio._constraints.factorization import Kernels, kernels_for
 from pinocchio._model.compiled_model import CompiledModel
 from ulna import algorithms, spatial
-from ulna.algorithms.constrained_factors import moved_by
+from ulna.algorithms.constraints.kkt_factors import moved_by
 from ulna.model import Model as CoreModel
 from ulna.model.constraint import Bond, End
 from ulna.typing import Array

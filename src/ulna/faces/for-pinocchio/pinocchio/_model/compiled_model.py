@@ -14,7 +14,7 @@ from pinocchio._model.core_model import core_model
 from pinocchio._model.kernel_parameters import pose_of, with_parameters
 from pinocchio._model.live_parameters import LiveParameters
 from ulna import kernels, spatial
-from ulna.algorithms.constrained_factors import joined
+from ulna.algorithms.constraints.kkt_factors import joined
 from ulna.compiler import compile as compile_function
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
