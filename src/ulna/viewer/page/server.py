@@ -20,6 +20,7 @@ from ulna.extras import install_command
 from ulna.system import forks
 from ulna.viewer.page import access as guard
 from ulna.viewer.page import client_files as client
+from ulna.viewer.page.message_filter import filter_messages
 from ulna.viewer.page.pose_channel import early_script, is_known_version
 
 _construction_lock = forks.lock()
@@ -93,6 +94,8 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
     # else anyone in the page could open a tunnel to the world
     for kind in ("ShareUrlRequest", "ShareUrlDisconnect"):
         server._websock_server.unregister_handler(getattr(_messages, kind))
+    if is_known_version():
+        filter_messages(server)
     return server
 
 
