@@ -1,9 +1,9 @@
 """Messages from the browser are checked before viser handles them: what a page cannot have sent is ignored.
 
-viser trusts its clients: it converts values to the type of a control (text "nan" to a number), takes values outside
-the limits of a slider or the options of a menu, and writes any attribute that a message names. Any client that knows the
-address can send such messages. They are dropped here and logged as "ulna.page.messages" at level INFO, so that functions
-of the user see valid values only. Everything here was read in viser 1.1.
+viser trusts its clients: it converts values to the type of a control (text "nan" to a number), takes values
+outside the limits of a slider or the options of a menu, and writes any attribute that a message names. Any client
+that knows the address can send such messages. They are dropped here and logged as "ulna.page.messages" at level
+INFO, so that functions of the user see valid values only. Everything here was read in viser 1.1.
 """
 
 from __future__ import annotations
