@@ -150,6 +150,7 @@ def test_a_fork_while_inverse_kinematics_is_compiled_elsewhere():
         def solve(robot):
             q = robot.configurations.get("qr", np.full(robot.nq, 0.3))
             assert robot.ik(robot.fk(q)).success
+        solve(robots[1])  # imports what there is to import: CPython keeps modules half imported in a child
         thread = threading.Thread(target=solve, args=(robots[0],))
         thread.start()
         statuses = []
