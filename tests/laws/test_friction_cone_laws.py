@@ -69,3 +69,9 @@ def test_compiled_and_in_batches(name: str) -> None:
     np.testing.assert_allclose(function(forces, 0.7), singles, atol=1e-15)
     kernel = compile_function(lambda f: function(f, 0.7), f=(3,))
     np.testing.assert_allclose(kernel(forces), singles, atol=1e-14)
+
+
+def test_without_friction_a_pulling_force_is_projected_to_zero() -> None:
+    for mu in (0.0, 0.5):
+        np.testing.assert_array_equal(friction_cone.project(np.array([0.0, 0.0, -1.0]), mu), np.zeros(3))
+        assert friction_cone.excess(np.array([0.0, 0.0, -1.0]), mu) == 1.0

@@ -40,7 +40,9 @@ def project(f: Array, mu: Any) -> Array:
     sure = numeric.where(numeric.less(0.0, length), length, 1.0)
     normal = (mu * length + n) / (1.0 + mu * mu)
     outside = (mu * normal * x / sure, mu * normal * y / sure, normal)
-    leaves, pushes = numeric.less(mu * n, length), numeric.less(-n, mu * length)
+    # Without friction, mu n says nothing of a force that pulls.
+    leaves = numeric.less(numeric.where(numeric.less(n, 0.0), n, mu * n), length)
+    pushes = numeric.less(-n, mu * length)
     return vector(
         *(
             numeric.where(leaves, numeric.where(pushes, found, 0.0), given)
@@ -83,5 +85,6 @@ def sliding_shift(v: Array, mu: Any) -> Array:
 
 
 def excess(f: Array, mu: Any) -> Any:
-    """How far a force is outside K, (...): |t| - mu n [N]; not above zero inside."""
-    return np.asarray(numeric.sqrt(f[..., 0] ** 2 + f[..., 1] ** 2) - mu * f[..., 2])[()]
+    """How far a force is outside K, (...): the larger of |t| - mu n and -n [N]; not above zero inside."""
+    tangential = numeric.sqrt(f[..., 0] ** 2 + f[..., 1] ** 2)
+    return np.asarray(numeric.maximum(tangential - mu * f[..., 2], -f[..., 2]))[()]
