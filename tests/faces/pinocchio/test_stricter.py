@@ -74,7 +74,7 @@ def test_indices_that_do_not_exist_are_refused(pin: Any) -> None:
         lambda: pin.getJointJacobian(model, data, 999, pin.LOCAL),
         lambda: pin.computeFrameJacobian(model, data, q, 999),
     ):
-        with pytest.raises(InputError, match=r"expected 0 to .* gives one"):
+        with pytest.raises(InputError, match=r"expected 0 to .* returns one"):
             call()
     with pytest.raises(InputError, match="LOCAL, WORLD"):
         pin.getJointJacobian(model, data, 1, 0)

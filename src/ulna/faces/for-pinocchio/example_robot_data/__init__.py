@@ -1,4 +1,4 @@
-"""The face of example-robot-data's loaders over the installed data: `load("ur5")` gives a RobotWrapper."""
+"""The loaders of example-robot-data for the installed data: `load("ur5")` returns a RobotWrapper."""
 
 from example_robot_data.robots_loader import ROBOTS as ROBOTS
 from example_robot_data.robots_loader import getModelPath as getModelPath

@@ -29,13 +29,15 @@ def load(name: str, display: bool = False, rootNodeName: str = "", verbose: bool
         MissingExtra: The package example-robot-data is not installed.
     """
     urdf, srdf = files(name)
-    told = DESCRIPTIONS[name]
-    robot = RobotWrapper.BuildFromURDF(str(urdf), None, pin.JointModelFreeFlyer() if told.floating else None)
+    description = DESCRIPTIONS[name]
+    robot = RobotWrapper.BuildFromURDF(
+        str(urdf), None, pin.JointModelFreeFlyer() if description.floating else None
+    )
     if srdf is not None:
         pin.loadReferenceConfigurations(robot.model, str(srdf), False)
         postures = robot.model.referenceConfigurations
-        if told.posture and told.posture in postures:
-            robot.q0 = np.array(postures[told.posture])
+        if description.posture and description.posture in postures:
+            robot.q0 = np.array(postures[description.posture])
     if display:
         robot.initViewer(loadModel=False)
         robot.loadViewerModel(rootNodeName or "pinocchio")
@@ -60,7 +62,7 @@ def getModelPath(subpath: str, verbose: bool = False) -> str:
     share = share_folder()
     if share is None:
         raise MissingExtra("example-robot-data", "robots", f"The path {subpath!r}")
-    found = next((f for f in (share / "robots", share.parent) if (f / subpath.lstrip("/")).exists()), None)
-    if found is None:
+    folder = next((f for f in (share / "robots", share.parent) if (f / subpath.lstrip("/")).exists()), None)
+    if folder is None:
         raise InputError(f"There is no {subpath!r} in {share / 'robots'}.")
-    return str(found)
+    return str(folder)

@@ -9,10 +9,10 @@ class Color(list):
     """Red, green, blue, opacity: `Color.red`, `Color("red")`, `Color(1, 0, 0)`, `Color.random()`."""
 
     def __init__(self, *rgba: object) -> None:
-        given = rgba
+        values = rgba
         if len(rgba) == 1:
-            given = tuple(getattr(Color, rgba[0])) if isinstance(rgba[0], str) else tuple(rgba[0])  # type: ignore[arg-type]
-        numbers = [float(c) for c in given]  # type: ignore[arg-type]
+            values = tuple(getattr(Color, rgba[0])) if isinstance(rgba[0], str) else tuple(rgba[0])  # type: ignore[arg-type]
+        numbers = [float(c) for c in values]  # type: ignore[arg-type]
         super().__init__([*numbers, 1.0] if len(numbers) == 3 else numbers)
 
     @staticmethod

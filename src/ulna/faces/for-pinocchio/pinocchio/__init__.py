@@ -1,4 +1,4 @@
-"""The face of Pinocchio over Ulna: its names, its argument shapes, its mutable Data; the mathematics is Ulna's."""
+"""Pinocchio's names, argument shapes and mutable Data on Ulna, which does the mathematics."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from pinocchio._model.joint_kinds import *
 from pinocchio._model.model import Model as Model
 from pinocchio._package.former_modules import register_former_modules
 from pinocchio._package.lazy_names import lazy_names, load_lazy_name
-from pinocchio._package.unsupported_names import refusal, stands_in_an_import
+from pinocchio._package.unsupported_names import called_from_import_statement, unsupported_name_message
 from pinocchio._parsers.urdf import buildModelFromUrdf as buildModelFromUrdf
 from pinocchio._parsers.urdf import buildModelFromXML as buildModelFromXML
 from pinocchio._spatial.inertia import Inertia as Inertia
@@ -69,7 +69,7 @@ WITH_CPPAD = WITH_SDFORMAT = WITH_OPENMP = False
 WITH_URDFDOM = WITH_COLLISION = WITH_HPP_FCL = WITH_HPP_FCL_BINDINGS = True
 XAxis, YAxis, ZAxis = np.eye(3)
 __version__ = "4.1.0"
-"""The version of Pinocchio whose names and behaviour this face follows."""
+"""The version of Pinocchio whose names and behaviour this package follows."""
 
 if TYPE_CHECKING:  # a checker shall see what is misspelt
     from pinocchio._package.lazy_exports import *
@@ -78,8 +78,8 @@ else:
     def __getattr__(name: str) -> Any:
         if name in lazy_names():
             return load_lazy_name(name)
-        text = f"module 'pinocchio' (Ulna's face) has no {name!r}. {refusal(name, __dir__())}"
-        if not name.startswith("_") and stands_in_an_import():
+        text = f"module 'pinocchio' (Ulna's) has no {name!r}. {unsupported_name_message(name, __dir__())}"
+        if not name.startswith("_") and called_from_import_statement():
             raise ImportError(text, name="pinocchio")
         raise AttributeError(text, name=name, obj=None)
 
@@ -88,7 +88,7 @@ else:
 
 
 def checkVersionAtLeast(major: int, minor: int, patch: int) -> bool:
-    """Whether the version that this face follows is at least that one."""
+    """Whether the version that this package follows is at least that one."""
     return (major, minor, patch) <= (
         PINOCCHIO_MAJOR_VERSION,
         PINOCCHIO_MINOR_VERSION,
@@ -97,5 +97,5 @@ def checkVersionAtLeast(major: int, minor: int, patch: int) -> bool:
 
 
 def printVersion(delimiter: str = ".") -> str:
-    """The version that this face follows."""
+    """The version that this package follows."""
     return delimiter.join(__version__.split("."))

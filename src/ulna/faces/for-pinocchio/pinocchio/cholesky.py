@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._constraints.factorization import Factored, kernels_for, without_factors
+from pinocchio._constraints.factorization import Factorization, kernels_for, no_factors_error
 from pinocchio._containers.arrays import numbers
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
@@ -29,20 +29,20 @@ def solve(model: Model, data: Data, v: Any) -> Floats:
 
 def computeMinv(model: Model, data: Data) -> Floats:
     """The inverse of the M that was decomposed last; kept in `data.Minv`. After crba."""
-    data._arrays["Minv"][...] = found = _factored(model, data).inverse_mass()
+    data._arrays["Minv"][...] = Minv = _factored(model, data).inverse_mass()
     data.mark_filled("Minv")
-    return found
+    return Minv
 
 
-def _factored(model: Model, data: Data, anew: bool = False) -> Factored:
-    found = data._bound_at.get("cholesky") if data._model is model else None
-    if anew or found is None or found.due:
+def _factored(model: Model, data: Data, anew: bool = False) -> Factorization:
+    factors = data._bound_at.get("cholesky") if data._model is model else None
+    if anew or factors is None or factors.outdated:
         M = data._arrays["M"]
-        if found is None or found.factor(M, *found.no_rows) is NotImplemented:
+        if factors is None or factors.factor(M, *factors.no_rows) is NotImplemented:
             kernels = kernels_for(data.attach(model), np.zeros((0, model.nv)))
-            found = data._bound_at["cholesky"] = Factored(kernels, model.watched("structure"))
-            found.factor(M, *found.no_rows)
-        found.due = False
-        if not found.unique:
-            raise without_factors(M, found.no_rows[0])
-    return found
+            factors = data._bound_at["cholesky"] = Factorization(kernels, model.watched("structure"))
+            factors.factor(M, *factors.no_rows)
+        factors.outdated = False
+        if not factors.unique:
+            raise no_factors_error(M, factors.no_rows[0])
+    return factors

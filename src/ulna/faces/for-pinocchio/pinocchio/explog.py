@@ -98,8 +98,8 @@ def log6(M: Any) -> Motion:
 
 def log6_quat(xyzquat: Any) -> Motion:
     """The Motion that leads to a position and quaternion xyzw (7,) in one second."""
-    given = vector(xyzquat, 7, "xyzquat")
-    return Motion._from(spatial.se3_log(spatial.SE3.from_quat_xyzw(given[3:], given[:3])))
+    values = vector(xyzquat, 7, "xyzquat")
+    return Motion._from(spatial.se3_log(spatial.SE3.from_quat_xyzw(values[3:], values[:3])))
 
 
 def Jexp3(w: Any) -> Floats:

@@ -68,7 +68,7 @@ class RobotWrapper(Kinematic, Viewed):
             named: See `buildModelsFromUrdf`.
 
         Raises:
-            FormatError: The file is missing or broken; says where and what mends it. A missing mesh only warns.
+            FormatError: The file is missing or broken; says where and how to fix it. A missing mesh only warns.
         """
         robot = RobotWrapper.__new__(RobotWrapper)
         robot.initFromURDF(filename, package_dirs, root_joint, *more, **named)
@@ -139,8 +139,8 @@ class RobotWrapper(Kinematic, Viewed):
             return center_of_mass.centerOfMass(self.model, self.data)
         state = [x for x in (q, v, a) if x is not None]
         center_of_mass.centerOfMass(self.model, self.data, *state)
-        found = (self.data.com[0], self.data.vcom[0], self.data.acom[0])[: len(state)]
-        return found[0] if len(found) == 1 else found
+        results = (self.data.com[0], self.data.vcom[0], self.data.acom[0])[: len(state)]
+        return results[0] if len(results) == 1 else results
 
     def vcom(self, q: Any, v: Any) -> Floats:
         """The velocity of the centre of mass (3,) [m/s]."""

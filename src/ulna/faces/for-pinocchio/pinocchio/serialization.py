@@ -42,7 +42,7 @@ class StreamBuffer:
 
 
 class StaticBuffer(StreamBuffer):
-    """A buffer of a size in bytes that is told; what does not fit is refused."""
+    """A buffer of a fixed size in bytes; longer contents raise."""
 
     def __init__(self, size: int) -> None:
         super().__init__()

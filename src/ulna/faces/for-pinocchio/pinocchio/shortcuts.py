@@ -55,6 +55,6 @@ def createDatas(*models: Any) -> tuple[Any, ...]:
 def buildModelFromMJCFAndRootJoint(
     mjcf_filename: Any, root_joint: Any, root_joint_name: str = "root_joint"
 ) -> Any:
-    """The model of an MJCF file on a joint of its own, without the closed loops; see `buildModelFromMJCF`."""
+    """The model of an MJCF file on a joint, without the closed loops; see `buildModelFromMJCF`."""
     made = buildModelFromMJCF(mjcf_filename, root_joint, root_joint_name)
     return made[0] if isinstance(made, tuple) else made

@@ -41,7 +41,7 @@ def shared_gui() -> Gui:
 
 
 def shared_viewer() -> Any:
-    """The `ulna.Viewer` that all clients share; what Gepetto has no call for is told to it directly."""
+    """The `ulna.Viewer` that all clients share; calls that Gepetto does not have are made on it directly."""
     return shared_gui().viewer
 
 

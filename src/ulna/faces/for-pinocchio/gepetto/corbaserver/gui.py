@@ -1,4 +1,4 @@
-"""The graphical interface: all calls of the viewer together, and words on those that are not offered."""
+"""The graphical interface: all calls of the viewer together, and messages for those that are not offered."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ulna.errors import UnknownName, ViewerError
 REFUSED = {
     "addRod": "addCapsule and addCylinder draw rods.",
     "attachCameraToNode": "Set the camera in your loop: setCameraTransform(wid, configuration).",
-    "registerNodeCallback": "Panels of `viewer.panel` and `viewer.pendant(robot)` tell what somebody clicks and drags.",
+    "registerNodeCallback": "Panels of `viewer.panel` and `viewer.pendant(robot)` report clicks and drags.",
     "setCaptureTransform": "viewer.html(path, recording) writes what moves as a file that plays.",
     "captureTransformOnRefresh": "viewer.html(path, recording) writes what moves as a file that plays.",
-    "captureTransform": "getNodeGlobalTransform(nodeName) tells where a node is; write it down in your loop.",
-    "writeBlenderScript": "Blender reads the URDF's meshes; getNodeGlobalTransform(nodeName) tells where they are.",
+    "captureTransform": "getNodeGlobalTransform(nodeName) returns where a node is; write it down in your loop.",
+    "writeBlenderScript": "Blender reads the URDF's meshes; getNodeGlobalTransform(nodeName) returns where they are.",
 }
 """Calls that make no sense in a browser, and what to use."""
 
@@ -39,13 +39,13 @@ class Gui(Shapes, Looks, Windows):
         return f"<calls of {self.viewer!r}>"
 
 
-def _refusal(name: str, word: str) -> Any:
-    def refuse(self: Gui, *_: Any, **__: Any) -> NoReturn:
-        raise ViewerError(f"{name} is not offered in this viewer. {word}")
+def _unsupported_call(name: str, reason: str) -> Any:
+    def raise_error(self: Gui, *_: Any, **__: Any) -> NoReturn:
+        raise ViewerError(f"{name} is not offered in this viewer. {reason}")
 
-    refuse.__name__, refuse.__doc__ = name, f"Not offered. {word}"
-    return refuse
+    raise_error.__name__, raise_error.__doc__ = name, f"Not offered. {reason}"
+    return raise_error
 
 
-for _name, _word in REFUSED.items():
-    setattr(Gui, _name, _refusal(_name, _word))
+for _name, _reason in REFUSED.items():
+    setattr(Gui, _name, _unsupported_call(_name, _reason))

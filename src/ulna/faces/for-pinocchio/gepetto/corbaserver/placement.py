@@ -45,18 +45,18 @@ def pose_of(configuration: Any, name: str = "configuration") -> Floats:
     Raises:
         ShapeError, NonFiniteError, InputError: It is no placement.
     """
-    given = np.asarray([float(x) for x in np.ravel(configuration)])
-    if given.shape != (7,):
-        raise ShapeError(name, given.shape, "(7,): x, y, z and a quaternion")
-    if not np.isfinite(given).all():
-        where = int(np.argwhere(~np.isfinite(given))[0][0])
-        raise NonFiniteError(name, (where,), float(given[where]))
-    quat = given[3:][_ORDERS[quaternion_order()]]
+    values = np.asarray([float(x) for x in np.ravel(configuration)])
+    if values.shape != (7,):
+        raise ShapeError(name, values.shape, "(7,): x, y, z and a quaternion")
+    if not np.isfinite(values).all():
+        where = int(np.argwhere(~np.isfinite(values))[0][0])
+        raise NonFiniteError(name, (where,), float(values[where]))
+    quat = values[3:][_ORDERS[quaternion_order()]]
     length = float(np.linalg.norm(quat))
     if length < 1e-6:
-        raise InputError(f"`{name}` has the quaternion {given[3:].tolist()}, which is no rotation.")
+        raise InputError(f"`{name}` has the quaternion {values[3:].tolist()}, which is no rotation.")
     out = np.eye(4)
-    out[:3, :3], out[:3, 3] = quat_xyzw_to_matrix(quat / length), given[:3]
+    out[:3, :3], out[:3, 3] = quat_xyzw_to_matrix(quat / length), values[:3]
     return out
 
 

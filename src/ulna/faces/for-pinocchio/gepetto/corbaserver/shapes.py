@@ -229,7 +229,7 @@ class Shapes(Tree, abc.ABC):
     def createRoadmap(
         self, name: str, RGBAcolorNode: Rgba, radius: float, sizeAxis: float, RGBAcolorEdge: Rgba
     ) -> bool:
-        """A group of nodes and edges that look as told here."""
+        """A group of nodes and edges with these radii and colours."""
         self._roadmaps[self._new(name)] = (RGBAcolorNode, radius, sizeAxis, RGBAcolorEdge)
         return self.createGroup(name)
 

@@ -41,7 +41,7 @@ class Tree(abc.ABC):
         """The name in the scene of a node, whether there is one or not."""
         parts = [part for part in str(name).split("/") if part]
         if not parts:
-            raise InputError(f"The name of a node is {name!r}; expected words with '/' between them.")
+            raise InputError(f"The name of a node is {name!r}; expected names with '/' between them.")
         for k in range(len(parts), 0, -1):
             moved = self._elsewhere.get("/".join(parts[:k]))
             if moved is not None:
@@ -140,9 +140,9 @@ class Tree(abc.ABC):
             )
         self.viewer.remove(place)
         self._elsewhere = {name: to for name, to in self._elsewhere.items() if to in self.scene}
-        for kept in (self._placed, self._static, self._waiting):
-            for gone in [p for p in kept if p not in self.scene]:
-                del kept[gone]
+        for poses_by_node in (self._placed, self._static, self._waiting):
+            for gone in [p for p in poses_by_node if p not in self.scene]:
+                del poses_by_node[gone]
         return True
 
     # placements -----------------------------------------------------------------------------------------
@@ -150,7 +150,7 @@ class Tree(abc.ABC):
     def applyConfiguration(self, nodeName: str, configuration: Sequence[float]) -> bool:
         """Places a node in its group: x, y, z [m] and a quaternion. It takes effect at `refresh`.
 
-        The quaternion stands as `gepetto.corbaserver.quaternion_order` says: xyzw, unless told otherwise.
+        The quaternion stands as `gepetto.corbaserver.quaternion_order` says: xyzw, unless set otherwise.
         """
         place = self.known(nodeName)
         self._waiting[place] = pose_of(configuration)
@@ -160,14 +160,14 @@ class Tree(abc.ABC):
         self, nodeNames: Sequence[str], configurations: Iterable[Sequence[float]]
     ) -> bool:
         """Places several nodes; see `applyConfiguration`."""
-        told = list(configurations)
-        if len(nodeNames) != len(told):
+        configuration_list = list(configurations)
+        if len(nodeNames) != len(configuration_list):
             raise InputError(
-                f"{len(nodeNames)} nodes, but {len(told)} configurations; expected one for each."
+                f"{len(nodeNames)} nodes, but {len(configuration_list)} configurations; expected one for each."
             )
         placed = {
             self.known(name): pose_of(c, f"configuration of {name}")
-            for name, c in zip(nodeNames, told, strict=True)
+            for name, c in zip(nodeNames, configuration_list, strict=True)
         }
         self._waiting |= placed
         return True
@@ -212,9 +212,9 @@ class Tree(abc.ABC):
         return True
 
 
-def without(name: str, word: str) -> bool:
+def without(name: str, reason: str) -> bool:
     """False, with a warning that a call changes nothing here: scripts go on."""
-    warnings.warn(f"{name} changes nothing in this viewer: {word}", UlnaWarning, stacklevel=3)
+    warnings.warn(f"{name} changes nothing in this viewer: {reason}", UlnaWarning, stacklevel=3)
     return False
 
 

@@ -167,7 +167,7 @@ def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_
 
 
 def _of_subtree(model: Model, data: Data, root: int, q: Floats) -> Floats:
-    joint = index(root, model.njoints, "joint", "model.getJointId(name) gives one.")
+    joint = index(root, model.njoints, "joint", "model.getJointId(name) returns one.")
     subtree = None if joint == 0 else model.names[joint]
     return compiled_for(model, data).kernel("center_of_mass_jacobian", subtree=subtree)(q)
 

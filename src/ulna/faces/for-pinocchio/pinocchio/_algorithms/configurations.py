@@ -55,20 +55,20 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
     draws = generator()
     parts = draws.random(model.nq)
     normal = parts if model.nq == model.nv else draws.standard_normal(model.nq)  # none is a quaternion's
-    found = model._random(parts, normal, low, high)
-    if found is NotImplemented:
+    q = model._random(parts, normal, low, high)
+    if q is NotImplemented:
         low, high = exact(low, model.nq, "lower_bound"), exact(high, model.nq, "upper_bound")
-        found = model._random(parts, normal, low, high)
-    if found is NotImplemented:
+        q = model._random(parts, normal, low, high)
+    if q is NotImplemented:
         shapes = dict.fromkeys(("parts", "normal", "low", "high"), (model.nq,))
         kernel = model.compiled_structure().compile("random", _within, **shapes)
         model._random = BoundKernel(kernel, others=[model._narrowest]).call
-        found = model._random(parts, normal, low, high)
+        q = model._random(parts, normal, low, high)
     if not model._narrowest[()] >= 0.0:
         raise InputError(
             "randomConfiguration: a lower limit is above the upper one; expected lower_bound <= upper_bound."
         )
-    return found
+    return q
 
 
 def _within(model: CoreModel) -> Any:
@@ -102,27 +102,27 @@ def _drawn(c: Coordinate, part: Any, low: Any, high: Any) -> Any:
 
 def integrate(model: Model, q: Any, v: Any) -> Floats:
     """The configuration (nq,) reached from q in one second with v."""
-    found = model._integrate(q, v)
-    if found is NotImplemented:
-        found = _bound(model, "integrate", exact(q, model.nq, "q"), exact(v, model.nv, "v"))
-    return found
+    result = model._integrate(q, v)
+    if result is NotImplemented:
+        result = _bound(model, "integrate", exact(q, model.nq, "q"), exact(v, model.nv, "v"))
+    return result
 
 
 def difference(model: Model, q1: Any, q2: Any) -> Floats:
     """The velocity (nv,) that leads from q1 to q2 in one second."""
-    found = model._difference(q1, q2)
-    if found is NotImplemented:
-        found = _bound(model, "difference", exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2"))
-    return found
+    result = model._difference(q1, q2)
+    if result is NotImplemented:
+        result = _bound(model, "difference", exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2"))
+    return result
 
 
 def _bound(model: Model, name: str, *state: Floats) -> Floats:
     """What the bound `integrate` or `difference` of a model says, which is bound where it does not apply."""
-    found = getattr(model, f"_{name}")(*state)
-    if found is NotImplemented:
+    result = getattr(model, f"_{name}")(*state)
+    if result is NotImplemented:
         setattr(model, f"_{name}", BoundKernel(model.compiled_structure().core_kernel(name)).call)
-        found = getattr(model, f"_{name}")(*state)
-    return found
+        result = getattr(model, f"_{name}")(*state)
+    return result
 
 
 def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
@@ -149,8 +149,8 @@ def normalize(model: Model, q: Any) -> Floats:
 
 def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
     """Whether they are."""
-    given = vector(q, model.nq, "q")
-    return bool(np.abs(normalize(model, given) - given).max(initial=0.0) <= prec)
+    entries = vector(q, model.nq, "q")
+    return bool(np.abs(normalize(model, entries) - entries).max(initial=0.0) <= prec)
 
 
 def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float = 1e-12) -> bool:

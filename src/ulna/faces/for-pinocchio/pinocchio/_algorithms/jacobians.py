@@ -86,30 +86,30 @@ def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
 
 def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
     """The Jacobian (6, nv) of a joint, after computeJointJacobians."""
-    place = (joint_id, reference_frame, "joint")
+    binding_key = (joint_id, reference_frame, "joint")
     try:
-        step, told = data._bound_at[place]
+        step, bound_reference = data._bound_at[binding_key]
     except (KeyError, TypeError):
-        step = told = not_applicable
-    if told is reference_frame and data._model is model:  # 0 equals WORLD, and is refused
-        found = step()
-        if found is not NotImplemented:
-            return found
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-    return _bind_at(model, data, place, ("joint", joint), at_joint(joint))
+        step = bound_reference = not_applicable
+    if bound_reference is reference_frame and data._model is model:  # 0 == WORLD, but a plain number raises
+        result = step()
+        if result is not NotImplemented:
+            return result
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
+    return _bind_at(model, data, binding_key, ("joint", joint), at_joint(joint))
 
 
 def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Floats:
     """The Jacobian (6, nv) of a joint in LOCAL."""
-    place = (joint_id, LOCAL, "joint at q")
+    binding_key = (joint_id, LOCAL, "joint at q")
     try:
-        found = data._bound_at[place][0](q) if data._model is model else NotImplemented
+        result = data._bound_at[binding_key][0](q) if data._model is model else NotImplemented
     except (KeyError, TypeError):
-        found = NotImplemented
-    if found is not NotImplemented:
-        return found
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-    return _at(model, data, place, None, at_joint(joint), q)
+        result = NotImplemented
+    if result is not NotImplemented:
+        return result
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
+    return _at(model, data, binding_key, None, at_joint(joint), q)
 
 
 def getFrameJacobian(
@@ -128,13 +128,13 @@ def getFrameJacobian(
         placement, reference_frame = reference_frame, None
     if reference_frame is None:
         try:
-            step, told = data._bound_at[frame_id, placement]
+            step, bound_reference = data._bound_at[frame_id, placement]
         except (KeyError, TypeError):
-            step = told = not_applicable
-        if told is placement and data._model is model:  # 0 equals WORLD, and is refused
-            found = step()
-            if found is not NotImplemented:
-                return found
+            step = bound_reference = not_applicable
+        if bound_reference is placement and data._model is model:  # 0 == WORLD, but a plain number raises
+            result = step()
+            if result is not NotImplemented:
+                return result
         if isinstance(placement, ReferenceFrame):
             return _bind_at(model, data, (frame_id, placement), at_frame(model, (frame_id,))[0], None)
     where, reference = split(tuple(x for x in (frame_id, placement) if x is not None), reference_frame)
@@ -143,17 +143,19 @@ def getFrameJacobian(
     return _jacobian(model, data, reference, key, frame)(q)
 
 
-def _bind_at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: Frame | None) -> Floats:
+def _bind_at(
+    model: Model, data: Data, binding_key: tuple[Any, ...], key: Any, fixed_frame: Frame | None
+) -> Floats:
     """The Jacobian of a frame in a reference, the second of `place`, computed and bound for the next time."""
-    reference = reference_of(place[1])
+    reference = reference_of(binding_key[1])
     q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
-    watch = model.watched("structure" if given is not None else "frame", key)  # first: see `run`
+    watch = model.watched("structure" if fixed_frame is not None else "frame", key)  # first: see `run`
     compiled = data.attach(model)
     if model.nvExtended != model.nv:  # columns of mimic joints are not told apart in `data.J`
-        return _jacobian(model, data, reference, key, given)(q)
+        return _jacobian(model, data, reference, key, fixed_frame)(q)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
-        frame = frames[key] if given is None else given
+        frame = frames[key] if fixed_frame is None else fixed_frame
 
         def run(J: Array, T: Array) -> tuple[Array, Array]:
             of = spatial.SE3(T[:3, :3], T[:3, 3])
@@ -166,11 +168,11 @@ def _bind_at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: 
     kernel = compiled.live(
         compiled.compile_at_frames(("J of", key, reference), build, J=(6, model.nv), T=(4, 4))
     )
-    joint = model.frames[key].parentJoint if given is None else given.joint + 1
-    placed = data._arrays["oMf"][key] if given is None else np.empty((4, 4))
+    joint = model.frames[key].parentJoint if fixed_frame is None else fixed_frame.joint + 1
+    placed = data._arrays["oMf"][key] if fixed_frame is None else np.empty((4, 4))
     read = data._arrays["J"], data._arrays["oMi"][joint]
     step = BoundKernel(kernel, not_read(kernel, watch), [placed], read).call
-    data._bound_at[place] = step, place[1]
+    data._bound_at[binding_key] = step, binding_key[1]
     return step()
 
 
@@ -178,24 +180,26 @@ def computeFrameJacobian(
     model: Model, data: Data, q: Any, frame_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
     """The Jacobian (6, nv) of a frame at q."""
-    place = (frame_id, reference_frame, "at q")
+    binding_key = (frame_id, reference_frame, "at q")
     try:
-        step, told = data._bound_at[place]
+        step, bound_reference = data._bound_at[binding_key]
     except (KeyError, TypeError):
-        step = told = not_applicable
-    if told is reference_frame and data._model is model:  # 0 equals WORLD, and is refused
-        found = step(q)
-        if found is not NotImplemented:
-            return found
-    return _at(model, data, place, at_frame(model, (frame_id,))[0], None, q)
+        step = bound_reference = not_applicable
+    if bound_reference is reference_frame and data._model is model:  # 0 == WORLD, but a plain number raises
+        result = step(q)
+        if result is not NotImplemented:
+            return result
+    return _at(model, data, binding_key, at_frame(model, (frame_id,))[0], None, q)
 
 
-def _at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: Frame | None, q: Any) -> Floats:
+def _at(
+    model: Model, data: Data, binding_key: tuple[Any, ...], key: Any, fixed_frame: Frame | None, q: Any
+) -> Floats:
     """The Jacobian at q of a frame in a reference, the second of `place`, computed and bound for the next time."""
-    reference = reference_of(place[1])
+    reference = reference_of(binding_key[1])
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
-        frame = given or frames[key]
+        frame = fixed_frame or frames[key]
 
         def run(q: Array) -> tuple[Array, ...]:
             J = algorithms.frame_jacobian(core, q, frame, reference)
@@ -204,14 +208,14 @@ def _at(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: Frame
         return run
 
     record = _JACOBIAN if reference == "local" else _JACOBIAN_AND_PLACEMENTS
-    return run_at_frame(model, data, record, place, key, build, q)
+    return run_at_frame(model, data, record, binding_key, key, build, q)
 
 
-def _jacobian(model: Model, data: Data, reference: Reference, key: Any, given: Frame | None) -> Any:
+def _jacobian(model: Model, data: Data, reference: Reference, key: Any, fixed_frame: Frame | None) -> Any:
     compiled = compiled_for(model, data)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
-        frame = frames[key] if given is None else given
+        frame = frames[key] if fixed_frame is None else fixed_frame
         return lambda q: algorithms.frame_jacobian(core, q, frame, reference)
 
     return compiled.compile_at_frames(("J", key, reference), build, q=(model.nq,))
@@ -236,24 +240,24 @@ def getJointJacobianTimeVariation(
     model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
     """The time derivative (6, nv) of a joint's Jacobian, after computeJointJacobiansTimeVariation."""
-    place = (joint_id, reference_frame, "joint dJ")
-    found = _known(model, data, place)
-    if found is NotImplemented:
-        joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
-        found = _bind_dot(model, data, place, ("joint", joint), at_joint(joint))
-    return found
+    binding_key = (joint_id, reference_frame, "joint dJ")
+    result = _known(model, data, binding_key)
+    if result is NotImplemented:
+        joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
+        result = _bind_dot(model, data, binding_key, ("joint", joint), at_joint(joint))
+    return result
 
 
 def getFrameJacobianTimeVariation(
     model: Model, data: Data, frame_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
     """The time derivative (6, nv) of a frame's Jacobian, after computeJointJacobiansTimeVariation."""
-    place = (frame_id, reference_frame, "dJ")
-    found = _known(model, data, place)
-    if found is NotImplemented:
-        found = _bind_dot(model, data, place, at_frame(model, (frame_id,))[0], None)
+    binding_key = (frame_id, reference_frame, "dJ")
+    result = _known(model, data, binding_key)
+    if result is NotImplemented:
+        result = _bind_dot(model, data, binding_key, at_frame(model, (frame_id,))[0], None)
     updateFramePlacement(model, data, frame_id)
-    return found
+    return result
 
 
 def frameJacobianTimeVariation(
@@ -265,30 +269,34 @@ def frameJacobianTimeVariation(
     return getFrameJacobianTimeVariation(model, data, frame_id, reference_frame)
 
 
-def _known(model: Model, data: Data, place: tuple[Any, ...]) -> Any:
-    """What was asked for before, in a reference that is second of `place`, is one native call."""
+def _known(model: Model, data: Data, binding_key: tuple[Any, ...]) -> Any:
+    """The result of a call that was made before, by one native call; the reference frame is second of the key."""
     try:
-        step, told = data._bound_at[place]
+        step, bound_reference = data._bound_at[binding_key]
     except (KeyError, TypeError):
         return NotImplemented
-    return step() if told is place[1] and data._model is model else NotImplemented  # 0 equals WORLD
+    return (
+        step() if bound_reference is binding_key[1] and data._model is model else NotImplemented
+    )  # 0 equals WORLD
 
 
-def _bind_dot(model: Model, data: Data, place: tuple[Any, ...], key: Any, given: Frame | None) -> Floats:
+def _bind_dot(
+    model: Model, data: Data, binding_key: tuple[Any, ...], key: Any, fixed_frame: Frame | None
+) -> Floats:
     """The time derivative of the Jacobian of a frame, computed and bound for the next time; see `_bind_at`."""
-    reference = reference_of(place[1])
+    reference = reference_of(binding_key[1])
     read = data.require(data._qv_of_jacobians, "computeJointJacobiansTimeVariation(model, data, q, v)")
-    watch = model.watched("placements") + ([] if given is not None else model.watched("frame", key))
+    watch = model.watched("placements") + ([] if fixed_frame is not None else model.watched("frame", key))
     compiled = data.attach(model)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
-        frame = given or frames[key]
+        frame = fixed_frame or frames[key]
         return lambda q, v: algorithms.frame_jacobian_dot(core, q, v, frame, reference)
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,)}
     kernel = compiled.live(compiled.compile_at_frames(("dJ", key, reference), build, **shapes))
     step = BoundKernel(kernel, not_read(kernel, watch), given=read).call
-    data._bound_at[place] = step, place[1]
+    data._bound_at[binding_key] = step, binding_key[1]
     return step()
 
 
@@ -299,7 +307,7 @@ def computeJointKinematicHessians(model: Model, data: Data, q: Any = None) -> No
 
 def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
     """The derivative (6, nv, nv) of a joint's Jacobian by q; [:, j, k] is that of column j by entry k."""
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _hessian(model, data, reference_of(reference_frame), ("joint", joint), at_joint(joint))
 
 
@@ -309,12 +317,12 @@ def getFrameKinematicHessian(model: Model, data: Data, frame_id: int, reference_
     return _hessian(model, data, reference_of(reference_frame), key, None)
 
 
-def _hessian(model: Model, data: Data, reference: Reference, key: Any, given: Frame | None) -> Floats:
+def _hessian(model: Model, data: Data, reference: Reference, key: Any, fixed_frame: Frame | None) -> Floats:
     q = data.require(data._q_of_jacobians, "computeJointKinematicHessians(model, data, q)")
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
-        frame = frames[key] if given is None else given
+        frame = frames[key] if fixed_frame is None else fixed_frame
         return lambda q: algorithms.frame_hessian(core, q, frame, reference)
 
-    found = compiled_for(model, data).compile_at_frames(("H", key, reference), build, q=(model.nq,))(q)
-    return np.ascontiguousarray(np.moveaxis(found, 0, 2))
+    result = compiled_for(model, data).compile_at_frames(("H", key, reference), build, q=(model.nq,))(q)
+    return np.ascontiguousarray(np.moveaxis(result, 0, 2))

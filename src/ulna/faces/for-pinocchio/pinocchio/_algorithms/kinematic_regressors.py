@@ -24,17 +24,17 @@ def computeJointKinematicRegressor(
         model: The model.
         data: Its data, after `forwardKinematics`.
         joint_id: The joint.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: how the twist of the frame is told.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: the reference frame of the twist.
         placement: Where the frame is in the frame of the joint; at the joint when not given.
     """
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     frame = data.oMi[joint] * (SE3() if placement is None else placement)
-    told = {
+    choices = {
         "local": frame.inverse(),
         "world": SE3(),
         "local_world_aligned": SE3(np.eye(3), -frame.translation),
     }
-    to = told[reference_of(reference_frame)]
+    to = choices[reference_of(reference_frame)]
     out = np.zeros((6, 6 * (model.njoints - 1)))
     for i in model.supports[joint][1:]:
         place = data.oMi[model.parents[i]] * model.jointPlacements[i]
@@ -46,6 +46,6 @@ def computeFrameKinematicRegressor(
     model: Model, data: Data, frame_id: int, reference_frame: ReferenceFrame
 ) -> Any:
     """The same of a frame; see `computeJointKinematicRegressor`."""
-    frame = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")]
+    frame = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")]
     updateFramePlacement(model, data, frame_id)
     return computeJointKinematicRegressor(model, data, frame.parentJoint, reference_frame, frame.placement)

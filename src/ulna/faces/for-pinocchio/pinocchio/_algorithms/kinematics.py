@@ -135,21 +135,21 @@ def updateFramePlacements(model: Model, data: Data) -> None:
 def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
     """Fills `data.oMf[frame_id]` from `data.oMi`, and returns a copy."""
     step = data._bound_at.get(("frames", frame_id), not_applicable)
-    found = step() if data._model is model else NotImplemented
-    if found is NotImplemented:
+    T = step() if data._model is model else NotImplemented
+    if T is NotImplemented:
         check_frames(model, data)
-        place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")
+        place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")
         data.require(data._q, "forwardKinematics(model, data, q)")
         data.attach(model)
         watch, frame = [(changes, changes.copy())], model.frames[place]
-        given = data._arrays["oMi"][frame.parentJoint], frame.placement._m
+        factors = data._arrays["oMi"][frame.parentJoint], frame.placement._m
         into = data._arrays["oMf"][place]
         step = se3_kernel("product").into(
-            into, returns=(0,), watch=watch, otherwise=not_applicable, given=given
+            into, returns=(0,), watch=watch, otherwise=not_applicable, given=factors
         )
         data._bound_at["frames", frame_id] = step
-        found = step()
-    return SE3._of(found)
+        T = step()
+    return SE3._of(T)
 
 
 def updateGlobalPlacements(model: Model, data: Data) -> None:
@@ -164,18 +164,18 @@ def updateGlobalPlacements(model: Model, data: Data) -> None:
 
 
 def at_joint(joint: int) -> Frame:
-    """The frame of a joint, for the core."""
+    """The frame of a joint, for Ulna."""
     return Frame("", joint - 1, spatial.SE3.identity(), "user", "", spatial.SE3.identity())
 
 
 def at_frame(model: Model, place: Any) -> tuple[Any, Any]:
-    """A key and the tower's frame of an index of a frame, or of (index of a joint, placement)."""
+    """A key and Ulna's frame of an index of a frame, or of (index of a joint, placement)."""
     if len(place) == 1:
-        return index(place[0], model.nframes, "frame", "model.getFrameId(name) gives one."), None
+        return index(place[0], model.nframes, "frame", "model.getFrameId(name) returns one."), None
     joint, M = place
-    joint = index(joint, model.njoints, "joint", "model.getJointId(name) gives one.")
-    given = Frame("", joint - 1, M._pose(), "user", "", spatial.SE3.identity())
-    return (joint, M._m.tobytes()), given
+    joint = index(joint, model.njoints, "joint", "model.getJointId(name) returns one.")
+    fixed_frame = Frame("", joint - 1, M._pose(), "user", "", spatial.SE3.identity())
+    return (joint, M._m.tobytes()), fixed_frame
 
 
 def split(rest: tuple[Any, ...], rf: Any) -> tuple[tuple[Any, ...], Reference]:
@@ -188,31 +188,31 @@ def split(rest: tuple[Any, ...], rf: Any) -> tuple[tuple[Any, ...], Reference]:
 
 
 def _quick(kind: str) -> Callable[[Asked], Asked]:
-    """Answers what was asked for before with one native call, and leaves all else to the function."""
+    """Repeats a call with the same arguments by one native call, and leaves all others to the function."""
 
     def decorate(function: Any) -> Any:
         @functools.wraps(function)
-        def asked(
-            model: Model, data: Data, place: Any = None, told: Any = None, *rest: Any, **named: Any
+        def call(
+            model: Model, data: Data, place: Any = None, reference: Any = None, *rest: Any, **named: Any
         ) -> Motion:
             if rest or named:
-                given = (x for x in (place, told) if x is not None)
-                return function(model, data, *given, *rest, **named)
-            if told is None:
-                told = LOCAL
+                args = (x for x in (place, reference) if x is not None)
+                return function(model, data, *args, *rest, **named)
+            if reference is None:
+                reference = LOCAL
             try:
-                step, known = data._bound_at[place, told, kind]
+                step, bound_reference = data._bound_at[place, reference, kind]
             except (KeyError, TypeError):
-                step, known = not_applicable, None
-            if known is told and data._model is model:  # 0 equals WORLD, and is refused
-                found = step()
-                if found is not NotImplemented:
+                step, bound_reference = not_applicable, None
+            if bound_reference is reference and data._model is model:  # 0 == WORLD, but a plain number raises
+                values = step()
+                if values is not NotImplemented:
                     motion = _new(Motion)
-                    motion._v = found
+                    motion._v = values
                     return motion
-            return function(model, data, place, told)
+            return function(model, data, place, reference)
 
-        return asked
+        return call
 
     return decorate
 
@@ -263,18 +263,18 @@ def getFrameClassicalAcceleration(
 
 
 def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -> Motion:
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _motion(model, data, kind, reference_of(rf), joint, _HERE, (joint_id, rf, f"joint {kind}"))
 
 
 def _frame_motion(model: Model, data: Data, frame_id: int, placement: Any, rf: Any, kind: str) -> Motion:
     where, reference = split(tuple(x for x in (frame_id, placement) if x is not None), rf)
-    key, given = at_frame(model, where)
-    if given is not None:
+    key, fixed_frame = at_frame(model, where)
+    if fixed_frame is not None:
         return _motion(model, data, kind, reference, key[0], where[1]._m)
-    frame, told = model.frames[key], (LOCAL if rf is None else rf) if placement is None else placement
+    frame, key_part = model.frames[key], (LOCAL if rf is None else rf) if placement is None else placement
     return _motion(
-        model, data, kind, reference, frame.parentJoint, frame.placement._m, (frame_id, told, kind)
+        model, data, kind, reference, frame.parentJoint, frame.placement._m, (frame_id, key_part, kind)
     )
 
 
@@ -296,16 +296,16 @@ def _motion(
     else:
         data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
     step = data._bound_at.get(place, (not_applicable,))[0] if data._model is model else not_applicable
-    found = step()  # what was late may be there now
-    if found is NotImplemented:
+    motion = step()  # deferred fields may be filled now
+    if motion is NotImplemented:
         fields = ("v",) if kind == "velocity" else ("v", "a")
         arrays = [np.ascontiguousarray(placement), *(data._arrays[x][joint] for x in ("oMi", *fields))]
         kernel = _seen_from(kind, reference)
         if place is not None and data._model is model:
             watch += [(data.mark_of(field), np.zeros(())) for field in fields]
             data._bound_at[place] = BoundKernel(kernel, watch, given=arrays).call, place[1]
-        found = kernel(*arrays)
-    return Motion._of(found)
+        motion = kernel(*arrays)
+    return Motion._of(motion)
 
 
 @cache

@@ -43,7 +43,7 @@ def getJointVelocityDerivatives(
     model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
 ) -> tuple[Floats, Floats]:
     """Derivatives of a joint's velocity by q and v, (6, nv) each."""
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, False)
 
 
@@ -53,15 +53,15 @@ def getFrameVelocityDerivatives(
 ) -> tuple[Floats, Floats]:
     """Derivatives of a frame's velocity (its index, or a joint's and a placement) by q and v, (6, nv) each."""
     *where, rf = place if reference_frame is None else (*place, reference_frame)
-    key, given = at_frame(model, tuple(where))
-    return _motions(model, data, key, given, rf, False)
+    key, fixed_frame = at_frame(model, tuple(where))
+    return _motions(model, data, key, fixed_frame, rf, False)
 
 
 def getJointAccelerationDerivatives(
     model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
 ) -> tuple[Floats, ...]:
     """Derivatives of a joint's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, True)
 
 
@@ -71,23 +71,23 @@ def getFrameAccelerationDerivatives(
 ) -> tuple[Floats, ...]:
     """Derivatives of a frame's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
     *where, rf = place if reference_frame is None else (*place, reference_frame)
-    key, given = at_frame(model, tuple(where))
-    return _motions(model, data, key, given, rf, True)
+    key, fixed_frame = at_frame(model, tuple(where))
+    return _motions(model, data, key, fixed_frame, rf, True)
 
 
-def _motions(model: Model, data: Data, key: Any, given: Frame | None, rf: Any, with_a: bool) -> Any:
+def _motions(model: Model, data: Data, key: Any, fixed_frame: Frame | None, rf: Any, with_a: bool) -> Any:
     reference = reference_of(rf)
     state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
-        frame = frames[key] if given is None else given
+        frame = frames[key] if fixed_frame is None else fixed_frame
 
         return lambda q, v, a: algorithms.motion_derivatives(core, q, v, a, frame, reference)
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
     kernel = compiled_for(model, data).compile_at_frames(("derivatives", key, reference), build, **shapes)
     V_q, V_v, *of_a = kernel(*state)
-    if given is None:
+    if fixed_frame is None:
         updateFramePlacement(model, data, key)
     return (V_q, *of_a) if with_a else (V_q, V_v)
 

@@ -43,15 +43,15 @@ def buildReducedModel(model: Model, *rest: Any) -> Any:
     """
     *geometries, locked, reference = rest
     several = bool(geometries) and isinstance(geometries[0], (list, tuple))
-    given = list(geometries[0]) if several else geometries
+    geometry_models = list(geometries[0]) if several else geometries
     out, moved = _locked(model, [index(i, model.njoints, "joint", _NAMES) for i in locked], reference)
-    if not given:
+    if not geometry_models:
         return out
-    reduced = [_moved_geometry(g, moved) for g in given]
+    reduced = [_moved_geometry(g, moved) for g in geometry_models]
     return (out, reduced) if several else (out, reduced[0])
 
 
-_NAMES = "model.getJointId(name) gives one."
+_NAMES = "model.getJointId(name) returns one."
 
 
 def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, list[tuple[int, SE3]]]:
@@ -88,14 +88,14 @@ def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, lis
         moved.append((new, SE3()))
     for frame in model.frames:
         carrier, M = moved[frame.parentJoint]
-        kept = frame.copy()
+        copied = frame.copy()
         if (
             frame.type == FrameType.JOINT and frame.parentJoint in locked
         ):  # it carries the body, as a fixed joint
-            kept.type, kept.parentFrame = FrameType.FIXED_JOINT, out.nframes
-            kept.inertia = model.inertias[frame.parentJoint]
-        kept.parentJoint, kept.placement = carrier, M * frame.placement
-        out.frames.append(kept)
+            copied.type, copied.parentFrame = FrameType.FIXED_JOINT, out.nframes
+            copied.inertia = model.inertias[frame.parentJoint]
+        copied.parentJoint, copied.placement = carrier, M * frame.placement
+        out.frames.append(copied)
     out.nbodies = out.njoints
     free = [k for j in model.joints[1:] if j.id not in locked for k in range(j.idx_q, j.idx_q + j.nq)]
     out.referenceConfigurations = {n: r[free] for n, r in model.referenceConfigurations.items()}
@@ -148,7 +148,7 @@ def appendModel(modelA: Model, modelB: Model, *rest: Any) -> Any:
         The model, or (model, geometry model).
     """
     *geometries, frame_id, aMb = rest
-    at = index(frame_id, modelA.nframes, "frame", "model.getFrameId(name) gives one.")
+    at = index(frame_id, modelA.nframes, "frame", "model.getFrameId(name) returns one.")
     carrier = modelA.frames[at].parentJoint
     base = modelA.frames[at].placement * aMb
     out = Model()
@@ -199,10 +199,10 @@ class Part:
                 out._inertias[self.joints[0]] += model.inertias[0].se3Action(self.base)
             for k, frame in enumerate(model.frames):
                 if k and frame.parentJoint == i:
-                    kept = frame.copy()
-                    kept.parentJoint, kept.parentFrame = self.joints[i], 0
-                    kept.placement = self.base * frame.placement if i == 0 else frame.placement
-                    self.frames[k] = out.addFrame(kept, False)
+                    copied = frame.copy()
+                    copied.parentJoint, copied.parentFrame = self.joints[i], 0
+                    copied.placement = self.base * frame.placement if i == 0 else frame.placement
+                    self.frames[k] = out.addFrame(copied, False)
         return added
 
     def tie_frames(self) -> None:
@@ -213,7 +213,7 @@ class Part:
                 self.out.frames[new].parentFrame = self.frames[frame.parentFrame]
 
     def place(self) -> None:
-        """Adds its named configurations; what else the model has is neutral there, or as another part has told."""
+        """Adds its named configurations; what else the model has is neutral there, or as set by another part."""
         out = self.out
         for name, posture in self.model.referenceConfigurations.items():
             if name not in out.referenceConfigurations:
@@ -221,8 +221,8 @@ class Part:
             q = out.referenceConfigurations[name]
             for old, new in self.joints.items():
                 if old:
-                    own, made = self.model.joints[old], out.joints[new]
-                    q[made.idx_q : made.idx_q + made.nq] = posture[own.idx_q : own.idx_q + own.nq]
+                    source, made = self.model.joints[old], out.joints[new]
+                    q[made.idx_q : made.idx_q + made.nq] = posture[source.idx_q : source.idx_q + source.nq]
 
 
 def _joined_geometries(models: dict[Part, Any], order: list[tuple[Part, int]]) -> Any:

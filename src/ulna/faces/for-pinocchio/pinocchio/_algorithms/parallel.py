@@ -11,7 +11,7 @@ from ulna.errors import InputError
 
 
 class ModelPool:
-    """A model with several data; the number of threads is told to each call."""
+    """A model with several data; the number of threads is an argument of each call."""
 
     def __init__(self, model: Model | ModelPool, size: int = 1) -> None:
         if isinstance(model, ModelPool):
@@ -25,8 +25,10 @@ class ModelPool:
 
     def resize(self, new_size: int) -> None:
         """Changes how many data there are."""
-        kept = list(self._datas)[: int(new_size)]
-        self._datas = StdVec([*kept, *(self._model.createData() for _ in range(int(new_size) - len(kept)))])
+        remaining = list(self._datas)[: int(new_size)]
+        self._datas = StdVec(
+            [*remaining, *(self._model.createData() for _ in range(int(new_size) - len(remaining)))]
+        )
 
     def update(self, data: Data) -> None:
         """Makes all data like one."""
@@ -52,7 +54,7 @@ class ModelPool:
         return index(place, self.size(), "place in the pool", "pool.resize(n) makes more.")
 
     def copy(self) -> Any:
-        """One of its own."""
+        """A copy."""
         return type(self)(self)
 
     __copy__ = copy
@@ -75,9 +77,9 @@ def _many(name: str, threads: int, pool: ModelPool, columns: tuple[Any, ...], in
     count = getattr(columns[0], "shape", (0, 0))[-1]
     sizes = (model.nq, model.nv, model.nv)
     rows = [matrix(c, (n, count), "columns").T for c, n in zip(columns, sizes, strict=True)]
-    found = model.compiled().core_kernel(name)(*rows, threads=int(threads)).T
+    results = model.compiled().core_kernel(name)(*rows, threads=int(threads)).T
     if into is None:
-        return found
-    matrix(into, found.shape, "result")
-    into[:] = found
+        return results
+    matrix(into, results.shape, "result")
+    into[:] = results
     return None

@@ -30,31 +30,31 @@ def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any
     """The matrix (nv, 10 (njoints - 1)) that makes torques of dynamic parameters."""
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
     compiled = data.attach(model)
-    found = compiled.kernel("joint_torque_regressor")(*state)
+    regressor = compiled.kernel("joint_torque_regressor")(*state)
     defer_joint_placements(data, compiled, *state[:2])
     data.defer(BODIES["f"], ("v", "ov", "a_gf", "oa_gf"), compiled, *(x.copy() for x in state))
-    return _kept(data, "jointTorqueRegressor", found)
+    return _stored(data, "jointTorqueRegressor", regressor)
 
 
 def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
     """The matrix (3, 4 (njoints - 1)) that makes the centre of mass of masses and first moments."""
     forwardKinematics(model, data, q)
     kernel = compiled_for(model, data).kernel("static_regressor")
-    return _kept(data, "staticRegressor", kernel(vector(q, model.nq, "q")))
+    return _stored(data, "staticRegressor", kernel(vector(q, model.nq, "q")))
 
 
 def computeKineticEnergyRegressor(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The vector (10 (njoints - 1),) that makes kinetic energy of dynamic parameters."""
     forwardKinematics(model, data, q, v)
     kernel = compiled_for(model, data).kernel("kinetic_energy_regressor")
-    return _kept(data, "kineticEnergyRegressor", kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v")))
+    return _stored(data, "kineticEnergyRegressor", kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v")))
 
 
 def computePotentialEnergyRegressor(model: Model, data: Data, q: Any) -> Floats:
     """The same of potential energy."""
     forwardKinematics(model, data, q)
     kernel = compiled_for(model, data).kernel("potential_energy_regressor")
-    return _kept(data, "potentialEnergyRegressor", kernel(vector(q, model.nq, "q")))
+    return _stored(data, "potentialEnergyRegressor", kernel(vector(q, model.nq, "q")))
 
 
 def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:
@@ -65,13 +65,13 @@ def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:
 
 def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
     """The regressor (6, 10) of the body of a joint, after rnea."""
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) gives one.")
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _body(model, data, joint, SE3())
 
 
 def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     """The same in a frame of the body."""
-    frame = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")]
+    frame = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")]
     return _body(model, data, frame.parentJoint, frame.placement)
 
 
@@ -80,9 +80,9 @@ def _body(model: Model, data: Data, joint: int, placement: SE3) -> Floats:
     compiled_for(model, data)
     data.require(data._qv, "rnea(model, data, q, v, a)")
     moves = (placement.actInv(motion[joint]) for motion in (data.v, data.a_gf))
-    return _kept(data, "bodyRegressor", bodyRegressor(*moves))
+    return _stored(data, "bodyRegressor", bodyRegressor(*moves))
 
 
-def _kept(data: Data, name: str, found: Floats) -> Floats:
-    data._arrays[name][:] = found
-    return found
+def _stored(data: Data, name: str, regressor: Floats) -> Floats:
+    data._arrays[name][:] = regressor
+    return regressor

@@ -11,7 +11,7 @@ from pinocchio._spatial.se3 import SE3
 
 
 def computeSupportedInertiaByFrame(model: Model, data: Data, frame_id: int, with_subtree: bool) -> Inertia:
-    """The inertia of all that hangs on a frame, told in it, where `data.oMi` has the joints.
+    """The inertia of all that hangs on a frame, in its axes, where `data.oMi` has the joints.
 
     Args:
         model: The model.
@@ -19,30 +19,30 @@ def computeSupportedInertiaByFrame(model: Model, data: Data, frame_id: int, with
         frame_id: The frame.
         with_subtree: Whether joints that hang on it count; else the frames on its own joint alone.
     """
-    own, children = _behind(model, frame_id)
+    inertia, children = _behind(model, frame_id)
     if with_subtree:
         frame = model.frames[frame_id]
         back = (data.oMi[frame.parentJoint] * frame.placement).inverse()
         for child in children:
             for joint in model.subtrees[child]:
-                own += model.inertias[joint].se3Action(back * data.oMi[joint])
-    return own
+                inertia += model.inertias[joint].se3Action(back * data.oMi[joint])
+    return inertia
 
 
 def computeSupportedForceByFrame(model: Model, data: Data, frame_id: int) -> Force:
-    """The force that all that hangs on a frame is moved with, told in it; after `rnea`."""
-    own, children = _behind(model, frame_id)
+    """The force that all that hangs on a frame is moved with, in its axes; after `rnea`."""
+    inertia, children = _behind(model, frame_id)
     frame = model.frames[frame_id]
     v, a = (frame.placement.actInv(list_[frame.parentJoint]) for list_ in (data.v, data.a_gf))
-    force = own * a + own.vxiv(v)
+    force = inertia * a + inertia.vxiv(v)
     for child in children:
         force += frame.placement.actInv(data.liMi[child].act(data.f[child]))
     return force
 
 
 def _behind(model: Model, frame_id: int) -> tuple[Inertia, list[int]]:
-    """The inertia of the frames on the same joint that hang on a frame, told in it, and the joints that do."""
-    first = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) gives one.")]
+    """The inertia of the frames on the same joint that hang on a frame, in its axes, and the joints that do."""
+    first = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")]
     joint, back = first.parentJoint, first.placement.inverse()
     carried = {int(frame_id)}
     total = Inertia(first.inertia)

@@ -1,4 +1,4 @@
-"""Constraints that tell where their second frame is, seen from the first: anchors of points and frames, contacts."""
+"""Constraints that measure the second frame in the first: anchors of points and frames, contacts."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
-from pinocchio._constraints.frame_pair import ContactType, Pair
-from pinocchio._constraints.kernels import bonds_of
+from pinocchio._constraints.frame_pair import ContactType, FramePair
+from pinocchio._constraints.kernels import core_constraints
 from pinocchio._constraints.rigid_constraint_model import RigidConstraintModel
 from pinocchio._containers.arrays import numbers, vector
 from pinocchio._containers.enums import ReferenceFrame
@@ -85,7 +85,7 @@ class PointContactConstraintData(_Known):
     __slots__ = ()
 
 
-class _Anchor(Pair):
+class _Anchor(FramePair):
     """`(model, joint1[, placement1[, joint2[, placement2]]])`: two frames, of which the second may be the world's."""
 
     __slots__ = (
@@ -145,20 +145,20 @@ class _Anchor(Pair):
 
         def build(core: CoreModel) -> Any:
             def run(q: Array, v: Array, a: Array, places: Array) -> tuple[Array, ...]:
-                return tuple(constraint_seen(core, q, v, a, bonds_of(shapes, places)[0]))
+                return tuple(constraint_seen(core, q, v, a, core_constraints(shapes, places)[0]))
 
             return run
 
-        given = (*state, self._places[None])
-        sizes: dict[str, Any] = dict(zip(("q", "v", "a", "places"), (x.shape for x in given), strict=True))
-        found = compiled_for(model, data).compile(("constraint seen", shapes), build, **sizes)(*given)
-        place, constraint_data._J, velocity, acceleration = found
+        inputs = (*state, self._places[None])
+        sizes: dict[str, Any] = dict(zip(("q", "v", "a", "places"), (x.shape for x in inputs), strict=True))
+        result = compiled_for(model, data).compile(("constraint motion", shapes), build, **sizes)(*inputs)
+        place, constraint_data._J, velocity, acceleration = result
         wanted = (
             self.desired_constraint_offset,
             self.desired_constraint_velocity,
             self.desired_constraint_acceleration,
         )
-        if self._rows == 6:  # as there, frames are told without what is desired of them
+        if self._rows == 6:  # as there, frames are measured without the desired motion
             wanted = (0.0, 0.0, 0.0)
         constraint_data.constraint_position_error[:] = place - wanted[0]
         constraint_data.constraint_velocity_error[:] = velocity - wanted[1]
@@ -171,7 +171,7 @@ class _Anchor(Pair):
     def _fits(self, model: Model, constraint_data: Any) -> None:
         if type(constraint_data) is not self._data:
             raise InputError(
-                f"The data of the constraint is {constraint_data!r}; expected what its createData() gives."
+                f"The data of the constraint is {constraint_data!r}; expected what its createData() returns."
             )
         if not max(self.joint1_id, self.joint2_id) < model.njoints or self.nv != model.nv:
             raise InputError(
@@ -198,7 +198,7 @@ class _Anchor(Pair):
         return self.jacobian(model, data, constraint_data).T @ _rows_of(matrix, self._rows)
 
     def copy(self) -> Any:
-        """One of its own, with the same numbers."""
+        """A copy."""
         cls: Any = type(self)
         other = cls.__new__(cls)
         other._places = self._places.copy()
@@ -274,24 +274,24 @@ def convertToRigidConstraintModel(
         constraint.joint2_id,
         constraint.joint2_placement,
     )
-    found = RigidConstraintModel(kind, model, *ends, reference_frame)
-    rest = np.zeros(6 - constraint.residualSize())
+    rigid = RigidConstraintModel(kind, model, *ends, reference_frame)
+    padding = np.zeros(6 - constraint.residualSize())
     offset, velocity, acceleration = (
-        np.concatenate([x, rest])
+        np.concatenate([x, padding])
         for x in (
             constraint.desired_constraint_offset,
             constraint.desired_constraint_velocity,
             constraint.desired_constraint_acceleration,
         )
     )
-    found.name = constraint.name
-    found.desired_contact_placement = exp6(offset) if is_frame else SE3(np.eye(3), offset[:3])
-    found.desired_contact_velocity, found.desired_contact_acceleration = (
+    rigid.name = constraint.name
+    rigid.desired_contact_placement = exp6(offset) if is_frame else SE3(np.eye(3), offset[:3])
+    rigid.desired_contact_velocity, rigid.desired_contact_acceleration = (
         Motion(velocity),
         Motion(acceleration),
     )
-    found.setBaumgarteCorrectorParameters(constraint.baumgarte_corrector_parameters)
-    return found
+    rigid.setBaumgarteCorrectorParameters(constraint.baumgarte_corrector_parameters)
+    return rigid
 
 
 def _state(model: Model, data: Data) -> tuple[Floats, Floats, Floats]:
@@ -305,8 +305,8 @@ def _state(model: Model, data: Data) -> tuple[Floats, Floats, Floats]:
     return q, v, a
 
 
-def _rows_of(given: Any, rows: int) -> Floats:
-    found = numbers(given, "matrix")
-    if found.ndim not in (1, 2) or found.shape[0] != rows:
-        raise ShapeError("matrix", found.shape, f"({rows},) or ({rows}, k)")
-    return found
+def _rows_of(value: Any, rows: int) -> Floats:
+    array = numbers(value, "matrix")
+    if array.ndim not in (1, 2) or array.shape[0] != rows:
+        raise ShapeError("matrix", array.shape, f"({rows},) or ({rows}, k)")
+    return array

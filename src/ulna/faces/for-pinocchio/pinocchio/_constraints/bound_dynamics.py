@@ -1,4 +1,4 @@
-"""Constraints bound to a Data: one native call reads them, computes, and writes what is known then."""
+"""Constraints bound to a Data: one native call reads them, computes, and writes the results."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIANS, computeJointJacobiansTimeVariation
-from pinocchio._constraints.deferred_state import Left
+from pinocchio._constraints.deferred_state import DeferredConstraintState
 from pinocchio._constraints.frame_pair import changes
-from pinocchio._constraints.kernels import bonds_of
-from pinocchio._constraints.rigid_constraint import paired, shapes_of
+from pinocchio._constraints.kernels import core_constraints
+from pinocchio._constraints.rigid_constraint import checked_constraints, structures_of
 from pinocchio._containers.arrays import exact
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import side_outputs
@@ -38,12 +38,12 @@ from ulna.model import Model as CoreModel
 from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
 
-_MOST = 8
+_MOST_SETS = 8
 """So many lists of constraints does a Data know."""
 
 
 @final
-class Ties:
+class ConstraintSet:
     """A list of constraints with its data, for one model, and the algorithms bound to them.
 
     Attributes:
@@ -52,8 +52,8 @@ class Ties:
     """
 
     def __init__(self, model: Model, models: Any, datas: Any) -> None:
-        self.model, self.models, self.datas = model, paired(model, models, datas), list(datas)
-        self.version, self.shapes = changes[0], shapes_of(self.models)
+        self.model, self.models, self.datas = model, checked_constraints(model, models, datas), list(datas)
+        self.version, self.shapes = changes[0], structures_of(self.models)
         self.places = tuple(one._places for one in self.models)
         self.live = tuple(
             x
@@ -62,7 +62,7 @@ class Ties:
         )
         self.runs: dict[Any, Any] = {}
 
-    def serves(self, model: Model, models: Any, datas: Any) -> bool:
+    def matches(self, model: Model, models: Any, datas: Any) -> bool:
         """Whether it was made for these."""
         return (
             self.model is model
@@ -72,132 +72,150 @@ class Ties:
         )
 
 
-def tied(model: Model, data: Data, models: Any, datas: Any) -> Ties:
+def constraint_set_of(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet:
     """The constraints as they are bound to a Data.
 
     Raises:
-        InputError: see `paired`; the Data does not fit the model.
+        InputError: see `checked_constraints`; the Data does not fit the model.
     """
-    found = known_ties(model, data, models, datas)
-    if found is None:
+    constraint_set = known_constraint_set(model, data, models, datas)
+    if constraint_set is None:
         data.attach(model)
         models, datas = list(models), list(datas)
-        found = known_ties(model, data, models, datas)
-    if found is None:
-        found = Ties(model, models, datas)
+        constraint_set = known_constraint_set(model, data, models, datas)
+    if constraint_set is None:
+        constraint_set = ConstraintSet(model, models, datas)
         data._constraint_sets = [
-            *(ties for ties in data._constraint_sets if ties.version == changes[0]),
-            found,
-        ][-_MOST:]
-    return found
+            *(
+                constraint_set
+                for constraint_set in data._constraint_sets
+                if constraint_set.version == changes[0]
+            ),
+            constraint_set,
+        ][-_MOST_SETS:]
+    return constraint_set
 
 
-def known_ties(model: Model, data: Data, models: Any, datas: Any) -> Ties | None:
+def known_constraint_set(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet | None:
     """The same where they have been bound before, else None."""
-    for ties in data._constraint_sets:
-        if ties.serves(model, models, datas):
-            return ties
+    for constraint_set in data._constraint_sets:
+        if constraint_set.matches(model, models, datas):
+            return constraint_set
     return None
 
 
 @final
-class Solved:
-    """What an algorithm under constraints found, and of what."""
+class ConstraintSolution:
+    """The result of an algorithm under constraints, and the state it belongs to."""
 
-    def __init__(self, model: Model, ties: Ties, impact: bool) -> None:
-        self.ties, self.shapes, self.impact = ties, ties.shapes, impact
-        k, m = len(ties.shapes), sum(shape[0] for shape in ties.shapes)
+    def __init__(self, model: Model, constraint_set: ConstraintSet, impact: bool) -> None:
+        self.constraint_set, self.shapes, self.impact = constraint_set, constraint_set.shapes, impact
+        k, m = len(constraint_set.shapes), sum(shape[0] for shape in constraint_set.shapes)
         shapes = (model.nq,), (model.nv,), (k, 2, 4, 4), (k, 2), (k, 6)
-        self.kept = tuple(np.zeros(shape) for shape in shapes)
-        self.a, self.forces, self.numbers = np.zeros(model.nv), np.zeros(m), np.zeros(3)
+        self.state = tuple(np.zeros(shape) for shape in shapes)
+        self.a, self.forces, self.settings = np.zeros(model.nv), np.zeros(m), np.zeros(3)
         self.derived: Any = None
 
-    def copied(self) -> Solved:
+    def copied(self) -> ConstraintSolution:
         """The same, for another Data."""
-        out = object.__new__(Solved)
-        out.ties, out.shapes, out.impact, out.derived = self.ties, self.shapes, self.impact, None
-        out.kept = tuple(x.copy() for x in self.kept)
-        out.a, out.forces, out.numbers = self.a.copy(), self.forces.copy(), self.numbers.copy()
+        out = object.__new__(ConstraintSolution)
+        out.constraint_set, out.shapes, out.impact, out.derived = (
+            self.constraint_set,
+            self.shapes,
+            self.impact,
+            None,
+        )
+        out.state = tuple(x.copy() for x in self.state)
+        out.a, out.forces, out.settings = self.a.copy(), self.forces.copy(), self.settings.copy()
         return out
 
 
 @final
-class Session:
+class BoundConstraintDynamics:
     """Dynamics, or an impact, bound to constraints and a Data."""
 
-    def __init__(self, model: Model, data: Data, ties: Ties, limit: int) -> None:
+    def __init__(self, model: Model, data: Data, constraint_set: ConstraintSet, limit: int) -> None:
         """`limit` is how many rounds there may be; 0 means an impact."""
-        datas, shapes = ties.datas, ties.shapes
+        datas, shapes = constraint_set.datas, constraint_set.shapes
         if len({id(known) for known in datas}) < len(datas):
             raise InputError(
                 "One data stands for two constraints; give each its own: constraint.createData()."
             )
         impact = limit == 0
-        self.datas, self.live, self.report = datas, ties.live, np.zeros(3)
-        self.solved = solved = Solved(model, ties, impact)
+        self.datas, self.live, self.report = datas, constraint_set.live, np.zeros(3)
+        self.solved = solved = ConstraintSolution(model, constraint_set, impact)
         self.forces = np.zeros(len(solved.forces))
         watch = model.watched("parameters")  # first: see `run`
         compiled = data.attach(model)
-        self.left = Left(compiled, datas, shapes, *solved.kept[:4])
-        given = (solved.a,) if impact else (solved.a, solved.a)
-        given = (solved.kept[0], *given, solved.numbers, *((np.zeros(1),) if impact else ()), *ties.live)
-        sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(given)}
+        self.deferred_state = DeferredConstraintState(compiled, datas, shapes, *solved.state[:4])
+        inputs = (solved.state[0], solved.a, *(() if impact else (solved.a,)), solved.settings)
+        inputs += (*((np.zeros(1),) if impact else ()), *constraint_set.live)
+        sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(inputs)}
         self.algorithm = IMPACT if impact else DYNAMICS
-        where, kept, marks = side_outputs(data, self.algorithm)
-        build = _traced(_impact(shapes) if impact else _motion(shapes, limit), kept, marks)
+        side_targets, stored, marks = side_outputs(data, self.algorithm)
+        build = _with_side_outputs(_impact(shapes) if impact else _motion(shapes, limit), stored, marks)
         kernel = compiled.compile(("constraint dynamics", shapes, limit), with_mass(build), **sizes)
-        own = [self.forces, self.report, *solved.kept, solved.a, solved.forces, solved.numbers]
-        told = [known._views["contact_force"]._v for known in datas]
-        targets = [*(data.target(name) for name in self.algorithm.fills), *own, *told, *where]
+        results = [self.forces, self.report, *solved.state, solved.a, solved.forces, solved.settings]
+        contact_forces = [known._views["contact_force"]._v for known in datas]
+        targets = [
+            *(data.target(name) for name in self.algorithm.fills),
+            *results,
+            *contact_forces,
+            *side_targets,
+        ]
         self.step = kernel.into(*targets, returns=(int(not impact),), watch=watch, otherwise=not_applicable)
 
     def run(self, *state: Any) -> Any:
         """The accelerations, or the velocity; NotImplemented where something is not what it was bound to."""
-        found = self.step(*state, *self.live)
-        if found is not NotImplemented:
+        result = self.step(*state, *self.live)
+        if result is not NotImplemented:
             for known in self.datas:
-                known._due = self.left
-        return found
+                known._deferred = self.deferred_state
+        return result
 
 
-def solve(model: Model, data: Data, models: Any, datas: Any, limit: int, *given: Any) -> tuple[Session, Any]:
-    """Runs dynamics (q, v, tau, numbers) or, limit = 0, an impact (q, v, numbers, restitution); see `Session`."""
-    ties = tied(model, data, models, datas)
-    session = ties.runs.get(limit)
-    found = NotImplemented if session is None else session.run(*given)
-    if found is NotImplemented:
+def solve(
+    model: Model, data: Data, models: Any, datas: Any, limit: int, *args: Any
+) -> tuple[BoundConstraintDynamics, Any]:
+    """Runs dynamics (q, v, tau, settings) or, with limit = 0, an impact (q, v, settings, restitution)."""
+    constraint_set = constraint_set_of(model, data, models, datas)
+    session = constraint_set.runs.get(limit)
+    result = NotImplemented if session is None else session.run(*args)
+    if result is NotImplemented:
         count = 2 if limit == 0 else 3
         sizes = zip((model.nq, model.nv, model.nv), ("q", "v", "tau"), strict=True)
-        state = [exact(x, *size) for x, size in zip(given[:count], sizes, strict=False)]
-        found = NotImplemented if session is None else session.run(*state, *given[count:])
-        if found is NotImplemented:
+        state = [exact(x, *size) for x, size in zip(args[:count], sizes, strict=False)]
+        result = NotImplemented if session is None else session.run(*state, *args[count:])
+        if result is NotImplemented:
             data.attach(model)
-            ties = tied(model, data, models, datas)
-            session = ties.runs[limit] = Session(model, data, ties, limit)
-            found = session.run(*state, *given[count:])
+            constraint_set = constraint_set_of(model, data, models, datas)
+            session = constraint_set.runs[limit] = BoundConstraintDynamics(model, data, constraint_set, limit)
+            result = session.run(*state, *args[count:])
             data.store_states(session.algorithm)
     assert session is not None
     data._constraint_solution = session.solved
-    return session, found
+    return session, result
 
 
-_WRITTEN = ("ddq", "M", "com[0]", *JACOBIANS)
-_LATE = JOINTS | VELOCITIES_IN_WORLD | CENTROIDAL_MAP | CENTERS
+_FILLS = ("ddq", "M", "com[0]", *JACOBIANS)
+_DEFERRED = JOINTS | VELOCITIES_IN_WORLD | CENTROIDAL_MAP | CENTERS
 DYNAMICS = Algorithm(
     "constraint_dynamics",
     "qvt",
-    ("nle", *_WRITTEN),
+    ("nle", *_FILLS),
     not_applicable,
-    deferred=_LATE | BODY_MOMENTA_IN_WORLD | {"oa": ACCELERATIONS_IN_WORLD["oa"], "oa_gf": BODIES["oa_gf"]},
+    deferred=_DEFERRED
+    | BODY_MOMENTA_IN_WORLD
+    | {"oa": ACCELERATIONS_IN_WORLD["oa"], "oa_gf": BODIES["oa_gf"]},
     invalidates=("dFda", "of"),
     title="constraintDynamics",
 )
 IMPACT = Algorithm(
     "impact",
     "qv",
-    ("dq_after", *_WRITTEN),
+    ("dq_after", *_FILLS),
     not_applicable,
-    deferred=_LATE,
+    deferred=_DEFERRED,
     invalidates=("dFda",),
     title="impulseDynamics",
 )
@@ -221,37 +239,39 @@ _LCABA = Algorithm("lcaba", "", (), not_applicable, invalidates=("g", "of"), tit
 """What algorithms under constraints leave besides their results."""
 
 
-def leave_derived(model: Model, data: Data, compiled: CompiledModel, solved: Solved) -> None:
+def defer_after_derivatives(
+    model: Model, data: Data, compiled: CompiledModel, solved: ConstraintSolution
+) -> None:
     """Leaves what derivatives under constraints leave besides their results."""
-    q, v = solved.kept[:2]
+    q, v = solved.state[:2]
     data.defer(INVERSE_MASS["Minv"], ("Minv",), compiled, q.copy())
     if not solved.impact:
         computeJointJacobiansTimeVariation(model, data, q, v)
-        _leave_motion(data, compiled, ("a", "oa"), q, v, solved.a)
+        _defer_motion(data, compiled, ("a", "oa"), q, v, solved.a)
     data.invalidate(_IMPACT_DERIVED if solved.impact else _DERIVED)
 
 
-def leave_eliminated(model: Model, data: Data) -> None:
+def defer_after_elimination(model: Model, data: Data) -> None:
     """Leaves what lcaba leaves besides its results."""
     assert data._constraint_solution is not None
-    _leave_motion(
-        data, data.attach(model), ("oa",), *data._constraint_solution.kept[:2], data._constraint_solution.a
+    _defer_motion(
+        data, data.attach(model), ("oa",), *data._constraint_solution.state[:2], data._constraint_solution.a
     )
     data.invalidate(_LCABA)
 
 
-def _leave_motion(data: Data, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats) -> None:
-    own = [x.copy() for x in state]
-    data.defer(ACCELERATIONS_IN_WORLD["oa"], fields, compiled, *own)
-    data.defer(BODIES["f"], ("oa_gf",), compiled, *own)
+def _defer_motion(data: Data, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats) -> None:
+    copies = [x.copy() for x in state]
+    data.defer(ACCELERATIONS_IN_WORLD["oa"], fields, compiled, *copies)
+    data.defer(BODIES["f"], ("oa_gf",), compiled, *copies)
 
 
-def _traced(build: Any, kept: list[int], marks: list[float]) -> Any:
+def _with_side_outputs(build: Any, stored: list[int], marks: list[float]) -> Any:
     """The same, with what else it leaves."""
 
     def traced(core: CoreModel) -> Any:
         results = build(core)
-        return lambda *given: (*results(*given), *(given[k] for k in kept), *marks)
+        return lambda *args: (*results(*args), *(args[k] for k in stored), *marks)
 
     return traced
 
@@ -266,7 +286,7 @@ def _stacks(live: Sequence[Array]) -> tuple[Array, Array, Array]:
     return np.stack(live[0::3]), np.stack(live[1::3]), np.stack(live[2::3])
 
 
-def _rest(core: CoreModel, q: Array, shapes: Any, forces: Array) -> tuple[list[Array], list[Array]]:
+def _common_outputs(core: CoreModel, q: Array, shapes: Any, forces: Array) -> tuple[list[Array], list[Array]]:
     """What all algorithms under constraints leave in a Data, and what in the data of the constraints."""
     parts = np.split(forces, np.cumsum([shape[0] for shape in shapes])[:-1])
     places = stacked(algorithms.joint_poses(core, q))
@@ -279,17 +299,17 @@ def _motion(shapes: Any, limit: int) -> Any:
     owner = [k for k, shape in enumerate(shapes) for _ in range(shape[0])]
 
     def build(core: CoreModel) -> Any:
-        def run(q: Array, v: Array, tau: Array, numbers: Array, *live: Array) -> tuple[Any, ...]:
-            places, gains, wanted = _stacks(live)
-            twists = constraint_twists(core, q, v, bonds_of(shapes, places))
+        def run(q: Array, v: Array, tau: Array, settings: Array, *live: Array) -> tuple[Any, ...]:
+            placements, gains, desired = _stacks(live)
+            twists = constraint_twists(core, q, v, core_constraints(shapes, placements))
             pull = gains[owner, 1] * twists.velocity + gains[owner, 0] * twists.error
-            damped = Damped(numbers[0], numbers[1], numbers[2], limit)
-            g = twists.bias + pull - flat(wanted, shapes)
+            damped = Damped(settings[0], settings[1], settings[2], limit)
+            g = twists.bias + pull - flat(desired, shapes)
             a, forces, *report = damped_dynamics(core, q, v, tau, twists.J, g, damped)
-            left, told = _rest(core, q, shapes, forces)
-            state = q, v, places, gains, wanted, a, forces, numbers
+            common, contact_forces = _common_outputs(core, q, shapes, forces)
+            state = q, v, placements, gains, desired, a, forces, settings
             nle = algorithms.bias_forces(core, q, v)
-            return nle, a, *left, forces, np.stack(report), *state, *told
+            return nle, a, *common, forces, np.stack(report), *state, *contact_forces
 
         return run
 
@@ -298,15 +318,15 @@ def _motion(shapes: Any, limit: int) -> Any:
 
 def _impact(shapes: Any) -> Any:
     def build(core: CoreModel) -> Any:
-        def run(q: Array, v: Array, numbers: Array, part: Array, *live: Array) -> tuple[Any, ...]:
-            places, gains, wanted = _stacks(live)
-            bonds = bonds_of(shapes, places)
-            J = algorithms.constraint_jacobian(core, q, bonds)
-            jump = (1.0 + part[0]) * algorithms.constraint_velocity(core, q, v, bonds)
-            a, forces, *report = damped_impact(core, q, J, jump, Damped(numbers[0], 0.0, 0.0, 1))
-            left, told = _rest(core, q, shapes, forces)
-            state = q, v, places, gains, wanted, a, forces, numbers
-            return v + a, a, *left, forces, np.stack(report), *state, *told
+        def run(q: Array, v: Array, settings: Array, part: Array, *live: Array) -> tuple[Any, ...]:
+            placements, gains, desired = _stacks(live)
+            constraints = core_constraints(shapes, placements)
+            J = algorithms.constraint_jacobian(core, q, constraints)
+            jump = (1.0 + part[0]) * algorithms.constraint_velocity(core, q, v, constraints)
+            a, forces, *report = damped_impact(core, q, J, jump, Damped(settings[0], 0.0, 0.0, 1))
+            common, contact_forces = _common_outputs(core, q, shapes, forces)
+            state = q, v, placements, gains, desired, a, forces, settings
+            return v + a, a, *common, forces, np.stack(report), *state, *contact_forces
 
         return run
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._constraints.bound_dynamics import known_ties
-from pinocchio._constraints.delassus import diagonal, raised
+from pinocchio._constraints.bound_dynamics import known_constraint_set
+from pinocchio._constraints.delassus import diagonal, with_added_diagonal
 from pinocchio._constraints.delassus_of_cholesky import DelassusOperatorCholeskyExpression
-from pinocchio._constraints.factorization import Factored, Kernels, kernels_for, without_factors
-from pinocchio._constraints.jacobians import getConstraintsJacobian, of_ties
+from pinocchio._constraints.factorization import Factorization, FactorKernels, kernels_for, no_factors_error
+from pinocchio._constraints.jacobians import evaluate, getConstraintsJacobian
 from pinocchio._constraints.kernels import factor_kernels, jacobian_kernel
 from pinocchio._containers.arrays import numbers
 from pinocchio._data.data import Data
@@ -25,7 +25,7 @@ __all__ = ["ConstraintCholeskyDecomposition", "ContactCholeskyDecomposition"]
 class ConstraintCholeskyDecomposition:
     """`ConstraintCholeskyDecomposition([model, data[, constraints, datas]])`, filled by `compute`."""
 
-    __slots__ = ("_J", "_M", "_factored", "_mu", "_ties")
+    __slots__ = ("_J", "_M", "_constraint_set", "_factored", "_mu")
 
     def __init__(self, model: Any = None, data: Any = None, models: Any = (), datas: Any = ()) -> None:
         self._make_room(0, 0)
@@ -34,15 +34,15 @@ class ConstraintCholeskyDecomposition:
 
     def _make_room(self, m: int, n: int) -> None:
         self._M, self._J, self._mu = np.zeros((n, n)), np.zeros((m, n)), np.zeros(m)
-        self._factored: Factored | None = None
-        self._ties: Any = None
+        self._factored: Factorization | None = None
+        self._constraint_set: Any = None
 
-    def _hold(self, kernels: Kernels, M: Floats, J: Floats, mu: Any) -> ConstraintCholeskyDecomposition:
+    def _hold(self, kernels: FactorKernels, M: Floats, J: Floats, mu: Any) -> ConstraintCholeskyDecomposition:
         """Decomposes these matrices, of which M is copied."""
         factored = self._factored
         if factored is None or factored.kernels is not kernels:
             self._make_room(*J.shape)
-            self._factored = factored = Factored(kernels)
+            self._factored = factored = Factorization(kernels)
         self._M[...], self._J = M, J
         self.updateDamping(mu)
         return self
@@ -65,22 +65,28 @@ class ConstraintCholeskyDecomposition:
             mu: Damping: one number, or one for each row.
         """
         M = data._arrays["M"]
-        ties = known_ties(model, data, contact_models, contact_datas)
-        if ties is not None and ties is self._ties and self._factored is not None:
-            self._hold(self._factored.kernels, M, of_ties(model, data, ties, "jacobian", data._q), mu)
+        constraint_set = known_constraint_set(model, data, contact_models, contact_datas)
+        if (
+            constraint_set is not None
+            and constraint_set is self._constraint_set
+            and self._factored is not None
+        ):
+            self._hold(
+                self._factored.kernels, M, evaluate(model, data, constraint_set, "jacobian", data._q), mu
+            )
         else:
             J = getConstraintsJacobian(model, data, contact_models, contact_datas)
-            ties = known_ties(model, data, contact_models, contact_datas)
+            constraint_set = known_constraint_set(model, data, contact_models, contact_datas)
             compiled = compiled_for(model, data)
             kernels = (
                 kernels_for(compiled, np.ones(J.shape))
-                if ties is None
-                else factor_kernels(compiled, ties.shapes)
+                if constraint_set is None
+                else factor_kernels(compiled, constraint_set.shapes)
             )
             self._hold(kernels, M, J, mu)
-            self._ties = ties
+            self._constraint_set = constraint_set
         if not self._filled().unique and not M.any():
-            raise without_factors(M, self._J)
+            raise no_factors_error(M, self._J)
 
     def size(self) -> int:
         """Rows of K: those of the constraints, and nv."""
@@ -98,7 +104,7 @@ class ConstraintCholeskyDecomposition:
         out.reshape(-1)[: m * size : size + 1] = -self._mu
         return out
 
-    def _filled(self) -> Factored:
+    def _filled(self) -> Factorization:
         """The factors.
 
         Raises:
@@ -110,7 +116,7 @@ class ConstraintCholeskyDecomposition:
             )
         return self._factored
 
-    def _decomposed(self) -> Factored:
+    def _decomposed(self) -> Factorization:
         """The factors, when they are unique.
 
         Raises:
@@ -119,7 +125,7 @@ class ConstraintCholeskyDecomposition:
         factored = self._factored
         if factored is None or not factored.unique:
             self._filled()
-            raise without_factors(self._M, self._J)
+            raise no_factors_error(self._M, self._J)
         return factored
 
     @property
@@ -143,10 +149,10 @@ class ConstraintCholeskyDecomposition:
 
     def solve(self, matrix: Any) -> Floats:
         """x with K x = matrix, which is (size,) or (size, k)."""
-        given = numbers(matrix, "matrix")
-        if given.ndim not in (1, 2) or len(given) != self.size():
-            raise ShapeError("matrix", given.shape, f"({self.size()},) or ({self.size()}, k)")
-        return self._decomposed().solve(given)
+        right = numbers(matrix, "matrix")
+        if right.ndim not in (1, 2) or len(right) != self.size():
+            raise ShapeError("matrix", right.shape, f"({self.size()},) or ({self.size()}, k)")
+        return self._decomposed().solve(right)
 
     def getDamping(self) -> Floats:
         """The damping, a diagonal matrix."""
@@ -172,11 +178,11 @@ class ConstraintCholeskyDecomposition:
 
     def getInverseOperationalSpaceInertiaMatrix(self, enforce_symmetry: bool = False) -> Floats:
         """J M^-1 J^T + mu."""
-        return raised(self._filled().G, self._mu)
+        return with_added_diagonal(self._filled().G, self._mu)
 
     def getOperationalSpaceInertiaMatrix(self) -> Floats:
         """The inverse of the same."""
-        return -self._decomposed().yielding(self._mu)
+        return -self._decomposed().minus_inverse_delassus(self._mu)
 
     def getDelassusOperatorCholeskyExpression(self) -> DelassusOperatorCholeskyExpression:
         """The Delassus operator of the constraints."""
@@ -185,12 +191,12 @@ class ConstraintCholeskyDecomposition:
     getDelassusCholeskyExpression = getDelassusOperatorCholeskyExpression
 
     def copy(self) -> ConstraintCholeskyDecomposition:
-        """One of its own, with the same numbers."""
-        found = ConstraintCholeskyDecomposition()
+        """A copy."""
+        twin = ConstraintCholeskyDecomposition()
         if self._factored is not None:
-            return found._hold(self._factored.kernels, self._M, self._J.copy(), self._mu)
-        found._make_room(*self._J.shape)
-        return found
+            return twin._hold(self._factored.kernels, self._M, self._J.copy(), self._mu)
+        twin._make_room(*self._J.shape)
+        return twin
 
     __copy__ = copy
 
@@ -211,15 +217,15 @@ ContactCholeskyDecomposition = ConstraintCholeskyDecomposition
 def cholesky_of(data: Data) -> ConstraintCholeskyDecomposition:
     """That of the last constraintDynamics or impulseDynamics with constraints; empty when there was none."""
     solved, compiled = data._constraint_solution, data.attach(data._model)
-    found = data._bound_at.setdefault("constraints", ConstraintCholeskyDecomposition())
+    decomposition = data._bound_at.setdefault("constraints", ConstraintCholeskyDecomposition())
     if solved is None:
-        return found
-    q, _, places, _, _ = solved.kept
+        return decomposition
+    q, _, placements, _, _ = solved.state
     M, J = (
         compiled.core_kernel("mass_matrix")(q),
-        jacobian_kernel(compiled, solved.shapes, len(q))(q, *places),
+        jacobian_kernel(compiled, solved.shapes, len(q))(q, *placements),
     )
-    return found._hold(factor_kernels(compiled, solved.shapes), M, J, float(solved.numbers[0]))
+    return decomposition._hold(factor_kernels(compiled, solved.shapes), M, J, float(solved.settings[0]))
 
 
 Data.constraint_chol = Data.contact_chol = property(

@@ -35,9 +35,9 @@ class _Set:
 
     def isInside(self, f: Any, prec: float = 0.0) -> bool:
         """Whether a vector belongs to it, up to `prec` of its length."""
-        given = _any(f)
-        off = np.linalg.norm(given - self.project(given))
-        return bool(off <= max(float(prec), 1e-15) * np.linalg.norm(given))
+        force = _any(f)
+        off = np.linalg.norm(force - self.project(force))
+        return bool(off <= max(float(prec), 1e-15) * np.linalg.norm(force))
 
     def copy(self) -> Any:
         """Itself; sets do not change."""
@@ -197,7 +197,7 @@ class NonNegativeOrthantCone(_Set):
 
 
 def _any(f: Any) -> Floats:
-    given = numbers(f, "f")
-    if given.ndim != 1:
-        raise ShapeError("f", given.shape, "(n,)")
-    return given
+    force = numbers(f, "f")
+    if force.ndim != 1:
+        raise ShapeError("f", force.shape, "(n,)")
+    return force

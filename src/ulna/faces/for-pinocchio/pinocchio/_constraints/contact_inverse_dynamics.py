@@ -35,7 +35,7 @@ def computeInverseDynamicsConstraintForces(
         contact_models: PointContactConstraintModels; their compliance, or `settings.mu`, is above zero.
         contact_datas: Their data.
         lambda_guess: Forces to start from; None for zero.
-        settings: Damping, accuracy and rounds; it is told how it went.
+        settings: Damping, accuracy and rounds; it receives the figures.
         solve_ncp: Whether contacts slide as Coulomb says; else a convex problem is solved.
     """
     models = _contacts(contact_models, contact_datas)
@@ -55,7 +55,7 @@ def computeInverseDynamicsConstraintForces(
         raise InputError(
             "The compliance of a contact is not the same along both tangents; make its first two equal."
         )
-    found = contact_forces(
+    solution = contact_forces(
         c,
         [one.getFriction() for one in models],
         compliance,
@@ -65,9 +65,9 @@ def computeInverseDynamicsConstraintForces(
         settings.max_iter,
         bool(solve_ncp),
     )
-    settings._report(found.rounds, found.change, found.residual)
-    accurate = found.residual <= settings.absolute_accuracy
-    return bool(accurate or found.change <= settings.relative_accuracy * found.size), found.forces
+    settings._report(solution.rounds, solution.change, solution.residual)
+    accurate = solution.residual <= settings.absolute_accuracy
+    return bool(accurate or solution.change <= settings.relative_accuracy * solution.size), solution.forces
 
 
 def contactInverseDynamics(

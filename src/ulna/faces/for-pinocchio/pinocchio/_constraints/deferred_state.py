@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._constraints.kernels import bonds_of
+from pinocchio._constraints.kernels import core_constraints
 from pinocchio._constraints.rigid_constraint import RigidConstraintData
 from pinocchio._data.deferred_fields import stacked
 from ulna import algorithms
@@ -17,13 +17,13 @@ from ulna.typing import Array, Floats
 
 
 @final
-class Left:
+class DeferredConstraintState:
     """Placements, velocities and errors of constraints, left to be computed when they are read."""
 
     def __init__(
         self, compiled: Any, datas: Sequence[RigidConstraintData], shapes: Any, *state: Floats
     ) -> None:
-        """`state`: q, v, placements and gains, arrays of its own."""
+        """`state`: q, v, placements and gains, arrays that nothing else writes to."""
         self.compiled, self.datas, self.shapes, self.state = compiled, datas, shapes, state
 
     def fill(self) -> None:
@@ -32,18 +32,18 @@ class Left:
             zip(("q", "v", "places", "gains"), (x.shape for x in self.state), strict=True)
         )
         kernel = self.compiled.compile(("constraint state", self.shapes), _state(self.shapes), **sizes)
-        found = kernel(*self.state)
+        results = kernel(*self.state)
         for k, known in enumerate(self.datas):
-            if known._due is self:
-                known._due = None
-                for block, rows in zip(known._blocks.values(), found, strict=True):
+            if known._deferred is self:
+                known._deferred = None
+                for block, rows in zip(known._blocks.values(), results, strict=True):
                     block[...] = rows[k]
 
 
 def _state(shapes: Any) -> Any:
     def build(core: CoreModel) -> Any:
         def run(q: Array, v: Array, places: Array, gains: Array) -> tuple[Array, ...]:
-            bonds = bonds_of(shapes, places)
+            bonds = core_constraints(shapes, places)
             twists = constraint_twists(core, q, v, [bond._replace(local=True) for bond in bonds])
             poses, speeds, errors = [], [], []
             start = 0

@@ -27,14 +27,14 @@ def diagonal(value: Any, size: int, name: str) -> Floats:
     Raises:
         InputError: one of them is.
     """
-    given = numbers(value, name)
-    found = np.full(size, float(given)) if given.ndim == 0 else vector(value, size, name).copy()
-    if not (found >= 0.0).all():
+    array = numbers(value, name)
+    entries = np.full(size, float(array)) if array.ndim == 0 else vector(value, size, name).copy()
+    if not (entries >= 0.0).all():
         raise InputError(f"`{name}` is {value!r}; expected numbers that are not below zero.")
-    return found
+    return entries
 
 
-def raised(G: Floats, by: Any) -> Floats:
+def with_added_diagonal(G: Floats, by: Any) -> Floats:
     """A matrix with something added to its diagonal."""
     out = G.copy()
     out.reshape(-1)[:: len(out) + 1] += by
@@ -92,14 +92,14 @@ def damped_inverse(G: Floats, mu: float) -> Floats:
         InputError: it is singular.
     """
     if not 0 < len(G) <= _ROWS:
-        return linalg.inverse(raised(G, mu))
-    found, unique = _inverter(len(G))(G, mu)
+        return linalg.inverse(with_added_diagonal(G, mu))
+    result, unique = _inverter(len(G))(G, mu)
     if not unique > 0.0:
         raise InputError(
             f"The {len(G)} rows of the constraints depend on each other: their Delassus matrix has no inverse. Leave "
             "some out, or give a damping mu such as 1e-8."
         )
-    return found
+    return result
 
 
 class DelassusOperator:
@@ -120,28 +120,30 @@ class DelassusOperator:
     rows = cols = size
 
     def matrix(self, enforce_symmetry: bool = False, with_damping: bool = True) -> Any:
-        """G with its compliance, and its damping if that is asked for; it is always symmetric."""
-        return raised(self._G, self._compliance + self._damping if with_damping else self._compliance)
+        """G with its compliance, and its damping if `with_damping`; it is always symmetric."""
+        return with_added_diagonal(
+            self._G, self._compliance + self._damping if with_damping else self._compliance
+        )
 
     def inverse(self) -> Any:
         """The inverse of the matrix with compliance and damping."""
         G = DelassusOperator.matrix(self)
         if 0 < len(G) <= _ROWS:
-            found, unique = _inverter(len(G))(G, 0.0)
+            result, unique = _inverter(len(G))(G, 0.0)
             if unique > 0.0:
-                return found
+                return result
         return linalg.inverse(G)
 
     def solve(self, mat: Any) -> Floats:
         """x with (G + compliance + damping) x = mat, which is (n,) or (n, k)."""
-        given = mat if type(mat) is np.ndarray else numbers(mat, "mat")
-        if given.ndim not in (1, 2) or len(given) != len(self._G):
-            raise ShapeError("mat", given.shape, f"({self.size()},) or ({self.size()}, k)")
-        if given.ndim == 1 and 0 < len(given) <= _ROWS:
-            found, unique = _solver(len(given))(self._G, self._compliance, self._damping, given)
+        right = mat if type(mat) is np.ndarray else numbers(mat, "mat")
+        if right.ndim not in (1, 2) or len(right) != len(self._G):
+            raise ShapeError("mat", right.shape, f"({self.size()},) or ({self.size()}, k)")
+        if right.ndim == 1 and 0 < len(right) <= _ROWS:
+            solution, unique = _solver(len(right))(self._G, self._compliance, self._damping, right)
             if unique > 0.0:
-                return found
-        return linalg.solve(DelassusOperator.matrix(self), given)
+                return solution
+        return linalg.solve(DelassusOperator.matrix(self), right)
 
     def __mul__(self, mat: Any) -> Floats:
         return np.asarray(DelassusOperator.matrix(self) @ numbers(mat, "mat"), dtype=float)

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.dynamics import aba, crba, nonLinearEffects
-from pinocchio._constraints.bound_dynamics import leave_eliminated, solve
+from pinocchio._constraints.bound_dynamics import defer_after_elimination, solve
 from pinocchio._constraints.jacobian_dynamics import impact_with_jacobian
 from pinocchio._constraints.proximal_settings import ProximalSettings, settings_of
-from pinocchio._constraints.rigid_constraint import RigidConstraint, paired
+from pinocchio._constraints.rigid_constraint import RigidConstraint, checked_constraints
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import Convention
 from pinocchio._data.data import Data
@@ -30,7 +30,7 @@ __all__ = [
 
 def initConstraintDynamics(model: Model, data: Data, contact_models: Any, contact_datas: Any) -> None:
     """Makes room in `data` for the forces of constraints, all zero; checks constraints and their data."""
-    models = paired(model, contact_models, contact_datas)
+    models = checked_constraints(model, contact_models, contact_datas)
     compiled_for(model, data)
     m, nv = sum(one.residualSize() for one in models), model.nv
     blocks = data._arrays
@@ -51,7 +51,7 @@ def constraintDynamics(
     contact_datas: Any,
     prox_settings: Any = None,
 ) -> Floats:
-    """The accelerations that torques give under constraints (nv,); kept in `data.ddq`, the forces in `data.lambda_c`.
+    """The accelerations that torques cause under constraints (nv,); kept in `data.ddq`, the forces in `data.lambda_c`.
 
     Each force is also in `contact_force` of the data of its constraint. Fills `data.M`, `data.nle`, `data.J` and
     `data.oMi`, too.
@@ -64,10 +64,10 @@ def constraintDynamics(
         tau: Torques (nv,).
         contact_models: Constraints.
         contact_datas: Their data.
-        prox_settings: How the forces are found; it is told how that went. None for one round without damping.
+        prox_settings: How the forces are found; it receives the figures of that. None for one round without damping.
     """
     if not len(contact_models):
-        paired(model, contact_models, contact_datas)
+        checked_constraints(model, contact_models, contact_datas)
         crba(model, data, q, Convention.WORLD)
         nonLinearEffects(model, data, q, v)
         data._arrays["lambda_c"] = np.zeros(0)
@@ -89,7 +89,7 @@ _ONE_ROUND = ProximalSettings()
 def computeJointMinimalOrdering(model: Model, data: Data, constraint_models: Any) -> None:
     """Checks the constraints; `lcaba` needs no ordering here."""
     compiled_for(model, data)
-    paired(model, constraint_models, [one.createData() for one in constraint_models])
+    checked_constraints(model, constraint_models, [one.createData() for one in constraint_models])
 
 
 def lcaba(
@@ -103,12 +103,12 @@ def lcaba(
     prox_settings: Any,
 ) -> Floats:
     """The same as constraintDynamics; how closed loops are eliminated is decided inside."""
-    found = constraintDynamics(
+    ddq = constraintDynamics(
         model, data, q, v, tau, constraint_models, constraint_datas, settings_of(prox_settings)
     )
     if len(constraint_models):
-        leave_eliminated(model, data)
-    return found
+        defer_after_elimination(model, data)
+    return ddq
 
 
 def impulseDynamics(model: Model, data: Data, *state: Any, **named: Any) -> Floats:
@@ -142,7 +142,7 @@ def _impact(
 ) -> Floats:
     settings = _ONE_ROUND if prox_settings is None else settings_of(prox_settings)
     if not len(contact_models):
-        paired(model, contact_models, contact_datas)
+        checked_constraints(model, contact_models, contact_datas)
         data._arrays["dq_after"][:] = after = vector(v, model.nv, "v")
         return after.copy()
     part = np.array([restitution(r_coeff)])

@@ -6,11 +6,11 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._constraints.bound_dynamics import Solved, flat, leave_derived
+from pinocchio._constraints.bound_dynamics import ConstraintSolution, defer_after_derivatives, flat
 from pinocchio._constraints.dynamics import restitution
-from pinocchio._constraints.kernels import bonds_of, jacobian_kernel
+from pinocchio._constraints.kernels import core_constraints, jacobian_kernel
 from pinocchio._constraints.proximal_settings import settings_of
-from pinocchio._constraints.rigid_constraint import paired, shapes_of
+from pinocchio._constraints.rigid_constraint import checked_constraints, structures_of
 from pinocchio._data.data import Data
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
@@ -39,7 +39,7 @@ def computeConstraintDynamicsDerivatives(
     rounds = 1 if settings is None else max(1, settings_of(settings).iter)
     solved = _solved(model, data, contact_models, contact_datas, False, "constraintDynamics")
     derived = _derived(model, data, solved, float(rounds))
-    leave_derived(model, data, derived.compiled, solved)
+    defer_after_derivatives(model, data, derived.compiled, solved)
     blocks = data._arrays
     return tuple([blocks[name].copy() for name in derived.names])
 
@@ -60,63 +60,63 @@ def computeImpulseDynamicsDerivatives(
     settings_of(prox_settings)
     solved = _solved(model, data, contact_models, contact_datas, True, "impulseDynamics")
     derived = _derived(model, data, solved, 1.0 + restitution(r_coeff))
-    leave_derived(model, data, derived.compiled, solved)
+    defer_after_derivatives(model, data, derived.compiled, solved)
 
 
 @final
-class Derived:
+class BoundDerivatives:
     """Derivatives bound to what an algorithm left: a native call, and a product of two dense matrices."""
 
     names = ("ddq_dq", "ddq_dv", "ddq_dtau", "dlambda_dq", "dlambda_dv", "dlambda_dtau")
 
-    def __init__(self, model: Model, data: Data, solved: Solved) -> None:
+    def __init__(self, model: Model, data: Data, solved: ConstraintSolution) -> None:
         self.model, self.impact, n, m = model, solved.impact, model.nv, len(solved.forces)
-        self.told = np.zeros(1)
-        self.given = (*solved.kept, solved.a, solved.forces, solved.numbers, self.told)
+        self.factor = np.zeros(1)
+        self.inputs = (*solved.state, solved.a, solved.forces, solved.settings, self.factor)
         watch = model.watched("parameters")  # first: see `run`
         self.compiled = compiled = data.attach(model)
         shapes = solved.shapes
-        sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(self.given)}
+        sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(self.inputs)}
         key, build = ("bound response", shapes, solved.impact), _response(shapes, solved.impact)
         kernel = compiled.compile(key, build, **sizes)
-        self.own = {name: np.zeros((m, n)) for name in ("dlambda_dq", "dlambda_dv")}
-        self.own["osim"] = np.zeros((m, m))
+        self.outputs = {name: np.zeros((m, n)) for name in ("dlambda_dq", "dlambda_dv")}
+        self.outputs["osim"] = np.zeros((m, m))
         wide = n if solved.impact else 2 * n
-        self.W, self.B, self.found = (np.zeros((n + m, k)) for k in (n + m, wide, wide))
+        self.W, self.B, self.solution = (np.zeros((n + m, k)) for k in (n + m, wide, wide))
         self.X_q, self.unique = np.zeros((m, n)), np.zeros(())
-        targets = [self.W, self.B, self.X_q, self.own["osim"], self.unique]
+        targets = [self.W, self.B, self.X_q, self.outputs["osim"], self.unique]
         if solved.impact:
-            targets += [data._arrays["ddq_dv"], self.own["dlambda_dv"]]
+            targets += [data._arrays["ddq_dv"], self.outputs["dlambda_dv"]]
         else:
-            self.own |= {name: np.zeros((m, n)) for name in ("dlambda_dtau", "dac_da")}
-            targets += [data._arrays["ddq_dtau"], self.own["dlambda_dtau"], self.own["dac_da"]]
+            self.outputs |= {name: np.zeros((m, n)) for name in ("dlambda_dtau", "dac_da")}
+            targets += [data._arrays["ddq_dtau"], self.outputs["dlambda_dtau"], self.outputs["dac_da"]]
         self.step = kernel.into(*targets, watch=watch, otherwise=not_applicable)
-        self.by_q, self.by_v = ((x[:n], x[n:]) for x in (self.found[:, :n], self.found[:, n:]))
+        self.by_q, self.by_v = ((x[:n], x[n:]) for x in (self.solution[:, :n], self.solution[:, n:]))
 
-    def fill(self, data: Data, told: float) -> Any:
+    def fill(self, data: Data, factor: float) -> Any:
         """Writes them into the data; NotImplemented where a number of the model is not what it was."""
-        self.told[0] = told
-        if self.step(*self.given) is NotImplemented or not self.unique:
+        self.factor[0] = factor
+        if self.step(*self.inputs) is NotImplemented or not self.unique:
             return NotImplemented
-        np.matmul(self.W, self.B, out=self.found)
-        blocks, own = data._arrays, self.own
+        np.matmul(self.W, self.B, out=self.solution)
+        blocks, outputs = data._arrays, self.outputs
         blocks["ddq_dq"][...], forces = self.by_q
-        np.add(forces, self.X_q, out=own["dlambda_dq"])
+        np.add(forces, self.X_q, out=outputs["dlambda_dq"])
         if not self.impact:
-            blocks["ddq_dv"][...], own["dlambda_dv"][...] = self.by_v
-        blocks.update(own)
-        data.mark_filled("ddq_dq", "ddq_dv", "ddq_dtau", *own)
+            blocks["ddq_dv"][...], outputs["dlambda_dv"][...] = self.by_v
+        blocks.update(outputs)
+        data.mark_filled("ddq_dq", "ddq_dv", "ddq_dtau", *outputs)
         return None
 
 
-def _derived(model: Model, data: Data, solved: Solved, told: float) -> Derived:
+def _derived(model: Model, data: Data, solved: ConstraintSolution, factor: float) -> BoundDerivatives:
     derived = solved.derived
-    if derived is not None and derived.model is model and derived.fill(data, told) is not NotImplemented:
+    if derived is not None and derived.model is model and derived.fill(data, factor) is not NotImplemented:
         return derived
-    derived = solved.derived = Derived(model, data, solved)
-    if derived.fill(data, told) is NotImplemented:
-        q, _, places, _, _ = solved.kept
-        J = jacobian_kernel(data.attach(model), solved.shapes, model.nq)(q, *places)
+    derived = solved.derived = BoundDerivatives(model, data, solved)
+    if derived.fill(data, factor) is NotImplemented:
+        q, _, placements, _, _ = solved.state
+        J = jacobian_kernel(data.attach(model), solved.shapes, model.nq)(q, *placements)
         if not np.isfinite(J).all():
             raise InputError(
                 f"{'impulseDynamics' if solved.impact else 'constraintDynamics'} was given q = {q}."
@@ -128,15 +128,15 @@ def _derived(model: Model, data: Data, solved: Solved, told: float) -> Derived:
     return derived
 
 
-def _solved(model: Model, data: Data, models: Any, datas: Any, impact: bool, mend: str) -> Solved:
+def _solved(model: Model, data: Data, models: Any, datas: Any, impact: bool, call: str) -> ConstraintSolution:
     solved = data._constraint_solution
-    if solved is not None and solved.impact == impact and solved.ties.serves(model, models, datas):
+    if solved is not None and solved.impact == impact and solved.constraint_set.matches(model, models, datas):
         return solved
     data.attach(model)
-    checked = paired(model, models, datas)
-    if solved is None or solved.impact != impact or shapes_of(checked) != solved.shapes:
+    checked = checked_constraints(model, models, datas)
+    if solved is None or solved.impact != impact or structures_of(checked) != solved.shapes:
         raise InputError(
-            f"This Data holds no solution of these constraints. Call {mend} with them, and the same data, first."
+            f"This Data holds no solution of these constraints. Call {call} with them, and the same data, first."
         )
     return solved
 
@@ -146,25 +146,33 @@ def _response(shapes: Any, impact: bool) -> Any:
         def run(
             q: Array,
             v: Array,
-            places: Array,
+            placements: Array,
             gains: Array,
-            wanted: Array,
+            desired: Array,
             a: Array,
             forces: Array,
-            numbers: Array,
-            told: Array,
+            settings: Array,
+            factor: Array,
         ) -> tuple[Any, ...]:
-            bonds = bonds_of(shapes, places)
+            bonds = core_constraints(shapes, placements)
             if impact:
-                v, gains, wanted = told[0] * v + a, np.zeros(gains.shape), np.zeros(wanted.shape)
-            terms = bound_terms(core, q, v, a, forces, gains, flat(wanted, shapes), bonds, impact)
+                v, gains, desired = factor[0] * v + a, np.zeros(gains.shape), np.zeros(desired.shape)
+            terms = bound_terms(core, q, v, a, forces, gains, flat(desired, shapes), bonds, impact)
             if not impact:
-                found = bound_response(terms, numbers[0], told[0])
-                more = found.a_tau, found.f_tau, terms.X @ terms.J
-                return found.W, found.B, found.X_q, found.S, found.unique, *more
-            found, n = bound_response(terms._replace(g_q=terms.c_q), numbers[0]), core.nv
-            by_v = found.W[:, n:] @ (told[0] * terms.J)  # all that depends on v
-            return found.W, found.B[:, :n], found.X_q, found.S, found.unique, by_v[:n], by_v[n:]
+                response = bound_response(terms, settings[0], factor[0])
+                more = response.a_tau, response.f_tau, terms.X @ terms.J
+                return response.W, response.B, response.X_q, response.S, response.unique, *more
+            response, n = bound_response(terms._replace(g_q=terms.c_q), settings[0]), core.nv
+            by_v = response.W[:, n:] @ (factor[0] * terms.J)  # all that depends on v
+            return (
+                response.W,
+                response.B[:, :n],
+                response.X_q,
+                response.S,
+                response.unique,
+                by_v[:n],
+                by_v[n:],
+            )
 
         return run
 

@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._constraints.delassus import raised
+from pinocchio._constraints.delassus import with_added_diagonal
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.compiled_model import CompiledModel
 from ulna import linalg
@@ -25,18 +25,18 @@ _ROWS = 24
 """The dense inverse of more rows is left to LAPACK."""
 
 
-def kernels_for(compiled: CompiledModel, rows: Array) -> Kernels:
+def kernels_for(compiled: CompiledModel, rows: Array) -> FactorKernels:
     """What is compiled for a model, and for Jacobians with entries where `rows` (m, nv) is true."""
     return _kernels(rows.shape[1], compiled.mass_pattern, rows.astype(bool).tobytes())
 
 
 @lru_cache(64)
-def _kernels(size: int, mass: bytes, rows: bytes) -> Kernels:
-    return Kernels(*(np.frombuffer(x, bool).reshape(-1, size).astype(float) for x in (mass, rows)))
+def _kernels(size: int, mass: bytes, rows: bytes) -> FactorKernels:
+    return FactorKernels(*(np.frombuffer(x, bool).reshape(-1, size).astype(float) for x in (mass, rows)))
 
 
 @final
-class Kernels:
+class FactorKernels:
     """What is compiled for a pattern of M and J, each when it is first used.
 
     Attributes:
@@ -49,15 +49,15 @@ class Kernels:
     def __init__(self, mass: Floats, rows: Floats) -> None:
         self.mass, self.rows, self.filled = mass, rows, constrained_factors.filled(mass, rows)
         self.places = np.nonzero(np.triu(self.filled, 1))
-        self._given: dict[str, Any] = {"entries": len(self.places[0]), "r": len(self.filled)}
+        self._input_sizes: dict[str, Any] = {"entries": len(self.places[0]), "r": len(self.filled)}
 
     @cached_property
-    def of_mass(self) -> Kernels:
+    def of_mass(self) -> FactorKernels:
         """Those for M alone."""
         return _kernels(len(self.mass), self.mass.astype(bool).tobytes(), b"")
 
     @cached_property
-    def are_many(self) -> bool:
+    def is_large(self) -> bool:
         """Whether U has more entries than are worth compiling."""
         above = self.filled.sum(axis=0) - 1.0
         return bool((above * (above + 2.0)).sum() > _OPERATIONS)
@@ -82,17 +82,17 @@ class Kernels:
             out[self.places] = entries
             return out
 
-        return compile_function(run, entries=self._given["entries"])
+        return compile_function(run, entries=self._input_sizes["entries"])
 
     @cached_property
-    def seen(self) -> Any:
+    def row_of_upper(self) -> Any:
         """Entries and 1/D of M, and a row of J: that row of the U of both."""
 
         def run(entries: Array, r: Array, row: Array) -> Array:
-            found = self._factors(entries, r).inward(row)
-            return vector(*(x * reciprocal for x, reciprocal in zip(found, r, strict=True)))
+            entries_of_row = self._factors(entries, r).inward(row)
+            return vector(*(x * reciprocal for x, reciprocal in zip(entries_of_row, r, strict=True)))
 
-        return compile_function(run, **self._given, row=len(self.mass))
+        return compile_function(run, **self._input_sizes, row=len(self.mass))
 
     @cached_property
     def solve(self) -> Any:
@@ -101,7 +101,7 @@ class Kernels:
         def run(entries: Array, r: Array, b: Array) -> Array:
             return vector(*self._factors(entries, r).solve(list(b)))
 
-        return compile_function(run, **self._given, b=len(self.filled))
+        return compile_function(run, **self._input_sizes, b=len(self.filled))
 
     @cached_property
     def motion(self) -> Any:
@@ -111,7 +111,7 @@ class Kernels:
             return constrained_factors.constrained_motion(self._factors(entries, r), tau - nle, drift)
 
         m, n = self.rows.shape
-        return compile_function(run, **self._given, tau=n, nle=n, drift=m)
+        return compile_function(run, **self._input_sizes, tau=n, nle=n, drift=m)
 
     @cached_property
     def impact(self) -> Any:
@@ -121,15 +121,15 @@ class Kernels:
             factors = self._factors(entries, r)
             return constrained_factors.constrained_impact(factors, J * self.rows, v, part)
 
-        return compile_function(run, **self._given, J=self.rows.shape, v=len(self.mass), part=())
+        return compile_function(run, **self._input_sizes, J=self.rows.shape, v=len(self.mass), part=())
 
     @cached_property
     def inverse_mass(self) -> Any:
         """Entries and 1/D of M: its inverse."""
-        return compile_function(lambda entries, r: self._factors(entries, r).inverse(), **self._given)
+        return compile_function(lambda entries, r: self._factors(entries, r).inverse(), **self._input_sizes)
 
     @cached_property
-    def yielding(self) -> Any:
+    def minus_inverse_delassus(self) -> Any:
         """Entries, 1/D: the first corner of K^-1, the opposite of the inverse of the damped Delassus matrix."""
         m = len(self.rows)
 
@@ -137,7 +137,7 @@ class Kernels:
             factors = self._factors(entries, r)
             return Factors.of(factors.lower[:m], factors.reciprocals[:m]).inverse()
 
-        return compile_function(run, **self._given)
+        return compile_function(run, **self._input_sizes)
 
     def _factors(self, entries: Array, r: Array) -> Factors:
         lower: list[dict[int, Any]] = [{} for _ in r]
@@ -147,43 +147,43 @@ class Kernels:
 
 
 @final
-class Factored:
-    """The factors of one K, in arrays of their own.
+class Factorization:
+    """The factors of one K, in arrays of this object.
 
     Attributes:
         kernels: What is compiled for its pattern.
-        entries: Of the unit upper triangle U, as `Kernels.places` says.
+        entries: Of the unit upper triangle U, as `FactorKernels.places` says.
         D: The diagonal (m + nv,), below zero for constraints.
         r: 1 / D.
         G: The Delassus matrix, without damping (m, m).
         unique: Above zero when K has been factored, and its factors are unique ().
         factor: Called with M, J and mu (m,), it fills them; NotImplemented where these are not exactly such arrays,
             or what is watched has changed.
-        due: Whether it must be called before the factors are used again.
+        outdated: Whether it must be called before the factors are used again.
         no_rows: J and mu where there are none.
     """
 
-    def __init__(self, kernels: Kernels, watch: Any = ()) -> None:
+    def __init__(self, kernels: FactorKernels, watch: Any = ()) -> None:
         m, n = kernels.rows.shape
-        self.kernels, self.no_rows, self.due = kernels, (np.zeros((0, n)), np.zeros(0)), False
+        self.kernels, self.no_rows, self.outdated = kernels, (np.zeros((0, n)), np.zeros(0)), False
         self.entries, self.D, self.r = np.zeros(len(kernels.places[0])), np.zeros(m + n), np.zeros(m + n)
         self.G, self.unique = np.zeros((m, m)), np.zeros(())
         self.factor: Any = self._factor_rows
-        if not kernels.are_many:
+        if not kernels.is_large:
             targets = self.entries, self.D, self.r, self.G, self.unique
             self.factor = kernels.factor.into(*targets, watch=watch, otherwise=not_applicable)
 
     def _factor_rows(self, M: Floats, J: Floats, mu: Floats) -> Any:
         """The same for many rows, each seen by a native call, and the Delassus matrix by LAPACK."""
         m, kernels = len(J), self.kernels.of_mass
-        mass = Factored(kernels)
+        mass = Factorization(kernels)
         if np.shape(J) != self.kernels.rows.shape or mass.factor(M, *mass.no_rows) is NotImplemented:
             return NotImplemented
         self.unique[...] = 0.0
-        W = np.array([kernels.seen(mass.entries, mass.r, row) for row in J])
+        W = np.array([kernels.row_of_upper(mass.entries, mass.r, row) for row in J])
         self.G[...] = (W * mass.D) @ W.T
         try:
-            lower, d = linalg.ldl(raised(self.G, mu)[::-1, ::-1])
+            lower, d = linalg.ldl(with_added_diagonal(self.G, mu)[::-1, ::-1])
         except np.linalg.LinAlgError:
             return None
         self.D[:] = np.concatenate([-d[::-1], mass.D])
@@ -214,20 +214,20 @@ class Factored:
         first = len(self.entries) - len(kernels.places[0])
         return kernels.inverse_mass(self.entries[first:], self.r[len(self.G) :])
 
-    def yielding(self, mu: Floats) -> Floats:
+    def minus_inverse_delassus(self, mu: Floats) -> Floats:
         """The opposite of the inverse of the Delassus matrix with the damping mu that was factored (m, m)."""
         if len(mu) > _ROWS:
-            return -linalg.inverse(raised(self.G, mu))
-        return self.kernels.yielding(self.entries, self.r)
+            return -linalg.inverse(with_added_diagonal(self.G, mu))
+        return self.kernels.minus_inverse_delassus(self.entries, self.r)
 
     def inverse(self, J: Floats, mu: Floats, joints_first: bool = False) -> Floats:
         """K^-1 (m + nv, m + nv), in its order, or that of [[M, J^T], [J, -mu]]."""
         Z, ZM, joints = self._last if joints_first else self._first
         M = self.inverse_mass()
         np.matmul(J, M, out=ZM)
-        out = Z.T @ (self.yielding(mu) @ Z)
-        own = out[joints, joints]
-        own += M
+        out = Z.T @ (self.minus_inverse_delassus(mu) @ Z)
+        block = out[joints, joints]
+        block += M
         return out
 
     @cached_property
@@ -245,7 +245,7 @@ class Factored:
         return Z, Z[:, :n], slice(0, n)
 
 
-def without_factors(M: Floats, J: Floats) -> InputError:
+def no_factors_error(M: Floats, J: Floats) -> InputError:
     """Why K has none."""
     if not (np.isfinite(M).all() and np.isfinite(J).all()):
         return InputError(

@@ -69,7 +69,7 @@ class BaumgarteCorrectorParameters:
     __hash__ = None  # type: ignore[assignment]
 
 
-class Pair:
+class FramePair:
     """Two placements that belong together: of a joint and of a second one, or of the world (joint 0)."""
 
     __slots__ = (
@@ -102,10 +102,10 @@ class Pair:
         for k, placement in placements.items():
             named.setdefault(f"joint{k + 1}_placement", placement)
         if "joint1_id" not in named:
-            raise InputError(f"{type(self).__name__} was given no joint; model.getJointId(name) gives one.")
-        mend = "model.getJointId(name) gives one."
-        self.joint1_id = index(named.pop("joint1_id"), model.njoints, "joint", mend)
-        self.joint2_id = index(named.pop("joint2_id", 0), model.njoints, "joint", mend)
+            raise InputError(f"{type(self).__name__} was given no joint; model.getJointId(name) returns one.")
+        fix = "model.getJointId(name) returns one."
+        self.joint1_id = index(named.pop("joint1_id"), model.njoints, "joint", fix)
+        self.joint2_id = index(named.pop("joint2_id", 0), model.njoints, "joint", fix)
         self._places = np.stack([SE3(named.pop(f"joint{k}_placement", 1))._m for k in (1, 2)])
         self.joint1_placement, self.joint2_placement = (SE3._of(m) for m in self._places)
         self._gains = BaumgarteCorrectorParameters()

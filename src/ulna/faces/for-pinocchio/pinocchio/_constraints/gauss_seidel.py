@@ -221,9 +221,9 @@ class PGSConstraintSolver:
         kernel = _kernel(
             kinds, int(settings.max_iterations), float(settings.over_relaxation), bool(settings.solve_ncp)
         )
-        found = kernel(G, g, guess, np.array([feasible, complementary]))
+        results = kernel(G, g, guess, np.array([feasible, complementary]))
         self._elapsed, self._valid = 1e6 * (time.perf_counter() - begun), True
-        result._impulses, result._velocities, rounds, off, power = found
+        result._impulses, result._velocities, rounds, off, power = results
         result.iterations, result.primal_feasibility = int(rounds), 0.0
         result.dual_feasibility, result.complementarity = float(off), float(power)
         result.converged = bool(off <= feasible and power <= complementary)

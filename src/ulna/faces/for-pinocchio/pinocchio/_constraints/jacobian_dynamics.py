@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._algorithms.dynamics import computeAllTerms, crba
-from pinocchio._constraints.factorization import Factored, kernels_for, without_factors
+from pinocchio._constraints.factorization import Factorization, kernels_for, no_factors_error
 from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._containers.arrays import exact, numbers
 from pinocchio._containers.enums import Convention
@@ -26,7 +26,7 @@ __all__ = [
 
 
 @final
-class Held:
+class BoundJacobianDynamics:
     """Dynamics under a Jacobian of so many rows, bound to a Data.
 
     Each answers NotImplemented where an argument is not exactly an array of its size, or forces are not unique.
@@ -34,7 +34,7 @@ class Held:
 
     def __init__(self, model: Model, data: Data, rows: int) -> None:
         self.kernels = kernels_for(data.attach(model), np.ones((rows, model.nv)))
-        self.factored = known = Factored(self.kernels, model.watched("structure"))
+        self.factored = known = Factorization(self.kernels, model.watched("structure"))
         self.factor, self.entries, self.r, self.unique = known.factor, known.entries, known.r, known.unique
         self.blocks, self.M, self.nle = data._arrays, data._arrays["M"], data._arrays["nle"]
         self.mu, self.forces, self.impulses = np.zeros(rows), np.zeros(rows), np.zeros(rows)
@@ -71,43 +71,45 @@ class Held:
         return self.kernels.impact.into(*targets, returns=(0,), otherwise=not_applicable)
 
 
-def _run(model: Model, data: Data, name: str, J: Any, damping: Any, *state: Any) -> tuple[Held, Any]:
-    """What a method of `Held` gives for arguments as users give them.
+def _run(
+    model: Model, data: Data, name: str, J: Any, damping: Any, *state: Any
+) -> tuple[BoundJacobianDynamics, Any]:
+    """The result of a method of `BoundJacobianDynamics` for arguments as users pass them.
 
     Raises:
         InputError: the mass matrix and J have no factors.
         ShapeError: J has another number of columns, or an argument another size.
     """
     mu = damping_of(damping) if damping else 0.0
-    held, found, known = None, NotImplemented, data._bound_at
+    bound, result, bound_by_rows = None, NotImplemented, data._bound_at
     if data._model is model and type(J) is np.ndarray and J.ndim == 2:
-        held = known.get(len(J))
-        if held is not None:
-            found = getattr(held, name)(J, mu, *state)
-    if held is None or found is NotImplemented:
+        bound = bound_by_rows.get(len(J))
+        if bound is not None:
+            result = getattr(bound, name)(J, mu, *state)
+    if bound is None or result is NotImplemented:
         data.attach(model)
         J = np.require(numbers(J, "constraint_jacobian"), float, ["C", "A"])
         if J.ndim != 2 or J.shape[1] != model.nv:
             raise ShapeError("constraint_jacobian", J.shape, f"(m, {model.nv})")
         sizes = {"tau": model.nv, "constraint_drift": len(J), "v_before": model.nv}
-        given = [
+        arrays = [
             exact(x, sizes[what], what) if what else x for x, what in zip(state, _STATE[name], strict=True)
         ]
-        known = data._bound_at
-        held = known.get(len(J))
-        if held is None or getattr(held, name)(J, mu, *given) is NotImplemented:
-            held = known[len(J)] = Held(model, data, len(J))
-        found = getattr(held, name)(J, mu, *given)
-        if found is NotImplemented:
-            raise without_factors(held.M, J)
+        bound_by_rows = data._bound_at
+        bound = bound_by_rows.get(len(J))
+        if bound is None or getattr(bound, name)(J, mu, *arrays) is NotImplemented:
+            bound = bound_by_rows[len(J)] = BoundJacobianDynamics(model, data, len(J))
+        result = getattr(bound, name)(J, mu, *arrays)
+        if result is NotImplemented:
+            raise no_factors_error(bound.M, J)
     data._damped = J.shape, mu
-    if "cholesky" in known:
-        known["cholesky"].due = True
-    return held, found
+    if "cholesky" in bound_by_rows:
+        bound_by_rows["cholesky"].outdated = True
+    return bound, result
 
 
 _STATE = {"motion": ("tau", "constraint_drift"), "impact": ("v_before", None), "inverse": ()}
-"""What methods of `Held` take after J and its damping: names of vectors, None for a number."""
+"""What methods of `BoundJacobianDynamics` take after J and its damping: names of vectors, None for a number."""
 
 
 def forwardDynamics(
@@ -122,13 +124,13 @@ def forwardDynamics(
         state += tuple(named.pop(name) for name in names if name in named)
     if named or not 3 <= len(state) <= 6:
         raise InputError("forwardDynamics takes (model, data, [q, v,] tau, J, drift[, damping]).")
-    told: Any = state
-    if len(told) >= 5:
-        q, v, *told = told
+    args: Any = state
+    if len(args) >= 5:
+        q, v, *args = args
         computeAllTerms(model, data, q, v)
-    tau, J, drift, *more = told
-    held, a = _run(model, data, "motion", J, more[0] if more else damping, tau, drift)
-    data._arrays["lambda_c"] = held.forces
+    tau, J, drift, *more = args
+    bound, a = _run(model, data, "motion", J, more[0] if more else damping, tau, drift)
+    data._arrays["lambda_c"] = bound.forces
     return a
 
 
@@ -136,18 +138,18 @@ def impact_with_jacobian(
     model: Model, data: Data, *state: Any, restitution_coefficient: float = 0.0, damping: float = 0.0
 ) -> Floats:
     """The velocity after an impact on what a Jacobian describes; see `impulseDynamics`."""
-    told: Any = state
-    if len(told) > 2 and np.ndim(told[2]) == 2:
-        q, *told = told
+    args: Any = state
+    if len(args) > 2 and np.ndim(args[2]) == 2:
+        q, *args = args
         crba(model, data, q, Convention.WORLD)
-    if not 2 <= len(told) <= 4:
+    if not 2 <= len(args) <= 4:
         raise InputError(
             "impulseDynamics takes (model, data, q, v, constraints, datas), or (model, data, [q,] v, J) with a "
             f"Jacobian of {model.nv} columns."
         )
-    v, J, part, mu = *told, *(restitution_coefficient, damping)[len(told) - 2 :]
-    held, after = _run(model, data, "impact", J, mu, v, float(part))
-    data._arrays["impulse_c"] = held.impulses
+    v, J, part, mu = *args, *(restitution_coefficient, damping)[len(args) - 2 :]
+    bound, after = _run(model, data, "impact", J, mu, v, float(part))
+    data._arrays["impulse_c"] = bound.impulses
     return after
 
 

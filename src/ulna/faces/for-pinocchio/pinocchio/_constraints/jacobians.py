@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import computeJointJacobians
-from pinocchio._constraints.bound_dynamics import Ties, known_ties, tied
+from pinocchio._constraints.bound_dynamics import ConstraintSet, constraint_set_of, known_constraint_set
 from pinocchio._constraints.delassus import damped_inverse, with_inertia
-from pinocchio._constraints.kernels import bonds_of, jacobian_kernel, sizes_of
+from pinocchio._constraints.kernels import core_constraints, jacobian_kernel, sizes_of
 from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._constraints.rigid_constraint import RigidConstraint
 from pinocchio._containers.arrays import exact
@@ -33,14 +33,14 @@ __all__ = [
 def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> Floats:
     """The Jacobian (m, nv) of all constraints, at the configuration of the last kinematics or dynamics."""
     q = data.require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
-    ties = known_ties(model, data, constraint_models, constraint_datas)
-    if ties is None:
+    constraint_set = known_constraint_set(model, data, constraint_models, constraint_datas)
+    if constraint_set is None:
         compiled_for(model, data)
         if not all(isinstance(one, RigidConstraint) for one in constraint_models):
             pairs = zip(constraint_models, constraint_datas, strict=True)
             return np.vstack([one.jacobian(model, data, known) for one, known in pairs])
-        ties = tied(model, data, constraint_models, constraint_datas)
-    return of_ties(model, data, ties, "jacobian", q)
+        constraint_set = constraint_set_of(model, data, constraint_models, constraint_datas)
+    return evaluate(model, data, constraint_set, "jacobian", q)
 
 
 def getConstraintJacobian(model: Model, data: Data, constraint_model: Any, constraint_data: Any) -> Floats:
@@ -52,7 +52,7 @@ def computeDelassusMatrix(
     model: Model, data: Data, q: Any, contact_models: Any, contact_datas: Any, mu: float = 0.0
 ) -> Floats:
     """G = J M^-1 J^T of constraints, (m, m), along the axes of each; with an inertia mu at each, (1 + mu G)^-1 G."""
-    G = of_ties(model, data, tied(model, data, contact_models, contact_datas), "delassus", q)
+    G = evaluate(model, data, constraint_set_of(model, data, contact_models, contact_datas), "delassus", q)
     computeJointJacobians(model, data, q)
     return with_inertia(G, damping_of(mu)) if mu else G
 
@@ -72,25 +72,25 @@ def computeDampedDelassusMatrixInverse(
     return damping * S if scaled else S
 
 
-def of_ties(model: Model, data: Data, ties: Ties, name: str, q: Any) -> Floats:
+def evaluate(model: Model, data: Data, constraint_set: ConstraintSet, name: str, q: Any) -> Floats:
     """What `_bind` binds under a name to constraints and a Data, at q."""
-    step = ties.runs.get(name)
-    found = NotImplemented if step is None else step(q, *ties.places)
-    if found is NotImplemented:
+    step = constraint_set.runs.get(name)
+    result = NotImplemented if step is None else step(q, *constraint_set.places)
+    if result is NotImplemented:
         q = exact(q, model.nq, "q")
         data.attach(model)
-        ties = tied(model, data, ties.models, ties.datas)
-        rows = sum(shape[0] for shape in ties.shapes)
+        constraint_set = constraint_set_of(model, data, constraint_set.models, constraint_set.datas)
+        rows = sum(shape[0] for shape in constraint_set.shapes)
         if not rows:
             return np.zeros((0, model.nv if name == "jacobian" else 0))
-        step = ties.runs[name] = _bind(model, data, ties, name, rows)
-        found = step(q, *ties.places)
-    return found
+        step = constraint_set.runs[name] = _bind(model, data, constraint_set, name, rows)
+        result = step(q, *constraint_set.places)
+    return result
 
 
-def _bind(model: Model, data: Data, ties: Ties, name: str, rows: int) -> Any:
+def _bind(model: Model, data: Data, constraint_set: ConstraintSet, name: str, rows: int) -> Any:
     watch = model.watched("placements" if name == "jacobian" else "parameters")  # first: see `run`
-    compiled, shapes = data.attach(model), ties.shapes
+    compiled, shapes = data.attach(model), constraint_set.shapes
     if name == "jacobian":
         kernel, targets = jacobian_kernel(compiled, shapes, model.nq), [np.zeros((rows, model.nv))]
     else:
@@ -102,8 +102,8 @@ def _bind(model: Model, data: Data, ties: Ties, name: str, rows: int) -> Any:
 
 def _delassus(shapes: Any) -> Any:
     def build(core: CoreModel) -> Any:
-        def run(q: Array, *places: Array) -> tuple[Array, ...]:
-            G = algorithms.delassus_matrix(core, q, bonds_of(shapes, np.stack(places)))
+        def run(q: Array, *placements: Array) -> tuple[Array, ...]:
+            G = algorithms.delassus_matrix(core, q, core_constraints(shapes, np.stack(placements)))
             return G, algorithms.mass_matrix(core, q), q
 
         return run

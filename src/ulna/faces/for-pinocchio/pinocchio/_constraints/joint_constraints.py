@@ -30,9 +30,9 @@ class _OfJoints:
     def _choose(self, model: Any, joints: Any) -> None:
         if not isinstance(model, Model):
             raise InputError(f"The model is {model!r}; expected a pinocchio.Model.")
-        mend = "model.getJointId(name) gives one; the universe has no velocity."
+        fix = "model.getJointId(name) returns one; the universe has no velocity."
         chosen = range(1, model.njoints) if joints is None else joints
-        self._joints = [index(joint, model.njoints, "joint", mend) for joint in chosen]
+        self._joints = [index(joint, model.njoints, "joint", fix) for joint in chosen]
         if 0 in self._joints or len(set(self._joints)) < len(self._joints):
             raise InputError(f"The joints are {self._joints}; expected indices from 1, each once.")
         self.name, self.nv, self._gains = "", model.nv, BaumgarteCorrectorParameters()

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._constraints.factorization import Kernels, kernels_for
+from pinocchio._constraints.factorization import FactorKernels, kernels_for
 from pinocchio._model.compiled_model import CompiledModel
 from ulna import algorithms, spatial
 from ulna.algorithms.constraints.kkt_factors import moved_by
@@ -16,7 +16,7 @@ from ulna.model.constraint import Bond, End
 from ulna.typing import Array
 
 
-def bonds_of(shapes: Sequence[tuple[int, bool, int, int]], places: Array) -> list[Bond]:
+def core_constraints(shapes: Sequence[tuple[int, bool, int, int]], places: Array) -> list[Bond]:
     """The constraints for Ulna; a frame of the world has its joint -1."""
     bonds = []
     for k, (size, local, *joints) in enumerate(shapes):
@@ -33,14 +33,14 @@ def jacobian_kernel(compiled: CompiledModel, shapes: Any, nq: int) -> Any:
 
     def build(core: CoreModel) -> Any:
         def run(q: Array, *places: Array) -> Array:
-            return algorithms.constraint_jacobian(core, q, bonds_of(shapes, np.stack(places)))
+            return algorithms.constraint_jacobian(core, q, core_constraints(shapes, np.stack(places)))
 
         return run
 
     return compiled.compile(("constraint jacobian", shapes), build, q=(nq,), **sizes_of(shapes))
 
 
-def factor_kernels(compiled: CompiledModel, shapes: Any) -> Kernels:
+def factor_kernels(compiled: CompiledModel, shapes: Any) -> FactorKernels:
     """What is compiled for the factors of the mass matrix and of constraints."""
     kernels = compiled.cache.get(("factors", shapes))
     if kernels is None:

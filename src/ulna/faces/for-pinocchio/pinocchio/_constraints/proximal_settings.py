@@ -1,4 +1,4 @@
-"""How forces of constraints are found, and how that went."""
+"""How forces of constraints are computed, and the residuals of that."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ class ProximalSettings:
 
     __slots__ = ("_accuracies", "_limit", "_mu", "_numbers", "absolute_residual", "iter", "relative_residual")
 
-    def __init__(self, *given: Any, **named: Any) -> None:
+    def __init__(self, *args: Any, **named: Any) -> None:
         names = ("absolute_accuracy", "relative_accuracy", "mu", "max_iter")
-        told: dict[str, Any] = dict(zip(names, (1e-12, 1e-12, 0.0, 1), strict=True))
-        if len(given) == 3:
-            given = (given[0], *given)
+        values: dict[str, Any] = dict(zip(names, (1e-12, 1e-12, 0.0, 1), strict=True))
+        if len(args) == 3:
+            args = (args[0], *args)
         if "accuracy" in named:
-            told["absolute_accuracy"] = told["relative_accuracy"] = named.pop("accuracy")
-        if len(given) not in (0, 4) or set(named) - set(names):
+            values["absolute_accuracy"] = values["relative_accuracy"] = named.pop("accuracy")
+        if len(args) not in (0, 4) or set(named) - set(names):
             raise InputError(
-                f"ProximalSettings was given {given}, {named}; expected (accuracy, mu, max_iter), or "
+                f"ProximalSettings was given {args}, {named}; expected (accuracy, mu, max_iter), or "
                 "(absolute_accuracy, relative_accuracy, mu, max_iter)."
             )
-        told |= dict(zip(names, given, strict=False)) | named
-        self._accuracies = float(told["absolute_accuracy"]), float(told["relative_accuracy"])
-        self._mu = float(told["mu"])
+        values |= dict(zip(names, args, strict=False)) | named
+        self._accuracies = float(values["absolute_accuracy"]), float(values["relative_accuracy"])
+        self._mu = float(values["mu"])
         if not (np.isfinite(self._mu) and self._mu >= 0.0):
             raise InputError(
-                f"`mu` is {told['mu']!r}; expected a number that is not below zero, such as 1e-8."
+                f"`mu` is {values['mu']!r}; expected a number that is not below zero, such as 1e-8."
             )
         if not min(self._accuracies) >= 0.0:
             raise InputError(
                 f"The accuracies are {self._accuracies}; expected numbers that are not below zero."
             )
-        self._limit = index(told["max_iter"], 10**9, "max_iter", "Give a whole number from 1.")
+        self._limit = index(values["max_iter"], 10**9, "max_iter", "Give a whole number from 1.")
         if self._limit < 1:
             raise InputError("`max_iter` is 0; expected a whole number from 1.")
         self._numbers = np.array([self._mu, self._accuracies[1], self._accuracies[0]])
@@ -77,8 +77,8 @@ class ProximalSettings:
         self.relative_residual, self.absolute_residual = float(change), float(residual)
 
     def __repr__(self) -> str:
-        words = (*self._accuracies, self._mu)
-        return f"ProximalSettings({', '.join(f'{x:g}' for x in words)}, {self._limit})"
+        values = (*self._accuracies, self._mu)
+        return f"ProximalSettings({', '.join(f'{x:g}' for x in values)}, {self._limit})"
 
 
 def settings_of(settings: Any) -> ProximalSettings:

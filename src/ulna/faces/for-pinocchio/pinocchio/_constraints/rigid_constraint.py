@@ -7,7 +7,7 @@ from typing import Any, Self, final
 
 import numpy as np
 
-from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ContactType, Pair
+from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ContactType, FramePair
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
@@ -18,7 +18,7 @@ from ulna.errors import InputError
 __all__ = ["RigidConstraintData"]
 
 
-class RigidConstraint(Pair):
+class RigidConstraint(FramePair):
     """`RigidConstraintModel(type, model, joint1[, placement1[, joint2, placement2]][, reference_frame])`.
 
     A point (CONTACT_3D) or a frame (CONTACT_6D) of one joint goes with one of another, or with one of the world, at
@@ -33,11 +33,11 @@ class RigidConstraint(Pair):
         "type",
     )
 
-    def __init__(self, *given: Any, **named: Any) -> None:
-        if len(given) == 1 and isinstance(given[0], RigidConstraint):
-            self._copy(given[0])
+    def __init__(self, *args: Any, **named: Any) -> None:
+        if len(args) == 1 and isinstance(args[0], RigidConstraint):
+            self._copy(args[0])
             return
-        parts = list(given)
+        parts = list(args)
         kind = parts.pop(0) if parts else named.pop("contact_type", None)
         model = parts.pop(0) if parts else named.pop("model", None)
         rf = parts.pop() if parts and isinstance(parts[-1], ReferenceFrame) else ReferenceFrame.LOCAL
@@ -71,7 +71,7 @@ class RigidConstraint(Pair):
             setattr(self, f"desired_contact_{name}", getattr(other, f"desired_contact_{name}").copy())
 
     def copy(self) -> Self:
-        """One of its own, with the same numbers."""
+        """A copy."""
         return type(self)(self)
 
     cast = __copy__ = copy
@@ -120,7 +120,7 @@ class RigidConstraintData:
 
     __slots__ = (
         "_blocks",
-        "_due",
+        "_deferred",
         "_size",
         "_views",
     )
@@ -129,7 +129,7 @@ class RigidConstraintData:
         if not isinstance(contact_model, RigidConstraint):
             raise InputError(f"The constraint is {contact_model!r}; expected a RigidConstraintModel.")
         self._size = contact_model.residualSize()
-        self._due: Any = None
+        self._deferred: Any = None
         self._blocks = {n: np.eye(4) for n in _PLACES} | {n: np.zeros(6) for n in _MOTIONS}
         self._views: dict[str, Any] = {n: SE3._of(self._blocks[n]) for n in _PLACES}
         self._views |= {n: Motion._of(self._blocks[n]) for n in _MOTIONS}
@@ -137,7 +137,7 @@ class RigidConstraintData:
 
     def _place(self, model: RigidConstraint, data: Data) -> None:
         oMi, blocks = data._arrays["oMi"], self._blocks
-        self._due = None
+        self._deferred = None
         for name, joint, place in zip(
             _PLACES, (model.joint1_id, model.joint2_id), model._places, strict=False
         ):
@@ -151,8 +151,8 @@ class RigidConstraintData:
 
 def _field(name: str) -> property:
     def get(self: RigidConstraintData) -> Any:
-        if self._due is not None and name in _LEFT:
-            self._due.fill()
+        if self._deferred is not None and name in _LEFT:
+            self._deferred.fill()
         return self._views[name]
 
     def put(self: RigidConstraintData, value: Any) -> None:
@@ -166,7 +166,7 @@ for _name in (*_PLACES, *_MOTIONS, "contact_force", "contact_acceleration_desire
     setattr(RigidConstraintData, _name, _field(_name))
 
 
-def paired(model: Model, models: Any, datas: Any) -> list[RigidConstraint]:
+def checked_constraints(model: Model, models: Any, datas: Any) -> list[RigidConstraint]:
     """The constraints, checked against their data and the model.
 
     Raises:
@@ -195,6 +195,6 @@ def paired(model: Model, models: Any, datas: Any) -> list[RigidConstraint]:
     return list(models)
 
 
-def shapes_of(models: Sequence[RigidConstraint]) -> tuple[tuple[int, bool, int, int], ...]:
+def structures_of(models: Sequence[RigidConstraint]) -> tuple[tuple[int, bool, int, int], ...]:
     """What kernels depend on, for each: rows, whether they are written in local axes, the joints."""
     return tuple(one._shape() for one in models)

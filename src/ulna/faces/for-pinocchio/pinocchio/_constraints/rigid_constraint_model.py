@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from pinocchio._constraints.jacobians import getConstraintJacobian
-from pinocchio._constraints.rigid_constraint import RigidConstraint, RigidConstraintData, paired
+from pinocchio._constraints.rigid_constraint import RigidConstraint, RigidConstraintData, checked_constraints
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from ulna.typing import Floats
@@ -22,7 +22,7 @@ class RigidConstraintModel(RigidConstraint):
     def calc(self, model: Model, data: Data, constraint_data: RigidConstraintData) -> None:
         """Fills the placements of its frames from `data.oMi`."""
         data.require(data._compiled, "forwardKinematics(model, data, q)")
-        paired(model, [self], [constraint_data])
+        checked_constraints(model, [self], [constraint_data])
         constraint_data._place(self, data)
 
     def jacobian(self, model: Model, data: Data, constraint_data: RigidConstraintData) -> Floats:

@@ -1,4 +1,4 @@
-"""Shapes of arguments, printing of matrices, and lists whose entries are views: what all parts of the face share."""
+"""Shapes of arguments, printing of matrices, and lists whose entries are views: what all parts of the package share."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def numbers(value: Any, name: str) -> Floats:
         raise InputError(f"`{name}` is {value!r}; expected real numbers.") from None
 
 
-def index(value: Any, count: int, what: str, mend: str) -> int:
+def index(value: Any, count: int, what: str, fix: str) -> int:
     """`value`, if it is an index below `count`.
 
     Raises:
@@ -69,18 +69,18 @@ def index(value: Any, count: int, what: str, mend: str) -> int:
     try:
         number = value.__index__()
     except AttributeError:
-        raise InputError(f"The {what} is given as {value!r}; expected an index. {mend}") from None
+        raise InputError(f"The {what} is given as {value!r}; expected an index. {fix}") from None
     if not 0 <= number < count:
-        raise InputError(f"There is no {what} {number}; expected 0 to {count - 1}. {mend}")
+        raise InputError(f"There is no {what} {number}; expected 0 to {count - 1}. {fix}")
     return number
 
 
 def text(array: Floats) -> str:
     """A matrix or a row as text: six significant digits, all entries equally wide."""
     rows = np.atleast_2d(array)
-    words = [[f"{x:.6g}" for x in row] for row in rows]
-    width = max((len(word) for row in words for word in row), default=0)
-    return "\n".join(" ".join(word.rjust(width) for word in row) for row in words)
+    texts = [[f"{x:.6g}" for x in row] for row in rows]
+    width = max((len(text_) for row in texts for text_ in row), default=0)
+    return "\n".join(" ".join(text_.rjust(width) for text_ in row) for row in texts)
 
 
 class StdVec(list[Item], Generic[Item]):
@@ -101,7 +101,7 @@ class StdVec(list[Item], Generic[Item]):
         """Nothing: lists grow by themselves."""
 
     def id(self) -> int:
-        """A number of its own."""
+        """The identity of the list as a number."""
         return id(self)
 
     def tolist(self) -> list[Item]:

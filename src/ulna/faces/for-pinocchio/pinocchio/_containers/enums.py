@@ -108,7 +108,7 @@ _REFERENCES: dict[int, Reference] = {0: "world", 1: "local", 2: "local_world_ali
 
 
 def reference_of(rf: Any) -> Reference:
-    """The tower's word for a ReferenceFrame.
+    """Ulna's name of a ReferenceFrame.
 
     Raises:
         InputError: it is none; a plain number does not say what it means.

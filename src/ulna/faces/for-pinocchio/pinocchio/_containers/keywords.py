@@ -26,13 +26,13 @@ def by_name(*orders: str) -> Callable[[Callable[..., Result]], Callable[..., Res
         def called(*parts: Any, **named: Any) -> Result:
             if not named:
                 return function(*parts)
-            given = len(parts) - before
+            count = len(parts) - before
             for way in ways:
-                rest = way[given : given + len(named)]
+                rest = way[count : count + len(named)]
                 if len(rest) == len(named) and named.keys() == set(rest):
                     return function(*parts, *(named[name] for name in rest))
             raise InputError(
-                f"{function.__qualname__} was given {given} arguments, and {', '.join(named)}; expected "
+                f"{function.__qualname__} was given {count} arguments, and {', '.join(named)}; expected "
                 + ", or ".join(f"({', '.join(way)})" for way in ways)
                 + "."
             )

@@ -46,7 +46,7 @@ _FIELDS = (*MATRICES, *_SINGLE, *_LISTS)
 
 @final
 class _Lists(dict[str, Any]):
-    """The fields with an entry for each joint, and those that are one Motion, Force or Inertia, made when asked for."""
+    """Fields with an entry for each joint, and those that are one Motion, Force or Inertia, made when first read."""
 
     def __init__(self, data: Data) -> None:
         self._data = data
@@ -66,7 +66,7 @@ class _Lists(dict[str, Any]):
 
 @final
 class _Placements:
-    """References to placements, made when asked for; then an attribute as quick as others, which `__dict__` is not."""
+    """References to placements, made when first read; then an attribute as quick as others, which `__dict__` is not."""
 
     def __init__(self, name: str, doc: str) -> None:
         self._name, self.__doc__ = name, doc
@@ -74,9 +74,9 @@ class _Placements:
     def __get__(self, data: Data | None, _: type) -> Any:
         if data is None:
             return self
-        found = views(SE3, data._arrays[self._name])
-        setattr(data, self._name, found)
-        return found
+        placements = views(SE3, data._arrays[self._name])
+        setattr(data, self._name, placements)
+        return placements
 
 
 @final

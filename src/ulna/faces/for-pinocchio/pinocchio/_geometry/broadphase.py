@@ -192,7 +192,7 @@ class BroadPhaseManagerPool(GeometryPool):
         """Whether all managers fit their geometries."""
         return all(manager.check() for manager in self.getBroadPhaseManagers())
 
-    def asked(self) -> tuple[Any, ...]:
+    def collision_arguments(self) -> tuple[Any, ...]:
         """What `computeCollisions` is given before q."""
         return self._model, self.getData(0), self.getBroadPhaseManager(0)
 

@@ -39,8 +39,8 @@ def computeCollision(
     Raises:
         MissingExtra: coal is not installed. `ulna.Robot.collides` answers for a whole robot, batches included.
     """
-    found = _answers(geometry_model, geometry_data, "collision", pair_index, collision_request)
-    return any(contacts for _, contacts in found)
+    answers = _answers(geometry_model, geometry_data, "collision", pair_index, collision_request)
+    return any(contacts for _, contacts in answers)
 
 
 def computeDistance(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> Any:
@@ -64,15 +64,15 @@ def _answers(
     else:
         chosen, at = [pair_id], geometry_data.placed(_pair(geometry_model, geometry_data, pair_id))
     functions, requests, results = (
-        getattr(geometry_data, word) for word in (f"{what}_functors", f"{what}Requests", f"{what}Results")
+        getattr(geometry_data, name) for name in (f"{what}_functors", f"{what}Requests", f"{what}Results")
     )
     for k in chosen:
         i, j = pairs[k].first, pairs[k].second
         one, two = functions[k].of
         if one is not objects[i] or two is not objects[j]:
             functions[k] = type(functions[k])(objects[i], objects[j])
-        told = requests[k] if request is None else request
-        yield k, functions[k].run(at[i], at[j], told, results[k])
+        query = requests[k] if request is None else request
+        yield k, functions[k].run(at[i], at[j], query, results[k])
 
 
 @by_name(
@@ -110,20 +110,23 @@ def computeDistances(*parts: Any) -> int:
     With `(geometry_model, geometry_data)`, placements stay as they are. Without any pair it is their number.
     """
     geometry_model, geometry_data, _ = _placed(parts)
-    found = dict(_answers(geometry_model, geometry_data, "distance"))
-    return min(found, key=found.__getitem__, default=len(geometry_model.collisionPairs))
+    distances = dict(_answers(geometry_model, geometry_data, "distance"))
+    return min(distances, key=distances.__getitem__, default=len(geometry_model.collisionPairs))
 
 
 def computeContactPatch(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> None:
     """Fills `geometry_data.contactPatchResults` for a pair that touches; after `computeCollisions`."""
     i, j = _pair(geometry_model, geometry_data, pair_index)
     at, objects = geometry_data.placed((i, j)), geometry_model.geometryObjects
-    found, result = geometry_data.collisionResults[pair_index], geometry_data.contactPatchResults[pair_index]
+    collision, result = (
+        geometry_data.collisionResults[pair_index],
+        geometry_data.contactPatchResults[pair_index],
+    )
     result.clear()
-    if found.isCollision():
+    if collision.isCollision():
         request = geometry_data.contactPatchRequests[pair_index]
         coal().computeContactPatch(
-            objects[i].geometry, at[i], objects[j].geometry, at[j], found, request, result
+            objects[i].geometry, at[i], objects[j].geometry, at[j], collision, request, result
         )
 
 
@@ -179,12 +182,14 @@ def computeCollisionsInParallel(num_thread: int, *parts: Any) -> Any:
 
 
 def _each(pool: GeometryPool, columns: Any, stop_in_configuration: bool, stop_in_batch: bool) -> Any:
-    given = np.asarray(columns, dtype=float)
-    if given.ndim != 2 or given.shape[0] != pool.getModel(0).nq:
-        raise InputError(f"Configurations have shape {given.shape}; expected ({pool.getModel(0).nq}, n).")
-    hit = np.zeros(given.shape[1], dtype=bool)
-    for k, q in enumerate(given.T):
-        hit[k] = computeCollisions(*pool.asked(), q, stop_in_configuration)
+    configurations = np.asarray(columns, dtype=float)
+    if configurations.ndim != 2 or configurations.shape[0] != pool.getModel(0).nq:
+        raise InputError(
+            f"Configurations have shape {configurations.shape}; expected ({pool.getModel(0).nq}, n)."
+        )
+    hit = np.zeros(configurations.shape[1], dtype=bool)
+    for k, q in enumerate(configurations.T):
+        hit[k] = computeCollisions(*pool.collision_arguments(), q, stop_in_configuration)
         if hit[k] and stop_in_batch:
             break
     return hit
@@ -207,7 +212,7 @@ def _checked(geometry_model: GeometryModel, geometry_data: GeometryData) -> list
             f"{len(pairs)}. Make a new one: geometry_model.createData()."
         )
     left_out = {i for i, g in enumerate(objects) if g.disableCollision}
-    active = [k for k, asked in enumerate(geometry_data.activeCollisionPairs) if asked]
+    active = [k for k, is_active in enumerate(geometry_data.activeCollisionPairs) if is_active]
     return [k for k in active if left_out.isdisjoint(pairs[k])] if left_out else active
 
 

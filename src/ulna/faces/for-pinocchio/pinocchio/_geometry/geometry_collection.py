@@ -21,13 +21,13 @@ class CollisionPair:
 
     def __init__(self, index1: int = NO_INDEX, index2: int = NO_INDEX) -> None:
         self.first, self.second = (
-            index(i, NO_INDEX + 1, "geometry", "getGeometryId(name) gives one.") for i in (index1, index2)
+            index(i, NO_INDEX + 1, "geometry", "getGeometryId(name) returns one.") for i in (index1, index2)
         )
         if self.first == self.second != NO_INDEX:
             raise InputError(f"The pair names geometry {self.first} twice; expected two of them.")
 
     def copy(self) -> CollisionPair:
-        """One of its own."""
+        """A copy."""
         return CollisionPair(self.first, self.second)
 
     def __iter__(self) -> Iterator[int]:
@@ -66,9 +66,9 @@ class GeometryCollection(Saved):
             raise InputError(f"Cannot add {geometry_object!r}; expected a GeometryObject.")
         added = geometry_object.copy()
         if model is not None and added.parentFrame != NO_INDEX:
-            mend = "model.getFrameId(name) gives one."
+            fix = "model.getFrameId(name) returns one."
             added.parentJoint = model.frames[
-                index(added.parentFrame, model.nframes, "frame", mend)
+                index(added.parentFrame, model.nframes, "frame", fix)
             ].parentJoint
         self.geometryObjects.append(added)
         return self.ngeoms - 1
@@ -77,8 +77,8 @@ class GeometryCollection(Saved):
         """Removes the geometry of that name, and the pairs it is in."""
         gone = self.getGeometryId(name)
         del self.geometryObjects[gone]
-        kept = [pair for pair in self.collisionPairs if gone not in pair]
-        self._pair_up(CollisionPair(*(i - (i > gone) for i in pair)) for pair in kept)
+        remaining = [pair for pair in self.collisionPairs if gone not in pair]
+        self._pair_up(CollisionPair(*(i - (i > gone) for i in pair)) for pair in remaining)
 
     def existGeometryName(self, name: str) -> bool:
         """Whether there is a geometry of that name."""
@@ -94,7 +94,7 @@ class GeometryCollection(Saved):
     def addCollisionPair(self, collision_pair: CollisionPair) -> None:
         """Adds a pair to check."""
         first, second = (
-            index(i, self.ngeoms, "geometry", "getGeometryId(name) gives one.") for i in collision_pair
+            index(i, self.ngeoms, "geometry", "getGeometryId(name) returns one.") for i in collision_pair
         )
         if not self.existCollisionPair(collision_pair):
             self.collisionPairs.append(CollisionPair(first, second))
@@ -128,8 +128,8 @@ class GeometryCollection(Saved):
 
     def findCollisionPair(self, collision_pair: CollisionPair) -> int:
         """The index of a pair; as many as there are if there is no such pair."""
-        found = (k for k, p in enumerate(self.collisionPairs) if p == collision_pair)
-        return next(found, len(self.collisionPairs))
+        indices = (k for k, p in enumerate(self.collisionPairs) if p == collision_pair)
+        return next(indices, len(self.collisionPairs))
 
     @property
     def collisionPairMapping(self) -> Any:
@@ -140,13 +140,13 @@ class GeometryCollection(Saved):
         return out
 
     def copy(self) -> Self:
-        """One of its own; the shapes themselves are shared."""
+        """A copy that shares the shapes."""
         return self._copied(GeometryObject.copy)
 
     __copy__ = copy
 
     def clone(self) -> Self:
-        """One of its own, shapes included."""
+        """A copy, shapes included."""
         return self._copied(GeometryObject.clone)
 
     def _copied(self, copied: Callable[[GeometryObject], GeometryObject]) -> Self:
@@ -166,8 +166,8 @@ class GeometryCollection(Saved):
     __hash__ = object.__hash__
 
     def __str__(self) -> str:
-        told = "".join(f"{_described(g)}\n" for g in self.geometryObjects)
-        return f"Nb geometry objects = {self.ngeoms}\n{told}"
+        lines = "".join(f"{_described(g)}\n" for g in self.geometryObjects)
+        return f"Nb geometry objects = {self.ngeoms}\n{lines}"
 
     def __repr__(self) -> str:
         return f"<{self.ngeoms} geometries, {len(self.collisionPairs)} pairs to check>"

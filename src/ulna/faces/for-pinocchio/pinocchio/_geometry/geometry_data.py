@@ -19,7 +19,7 @@ from pinocchio._spatial.se3 import SE3
 class GeometryData(Saved):
     """Where the geometries are, and what was found about pairs of them: `geometry_model.createData()`.
 
-    Requests and results are objects of coal, made when somebody looks at them.
+    Requests and results are objects of coal, created when they are read.
     """
 
     def __init__(self, geometry_model: GeometryCollection) -> None:
@@ -90,10 +90,10 @@ class GeometryData(Saved):
             from ulna.collision.narrow import coal
 
             self._of_coal["transforms"] = StdVec(coal().Transform3s() for _ in self.oMg)
-        found = self._of_coal["transforms"]
-        for i in range(len(found)) if geometries is None else geometries:
-            found[i].setTransform(self._block[i, :3, :3], self._block[i, :3, 3])
-        return found
+        transforms = self._of_coal["transforms"]
+        for i in range(len(transforms)) if geometries is None else geometries:
+            transforms[i].setTransform(self._block[i, :3, :3], self._block[i, :3, 3])
+        return transforms
 
     def _two(self, pair_id: int) -> list[GeometryObject]:
         return [self._objects[i] for i in self._pairs[pair_id]]
@@ -125,7 +125,7 @@ class GeometryData(Saved):
         self, geom_model: GeometryCollection, geom_id: int, enable_collision: bool
     ) -> None:
         """Has all pairs of one geometry checked, or none."""
-        index(geom_id, geom_model.ngeoms, "geometry", "getGeometryId(name) gives one.")
+        index(geom_id, geom_model.ngeoms, "geometry", "getGeometryId(name) returns one.")
         for k, pair in enumerate(self._pairs):
             if geom_id in pair:
                 self.activeCollisionPairs[k] = bool(enable_collision)

@@ -21,7 +21,7 @@ from ulna.spatial import SE3 as Pose
 from ulna.typing import Floats
 
 _GREY = (0.9, 0.9, 0.9, 1.0)
-_WORDS = ("BOX", "SPHERE", "CYLINDER", "CAPSULE")
+_SHAPE_NAMES = ("BOX", "SPHERE", "CYLINDER", "CAPSULE")
 _NAMES = ("mesh_path", "mesh_scale", "override_material", "mesh_color", "mesh_texture_path", "mesh_material")
 
 
@@ -43,39 +43,39 @@ class GeometryObject(Placed, Saved):
         if len(parts) == 1 and isinstance(parts[0], GeometryObject):
             self.__dict__.update(parts[0].copy().__dict__)
             return
-        told = dict(named)
+        values = dict(named)
         rest = list(parts)
-        self.name = str(told.pop("name") if "name" in told else rest.pop(0) if rest else "")
-        ints = [told.pop(key) for key in ("parent_joint", "parent_frame") if key in told]
+        self.name = str(values.pop("name") if "name" in values else rest.pop(0) if rest else "")
+        ints = [values.pop(key) for key in ("parent_joint", "parent_frame") if key in values]
         while rest and hasattr(rest[0], "__index__"):
             ints.append(rest.pop(0))
         pair = [rest.pop(0) for _ in range(min(2, len(rest)))]
-        placement = told.pop("placement", next((x for x in pair if isinstance(x, SE3)), None))
-        geometry = told.pop("collision_geometry", next((x for x in pair if not isinstance(x, SE3)), None))
-        told |= dict(zip(_NAMES, rest, strict=False))
-        if not 1 <= len(ints) <= 2 or placement is None or geometry is None or set(told) - set(_NAMES):
+        placement = values.pop("placement", next((x for x in pair if isinstance(x, SE3)), None))
+        geometry = values.pop("collision_geometry", next((x for x in pair if not isinstance(x, SE3)), None))
+        values |= dict(zip(_NAMES, rest, strict=False))
+        if not 1 <= len(ints) <= 2 or placement is None or geometry is None or set(values) - set(_NAMES):
             raise InputError(
                 f"GeometryObject was given {parts}, {named}; expected a name, the index of a joint, that of a frame "
                 "(or none), a placement SE3, a geometry, and " + ", ".join(_NAMES) + "."
             )
-        self.parentJoint = index(ints[0], NO_INDEX + 1, "joint", "model.getJointId(name) gives one.")
+        self.parentJoint = index(ints[0], NO_INDEX + 1, "joint", "model.getJointId(name) returns one.")
         """The index of the joint it moves with."""
         frame = ints[1] if len(ints) == 2 else NO_INDEX
-        self.parentFrame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) gives one.")
+        self.parentFrame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) returns one.")
         """The index of the frame it belongs to; 2**64 - 1 for none."""
         self._placement = SE3(placement)
-        given = isinstance(geometry, Shape)
-        self._shape: Shape | None = geometry if given else None
-        self._coal: Any = None if given else geometry
-        self.meshPath = str(told.get("mesh_path", ""))
+        is_shape = isinstance(geometry, Shape)
+        self._shape: Shape | None = geometry if is_shape else None
+        self._coal: Any = None if is_shape else geometry
+        self.meshPath = str(values.get("mesh_path", ""))
         """The file of the mesh; "BOX", "SPHERE", ... for other shapes of a URDF file; else empty."""
-        self._scale = np.array(vector(told.get("mesh_scale", np.ones(3)), 3, "meshScale"))
-        self.overrideMaterial = bool(told.get("override_material", False))
+        self._scale = np.array(vector(values.get("mesh_scale", np.ones(3)), 3, "meshScale"))
+        self.overrideMaterial = bool(values.get("override_material", False))
         """Whether `meshColor` hides the mesh's own colours."""
-        self._color = np.array(vector(told.get("mesh_color", _GREY), 4, "meshColor"))
-        self.meshTexturePath = str(told.get("mesh_texture_path", ""))
+        self._color = np.array(vector(values.get("mesh_color", _GREY), 4, "meshColor"))
+        self.meshTexturePath = str(values.get("mesh_texture_path", ""))
         """The file of a texture; empty for none."""
-        self.meshMaterial = told.get("mesh_material", GeometryNoMaterial())
+        self.meshMaterial = values.get("mesh_material", GeometryNoMaterial())
         """How its surface shines."""
         self.physicsMaterial = PhysicsMaterial()
         """What it is made of."""
@@ -102,7 +102,7 @@ class GeometryObject(Placed, Saved):
 
     @property
     def geometry(self) -> Any:
-        """Its shape, as an object of coal, made when it is asked for; where coal is missing, a shape of Ulna."""
+        """Its shape, as an object of coal, made when it is first read; where coal is missing, a shape of Ulna."""
         if self._coal is None and self._shape is not None:
             with contextlib.suppress(MissingExtra):
                 self._coal = _of_coal(self.name, self._shape)
@@ -125,13 +125,13 @@ class GeometryObject(Placed, Saved):
     def _drawn_from_file(self) -> bool:
         """Whether `meshPath` says what it looks like: shapes and convex hulls are what they are."""
         mesh = isinstance(self._shape, Mesh) or type(self._coal).__name__.startswith("BVH")
-        return mesh and bool(self.meshPath) and self.meshPath not in _WORDS
+        return mesh and bool(self.meshPath) and self.meshPath not in _SHAPE_NAMES
 
     def _mesh(self) -> Mesh:
         return Mesh(self.meshPath, tuple(self._scale.tolist()), missing=not os.path.isfile(self.meshPath))
 
     def copy(self) -> GeometryObject:
-        """One of its own; the geometry itself is shared."""
+        """A copy that shares the geometry."""
         out = object.__new__(GeometryObject)
         out.__dict__.update(self.__dict__)
         out._placement, out._scale, out._color = (
@@ -145,7 +145,7 @@ class GeometryObject(Placed, Saved):
     __copy__ = copy
 
     def clone(self) -> GeometryObject:
-        """One of its own, the geometry included."""
+        """A copy, the geometry included."""
         out = self.copy()
         out._coal = copy.deepcopy(self._coal)
         return out
@@ -188,8 +188,8 @@ class GeometryObject(Placed, Saved):
 
     def __repr__(self) -> str:
         what = self.shape
-        words = type(self._coal).__name__ if what is None else what.describe()
-        return f"<{words} {self.name!r} on joint {self.parentJoint}>"
+        kind = type(self._coal).__name__ if what is None else what.describe()
+        return f"<{kind} {self.name!r} on joint {self.parentJoint}>"
 
 
 def _shape_of(geometry: Any) -> Shape | None:

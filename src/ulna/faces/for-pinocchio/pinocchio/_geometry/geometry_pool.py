@@ -32,9 +32,9 @@ class GeometryPool(ModelPool):
     def resize(self, new_size: int) -> None:
         """Changes how many data there are."""
         super().resize(new_size)
-        kept = list(self._geometry_datas)[: int(new_size)]
-        more = (self._geometry.createData() for _ in range(int(new_size) - len(kept)))
-        self._geometry_datas = StdVec([*kept, *more])
+        remaining = list(self._geometry_datas)[: int(new_size)]
+        more = (self._geometry.createData() for _ in range(int(new_size) - len(remaining)))
+        self._geometry_datas = StdVec([*remaining, *more])
 
     @by_name("data", "geometry_data")
     def update(self, data: Any) -> None:
@@ -65,6 +65,6 @@ class GeometryPool(ModelPool):
         """The data of the geometries."""
         return self._geometry_datas
 
-    def asked(self) -> tuple[Any, ...]:
+    def collision_arguments(self) -> tuple[Any, ...]:
         """What `computeCollisions` is given before q."""
         return self._model, self.getData(0), self._geometry, self.getGeometryData(0)

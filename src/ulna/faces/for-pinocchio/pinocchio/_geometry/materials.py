@@ -29,8 +29,8 @@ class GeometryPhongMaterial:
         if len(parts) == 1 and isinstance(parts[0], GeometryPhongMaterial):
             other = parts[0]
             parts = (other.meshEmissionColor, other.meshSpecularColor, other.meshShininess)
-        told: Any = parts or ((0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0), 0.0)
-        emission, specular, shininess = told
+        values: Any = parts or ((0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0), 0.0)
+        emission, specular, shininess = values
         self._emission = np.array(vector(emission, 4, "meshEmissionColor"))
         self._specular = np.array(vector(specular, 4, "meshSpecularColor"))
         self.meshShininess = float(shininess)
@@ -83,8 +83,8 @@ class PhysicsMaterial:
         if len(parts) == 1 and isinstance(parts[0], PhysicsMaterial):
             other = parts[0]
             parts = (other.materialType, other.compliance, other.elasticity)
-        told: Any = parts or (PhysicsMaterialType.PLASTIC, 0.0, 0.0)
-        kind, compliance, elasticity = told
+        values: Any = parts or (PhysicsMaterialType.PLASTIC, 0.0, 0.0)
+        kind, compliance, elasticity = values
         self.materialType = PhysicsMaterialType(kind)
         """Of what it is."""
         self.compliance = float(compliance)

@@ -40,7 +40,7 @@ def not_read(kernel: Any, watch: list[tuple[Array, Array]]) -> list[tuple[Array,
 
 @final
 class BoundKernel:
-    """A kernel of whose first output every call returns a copy; NotImplemented for arguments not exactly its own.
+    """A kernel of whose first output every call returns a copy; NotImplemented for arguments that need conversion.
 
     Args:
         kernel: The kernel.

@@ -68,8 +68,8 @@ class KinematicTree(KernelCache):
             raise InputError(
                 f"{len(matches)} frames are named {name!r}; say which: getFrameId({name!r}, type) with one of {choice}."
             )
-        mend = "Ask existFrame(name) first where it may be missing."
-        raise UnknownName("frame", name, [f.name for f in self.frames if f.type & types], mend)
+        fix = "Ask existFrame(name) first where it may be missing."
+        raise UnknownName("frame", name, [f.name for f in self.frames if f.type & types], fix)
 
     def getBodyId(self, name: str) -> int:
         """The index of the frame of the body of that name. Raises UnknownName with the nearest one."""

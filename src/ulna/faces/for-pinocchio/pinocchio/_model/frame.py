@@ -32,16 +32,16 @@ class Frame(Placed):
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 1 and isinstance(parts[0], Frame):
             parts = parts[0]._parts()
-        given = list(parts)
-        if len(given) > 2 and isinstance(given[2], SE3):
-            given.insert(2, 0)
-        if len(given) > 6:
+        values = list(parts)
+        if len(values) > 2 and isinstance(values[2], SE3):
+            values.insert(2, 0)
+        if len(values) > 6:
             raise InputError(
                 f"Frame was given {parts}; expected name, parent_joint, parent_frame (or none), placement, type, "
                 "inertia."
             )
         default: Any = ("", 0, 0, SE3(), FrameType.OP_FRAME, Inertia())
-        name, joint, frame, placement, type_, inertia = (*given, *default[len(given) :])
+        name, joint, frame, placement, type_, inertia = (*values, *default[len(values) :])
         if not isinstance(name, str):
             raise InputError(f"The name of a frame is {name!r}; expected a string.")
         self._name: str = name
@@ -111,7 +111,7 @@ class Frame(Placed):
         changes[0] += 1
 
     def copy(self) -> Frame:
-        """One of its own."""
+        """A copy."""
         out = object.__new__(Frame)
         out._name, out._type = self._name, self._type
         out._parent_joint, out._parent_frame = self._parent_joint, self._parent_frame

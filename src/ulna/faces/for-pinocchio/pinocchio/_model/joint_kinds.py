@@ -61,16 +61,16 @@ __all__ = [
 _AXES: dict[str, Axis] = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
-def _fixed_kind(word: str, kind: JointKind, doc: str, axis: Axis | None = None) -> type[JointModel]:
-    """A class of joints without parameters; those along a coordinate axis tell it."""
+def _fixed_kind(shortname: str, kind: JointKind, doc: str, axis: Axis | None = None) -> type[JointModel]:
+    """A class of joints without parameters; those along a coordinate axis know it."""
 
     def __init__(self: JointModel) -> None:
-        self._set_kind(word, kind)
+        self._set_kind(shortname, kind)
 
     members: dict[str, Any] = {"__init__": __init__, "__doc__": doc, "__module__": __name__}
     if axis is not None:
         members["getMotionAxis"] = _motion_axis(axis)
-    return type(word, (JointModel,), members)
+    return type(shortname, (JointModel,), members)
 
 
 def _motion_axis(axis: Axis) -> Any:
@@ -88,8 +88,8 @@ class _Unaligned(JointModel):
 
     @by_name("axis", "x y z")
     def __init__(self, *axis: Any) -> None:
-        given = axis[0] if len(axis) == 1 else axis or _AXES["X"]
-        self._axis: Axis = unit_axis(vector(given, 3, "axis"))
+        direction = axis[0] if len(axis) == 1 else axis or _AXES["X"]
+        self._axis: Axis = unit_axis(vector(direction, 3, "axis"))
         self._set_kind(type(self).__name__, type(self)._make(self._axis))
 
     @property
@@ -235,9 +235,9 @@ JointModelSphericalZYX = _fixed_kind(
 )
 
 
-def _along(letter: str, make: Any, words: str, doc: str) -> type[JointModel]:
+def _along(letter: str, make: Any, family: str, doc: str) -> type[JointModel]:
     axis = _AXES[letter]
-    return _fixed_kind(f"JointModel{words}{letter}", make(axis), doc.format(letter.lower()), axis)
+    return _fixed_kind(f"JointModel{family}{letter}", make(axis), doc.format(letter.lower()), axis)
 
 
 JointModelRX, JointModelRY, JointModelRZ = (_along(c, Revolute, "R", "Turns about {}.") for c in "XYZ")
@@ -248,11 +248,11 @@ JointModelRUBX, JointModelRUBY, JointModelRUBZ = (
 
 
 def _screw(letter: str) -> type[JointModel]:
-    word = f"JointModelH{letter}"
+    shortname = f"JointModelH{letter}"
 
     def __init__(self: Any, pitch: float = 0.0) -> None:
         self.pitch = float(pitch)
-        self._set_kind(word, Helical(_AXES[letter], self.pitch))
+        self._set_kind(shortname, Helical(_AXES[letter], self.pitch))
 
     doc = f"A screw about {letter.lower()} with a pitch [m/rad]."
     members = {
@@ -261,7 +261,7 @@ def _screw(letter: str) -> type[JointModel]:
         "__module__": __name__,
         "getMotionAxis": _motion_axis(_AXES[letter]),
     }
-    return type(word, (JointModel,), members)
+    return type(shortname, (JointModel,), members)
 
 
 JointModelHX, JointModelHY, JointModelHZ = (_screw(c) for c in "XYZ")

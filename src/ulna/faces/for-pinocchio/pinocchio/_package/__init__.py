@@ -1,4 +1,4 @@
-"""Names of the package: loaded when asked for, or explained where not offered."""
+"""Names of the package: loaded when first used, or explained where not offered."""
 
 from __future__ import annotations
 

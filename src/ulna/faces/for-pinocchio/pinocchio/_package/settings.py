@@ -12,7 +12,7 @@ ScalarType = float
 
 
 class LogLevel(_Named):
-    """How much is told while files are read; this face warns, whatever is asked for."""
+    """How much is logged while files are read; this package warns, whatever is set."""
 
     CONSOLE_BRIDGE_LOG_DEBUG = 0
     CONSOLE_BRIDGE_LOG_INFO = 1

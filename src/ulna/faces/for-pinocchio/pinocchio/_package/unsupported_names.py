@@ -1,4 +1,4 @@
-"""What this face does not offer, what to use instead, and the nearest name of what was misspelt."""
+"""What this package does not offer, what to use instead, and the nearest name of what was misspelt."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 from ulna.errors import nearest
 
-_WORDS = (
+_MESSAGES = (
     (r"casadi|cppad|.*[Cc]asadi.*",
      "Ulna differentiates and compiles functions itself: ulna.compile(f, robot).jacobian()."),
     (r".*Sdf.*|WITH_SDF.*", "SDF files are not read; convert them to URDF."),
@@ -18,7 +18,7 @@ _WORDS = (
      "PGSConstraintSolver solves the same problems; its settings and results have what it counts."),
     (r"Constraint(Model|Data)", "Lists hold the constraints and their data themselves, whatever their kinds."),
     (r"FrictionCoefficientMatrix|getFrictionCoefficientMatrix",
-     "Tell each contact its own: contact.setFriction(0.6)."),
+     "Set it on each contact: contact.setFriction(0.6)."),
     (r"Lanczos.*|Tridiagonal.*",
      "It is a part of solvers; scipy.linalg.eigh_tridiagonal and scipy.sparse.linalg.eigsh do."),
     (r"(Panda3d|RViz)Visualizer", "Use MeshcatVisualizer or GepettoVisualizer: both draw into Ulna's viewer."),
@@ -28,21 +28,21 @@ _WORDS = (
     (r"graph", "Models are put together with appendModel, buildReducedModel, and ulna.model.ModelBuilder."),
     (r"numpy|inspect|sys", "It is no part of Pinocchio; import it itself."),
     (r"pin|pinocchio_pywrap.*|module_info|submodules|.*type_index|map_indexing.*|Deprecated.*|deprecat.*",
-     "It belongs to the binding of Pinocchio to Python, which this face has none of."),
+     "It belongs to the binding of Pinocchio to Python, which this package does not have."),
 )  # fmt: skip
 
 
-def refusal(name: str, offered: Iterable[str]) -> str:
-    """A word on a name that is not offered: what to use, or the nearest of the offered ones."""
-    word = next((word for pattern, word in _WORDS if re.fullmatch(pattern, name)), "")
-    near = nearest(name, offered, 1, 0.9 if word else 0.7)
+def unsupported_name_message(name: str, offered: Iterable[str]) -> str:
+    """A message for a name that is not offered: what to use, or the nearest of the offered ones."""
+    message = next((message for pattern, message in _MESSAGES if re.fullmatch(pattern, name)), "")
+    near = nearest(name, offered, 1, 0.9 if message else 0.7)
     hint = f"Did you mean {near[0]!r}?" if near else ""
-    both = f"{word} {hint}".strip()
+    both = f"{message} {hint}".strip()
     return both or "Real Pinocchio is `pip install pin`; run the script with plain python to use it."
 
 
-def stands_in_an_import() -> bool:
-    """Whether a module is asked by `from module import name`, which hides the words of an AttributeError."""
+def called_from_import_statement() -> bool:
+    """Whether a module is read by `from module import name`, which hides the message of an AttributeError."""
     frame = sys._getframe(2)
     code = frame.f_code.co_code
     return 0 <= frame.f_lasti < len(code) and dis.opname[code[frame.f_lasti]] == "IMPORT_FROM"

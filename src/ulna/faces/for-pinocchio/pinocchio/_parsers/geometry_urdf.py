@@ -35,8 +35,11 @@ def geometries_of_links(filename: Any, package_dirs: Any, text: str | None = Non
     resolver = Resolver(file, [*(f for f in folders if os.fspath(f)), *((share.parent,) if share else ())])
     document = read_urdf(file) if file is not None else parse_urdf(text or "")
     links = urdf_builder(document, resolver=resolver).build().links
-    told = _collisions_replaced((text or "").encode() if file is None else read_file(file), file)
-    return {link.name: _with_replaced(link, told[link.name]) if link.name in told else link for link in links}
+    replacements = _collisions_replaced((text or "").encode() if file is None else read_file(file), file)
+    return {
+        link.name: _with_replaced(link, replacements[link.name]) if link.name in replacements else link
+        for link in links
+    }
 
 
 def _collisions_replaced(data: bytes, file: str | None) -> dict[str, dict[str, str]]:
@@ -48,14 +51,14 @@ def _collisions_replaced(data: bytes, file: str | None) -> dict[str, dict[str, s
     if tag.encode() not in data:
         return {}
     return {
-        link.name(): {told.name(): told.tag for group in link.children(tag) for told in group.children()}
+        link.name(): {child.name(): child.tag for group in link.children(tag) for child in group.children()}
         for link in parse_markup(data, file, "robot", "URDF").children("link")
     }
 
 
-def _with_replaced(link: Link, told: Mapping[str, str]) -> Link:
+def _with_replaced(link: Link, replacements: Mapping[str, str]) -> Link:
     def replaced(geometry: Geometry) -> Geometry:
-        match told.get(geometry.name), geometry.shape:
+        match replacements.get(geometry.name), geometry.shape:
             case "capsule", Cylinder(radius=radius, length=length):
                 return dataclasses.replace(geometry, shape=Capsule(radius, length))
             case "convex", Mesh(path=path, scale=scale, missing=missing):
@@ -77,8 +80,8 @@ def geometry_model_of(
         raise FormatError("No body of the model has the name of a link of this file. Is it the same robot?")
     for i, frame in bodies:
         link = links[frame.name]
-        found: Iterable[Geometry] = link.visuals if kind == GeometryType.VISUAL else link.collisions
-        for k, geometry in enumerate(found):
+        shapes: Iterable[Geometry] = link.visuals if kind == GeometryType.VISUAL else link.collisions
+        for k, geometry in enumerate(shapes):
             shape, material = geometry.shape, geometry.material
             placement = frame.placement * SE3(np.asarray(geometry.placement.matrix(), dtype=float))
             named: dict[str, Any] = {"mesh_path": type(shape).__name__.upper()}

@@ -1,4 +1,4 @@
-"""MJCF to the face's Model and geometries: joints of one body are one composite joint, children in the file's order."""
+"""MJCF to Model and geometries: joints of one body are one composite joint, children in the file's order."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def buildModelFromMJCF(
         The model; with `root_joint_name` the model and the constraints that close its loops.
 
     Raises:
-        FormatError: the file is missing or broken; says where and what mends it.
+        FormatError: the file is missing or broken; says where and how to fix it.
         MissingExtra: the package mujoco is not installed.
     """
     if root_joint is not None and not isinstance(root_joint, JointModel):
@@ -66,15 +66,15 @@ def _read(file: str) -> CoreModel:
 
 def _constraints(model: Model, file: str) -> StdVec[RigidConstraintModel]:
     """The closed loops of a file, on the model of that file."""
-    found: StdVec[RigidConstraintModel] = StdVec()
+    constraints: StdVec[RigidConstraintModel] = StdVec()
     for loop in loops_from_mjcf(file):
         kind = ContactType.CONTACT_3D if loop.size == 3 else ContactType.CONTACT_6D
         places: list[Any] = []
         for name, pose in loop.ends():
             frame = model.frames[model.getBodyId(name) if name != "world" else 0]
             places += [frame.parentJoint, frame.placement * _pose(pose)]
-        found.append(RigidConstraintModel(kind, model, *places, ReferenceFrame.LOCAL))
-    return found
+        constraints.append(RigidConstraintModel(kind, model, *places, ReferenceFrame.LOCAL))
+    return constraints
 
 
 def buildGeomFromMJCF(
@@ -93,15 +93,15 @@ def buildModelsFromMJCF(
     filename: Any, root_joint: Any = None, root_joint_name: str | None = None, **named: Any
 ) -> tuple[Model, GeometryModel, GeometryModel]:
     """The model of an MJCF file, what it collides with, and what it looks like."""
-    found = buildModelFromMJCF(filename, root_joint, root_joint_name)
-    model = found if isinstance(found, Model) else found[0]
+    built = buildModelFromMJCF(filename, root_joint, root_joint_name)
+    model = built if isinstance(built, Model) else built[0]
     kinds = (GeometryType.COLLISION, GeometryType.VISUAL)
     hard, drawn = (buildGeomFromMJCF(model, filename, kind) for kind in kinds)
     return model, hard, drawn
 
 
 def model_of(source: CoreModel, root: JointModel | None = None, root_name: str = "root_joint") -> Model:
-    """The face's model of a model of Ulna, whose root link is the world."""
+    """The Model of a model of Ulna, whose root link is the world."""
     out = Model()
     out.name, out.gravity.linear = source.name, source.gravity
     top, ids, frames = source.links[0], {-1: 0}, {source.links[0].name: 0}

@@ -51,6 +51,8 @@ def _add(
     for name, body, shape, height in parts:
         frame = model.getFrameId(f"{prefix}{body}_body", FrameType.BODY)
         joint = model.frames[frame].parentJoint
-        told = {"mesh_path": type(shape).__name__.upper(), "mesh_color": np.array(_COLOUR)}
+        appearance = {"mesh_path": type(shape).__name__.upper(), "mesh_color": np.array(_COLOUR)}
         place = SE3(np.eye(3), [0.0, 0.0, height])
-        out.addGeometryObject(GeometryObject(f"{prefix}{name}_object", joint, frame, place, shape, **told))
+        out.addGeometryObject(
+            GeometryObject(f"{prefix}{name}_object", joint, frame, place, shape, **appearance)
+        )

@@ -88,8 +88,8 @@ def _root(model: Model, using_free_flyer: bool, limits: tuple[Any, ...] | None) 
         joint = JointModelComposite(joint_kinds.JointModelTranslation()).addJoint(
             joint_kinds.JointModelSphericalZYX()
         )
-    given = _random_limits(joint) if limits is None else limits
-    root = model.addJoint(0, joint, SE3(), "root_joint", *given)
+    bounds = _random_limits(joint) if limits is None else limits
+    root = model.addJoint(0, joint, SE3(), "root_joint", *bounds)
     if using_free_flyer:
         model.lowerPositionLimit[3:7], model.upperPositionLimit[3:7] = -1.0, 1.0
     model.addJointFrame(root)

@@ -36,14 +36,14 @@ def _postures(model: Model, document: SrdfDocument) -> None:
             if not model.existJointName(name):
                 continue  # fixed joints, and joints of other variants of the robot
             joint = model.joints[model.getJointId(name)]
-            told = values
+            entries = values
             if joint.nq == 2 and len(values) == 1:  # an angle, written as cosine and sine
-                told = (np.cos(values[0]), np.sin(values[0]))
-            if len(told) != joint.nq:
+                entries = (np.cos(values[0]), np.sin(values[0]))
+            if len(entries) != joint.nq:
                 text = f"State {state.name!r} gives joint {name!r} {len(values)} numbers; it has {joint.nq}."
                 warnings.warn(text, ModelWarning, stacklevel=3)
                 continue
-            q[joint.idx_q : joint.idx_q + joint.nq] = told
+            q[joint.idx_q : joint.idx_q + joint.nq] = entries
         model.referenceConfigurations[state.name] = q
 
 
@@ -77,8 +77,8 @@ def _remove(model: Model, geom_model: GeometryModel, document: SrdfDocument) -> 
         for g in geom_model.geometryObjects
     ]
     disabled = {frozenset(pair) for pair in document.disabled_pairs}
-    kept = [
+    remaining = [
         p for p in geom_model.collisionPairs if frozenset((links[p.first], links[p.second])) not in disabled
     ]
     geom_model.collisionPairs.clear()
-    geom_model.collisionPairs.extend(kept)
+    geom_model.collisionPairs.extend(remaining)

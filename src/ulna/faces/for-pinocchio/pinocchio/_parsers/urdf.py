@@ -1,4 +1,4 @@
-"""URDF to the face's Model: children in the alphabetical order of their joints, fixed joints merged."""
+"""URDF to Model: children in the alphabetical order of their joints, fixed joints merged."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ def buildModelFromUrdf(
         root_joint_name: The name of that joint; "root_joint" without.
         model: A model to add it to; a new one without.
         verbose: Plays no part.
-        mimic: Whether mimic joints follow their source; else each moves on its own.
+        mimic: Whether mimic joints follow their source; else each moves independently.
 
     Raises:
-        FormatError: the file is missing or broken; says where and what mends it.
+        FormatError: the file is missing or broken; says where and how to fix it.
     """
     return build_model(
         read_urdf(os.fspath(urdf_filename)), *_sorted_out(root_joint, root_joint_name, model), mimic=mimic
@@ -62,11 +62,11 @@ def buildModelFromXML(
     )
 
 
-def _sorted_out(*given: Any) -> tuple[JointModel | None, str, Model | None]:
+def _sorted_out(*args: Any) -> tuple[JointModel | None, str, Model | None]:
     """The root joint, its name and the model, in whatever order they came."""
-    joint = next((x for x in given if isinstance(x, JointModel)), None)
-    name = next((x for x in given if isinstance(x, str)), "root_joint")
-    return joint, name, next((x for x in given if isinstance(x, Model)), None)
+    joint = next((x for x in args if isinstance(x, JointModel)), None)
+    name = next((x for x in args if isinstance(x, str)), "root_joint")
+    return joint, name, next((x for x in args if isinstance(x, Model)), None)
 
 
 def build_model(
@@ -87,31 +87,31 @@ def build_model(
     if root is not None:
         carrier = out.addJoint(0, root, SE3(), root_name)
         frame = out.addJointFrame(carrier, 0)
-    own = inertias[top]
-    told = Frame(top, carrier, frame, SE3(), FrameType.BODY, Inertia() if carrier else own)
-    placed = {top: (carrier, out.addFrame(told), SE3())}
-    if carrier and not own.isZero():
-        out.appendBodyToJoint(carrier, own, SE3())
+    inertia = inertias[top]
+    body_frame = Frame(top, carrier, frame, SE3(), FrameType.BODY, Inertia() if carrier else inertia)
+    placed = {top: (carrier, out.addFrame(body_frame), SE3())}
+    if carrier and not inertia.isZero():
+        out.appendBodyToJoint(carrier, inertia, SE3())
     waiting = list(reversed(below.get(top, [])))
-    late: list[tuple[UrdfJoint, int]] = []
+    mimics: list[tuple[UrdfJoint, int]] = []
     while waiting:
         joint = waiting.pop()
-        own = inertias[joint.child]
+        inertia = inertias[joint.child]
         carrier, before, M = placed[joint.parent]
         M = M * SE3._of(np.array(pose(joint.origin.xyz, joint.origin.rpy).matrix()))
         if joint.kind == "fixed":
-            frame = out.addFrame(Frame(joint.name, carrier, before, M, FrameType.FIXED_JOINT, own))
+            frame = out.addFrame(Frame(joint.name, carrier, before, M, FrameType.FIXED_JOINT, inertia))
         else:
             carrier = out.addJoint(carrier, _kind(joint), M, joint.name, *_bounds(joint))
             if mimic and joint.mimic is not None:
-                late.append((joint, carrier))
+                mimics.append((joint, carrier))
             frame = out.addJointFrame(carrier, before)
             M = SE3()
-            if not own.isZero():
-                out.appendBodyToJoint(carrier, own, SE3())
+            if not inertia.isZero():
+                out.appendBodyToJoint(carrier, inertia, SE3())
         placed[joint.child] = (carrier, out.addBodyFrame(joint.child, carrier, M, frame), M)
         waiting.extend(reversed(below.get(joint.child, [])))
-    for joint, carrier in late:
+    for joint, carrier in mimics:
         assert joint.mimic is not None  # only those were kept
         out.make_mimic(out.getJointId(joint.mimic.joint), carrier, joint.mimic.multiplier, joint.mimic.offset)
     return out
@@ -130,7 +130,7 @@ def _kind(joint: UrdfJoint) -> JointModel:
         "spherical": joint_kinds.JointModelSpherical,
     }
     if joint.kind not in kinds:
-        raise FormatError(f"joint {joint.name!r} is {joint.kind!r}, which this face does not know")
+        raise FormatError(f"joint {joint.name!r} is {joint.kind!r}, which is no kind of joint in URDF")
     return kinds[joint.kind]()
 
 

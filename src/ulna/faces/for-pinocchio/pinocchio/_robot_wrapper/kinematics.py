@@ -14,8 +14,8 @@ from pinocchio._spatial.se3 import SE3
 from ulna.typing import Floats
 
 _LOCAL = ReferenceFrame.LOCAL
-_JOINT = "robot.index(name) gives one."
-_FRAME = "robot.model.getFrameId(name) gives one."
+_JOINT = "robot.index(name) returns one."
+_FRAME = "robot.model.getFrameId(name) returns one."
 
 
 def _of_velocity(ask: Callable[..., Motion], of: str, doc: str) -> Callable[..., Motion]:

@@ -48,11 +48,11 @@ class Inertia:
         if isinstance(other, Inertia):
             self._p[:] = other._p
         else:  # the 6x6 matrix
-            given = matrix(other, (6, 6), "inertia")
-            mass = given[0, 0]
-            lever = np.array([given[5, 1], given[3, 2], given[4, 0]]) / (mass or 1.0)
+            block = matrix(other, (6, 6), "inertia")
+            mass = block[0, 0]
+            lever = np.array([block[5, 1], block[3, 2], block[4, 0]]) / (mass or 1.0)
             self._p[0], self.lever = mass, lever
-            self.inertia = given[3:, 3:] + mass * skew(lever) @ skew(lever)
+            self.inertia = block[3:, 3:] + mass * skew(lever) @ skew(lever)
 
     def _value(self) -> spatial.Inertia:
         return spatial.Inertia(float(self._p[0]), self._p[1:4], self._p[4:].reshape(3, 3))
@@ -151,8 +151,8 @@ class Inertia:
 
     @inertia.setter
     def inertia(self, value: Any) -> None:
-        given = value.matrix() if isinstance(value, Symmetric3) else matrix(value, (3, 3), "inertia")
-        self._p[4:] = given.ravel()
+        block = value.matrix() if isinstance(value, Symmetric3) else matrix(value, (3, 3), "inertia")
+        self._p[4:] = block.ravel()
 
     def matrix(self) -> Floats:
         """The 6x6 inertia about the origin."""
@@ -232,7 +232,7 @@ class Inertia:
         return bool(np.linalg.norm(self._p - other._p) <= prec * max(1.0, float(np.linalg.norm(self._p))))
 
     def copy(self) -> Inertia:
-        """One of its own, with the same numbers."""
+        """A copy."""
         return Inertia._of(self._p.copy())
 
     __copy__ = cast = copy

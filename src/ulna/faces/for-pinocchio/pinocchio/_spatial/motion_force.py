@@ -102,7 +102,7 @@ class _Six:
         self._v[:] = generator().uniform(-1.0, 1.0, 6)
 
     def copy(self) -> Self:
-        """One of its own, with the same numbers."""
+        """A copy."""
         return self._of(self._v.copy())
 
     __copy__ = cast = copy

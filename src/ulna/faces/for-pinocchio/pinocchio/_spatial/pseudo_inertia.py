@@ -37,7 +37,7 @@ class _BodyParameters:
         return registered("Inertia").FromDynamicParameters(self.toDynamicParameters())
 
     def copy(self) -> Any:
-        """One of its own, with the same numbers."""
+        """A copy."""
         return type(self)(self)
 
     __copy__ = cast = copy
@@ -140,10 +140,10 @@ class LogCholeskyParameters(_BodyParameters):
 
     def __init__(self, log_cholesky_parameters: Any) -> None:
         one = log_cholesky_parameters
-        given = (
+        entries = (
             one._p if isinstance(one, LogCholeskyParameters) else vector(one, 10, "log_cholesky_parameters")
         )
-        self._p = np.array(given)
+        self._p = np.array(entries)
 
     @property
     def parameters(self) -> Floats:

@@ -189,10 +189,10 @@ def coefficients_of(R: Floats) -> Floats:
 
     Largest is w where the trace is positive, else the entry of the largest number on the diagonal.
     """
-    found = _of_matrix()(R)
+    quaternion = _of_matrix()(R)
     diagonal = np.diagonal(R)
     lead = 3 if diagonal.sum() > 0.0 else int(diagonal.argmax())
-    return -found if found[lead] < 0.0 else found
+    return -quaternion if quaternion[lead] < 0.0 else quaternion
 
 
 @final

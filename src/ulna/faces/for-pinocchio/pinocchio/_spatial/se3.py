@@ -213,7 +213,7 @@ class SE3:
         self._m[:] = SE3.Random()._m
 
     def copy(self) -> SE3:
-        """One of its own, with the same numbers."""
+        """A copy."""
         return SE3._of(self._m.copy())
 
     __copy__ = cast = copy
@@ -238,12 +238,12 @@ class SE3:
 
 def XYZQUATToSE3(xyzquat: Any) -> SE3:
     """The placement of a position and a quaternion xyzw in one array (7,)."""
-    given = vector(xyzquat, 7, "xyzquat")
-    if not given[3:].any():
+    values = vector(xyzquat, 7, "xyzquat")
+    if not values[3:].any():
         raise InputError(
             "XYZQUATToSE3 was given a quaternion (x, y, z, w) that is all zero; expected unit length."
         )
-    return SE3._of(se3_kernel("placed")(given))
+    return SE3._of(se3_kernel("placed")(values))
 
 
 def SE3ToXYZQUAT(M: SE3) -> Floats:

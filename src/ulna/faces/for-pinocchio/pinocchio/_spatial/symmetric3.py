@@ -64,10 +64,10 @@ class Symmetric3:
 
     def inverse(self, out: Floats | None = None) -> Floats:
         """The inverse matrix; written into `out` as well where it is given."""
-        found = np.asarray(np.linalg.inv(self.matrix()), dtype=float)
+        inverted = np.asarray(np.linalg.inv(self.matrix()), dtype=float)
         if out is not None:
-            out[:] = found
-        return found
+            out[:] = inverted
+        return inverted
 
     def rotate(self, R: Any) -> Symmetric3:
         """R S R^T."""
@@ -127,7 +127,7 @@ class Symmetric3:
         return bool(np.linalg.norm(self._d - other._d) <= prec * max(1.0, float(np.linalg.norm(self._d))))
 
     def copy(self) -> Symmetric3:
-        """One of its own, with the same numbers."""
+        """A copy."""
         return Symmetric3(self)
 
     __copy__ = cast = copy

@@ -33,7 +33,7 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         collision_model: What it collides with.
         visual_model: What it looks like.
         copy_models: Whether models are copied, so that later changes to them are not seen.
-        data: Its working memory; one of its own when not given.
+        data: Its working memory; a new one when not given.
         collision_data: That of the collision geometries.
         visual_data: That of the visual geometries.
     """
@@ -90,7 +90,7 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         """Opens the viewer; returns at once.
 
         Args:
-            viewer: An `ulna.Viewer`, or a client, to draw into; a viewer of its own when not given.
+            viewer: An `ulna.Viewer`, or a client, to draw into; a new viewer when not given.
             named: Where some visualizers have `open` and `loadModel`.
             loadModel: Whether to load the geometries, too.
             open: Whether to open a browser window, where there is a screen.
@@ -146,8 +146,11 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         gui = self.viewer.gui
         self._root = f"{self.sceneName}/{rootNodeName}".lstrip("/")
         looks = {
-            f"{self._group(kind)}/{g.name}": surfaces_of(g, own or color)
-            for kind, own in ((GeometryType.VISUAL, visual_color), (GeometryType.COLLISION, collision_color))
+            f"{self._group(kind)}/{g.name}": surfaces_of(g, kind_color or color)
+            for kind, kind_color in (
+                (GeometryType.VISUAL, visual_color),
+                (GeometryType.COLLISION, collision_color),
+            )
             for g in self._objects(kind)
         }
         with self._scene.atomic():
@@ -167,8 +170,8 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         return f"{self._root}/{'visuals' if kind == GeometryType.VISUAL else 'collisions'}"
 
     def _objects(self, kind: GeometryType) -> Sequence[GeometryObject]:
-        found = self.visual_model if kind == GeometryType.VISUAL else self.collision_model
-        return () if found is None else found.geometryObjects
+        model = self.visual_model if kind == GeometryType.VISUAL else self.collision_model
+        return () if model is None else model.geometryObjects
 
     def getViewerNodeName(self, geometry_object: GeometryObject, geometry_type: GeometryType) -> str:
         """The name of a geometry's node in the viewer."""
@@ -234,11 +237,11 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         """Where in the scene the nodes of visuals and of collisions are; None for none."""
         structure = self._scene.version[0]
         if not self._rows or self._rows[0] != structure:
-            gui, found = self.viewer.gui, []
+            gui, rows = self.viewer.gui, []
             for kind in self._shown:
                 names = [gui.known(f"{self._group(kind)}/{g.name}") for g in self._objects(kind)]
-                found.append(self._scene.rows(names) if names else None)
-            self._rows = (structure, *found)
+                rows.append(self._scene.rows(names) if names else None)
+            self._rows = (structure, *rows)
         return self._rows[1:]
 
     def displayVisuals(self, visibility: bool) -> None:

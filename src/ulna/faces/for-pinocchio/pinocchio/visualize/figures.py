@@ -20,13 +20,13 @@ from ulna.viewer.mesh.vertex_normals import surface_with_normals
 
 
 def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) -> list[Surface]:
-    """The surfaces of a geometry in its own frame, in a colour of their own or in the one given.
+    """The surfaces of a geometry in its own frame, in their colour or in the one passed.
 
     A mesh file that is not there, or cannot be read, is left out, with a warning.
     """
     shape = geometry.shape
-    own = geometry.meshColor if color is None else color
-    rgba = colour(float(c) for c in own)
+    rgb = geometry.meshColor if color is None else color
+    rgba = colour(float(c) for c in rgb)
     if shape is None:
         return [_of_triangles(geometry.geometry, rgba)]
     if not isinstance(shape, Mesh):
@@ -37,11 +37,13 @@ def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) 
         )
         return []
     try:
-        found = list(load_mesh(shape.path, shape.scale))
+        surfaces = list(load_mesh(shape.path, shape.scale))
     except (InputError, MissingExtra) as error:
         warnings.warn(f"{geometry.name!r} is not shown: {error}", ModelWarning, stacklevel=3)
         return []
-    return [s.coloured(rgba) for s in found] if geometry.overrideMaterial or color is not None else found
+    return (
+        [s.coloured(rgba) for s in surfaces] if geometry.overrideMaterial or color is not None else surfaces
+    )
 
 
 def _of_triangles(geometry: Any, rgba: Any) -> Surface:

@@ -18,7 +18,7 @@ _GREY = (0.6, 0.6, 0.65, 1.0)
 
 @final
 class MeshcatVisualizer(CameraVisualizer):
-    """Draws into a viewer of its own, or the one it is given. What is added here is placed at once, without refresh."""
+    """Draws into a new viewer, or into the one passed to it. What is added here is placed at once, without refresh."""
 
     def addSphere(self, name: str, radius: float, color: Sequence[float] = _GREY) -> None:
         """A ball [m]."""
@@ -54,14 +54,14 @@ class MeshcatVisualizer(CameraVisualizer):
     def applyConfiguration(self, name: str, placement: Any) -> None:
         """Places a node: an SE3, a matrix (4, 4), or x, y, z and a quaternion xyzw."""
         gui = self.viewer.gui
-        given = np.asarray(getattr(placement, "homogeneous", placement), dtype=float)
-        if given.shape == (7,):
+        values = np.asarray(getattr(placement, "homogeneous", placement), dtype=float)
+        if values.shape == (7,):
             pose = np.eye(4)
-            pose[:3, :3], pose[:3, 3] = Quaternion(given[3:]).normalized().matrix(), given[:3]
-            given = pose
-        if given.shape != (4, 4):
-            raise ShapeError("placement", given.shape, "(7,) or (4, 4), or an SE3")
-        gui.scene.set_pose(gui.known(name), given)
+            pose[:3, :3], pose[:3, 3] = Quaternion(values[3:]).normalized().matrix(), values[:3]
+            values = pose
+        if values.shape != (4, 4):
+            raise ShapeError("placement", values.shape, "(7,) or (4, 4), or an SE3")
+        gui.scene.set_pose(gui.known(name), values)
 
     def delete(self, name: str) -> None:
         """Removes a node, with all that is in it."""

@@ -62,8 +62,8 @@ class MotionPictures(abc.ABC):
         return f"{self._root}/frames/{frame} {self.model.frames[frame].name}".rstrip("/")
 
     def _frame_pose(self, frame: int) -> Any:
-        told = self.model.frames[frame]
-        return (self.data.oMi[told.parentJoint] * told.placement).homogeneous
+        record = self.model.frames[frame]
+        return (self.data.oMi[record.parentJoint] * record.placement).homogeneous
 
     def drawFrameVelocities(
         self, frame_id: int, v_scale: float = 0.2, color: Sequence[float] | None = None
@@ -132,7 +132,8 @@ class MotionPictures(abc.ABC):
             self._film = None
 
 
-def _configurations(given: Any, nq: int) -> Any:
-    if isinstance(given, np.ndarray) and given.ndim == 2 and given.shape[1] != nq and given.shape[0] == nq:
-        return given.T
-    return given
+def _configurations(values: Any, nq: int) -> Any:
+    """Configurations as rows; a matrix (nq, n), as of older scripts, is transposed."""
+    if isinstance(values, np.ndarray) and values.ndim == 2 and values.shape[1] != nq == values.shape[0]:
+        return values.T
+    return values

@@ -9,4 +9,4 @@ from pinocchio.visualize.camera import CameraVisualizer
 
 @final
 class ViserVisualizer(CameraVisualizer):
-    """Draws into a viewer of its own, or the one it is given; `host` and `port` are those of its page."""
+    """Draws into a new viewer, or into the one passed to it; `host` and `port` are those of its page."""
