@@ -24,12 +24,10 @@ def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
     """
     refuse_masked(name, value)
     try:
-        given = np.asarray(value)
-        if given.dtype.kind not in "fiu" and given.size:
-            given = np.array([real_number(x) for x in np.asarray(value, dtype=object).flat]).reshape(
-                given.shape
-            )
-        out = np.array(given, dtype=float)
+        raw = np.asarray(value)
+        if raw.dtype.kind not in "fiu" and raw.size:
+            raw = np.array([real_number(x) for x in np.asarray(value, dtype=object).flat]).reshape(raw.shape)
+        out = np.array(raw, dtype=float)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"`{name}` is {short_repr(value)}; expected {expected}.") from None
     if not math.isfinite(np.vdot(out, out)) and not np.isfinite(out).all():  # a quick look first
@@ -129,7 +127,7 @@ def checked_rotation(name: str, value: Any, project: str) -> Array:
         return r
     error = np.abs(np.swapaxes(r, -1, -2) @ r - np.eye(3)).max(axis=(-2, -1), initial=0.0)
     worst = float(error.max(initial=0.0))
-    fix = f"{project} gives the nearest rotation."
+    fix = f"{project} returns the nearest rotation."
     if worst > ROTATION_TOLERANCE:
         raise InputError(
             f"`{name}` is not a rotation{_place(error == worst)}: R.T @ R differs from the identity by "

@@ -118,7 +118,7 @@ def checked_robot(robot: Any) -> Any:
         InputError: It is none.
     """
     if not hasattr(robot, "link_poses"):
-        raise InputError(f"`robot` is {short_repr(robot)}; expected a Robot, such as ulna.load(...) gives.")
+        raise InputError(f"`robot` is {short_repr(robot)}; expected a Robot, such as ulna.load(...) returns.")
     return robot
 
 
@@ -130,5 +130,5 @@ def real_number(value: Any) -> float:
 
 
 def short_repr(value: Any) -> str:
-    """A value as messages tell of it: not longer than a line."""
+    """A value as text in messages, not longer than a line."""
     return _SHORT.repr(value)

@@ -1,4 +1,4 @@
-"""A robot that is simulated: what it is told, where it is, and how it gets on by a step."""
+"""A simulated robot: its state, its commands, and its integration over a step."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from ulna.checks.arrays import shaped_array
 from ulna.checks.values import checked_robot, flag, one_of, text
 from ulna.errors import InputError
 from ulna.robot import Robot
-from ulna.sim.dynamic import Plant, check_friction
 from ulna.sim.kinematic import moved_within_limits
+from ulna.sim.plant import Plant, check_friction
 from ulna.sim.recording import Recording
 from ulna.typing import ArrayLike, Floats
 
@@ -22,18 +22,18 @@ ControlMode = Literal["position", "velocity", "acceleration", "torque"]
 CONTROL_MODES: tuple[str, ...] = ("position", "velocity", "acceleration", "torque")
 LimitKind = Literal["none", "position", "all"]
 BODY_OPTIONS = ("control", "limits", "friction", "record")
-"""What robots of a simulation can be told alike."""
+"""Options that hold for all robots of a simulation."""
 
 _LIMIT_KINDS: tuple[str, ...] = ("none", "position", "all")
 
 
 @final
 class Body:
-    """A robot in a simulation. It is told by assigning to it, before or after it is added, with the same meaning.
+    """A robot in a simulation. Commands are assigned to it, before or after it is added, with the same meaning.
 
-    - control "position": it stands at `q`, and what is recorded of its velocity is how `q` was moved. With a
-      `target` it goes there as fast as its velocity limits let it.
-    - control "velocity": it moves at `qd`, held at its position limits.
+    - control "position": it is at `q`, and its recorded velocity is the rate at which `q` changed. With a
+      `target` it moves there at its velocity limits.
+    - control "velocity": it moves at `qd` and stops at its position limits.
     - control "acceleration": `qdd` changes `qd`.
     - control "torque": `tau` moves it, with gravity, inertia and friction; an array, or a function of t, q, qd.
 
@@ -41,9 +41,9 @@ class Body:
         robot: The robot.
         q: Its configuration, shape (nq,); neutral when not given.
         qd: Its velocity, shape (nv,) [rad/s or m/s]; rest when not given.
-        control: What it is told.
-        limits: What holds it: "position" its position limits (a joint that meets one stops there), "all" also those of
-            speed (of effort, under torques), or "none".
+        control: What is commanded.
+        limits: Which limits hold: "position" for position limits (a joint stops there), "all" for those of velocity
+            (of effort, under torques) as well, or "none".
         friction: For "torque": "model", None, or a `Friction`.
         record: Whether each step is recorded.
         name: Its name.
@@ -91,7 +91,7 @@ class Body:
 
     @property
     def limits(self) -> LimitKind:
-        """What holds it: "none", "position" or "all"."""
+        """Which limits hold: "none", "position" or "all"."""
         return self._limits
 
     @limits.setter
@@ -109,7 +109,7 @@ class Body:
 
     @property
     def control(self) -> ControlMode:
-        """What it is told: "position", "velocity", "acceleration" or "torque"."""
+        """What is commanded: "position", "velocity", "acceleration" or "torque"."""
         return self._control
 
     @control.setter
@@ -129,7 +129,7 @@ class Body:
         self.set_checked_q(shaped_array("q", q, self.robot.nq))
 
     def set_checked_q(self, q: Floats) -> None:
-        """As assigning to `q`, for an array that is known to be a configuration and that nobody will change."""
+        """As assigning to `q`, for an array that is a valid configuration and that is not modified later."""
         self._q = q
 
     put = set_checked_q
@@ -146,7 +146,7 @@ class Body:
 
     @property
     def qdd(self) -> Floats:
-        """The acceleration that it is told, shape (nv,) [rad/s^2 or m/s^2]."""
+        """The commanded acceleration, shape (nv,) [rad/s^2 or m/s^2]."""
         return self._qdd.copy()
 
     @qdd.setter
@@ -155,7 +155,7 @@ class Body:
 
     @property
     def tau(self) -> Any:
-        """The torques that it is told, shape (nv,) [N m or N], or a function of t, q, qd that gives them."""
+        """The commanded torques, shape (nv,) [N m or N], or a function of t, q, qd that returns them."""
         return self._tau if callable(self._tau) else self._tau.copy()
 
     @tau.setter
@@ -164,7 +164,7 @@ class Body:
 
     @property
     def target(self) -> Floats | None:
-        """Where it goes under position control, shape (nq,); None to stand."""
+        """The target of position control, shape (nq,); None to stay at `q`."""
         return None if self._target is None else self._target.copy()
 
     @target.setter
@@ -172,22 +172,22 @@ class Body:
         self._target = None if target is None else shaped_array("target", target, self.robot.nq)
 
     def reset(self) -> None:
-        """Back to the configuration and velocity it began with, with an empty recording."""
+        """Reset to the first configuration and velocity, with an empty recording."""
         self._q, self._qd = self._start[0].copy(), self._start[1].copy()
         self._actual_qd, self._previous_q, self._applied = self._qd, self._q, None
         self.recording = Recording()
 
     def record_row(self, t: float) -> None:
-        """Record where it is and how it moved, which at a limit is not as it was told, and what torques it had."""
+        """Record its configuration, its actual velocity (which differs from the command at limits) and its torques."""
         if self._record:
             torque = {} if self._applied is None else {"tau": self._applied}
             self.recording.add(t, self._q, v=self._actual_qd, **torque)
 
     def step(self, t: float, dt: float, substep: float) -> None:
-        """Move on from time `t` by `dt` [s]; under torques in steps no longer than `substep` [s].
+        """Advance from time `t` by `dt` [s]; under torques in steps no longer than `substep` [s].
 
         Raises:
-            InputError: The motion grew beyond all bounds.
+            InputError: The motion diverged.
         """
         self._applied = None
         before, self._previous_q = self._previous_q, self._q
@@ -202,18 +202,20 @@ class Body:
         self._previous_q = self._q
         if not math.isfinite(size):
             raise InputError(
-                f"The motion of {self.name!r} grew beyond all bounds at t = {t + dt:g} s. Take a smaller step, or "
-                "look at what it is told."
+                f"The motion of {self.name!r} diverged at t = {t + dt:g} s. Take a smaller step, or "
+                "check its commands."
             )
 
     def _step_to_target(self, t: float, dt: float, _: float) -> None:
         assert self._target is not None
-        way = np.asarray(self.robot.difference(self._q, self._target))
+        difference = np.asarray(self.robot.difference(self._q, self._target))
         longest = self.robot.limits.velocity * dt
-        share = min(1.0, float(np.min(longest / np.maximum(np.abs(way), 1e-300), initial=np.inf)))
+        fraction = min(1.0, float(np.min(longest / np.maximum(np.abs(difference), 1e-300), initial=np.inf)))
         before = self._q
         self._q = (
-            self._target.copy() if share >= 1.0 else np.asarray(self.robot.integrate(before, share * way))
+            self._target.copy()
+            if fraction >= 1.0
+            else np.asarray(self.robot.integrate(before, fraction * difference))
         )
         self._apply_position_limits()
         self._qd = self._actual_qd = np.asarray(self.robot.difference(before, self._q)) / dt
@@ -255,7 +257,7 @@ class Body:
         return np.clip(speed, -fastest, fastest) if self._limits == "all" else speed
 
     def _apply_position_limits(self) -> None:
-        """A joint that has gone past a position limit stands at it."""
+        """Set joints beyond a position limit to the limit, and their velocity to zero."""
         if self._limits == "none":
             return
         limits = self.robot.limits
@@ -276,7 +278,7 @@ def check_body_options(
     friction: Friction | Literal["model"] | None = "model",
     record: bool = True,
 ) -> None:
-    """Refuse what a body cannot be told.
+    """Check options of a simulated robot.
 
     Raises:
         UnknownName: There is no such control, limit or friction.

@@ -1,4 +1,4 @@
-"""A robot that follows joint velocities exactly, up to its limits: the plainest simulation."""
+"""Kinematic simulation: a robot that follows joint velocities exactly, up to its position limits."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from ulna.typing import Array, ArrayLike, Floats
 def limited_step(n: int) -> Callable[..., tuple[Floats, float]]:
     """A kernel that moves `n` coordinates for a time and holds them within limits.
 
-    It takes q (n,), v (n,), dt (), and the limits lower (n,), upper (n,), and gives the new q (n,) and a number that is
-    finite only if all of q and v are.
+    It takes q (n,), v (n,), dt (), and the limits lower (n,), upper (n,), and returns the new q (n,) and a number
+    that is finite only if all of q and v are.
     """
     return compile(_limited_step, q=(n,), v=(n,), dt=(), lower=(n,), upper=(n,))
 
@@ -36,7 +36,7 @@ def pose_step() -> Callable[..., tuple[Floats, float]]:
     """A kernel that moves a pose at a constant velocity for a time.
 
     It takes T_world_body (4, 4), its velocity v (6,) in the world, linear [m/s] then angular [rad/s], and dt (), and
-    gives the new pose (4, 4) and a number that is finite only if all of v is.
+    returns the new pose (4, 4) and a number that is finite only if all of v is.
     """
     return compile(_pose_step, T=(4, 4), v=(6,), dt=())
 

@@ -1,4 +1,4 @@
-"""What happened, row by row: times, configurations and whatever else was noted, in columns that grow."""
+"""Recordings: times, configurations and further columns, row by row."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from ulna.typing import ArrayLike, Floats
 
 @final
 class Recording:
-    """Columns of numbers over time: "t" [s], "q", and the notes that rows were added with.
+    """Columns of numbers over time: "t" [s], "q", and further named columns.
 
-    A row costs its numbers and nothing more, so that millions of them fit; a note that a row lacks is nan there.
+    A row takes the memory of its numbers only; where a row lacks a column it holds nan.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Robots in one time: a clock that steps them all, as fast as it goes or in real time, and records every step."""
+"""Simulation of several robots with one clock, as fast as possible or in real time, with recording."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _MOST_STEPS = 10**12  # more never end
 
 @final
 class Simulation:
-    """Robots that move in one time.
+    """Robots with a common clock.
 
     Args:
-        realtime: Whether a step waits until its time has come.
+        realtime: Whether steps run in real time.
         speed: Simulated seconds per second in real time.
         substep: The longest step of dynamics [s]; longer steps are made of several.
     """
@@ -32,9 +32,9 @@ class Simulation:
         self._realtime, self._substep = flag("realtime", realtime), checked_duration("substep", substep)
         self._speed, self._paused = number("speed", speed, _SPEED, above=0.0), False
         self.can_resume: Callable[[], bool] = lambda: False
-        """Whether there is anybody who could end a pause; asked while one lasts, so that it never lasts for ever."""
+        """Whether a user can end a pause; called during a pause, which ends when it returns False."""
         self.waiting = False
-        """Whether a step is waiting for a pause to end."""
+        """Whether a step waits for the end of a pause."""
         self._bodies: list[Body] = []
         self._listeners: list[Callable[[Simulation], object]] = []
         self._t, self._steps = 0.0, 0
@@ -61,7 +61,7 @@ class Simulation:
 
     @property
     def realtime(self) -> bool:
-        """Whether a step waits until its time has come."""
+        """Whether steps run in real time."""
         return self._realtime
 
     @realtime.setter
@@ -104,16 +104,16 @@ class Simulation:
         bodies = {b.name: b for b in self._bodies}
         return bodies[one_of("robot in the simulation", name, bodies)]
 
-    def add(self, robot: Robot | Body, **told: Any) -> Body:
+    def add(self, robot: Robot | Body, **body_options: Any) -> Body:
         """Add a robot; the rest is as for `Body`. Its row at the present time is recorded.
 
         Raises:
             InputError: There is a robot of that name already.
         """
-        body = robot if isinstance(robot, Body) else Body(robot, **told)
+        body = robot if isinstance(robot, Body) else Body(robot, **body_options)
         if any(b.name == body.name for b in self._bodies):
             raise InputError(
-                f"There is a robot {body.name!r} in the simulation already; give it another `name`."
+                f"There is a robot {body.name!r} in the simulation already; pass another `name`."
             )
         self._bodies.append(body)
         body.record_row(self._t)
@@ -138,10 +138,10 @@ class Simulation:
         return self
 
     def step(self, dt: float) -> None:
-        """Move everything on by `dt` [s].
+        """Advance all robots by `dt` [s].
 
         Raises:
-            InputError: `dt` is not above zero, or a motion grew beyond all bounds.
+            InputError: `dt` is not above zero, or a motion diverged.
         """
         dt = checked_duration("dt", dt)
         for body in self._bodies:
@@ -158,7 +158,7 @@ class Simulation:
     def run(
         self, duration: float, dt: float = 0.01, until: Callable[[Simulation], object] | None = None
     ) -> None:
-        """Step for `duration` [s], or until `until` says that it is enough.
+        """Step for `duration` [s], or until `until` returns true.
 
         Raises:
             InputError: A time is not above zero.
@@ -172,7 +172,7 @@ class Simulation:
                 return
 
     def reset(self) -> None:
-        """Back to the beginning: time zero, each robot as it was when it was made, empty recordings."""
+        """Reset to time zero, the first state of each robot, and empty recordings."""
         self._t, self._steps, self._origin = 0.0, 0, None
         for body in self._bodies:
             body.reset()
@@ -188,7 +188,7 @@ class Simulation:
             self._origin = now, self._t
         began, t = self._origin
         ahead = (self._t - t) / self._speed - (now - began)
-        if ahead < -0.5:  # too slow to catch up: time goes on from here, without a rush
+        if ahead < -0.5:  # too slow to catch up: the clock restarts here
             self._origin = now, self._t
         elif ahead > 0.0:
             time.sleep(ahead)

@@ -79,15 +79,19 @@ def colour(value: Colour) -> RGBA:
     if isinstance(value, str):
         return _parsed(value)
     try:
-        given = np.asarray(value if isinstance(value, np.ndarray) else list(value))
+        components = np.asarray(value if isinstance(value, np.ndarray) else list(value))
     except (TypeError, ValueError):
-        given = np.zeros(0)
-    if given.shape not in ((3,), (4,)) or given.dtype.kind not in "fiu" or not np.isfinite(given).all():
+        components = np.zeros(0)
+    if (
+        components.shape not in ((3,), (4,))
+        or components.dtype.kind not in "fiu"
+        or not np.isfinite(components).all()
+    ):
         raise InputError(
             "A colour is a name, '#rrggbb', or 3 or 4 finite numbers from 0 to 1 (red, green, blue, opacity); "
             f"got {short_repr(value)}."
         )
-    r, g, b, *a = colour_values("color", given).tolist()
+    r, g, b, *a = colour_values("color", components).tolist()
     return (r, g, b, a[0] if a else 1.0)
 
 
@@ -98,8 +102,8 @@ def colour_values(name: str, value: ArrayLike) -> Floats:
         InputError, NonFiniteError: They are none.
     """
     out = finite_array(name, value)
-    given = np.asarray(value)
-    if out.size and given.dtype.kind in "iu" and (given.dtype == np.uint8 or out.max() > 1.0):
+    raw = np.asarray(value)
+    if out.size and raw.dtype.kind in "iu" and (raw.dtype == np.uint8 or out.max() > 1.0):
         out = out / 255.0
     if out.size and not (out.min() >= -_ROUNDING and out.max() <= 1.0 + _ROUNDING):
         raise InputError(f"`{name}` is {short_repr(value)}; expected numbers from 0 to 1. {_RANGE_HINT}")

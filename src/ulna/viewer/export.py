@@ -38,7 +38,7 @@ class ExportMethods(SceneMethods, abc.ABC):
 
     @abc.abstractmethod
     def _simulated(self) -> Sequence[RecordedMotion]:
-        """The robots that a simulation moves, and what gives its recordings."""
+        """The robots that a simulation moves, and functions that return their recordings."""
 
     @property
     def robots(self) -> tuple[RobotHandle, ...]:
@@ -60,7 +60,7 @@ class ExportMethods(SceneMethods, abc.ABC):
             path: The file; none is written when not given.
             width: Width [pixels].
             height: Height [pixels].
-            camera: From where; the viewer's when not given.
+            camera: The camera; that of the viewer when not given.
             samples: Samples along each edge of a pixel; 2 is smooth, 1 quick.
 
         Raises:
@@ -98,7 +98,7 @@ class ExportMethods(SceneMethods, abc.ABC):
             speed: Seconds of what happened per second of film.
             width: Width [pixels].
             height: Height [pixels].
-            camera: From where; one that stays and has the first and the last moment in view when not given.
+            camera: The camera; a fixed one that shows the first and the last frame when not given.
             samples: Samples along each edge of a pixel.
             move: Brings the scene to a time [s], called before each picture; instead of `recorded`, with `duration`.
             duration: How long it is that `move` shows [s].
@@ -110,13 +110,13 @@ class ExportMethods(SceneMethods, abc.ABC):
         """
         checked_video_path(path)
         check_size(width, height, samples)
-        bring, length = self._motion(recorded, move, duration)
+        show_time, length = self._motion(recorded, move, duration)
         times = frame_times(length, fps, speed)
         with self._restoring_configurations():
             view = (
                 checked_camera(camera)
                 or self._camera
-                or self._camera_for_motion(bring, times, width / height)
+                or self._camera_for_motion(show_time, times, width / height)
             )
             floor = self.scene.floor() if self._floor is None else self._floor
             with progress(f"Drawing {os.path.basename(os.fspath(path))}") as report:
@@ -124,7 +124,7 @@ class ExportMethods(SceneMethods, abc.ABC):
                 def pictures() -> Iterator[Array]:
                     for k, t in enumerate(times):
                         report(k, len(times))
-                        bring(float(t))
+                        show_time(float(t))
                         yield render(self.scene, width, height, view, samples, self._theme, floor)
 
                 return write_video(path, pictures(), fps)
@@ -143,16 +143,16 @@ class ExportMethods(SceneMethods, abc.ABC):
             path: The file.
             recorded: What moves, as for `film`; None for the simulation's recordings, or a scene at rest.
             fps: Poses a second.
-            camera: From where at first.
+            camera: The first camera.
 
         Raises:
             MissingExtra: viser is not installed.
             InputError: It is not clear what to show, or the file cannot be written.
         """
         checked_html_path(path)
-        times, bring = frame_times(0.0, fps), None
+        times, show_time = frame_times(0.0, fps), None
         if recorded is not None or self._simulated():
-            bring, length = self._motion(recorded, None, None)
+            show_time, length = self._motion(recorded, None, None)
             times = frame_times(length, fps)
         options: dict[str, Any] = {"title": self.title, "theme": self._theme, "floor": self._floor}
         with self._restoring_configurations():
@@ -160,7 +160,7 @@ class ExportMethods(SceneMethods, abc.ABC):
                 path,
                 self.scene,
                 times.tolist(),
-                bring,
+                show_time,
                 camera=checked_camera(camera) or self._camera,
                 **options,
             )
@@ -169,21 +169,21 @@ class ExportMethods(SceneMethods, abc.ABC):
         self, recorded: RecordedMotions, move: Callable[[float], None] | None, duration: float | None
     ) -> tuple[Callable[[float], None], float]:
         if (move is None) != (duration is None) or (move is not None and recorded is not None):
-            raise InputError("Give either what was recorded, or `move` with a `duration` [s].")
+            raise InputError("Pass either a recording, or `move` with a `duration` [s].")
         if move is not None and duration is not None:
             return checked_function("move", move), duration
         motions = self._motions(recorded)
         timeline = Timeline(None, lambda: motions)
 
-        def bring(t: float) -> None:
+        def show_time(t: float) -> None:
             timeline.time = t
 
-        return bring, timeline.duration
+        return show_time, timeline.duration
 
-    def _camera_for_motion(self, bring: Callable[[float], None], times: Array, aspect: float) -> Camera:
-        bring(float(times[-1]))
+    def _camera_for_motion(self, show_time: Callable[[float], None], times: Array, aspect: float) -> Camera:
+        show_time(float(times[-1]))
         last = self.scene.points()
-        bring(float(times[0]))
+        show_time(float(times[0]))
         return camera_for(self.scene, aspect, also=last)
 
     @contextmanager
@@ -200,12 +200,12 @@ class ExportMethods(SceneMethods, abc.ABC):
         if recorded is None:
             motions = self._simulated()
             if not motions:
-                raise InputError("Nothing was simulated here; give a recording.")
+                raise InputError("Nothing was simulated here; pass a recording.")
             return motions
         if isinstance(recorded, Recording):
             if len(self.robots) != 1:
                 raise InputError(
-                    f"There are {len(self.robots)} robots here; give {{handle: recording}} to say which one it is of."
+                    f"There are {len(self.robots)} robots here; expected {{handle: recording}}, so that each is named."
                 )
             return [(self.robots[0], lambda: recorded)]
         if not isinstance(recorded, Mapping):

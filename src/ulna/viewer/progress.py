@@ -1,4 +1,4 @@
-"""Long work says how far it is once it takes a while: in the terminal, where there is one, and in open pages."""
+"""Progress of long tasks, reported after a short delay in the terminal and in open pages."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ulna.compiler.runtime import jit
 from ulna.system import forks
 
 Report = Callable[[int, int], None]
-"""Told how much of how much is done."""
+"""Called with how many steps are done, and of how many."""
 
 Watcher = Callable[[str, str], None]
-"""Told what is being done and how far it is; nothing for how far once it is done."""
+"""Called with the name of a task and its progress; the progress is empty when the task is finished."""
 
 _DELAY = 0.7  # s
 _INTERVAL = 0.1  # s between two words about one work
@@ -25,25 +25,25 @@ _watchers: list[Watcher] = []
 
 
 def watch(watcher: Watcher) -> None:
-    """Have a watcher told of long work of this process from now on, compilations included."""
+    """Call a watcher with the progress of long tasks of this process from now on, compilations included."""
     _watchers.append(watcher)
     jit.watchers.append(watcher)
 
 
 def unwatch(watcher: Watcher) -> None:
-    """Tell a watcher no more."""
+    """Do not call a watcher any more."""
     for watchers in (_watchers, jit.watchers):
         if watcher in watchers:
             watchers.remove(watcher)
 
 
 def silent(done: int, of: int) -> None:
-    """Tells nobody."""
+    """Does nothing."""
 
 
 @contextmanager
 def progress(what: str) -> Iterator[Report]:
-    """A report that tells of `what` and a count once the work takes a while, and nothing any more when it is over.
+    """A report function for a task; reports are shown once the task takes longer than a short delay.
 
     Args:
         what: What is being done: "Loading meshes".

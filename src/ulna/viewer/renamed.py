@@ -14,7 +14,7 @@ _PACKAGE = "ulna.viewer"
 
 MODULES: dict[str, tuple[str, ...]] = {
     "assigned": ("attributes",),
-    "build": ("page.viser_nodes",),
+    "build": ("page.viser_nodes", "page.viser_paths"),
     "camera": ("graph.camera",),
     "channel": ("page.server", "page.pose_channel"),
     "choices": ("panel.choices",),
@@ -54,7 +54,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "screen": ("page.browser",),
     "sliders": ("panel.sliders",),
     "smooth": ("mesh.vertex_normals",),
-    "stage": ("scene.objects",),
+    "stage": ("scene.objects", "scene.shapes"),
     "sticks": ("robot.stick_figure",),
     "studio": ("export",),
     "surface": ("mesh.surface",),
@@ -192,16 +192,16 @@ class RenamedModules(MetaPathFinder, Loader):
 
     def exec_module(self, module: ModuleType) -> None:
         """Have the module look attributes up in the new modules."""
-        places = [
+        modules = [
             importlib.import_module(f"{_PACKAGE}.{new}")
             for new in MODULES[module.__name__.rpartition(".")[2]]
         ]
 
         def attribute(name: str) -> Any:
             for key in (NAMES.get(name, name), name):
-                for place in places:
-                    if key in vars(place):
-                        return vars(place)[key]
+                for new_module in modules:
+                    if key in vars(new_module):
+                        return vars(new_module)[key]
             raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
 
         module.__getattr__ = attribute  # type: ignore[method-assign]

@@ -42,10 +42,10 @@ def show(
         q: Its configuration: an array (nq,), the name of one of `robot.configurations`, or None for the
             first of these ("qr" where there is one).
         port: Port of the page; the next free one is taken when it is in use, 0 takes any.
-        host: Address to listen on. Beyond the loopback the page asks for the token that its address carries.
+        host: Address to listen on. Addresses other than the loopback need a token, which `url` contains.
         browser: Whether to open a browser window, where there is a screen.
         scene: A scene to show the robot in, with other things; an empty one when not given.
-        camera: Where it is looked at from at first; from the front right when not given.
+        camera: The first camera; one that shows the whole scene from the front right when not given.
         theme: "light" or "dark".
         show: What of it: "visual", "collision", "both" or "skeleton".
 
@@ -60,8 +60,8 @@ def show(
             f"`scene` is {short_repr(scene)}; expected a Scene, such as viewer.scene is, or None."
         )
     flag("browser", browser)
-    place = scene if scene is not None else Scene()
-    out = Show(robot, start, place, port, host, camera, theme_of(theme), checked_display(show))
+    target_scene = scene if scene is not None else Scene()
+    out = Show(robot, start, target_scene, port, host, camera, theme_of(theme), checked_display(show))
     if browser:
         open_browser(out.url)
     return out
@@ -134,7 +134,7 @@ class Show:
     def hold(self, seconds: float | None = None) -> None:
         """Keep the page open until Ctrl-C, until `close`, until the last tab is closed, or for some seconds.
 
-        Where nobody can look (no screen, no terminal) it says so and returns at once.
+        Without a display and without an interactive terminal it prints a message and returns at once.
         """
         keep_open(self.page, seconds)
 

@@ -29,17 +29,17 @@ from ulna.viewer.robot.robot_handle import RobotHandle
 class Viewer(ExportMethods):
     """A scene with a page in the browser.
 
-    It returns at once and never waits for a browser; whoever opens `url` sees what there is. Without a screen, a
+    It returns at once and never waits for a browser; a browser that opens `url` shows the scene. Without a screen, a
     browser or anybody to look, everything works the same, and pictures, films and HTML files can be written.
 
     Args:
         port: Port of the page; the next free one is taken when it is in use, 0 takes any.
-        host: Address to listen on. Beyond the loopback the page asks for the token that its address carries.
+        host: Address to listen on. Addresses other than the loopback need a token, which `url` contains.
         browser: Whether to open a browser window, where there is a screen.
         page: Whether there is a page at all; without one nothing but NumPy is needed.
-        title: What stands over the panel.
+        title: The heading of the panel.
         theme: "light", "dark" or a `Theme`.
-        camera: Where the scene is looked at from at first; one that has everything in view when not given.
+        camera: The first camera; one that shows the whole scene when not given.
         floor: Height of the floor [m]; at 0 or below everything when not given.
 
     Raises:
@@ -98,7 +98,7 @@ class Viewer(ExportMethods):
     def hold(self, seconds: float | None = None) -> None:
         """Keep the page open until Ctrl-C, until `close`, until the last tab is closed, or for some seconds.
 
-        Where nobody can look (no page, no screen, no terminal) it says so and returns at once.
+        Without a page, or without a display and an interactive terminal, it prints a message and returns at once.
         """
         if seconds is not None:
             number("seconds", seconds, "a time of at least 0 [s]", least=0.0)
@@ -153,7 +153,7 @@ class Viewer(ExportMethods):
 
     @property
     def camera(self) -> Camera:
-        """Where the scene is looked at from; assigning one moves every tab, None has everything in view again."""
+        """The camera; assigning one sets that of every tab, None shows the whole scene again."""
         return self._camera or camera_for(self.scene)
 
     @camera.setter
@@ -180,7 +180,7 @@ class Viewer(ExportMethods):
         """
         if not isinstance(robot, RobotHandle):
             raise InputError(
-                f"`robot` is {worded(robot)}; expected a handle, such as viewer.add(robot) gives."
+                f"`robot` is {worded(robot)}; expected a handle that viewer.add(robot) returned."
             )
         if self._page is None:
             raise InputError("There is no page to put sliders into.")
@@ -192,14 +192,14 @@ class Viewer(ExportMethods):
     # time -----------------------------------------------------------------------------------------------------
 
     def simulate(
-        self, realtime: bool | None = None, speed: float = 1.0, substep: float = 1e-3, **told: Any
+        self, realtime: bool | None = None, speed: float = 1.0, substep: float = 1e-3, **body_options: Any
     ) -> Simulation:
         """A simulation of all robots here, also of those that come later; the panel gets its time line.
 
-        Their handles' `q` and `qd` are its state from now on; `handle.body` is what to tell.
+        `q` and `qd` of their handles are its state from now on; commands go to `handle.body`.
 
         Args:
-            realtime: Whether steps wait for their time; None for whenever somebody can look.
+            realtime: Whether steps run in real time; None for real time where a page can be shown.
             speed: Simulated seconds per second in real time.
             substep: The longest step of dynamics [s].
             told: `control`, `limits`, `friction`, `record` of every robot, as for `ulna.sim.Body`.
@@ -207,14 +207,14 @@ class Viewer(ExportMethods):
         Raises:
             InputError: A number is out of range.
         """
-        unknown = [name for name in told if name not in BODY_OPTIONS]
+        unknown = [name for name in body_options if name not in BODY_OPTIONS]
         if unknown:
-            raise UnknownName("thing to tell a robot", unknown[0], BODY_OPTIONS)
-        check_body_options(**told)
+            raise UnknownName("option of simulated robots", unknown[0], BODY_OPTIONS)
+        check_body_options(**body_options)
         watched = not self.closed and somebody_can_look()
         sim = Simulation(watched if realtime is None else realtime, speed, substep)
         sim.can_resume = lambda: self.clients > 0
-        self._simulation, self._body_options = sim, told
+        self._simulation, self._body_options = sim, body_options
         for robot in self.robots:
             robot.set_body(None)
             self._simulate_robot(robot)

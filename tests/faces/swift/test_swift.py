@@ -407,7 +407,7 @@ def test_what_is_not_offered_says_so(env: Any, swift: Any, arm: Any) -> None:
         env.add(3)
     with pytest.raises(InputError, match="robot_alpha"):
         env.add(arm, robot_alpha=2)
-    with pytest.raises(InputError, match="stands where it looks"):
+    with pytest.raises(InputError, match="of the camera are both"):
         env.set_camera_pose([0, 0, 0], [0, 0, 0])
     env.launch(headless=True, comms="websocket")  # of Swift 1
     assert "Swift of 0 things" in repr(env)

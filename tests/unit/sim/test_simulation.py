@@ -189,5 +189,5 @@ def test_mistakes_are_named(panda: ulna.Robot, pendulum: ulna.Robot) -> None:
     wild = Simulation()
     body = wild.add(pendulum, control="torque", limits="none")
     body.tau = [1e308]
-    with pytest.raises(InputError, match="beyond all bounds"):
+    with pytest.raises(InputError, match="diverged"):
         wild.run(10.0, 1.0)

@@ -29,7 +29,7 @@ class Arrow(Handle):
 
     @property
     def vector(self) -> Floats:
-        """What it tells of, in its group's axes, shape (3,): a way [m], or a force [N], a velocity [m/s] ..."""
+        """The vector it shows, in the axes of its group, shape (3,): such as a displacement [m] or a force [N]."""
         return self._vector.copy()
 
     @vector.setter
@@ -48,17 +48,19 @@ class Arrow(Handle):
         self._draw()
 
     def _draw(self) -> None:
-        way = self._size * float(np.linalg.norm(self._vector))
-        tip = min(5.0 * self._radius, 0.5 * way)
+        length_drawn = self._size * float(np.linalg.norm(self._vector))
+        tip = min(5.0 * self._radius, 0.5 * length_drawn)
         pose, top = self.pose, np.eye(4)
         pose[:3, :3] = rotation_to(self._vector)
-        top[2, 3] = way - tip
+        top[2, 3] = length_drawn - tip
         least = 1e-9  # nothing has no direction
         with self._scene.atomic():
             self._scene.set_pose(self._name, pose)
             self._scene.set_pose(f"{self._name}/tip", top)
-            thin = self._radius if way > least else least
-            self._scene.set_appearance(f"{self._name}/shaft", "scale", (thin, thin, max(way - tip, least)))
+            thin = self._radius if length_drawn > least else least
+            self._scene.set_appearance(
+                f"{self._name}/shaft", "scale", (thin, thin, max(length_drawn - tip, least))
+            )
             self._scene.set_appearance(
                 f"{self._name}/tip", "scale", (2.4 * thin, 2.4 * thin, max(tip, least))
             )

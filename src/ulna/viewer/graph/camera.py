@@ -1,4 +1,4 @@
-"""Where a scene is looked at from."""
+"""The camera, and cameras that show a whole scene."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Camera:
 
     Args:
         position: Where it stands, in the world [m].
-        target: What it looks at, in the world [m].
+        target: The point it is directed at, in the world [m].
         fov: Vertical field of view [rad].
         up: The direction that is up in the picture.
 
@@ -44,7 +44,7 @@ class Camera:
             raise InputError("`up` is (0, 0, 0); expected the direction that is up in the picture.")
         if not np.any(np.subtract(self.position, self.target)):
             raise InputError(
-                f"The camera stands where it looks, at {self.target}; set another position or target."
+                f"`position` and `target` of the camera are both {self.target}; expected different points."
             )
 
     def axes(self) -> Floats:
@@ -79,14 +79,14 @@ def camera_for(
     aside: float = 0.0,
     also: Floats | None = None,
 ) -> Camera:
-    """A camera that has the whole scene in view.
+    """A camera that shows the whole scene.
 
     Args:
-        scene: What to look at.
+        scene: The scene.
         aspect: Width over height of the picture.
         direction: From the scene towards the camera.
         margin: How much larger than the scene the picture is.
-        also: More points that shall be in view [m], shape (n, 3).
+        also: More points to show [m], shape (n, 3).
         aside: How far to the left of the middle the scene stands, as a share of the picture's width.
     """
     points = scene.points() if also is None else np.concatenate([scene.points(), also])

@@ -1,4 +1,4 @@
-"""What nodes hold besides surfaces: points, lines, words, and one surface at many places."""
+"""Content of nodes besides surfaces: points, lines, text, and instances of a surface."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Content(abc.ABC):
     @property
     @abc.abstractmethod
     def surfaces(self) -> tuple[Surface, ...]:
-        """What a renderer that knows triangles only draws in its stead."""
+        """The same content as triangles, for renderers that draw triangles only."""
 
 
 @final
@@ -98,8 +98,8 @@ class Lines(Content):
     @classmethod
     def through(cls, points: ArrayLike, rgba: Colour, thickness: float = 0.004) -> Lines:
         """A line from point to point, (n, 3) [m]."""
-        way = _read_only("points", points, None, 3)
-        return cls(np.stack([way[:-1], way[1:]], axis=1), colour(rgba), thickness)
+        polyline = _read_only("points", points, None, 3)
+        return cls(np.stack([polyline[:-1], polyline[1:]], axis=1), colour(rgba), thickness)
 
     @property
     def bounding_points(self) -> Floats:
@@ -133,7 +133,7 @@ class Lines(Content):
 @final
 @dataclass(frozen=True)
 class Text(Content):
-    """Words that face whoever looks.
+    """Text that faces the camera.
 
     Args:
         words: What to say.
@@ -261,11 +261,11 @@ def _repeated_by_colour(
 
 def transforms(positions: ArrayLike, quat_xyzw: ArrayLike | None = None) -> Floats:
     """Poses (n, 4, 4) from positions (n, 3) [m], and rotations as quaternions x y z w (n, 4) where given."""
-    places = _read_only("positions", positions, None, 3)
-    out = np.tile(np.eye(4), (len(places), 1, 1))
-    out[:, :3, 3] = places
+    translations = _read_only("positions", positions, None, 3)
+    out = np.tile(np.eye(4), (len(translations), 1, 1))
+    out[:, :3, 3] = translations
     if quat_xyzw is not None:
-        out[:, :3, :3] = quat_xyzw_to_matrix(_read_only("quat_xyzw", quat_xyzw, len(places), 4))
+        out[:, :3, :3] = quat_xyzw_to_matrix(_read_only("quat_xyzw", quat_xyzw, len(translations), 4))
     return out
 
 

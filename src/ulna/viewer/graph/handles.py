@@ -1,4 +1,4 @@
-"""What `Viewer.add` and its kin give: things of the scene that are assigned to, and refuse what they do not have."""
+"""Handles of nodes: `Viewer.add` returns them, and their properties can be assigned to."""
 
 from __future__ import annotations
 
@@ -64,8 +64,8 @@ class Handle(FixedAttributes, metaclass=Explained):
     @property
     def world_pose(self) -> Floats:
         """Where it is in the world: T_world_thing, shape (4, 4)."""
-        seen = self._scene.snapshot()
-        return seen.poses[self._scene.row(self._name)]
+        snapshot = self._scene.snapshot()
+        return snapshot.poses[self._scene.row(self._name)]
 
     @property
     def color(self) -> tuple[float, float, float] | None:
@@ -177,7 +177,7 @@ class Polyline(Handle):
 
 
 class Label(Handle):
-    """Words that face whoever looks; `text` can be assigned to."""
+    """Text that faces the camera; `text` can be assigned to."""
 
     __slots__ = ()
 
@@ -227,13 +227,13 @@ class Instances(Handle):
     def colors(self, colors: ArrayLike | None) -> None:
         self._change(colours=colors)
 
-    def _change(self, **news: Any) -> None:
+    def _change(self, **changes: Any) -> None:
         old: Copies = self._content()
-        kept = {"poses": old.poses, "colours": old.colours, "scales": old.scales} | news
-        if len(kept["poses"]) != len(old.poses):
+        fields = {"poses": old.poses, "colours": old.colours, "scales": old.scales} | changes
+        if len(fields["poses"]) != len(old.poses):
             fits = old.scales is not None and len(old.scales) and (old.scales == old.scales[0]).all()
-            kept["scales"] = old.scales[0] if fits and old.scales is not None else None
+            fields["scales"] = old.scales[0] if fits and old.scales is not None else None
             if old.colours is not None:
-                kept["colours"] = old.colours[0] if len(old.colours) else None
-        content: Content = Copies(old.original, opacity=old.opacity, **kept)
+                fields["colours"] = old.colours[0] if len(old.colours) else None
+        content: Content = Copies(old.original, opacity=old.opacity, **fields)
         self._scene.set_content(self._name, content)

@@ -1,4 +1,4 @@
-"""What a scene is made of: nodes, a snapshot of all of them, and poses that are checked before they get there."""
+"""Nodes of a scene, snapshots of all nodes, and checks of poses and names."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class Node:
     """A thing of the scene that moves as one piece.
 
     Args:
-        name: Its name, unique in the scene; what stands before the last `/` is the group that it belongs to.
+        name: Its name, unique in the scene; the part before the last `/` is the name of its group.
         surfaces: What it looks like, in its own frame.
         content: What else is there to see: points, lines, words, copies.
         shadow: Whether it casts a shadow.
-        through: Whether pictures show it faintly through what hides it, as is good for lines and axes.
+        through: Whether pictures show it, translucent, in front of what occludes it; useful for lines and axes.
     """
 
     name: str
@@ -73,18 +73,18 @@ def checked_pose(value: Any, name: str = "pose") -> Floats:
     Raises:
         ShapeError, NonFiniteError, InputError: It is none.
     """
-    return checked_poses(value, name, 4, 4, mend="An SE3 serves, too.")
+    return checked_poses(value, name, 4, 4, mend="An SE3 is accepted, too.")
 
 
 def pose_or_position(value: Any) -> Floats:
-    """The pose (4, 4) of what stands at a pose, an array or an `SE3`, or unturned at a place (3,) [m].
+    """The pose (4, 4) from a pose, an array or an `SE3`, or from a position (3,) [m] without rotation.
 
     Raises:
         ShapeError, NonFiniteError, InputError: It is neither.
     """
     listed = isinstance(value, list | tuple) and len(value) == 3 and np.ndim(value[0]) == 0
     if not listed and getattr(value, "shape", None) != (3,):
-        return checked_poses(value, "pose", 4, 4, mend="An SE3 serves, too, or a place (3,).")
+        return checked_poses(value, "pose", 4, 4, mend="An SE3 is accepted, too, or a position (3,).")
     out = np.eye(4)
     out[:3, 3] = length_array("pose", value, 3)
     return out
@@ -97,18 +97,18 @@ def checked_poses(value: Any, name: str, *shape: int | None, mend: str = "") -> 
         ShapeError, NonFiniteError, InputError: They are none.
     """
     out = length_array(name, value.matrix() if hasattr(value, "matrix") else value, *shape, fix=mend)
-    turned = out[..., :3, :3]
-    off = np.abs(turned @ turned.mT - _IDENTITY).max(axis=(-2, -1))
-    off = np.where(np.linalg.det(turned) < 0.0, 1.0, off)
+    rotations = out[..., :3, :3]
+    errors = np.abs(rotations @ rotations.mT - _IDENTITY).max(axis=(-2, -1))
+    errors = np.where(np.linalg.det(rotations) < 0.0, 1.0, errors)
     if np.abs(out[..., 3, :] - _BOTTOM_ROW).max(initial=0.0) > 1e-6:
         raise InputError(
             f"`{name}` has a lowest row that is not 0 0 0 1; expected a pose whose position is its last column."
         )
-    if off.max(initial=0.0) > 1e-3:
-        where = tuple(int(i) for i in np.argwhere(off == off.max())[0])
-        place = f"{name}[{', '.join(map(str, where))}]" if where else name
+    if errors.max(initial=0.0) > 1e-3:
+        where = tuple(int(i) for i in np.argwhere(errors == errors.max())[0])
+        entry = f"{name}[{', '.join(map(str, where))}]" if where else name
         raise InputError(
-            f"`{place}` holds no rotation: {out[where][:3, :3].tolist()}. To stretch or mirror a thing, set its scale."
+            f"`{entry}` holds no rotation: {out[where][:3, :3].tolist()}. To stretch or mirror a thing, set its scale."
         )
     return out
 

@@ -1,4 +1,4 @@
-"""What there is to see, whoever draws it: a tree of named nodes with places and looks that change at any time."""
+"""The scene graph: a tree of named nodes with poses and appearances, independent of the renderer."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ class SceneGraph:
     Groups appear by themselves. A node's pose is in its group's frame; a
     group's colour, opacity, scale and visibility hold for all in it.
 
-    Everything may be called from any thread. A program's loop hands over what is newest, in about a microsecond;
-    whoever draws takes a `snapshot` when it is ready to, so a slow screen never slows the loop.
+    All methods may be called from any thread. Writing a pose takes about a microsecond; a renderer takes a `snapshot`
+    when it is ready, so that a slow renderer does not slow down the program.
     """
 
     def __init__(self) -> None:
@@ -88,8 +88,8 @@ class SceneGraph:
                 scale[rows] *= factor[:, None]
                 visible[rows] &= visible[above]
                 opacity[rows] *= opacity[above]
-                own = tint[rows, :1] != _NO_TINT
-                tint[rows] = np.where(own, tint[rows], tint[above])
+                has_tint = tint[rows, :1] != _NO_TINT
+                tint[rows] = np.where(has_tint, tint[rows], tint[above])
             nodes = tuple(self._nodes.values())
             return Snapshot(*self.version, nodes, pose, scale, visible, opacity, tint)
 
@@ -104,11 +104,11 @@ class SceneGraph:
         return self._rows_by_depth
 
     def atomic(self) -> AbstractContextManager[Any]:
-        """What is changed within is seen at once or not at all. Keep it short: whoever draws waits meanwhile."""
+        """A context within which all changes become visible together. Keep it short: renderers wait meanwhile."""
         return self._lock
 
     def defer(self, key: object, function: Callable[[], None]) -> None:
-        """Have `function` bring the scene up to date before it is next looked at; the newest counts for each key."""
+        """Call `function`, which updates the scene, before the next snapshot; for each key only the newest function."""
         with self._lock:
             self._deferred[id(key)] = function
             self._motion += 1
@@ -149,14 +149,14 @@ class SceneGraph:
         through: bool = False,
         content: Content | None = None,
     ) -> Node:
-        """Add a node, and the groups that its name tells of; or replace the one of that name.
+        """Add a node and the groups in its name; or replace the node of that name.
 
         Args:
             name: Its name.
             surfaces: What it looks like.
             pose: T_group_node, shape (4, 4); the identity when not given.
             shadow: Whether it casts a shadow.
-            through: Whether pictures show it faintly through what hides it.
+            through: Whether pictures show it, translucent, in front of what occludes it.
             content: What else is there to see.
 
         Raises:
@@ -180,15 +180,15 @@ class SceneGraph:
             self._structure += 1
         return node
 
-    def _append(self, name: str, above: int) -> None:
+    def _append(self, name: str, parent: int) -> None:
         row = self._rows[name] = len(self._nodes)
         if row == len(self._parent_row):  # room for twice as many, so that adding many stays cheap
             more = max(row, 16)
             self._parent_row = np.concatenate([self._parent_row, np.full(more, -1, dtype=np.intp)])
             for key, (value, kind) in _COLUMNS.items():
-                rest = np.broadcast_to(np.asarray(value, kind), (more, *np.shape(value)))
-                self._data[key] = np.concatenate([self._data[key], rest])
-        self._parent_row[row] = above
+                defaults = np.broadcast_to(np.asarray(value, kind), (more, *np.shape(value)))
+                self._data[key] = np.concatenate([self._data[key], defaults])
+        self._parent_row[row] = parent
         self._rows_by_depth = None
 
     def remove(self, name: str) -> None:
@@ -200,12 +200,12 @@ class SceneGraph:
         with self._lock:
             self.row(name)
             keep = [row for n, row in self._rows.items() if n != name and not n.startswith(f"{name}/")]
-            moved = np.full(len(self._nodes) + 1, -1, dtype=np.intp)
-            moved[keep] = np.arange(len(keep))
-            kept = [n for n in self._nodes if n != name and not n.startswith(f"{name}/")]
-            self._nodes = {n: self._nodes[n] for n in kept}
-            self._rows = {n: i for i, n in enumerate(kept)}
-            self._parent_row = moved[self._parent_row[keep]]
+            new_row = np.full(len(self._nodes) + 1, -1, dtype=np.intp)
+            new_row[keep] = np.arange(len(keep))
+            names = [n for n in self._nodes if n != name and not n.startswith(f"{name}/")]
+            self._nodes = {n: self._nodes[n] for n in names}
+            self._rows = {n: i for i, n in enumerate(names)}
+            self._parent_row = new_row[self._parent_row[keep]]
             self._data = {key: value[keep] for key, value in self._data.items()}
             self._rows_by_depth = None
             self._structure += 1
@@ -263,21 +263,26 @@ class SceneGraph:
         self, name: str, points: ArrayLike, rgba: Colour = (0.95, 0.45, 0.10), radius: float = 0.004
     ) -> Node:
         """Add a line through `points` (n, 3) [m]."""
-        way = np.asarray(points, dtype=float).reshape(-1, 3)
+        polyline = np.asarray(points, dtype=float).reshape(-1, 3)
         return self.add(
-            name, shadow=False, through=True, content=Lines.through(way, colour(rgba), 2 * radius)
+            name, shadow=False, through=True, content=Lines.through(polyline, colour(rgba), 2 * radius)
         )
 
-    def points(self, most: int = 40_000) -> Floats:
+    def points(self, max_points: int = 40_000) -> Floats:
         """Places of everything visible in the world [m], shape (n, 3); evenly thinned out to about `most`."""
-        seen = self.snapshot()
-        chosen = [i for i, node in enumerate(seen.nodes) if seen.visible[i] and seen.opacity[i] > 0.0]
-        parts = [(i, s.vertices) for i in chosen for s in seen.nodes[i].surfaces if s.rgba[3] > 0.0]
-        parts += [(i, c.bounding_points) for i in chosen if (c := seen.nodes[i].content) is not None]
-        step = max(sum(len(places) for _, places in parts) // most, 1)
+        snapshot = self.snapshot()
+        visible = [
+            i for i, node in enumerate(snapshot.nodes) if snapshot.visible[i] and snapshot.opacity[i] > 0.0
+        ]
+        parts = [(i, s.vertices) for i in visible for s in snapshot.nodes[i].surfaces if s.rgba[3] > 0.0]
+        parts += [(i, c.bounding_points) for i in visible if (c := snapshot.nodes[i].content) is not None]
+        step = max(sum(len(positions) for _, positions in parts) // max_points, 1)
         out = [np.zeros((0, 3))]
-        for i, places in parts:
-            out.append((places[::step] * seen.scales[i]) @ seen.poses[i, :3, :3].T + seen.poses[i, :3, 3])
+        for i, positions in parts:
+            out.append(
+                (positions[::step] * snapshot.scales[i]) @ snapshot.poses[i, :3, :3].T
+                + snapshot.poses[i, :3, 3]
+            )
         return np.concatenate(out)
 
     def floor(self) -> float:
@@ -285,11 +290,11 @@ class SceneGraph:
 
         Things that cast no shadow, such as axes and lines, may well reach into the floor.
         """
-        seen = self.snapshot()
+        snapshot = self.snapshot()
         lowest = 0.0
-        for i, node in enumerate(seen.nodes):
+        for i, node in enumerate(snapshot.nodes):
             for surface in node.surfaces if node.shadow else ():
                 if len(surface.vertices):
-                    heights = (surface.vertices * seen.scales[i]) @ seen.poses[i, 2, :3]
-                    lowest = min(lowest, float(heights.min() + seen.poses[i, 2, 3]))
+                    heights = (surface.vertices * snapshot.scales[i]) @ snapshot.poses[i, 2, :3]
+                    lowest = min(lowest, float(heights.min() + snapshot.poses[i, 2, 3]))
         return lowest

@@ -1,4 +1,4 @@
-"""The colours around the robot: light and dark."""
+"""Themes: colours of background, floor and text, and light intensities."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RGB = tuple[int, int, int]
 @final
 @dataclass(frozen=True)
 class Theme:
-    """Colours of the surroundings, from 0 to 255, and how strong the lamps are.
+    """Colours of background, floor and text, from 0 to 255, and the intensities of the lights.
 
     Args:
         dark: Whether panels are dark.
@@ -24,9 +24,9 @@ class Theme:
         floor: The floor.
         section: Lines of the floor every metre.
         cell: Lines of the floor every tenth of a metre.
-        ink: Words.
-        lamps: How strong the lamps are; 1 in the light theme.
-        room: How strongly the room mirrors in surfaces.
+        ink: Text.
+        lamps: Factor of the intensities of the lights; 1 in the light theme.
+        room: Intensity of the environment map.
         shadow: How dark shadows on the floor are, from 0 to 1.
     """
 

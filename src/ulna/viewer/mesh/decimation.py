@@ -1,4 +1,4 @@
-"""Fewer triangles where nobody can see it: edges collapse while the surface stays within a distance of what it was.
+"""Mesh decimation with an error bound: edges collapse while the surface stays within a distance of the original.
 
 Edges collapse in the order of Garland & Heckbert, "Surface simplification using quadric error metrics" (1997). How far
 the surface moved is then measured, and edges are given back until it is within the bound.
@@ -50,21 +50,23 @@ def decimated(vertices: Floats, triangles: Array, bound: float) -> tuple[Floats,
         return vertices, triangles
     import fast_simplification as library
 
-    kept = np.zeros(len(triangles), dtype=bool)  # as they are, because edges around them went too far
+    unchanged = np.zeros(len(triangles), dtype=bool)  # as they are, because edges around them went too far
     for _ in range(_MAX_ATTEMPTS):
-        some, inside = np.unique(triangles[~kept], return_inverse=True)
+        some, inside = np.unique(triangles[~unchanged], return_inverse=True)
         if not len(some):
             break
         old = vertices[some]
         points, faces, moved = _collapsed(library, old, inside.reshape(-1, 3), bound)
         far = distances(old, points, faces, moved, bound) > bound
         if not far.any():
-            rest = triangles[kept]
-            return np.concatenate([points, vertices]), np.concatenate([faces, rest + len(points)])
+            unchanged_triangles = triangles[unchanged]
+            return np.concatenate([points, vertices]), np.concatenate(
+                [faces, unchanged_triangles + len(points)]
+            )
         lost = np.zeros(len(vertices), dtype=bool)
         lost[some[far]] = True
         lost[triangles[lost[triangles].any(axis=1)]] = True
-        kept |= lost[triangles].any(axis=1)
+        unchanged |= lost[triangles].any(axis=1)
     return vertices, triangles
 
 
@@ -95,20 +97,20 @@ def distances(points: Floats, vertices: Floats, triangles: Array, near: Array, e
     count = np.bincount(corners, minlength=len(vertices))
     first = np.cumsum(count) - count
     best = np.full(len(points), np.inf)
-    who, at = np.arange(len(points)), near
-    while len(who):
-        each = count[at]
-        row = np.repeat(np.arange(len(at)), each)
-        face = ring[first[at][row] + np.arange(len(row)) - np.repeat(np.cumsum(each) - each, each)]
-        apart = _point_triangle(points[who[row]], vertices[triangles[face]])
-        order = np.lexsort((apart, who[row]))
-        found, place = np.unique(who[row][order], return_index=True)
-        nearest = order[place]
-        better = apart[nearest] < best[found] * (1 - 1e-9)
-        best[found[better]] = apart[nearest[better]]
-        better &= best[found] > enough
-        who = np.repeat(found[better], 3)  # go on from the corners of the nearest triangle
-        at = triangles[face[nearest[better]]].reshape(-1)
+    point_index, vertex = np.arange(len(points)), near
+    while len(point_index):
+        each = count[vertex]
+        row = np.repeat(np.arange(len(vertex)), each)
+        face = ring[first[vertex][row] + np.arange(len(row)) - np.repeat(np.cumsum(each) - each, each)]
+        apart = _point_triangle(points[point_index[row]], vertices[triangles[face]])
+        order = np.lexsort((apart, point_index[row]))
+        points_reached, first_index = np.unique(point_index[row][order], return_index=True)
+        nearest = order[first_index]
+        better = apart[nearest] < best[points_reached] * (1 - 1e-9)
+        best[points_reached[better]] = apart[nearest[better]]
+        better &= best[points_reached] > enough
+        point_index = np.repeat(points_reached[better], 3)  # go on from the corners of the nearest triangle
+        vertex = triangles[face[nearest[better]]].reshape(-1)
     return best
 
 
@@ -123,8 +125,8 @@ def _point_triangle(points: Floats, corners: Floats) -> Floats:
         edge, away = end - start, points - start
         length = np.einsum("ij,ij->i", edge, edge)
         share = np.clip(np.einsum("ij,ij->i", away, edge) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
-        rest = away - share[:, None] * edge
-        squared = np.minimum(squared, np.einsum("ij,ij->i", rest, rest))
+        offset = away - share[:, None] * edge
+        squared = np.minimum(squared, np.einsum("ij,ij->i", offset, offset))
         inside &= np.einsum("ij,ij->i", np.cross(edge, away), normal) >= 0.0
     height = np.einsum("ij,ij->i", points - a, normal) ** 2 / np.where(area > 0.0, area, 1.0)
     return np.sqrt(np.where(inside, np.minimum(height, squared), squared))

@@ -28,10 +28,10 @@ def label_glb(height: float) -> bytes:
     return glb([square], {"words": height})
 
 
-def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, ours: bool = False) -> bytes:
-    """A binary glTF 2.0 file with one mesh, one primitive for each surface; of words where that is told.
+def glb(surfaces: Iterable[Surface], extras: dict[str, Any] | None = None, ours: bool = False) -> bytes:
+    """A binary glTF 2.0 file with one mesh, one primitive for each surface; of a label where `extras` are given.
 
-    For a page that is `ours` the file only says that there are normals: it computes them from what triangles share.
+    For a page that is `ours` the file declares normals without data: the page computes them from shared vertices.
     There, a heavy surface without a texture comes twice, and the page shows one: `level` "few" or "all" triangles.
     """
     views: list[dict[str, Any]] = []
@@ -91,13 +91,13 @@ def glb(surfaces: Iterable[Surface], told: dict[str, Any] | None = None, ours: b
         document |= {
             "scenes": [{"nodes": [0]}],
             "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": primitives, "extras": told or {}}],
+            "meshes": [{"primitives": primitives, "extras": extras or {}}],
             "materials": materials,
             "accessors": accessors,
             "bufferViews": views,
             "buffers": [{"byteLength": len(data)}],
         }
-    if told:
+    if extras:
         document["extensionsUsed"] = ["KHR_materials_unlit"]
         materials[0] |= {"extensions": {"KHR_materials_unlit": {}}, "alphaMode": "BLEND"}
     if images:

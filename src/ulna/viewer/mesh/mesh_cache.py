@@ -1,4 +1,4 @@
-"""Meshes that were read once, kept on disk by the content of their files: reading them again costs milliseconds."""
+"""Disk cache of mesh files, by the hash of their content: reading them again takes milliseconds."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _DELIMITER = re.compile(rb"[\"'<>\r\n\t]")
 
 
 def cache_key(path: str, bound: float = 0.0) -> str:
-    """The name under which what a mesh file holds is kept: it changes with the content of all files that it names, and
+    """The cache key of a mesh file: it changes with the content of all files that it references, and
     with how far surfaces may be from it, in its own units.
     """
     content = read_regular(path)
@@ -33,8 +33,8 @@ def _append_referenced_files(
 ) -> None:
     """Append what the files hold that a text file names, and those that they name; each file once."""
     names: set[bytes] = set()
-    for found in _FILE_ENDING.finditer(content):
-        before = _DELIMITER.split(content[max(0, found.start() - 300) : found.end()])[-1].strip()
+    for match in _FILE_ENDING.finditer(content):
+        before = _DELIMITER.split(content[max(0, match.start() - 300) : match.end()])[-1].strip()
         names |= {before, before.split()[-1]}  # alone, or after a keyword
     for name in sorted(names):
         other = os.path.join(folder, os.fsdecode(name).replace("\\", "/"))
@@ -47,23 +47,25 @@ def _append_referenced_files(
 
 
 def read_cached(name: str) -> tuple[Surface, ...] | None:
-    """The surfaces kept under a name; None where there are none that can be trusted."""
+    """The cached surfaces of a key; None where there are none, or damaged ones."""
     data = cache.read(name)
     if data is None:
         return None
-    with np.load(io.BytesIO(data), allow_pickle=False) as kept:
+    with np.load(io.BytesIO(data), allow_pickle=False) as stored:
         out = []
-        for k in range(int(kept["count"])):
-            vertices, triangles, normals, rgba = (kept[f"{part}{k}"] for part in "vtnc")
+        for k in range(int(stored["count"])):
+            vertices, triangles, normals, rgba = (stored[f"{part}{k}"] for part in "vtnc")
             texture = (
-                Texture(kept[f"u{k}"].astype(float), kept[f"i{k}"].tobytes()) if f"u{k}" in kept else None
+                Texture(stored[f"u{k}"].astype(float), stored[f"i{k}"].tobytes())
+                if f"u{k}" in stored
+                else None
             )
             out.append(Surface(vertices, triangles, normals, tuple(rgba.tolist()), texture))
     return tuple(out)
 
 
 def write_cached(name: str, surfaces: tuple[Surface, ...]) -> None:
-    """Keep surfaces under a name; a disk that cannot be written costs time the next time, nothing else."""
+    """Cache surfaces under a key; where the disk cannot be written they are read again the next time."""
     parts: dict[str, np.ndarray] = {"count": np.array(len(surfaces))}
     for k, s in enumerate(surfaces):
         parts |= {f"v{k}": s.vertices.astype(np.float32), f"n{k}": s.normals.astype(np.float32)}

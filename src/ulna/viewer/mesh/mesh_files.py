@@ -23,7 +23,7 @@ from ulna.viewer.mesh.vertex_normals import surface_with_normals
 _MAX_TEXTURE_SIZE = 2048  # pixels along an edge of a texture; more cost time and are not seen
 
 MAX_DEVIATION = 3e-4
-"""How far a surface may be from what the file holds [m]: a quarter of a pixel for who stands before a whole robot."""
+"""How far a surface may be from the mesh of the file [m]: a quarter of a pixel where a whole robot fills the screen."""
 _MAX_RELATIVE_DEVIATION = (
     1e-3  # and of the size of the file's content: less than a pixel where it fills the screen
 )
@@ -38,13 +38,13 @@ def load_mesh(
     """The surfaces of a mesh file, one for each colour, in the frame of the file, in metres.
 
     A COLLADA file's unit is applied and its up axis is not, as the robotics tools do. A surface with a texture has its
-    mean colour besides. A surface whose file says nothing about colour gets `DEFAULT_COLOUR`. What was read is kept on
+    mean colour besides. A surface without a material gets `DEFAULT_COLOUR`. Surfaces are cached on
     disk by the content of the file, so that it is read faster the next time.
 
     Args:
         path: The file.
         scale: A factor along each axis; negative ones mirror.
-        detail: "full" for all triangles of the file. "seen" leaves out those that nobody would miss, where the package
+        detail: "full" for all triangles of the file. "seen" simplifies it within the bound below, where the package
             fast-simplification is installed: no vertex of the file is then farther than 0.3 mm from the surface, and
             none farther than a thousandth of the size of the whole. Surfaces with textures stay whole.
 
@@ -90,10 +90,10 @@ def _load_cached(
 
 def _read_surfaces(path: str, bound: float) -> tuple[Surface, ...]:
     pieces: dict[RGBA, list[tuple[Floats, Array]]] = {}
-    surfaces, found = [], read_pieces(path)
-    everything = np.concatenate([piece.vertices for piece in found])
+    surfaces, meshes = [], read_pieces(path)
+    everything = np.concatenate([piece.vertices for piece in meshes])
     bound = min(bound, _MAX_RELATIVE_DEVIATION * float(np.ptp(everything, axis=0).max()))
-    for vertices, faces, mesh in found:
+    for vertices, faces, mesh in meshes:
         picture = _texture_of(mesh)
         if picture is not None:
             uv, image = picture

@@ -1,4 +1,4 @@
-"""Triangles for the simple shapes, axes and tubes, with NumPy only."""
+"""Surfaces of primitive shapes, axes, arrows and tubes, with NumPy only."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def tessellate(shape: Shape, rgba: RGBA = DEFAULT_COLOUR, around: int = FACETS) 
             corners = np.array([(-x, -y, 0), (x, -y, 0), (x, y, 0), (-x, y, 0)]) / 2
             return Surface(corners, np.array([(0, 1, 2), (0, 2, 3)]), np.tile((0.0, 0.0, 1.0), (4, 1)), rgba)
     raise InputError(
-        f"Cannot cut {shape!r} into triangles; expected a box, ball, cylinder, capsule, cone or ellipsoid."
+        f"Cannot tessellate {shape!r}; expected a Box, Sphere, Cylinder, Capsule, Cone, Ellipsoid or Plane."
     )
 
 
@@ -97,10 +97,10 @@ def tube(points: ArrayLike, radius: float, rgba: RGBA, around: int = 8) -> Surfa
     """
     path = np.asarray(points, dtype=float).reshape(-1, 3)
     if len(path) > 1:  # one ring for every half radius of way, and one at the end
-        way = np.concatenate([[0.0], np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()])
-        step = np.floor(way / (0.5 * radius))
+        arc_length = np.concatenate([[0.0], np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()])
+        step = np.floor(arc_length / (0.5 * radius))
         keep = np.concatenate([[True], step[1:] > step[:-1]])
-        keep[-1] = way[-1] > 0.0
+        keep[-1] = arc_length[-1] > 0.0
         path = path[keep]
     if len(path) < 2:
         empty = np.zeros((0, 3))

@@ -51,12 +51,12 @@ class Surface:
 
     def __post_init__(self) -> None:
         for name, kind in (("vertices", float), ("triangles", np.int64), ("normals", float)):
-            given = getattr(self, name)
+            raw = getattr(self, name)
             try:
-                value = np.ascontiguousarray(given, dtype=kind).reshape(-1, 3)
+                value = np.ascontiguousarray(raw, dtype=kind).reshape(-1, 3)
             except (TypeError, ValueError, OverflowError):
                 raise InputError(
-                    f"`{name}` is {short_repr(given)}; expected numbers of shape (n, 3)."
+                    f"`{name}` is {short_repr(raw)}; expected numbers of shape (n, 3)."
                 ) from None
             if kind is float and not np.vdot(value, value) <= MAX_LENGTH**2:  # a quick look first
                 length_array(name, value, None, 3)
@@ -103,7 +103,7 @@ def normalized(vectors: Array) -> Array:
 def albedo(rgb: Array) -> Floats:
     """The linear reflectance that colours (..., 3), as a model states them, are drawn with.
 
-    Paint is never quite white (lamps would bleach it), and dark grey never quite black (its form would be
+    White is reduced (lights would saturate it), and dark grey is raised (its shape would be
     lost).
     """
     linear = linear_from_srgb(rgb)

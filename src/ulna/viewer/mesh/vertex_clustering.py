@@ -1,4 +1,4 @@
-"""A heavy surface in few triangles, found in a moment: what a page without a graphics card shows while things move."""
+"""Fast simplification by vertex clustering, for pages without a graphics card while things move."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ulna.viewer.mesh.surface import Surface, normalized
 CLUSTERING_THRESHOLD = 100_000
 """Triangles from which on a surface is drawn in few of them while things move."""
 _CELLS = 20_000  # of cubes that a surface of their area would fill
-_SAMPLE = 16  # triangles of which one tells of the area of all
+_SAMPLE = 16  # one triangle in so many is used to estimate the area
 
 
 def clustered(surface: Surface) -> Surface:

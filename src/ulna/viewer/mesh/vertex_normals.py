@@ -1,4 +1,4 @@
-"""Loose triangles as a surface: vertices shared exactly where it is smooth, so that sharp edges stay sharp."""
+"""Vertex normals with sharp edges: triangles share a vertex where the surface is smooth."""
 
 from __future__ import annotations
 
@@ -29,29 +29,31 @@ def surface_with_normals(
     lie at two places of it occur twice. Without, edges collapse as long as no vertex is farther than `bound` from what
     is left.
     """
-    place, index = merged_vertices(np.asarray(vertices, dtype=float))
-    given = np.asarray(triangles, dtype=np.int64)
-    corners = index[given]
-    solid = np.linalg.norm(_area_normals(place, corners), axis=1) > 1e-16
-    corners, given = corners[solid], given[solid]
+    positions, index = merged_vertices(np.asarray(vertices, dtype=float))
+    uv_triangles = np.asarray(triangles, dtype=np.int64)
+    corners = index[uv_triangles]
+    solid = np.linalg.norm(_area_normals(positions, corners), axis=1) > 1e-16
+    corners, uv_triangles = corners[solid], uv_triangles[solid]
     if uv is None and bound > 0.0:
-        place, corners = decimated(place, corners, bound)
-    weighted = _area_normals(place, corners)
+        positions, corners = decimated(positions, corners, bound)
+    weighted = _area_normals(positions, corners)
     facing = normalized(weighted)
-    first, vertex = _shared_vertices(corners, weighted, facing, crease, len(place))
+    first, vertex = _shared_vertices(corners, weighted, facing, crease, len(positions))
     normals = np.zeros((len(first), 3))
     per_corner = np.repeat(weighted, 3, axis=0)
     for axis in range(3):
         normals[:, axis] = np.bincount(vertex, weights=per_corner[:, axis], minlength=len(first))
     if uv is None:
-        return Surface(place[corners.reshape(-1)[first]], vertex.reshape(-1, 3), normalized(normals), rgba)
-    spot, where = np.unique(np.round(uv, 6), axis=0, return_inverse=True)
-    pair = vertex * len(spot) + where.reshape(-1)[given.reshape(-1)]
+        return Surface(
+            positions[corners.reshape(-1)[first]], vertex.reshape(-1, 3), normalized(normals), rgba
+        )
+    uv_positions, uv_index = np.unique(np.round(uv, 6), axis=0, return_inverse=True)
+    pair = vertex * len(uv_positions) + uv_index.reshape(-1)[uv_triangles.reshape(-1)]
     both, split = np.unique(pair, return_inverse=True)
-    owner = both // len(spot)
-    texture = Texture(spot[both % len(spot)], image)
+    owner = both // len(uv_positions)
+    texture = Texture(uv_positions[both % len(uv_positions)], image)
     return Surface(
-        place[corners.reshape(-1)[first[owner]]],
+        positions[corners.reshape(-1)[first[owner]]],
         split.reshape(-1, 3),
         normalized(normals)[owner],
         rgba,
@@ -93,15 +95,17 @@ def _shared_vertices(
     sharp = np.bincount(flat[turned.reshape(-1)], minlength=count) > 0
     label = flat.copy()
     near = np.flatnonzero(sharp[corners].any(axis=1))
-    own = 3 * near[:, None] + np.arange(3)
-    joined = own.reshape(-1)[_corner_labels(corners[near], facing[near], crease, count)].reshape(-1, 3)
-    label[own] = np.where(sharp[corners[near]], joined + count, label[own])
-    place = np.full(count + len(flat), len(flat), dtype=np.int64)
-    np.minimum.at(place, label, np.arange(len(flat)))
-    used = np.flatnonzero(place < len(flat))
-    number = np.empty(len(place), dtype=np.int64)
+    sharp_corners = 3 * near[:, None] + np.arange(3)
+    joined = sharp_corners.reshape(-1)[_corner_labels(corners[near], facing[near], crease, count)].reshape(
+        -1, 3
+    )
+    label[sharp_corners] = np.where(sharp[corners[near]], joined + count, label[sharp_corners])
+    first_corner = np.full(count + len(flat), len(flat), dtype=np.int64)
+    np.minimum.at(first_corner, label, np.arange(len(flat)))
+    used = np.flatnonzero(first_corner < len(flat))
+    number = np.empty(len(first_corner), dtype=np.int64)
     number[used] = np.arange(len(used))
-    return place[used], number[label]
+    return first_corner[used], number[label]
 
 
 def _corner_labels(corners: Array, facing: Floats, crease: float, count: int) -> Array:

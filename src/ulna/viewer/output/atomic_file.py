@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all: each is written beside its place, and takes it when all went well."""
+"""Atomic writes: a file is written beside its destination and renamed when it is complete."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ulna.system.storage import replacing
 
 
 def checked_path(path: Any, what: str, suffixes: Sequence[str]) -> Path:
-    """The path of a file of one of some kinds, told by how its name ends.
+    """The path of a file with one of some suffixes.
 
     Raises:
         InputError: It is no path.
@@ -39,7 +39,7 @@ def atomic_write(target: Path, what: str) -> Iterator[Path]:
     """
     try:
         Path(os.path.realpath(target)).parent.mkdir(parents=True, exist_ok=True)
-        with replacing(target) as beside:
-            yield beside
+        with replacing(target) as temporary:
+            yield temporary
     except OSError as error:
         raise InputError(f"Cannot write the {what} {str(target)!r}: {error.strerror or error}.") from error

@@ -28,8 +28,8 @@ def write_png(path: str | os.PathLike[str], image: Array) -> Path:
         UnknownName: The path does not end in .png.
     """
     target, content = checked_png_path(path), encode_png(image)
-    with atomic_write(target, "picture") as place:
-        place.write_bytes(content)
+    with atomic_write(target, "picture") as file:
+        file.write_bytes(content)
     return target
 
 

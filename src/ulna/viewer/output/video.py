@@ -79,9 +79,9 @@ def write_video(path: str | os.PathLike[str], pictures: Iterable[Array], fps: fl
     picture = next(first, None)
     if picture is None:
         raise InputError("A film needs at least one picture.")
-    with atomic_write(target, "film") as place:
+    with atomic_write(target, "film") as file:
         write = _write_gif if target.suffix.lower() == ".gif" else _write_mp4
-        write(place, itertools.chain([picture], first), fps, picture.shape)
+        write(file, itertools.chain([picture], first), fps, picture.shape)
     return target
 
 
@@ -104,13 +104,14 @@ def _write_mp4(target: Path, pictures: Iterable[Array], fps: float, shape: tuple
     ]
     how = ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"]
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-v", "error", *what, *how, str(target)]
-    with tempfile.TemporaryFile() as complaints:
-        process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=complaints
-        )
+    with tempfile.TemporaryFile() as stderr:
+        process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=stderr)
         assert process.stdin is not None
         try:
-            with contextlib.suppress(BrokenPipeError), process.stdin as pipe:  # it says itself why it stopped
+            with (
+                contextlib.suppress(BrokenPipeError),
+                process.stdin as pipe,
+            ):  # its stderr states why it stopped
                 for picture in pictures:
                     pipe.write(np.ascontiguousarray(picture[: even[1], : even[0], :3]).tobytes())
         except BaseException:
@@ -118,9 +119,9 @@ def _write_mp4(target: Path, pictures: Iterable[Array], fps: float, shape: tuple
             process.wait()
             raise
         if process.wait() != 0:
-            complaints.seek(0)
-            said = complaints.read().decode(errors="replace").strip()
-            raise OSError(said or "FFmpeg failed")
+            stderr.seek(0)
+            message = stderr.read().decode(errors="replace").strip()
+            raise OSError(message or "FFmpeg failed")
 
 
 def _write_gif(target: Path, pictures: Iterable[Array], fps: float, shape: tuple[int, ...]) -> None:
@@ -154,9 +155,9 @@ def gif_frame_durations(count: int, fps: float) -> tuple[list[int], list[int]]:
 
     Browsers show a picture that is to be shown for less than 20 ms for 100 ms: of faster films some are left out.
     """
-    ends = np.round(np.arange(1, count + 1) * 100.0 / fps).astype(int)  # in hundredths of a second
+    end_times = np.round(np.arange(1, count + 1) * 100.0 / fps).astype(int)  # in hundredths of a second
     chosen, durations, shown = [], [], 0
-    for k, end in enumerate(ends.tolist()):
+    for k, end in enumerate(end_times.tolist()):
         if end - shown >= _MIN_GIF_DURATION or k == count - 1:
             chosen.append(k)
             durations.append(10 * max(end - shown, _MIN_GIF_DURATION))

@@ -1,4 +1,4 @@
-"""Who may talk to the page: this machine's own browser tabs, and on a network those who know a token."""
+"""Access control of the page: browser tabs of this machine, and on a network clients with the token."""
 
 from __future__ import annotations
 
@@ -58,13 +58,13 @@ def has_token(token: str, path: str, cookies: str | None) -> bool:
     if not token:
         return True
     try:
-        given = parse_qs(urlsplit(path).query).get("token", [])
+        tokens = parse_qs(urlsplit(path).query).get("token", [])
         jar = SimpleCookie(cookies or "")
     except (ValueError, CookieError):
         return False
     if _name(token) in jar:
-        given.append(jar[_name(token)].value)
-    return any(hmac.compare_digest(g.encode(), token.encode()) for g in given)
+        tokens.append(jar[_name(token)].value)
+    return any(hmac.compare_digest(g.encode(), token.encode()) for g in tokens)
 
 
 def token_cookie(token: str) -> str:
@@ -81,10 +81,10 @@ def frame_ancestors(host: str) -> str:
         host: The request's Host, an allowed one.
     """
     names = dict.fromkeys((*LOOPBACK[:2], urlsplit(f"//{host}").hostname or ""))
-    places = (f"{scheme}://{name}:*" for name in names if ":" not in name for scheme in ("http", "https"))
-    return f"frame-ancestors 'self' {' '.join(places)} vscode-webview: vscode-file:"
+    sources = (f"{scheme}://{name}:*" for name in names if ":" not in name for scheme in ("http", "https"))
+    return f"frame-ancestors 'self' {' '.join(sources)} vscode-webview: vscode-file:"
 
 
 def _name(token: str) -> str:
-    # pages on other ports of one machine share its cookies, so each token has a name of its own
+    # pages on other ports of one machine share its cookies, so each token has a different name
     return "ulna-" + hashlib.sha256(token.encode()).hexdigest()[:12]

@@ -1,4 +1,4 @@
-"""Whether anyone can look: is there a screen, a browser, a person at the terminal?"""
+"""Whether a display, a browser and an interactive terminal are available, and opening a browser window."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _TEXT_ONLY = ("lynx", "w3m", "links", "elinks", "www-browser")
 
 
 def has_screen() -> bool:
-    """Whether a browser window can be opened here. `ULNA_HEADLESS=1` in the environment says no."""
+    """Whether a browser window can be opened here. False where the environment sets `ULNA_HEADLESS=1`."""
     if os.environ.get("ULNA_HEADLESS", "") not in ("", "0"):
         return False
     if sys.platform in ("darwin", "win32"):

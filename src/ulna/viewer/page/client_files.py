@@ -1,7 +1,7 @@
 """The page that viser serves, taken apart so that a browser can keep its program and start sooner the next time.
 
 viser's page is one file: style, program and a decoder, compressed and written in letters of a text. A browser has to
-unpack and compile it at every visit. Here the parts are files of their own, with names that change with their content,
+unpack and compile it at every visit. Here each part is a file, with a name that changes with its content,
 which a browser keeps together with what it compiled. A page that is built in another way is served as it is.
 """
 
@@ -25,7 +25,7 @@ _PACKED_SCRIPT = re.compile(
 )
 _ALPHABET = re.compile(r'const A=("(?:[^"\\]|\\.)*");')
 _DECODER = re.compile(r'const gzWasm=("(?:[^"\\]|\\.)*");')
-# the light of a city that the program carries for pages which are told of no other light; ours always are
+# the default environment map of a city, embedded in the program; our pages always set another one
 _DEFAULT_ENVIRONMENT = re.compile(rb"`data:image/jpeg;base64,[A-Za-z0-9+/=]{20000,}`")
 _CONTENT_TYPES = {
     "js": "text/javascript; charset=utf-8",
@@ -42,7 +42,7 @@ await import("./{js}");
 @final
 @dataclass(frozen=True)
 class ServedFile:
-    """What a server answers with: its kind, whether it is compressed with gzip, how long it may be kept, its bytes."""
+    """A response body: its content type, whether it is compressed with gzip, its cache control, its bytes."""
 
     kind: str
     zipped: bool
@@ -132,9 +132,9 @@ def _from_base88(text: str, alphabet: str) -> bytes:
     whole = len(digits) // 5 * 5
     weights = len(alphabet) ** np.arange(4, -1, -1)
     out = (digits[:whole].reshape(-1, 5) @ weights).astype(">u4").tobytes()
-    rest = digits[whole:]
-    if len(rest):
-        out += int(rest @ weights[-len(rest) :]).to_bytes(len(rest) - 1, "big")
+    last_digits = digits[whole:]
+    if len(last_digits):
+        out += int(last_digits @ weights[-len(last_digits) :]).to_bytes(len(last_digits) - 1, "big")
     return out
 
 
@@ -142,16 +142,16 @@ def response_to(client: ClientFiles | None, request: Any) -> Any:
     """The answer of a server of `websockets` to a request; None to leave it to viser."""
     if client is None or request.headers.get("Upgrade"):
         return None
-    found = client.file(request.path)
-    if found is None or "gzip" not in request.headers.get(
+    file = client.file(request.path)
+    if file is None or "gzip" not in request.headers.get(
         "Accept-Encoding", ""
-    ):  # viser's page suits whoever asks
+    ):  # viser's page works for every client
         return None
     from websockets.datastructures import Headers
     from websockets.http11 import Response
 
-    headers = Headers({"Content-Type": found.kind, "Cache-Control": found.keep})
-    headers["Content-Length"] = str(len(found.content))
-    if found.zipped:
+    headers = Headers({"Content-Type": file.kind, "Cache-Control": file.keep})
+    headers["Content-Length"] = str(len(file.content))
+    if file.zipped:
         headers["Content-Encoding"] = "gzip"
-    return Response(200, "OK", headers, found.content)
+    return Response(200, "OK", headers, file.content)

@@ -1,13 +1,15 @@
-"""A pose in the page that can be dragged, and poses as the page takes them."""
+"""A pose in the page that can be dragged."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, final
 
 import numpy as np
 
 from ulna.spatial import quat_xyzw_to_matrix
 from ulna.typing import ArrayLike, Floats
+from ulna.viewer.page.page import Page
 from ulna.viewer.page.poses import position_wxyz
 
 
@@ -44,3 +46,39 @@ class Gizmo:
     @visible.setter
     def visible(self, visible: bool) -> None:
         self._handle.visible = bool(visible)
+
+
+def add_gizmo(
+    page: Page, name: str, pose: Floats, on_drag: Callable[[tuple[Floats, str]], None], size: float
+) -> Gizmo:
+    """Add a pose to drag to a page.
+
+    Args:
+        page: The page.
+        name: Its name.
+        pose: T_world_gizmo, shape (4, 4).
+        on_drag: Called with (T_world_gizmo, "start" | "update" | "end").
+        size: Length of its axes [m].
+
+    Returns:
+        The gizmo.
+    """
+    position, wxyz = position_wxyz(pose)
+    handle = page.server.scene.add_transform_controls(
+        f"/(page)/{name}",
+        scale=size,
+        line_width=3.0,
+        depth_test=False,
+        opacity=0.9,
+        position=position,
+        wxyz=wxyz,
+    )
+    gizmo = Gizmo(handle)
+
+    @handle.on_update
+    async def _(event: Any) -> None:  # async: on viser's own loop, so that events stay in order
+        gizmo.is_dragged = event.phase != "end"
+        # starts and ends are never dropped, of updates only the newest counts
+        page.post_event(id(handle) if event.phase == "update" else None, on_drag, (gizmo.pose, event.phase))
+
+    return gizmo

@@ -34,7 +34,7 @@ def write_html(
         times: When there is something new [s], in rising order, from 0; none for a scene at rest.
         move: Brings the scene to one of these times.
         title: The title of the tab.
-        camera: Where it is looked at from at first.
+        camera: The first camera.
         theme: The colours around.
         floor: Height of the floor [m]; below everything when not given.
 
@@ -44,23 +44,23 @@ def write_html(
         UnknownName: It ends neither in .html nor in .htm.
     """
     target = checked_html_path(path)
-    moments = list(times)
-    if moments and move is not None:
-        move(moments[0])
+    frame_times = list(times)
+    if frame_times and move is not None:
+        move(frame_times[0])
     with Page(scene, title, port=0, camera=camera, theme=theme, floor=floor, live=False) as page:
         recording = start_recording(page.server)
-        before = moments[0] if moments else 0.0
+        before = frame_times[0] if frame_times else 0.0
         with progress(f"Writing {target.name}") as report:
-            for k, t in enumerate(moments[1:] if move is not None else []):
-                report(k, len(moments))
+            for k, t in enumerate(frame_times[1:] if move is not None else []):
+                report(k, len(frame_times))
                 recording.insert_sleep(t - before)
                 before = t
                 assert move is not None
                 move(t)
                 page.flush()
             content = recording.as_html(dark_mode=theme.dark)
-    with atomic_write(target, "page") as place:
-        place.write_text(content, encoding="utf-8")
+    with atomic_write(target, "page") as file:
+        file.write_text(content, encoding="utf-8")
     return target
 
 

@@ -1,4 +1,4 @@
-"""Keeping a page open while somebody looks, and never where nobody can."""
+"""Keeping a page open while a tab shows it; returning at once where no tab can be opened."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ulna.viewer.page.browser import somebody_can_look
 def keep_open(page: Page, seconds: float | None = None) -> None:
     """Keep a page open until Ctrl-C, until it is closed, or until the last tab that looked at it has gone.
 
-    Where nobody can look (no screen, no terminal) it says so and returns at once.
+    Without a display and without an interactive terminal it prints a message and returns at once.
 
     Args:
         page: The page.
@@ -29,16 +29,16 @@ def keep_open(page: Page, seconds: float | None = None) -> None:
         print(
             f"From elsewhere: ssh -L {page.port}:localhost:{page.port} ... and open the same address there."
         )
-    seen, gone = page.visited, 0.0
+    was_visited, without_tabs = page.visited, 0.0
     end = None if seconds is None else time.monotonic() + seconds
     try:
         while not page.closed and (end is None or time.monotonic() < end):
             time.sleep(0.1)
             if page.clients:
-                seen, gone = True, 0.0
-            elif seen:
-                gone += 0.1
-                if gone > 3.0:  # longer than a reload takes
+                was_visited, without_tabs = True, 0.0
+            elif was_visited:
+                without_tabs += 0.1
+                if without_tabs > 3.0:  # longer than a reload takes
                     print("The page was closed.", flush=True)
                     return
     except KeyboardInterrupt:

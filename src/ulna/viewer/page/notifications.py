@@ -1,4 +1,4 @@
-"""Notices in the page of long work: what is being done and how far it is, gone when it is done."""
+"""Notifications in the page that show the progress of long tasks."""
 
 from __future__ import annotations
 

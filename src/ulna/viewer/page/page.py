@@ -36,7 +36,7 @@ from ulna.viewer.progress import unwatch, watch
 RATE = 60.0
 """How often the page looks for something new [1/s]."""
 
-_FRAMING_INTERVAL = 0.2  # s between two looks for a camera that has everything in view
+_FRAMING_INTERVAL = 0.2  # s between two computations of a camera that shows everything
 
 
 class Page:
@@ -44,13 +44,13 @@ class Page:
 
     Args:
         scene: What to show; the page follows it.
-        title: What stands over the panel.
+        title: The heading of the panel.
         port: Port to listen on; the next free one is taken when it is in use, 0 takes any.
-        host: Address to listen on. Beyond the loopback a token, which the address carries, is asked of whoever comes.
-        camera: Where the scene is looked at from at first; one that has everything in view when not given.
+        host: Address to listen on. Other than the loopback addresses need a token, which `url` contains.
+        camera: The first camera; one that shows the whole scene when not given.
         theme: The colours around.
         floor: Height of the floor [m]; below everything when not given.
-        live: Whether it follows the scene by itself. One that is not is sent what there is by `flush`, with colours
+        live: Whether it follows the scene continuously. Otherwise the scene is sent by `flush` only, with colours
             as they are for good: for recordings.
 
     Raises:
@@ -164,12 +164,12 @@ class Page:
         return f'<iframe src="{self.url}" width="100%" height="560" style="border:0"></iframe>'
 
     def set_camera(self, camera: Camera | None = None) -> None:
-        """Look from a camera in every tab; from one that has everything in view when not given."""
+        """Set the camera of every tab; one that shows the whole scene when not given."""
         self._camera_chosen = True
         set_camera(self.server, camera or self._default_camera())
 
     def request_framing(self) -> None:
-        """Have all in view and above the floor, unless a camera or a floor was chosen or somebody looks already."""
+        """Show the whole scene above the floor soon, unless a camera or floor was chosen or a tab is open already."""
         self._framing_requested = True
 
     def _frame_scene(self, now: float) -> None:

@@ -17,7 +17,7 @@ KNOWN_VERSIONS = ("1.1.",)
 """Versions of viser whose page has the queue that the hook relies on."""
 
 KEY_LIGHT, SKY = "/(page)/key", "/(page)/sky"
-"""The names of the lamp that throws shadows, and of the light from all around."""
+"""The names of the directional light that casts shadows, and of the hemisphere light."""
 
 POSES, APPEARANCES, FLOOR = "/(page)/poses", "/(page)/looks", "/(page)/floor"
 """The names under which all poses, and all looks that are not plain, are sent, which no node has; and the floor's."""
@@ -78,17 +78,17 @@ class PoseChannel:
         """Send poses as rows x y z, w x y z, float32, one for each path; they replace those not sent yet."""
         self._queue(POSES, {"names": list(paths), "p": rows})
 
-    def send_appearances(self, paths: Sequence[str], rows: Array, words: dict[str, str]) -> None:
+    def send_appearances(self, paths: Sequence[str], rows: Array, texts: dict[str, str]) -> None:
         """Send looks as rows: linear red, green, blue or -1, opacity, three scales; float32. All others are plain.
 
-        What those with words say stands in `words`.
+        `texts` are the texts of labels, by path.
         """
-        self._queue(APPEARANCES, {"names": list(paths), "v": rows.reshape(-1), "words": words})
+        self._queue(APPEARANCES, {"names": list(paths), "v": rows.reshape(-1), "words": texts})
 
-    def send_appearances_to_file(self, paths: Sequence[str], rows: Array, words: dict[str, str]) -> None:
-        """Send the same to a file, which hands its first messages over all at once, before any is heeded."""
-        looks = {"names": list(paths), "v": rows.reshape(-1).tolist(), "words": words}
-        message = {"type": "SceneNodeUpdateMessage", "name": APPEARANCES, "updates": looks}
+    def send_appearances_to_file(self, paths: Sequence[str], rows: Array, texts: dict[str, str]) -> None:
+        """Send the same to a recording, which delivers its first messages together before it processes any."""
+        updates = {"names": list(paths), "v": rows.reshape(-1).tolist(), "words": texts}
+        message = {"type": "SceneNodeUpdateMessage", "name": APPEARANCES, "updates": updates}
         self._run(f"window.__viserMutable.messageQueue.push({json.dumps(message)})")
 
     def _run(self, script: str) -> None:

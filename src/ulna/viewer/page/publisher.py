@@ -1,4 +1,4 @@
-"""What the page shows made to be what the scene holds: nodes, looks and poses, sent where they are new."""
+"""Synchronisation of the page with the scene: changed nodes, appearances and poses are sent."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ulna.viewer.page.pose_channel import PoseChannel
 from ulna.viewer.page.poses import pose_rows
 from ulna.viewer.page.viser_nodes import (
     ViserNode,
-    ViserPaths,
     add_node,
     appearance_of,
     appearance_rows,
     is_drawn,
 )
+from ulna.viewer.page.viser_paths import ViserPaths
 
 _DEFAULT_APPEARANCE = (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
 _CONTENT_TIME_FRACTION = (
@@ -64,7 +64,7 @@ class Publisher:
         self.resend_until = time.monotonic() + 3.0
 
     def set_theme(self, theme: Theme) -> None:
-        """Take over other colours around: words without a colour of their own have the theme's."""
+        """Change the theme: labels without a colour have the text colour of the theme."""
         self._theme, self._sent = theme, (*self._sent[:2], -1)
 
     def send_content_now(self) -> None:
@@ -76,102 +76,102 @@ class Publisher:
         unchanged = self._settled and self._scene.version == self._sent
         if unchanged and now >= self.resend_until and not self._content_pending:
             return
-        seen = self._scene.snapshot()
-        structure, _, looks = self._sent
-        if seen.structure != structure or self._content_pending:
-            self._update_nodes(seen, now)
-        if seen.appearance != looks or seen.structure != structure or now < self.resend_until:
-            self._update_appearances(seen)
-        if seen[:3] != self._sent:
-            self._sent, self._settled, self._moved_at = seen[:3], False, now
+        snapshot = self._scene.snapshot()
+        structure, _, appearances = self._sent
+        if snapshot.structure != structure or self._content_pending:
+            self._update_nodes(snapshot, now)
+        if snapshot.appearance != appearances or snapshot.structure != structure or now < self.resend_until:
+            self._update_appearances(snapshot)
+        if snapshot[:3] != self._sent:
+            self._sent, self._settled, self._moved_at = snapshot[:3], False, now
         elif not self._settled and now - self._moved_at > _IDLE_TIME:
             # at rest: leave the poses in viser's own state, too, which newcomers and recordings start from
             self._settled = True
-            self._set_each(seen)
+            self._set_each(snapshot)
         elif now >= self.resend_until:
             return
         if self._channel.is_supported:
-            self._send(seen)
+            self._send(snapshot)
         else:
-            self._set_each(seen)
+            self._set_each(snapshot)
 
-    def _update_nodes(self, seen: Snapshot, now: float) -> None:
+    def _update_nodes(self, snapshot: Snapshot, now: float) -> None:
         """Make the nodes of the page those of the scene."""
-        present = {node.name: (i, node) for i, node in enumerate(seen.nodes) if is_drawn(node)}
+        present = {node.name: (i, node) for i, node in enumerate(snapshot.nodes) if is_drawn(node)}
         self._content_pending, self._pose_targets = False, None
-        began, calm = time.thread_time(), now < self._content_due
+        began, too_early = time.thread_time(), now < self._content_due
         for name, shown in list(self.shown.items()):
             i, node = present.get(name, (0, None))
             if node is shown.node:
                 continue
-            if calm and node is not None and node.content is not None:
+            if too_early and node is not None and node.content is not None:
                 self._content_pending = True
-            elif node is None or not shown.update_content(seen, i):
+            elif node is None or not shown.update_content(snapshot, i):
                 self._remove_node(name)
         for name, (i, _) in present.items():
             if name not in self.shown:
                 path = self._paths.take(name)
-                self.shown[name] = self._add_node(path, seen, i)
+                self.shown[name] = self._add_node(path, snapshot, i)
                 self.resend_until = max(self.resend_until, now + 1.0)
-        if not calm:
+        if not too_early:
             self._content_due = now + min(
                 (time.thread_time() - began) / _CONTENT_TIME_FRACTION, _MAX_CONTENT_DELAY
             )
 
-    def _add_node(self, path: str, seen: Snapshot, i: int) -> ViserNode:
-        return add_node(self._server, path, seen, i, self._baked, self._channel.is_supported)
+    def _add_node(self, path: str, snapshot: Snapshot, i: int) -> ViserNode:
+        return add_node(self._server, path, snapshot, i, self._baked, self._channel.is_supported)
 
     def _remove_node(self, name: str) -> None:
         shown = self.shown.pop(name)
         shown.remove()
         self._paths.free(shown.path)
 
-    def _update_appearances(self, seen: Snapshot) -> None:
+    def _update_appearances(self, snapshot: Snapshot) -> None:
         """Colours, opacity, scale and visibility as the scene has them."""
-        paths, looks, words = [], [], {}
+        paths, appearances, texts = [], [], {}
         ink = tuple(c / 255 for c in self._theme.ink)
-        for i, node in enumerate(seen.nodes):
+        for i, node in enumerate(snapshot.nodes):
             shown = self.shown.get(node.name)
             if shown is None:
                 continue
-            look = appearance_of(seen, i)
+            appearance = appearance_of(snapshot, i)
             if (
-                look != shown.appearance
+                appearance != shown.appearance
                 and not shown.is_mesh
                 and shown.node is node
-                and not shown.update_scale(look)
+                and not shown.update_scale(appearance)
             ):
                 shown.remove()
-                shown = self.shown[node.name] = self._add_node(shown.path, seen, i)
+                shown = self.shown[node.name] = self._add_node(shown.path, snapshot, i)
                 self._pose_targets = None
-            shown.appearance = look
-            shown.set_visible(bool(seen.visible[i]))
+            shown.appearance = appearance
+            shown.set_visible(bool(snapshot.visible[i]))
             if shown.is_mesh and isinstance(node.content, Text):
-                words[shown.path] = node.content.words
-                look = (*ink, *look[3:]) if look[0] < 0 else look
-            if shown.is_mesh and look != _DEFAULT_APPEARANCE:
+                texts[shown.path] = node.content.words
+                appearance = (*ink, *appearance[3:]) if appearance[0] < 0 else appearance
+            if shown.is_mesh and appearance != _DEFAULT_APPEARANCE:
                 paths.append(shown.path)
-                looks.append(look)
-        rows = appearance_rows(looks, [p in words for p in paths])
+                appearances.append(appearance)
+        rows = appearance_rows(appearances, [p in texts for p in paths])
         if not self._baked:
-            self._channel.send_appearances(paths, rows, words)
-        elif words and words != self._label_texts:
-            self._label_texts = words
-            self._channel.send_appearances_to_file(paths, rows, words)
+            self._channel.send_appearances(paths, rows, texts)
+        elif texts and texts != self._label_texts:
+            self._label_texts = texts
+            self._channel.send_appearances_to_file(paths, rows, texts)
 
-    def _send(self, seen: Snapshot) -> None:
+    def _send(self, snapshot: Snapshot) -> None:
         if self._pose_targets is None:
             pairs = [
                 (h.name, i)
-                for i, n in enumerate(seen.nodes)
+                for i, n in enumerate(snapshot.nodes)
                 if n.name in self.shown
                 for h in self.shown[n.name].handles
             ]
             self._pose_targets = [path for path, _ in pairs], [i for _, i in pairs]
         paths, rows = self._pose_targets
-        self._channel.send_poses(paths, pose_rows(seen.poses[rows]))
+        self._channel.send_poses(paths, pose_rows(snapshot.poses[rows]))
 
-    def _set_each(self, seen: Snapshot) -> None:
-        for node, row in zip(seen.nodes, pose_rows(seen.poses), strict=True):
+    def _set_each(self, snapshot: Snapshot) -> None:
+        for node, row in zip(snapshot.nodes, pose_rows(snapshot.poses), strict=True):
             if node.name in self.shown:
                 self.shown[node.name].set_pose(row)

@@ -31,7 +31,7 @@ _log.setLevel(logging.CRITICAL)
 def serve(host: str, port: int, title: str, token: str = "") -> Any:
     """A viser server that answers its own machine only, shares nothing and prints nothing.
 
-    With a token it answers whoever knows it: the address carries it, and a cookie remembers it.
+    With a token it answers clients that send it, in the address or in a cookie.
 
     Raises:
         MissingExtra: viser is not installed.
@@ -48,7 +48,7 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
     _check_address(host)
     any_host = host not in guard.LOOPBACK
     page = Path(viser.__file__).parent / "client" / "build" / "index.html"
-    kept = client.ClientFiles(page, early_script(title)) if is_known_version() else None
+    page_files = client.ClientFiles(page, early_script(title)) if is_known_version() else None
     original: Any = sockets.serve
     guarded: list[bool] = []
 
@@ -62,7 +62,7 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
                     return connection.respond(403, "This page answers its own machine only.\n")
                 if not guard.has_token(token, request.path, headers.get("Cookie")):
                     return connection.respond(403, "This page answers those who know its token only.\n")
-                response = client.response_to(kept, request) or answer(connection, request)
+                response = client.response_to(page_files, request) or answer(connection, request)
                 if response is not None:
                     response.headers["Content-Security-Policy"] = guard.frame_ancestors(headers["Host"])
                     if token:
@@ -114,7 +114,7 @@ def _check_address(host: str) -> None:
     except (OSError, UnicodeError) as error:
         raise ViewerError(
             f"The page cannot listen on {host!r}: {getattr(error, 'strerror', None) or error}. Take '127.0.0.1' for "
-            "this machine alone, '0.0.0.0' for all its networks, or an address of its own."
+            "this machine alone, '0.0.0.0' for all its networks, or another address of this machine."
         ) from error
 
 
@@ -136,7 +136,7 @@ def disconnect(server: Any) -> None:
 
 
 def _silence(server: Any) -> None:
-    """What a program still tells the page goes nowhere, without a word of viser."""
+    """Discard messages that a program still sends to the page, without output of viser."""
     if is_known_version():
         server._websock_server.get_message_buffer().push = lambda message: None
         for control in server.gui._gui_input_handle_from_uuid.values():

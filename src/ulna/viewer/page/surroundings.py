@@ -1,4 +1,4 @@
-"""The look of the page: a calm studio with soft shadows, a quiet floor, and the scene in view."""
+"""Lights, background, floor and camera of the page."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ulna.viewer.graph.theme import Theme
 
 
 def configure_scene(server: Any, theme: Theme, shadows: bool = True) -> None:
-    """Give a viser server its panel, lights and background; `shadows` for viser's own, where the page throws none."""
+    """Configure panel, lights and background of a viser server; `shadows` turns on the shadows of viser."""
     scene, gui = server.scene, server.gui
     gui.configure_theme(
         show_logo=False,
@@ -25,14 +25,17 @@ def configure_scene(server: Any, theme: Theme, shadows: bool = True) -> None:
     scene.add_light_hemisphere(
         "/(page)/sky", sky_color=(235, 242, 255), ground_color=(150, 155, 160), intensity=0.28 * theme.lamps
     )
-    lamps = (("key", (255, 244, 230), 2.6, (1.6, -1.0, 3.2)), ("rim", (230, 240, 255), 0.8, (-2.0, 2.4, 1.6)))
-    for name, tint, strength, place in (*lamps, ("fill", (220, 232, 255), 0.25, (-1.0, -3.0, 1.2))):
+    lights = (
+        ("key", (255, 244, 230), 2.6, (1.6, -1.0, 3.2)),
+        ("rim", (230, 240, 255), 0.8, (-2.0, 2.4, 1.6)),
+    )
+    for name, tint, strength, position in (*lights, ("fill", (220, 232, 255), 0.25, (-1.0, -3.0, 1.2))):
         scene.add_light_directional(
             f"/(page)/{name}",
             color=tint,
             intensity=strength * theme.lamps,
             cast_shadow=shadows and name == "key",
-            position=place,
+            position=position,
         )
     top, horizon = np.array(theme.top), np.array(theme.horizon)
     share = np.clip(np.linspace(0, 1, 512) / 0.33, 0, 1) ** 0.8

@@ -1,8 +1,7 @@
-"""Nodes of a scene as nodes of viser: binary glTF for surfaces, viser's own kinds for the rest."""
+"""Nodes of a scene as nodes of viser: binary glTF for surfaces, other node types of viser for the rest."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
@@ -19,43 +18,12 @@ from ulna.viewer.page.poses import pose_rows, position_wxyz
 
 
 @final
-class ViserPaths:
-    """Paths of the page, each with no other pose above it: groups are for display, poses are of the world."""
-
-    def __init__(self) -> None:
-        self._taken: set[str] = set()
-        self._below: Counter[str] = Counter()
-
-    def take(self, name: str) -> str:
-        """A path of its own for the node of that name."""
-        group, _, rest = name.partition("/")
-        if rest:
-            while f"/{group}" in self._taken:  # a node stands there, and would carry the group along
-                group += " ·"
-            path = f"/{group}/{rest.replace('/', ' › ')}"
-        else:
-            path = f"/{group}"
-            while self._below[path]:
-                path += " ·"
-        while path in self._taken:
-            path += "'"
-        self._taken.add(path)
-        self._below[path.rpartition("/")[0]] += 1
-        return path
-
-    def free(self, path: str) -> None:
-        """Give a path back."""
-        self._taken.discard(path)
-        self._below[path.rpartition("/")[0]] -= 1
-
-
-@final
 @dataclass
 class ViserNode:
     """A node as the page has it: the viser handles that stand for it, all under one path.
 
-    `solid` nodes are surfaces and words whose colours, opacity and scale the page changes by itself; the others are
-    made anew.
+    `is_mesh` nodes are surfaces and labels whose colours, opacity and scale the page changes; the others are
+    created again.
     """
 
     node: Node
@@ -64,16 +32,20 @@ class ViserNode:
     is_mesh: bool
     appearance: tuple[Any, ...]
 
-    def update_content(self, seen: Snapshot, i: int) -> bool:
+    def update_content(self, snapshot: Snapshot, i: int) -> bool:
         """Take over what node `i` holds now, where that needs no new node of the page; whether it did."""
-        node, old = seen.nodes[i], self.node.content
-        if type(node.content) is not type(old) or old is None or appearance_of(seen, i) != self.appearance:
+        node, old = snapshot.nodes[i], self.node.content
+        if (
+            type(node.content) is not type(old)
+            or old is None
+            or appearance_of(snapshot, i) != self.appearance
+        ):
             return False
-        clear = is_translucent(seen, i)
+        translucent = is_translucent(snapshot, i)
         match node.content:
-            case Points(positions) if _same_except_positions(node.content, old) and not clear:
+            case Points(positions) if _same_except_positions(node.content, old) and not translucent:
                 self.handles[0].points = positions.astype(np.float32)
-            case Lines(segments) if _same_except_positions(node.content, old) and not clear:
+            case Lines(segments) if _same_except_positions(node.content, old) and not translucent:
                 self.handles[0].points = segments.astype(np.float32)
             case Copies(_, poses) if _same_except_positions(node.content, old):
                 rows = pose_rows(poses)
@@ -87,12 +59,12 @@ class ViserNode:
         self.node = node
         return True
 
-    def update_scale(self, look: tuple[Any, ...]) -> bool:
+    def update_scale(self, appearance: tuple[Any, ...]) -> bool:
         """Take over another scale, where nothing else of the look is new and its kind has one; whether it did."""
-        if look[:4] != self.appearance[:4] or isinstance(self.node.content, Text):
+        if appearance[:4] != self.appearance[:4] or isinstance(self.node.content, Text):
             return False
         for handle in self.handles:
-            handle.scale = look[4:]
+            handle.scale = appearance[4:]
         return True
 
     def set_pose(self, row: Any) -> None:
@@ -128,29 +100,31 @@ def is_drawn(node: Node) -> bool:
     return node.content is not None or any(len(s.triangles) for s in node.surfaces)
 
 
-def appearance_of(seen: Snapshot, i: int) -> tuple[Any, ...]:
+def appearance_of(snapshot: Snapshot, i: int) -> tuple[Any, ...]:
     """Tint, opacity and scale of a node, to compare."""
-    return (*seen.tint[i].tolist(), float(seen.opacity[i]), *seen.scales[i].tolist())
+    return (*snapshot.tint[i].tolist(), float(snapshot.opacity[i]), *snapshot.scales[i].tolist())
 
 
-def is_translucent(seen: Snapshot, i: int) -> bool:
+def is_translucent(snapshot: Snapshot, i: int) -> bool:
     """Whether what node `i` holds lets light through."""
-    return float(seen.opacity[i]) * getattr(seen.nodes[i].content, "rgba", (1.0,))[-1] < 0.999
+    return float(snapshot.opacity[i]) * getattr(snapshot.nodes[i].content, "rgba", (1.0,))[-1] < 0.999
 
 
-def appearance_rows(looks: list[tuple[Any, ...]], flat: list[bool]) -> Any:
+def appearance_rows(appearances: list[tuple[Any, ...]], flat: list[bool]) -> Any:
     """Looks as the page takes them: linear red, green, blue or -1, opacity, three scales; float32 (n, 7).
 
     What is `flat` shows its colour as it is, whatever light falls on it.
     """
-    out = np.array(looks, dtype=np.float32).reshape(-1, 7)
-    own, plain = out[:, 0] >= 0, np.array(flat, dtype=bool)
-    out[own & ~plain, :3] = albedo(out[own & ~plain, :3])
-    out[own & plain, :3] = linear_from_srgb(out[own & plain, :3])
+    out = np.array(appearances, dtype=np.float32).reshape(-1, 7)
+    has_colour, plain = out[:, 0] >= 0, np.array(flat, dtype=bool)
+    out[has_colour & ~plain, :3] = albedo(out[has_colour & ~plain, :3])
+    out[has_colour & plain, :3] = linear_from_srgb(out[has_colour & plain, :3])
     return out
 
 
-def add_node(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes: bool = False) -> ViserNode:
+def add_node(
+    server: Any, path: str, snapshot: Snapshot, i: int, baked: bool, writes: bool = False
+) -> ViserNode:
     """Add node `i` to the page.
 
     Args:
@@ -159,19 +133,19 @@ def add_node(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes
         seen: The scene.
         i: The node's row.
         baked: Whether colours, opacity and scale are made part of it, for a page that cannot change them later.
-        writes: Whether the page writes words by itself, in any colour.
+        writes: Whether the page draws labels, in any colour.
     """
-    node, pose = seen.nodes[i], seen.poses[i]
+    node, pose = snapshot.nodes[i], snapshot.poses[i]
     position, wxyz = position_wxyz(pose)
-    place = {"position": position, "wxyz": wxyz, "visible": bool(seen.visible[i])}
-    look = appearance_of(seen, i)
-    scale = tuple(float(s) for s in seen.scales[i])
+    options = {"position": position, "wxyz": wxyz, "visible": bool(snapshot.visible[i])}
+    appearance = appearance_of(snapshot, i)
+    scale = tuple(float(s) for s in snapshot.scales[i])
     handles: list[Any] = []
     content = node.content
     if node.surfaces:
         surfaces = node.surfaces
         if baked:
-            opacity, tint = seen.opacity[i], seen.tint[i]
+            opacity, tint = snapshot.opacity[i], snapshot.tint[i]
             surfaces = [
                 replace(
                     s,
@@ -180,17 +154,17 @@ def add_node(server: Any, path: str, seen: Snapshot, i: int, baked: bool, writes
                 )
                 for s in surfaces
             ]
-            place["scale"] = scale
+            options["scale"] = scale
         handles.append(
-            server.scene.add_glb(path, _glb_content(surfaces), cast_shadow=node.casts_shadow, **place)
+            server.scene.add_glb(path, _glb_content(surfaces), cast_shadow=node.casts_shadow, **options)
         )
-        place.pop("scale", None)
+        options.pop("scale", None)
     written = writes and isinstance(content, Text)
     if isinstance(content, Text) and written:
-        handles.append(server.scene.add_glb(path, label_glb(content.height), cast_shadow=False, **place))
+        handles.append(server.scene.add_glb(path, label_glb(content.height), cast_shadow=False, **options))
     elif content is not None and not node.surfaces:
-        handles += _ADDERS[type(content)](server, path, content, seen, i, place | {"scale": scale})
-    return ViserNode(node, path, handles, written or (not baked and content is None), look)
+        handles += _ADDERS[type(content)](server, path, content, snapshot, i, options | {"scale": scale})
+    return ViserNode(node, path, handles, written or (not baked and content is None), appearance)
 
 
 def _glb_content(surfaces: Sequence[Surface]) -> Any:
@@ -198,8 +172,8 @@ def _glb_content(surfaces: Sequence[Surface]) -> Any:
     return np.frombuffer(glb(surfaces, ours=True), dtype=np.uint8) if is_known_version() else glb(surfaces)
 
 
-def _tinted_colours(seen: Snapshot, i: int, colours: Any) -> Floats:
-    tint = seen.tint[i]
+def _tinted_colours(snapshot: Snapshot, i: int, colours: Any) -> Floats:
+    tint = snapshot.tint[i]
     return np.asarray(colours, dtype=float) if tint[0] < 0 else np.broadcast_to(tint, np.shape(colours))
 
 
@@ -208,11 +182,11 @@ def _colour_bytes(colours: Floats) -> Any:
 
 
 def _add_points(
-    server: Any, path: str, content: Points, seen: Snapshot, i: int, place: dict[str, Any]
+    server: Any, path: str, content: Points, snapshot: Snapshot, i: int, options: dict[str, Any]
 ) -> list[Any]:
-    if is_translucent(seen, i):  # points of the page let no light through
-        return _add_copies(server, path, content.as_balls, seen, i, place)
-    colours = _colour_bytes(_tinted_colours(seen, i, content.colours))
+    if is_translucent(snapshot, i):  # points of the page let no light through
+        return _add_copies(server, path, content.as_balls, snapshot, i, options)
+    colours = _colour_bytes(_tinted_colours(snapshot, i, content.colours))
     return [
         server.scene.add_point_cloud(
             path,
@@ -221,30 +195,37 @@ def _add_points(
             point_size=content.size / 2,  # viser means the radius
             point_shape="circle",
             precision="float32",
-            **place,
+            **options,
         )
     ]
 
 
 def _add_lines(
-    server: Any, path: str, content: Lines, seen: Snapshot, i: int, place: dict[str, Any]
+    server: Any, path: str, content: Lines, snapshot: Snapshot, i: int, options: dict[str, Any]
 ) -> list[Any]:
-    colours = _colour_bytes(_tinted_colours(seen, i, np.array(content.rgba[:3])))
-    if is_translucent(seen, i):  # neither do lines
+    colours = _colour_bytes(_tinted_colours(snapshot, i, np.array(content.rgba[:3])))
+    if is_translucent(snapshot, i):  # neither do lines
         (tubes,) = content.surfaces
-        opacity = float(seen.opacity[i] * content.rgba[3])
+        opacity = float(snapshot.opacity[i] * content.rgba[3])
         shape = tubes.vertices.astype(np.float32), tubes.triangles.astype(np.uint32)
-        look = {"color": tuple(colours.tolist()), "opacity": opacity, "side": "front", "cast_shadow": False}
-        return [server.scene.add_mesh_simple(path, *shape, **look, **place)]
+        appearance = {
+            "color": tuple(colours.tolist()),
+            "opacity": opacity,
+            "side": "front",
+            "cast_shadow": False,
+        }
+        return [server.scene.add_mesh_simple(path, *shape, **appearance, **options)]
     return [
-        server.scene.add_line_segments(path, content.segments, colours, thickness=content.thickness, **place)
+        server.scene.add_line_segments(
+            path, content.segments, colours, thickness=content.thickness, **options
+        )
     ]
 
 
 def _add_label(
-    server: Any, path: str, content: Text, seen: Snapshot, i: int, place: dict[str, Any]
+    server: Any, path: str, content: Text, snapshot: Snapshot, i: int, options: dict[str, Any]
 ) -> list[Any]:
-    height = content.height * place.pop("scale")[2]
+    height = content.height * options.pop("scale")[2]
     return [
         server.scene.add_label(
             path,
@@ -253,19 +234,19 @@ def _add_label(
             font_scene_height=height,
             depth_test=True,
             anchor="bottom-left",
-            **place,
+            **options,
         )
     ]
 
 
 def _add_copies(
-    server: Any, path: str, content: Copies, seen: Snapshot, i: int, place: dict[str, Any]
+    server: Any, path: str, content: Copies, snapshot: Snapshot, i: int, options: dict[str, Any]
 ) -> list[Any]:
     rows = pose_rows(content.poses)
     handles = []
     for k, surface in enumerate(content.original):
-        own = surface.rgba[:3] if content.colours is None else content.colours
-        opacity = float(surface.rgba[3] * content.opacity * seen.opacity[i])
+        has_colour = surface.rgba[:3] if content.colours is None else content.colours
+        opacity = float(surface.rgba[3] * content.opacity * snapshot.opacity[i])
         vertices = (
             surface.vertices if opacity >= 0.999 else surface.vertices - TRANSLUCENT_INSET * surface.normals
         )
@@ -277,10 +258,10 @@ def _add_copies(
                 rows[:, 3:],
                 rows[:, :3],
                 batched_scales=content.scales,
-                batched_colors=_colour_bytes(albedo(_tinted_colours(seen, i, own))),
+                batched_colors=_colour_bytes(albedo(_tinted_colours(snapshot, i, has_colour))),
                 opacity=None if opacity >= 0.999 else opacity,
-                cast_shadow=seen.nodes[i].shadow and opacity >= 0.999,
-                **place,
+                cast_shadow=snapshot.nodes[i].shadow and opacity >= 0.999,
+                **options,
             )
         )
     return handles

@@ -1,4 +1,4 @@
-"""Controls of the panel with choices: a menu, boxes of which one is ticked, a row of buttons."""
+"""Controls with options: a menu, radio boxes, a row of buttons."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ class RadioBoxes:
 
     @property
     def disabled(self) -> bool:
-        """Whether nobody can tick them."""
+        """Whether they are disabled in the page."""
         return self._disabled
 
     @disabled.setter

@@ -1,4 +1,4 @@
-"""Controls of the panel whose value, words and looks are read and assigned to at any time."""
+"""Base classes of controls: value, label and visibility can be read and assigned at any time."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class OfflineHandle:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Nothing stands within it."""
+        """It contains nothing."""
 
 
 class Control(FixedAttributes):
@@ -54,7 +54,7 @@ class Control(FixedAttributes):
         return self._removed
 
     def remove(self) -> None:
-        """Take it out of the panel, for good; its function is called no more. May be called twice."""
+        """Remove it from the panel; its function is not called any more. May be called twice."""
         if not self._removed:
             self._removed = True
             self._handle.remove()
@@ -102,7 +102,7 @@ class DisableableControl(LabelledControl):
 
     @property
     def disabled(self) -> bool:
-        """Whether nobody can change it in the page; the program still can."""
+        """Whether it is disabled in the page; the program can still change it."""
         return bool(self._handle.disabled)
 
     @disabled.setter
@@ -185,11 +185,11 @@ class Folder(LabelledControl):
         self._children: list[Control] = []
 
     def add_child(self, control: Control) -> None:
-        """A control stands within."""
+        """Add a control."""
         self._children = [*(c for c in self._children if not c.removed), control]
 
     def remove(self) -> None:
-        """Take it out of the panel with all that stands within, for good. May be called twice."""
+        """Remove it from the panel with all controls in it. May be called twice."""
         for control in self._children:
             control.remove()
         super().remove()

@@ -1,4 +1,4 @@
-"""What a user puts into the panel: sliders, buttons, menus, words, plots; without a page they keep their values."""
+"""The panel: sliders, buttons, menus, text, plots; without a page the controls store their values."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from ulna.checks.values import count, duration, flag, function, number, text
 from ulna.errors import InputError
 from ulna.typing import Floats
 from ulna.viewer.page import Page
-from ulna.viewer.page.gizmo import Gizmo
-from ulna.viewer.page.poses import position_wxyz
+from ulna.viewer.page.gizmo import Gizmo, add_gizmo
 from ulna.viewer.panel.choices import ButtonMenu, Buttons, Choice, RadioBoxes, checked_choices
 from ulna.viewer.panel.controls import Button, Checkbox, Control, Folder, OfflineHandle, Text, with_unit
 from ulna.viewer.panel.plot import LINE_COLOURS, Plot
@@ -33,11 +32,11 @@ class Panel:
     """Controls beside the scene.
 
     Functions that handle a change are called with the new value on one thread, one after the other, of each control
-    the newest only. Whatever the program sets itself calls no function. What a method gives can be assigned to at
-    any time: its value, words, limits, choices, whether it is seen or out of use; and be removed.
+    the newest only. Assignments of the program call no function. The returned control can be assigned to at any time:
+    its value, label, limits, options, whether it is visible or disabled; and be removed.
 
     Args:
-        page: The page they stand in, or None to keep values only.
+        page: The page, or None to store values only.
     """
 
     def __init__(self, page: Page | None) -> None:
@@ -190,9 +189,9 @@ class Panel:
 
     def text(self, content: str = "") -> Text:
         """Words in Markdown; setting `value` replaces them."""
-        said = text("content", content)
+        checked = text("content", content)
         return self._register(
-            Text(OfflineHandle(content=said) if self._gui is None else self._gui.add_markdown(said))
+            Text(OfflineHandle(content=checked) if self._gui is None else self._gui.add_markdown(checked))
         )
 
     def plot(
@@ -201,7 +200,7 @@ class Panel:
         """A plot of numbers over time; `add` a row to it as often as you like.
 
         Args:
-            title: What stands over it.
+            title: Its title.
             series: The name of each line.
             seconds: How much of the past it shows [s].
             unit: What the numbers are measured in.
@@ -238,30 +237,10 @@ class Panel:
         """
         if self._page is None:
             raise InputError("There is no page to drag anything in.")
-        page, (position, wxyz) = self._page, position_wxyz(pose)
-        handle = page.server.scene.add_transform_controls(
-            f"/(page)/{name}",
-            scale=size,
-            line_width=3.0,
-            depth_test=False,
-            opacity=0.9,
-            position=position,
-            wxyz=wxyz,
-        )
-        gizmo = Gizmo(handle)
-
-        @handle.on_update
-        async def _(event: Any) -> None:  # async: on viser's own loop, so that events stay in order
-            gizmo.is_dragged = event.phase != "end"
-            # starts and ends are never dropped, of updates only the newest counts
-            page.post_event(
-                id(handle) if event.phase == "update" else None, on_drag, (gizmo.pose, event.phase)
-            )
-
-        return gizmo
+        return add_gizmo(self._page, name, pose, on_drag, size)
 
     def _add(self, kind: str, label: str, *value: Any, **more: Any) -> Any:
-        """A control of the page, or what stands in for one."""
+        """A control of the page, or its substitute without a page."""
         text("label", label)
         if more.get("hint") is not None:
             text("hint", more["hint"])
@@ -291,17 +270,17 @@ class Panel:
         removed: Callable[[], bool],
         each: bool = False,
     ) -> None:
-        """Have `function` called with what `value` gives when somebody changed it: the newest only, or `each`."""
+        """Call `function` with the result of `value` when a user changed it: with the newest only, or with `each`."""
         page = self._page
         if page is None or page.closed:
             return
 
-        def call(news: Any) -> None:
+        def call(value: Any) -> None:
             if not removed():
-                function(news)
+                function(value)
 
         async def changed(event: Any) -> None:
-            if event.client is not None:  # a value that the program set itself is no news
+            if event.client is not None:  # not for a value that the program set
                 page.post_event(None if each else id(handle), call, value())
 
         getattr(handle, event)(changed)

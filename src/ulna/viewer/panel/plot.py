@@ -1,4 +1,4 @@
-"""Plots in the panel: lines over time, of which the newest are kept."""
+"""Plots in the panel: lines over time, of which the newest rows are kept."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Plot(Control):
 
     Args:
         handle: What stands for it in the page.
-        label: What stands over it.
+        label: Its title.
         unit: What the numbers are measured in.
         names: The name of each line.
         seconds: How much of the past it shows [s].
@@ -67,7 +67,7 @@ class Plot(Control):
 
     @property
     def label(self) -> str:
-        """What stands over it."""
+        """Its title."""
         return self._label
 
     @label.setter
@@ -88,7 +88,7 @@ class Plot(Control):
                 "values", row.shape, f"({len(self._names)},), one for each of {', '.join(self._names)}"
             )
         with self._lock:
-            if self._rows and t < self._rows[-1][0]:  # time began anew
+            if self._rows and t < self._rows[-1][0]:  # time restarted
                 self._rows.clear()
             self._rows.append((t, row))
             if len(self._rows) > self._MAX_ROWS or self._rows[0][0] < t - 2 * self._seconds:
@@ -111,7 +111,7 @@ class Plot(Control):
         return np.array(rows).reshape(-1, 1 + len(self._names))
 
     def remove(self) -> None:
-        """Take it out of the panel, for good. May be called twice."""
+        """Remove it from the panel. May be called twice."""
         self._on_remove(self)
         super().remove()
 

@@ -1,4 +1,4 @@
-"""Controls of the panel with a number: one to type, and sliders whose limits and steps can change."""
+"""Controls with a number: number fields, and sliders whose limits and steps can change."""
 
 from __future__ import annotations
 

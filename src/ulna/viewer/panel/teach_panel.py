@@ -1,4 +1,4 @@
-"""A robot's part of the panel: its joints as sliders, its tool's pose, named configurations, a target to drag."""
+"""The teach panel of a robot: sliders for joints, the tool pose, named configurations, a target to drag."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _UPDATE_INTERVAL = 1 / 15  # s between two updates of sliders and words
 
 
 class MovableRobot(Protocol):
-    """What a pendant moves: a robot with a configuration, in a scene."""
+    """What a teach panel moves: a robot with a configuration, in a scene."""
 
     @property
     def robot(self) -> Any:
@@ -40,7 +40,7 @@ class MovableRobot(Protocol):
 
     @property
     def scene(self) -> SceneGraph:
-        """The scene it stands in."""
+        """The scene that contains it."""
         ...
 
     @property
@@ -64,13 +64,13 @@ class MovableRobot(Protocol):
 
 @final
 class TeachPanel:
-    """A robot's part of the panel; it goes when the robot leaves the scene, or by `remove`.
+    """The teach panel of a robot; it is removed with the robot, or by `remove`.
 
     Args:
         page: The page.
         target: What it moves.
         base: T_world_base of the robot, asked when it is needed.
-        heading: What stands over it, for a robot among others; nothing when not given.
+        heading: The name of its folder in the panel; no folder when empty.
     """
 
     def __init__(
@@ -144,10 +144,10 @@ class TeachPanel:
                 )
             if not self.coordinates:
                 panel.text("This robot has no joint to move.")
-        named = tuple(self.robot.configurations)
-        if named:
-            places = self.robot.configurations
-            self._parts.append(panel.buttons("Go to", named, lambda name: self.move_to(places[name])))
+        names = tuple(self.robot.configurations)
+        if names:
+            configurations = self.robot.configurations
+            self._parts.append(panel.buttons("Go to", names, lambda name: self.move_to(configurations[name])))
         tool = self._base() @ np.asarray(self.robot.fk(q))
         name = f"target of {self._target.name}"
         self.gizmo: Gizmo = panel.gizmo(name, tool, self._dragged, size=self._gizmo_size())
@@ -180,7 +180,7 @@ class TeachPanel:
         return SE3.project(np.linalg.inv(self._base()) @ T).matrix()
 
     def _accept_program_motion(self) -> None:
-        """Take over what the program did with the robot meanwhile, which ends a way of ours."""
+        """Accept a motion of the robot by the program, which cancels a motion of the panel."""
         if self._target.moves != self._moves:
             self._last, self._moves = self._target.q, self._target.moves
             self.goal = self._motion = None

@@ -1,4 +1,4 @@
-"""A time line in the panel: what was recorded is played, slowed, and scrubbed; a running simulation is paused."""
+"""The time line: recordings are played at a chosen speed and scrubbed; a running simulation is paused."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SPEED_EXPECTED = "seconds of what happened per second, above zero"
 _IDLE_TIME = 0.5  # s without a step after which a simulation is not running
 
 RecordedMotion = tuple[RobotHandle, Callable[[], Recording]]
-"""A robot, and what gives its recording."""
+"""A robot, and a function that returns its recording."""
 
 
 @final
@@ -29,7 +29,7 @@ class Timeline:
 
     Args:
         page: The page, or None to do without controls.
-        motions: What is moved; asked anew each time, so that robots can come later.
+        motions: Returns what is moved; called each time, so that robots can be added later.
         simulation: What is recording, if it is one: as long as it steps the newest is shown.
         speed: Seconds of what happened per second.
     """
@@ -67,11 +67,11 @@ class Timeline:
 
     @property
     def playing(self) -> bool:
-        """Whether time runs by itself."""
+        """Whether the time is running."""
         return self._playing
 
     def play(self, speed: float | None = None) -> None:
-        """Let time run, from the beginning when it is at its end; a paused simulation goes on."""
+        """Run the time, from the beginning when it is at its end; resume a paused simulation."""
         self._speed = self._speed if speed is None else number("speed", speed, SPEED_EXPECTED, above=0.0)
         if self._simulation is not None and self._simulation.paused:
             self._simulation.paused = False
@@ -81,7 +81,7 @@ class Timeline:
         self._playing = True
 
     def pause(self) -> None:
-        """Let time stand, that of a running simulation, too."""
+        """Stop the time; pause a running simulation."""
         self._playing = False
         if self._simulation is not None and self._running():
             self._simulation.paused = True
@@ -148,9 +148,9 @@ class Timeline:
         if self._slider.value != shown:
             self._slider.value = shown
         state = "running" if self._playing or (self._running() and not self._paused) else "at rest"
-        words = f"**{self._t:.2f} s** of {end:.2f} s, {state}"
-        if self._clock.value != words:
-            self._clock.value = words
+        content = f"**{self._t:.2f} s** of {end:.2f} s, {state}"
+        if self._clock.value != content:
+            self._clock.value = content
 
     @property
     def _paused(self) -> bool:

@@ -1,4 +1,4 @@
-"""The background and the floor of a picture: what stays from picture to picture is kept, shadows fall on it anew."""
+"""The background and the floor of a picture: cached for each camera; shadows are drawn for each picture."""
 
 from __future__ import annotations
 
@@ -44,36 +44,36 @@ def ground(
     floor: float,
     shadows: light.ShadowMap,
     casting: Floats,
-    look: Theme,
+    theme: Theme,
 ) -> Array:
     """The background and the floor with its grid and shadows, one sample a pixel; (height, width, 3) float32."""
-    bare = _ground_image(camera, width, height, float(floor), look)
+    bare = _ground_image(camera, width, height, float(floor), theme)
     picture = bare.picture.copy()
     if not len(casting):
         return picture
-    # only where something can throw its shadow, or is close above
+    # only where something can cast a shadow, or is close above
     above, reached = casting[:, :, 2] - floor, np.ones(len(bare.points), dtype=bool)
     for axis in (0, 1):
         over = casting[:, :, axis]
         thrown = over - above * (light.KEY_DIRECTION[axis] / light.KEY_DIRECTION[2])
         reached &= bare.points[:, axis] > min(over.min(), thrown.min()) - _OCCLUSION_RADIUS
         reached &= bare.points[:, axis] < max(over.max(), thrown.max()) + _OCCLUSION_RADIUS
-    held_at = np.flatnonzero(reached)
-    point = bare.points[held_at]
+    shadowed = np.flatnonzero(reached)
+    point = bare.points[shadowed]
     level = np.full((len(point), 1), floor, dtype=np.float32)
     dark = np.clip(shadows.floor_shadow(np.concatenate([point, level], axis=1)), 0, 1)[:, None]
     near = _ambient_occlusion(casting, floor, point)[:, None]
-    held = (1 - (1 - dark * _SHADOW_COLOUR) * (1 - np.float32(0.30) * near)) * bare.fade[held_at, None]
+    darkness = (1 - (1 - dark * _SHADOW_COLOUR) * (1 - np.float32(0.30) * near)) * bare.fade[shadowed, None]
     flat = picture.reshape(-1, 3)
-    flat[bare.pixels[held_at]] *= 1 - held
+    flat[bare.pixels[shadowed]] *= 1 - darkness
     return picture
 
 
 @functools.lru_cache(maxsize=2)
-def _ground_image(camera: Camera, width: int, height: int, floor: float, look: Theme) -> _GroundImage:
+def _ground_image(camera: Camera, width: int, height: int, floor: float, theme: Theme) -> _GroundImage:
     view = Projection(camera, width, height)
     share = np.clip((np.arange(height) + 0.5) / height / 0.33, 0, 1) ** 0.8
-    top, horizon = np.array(look.top) / 255, np.array(look.horizon) / 255
+    top, horizon = np.array(theme.top) / 255, np.array(theme.horizon) / 255
     background = (top + (horizon - top) * share[:, None])[:, None, :]
     picture = np.broadcast_to(background, (height, width, 3)).astype(np.float32)
     pixels, points, fade = [np.zeros(0, np.int64)], [np.zeros((0, 2), np.float32)], [np.zeros(0, np.float32)]
@@ -87,10 +87,10 @@ def _ground_image(camera: Camera, width: int, height: int, floor: float, look: T
         point = view.eye + distance[:, None] * ray[down]
         away = np.linalg.norm(point[:, :2] - view.eye[:2], axis=1)
         solid = np.exp(-((away / 7.0) ** 1.6))[:, None]
-        colour = np.broadcast_to(np.array(look.floor) / 255, (len(point), 3)).astype(np.float32)
+        colour = np.broadcast_to(np.array(theme.floor) / 255, (len(point), 3)).astype(np.float32)
         foot = distance / view.focus
         slant = foot * np.linalg.norm(ray[down], axis=1) / np.maximum(-ray[down, 2], 1e-3)
-        for period, wide, tint, strength in ((0.1, 0.7, look.cell, 0.22), (1.0, 1.1, look.section, 0.6)):
+        for period, wide, tint, strength in ((0.1, 0.7, theme.cell, 0.22), (1.0, 1.1, theme.section, 0.6)):
             line = _grid_coverage(point[:, :2], ray[down], foot, slant, period, wide) * strength
             colour = colour + line[:, None] * (np.array(tint) / 255 - colour)
         picture[row[down], column[down]] = colour * solid + picture[row[down], column[down]] * (1 - solid)

@@ -1,4 +1,4 @@
-"""Words of a scene written into a picture, with Pillow where it is installed."""
+"""Labels drawn into a picture, with Pillow where it is installed."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _FONTS = ("DejaVuSans.ttf", "Arial Unicode.ttf", "Arial.ttf", "arial.ttf", "Libe
 _MATPLOTLIB_FONT = Path("mpl-data", "fonts", "ttf", "DejaVuSans.ttf")
 
 
-def draw_labels(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> Array:
+def draw_labels(image: Array, camera: Camera, snapshot: Snapshot, theme: Theme) -> Array:
     """The picture (h, w, 3) with the words of a scene over it, each where its node is."""
-    said = [(i, node.content) for i, node in enumerate(seen.nodes) if isinstance(node.content, Text)]
-    said = [(i, text) for i, text in said if seen.visible[i] and seen.opacity[i] > 0.0]
-    if not said:
+    labels = [(i, node.content) for i, node in enumerate(snapshot.nodes) if isinstance(node.content, Text)]
+    labels = [(i, text) for i, text in labels if snapshot.visible[i] and snapshot.opacity[i] > 0.0]
+    if not labels:
         return image
     try:
         from PIL import Image, ImageDraw
@@ -42,19 +42,19 @@ def draw_labels(image: Array, camera: Camera, seen: Snapshot, theme: Theme) -> A
     height, width = image.shape[:2]
     focus = height / (2 * np.tan(camera.fov / 2))
     canvas = Image.fromarray(image)
-    for i, text in said:
-        x, y, z = (seen.poses[i, :3, 3] - camera.position) @ camera.axes()
-        size = text.height * float(seen.scales[i, 2]) * focus / max(-z, 1e-9)
+    for i, text in labels:
+        x, y, z = (snapshot.poses[i, :3, 3] - camera.position) @ camera.axes()
+        size = text.height * float(snapshot.scales[i, 2]) * focus / max(-z, 1e-9)
         if z < -0.02 and 1.0 < size < height:
-            ink = theme.ink if seen.tint[i, 0] < 0 else tuple(int(255 * c) for c in seen.tint[i])
-            place = (width / 2 - focus * x / z, height / 2 + focus * y / z)
+            ink = theme.ink if snapshot.tint[i, 0] < 0 else tuple(int(255 * c) for c in snapshot.tint[i])
+            anchor = (width / 2 - focus * x / z, height / 2 + focus * y / z)
             font = _font(size)
             mask = Image.new("L", canvas.size)  # text that is drawn right onto a picture is never translucent
             draw: Any = ImageDraw.Draw(mask)
             lines = text.words.split("\n")
             for k, line in enumerate(lines):  # the last one stands on the place, as in the page
-                at = (place[0], place[1] - 1.25 * size * (len(lines) - 1 - k))
-                draw.text(at, line, fill=round(255 * seen.opacity[i]), font=font, anchor="ls")
+                at = (anchor[0], anchor[1] - 1.25 * size * (len(lines) - 1 - k))
+                draw.text(at, line, fill=round(255 * snapshot.opacity[i]), font=font, anchor="ls")
             canvas.paste(ink, mask=mask)
     return np.asarray(canvas)
 
@@ -65,12 +65,12 @@ def _font(size: float) -> Any:
     from PIL import ImageFont
 
     matplotlib = find_spec("matplotlib")
-    found = (
+    bundled = (
         []
         if matplotlib is None or matplotlib.origin is None
         else [Path(matplotlib.origin).parent / _MATPLOTLIB_FONT]
     )
-    for font in (*_FONTS, *found):
+    for font in (*_FONTS, *bundled):
         with suppress(OSError):
             return ImageFont.truetype(str(font), size)
     return ImageFont.load_default(size)

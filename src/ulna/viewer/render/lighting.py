@@ -1,4 +1,4 @@
-"""How light falls on surfaces: a studio of three lamps, a sky, and a key light that throws shadows.
+"""Lighting of surfaces: three directional lights, a sky, an environment, and shadows of the key light.
 
 Colours are linear here; `display` turns them into what a screen shows. The surface model is the usual one of
 real-time graphics: Lambert below a thin GGX coat with Schlick's Fresnel term (Walter et al., "Microfacet
@@ -18,7 +18,7 @@ from ulna.viewer.render.zbuffer import rasterise
 KEY_DIRECTION = (1.6, -1.0, 3.2)
 """From the scene towards the key light."""
 
-_LIGHTS = (  # direction towards the lamp, colour, strength
+_LIGHTS = (  # direction towards the light, colour, intensity
     (KEY_DIRECTION, (1.0, 0.957, 0.902), 2.9),
     ((-2.0, 2.4, 1.6), (0.902, 0.941, 1.0), 0.8),
     ((-1.0, -3.0, 1.2), (0.863, 0.910, 1.0), 0.75),

@@ -1,4 +1,4 @@
-"""A camera and the grid of samples that it is looked through."""
+"""Projection of points to the samples of a picture."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ulna.viewer.graph.camera import Camera
 
 @final
 class Projection:
-    """A camera and the grid of samples it is looked through.
+    """A camera and the samples of a picture.
 
     Args:
         camera: The camera.

@@ -58,7 +58,7 @@ def render(
         scene: What to draw.
         width: Width of the picture [pixels].
         height: Height of the picture [pixels].
-        camera: From where; one that has everything in view when not given.
+        camera: The camera; one that shows the whole scene when not given.
         samples: Samples along each edge of a pixel; 2 is smooth, 1 quick.
         theme: "light", "dark", or a `Theme`.
         floor: Height of the floor [m]; below everything when not given.
@@ -67,28 +67,28 @@ def render(
         The picture, shape (height, width, 3), uint8.
     """
     check_size(width, height, samples)
-    look = theme_of(theme)
+    colours = theme_of(theme)
     camera = camera or camera_for(scene, width / height)
     floor = scene.floor() if floor is None else floor
-    seen = scene.snapshot()
+    snapshot = scene.snapshot()
     view = Projection(camera, width * samples, height * samples)
-    triangles = world_triangles(seen, view)
+    triangles = world_triangles(snapshot, view)
     solid = triangles.rgba[:, 3] >= 0.999
     casting = triangles.corners[triangles.shadow & (triangles.rgba[:, 3] > 0.6)]
     shadows = light.shadow_map(casting, floor, 512 if width <= 320 else 1024 if width <= 1200 else 1536)
-    picture = ground(camera, width, height, floor, shadows, casting, look)
+    picture = ground(camera, width, height, floor, shadows, casting, colours)
     depth = None
     for chosen in (solid, ~solid):
         depth = _draw_layer(picture, depth, view, triangles, np.flatnonzero(chosen), shadows, samples)
     if (
         triangles.show_occluded.any()
-    ):  # once more over everything, faintly: no change where they were in sight
+    ):  # drawn again over everything, translucent: no change where they were visible
         faint = replace(triangles, rgba=triangles.rgba * np.array((1.0, 1.0, 1.0, 0.3), np.float32))
         _draw_layer(picture, None, view, faint, np.flatnonzero(triangles.show_occluded), shadows, samples)
     # half a step of noise hides the bands of slow gradients
     noise = np.random.default_rng(0).random((height, width, 1), dtype=np.float32) - 0.5
     image = np.clip(picture * 255 + 0.5 + 0.9 * noise, 0, 255).astype(np.uint8)
-    return draw_labels(image, camera, seen, look)
+    return draw_labels(image, camera, snapshot, colours)
 
 
 def _draw_layer(
@@ -118,53 +118,53 @@ def _draw_layer(
         return before
     near, which = rasterise(screen - low, 1.0 / pieces[:, :, 2], owner, width, height)
     window = (slice(low[1], high[1]), slice(low[0], high[0]))
-    seen = near > 0
+    visible = near > 0
     if before is not None:
-        seen &= near > 1.002 * before[window]  # where two surfaces coincide, the solid one shows
+        visible &= near > 1.002 * before[window]  # where two surfaces coincide, the solid one shows
     # samples by pixel: (pixels, samples^2)
-    by_pixel = np.where(seen, chosen[which], -1).reshape(
+    by_pixel = np.where(visible, chosen[which], -1).reshape(
         height // samples, samples, width // samples, samples
     )
     by_pixel = by_pixel.transpose(0, 2, 1, 3).reshape(-1, samples * samples)
     pixel = np.flatnonzero(np.logical_or.reduce([column >= 0 for column in by_pixel.T]))
-    own = by_pixel[pixel]
-    at, sample, weight = _samples_to_shade(own, triangles)
+    triangle_of = by_pixel[pixel]
+    at, sample, weight = _samples_to_shade(triangle_of, triangles)
     row = pixel[at] // (width // samples) * samples + sample // samples + low[1]
     column = pixel[at] % (width // samples) * samples + sample % samples + low[0]
     mixed = np.zeros((len(pixel), 4), dtype=np.float32)
     for start in range(0, len(at), 400_000):
         part = slice(start, start + 400_000)
         colours = _shaded_colours(
-            view, triangles, own[at[part], sample[part]], column[part], row[part], shadows, samples
+            view, triangles, triangle_of[at[part], sample[part]], column[part], row[part], shadows, samples
         )
         for k in range(4):
             mixed[:, k] += np.bincount(at[part], weight[part] * colours[:, k], len(pixel))
-    there = picture[low[1] // samples : high[1] // samples, low[0] // samples : high[0] // samples]
-    there[pixel // (width // samples), pixel % (width // samples)] *= 1 - mixed[:, 3:]
-    there[pixel // (width // samples), pixel % (width // samples)] += mixed[:, :3]
+    window_pixels = picture[low[1] // samples : high[1] // samples, low[0] // samples : high[0] // samples]
+    window_pixels[pixel // (width // samples), pixel % (width // samples)] *= 1 - mixed[:, 3:]
+    window_pixels[pixel // (width // samples), pixel % (width // samples)] += mixed[:, :3]
     depth = np.zeros((view.height, view.width), dtype=np.float32)
     depth[window] = near
     return depth
 
 
-def _samples_to_shade(own: Array, triangles: Triangles) -> tuple[Array, Array, Array]:
+def _samples_to_shade(triangle_of: Array, triangles: Triangles) -> tuple[Array, Array, Array]:
     """What to shade of pixels whose samples (n, k) show triangles, -1 for none: once for what looks alike in a pixel.
 
     Gives the row, the sample, and the share of the pixel that it stands for.
     """
-    count, many = own.shape
+    count, many = triangle_of.shape
     first = np.tile(np.arange(many, dtype=np.int8), (count, 1))
-    plain = np.logical_and.reduce([own[:, k] == own[:, 0] for k in range(many)])
+    plain = np.logical_and.reduce([triangle_of[:, k] == triangle_of[:, 0] for k in range(many)])
     first[plain] = 0
-    rest = np.flatnonzero(~plain)
-    if len(rest):
-        used, index = np.unique(own[rest], return_inverse=True)
+    mixed_rows = np.flatnonzero(~plain)
+    if len(mixed_rows):
+        used, index = np.unique(triangle_of[mixed_rows], return_inverse=True)
         corners = triangles.corners[used].astype(np.float32)
         facing = normalized(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])).astype(
             np.float32
         )
-        piece, index = triangles.surface[used], index.reshape(len(rest), many)
-        leader, there = first[rest], own[rest] >= 0
+        piece, index = triangles.surface[used], index.reshape(len(mixed_rows), many)
+        leader, there = first[mixed_rows], triangle_of[mixed_rows] >= 0
         for k in range(1, many):
             for j in range(k):
                 a, b = index[:, j], index[:, k]
@@ -176,11 +176,11 @@ def _samples_to_shade(own: Array, triangles: Triangles) -> tuple[Array, Array, A
                     j,
                     leader[:, k],
                 )
-        first[rest] = leader
+        first[mixed_rows] = leader
     share = np.zeros((count, many), dtype=np.float32)
     rows = np.arange(count)
     for k in range(many):
-        share[rows, first[:, k]] += (own[:, k] >= 0) / np.float32(many)
+        share[rows, first[:, k]] += (triangle_of[:, k] >= 0) / np.float32(many)
     at, sample = np.nonzero(share)
     return at, sample, share[at, sample]
 
@@ -188,7 +188,7 @@ def _samples_to_shade(own: Array, triangles: Triangles) -> tuple[Array, Array, A
 def _shaded_colours(
     view: Projection,
     triangles: Triangles,
-    seen: Array,
+    triangle_of: Array,
     column: Array,
     row: Array,
     shadows: light.ShadowMap,
@@ -197,7 +197,7 @@ def _shaded_colours(
     """What is seen at samples: displayed colour, weighted with the opacity, and the opacity; (n, 4)."""
     ray = view.rays(column, row)
     eye = view.eye.astype(np.float32)
-    corner = triangles.corners[seen].astype(np.float32)
+    corner = triangles.corners[triangle_of].astype(np.float32)
     edge_1, edge_2 = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     # Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997, section 2
     across = np.cross(ray, edge_2)
@@ -207,20 +207,24 @@ def _shaded_colours(
     u = np.clip(np.einsum("ij,ij->i", from_corner, across) * inverse, 0, 1)[:, None]
     v = np.clip(np.einsum("ij,ij->i", ray, np.cross(from_corner, edge_1)) * inverse, 0, 1)[:, None]
     point = corner[:, 0] + u * edge_1 + v * edge_2
-    own = triangles.normals[seen]
-    normal = normalized(own[:, 0] + u * (own[:, 1] - own[:, 0]) + v * (own[:, 2] - own[:, 0]))
+    corner_normals = triangles.normals[triangle_of]
+    normal = normalized(
+        corner_normals[:, 0]
+        + u * (corner_normals[:, 1] - corner_normals[:, 0])
+        + v * (corner_normals[:, 2] - corner_normals[:, 0])
+    )
     towards_eye = normalized(eye - point)
     face = np.cross(edge_1, edge_2)
     # an open surface seen from behind is lit as from its front
     away = np.einsum("ij,ij->i", face, towards_eye) < 0
     normal = np.where(away[:, None], -normal, normal).astype(np.float32)
-    rgba = triangles.rgba[seen]
+    rgba = triangles.rgba[triangle_of]
     albedo = rgba[:, :3]
-    for number in np.unique(triangles.texture[seen]):
+    for number in np.unique(triangles.texture[triangle_of]):
         if number < 0:
             continue
-        on = np.flatnonzero(triangles.texture[seen] == number)
-        uv = triangles.uv[seen[on]]
+        on = np.flatnonzero(triangles.texture[triangle_of] == number)
+        uv = triangles.uv[triangle_of[on]]
         spread_1, spread_2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
         # a pixel's share of the texture: that of the triangle in it, times that of the pixel in the triangle
         texture = np.abs(spread_1[:, 0] * spread_2[:, 1] - spread_1[:, 1] * spread_2[:, 0])

@@ -1,4 +1,4 @@
-"""Textures as NumPy pictures draw them: decoded with Pillow, halved again and again, read between their points.
+"""Textures of the NumPy renderer: decoded with Pillow, with mip levels, sampled bilinearly.
 
 The level of halving is chosen by how many points of the texture fall into a pixel, and read bilinearly
 (Williams, "Pyramidal parametrics", 1983).

@@ -1,4 +1,4 @@
-"""Everything of a scene as triangles in the world, for a renderer that knows nothing else."""
+"""All visible content of a scene as triangles in the world frame."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Triangles:
         normals: Normals at the corners, shape (m, 3, 3).
         rgba: Linear colours that they reflect, and opacity, shape (m, 4).
         shadow: Which cast a shadow, shape (m,).
-        through: Which show faintly through what hides them, shape (m,).
+        show_occluded: Which are drawn, translucent, in front of what occludes them, shape (m,).
         piece: The number of the surface that each is of, shape (m,).
         picture: The number of the texture on each, -1 for none, shape (m,).
         uv: Where the corners lie in it, shape (m, 3, 2).
@@ -42,7 +42,7 @@ class Triangles:
     textures: tuple[Texture, ...]
 
 
-def world_triangles(seen: Snapshot, view: Projection) -> Triangles:
+def world_triangles(snapshot: Snapshot, view: Projection) -> Triangles:
     """The triangles of all that is visible in a scene, from one camera: lines are never thinner than can be drawn."""
     parts: list[tuple[Array, ...]] = [
         (
@@ -55,16 +55,16 @@ def world_triangles(seen: Snapshot, view: Projection) -> Triangles:
         )
     ]
     textures: list[Texture] = []
-    for i in np.flatnonzero(seen.visible & (seen.opacity > 0.002)):
-        node, pose, scale, tint = seen.nodes[i], seen.poses[i], seen.scales[i], seen.tint[i]
+    for i in np.flatnonzero(snapshot.visible & (snapshot.opacity > 0.002)):
+        node, pose, scale, tint = snapshot.nodes[i], snapshot.poses[i], snapshot.scales[i], snapshot.tint[i]
         rotation, translation = pose[:3, :3], pose[:3, 3]
-        turned = bool(np.prod(scale) < 0)
-        for surface in (*node.surfaces, *_content_surfaces(seen, int(i), view)):
-            count, opacity = len(surface.triangles), surface.rgba[3] * seen.opacity[i]
+        mirrored = bool(np.prod(scale) < 0)
+        for surface in (*node.surfaces, *_content_surfaces(snapshot, int(i), view)):
+            count, opacity = len(surface.triangles), surface.rgba[3] * snapshot.opacity[i]
             if count == 0 or opacity <= 0.002:
                 continue
-            faces = surface.triangles[:, ::-1] if turned else surface.triangles
-            bent = surface.normals if (scale == scale[0]).all() else normalized(surface.normals / scale)
+            faces = surface.triangles[:, ::-1] if mirrored else surface.triangles
+            normals = surface.normals if (scale == scale[0]).all() else normalized(surface.normals / scale)
             shown = np.asarray(surface.rgba[:3] if tint[0] < 0 else tint)
             texture = surface.texture if tint[0] < 0 else None
             if texture is not None:
@@ -73,7 +73,7 @@ def world_triangles(seen: Snapshot, view: Projection) -> Triangles:
             parts.append(
                 (
                     ((surface.vertices * scale) @ rotation.T + translation)[faces],
-                    (bent @ rotation.T).astype(np.float32)[faces],
+                    (normals @ rotation.T).astype(np.float32)[faces],
                     np.broadcast_to(np.array([*albedo(shown), opacity], np.float32), (count, 4)),
                     np.full(count, node.shadow),
                     np.full(count, node.through),
@@ -86,15 +86,15 @@ def world_triangles(seen: Snapshot, view: Projection) -> Triangles:
     return Triangles(*columns, textures=tuple(textures))
 
 
-def _content_surfaces(seen: Snapshot, i: int, view: Projection) -> tuple[Surface, ...]:
+def _content_surfaces(snapshot: Snapshot, i: int, view: Projection) -> tuple[Surface, ...]:
     """The surfaces that a node's content is drawn by."""
-    content = seen.nodes[i].content
+    content = snapshot.nodes[i].content
     if content is None:
         return ()
     if not isinstance(content, Lines) or not len(content.segments):
         return content.surfaces
-    scale = seen.scales[i]
-    ends = (content.segments * scale) @ seen.poses[i, :3, :3].T + seen.poses[i, :3, 3]
-    least = 0.5 * _MIN_LINE_WIDTH * np.maximum(view.local(ends)[..., 2], 0.0) / view.focus / scale.max()
+    scale = snapshot.scales[i]
+    end_points = (content.segments * scale) @ snapshot.poses[i, :3, :3].T + snapshot.poses[i, :3, 3]
+    least = 0.5 * _MIN_LINE_WIDTH * np.maximum(view.local(end_points)[..., 2], 0.0) / view.focus / scale.max()
     radii = np.maximum(least, content.thickness / 2)
     return content.surfaces if (least <= content.thickness / 2).all() else content.as_prisms(radii)

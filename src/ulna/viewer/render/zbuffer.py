@@ -91,8 +91,8 @@ def rasterise(points: Array, nearness: Array, owner: Array, width: int, height: 
         bounds = x[chosen], y[chosen], area[chosen], top[chosen].astype(np.int64), rows[part:end]
         _rasterise_rows(keys, *bounds, nearness[chosen].astype(float), owner[chosen], width)
         part = end
-    found = (keys >> np.uint64(32)).astype(np.uint32).view(np.float32)
-    return found.reshape(height, width), (keys & np.uint64(0xFFFFFFFF)).astype(np.int64).reshape(
+    nearness_of = (keys >> np.uint64(32)).astype(np.uint32).view(np.float32)
+    return nearness_of.reshape(height, width), (keys & np.uint64(0xFFFFFFFF)).astype(np.int64).reshape(
         height, width
     )
 
@@ -119,9 +119,9 @@ def _rasterise_rows(
         level = np.abs(dy) < 1e-12
         slope = np.where(level, 0.0, dx / np.where(level, 1.0, dy))
         crossing = (x0 - slope * y0)[which] + slope[which] * at
-        starts, ends = (~level & (dy * area < 0))[which], (~level & (dy * area > 0))[which]
-        np.copyto(low, np.maximum(low, crossing), where=starts)
-        np.copyto(high, np.minimum(high, crossing), where=ends)
+        bounds_left, bounds_right = (~level & (dy * area < 0))[which], (~level & (dy * area > 0))[which]
+        np.copyto(low, np.maximum(low, crossing), where=bounds_left)
+        np.copyto(high, np.minimum(high, crossing), where=bounds_right)
     first = np.maximum(np.ceil(low - 0.5), 0).astype(np.int64)
     last = np.minimum(np.floor(high - 0.5), width - 1).astype(np.int64)
     lines = np.flatnonzero(last >= first)
@@ -146,6 +146,8 @@ def _extent(v: Array) -> tuple[Array, Array]:
 
 
 def _repeat_indices(counts: Array) -> tuple[Array, Array]:
-    """Every number as often as its count says, and how often it occurred before: [2, 3] gives 0 0 1 1 1, 0 1 0 1 2."""
+    """Every number as often as its count says, and how often it occurred before: 0 0 1 1 1 and
+    0 1 0 1 2 for [2, 3].
+    """
     which = np.repeat(np.arange(len(counts)), counts)
     return which, np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)

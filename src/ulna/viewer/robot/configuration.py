@@ -1,4 +1,4 @@
-"""Configurations of robots as users give them: arrays, or the names of configurations."""
+"""Configurations of robots as users pass them: arrays, or the names of configurations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ellipsoids that tell of a robot: of its links' inertia, and of how fast or how hard a frame can move.
+"""Inertia ellipsoids of links, and manipulability ellipsoids of frames.
 
 | symbol | meaning | shape, unit | source |
 |---|---|---|---|
@@ -37,9 +37,9 @@ def inertia_ellipsoids(links: Sequence[Any]) -> list[tuple[int, Floats, Floats]]
             continue
         if np.linalg.det(axes) < 0.0:
             axes[:, 0] = -axes[:, 0]
-        place = np.eye(4)
-        place[:3, :3], place[:3, 3] = axes, np.asarray(link.inertia.com, dtype=float)
-        out.append((number, place, np.sqrt(squares)))
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = axes, np.asarray(link.inertia.com, dtype=float)
+        out.append((number, pose, np.sqrt(squares)))
     return out
 
 

@@ -1,4 +1,4 @@
-"""The way of a frame of a moving robot, as a line of its newest points."""
+"""The path of a frame of a moving robot, as a line through its newest positions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MIN_DISTANCE = 1e-4  # m between two points
 
 @final
 class FramePath:
-    """The way of a frame's origin, as a line of its newest points, `most` of them, that looks like `line`."""
+    """The path of the origin of a frame: its newest `most` positions, drawn in the style of `line`."""
 
     def __init__(
         self, scene: SceneGraph, name: str, robot: Any, frame: str | None, line: Lines, most: int

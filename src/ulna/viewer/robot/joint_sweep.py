@@ -1,4 +1,4 @@
-"""A motion that presents a robot: each number of its configuration goes through its range, one after the other."""
+"""A motion that moves each coordinate of a robot through its range, one after the other."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ def joint_sweep(robot: Any, q: Floats) -> Recording:
     """A recording that begins and ends at configuration `q` (nq,); a robot without joints stands for a second."""
     out, numbers, k = Recording(), slider_coordinates(robot), 0
     count = max(round(min(_JOINT_DURATION, _MAX_DURATION / max(len(numbers), 1)) * _RATE), 8)
-    turn = np.sin(2 * np.pi * np.arange(count) / count)
+    wave = np.sin(2 * np.pi * np.arange(count) / count)
     for dial in numbers:
         start = dial.read(q)
-        for share in turn:  # up to 0.8 of the way to either limit, at most half a turn
-            way = min(dial.high - start, np.pi / 2) if share > 0 else min(start - dial.low, np.pi / 2)
-            out.add(k / _RATE, dial.write(q, start + 0.8 * share * max(way, 0.0)))
+        for phase in wave:  # up to 0.8 of the way to either limit, at most half a turn
+            amplitude = min(dial.high - start, np.pi / 2) if phase > 0 else min(start - dial.low, np.pi / 2)
+            out.add(k / _RATE, dial.write(q, start + 0.8 * phase * max(amplitude, 0.0)))
             k += 1
     out.add(max(k / _RATE, 0.0), q)
     if not numbers:

@@ -1,4 +1,4 @@
-"""What the links of a robot look like: meshes and shapes of one colour joined, or a skeleton of rods and balls."""
+"""Surfaces of the links of a robot: meshes and shapes joined by colour, or a skeleton of rods and balls."""
 
 from __future__ import annotations
 
@@ -64,9 +64,9 @@ def surfaces_by_link(
         if show in ("visual", "both"):
             pieces += link_surfaces(link.visuals, link.name, rgba, detail)
         if show in ("collision", "both"):
-            paint = rgba or _COLLISION_COLOUR
-            hull = (*paint[:3], paint[3] * (0.35 if show == "both" else 1.0))
-            pieces += link_surfaces(link.collisions, link.name, hull, detail)
+            base_colour = rgba or _COLLISION_COLOUR
+            collision_colour = (*base_colour[:3], base_colour[3] * (0.35 if show == "both" else 1.0))
+            pieces += link_surfaces(link.collisions, link.name, collision_colour, detail)
         out.append(pieces)
     report(len(links), len(links))
     return out
@@ -89,24 +89,28 @@ def link_surfaces(
     for geometry in geometries:
         pose = geometry.placement.matrix()
         material = getattr(geometry, "material", None)
-        stated = getattr(material, "rgba", None)
-        stated = None if stated is None else np.clip(stated, 0.0, 1.0)
+        material_colour = getattr(material, "rgba", None)
+        material_colour = None if material_colour is None else np.clip(material_colour, 0.0, 1.0)
         shape = geometry.shape
         if isinstance(shape, Mesh):
             if shape.path is None or shape.missing:
                 continue
             try:
                 parts = [s.moved(pose) for s in load_mesh(shape.path, shape.scale, detail)]
-            except MissingExtra as error:  # the same words for each link, so that they are said once
+            except MissingExtra as error:  # the same text for each link, so that it is shown once
                 warnings.warn(f"Meshes are left out. {error}", ModelWarning, stacklevel=2)
                 continue
             except UlnaError as error:
                 warnings.warn(f"Link {link!r} is drawn without a mesh. {error}", ModelWarning, stacklevel=2)
                 continue
-            if stated is not None:  # a model's material speaks for meshes that bring no colour of their own
-                parts = [s.coloured(stated) if s.rgba == DEFAULT_COLOUR else s for s in parts]
+            if material_colour is not None:  # the material of the model colours meshes without a material
+                parts = [s.coloured(material_colour) if s.rgba == DEFAULT_COLOUR else s for s in parts]
         else:
-            parts = [tessellate(shape, DEFAULT_COLOUR if stated is None else colour(stated)).moved(pose)]
+            parts = [
+                tessellate(
+                    shape, DEFAULT_COLOUR if material_colour is None else colour(material_colour)
+                ).moved(pose)
+            ]
         pieces += parts if rgba is None else [p.coloured(rgba) for p in parts]
     return joined_by_colour(pieces)
 

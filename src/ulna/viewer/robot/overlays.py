@@ -1,4 +1,4 @@
-"""What moves along with a robot: frames, its centre of mass, ellipsoids, traces, forces, velocities; and its ghosts."""
+"""Overlays that move with a robot: frames, centre of mass, ellipsoids, paths, forces, velocities, ghosts."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _VELOCITY_COLOUR: RGBA = (0.10, 0.55, 0.30, 1.0)
 
 
 class RobotOverlays(Handle, abc.ABC):
-    """A robot in a scene, with what moves along with it."""
+    """A robot in a scene, with overlays that move with it."""
 
     __slots__ = ("_count", "_paths", "_visual")
 
@@ -59,18 +59,21 @@ class RobotOverlays(Handle, abc.ABC):
         """The velocity, shape (nv,) [rad/s or m/s]."""
 
     def frames(self, frames: str | Sequence[str] = "all", length: float = 0.08) -> Handle:
-        """Show frames as three arrows each: one by name, several, or "all" links' frames.
+        """Show frames as three arrows each.
+
+        Args:
+            frames: The name of a frame, several names, or "all" for the frames of all links.
+            length: Length of an arrow [m].
+
+        Returns:
+            The handle of their group.
 
         Raises:
             UnknownName: There is no such frame.
         """
-        names = (
-            self.robot.link_names
-            if isinstance(frames, str) and frames == "all"
-            else [frames]
-            if isinstance(frames, str)
-            else frames
-        )
+        names = [frames] if isinstance(frames, str) else frames
+        if isinstance(frames, str) and frames == "all":
+            names = self.robot.link_names
         if not (isinstance(names, list | tuple) and all(isinstance(n, str) for n in names)):
             raise InputError(
                 f"`frames` is {short_repr(frames)}; expected 'all', a frame's name, or a list of names."
@@ -81,25 +84,25 @@ class RobotOverlays(Handle, abc.ABC):
         for node in nodes:
             self._scene.add(node, arrows, shadow=False, through=True)
 
-        def bring(q: Floats) -> None:
+        def update(q: Floats) -> None:
             if group.name in self._scene:
                 self._scene.set_poses(kernel(q), self._scene.rows(nodes))
 
-        return self._attach(group, bring)
+        return self._attach(group, update)
 
     def center_of_mass(self, radius: float = 0.02) -> Handle:
         """Show the centre of mass as a ball."""
         dot = ball(checked_length("radius", radius), _COM_COLOUR)
         group = self._group("centre of mass")
         self._scene.add(f"{group.name}/ball", [dot], shadow=False, through=True)
-        place = np.eye(4)
+        pose = np.eye(4)
 
-        def bring(q: Floats) -> None:
-            place[:3, 3] = self.robot.center_of_mass(q)
+        def update(q: Floats) -> None:
+            pose[:3, 3] = self.robot.center_of_mass(q)
             if group.name in self._scene:
-                self._scene.set_pose(group.name, place)
+                self._scene.set_pose(group.name, pose)
 
-        return self._attach(group, bring)
+        return self._attach(group, update)
 
     def inertias(self) -> Handle:
         """Show each link as the ellipsoid of even density that has its mass, centre of mass and inertia.
@@ -107,18 +110,23 @@ class RobotOverlays(Handle, abc.ABC):
         Links of no mass, and inertias that no body can have, are left out.
         """
         group = self._group("inertias")
-        found = ellipsoids.inertia_ellipsoids(self.robot.model.links)
-        for k, (_, _, radii) in enumerate(found):
+        ellipsoids_of_links = ellipsoids.inertia_ellipsoids(self.robot.model.links)
+        for k, (_, _, radii) in enumerate(ellipsoids_of_links):
             self._scene.add(f"{group.name}/{k}", [ball(1.0, _INERTIA_COLOUR)], shadow=False)
             self._scene.set_appearance(f"{group.name}/{k}", "scale", radii)
-        nodes = [f"{group.name}/{k}" for k in range(len(found))]
-        links, places = [link for link, _, _ in found], np.array([T for _, T, _ in found]).reshape(-1, 4, 4)
+        nodes = [f"{group.name}/{k}" for k in range(len(ellipsoids_of_links))]
+        links, ellipsoid_poses = (
+            [link for link, _, _ in ellipsoids_of_links],
+            np.array([T for _, T, _ in ellipsoids_of_links]).reshape(-1, 4, 4),
+        )
 
-        def bring(q: Floats) -> None:
+        def update(q: Floats) -> None:
             if group.name in self._scene:
-                self._scene.set_poses(self.robot.link_poses(q)[links] @ places, self._scene.rows(nodes))
+                self._scene.set_poses(
+                    self.robot.link_poses(q)[links] @ ellipsoid_poses, self._scene.rows(nodes)
+                )
 
-        return self._attach(group, bring)
+        return self._attach(group, update)
 
     def manipulability(self, frame: str | None = None, size: float = 0.2, of: str = "velocity") -> Handle:
         """Show how fast a frame can move in each direction at joint speeds of length 1, or how hard it can push.
@@ -138,7 +146,7 @@ class RobotOverlays(Handle, abc.ABC):
         node = f"{group.name}/ellipsoid"
         self._scene.add(node, [ball(1.0, _MANIPULABILITY_COLOUR, 36)], shadow=False)
 
-        def bring(q: Floats) -> None:
+        def update(q: Floats) -> None:
             T, J = self.robot.fk(q, frame), self.robot.jacobian(q, frame)
             pose, radii = ellipsoids.manipulability_ellipsoid(J[:3], of)
             pose[:3, 3] = T[:3, 3]
@@ -146,7 +154,7 @@ class RobotOverlays(Handle, abc.ABC):
                 self._scene.set_pose(node, pose)
                 self._scene.set_appearance(node, "scale", factor * radii)
 
-        return self._attach(group, bring)
+        return self._attach(group, update)
 
     def trace(
         self,
@@ -155,15 +163,24 @@ class RobotOverlays(Handle, abc.ABC):
         most: int = 2000,
         thickness: float = 0.006,
     ) -> Polyline:
-        """Draw the way of a frame's origin, from now on; of very long ways the newest `most` points.
+        """Draw the path of the origin of a frame from now on.
+
+        Args:
+            frame: The frame; the tool when not given.
+            color: The colour of the line.
+            most: Largest number of points; of longer paths the newest are shown.
+            thickness: Thickness of the line [m].
+
+        Returns:
+            The handle of the line.
 
         Raises:
             UnknownName: There is no such frame.
         """
         self._check_frame(frame)
-        kept, line = count("most", most, 2, 10**6), Lines.through(np.zeros((0, 3)), color, thickness)
+        max_points, line = count("most", most, 2, 10**6), Lines.through(np.zeros((0, 3)), color, thickness)
         group = self._group("trace")
-        trace = FramePath(self._scene, f"{group.name}/path", self.robot, frame, line, kept)
+        trace = FramePath(self._scene, f"{group.name}/path", self.robot, frame, line, max_points)
         trace.add(self.q)
         self._paths.append(trace)
         return Polyline(self._scene, trace.name)
@@ -175,7 +192,7 @@ class RobotOverlays(Handle, abc.ABC):
         color: Colour = _FORCE_COLOUR,
         size: float = 0.01,
     ) -> Arrow:
-        """An arrow from a frame's origin along a force; assign `vector` anew as it changes.
+        """An arrow from the origin of a frame along a force; assign `vector` when it changes.
 
         Args:
             frame: The frame; the tool when not given.
@@ -202,18 +219,26 @@ class RobotOverlays(Handle, abc.ABC):
             UnknownName: There is no such frame.
         """
 
-        def turn(q: Floats, arrow: Arrow) -> None:
+        def set_vector(q: Floats, arrow: Arrow) -> None:
             arrow.vector = self.robot.jacobian(q, frame)[:3] @ self.qd
 
-        return self._arrow("velocity", frame, color, size, turn)
+        return self._arrow("velocity", frame, color, size, set_vector)
 
     def ghosts(
         self, q: ArrayLike, color: Colour = (0.36, 0.47, 0.64), opacity: float = 0.25
     ) -> RobotInstancesHandle:
-        """Show it in many more configurations `q`, shape (n, nq), faintly.
+        """Show the robot, translucent, in more configurations.
+
+        Args:
+            q: The configurations, shape (n, nq) [rad or m].
+            color: Their colour.
+            opacity: Above 0, at most 1.
+
+        Returns:
+            The handle; `q` can be assigned to.
 
         Raises:
-            ShapeError, NonFiniteError: `q` holds no configurations.
+            ShapeError, NonFiniteError: `q` is not of shape (n, nq) or not finite.
         """
         faint = number("opacity", opacity, "a number above 0, at most 1", above=0.0, most=1.0)
         show = "visual" if self._visual.show == "both" else self._visual.show
@@ -231,13 +256,11 @@ class RobotOverlays(Handle, abc.ABC):
         self.robot.fk(self.q, frame)
 
     def _new_name(self, kind: str) -> str:
-        self._scene.row(self.name)  # what was removed is not begun anew
+        self._scene.row(self.name)  # raises where the robot was removed
         return f"{self.name}/({kind} {next(self._count)})"
 
     def _group(self, kind: str) -> Handle:
-        name = self._new_name(kind)
-        self._scene.add(name)
-        return Handle(self._scene, name)
+        return Handle(self._scene, self._scene.add(self._new_name(kind)).name)
 
     def _arrow(
         self,
@@ -245,32 +268,32 @@ class RobotOverlays(Handle, abc.ABC):
         frame: str | None,
         color: Colour,
         size: float,
-        turn: Callable[[Floats, Arrow], None],
+        set_vector: Callable[[Floats, Arrow], None],
         vector: ArrayLike = (0.0, 0.0, 0.0),
     ) -> Arrow:
-        """An arrow at a frame's origin, which `turn` turns when the robot moves."""
+        """An arrow at a frame's origin, whose vector `set_vector` sets when the robot moves."""
         self._check_frame(frame)
-        group, place = self._group(kind), np.eye(4)
+        group, pose = self._group(kind), np.eye(4)
         try:
             out = add_arrow(self._scene, f"{group.name}/arrow", vector, color, 0.008, size)
         except BaseException:
             group.remove()
             raise
 
-        def bring(q: Floats) -> None:
-            place[:3, 3] = self.robot.fk(q, frame)[:3, 3]
+        def update(q: Floats) -> None:
+            pose[:3, 3] = self.robot.fk(q, frame)[:3, 3]
             if group.name in self._scene:
-                self._scene.set_pose(group.name, place)
-                turn(q, out)
+                self._scene.set_pose(group.name, pose)
+                set_vector(q, out)
 
-        self._attach(group, bring)
+        self._attach(group, update)
         return out
 
-    def _attach(self, group: Handle, bring: Any) -> Handle:
+    def _attach(self, group: Handle, update: Any) -> Handle:
         try:
-            bring(self.q)
+            update(self.q)
         except BaseException:
             group.remove()
             raise
-        self._visual.follow(bring)
+        self._visual.follow(update)
         return group

@@ -1,4 +1,4 @@
-"""A robot in the viewer: its configuration and velocity, how it looks, and the simulation that moves it."""
+"""The handle of a robot in the viewer: its state, its display, and the simulation that moves it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class RobotHandle(RobotOverlays):
 
     @property
     def scene(self) -> SceneGraph:
-        """The scene it stands in."""
+        """The scene that contains it."""
         return self._scene
 
     @property
@@ -66,9 +66,9 @@ class RobotHandle(RobotOverlays):
         self.set_checked_q(_named(robot, q) if isinstance(q, str) else checked_configuration(robot, q))
 
     def set_checked_q(self, q: Floats | Callable[[], Floats]) -> None:
-        """As assigning to `q`, for an array that is known to be a configuration and that nobody will change.
+        """As assigning to `q`, for an array that is a valid configuration and that is not modified later.
 
-        A function that gives such an array serves, too: it is called when somebody looks, on any thread.
+        Or for a function that returns such an array; it is called before the next snapshot, on any thread.
         """
         lock = self._lock
         lock.acquire()  # half the time of `with`

@@ -56,7 +56,7 @@ class RobotInstances:
         return self._q.copy()
 
     def move(self, q: ArrayLike) -> None:
-        """Hand over configurations `q`, shape (n, nq). Where the links are is computed when somebody looks."""
+        """Set configurations `q`, shape (n, nq). The poses of the links are computed before the next snapshot."""
         self._q = self._checked(q)
         self.scene.defer(self, self._update)
 

@@ -1,4 +1,4 @@
-"""A robot in a scene: what its links look like, and all of them moved by one configuration."""
+"""The links of a robot as nodes of a scene, moved by one configuration."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class RobotVisual:
             from joint to joint.
         pose: T_world_base, where its base stands, shape (4, 4).
         report: Told how many of the links are loaded.
-        detail: "full" for all triangles of mesh files, "seen" without those that nobody would miss.
+        detail: "full" for all triangles of mesh files, "seen" simplified within an error bound.
 
     Raises:
         ShapeError, NonFiniteError: `q` is no configuration.
@@ -58,14 +58,14 @@ class RobotVisual:
         self._followers: list[Callable[[Floats], None]] = []
         tint = None if rgba is None else colour(rgba)
         # adding robots must not half-happen: everything that can fail comes first
-        place, poses = None if pose is None else pose_or_position(pose), robot.link_poses(start)
-        looks = surfaces_by_link(robot, show, tint, report, detail)
+        base_pose, poses = None if pose is None else pose_or_position(pose), robot.link_poses(start)
+        surfaces_of_links = surfaces_by_link(robot, show, tint, report, detail)
         self.names = tuple(f"{self.name}/{n}" for n in link_names(robot))
         with scene.atomic():
             if self.name in scene:
                 scene.remove(self.name)
-            scene.add(self.name, pose=place)
-            for node, surfaces, link_pose in zip(self.names, looks, poses, strict=True):
+            scene.add(self.name, pose=base_pose)
+            for node, surfaces, link_pose in zip(self.names, surfaces_of_links, poses, strict=True):
                 scene.add(node, surfaces, link_pose)
             self._structure, self._rows = scene.version[0], scene.rows(self.names)
         self._show: RobotDisplay = show
@@ -84,20 +84,20 @@ class RobotVisual:
 
     def set_display(self, show: RobotDisplay) -> None:
         """Show something else of it: "visual", "collision", "both" or "skeleton"."""
-        looks = surfaces_by_link(self.robot, show, self._tint, detail=self._detail)
+        surfaces_of_links = surfaces_by_link(self.robot, show, self._tint, detail=self._detail)
         with self.scene.atomic():
-            for node, surfaces in zip(self.names, looks, strict=True):
+            for node, surfaces in zip(self.names, surfaces_of_links, strict=True):
                 self.scene.set_surfaces(node, surfaces)
         self._show = show
 
     def move(self, q: ArrayLike) -> None:
-        """Hand over configuration `q` (nq,). Where the links are is computed when somebody looks."""
+        """Set configuration `q` (nq,). The poses of the links are computed before the next snapshot."""
         self.set_checked_q(checked_configuration(self.robot, q))
 
     def set_checked_q(self, q: Floats | Callable[[], Floats]) -> None:
-        """As `move`, for an array that is known to be a configuration and that nobody will change.
+        """As `move`, for an array that is a valid configuration and that is not modified later.
 
-        A function that gives such an array serves, too: it is called when somebody looks, on any thread.
+        Or for a function that returns such an array; it is called before the next snapshot, on any thread.
         """
         self._q = q
         self.moves += 1
@@ -110,7 +110,7 @@ class RobotVisual:
         self.scene.defer(self, self._update)
 
     def request_update(self) -> None:
-        """Have links, and what follows them, brought up to date before somebody looks.
+        """Update the links, and what follows them, before the next snapshot.
 
         Raises:
             UnknownName: The robot was removed from the scene.

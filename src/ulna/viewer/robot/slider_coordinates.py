@@ -1,4 +1,4 @@
-"""The numbers of a robot's configuration that sliders set: coordinates of joints, and angles for rotations."""
+"""Coordinates of a configuration that sliders set: joint coordinates, and roll, pitch, yaw of rotations."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ulna.typing import Floats
 class SliderCoordinate:
     """One number of a configuration that a slider sets.
 
-    `read` gives it from a configuration; `write` gives the configuration with another value of it.
+    `read` returns its value in a configuration; `write` returns the configuration with another value of it.
     """
 
     label: str

@@ -1,4 +1,4 @@
-"""Stick figures for papers: a robot's joints and links as lines in a matplotlib plot."""
+"""Stick figures of robots in matplotlib plots."""
 
 from __future__ import annotations
 
@@ -51,14 +51,14 @@ def stick_figure(
     configurations = _configurations(checked_robot(robot), q)
     if not isinstance(frames, list | tuple) or not all(isinstance(f, str) for f in frames):
         raise InputError(f"`frames` is {short_repr(frames)}; expected a list of names of frames.")
-    ink, alpha = colour(color)[:3], fraction("alpha", alpha)
+    link_colour, alpha = colour(color)[:3], fraction("alpha", alpha)
     if ax is not None and getattr(ax, "name", "") != "3d":
         raise InputError(
             f"`ax` is {short_repr(ax)}; expected axes of matplotlib in three dimensions (projection='3d')."
         )
     flag("tool", tool)
     flag("shadow", shadow)
-    ends = _connected_links(robot)
+    pairs = _connected_links(robot)
     extra = [*frames, robot.tool] if tool else list(frames)
     poses = np.asarray(robot.fk(configurations[-1], list(extra))) if extra else np.zeros((0, 4, 4))
     if ax is None:
@@ -68,16 +68,16 @@ def stick_figure(
             raise MissingExtra("matplotlib", "plot", "Drawing stick figures") from None
         ax = plt.figure(figsize=(6, 6)).add_subplot(projection="3d")
     everything = [np.zeros((1, 3))]
-    for k, one in enumerate(configurations):
+    for k, configuration in enumerate(configurations):
         last = k == len(configurations) - 1
         strength = alpha if last else 0.25 * alpha
-        segments = _segments(robot, one, ends)
+        segments = _segments(robot, configuration, pairs)
         everything.append(segments.reshape(-1, 3))
         for a, b in segments:
-            ax.plot(*np.stack([a, b]).T, color=ink, lw=3.5, alpha=strength, solid_capstyle="round")
+            ax.plot(*np.stack([a, b]).T, color=link_colour, lw=3.5, alpha=strength, solid_capstyle="round")
             if shadow and last:
                 ax.plot([a[0], b[0]], [a[1], b[1]], [0, 0], color=_SHADOW_COLOUR, lw=3)
-        joints = _joints(robot, one)
+        joints = _joints(robot, configuration)
         ax.scatter(*joints.T, color=_JOINT_COLOUR, s=32, alpha=strength, depthshade=False, zorder=5)
         everything.append(joints)
     points = np.concatenate(everything)
@@ -109,10 +109,10 @@ def _connected_links(robot: Any) -> list[tuple[int, int]]:
     return [(number[link.parent], k) for k, link in enumerate(robot.model.links) if link.parent is not None]
 
 
-def _segments(robot: Any, q: Floats, ends: list[tuple[int, int]]) -> Floats:
+def _segments(robot: Any, q: Floats, pairs: list[tuple[int, int]]) -> Floats:
     """Both ends of each stick in the world [m], shape (n, 2, 3); links at one place are left out."""
-    places = np.asarray(robot.link_poses(q))[:, :3, 3]
-    out = np.array([(places[a], places[b]) for a, b in ends]).reshape(-1, 2, 3)
+    origins = np.asarray(robot.link_poses(q))[:, :3, 3]
+    out = np.array([(origins[a], origins[b]) for a, b in pairs]).reshape(-1, 2, 3)
     return out[np.linalg.norm(out[:, 1] - out[:, 0], axis=1) > 1e-9]
 
 

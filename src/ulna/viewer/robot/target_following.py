@@ -1,4 +1,4 @@
-"""Where a robot goes while someone drags a target for its tool: nearer with each step, and never with a jump."""
+"""Following a dragged target with the tool of a robot: closer with each step, without jumps."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _RADIAN_WEIGHT = 0.3  # what a radian counts, in metres, for a tool that too few
 
 
 class FollowStep(NamedTuple):
-    """What a step led to: the configuration (nq,), and whether another one would lead nowhere else."""
+    """The result of a step: the configuration (nq,), and whether it converged."""
 
     q: Floats
     converged: bool
@@ -25,7 +25,7 @@ class FollowStep(NamedTuple):
 
 @final
 class TargetFollower:
-    """Leads a robot's tool after a target.
+    """Moves the tool of a robot towards a target.
 
     Joints with one coordinate move; a free-flying base and ball joints stay where they are. Of many configurations for
     one pose it takes one near the last. A tool that fewer than six joint coordinates carry comes as near as it can.
@@ -53,9 +53,9 @@ class TargetFollower:
         if not self._joints:
             return FollowStep(q, True)
         start, end = SE3.from_matrix(self.robot.fk(q)), SE3.from_matrix(T_goal)
-        for share in _FRACTIONS:
-            goal = T_goal if share == 1.0 else start.interpolate(end, share).matrix()
-            found = self.robot.ik(
+        for fraction in _FRACTIONS:
+            goal = T_goal if fraction == 1.0 else start.interpolate(end, fraction).matrix()
+            solution = self.robot.ik(
                 goal,
                 q,
                 mask=self._mask,
@@ -64,10 +64,10 @@ class TargetFollower:
                 rotation_tolerance=_TOLERANCE,
                 attempts=1,  # from here, and from beside: what lies far away would be a jump
             )
-            move = found.q - q
-            size = float(np.abs(move).max(initial=0.0))
+            difference = solution.q - q
+            size = float(np.abs(difference).max(initial=0.0))
             if size <= _MAX_STEP:
-                return FollowStep(found.q, size < _CONVERGED)
-            if found.success:
-                return FollowStep(q + move * (_MAX_STEP / size), False)
+                return FollowStep(solution.q, size < _CONVERGED)
+            if solution.success:
+                return FollowStep(q + difference * (_MAX_STEP / size), False)
         return FollowStep(q, True)

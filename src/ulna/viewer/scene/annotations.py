@@ -1,4 +1,4 @@
-"""Putting frames, arrows, lines, points, words and grids into a scene, each under a name of its own."""
+"""Adding frames, arrows, lines, points, text and grids to a scene, each under a name."""
 
 from __future__ import annotations
 
@@ -28,18 +28,42 @@ _LINE_COLOUR: RGBA = (0.32, 0.42, 0.56, 1.0)  # seen on a light floor and on a d
 
 
 class AnnotationMethods(HandleRegistry):
-    """A scene to draw into."""
+    """Methods that add annotations to a scene."""
 
     @check_keywords
     def group(self, name: str, *, pose: Any = None) -> Handle:
-        """A group of its own, to move, tint, fade, scale and hide what is added under its name."""
+        """Add a group: its pose, colour, opacity, scale and visibility hold for all nodes in it.
+
+        Args:
+            name: Its name.
+            pose: T_group_thing, shape (4, 4), or a position (3,) [m].
+
+        Returns:
+            The handle.
+
+        Raises:
+            InputError, ShapeError, NonFiniteError: An argument is invalid.
+        """
         return self._add_node(name, "group", pose=pose)
 
     @check_keywords
     def axes(
         self, length: float = 0.1, *, name: str | None = None, pose: Any = None, opacity: float = 1.0
     ) -> Handle:
-        """A frame: arrows in red, green, blue along x, y, z."""
+        """Add a frame: arrows in red, green, blue along x, y, z.
+
+        Args:
+            length: Length of an arrow [m].
+            name: Its name, with its groups; an unused one when not given.
+            pose: T_group_thing, shape (4, 4), or a position (3,) [m].
+            opacity: From 0 to 1.
+
+        Returns:
+            The handle.
+
+        Raises:
+            InputError, ShapeError, NonFiniteError: An argument is invalid.
+        """
         return self._add_node(
             name,
             "axes",
@@ -62,19 +86,32 @@ class AnnotationMethods(HandleRegistry):
         radius: float = 0.008,
         size: float = 1.0,
     ) -> Arrow:
-        """An arrow along `vector` (3,) from `start` (3,) [m], as of a force or a velocity.
+        """Add an arrow, as of a displacement, a force or a velocity.
 
-        It is drawn `size` [m] long for each unit of `vector`: 1 for a way in metres, 0.01 for a force of some newtons.
+        Args:
+            vector: The vector, shape (3,), in the axes of its group.
+            start: Where it begins, shape (3,) [m].
+            name: Its name, with its groups; an unused one when not given.
+            color: The colour; a default when not given.
+            opacity: From 0 to 1.
+            radius: Radius of its shaft [m].
+            size: Length drawn for each unit of `vector` [m]: 1 for a displacement, 0.01 for a force of some newtons.
+
+        Returns:
+            The handle; `vector` and `size` can be assigned to.
+
+        Raises:
+            InputError, ShapeError, NonFiniteError: An argument is invalid.
         """
-        place = length_array("start", start, 3)
+        origin = length_array("start", start, 3)
         node = self._name(name, "arrow")
         fraction("opacity", opacity)
         out = add_arrow(
             self.scene, node, vector, DEFAULT_SHAPE_COLOUR if color is None else color, radius, size
         )
-        turn = out.pose
-        turn[:3, 3] = place
-        out.pose = turn
+        matrix = out.pose
+        matrix[:3, 3] = origin
+        out.pose = matrix
         self._register(out, opacity)
         return out
 
@@ -89,14 +126,41 @@ class AnnotationMethods(HandleRegistry):
         opacity: float = 1.0,
         thickness: float = 0.004,
     ) -> Polyline:
-        """A line from point to point, (n, 3) [m]."""
+        """Add a line through points.
+
+        Args:
+            points: The points, shape (n, 3) [m].
+            name: Its name, with its groups; an unused one when not given.
+            pose: T_group_thing, shape (4, 4), or a position (3,) [m].
+            color: The colour; a default when not given.
+            opacity: From 0 to 1.
+            thickness: Its thickness [m].
+
+        Returns:
+            The handle; `points` can be assigned to.
+
+        Raises:
+            InputError, ShapeError, NonFiniteError: An argument is invalid.
+        """
         content = Lines.through(points, _LINE_COLOUR if color is None else color, thickness)
         return self._add_node(
             name, "line", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Polyline
         )
 
     def curve(self, points: ArrayLike, *, steps: int = 12, **more: Any) -> Polyline:
-        """A smooth curve through points (n, 3) [m]: a Catmull-Rom spline with `steps` pieces between two of them."""
+        """Add a smooth curve through points: a uniform Catmull-Rom spline.
+
+        Args:
+            points: The points, shape (n, 3) [m].
+            steps: Line segments between two points.
+            more: As for `line`.
+
+        Returns:
+            The handle; `points` can be assigned to.
+
+        Raises:
+            InputError, ShapeError, NonFiniteError: An argument is invalid.
+        """
         return self.line(
             _catmull_rom(length_array("points", points, None, 3), count("steps", steps, 1, 1000)), **more
         )
@@ -112,7 +176,22 @@ class AnnotationMethods(HandleRegistry):
         pose: Any = None,
         opacity: float = 1.0,
     ) -> PointCloud:
-        """A cloud of points (n, 3) [m], of one colour (3,) or one for each (n, 3); `size` is their diameter [m]."""
+        """Add a point cloud.
+
+        Args:
+            positions: The points, shape (n, 3) [m].
+            colors: Red, green, blue from 0 to 1, shape (n, 3), or (3,) for all points.
+            size: Diameter of a point [m].
+            name: Its name, with its groups; an unused one when not given.
+            pose: T_group_thing, shape (4, 4), or a position (3,) [m].
+            opacity: From 0 to 1.
+
+        Returns:
+            The handle; `points` and `colors` can be assigned to.
+
+        Raises:
+            InputError, ShapeError, NonFiniteError: An argument is invalid.
+        """
         content = Points(length_array("positions", positions, None, 3), colors, size)
         return self._add_node(
             name, "points", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=PointCloud
@@ -129,11 +208,26 @@ class AnnotationMethods(HandleRegistry):
         color: Colour | None = None,
         opacity: float = 1.0,
     ) -> Label:
-        """Words that face whoever looks, dark or light as suits the theme; `height` of the letters in metres."""
-        place = transforms([length_array("position", position, 3)])[0]
+        """Add text that faces the camera.
+
+        Args:
+            words: The text.
+            position: Where it begins, shape (3,) [m].
+            height: Height of the letters [m].
+            name: Its name, with its groups; an unused one when not given.
+            color: The colour; the text colour of the theme when not given.
+            opacity: From 0 to 1.
+
+        Returns:
+            The handle; `text` can be assigned to.
+
+        Raises:
+            InputError, ShapeError, NonFiniteError: An argument is invalid.
+        """
+        origin = transforms([length_array("position", position, 3)])[0]
         rgba = None if color is None else colour(color)
         out = self._add_node(
-            name, "text", content=Text(words, height), pose=place, opacity=opacity, kind_of=Label
+            name, "text", content=Text(words, height), pose=origin, opacity=opacity, kind_of=Label
         )
         out.color = rgba
         return out
@@ -149,7 +243,22 @@ class AnnotationMethods(HandleRegistry):
         color: Colour | None = None,
         opacity: float = 1.0,
     ) -> Handle:
-        """A grid of lines in the plane z = 0, `size` [m] wide with cells of `cell` [m]."""
+        """Add a grid of lines in the plane z = 0.
+
+        Args:
+            size: Width of the grid [m].
+            cell: Width of a cell [m].
+            name: Its name, with its groups; an unused one when not given.
+            pose: T_group_thing, shape (4, 4), or a position (3,) [m].
+            color: The colour; a default when not given.
+            opacity: From 0 to 1.
+
+        Returns:
+            The handle.
+
+        Raises:
+            InputError, ShapeError, NonFiniteError: An argument is invalid.
+        """
         whole, each = checked_length("size", size), checked_length("cell", cell)
         lines = int(min(whole / each, 2.0 * _MAX_GRID_LINES) + 1e-9)
         if not 1 <= lines <= _MAX_GRID_LINES:

@@ -1,4 +1,4 @@
-"""Putting things into a scene: robots, shapes, meshes, and copies of them, each under a name of its own."""
+"""Adding robots, shapes, meshes and copies of them to a scene, each under a name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import checked_robot, fraction, short_repr
 from ulna.errors import InputError
-from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
+from ulna.geometry import Mesh, Shape
 from ulna.idioms import check_keywords
 from ulna.typing import ArrayLike
 from ulna.viewer.colours import Colour
@@ -27,16 +27,17 @@ from ulna.viewer.robot.link_surfaces import RobotDisplay
 from ulna.viewer.robot.robot_handle import RobotHandle
 from ulna.viewer.robot.robot_instances import RobotInstances, RobotInstancesHandle
 from ulna.viewer.robot.robot_visual import RobotVisual
-from ulna.viewer.scene.annotations import DEFAULT_SHAPE_COLOUR, AnnotationMethods
+from ulna.viewer.scene.annotations import DEFAULT_SHAPE_COLOUR
+from ulna.viewer.scene.shapes import ShapeMethods
 
 
-class SceneMethods(AnnotationMethods):
-    """A scene to put things into.
+class SceneMethods(ShapeMethods):
+    """Methods that add robots, shapes, meshes and copies of them to a scene.
 
-    Every method that adds takes `name` (`table/leg` puts it into the group `table`; a new name when not given, and one
-    that is taken is replaced), `pose` (T_group_thing, an array (4, 4) or an `SE3`; or the place (3,) where it stands
-    unturned), `color` (red, green, blue from 0 to 1) and `opacity`, and gives a handle to assign to. Wrong input raises
-    before anything is added.
+    Every method that adds takes `name` (`table/leg` is added to the group `table`; an unused name when not given, and
+    a node of the same name is replaced), `pose` (T_group_thing, an array (4, 4) or an `SE3`; or a position (3,)
+    without rotation), `color` (see `ulna.viewer.colours.colour`) and `opacity` (from 0 to 1), and returns a handle
+    whose properties can be assigned to. Invalid arguments raise before anything is added.
     """
 
     @check_keywords
@@ -56,13 +57,13 @@ class SceneMethods(AnnotationMethods):
 
         Args:
             thing: What to add.
-            q: A robot's configuration: an array (nq,), the name of one of its own, or None for the usual one.
+            q: A robot's configuration: an array (nq,), the name of one of `robot.configurations`, or None.
             name: Its name.
-            pose: Where it stands in its group.
-            color: One colour for all of it; its own when not given.
+            pose: T_group_thing, its pose in its group.
+            color: One colour for all of it; that of its materials when not given.
             opacity: From 0 to 1.
             show: What of a robot: "visual", "collision", "both" or "skeleton".
-            detail: "full" for all triangles of mesh files, "seen" without those that nobody would miss.
+            detail: "full" for all triangles of mesh files, "seen" simplified within an error bound.
 
         Returns:
             A `RobotHandle` for a robot, a `Handle` for all else.
@@ -111,30 +112,6 @@ class SceneMethods(AnnotationMethods):
         self._register(out, opacity)
         return out
 
-    def box(self, size: Sequence[float], **more: Any) -> Handle:
-        """A box, centred; `size` is its edges along x, y, z [m]."""
-        return self.add(Box(size), **more)  # type: ignore[arg-type]
-
-    def sphere(self, radius: float, **more: Any) -> Handle:
-        """A ball, centred; `radius` in metres."""
-        return self.add(Sphere(radius), **more)
-
-    def ellipsoid(self, radii: Sequence[float], **more: Any) -> Handle:
-        """An ellipsoid, centred; `radii` are its half axes [m]."""
-        return self.add(Ellipsoid(radii), **more)  # type: ignore[arg-type]
-
-    def cylinder(self, radius: float, length: float, **more: Any) -> Handle:
-        """A cylinder about z, centred [m]."""
-        return self.add(Cylinder(radius, length), **more)
-
-    def capsule(self, radius: float, length: float, **more: Any) -> Handle:
-        """A cylinder about z with half a ball on either end, centred; `length` without these [m]."""
-        return self.add(Capsule(radius, length), **more)
-
-    def cone(self, radius: float, length: float, **more: Any) -> Handle:
-        """A cone about z, its tip up, centred [m]."""
-        return self.add(Cone(radius, length), **more)
-
     @check_keywords
     def mesh(
         self,
@@ -154,9 +131,9 @@ class SceneMethods(AnnotationMethods):
             scale: A factor for its lengths, or one along each axis; negative ones mirror.
             name: Its name.
             pose: Where it stands.
-            color: One colour for all of it; its own when not given.
+            color: One colour for all of it; that of its materials when not given.
             opacity: From 0 to 1.
-            detail: "full" for all triangles, "seen" without those that nobody would miss: see
+            detail: "full" for all triangles, "seen" simplified within an error bound: see
                 `ulna.viewer.mesh.mesh_files.load_mesh`.
 
         Raises:
@@ -207,9 +184,11 @@ class SceneMethods(AnnotationMethods):
         """
         if (poses is None) == (positions is None):
             raise InputError("Give either `poses` (n, 4, 4) or `positions` (n, 3) of the copies.")
-        given = positions is not None
-        places = transforms(positions) if given else checked_poses(poses, "poses", None, 4, 4)
-        content = Copies(_surfaces(thing), places, colors, scales)
+        by_position = positions is not None
+        transforms_of_copies = (
+            transforms(positions) if by_position else checked_poses(poses, "poses", None, 4, 4)
+        )
+        content = Copies(_surfaces(thing), transforms_of_copies, colors, scales)
         return self._add_node(name, "copies", content=content, pose=pose, opacity=opacity, kind_of=Instances)
 
     @check_keywords
@@ -242,11 +221,11 @@ class SceneMethods(AnnotationMethods):
         """
         rgba = None if color is None else colour(color)
         fraction("opacity", opacity)
-        stand = np.eye(4) if pose is None else pose_or_position(pose)
-        places = None if bases is None else checked_poses(bases, "bases", None, 4, 4)
+        group_pose = np.eye(4) if pose is None else pose_or_position(pose)
+        base_poses = None if bases is None else checked_poses(bases, "bases", None, 4, 4)
         node = self._name(name, f"{checked_robot(robot).name} fleet")
-        out = RobotInstancesHandle(RobotInstances(self.scene, robot, q, node, rgba, show, places))
-        out.pose = stand
+        out = RobotInstancesHandle(RobotInstances(self.scene, robot, q, node, rgba, show, base_poses))
+        out.pose = group_pose
         self._register(out, opacity)
         return out
 

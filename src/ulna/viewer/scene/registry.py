@@ -1,4 +1,4 @@
-"""Names of what stands in a scene, and the handle behind each of them."""
+"""The handles of the nodes of a scene, by name."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class HandleRegistry(abc.ABC):
         self._counts.clear()
 
     def __getitem__(self, name: str) -> Any:
-        """The handle of a thing; of a group that appeared by itself, too."""
+        """The handle of a node or a group."""
         one_of("thing in the scene", name, self.scene.names)
         return self._handles.get(name) or Handle(self.scene, name)
 

@@ -53,7 +53,7 @@ def test_a_plane_is_a_sheet_facing_up() -> None:
 
 
 def test_meshes_are_not_simple_shapes() -> None:
-    with pytest.raises(InputError, match="Cannot cut"):
+    with pytest.raises(InputError, match="Cannot tessellate"):
         tessellate(Mesh("a.stl"))
 
 
