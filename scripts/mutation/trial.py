@@ -1,0 +1,180 @@
+"""The trial of a mutant: a copy of the sources with it, a cache of its own, and the tests that must notice it."""
+
+from __future__ import annotations
+
+import compileall
+import contextlib
+import os
+import py_compile
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from mutation.mutant import Mutant
+
+_OPTIONS = ("-q", "-x", "--tb=no", "-rfE", "-p", "no:cacheprovider")
+LIMIT = 150.0  # seconds a run of tests may take beyond the time expected
+# Their results are kept under keys that say nothing of this code: with these mutated, the kernel cache starts empty.
+_CACHED = (
+    "compiler/runtime/",
+    "disk_cache.py",
+    "system/",
+    "collision/spheres.py",
+    "viewer/mesh/",
+    "client_files.py",
+)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What became of a mutant: `caught`, `survived`, `timed out` or `untested`, by which test, of how many, when."""
+
+    status: str
+    test: str
+    tests: int
+    seconds: float
+
+
+class Sandbox:
+    """A copy of the sources that mutants are put into, one after the other; the tests themselves stay where they are.
+
+    A kernel cache is content-addressed, yet a mutant may damage it, so each gets a folder of hard links to the
+    entries: an entry is never written to, only replaced, so the originals cannot change.
+    """
+
+    def __init__(self, root: Path, folder: Path, cache: Path | None, secret: Path | None) -> None:
+        self._root, self._folder, self._cache, self._secret = root, folder, cache, secret
+        self._sources = folder / "src"
+        shutil.copytree(root / "src", self._sources, ignore=shutil.ignore_patterns("__pycache__"))
+        checked = py_compile.PycInvalidationMode.CHECKED_HASH
+        compileall.compile_dir(self._sources, quiet=2, invalidation_mode=checked)
+        self._environment = {
+            **{
+                name: text for name, text in os.environ.items() if not name.startswith(("COVERAGE", "PYTEST"))
+            },
+            "PYTHONPATH": str(self._sources),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "ULNA_CACHE": str(folder / "cache"),
+            "XDG_STATE_HOME": str(folder / "state"),
+            "TMPDIR": str(folder / "tmp"),
+        }
+
+    def run(self, mutant: Mutant | None, tests: list[str], expected: float) -> tuple[int | None, str]:
+        """Runs tests up to the first failure, with a mutant or without.
+
+        Returns:
+            The exit status of pytest, None where the time ran out, and the test that failed, if one did.
+        """
+        self._prepare(empty=mutant is not None and any(part in mutant.path for part in _CACHED))
+        chosen = self._folder / "tests.txt"
+        chosen.write_text("\n".join(tests))
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-x",
+            "--tb=no",
+            "-rfE",
+            "-p",
+            "no:cacheprovider",
+            f"@{chosen}",
+        ]
+        with self._mutated(mutant):
+            process = subprocess.Popen(
+                command, cwd=self._root, env=self._environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                text=True, errors="replace", start_new_session=True,
+            )  # fmt: skip
+            try:
+                output, _ = process.communicate(timeout=LIMIT + 3 * expected)
+            except subprocess.TimeoutExpired:
+                return None, ""
+            finally:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+        failed = re.search(r"^(?:FAILED|ERROR) (\S+?\.py(?:::.*?)?)(?: - .*)?$", output, re.MULTILINE)
+        return process.returncode, failed[1] if failed else ""
+
+    @contextlib.contextmanager
+    def _mutated(self, mutant: Mutant | None) -> Iterator[None]:
+        if mutant is None:
+            yield
+            return
+        place = self._folder / mutant.path
+        source = place.read_bytes()
+        place.write_bytes(mutant.applied(source))
+        try:
+            yield
+        finally:
+            place.write_bytes(source)
+
+    def _prepare(self, empty: bool) -> None:
+        """Makes the cache, state and temporary folders anew."""
+        for name in ("cache", "state", "tmp"):
+            shutil.rmtree(self._folder / name, ignore_errors=True)
+            (self._folder / name).mkdir(mode=0o700)
+        if self._secret is not None and self._secret.exists():
+            (self._folder / "state" / "ulna").mkdir(mode=0o700)
+            shutil.copy2(self._secret, self._folder / "state" / "ulna")
+        if self._cache is not None and self._cache.is_dir() and not empty:
+            for entry in self._cache.iterdir():
+                with contextlib.suppress(OSError):  # removed meanwhile, or on another device
+                    os.link(entry, self._folder / "cache" / entry.name)
+
+
+def user_cache() -> tuple[Path | None, Path | None]:
+    """This user's kernel cache and the key of its seals; None where there is none, or no Ulna."""
+    try:
+        from ulna import disk_cache
+        from ulna.system.folders import expanded, state_folder
+    except ImportError:
+        return None, None
+    return disk_cache.folder(), expanded(state_folder()) / "cache-key"
+
+
+class Judge:
+    """Tries mutants; a failure counts only where the same tests pass without the mutant."""
+
+    def __init__(self) -> None:
+        self._sound: dict[tuple[str, ...], bool] = {}
+        self._lock = threading.Lock()
+
+    def verdict(
+        self, mutant: Mutant, rounds: list[list[str]], sandbox: Sandbox, seconds: Callable[[str], float]
+    ) -> Verdict:
+        """Runs the rounds of tests until one notices the mutant."""
+        start, count = time.monotonic(), 0
+        for tests in rounds:
+            left = [test for test in tests if self._sound.get((test,), True)]
+            while left:
+                expected = sum(map(seconds, left))
+                status, failed = sandbox.run(mutant, left, expected)
+                if status is None:
+                    return Verdict("timed out", "", count + len(left), time.monotonic() - start)
+                if status == 0:
+                    break
+                suspects = [failed] if failed else left
+                if self._passes(suspects, sandbox):
+                    return Verdict("caught", suspects[0], count + len(left), time.monotonic() - start)
+                left = [test for test in left if test not in suspects and not failed.startswith(f"{test}::")]
+            count += len(left)
+        return Verdict("survived" if count else "untested", "", count, time.monotonic() - start)
+
+    def _passes(self, tests: list[str], sandbox: Sandbox) -> bool:
+        """Whether tests pass without any mutant."""
+        key = tuple(tests)
+        with self._lock:
+            known = self._sound.get(key)
+        if known is None:
+            known = sandbox.run(None, tests, 0.0)[0] == 0
+            with self._lock:
+                self._sound[key] = known
+        return known
