@@ -9,11 +9,13 @@ import numpy as np
 from pinocchio import explog as explog
 from pinocchio import rpy as rpy
 from pinocchio import utils as utils
+from pinocchio._algorithms.all_terms import *
 from pinocchio._algorithms.center_of_mass import *
 from pinocchio._algorithms.configurations import *
 from pinocchio._algorithms.dynamics import *
 from pinocchio._algorithms.dynamics_derivatives import *
 from pinocchio._algorithms.energy import *
+from pinocchio._algorithms.frame_motions import *
 from pinocchio._algorithms.jacobians import *
 from pinocchio._algorithms.kinematics import *
 from pinocchio._algorithms.kinematics_derivatives import *
@@ -23,6 +25,7 @@ from pinocchio._constraints.anchors import *
 from pinocchio._constraints.cholesky import *
 from pinocchio._constraints.cones import *
 from pinocchio._constraints.contact_inverse_dynamics import *
+from pinocchio._constraints.conversion import *
 from pinocchio._constraints.delassus import *
 from pinocchio._constraints.delassus_of_cholesky import *
 from pinocchio._constraints.dynamics import *
@@ -39,6 +42,7 @@ from pinocchio._containers.arrays import StdVec as StdVec
 from pinocchio._containers.enums import *
 from pinocchio._data.data import Data as Data
 from pinocchio._model.frame import Frame as Frame
+from pinocchio._model.joint_compositions import *
 from pinocchio._model.joint_kinds import *
 from pinocchio._model.model import Model as Model
 from pinocchio._package.former_modules import register_former_modules

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.center_of_mass import about_origin, as_one_body
 from pinocchio._algorithms.jacobians import JACOBIAN_RATES, JACOBIANS, columns, computeJointJacobians, rates
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import Convention
@@ -19,12 +18,9 @@ from pinocchio._data.deferred_fields import (
     BODIES,
     BODIES_UNDER_FORCES,
     BODY_FORCES,
-    BODY_FORCES_BELOW_TOTAL,
     BODY_MOMENTA_IN_WORLD,
     CENTERS,
-    CENTERS_AND_VELOCITIES,
     JOINTS,
-    SUBTREE_MOMENTA,
     VELOCITIES_IN_WORLD,
     defer_joint_placements,
     split_forces,
@@ -42,7 +38,6 @@ _WORLD = Convention.WORLD  # looking a member up costs as much as a small robot'
 
 __all__ = [
     "aba",
-    "computeAllTerms",
     "computeCoriolisMatrix",
     "computeGeneralizedGravity",
     "computeMinverse",
@@ -257,57 +252,3 @@ def getCoriolisMatrix(model: Model, data: Data) -> Floats:
     """The Coriolis matrix of the last derivatives of inverse dynamics."""
     state = data.require(data._state_of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
     return computeCoriolisMatrix(model, data, *state[:2])
-
-
-def _all_terms(model: CoreModel) -> Any:
-    def run(q: Array, v: Array) -> tuple[Any, ...]:
-        Ag, dAg = algorithms.centroidal_matrix(model, q), algorithms.centroidal_matrix_dot(model, q, v)
-        weight = np.asarray(model.gravity) * algorithms.total_mass(model)
-        hg, dhg = Ag @ v, dAg @ v - np.concatenate([weight, np.zeros(3)])
-        return (
-            algorithms.mass_matrix(model, q),
-            algorithms.bias_forces(model, q, v),
-            algorithms.gravity_forces(model, q),
-            algorithms.center_of_mass_jacobian(model, q),
-            Ag,
-            hg,
-            dhg,
-            about_origin(model, q, hg),
-            about_origin(model, q, dhg),
-            algorithms.center_of_mass(model, q),
-            algorithms.center_of_mass_velocity(model, q, v),
-            algorithms.kinetic_energy(model, q, v),
-            algorithms.potential_energy(model, q),
-            dAg,
-            as_one_body(model, q),
-            *rates(model)(q, v),
-        )
-
-    return run
-
-
-_ALL_TERMS = Algorithm(
-    "all_terms",
-    "qv",
-    (
-        *("M", "nle", "g", "Jcom", "Ag", "hg", "dhg", "h[0]", "f[0]", "com[0]", "vcom[0]"),
-        *("energy K", "energy P", "dAg", "Ig", *JACOBIAN_RATES),
-    ),
-    _all_terms,
-    deferred=JOINTS
-    | VELOCITIES_IN_WORLD
-    | BODY_FORCES_BELOW_TOTAL
-    | SUBTREE_MOMENTA
-    | ACCELERATIONS
-    | CENTERS_AND_VELOCITIES,
-    title="computeAllTerms",
-)
-
-
-def computeAllTerms(model: Model, data: Data, q: Any, v: Any) -> None:
-    """Fills M, nle, g, J, dJ, Jcom, Ag, dAg, hg, Ig, com, vcom, energies, placements, velocities; not C, not oMf."""
-    if data._model is not model or data._bound.all_terms(q, v) is NotImplemented:
-        run(model, data, _ALL_TERMS, q, v)
-    data.kinetic_energy = float(data._arrays["energy K"])
-    data.potential_energy = float(data._arrays["energy P"])
-    data.mechanical_energy = data.kinetic_energy + data.potential_energy

@@ -7,14 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.kinematics import (
-    LOCAL,
-    at_frame,
-    at_joint,
-    split,
-    updateFramePlacement,
-    updateFramePlacements,
-)
+from pinocchio._algorithms.frame_arguments import LOCAL, at_frame, at_joint, repeated_call, split
+from pinocchio._algorithms.kinematics import updateFramePlacement, updateFramePlacements
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._data.algorithm import Algorithm
@@ -84,19 +78,11 @@ def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
     ...
 
 
+@repeated_call("joint J")
 def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
     """The Jacobian (6, nv) of a joint, after computeJointJacobians."""
-    binding_key = (joint_id, reference_frame, "joint")
-    try:
-        step, bound_reference = data._bound_at[binding_key]
-    except (KeyError, TypeError):
-        step = bound_reference = not_applicable
-    if bound_reference is reference_frame and data._model is model:  # 0 == WORLD, but a plain number raises
-        result = step()
-        if result is not NotImplemented:
-            return result
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    return _bind_at(model, data, binding_key, ("joint", joint), at_joint(joint))
+    return _bind_at(model, data, (joint_id, reference_frame, "joint J"), ("joint", joint), at_joint(joint))
 
 
 def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Floats:
@@ -112,6 +98,7 @@ def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Flo
     return _at(model, data, binding_key, None, at_joint(joint), q)
 
 
+@repeated_call("J")
 def getFrameJacobian(
     model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
 ) -> Floats:
@@ -125,19 +112,10 @@ def getFrameJacobian(
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED; it stands third where there is no placement.
     """
     if placement is None:
-        placement, reference_frame = reference_frame, None
-    if reference_frame is None:
-        try:
-            step, bound_reference = data._bound_at[frame_id, placement]
-        except (KeyError, TypeError):
-            step = bound_reference = not_applicable
-        if bound_reference is placement and data._model is model:  # 0 == WORLD, but a plain number raises
-            result = step()
-            if result is not NotImplemented:
-                return result
-        if isinstance(placement, ReferenceFrame):
-            return _bind_at(model, data, (frame_id, placement), at_frame(model, (frame_id,))[0], None)
-    where, reference = split(tuple(x for x in (frame_id, placement) if x is not None), reference_frame)
+        placement, reference_frame = LOCAL if reference_frame is None else reference_frame, None
+    if reference_frame is None and isinstance(placement, ReferenceFrame):
+        return _bind_at(model, data, (frame_id, placement, "J"), at_frame(model, (frame_id,))[0], None)
+    where, reference = split((frame_id, placement), reference_frame)
     key, frame = at_frame(model, where)
     q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
     return _jacobian(model, data, reference, key, frame)(q)
@@ -236,28 +214,27 @@ def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any)
     ...
 
 
+@repeated_call("joint dJ")
 def getJointJacobianTimeVariation(
     model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
     """The time derivative (6, nv) of a joint's Jacobian, after computeJointJacobiansTimeVariation."""
-    binding_key = (joint_id, reference_frame, "joint dJ")
-    result = _known(model, data, binding_key)
-    if result is NotImplemented:
-        joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-        result = _bind_dot(model, data, binding_key, ("joint", joint), at_joint(joint))
-    return result
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
+    return _bind_dot(model, data, (joint_id, reference_frame, "joint dJ"), ("joint", joint), at_joint(joint))
 
 
 def getFrameJacobianTimeVariation(
     model: Model, data: Data, frame_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
     """The time derivative (6, nv) of a frame's Jacobian, after computeJointJacobiansTimeVariation."""
-    binding_key = (frame_id, reference_frame, "dJ")
-    result = _known(model, data, binding_key)
-    if result is NotImplemented:
-        result = _bind_dot(model, data, binding_key, at_frame(model, (frame_id,))[0], None)
+    J_rate = _frame_jacobian_rate(model, data, frame_id, reference_frame)
     updateFramePlacement(model, data, frame_id)
-    return result
+    return J_rate
+
+
+@repeated_call("dJ")
+def _frame_jacobian_rate(model: Model, data: Data, frame_id: int, reference_frame: Any) -> Floats:
+    return _bind_dot(model, data, (frame_id, reference_frame, "dJ"), at_frame(model, (frame_id,))[0], None)
 
 
 def frameJacobianTimeVariation(
@@ -267,17 +244,6 @@ def frameJacobianTimeVariation(
     computeJointJacobiansTimeVariation(model, data, q, v)
     updateFramePlacements(model, data)
     return getFrameJacobianTimeVariation(model, data, frame_id, reference_frame)
-
-
-def _known(model: Model, data: Data, binding_key: tuple[Any, ...]) -> Any:
-    """The result of a call that was made before, by one native call; the reference frame is second of the key."""
-    try:
-        step, bound_reference = data._bound_at[binding_key]
-    except (KeyError, TypeError):
-        return NotImplemented
-    return (
-        step() if bound_reference is binding_key[1] and data._model is model else NotImplemented
-    )  # 0 equals WORLD
 
 
 def _bind_dot(

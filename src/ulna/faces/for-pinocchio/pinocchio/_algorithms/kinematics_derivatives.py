@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._algorithms.frame_arguments import at_frame, at_joint
 from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
-from pinocchio._algorithms.kinematics import at_frame, at_joint, forwardKinematics, updateFramePlacement
+from pinocchio._algorithms.kinematics import forwardKinematics, updateFramePlacement
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name

@@ -7,17 +7,13 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
-from pinocchio._constraints.frame_pair import ContactType, FramePair
+from pinocchio._constraints.frame_pair import FramePair
 from pinocchio._constraints.kernels import core_constraints
-from pinocchio._constraints.rigid_constraint_model import RigidConstraintModel
 from pinocchio._containers.arrays import numbers, vector
-from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
-from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
-from pinocchio.explog import exp6
 from ulna.algorithms.constraints.frame_errors import constraint_seen
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model as CoreModel
@@ -30,7 +26,6 @@ __all__ = [
     "PointAnchorConstraintModel",
     "PointContactConstraintData",
     "PointContactConstraintModel",
-    "convertToRigidConstraintModel",
 ]
 
 
@@ -256,42 +251,6 @@ class PointContactConstraintModel(_Anchor):
     def set(self, constraint_data: Any) -> CoulombFrictionCone:
         """The cone that its forces belong to."""
         return CoulombFrictionCone(self._friction)
-
-
-def convertToRigidConstraintModel(
-    model: Model, constraint: Any, reference_frame: Any = ReferenceFrame.LOCAL
-) -> RigidConstraintModel:
-    """The RigidConstraintModel of an anchor: of a point CONTACT_3D, of a frame CONTACT_6D."""
-    if not isinstance(constraint, (PointAnchorConstraintModel, FrameAnchorConstraintModel)):
-        raise InputError(
-            f"The constraint is {constraint!r}; expected a PointAnchorConstraintModel or a FrameAnchorConstraintModel."
-        )
-    is_frame = constraint.residualSize() == 6
-    kind = ContactType.CONTACT_6D if is_frame else ContactType.CONTACT_3D
-    ends = (
-        constraint.joint1_id,
-        constraint.joint1_placement,
-        constraint.joint2_id,
-        constraint.joint2_placement,
-    )
-    rigid = RigidConstraintModel(kind, model, *ends, reference_frame)
-    padding = np.zeros(6 - constraint.residualSize())
-    offset, velocity, acceleration = (
-        np.concatenate([x, padding])
-        for x in (
-            constraint.desired_constraint_offset,
-            constraint.desired_constraint_velocity,
-            constraint.desired_constraint_acceleration,
-        )
-    )
-    rigid.name = constraint.name
-    rigid.desired_contact_placement = exp6(offset) if is_frame else SE3(np.eye(3), offset[:3])
-    rigid.desired_contact_velocity, rigid.desired_contact_acceleration = (
-        Motion(velocity),
-        Motion(acceleration),
-    )
-    rigid.setBaumgarteCorrectorParameters(constraint.baumgarte_corrector_parameters)
-    return rigid
 
 
 def _state(model: Model, data: Data) -> tuple[Floats, Floats, Floats]:

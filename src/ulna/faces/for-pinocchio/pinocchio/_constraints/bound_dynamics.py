@@ -8,10 +8,9 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIANS, computeJointJacobiansTimeVariation
+from pinocchio._constraints.constraint_set import ConstraintSet, constraint_set_of
 from pinocchio._constraints.deferred_state import DeferredConstraintState
-from pinocchio._constraints.frame_pair import changes
 from pinocchio._constraints.kernels import core_constraints
-from pinocchio._constraints.rigid_constraint import checked_constraints, structures_of
 from pinocchio._containers.arrays import exact
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import side_outputs
@@ -37,71 +36,6 @@ from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.recipes.mass import with_mass
 from ulna.typing import Array, Floats
-
-_MOST_SETS = 8
-"""So many lists of constraints does a Data know."""
-
-
-@final
-class ConstraintSet:
-    """A list of constraints with its data, for one model, and the algorithms bound to them.
-
-    Attributes:
-        live: Of each constraint its placements, gains and wanted acceleration, the arrays that users write to.
-        runs: What is bound, by the key of the algorithm.
-    """
-
-    def __init__(self, model: Model, models: Any, datas: Any) -> None:
-        self.model, self.models, self.datas = model, checked_constraints(model, models, datas), list(datas)
-        self.version, self.shapes = changes[0], structures_of(self.models)
-        self.places = tuple(one._places for one in self.models)
-        self.live = tuple(
-            x
-            for one, known in zip(self.models, self.datas, strict=True)
-            for x in (one._places, one._gains._v, known._views["contact_acceleration_desired"]._v)
-        )
-        self.runs: dict[Any, Any] = {}
-
-    def matches(self, model: Model, models: Any, datas: Any) -> bool:
-        """Whether it was made for these."""
-        return (
-            self.model is model
-            and self.version == changes[0]
-            and models == self.models
-            and datas == self.datas
-        )
-
-
-def constraint_set_of(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet:
-    """The constraints as they are bound to a Data.
-
-    Raises:
-        InputError: see `checked_constraints`; the Data does not fit the model.
-    """
-    constraint_set = known_constraint_set(model, data, models, datas)
-    if constraint_set is None:
-        data.attach(model)
-        models, datas = list(models), list(datas)
-        constraint_set = known_constraint_set(model, data, models, datas)
-    if constraint_set is None:
-        constraint_set = ConstraintSet(model, models, datas)
-        data._constraint_sets = [
-            *(
-                constraint_set
-                for constraint_set in data._constraint_sets
-                if constraint_set.version == changes[0]
-            ),
-            constraint_set,
-        ][-_MOST_SETS:]
-    return constraint_set
-
-
-def known_constraint_set(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet | None:
-    """The same where they have been bound before, else None."""
-    for constraint_set in data._constraint_sets:
-        if constraint_set.matches(model, models, datas):
-            return constraint_set
-    return None
 
 
 @final

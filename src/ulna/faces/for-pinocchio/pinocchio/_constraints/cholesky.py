@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._constraints.bound_dynamics import known_constraint_set
+from pinocchio._constraints.constraint_set import known_constraint_set
 from pinocchio._constraints.delassus import diagonal, with_added_diagonal
 from pinocchio._constraints.delassus_of_cholesky import DelassusOperatorCholeskyExpression
 from pinocchio._constraints.factorization import Factorization, FactorKernels, kernels_for, no_factors_error

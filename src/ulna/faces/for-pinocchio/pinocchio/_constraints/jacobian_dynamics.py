@@ -6,7 +6,8 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._algorithms.dynamics import computeAllTerms, crba
+from pinocchio._algorithms.all_terms import computeAllTerms
+from pinocchio._algorithms.dynamics import crba
 from pinocchio._constraints.factorization import Factorization, kernels_for, no_factors_error
 from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._containers.arrays import exact, numbers

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import computeJointJacobians
-from pinocchio._constraints.bound_dynamics import ConstraintSet, constraint_set_of, known_constraint_set
+from pinocchio._constraints.constraint_set import ConstraintSet, constraint_set_of, known_constraint_set
 from pinocchio._constraints.delassus import damped_inverse, with_inertia
 from pinocchio._constraints.kernels import core_constraints, jacobian_kernel, sizes_of
 from pinocchio._constraints.proximal_settings import damping_of

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._containers.arrays import vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
-from pinocchio._model.joint_base import NOWHERE
 from pinocchio._model.joint_model import JointModel
-from pinocchio._spatial.se3 import SE3
-from ulna.errors import InputError, UnknownName
 from ulna.model import (
     Circle,
     Composite,
@@ -27,18 +24,15 @@ from ulna.model import (
     Universal,
 )
 from ulna.model.joints.axes import Axis, unit_axis
-from ulna.spatial import SE3 as Pose
 from ulna.typing import Floats
 
 __all__ = [
     "JointModel",
-    "JointModelComposite",
     "JointModelFreeFlyer",
     "JointModelHX",
     "JointModelHY",
     "JointModelHZ",
     "JointModelHelicalUnaligned",
-    "JointModelMimic",
     "JointModelPX",
     "JointModelPY",
     "JointModelPZ",
@@ -155,71 +149,6 @@ class JointModelUniversal(JointModel):
         return np.array(self._axes[1])
 
 
-def _chain(kind: JointKind, place: Pose) -> tuple[tuple[JointKind, ...], tuple[Pose, ...]]:
-    """A kind as a chain of plain ones, with their placements."""
-    if not isinstance(kind, Composite):
-        return (kind,), (place,)
-    assert kind.placements is not None  # a Composite fills them in
-    first, *others = kind.placements
-    return kind.kinds, (place @ first, *others)
-
-
-class JointModelComposite(JointModel):
-    """Several joints in a row: `()`, `(joint)`, `(joint, placement, name)`; then `addJoint(joint, placement)`."""
-
-    @by_name("joint_model joint_placement name", "size")
-    def __init__(self, *parts: Any) -> None:
-        JointModel.__init__(self)
-        self._shortname = "JointModelComposite"
-        self.kind: Composite | None = None
-        self.joints: StdVec[JointModel] = StdVec()
-        """The joints it is made of."""
-        self.jointPlacements: StdVec[SE3] = StdVec()
-        """Where each is in the moving frame of the one before."""
-        self._names: list[str] = []
-        if parts and isinstance(parts[0], JointModel):
-            self.addJoint(*parts)
-
-    @property
-    def parts(self) -> StdVec[JointModel]:
-        """The joints it is made of."""
-        return self.joints
-
-    @property
-    def njoints(self) -> int:
-        """How many joints it is made of."""
-        return len(self.joints)
-
-    @by_name("joint_model joint_placement name")
-    def addJoint(self, joint: JointModel, placement: SE3 | None = None, name: str = "") -> Self:
-        """Adds a joint, placed in the moving frame of the one before."""
-        if joint.kind is None or isinstance(joint, JointModelComposite):
-            raise InputError(
-                f"JointModelComposite.addJoint was given {joint.shortname()}; expected a plain joint."
-            )
-        place = SE3() if placement is None else placement.copy()
-        self.joints = StdVec([*self.joints, joint.copy()])
-        self.jointPlacements = StdVec([*self.jointPlacements, place])
-        self._names = [*self._names, name]
-        before = ((), ()) if self.kind is None else (self.kind.kinds, self.kind.placements or ())
-        kinds, places = _chain(joint.kind, place._pose())
-        self.kind = Composite((*before[0], *kinds), (*before[1], *places))
-        self.nq, self.nv = self.kind.nq, self.kind.nv
-        return self
-
-    def getJointId(self, joint_name: str) -> int:
-        """The place of the joint that was added under a name. Raises UnknownName with the nearest one."""
-        if joint_name not in self._names:
-            raise UnknownName("part of this joint", joint_name, [n for n in self._names if n])
-        return self._names.index(joint_name)
-
-    def __str__(self) -> str:
-        parts = "".join(f"  {joint.shortname()}\n" for joint in self.joints)
-        return f"JointModelComposite containing following models:\n{parts}"
-
-    __repr__ = __str__
-
-
 JointModelFreeFlyer = _fixed_kind(
     "JointModelFreeFlyer", FreeFlyer(), "Moves freely; q is position and quaternion xyzw, v the body twist."
 )
@@ -289,28 +218,6 @@ def continuous(axis: Any) -> JointModel:
 def prismatic(axis: Any) -> JointModel:
     """A prismatic joint along an axis."""
     return along(axis, (JointModelPX, JointModelPY, JointModelPZ), JointModelPrismaticUnaligned)
-
-
-class JointModelMimic(JointModel):
-    """A joint that follows another one: q = scaling * q_followed + offset.
-
-    `JointModelMimic(followed, scaling, offset)` is of the kind of what it follows; `JointModelMimic(joint, followed,
-    scaling, offset)` of its own.
-    """
-
-    @by_name("joint_model scaling offset")
-    def __init__(self, joint: JointModel, *rest: Any) -> None:
-        followed, scaling, offset = rest if rest and isinstance(rest[0], JointModel) else (joint, *rest)
-        if joint.kind is None or followed.id == NOWHERE or (followed.nq, followed.nv) != (1, 1):
-            raise InputError(
-                "JointModelMimic needs a joint, and a joint with one coordinate that is in the model already, "
-                "such as model.joints[1]."
-            )
-        self._set_kind("JointModelMimic", joint.kind)
-        self._mimic_shortname = joint.shortname()
-        self.nq = self.nv = 0
-        self.mimic = (int(followed.id), float(scaling), float(offset))
-        self.idx_q, self.idx_v = followed.idx_q, followed.idx_v
 
 
 register(*(globals()[_name] for _name in __all__))

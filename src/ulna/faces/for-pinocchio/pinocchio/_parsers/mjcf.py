@@ -16,7 +16,8 @@ from pinocchio._containers.enums import FrameType, GeometryType, ReferenceFrame
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._model import joint_kinds
 from pinocchio._model.frame import Frame
-from pinocchio._model.joint_kinds import JointModel, JointModelComposite
+from pinocchio._model.joint_compositions import JointModelComposite
+from pinocchio._model.joint_model import JointModel
 from pinocchio._model.model import Model
 from pinocchio._parsers.geometry_urdf import geometry_model_of
 from pinocchio._spatial.inertia import Inertia

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from pinocchio._model import joint_kinds
-from pinocchio._model.joint_kinds import JointModel, JointModelComposite
+from pinocchio._model.joint_compositions import JointModelComposite
+from pinocchio._model.joint_model import JointModel
 from pinocchio._model.model import Model
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.random_numbers import generator

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from pinocchio._algorithms import jacobians, kinematics
+from pinocchio._algorithms import frame_motions, jacobians, kinematics
 from pinocchio._containers.arrays import index as checked_index
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._model.model import Model
@@ -99,19 +99,19 @@ class Kinematic:
     framePosition = framePlacement
     """The historic name of `framePlacement`."""
 
-    velocity = _of_velocity(kinematics.getVelocity, "_joint", "The velocity of a joint.")
+    velocity = _of_velocity(frame_motions.getVelocity, "_joint", "The velocity of a joint.")
     acceleration = _of_acceleration(
-        kinematics.getAcceleration, "_joint", "The spatial acceleration of a joint."
+        frame_motions.getAcceleration, "_joint", "The spatial acceleration of a joint."
     )
     classicalAcceleration = classicAcceleration = _of_acceleration(
-        kinematics.getClassicalAcceleration, "_joint", "The acceleration of the point at a joint's origin."
+        frame_motions.getClassicalAcceleration, "_joint", "The acceleration of the point at a joint's origin."
     )
-    frameVelocity = _of_velocity(kinematics.getFrameVelocity, "_frame", "The velocity of a frame.")
+    frameVelocity = _of_velocity(frame_motions.getFrameVelocity, "_frame", "The velocity of a frame.")
     frameAcceleration = _of_acceleration(
-        kinematics.getFrameAcceleration, "_frame", "The spatial acceleration of a frame."
+        frame_motions.getFrameAcceleration, "_frame", "The spatial acceleration of a frame."
     )
     frameClassicalAcceleration = frameClassicAcceleration = _of_acceleration(
-        kinematics.getFrameClassicalAcceleration,
+        frame_motions.getFrameClassicalAcceleration,
         "_frame",
         "The acceleration of the point at a frame's origin.",
     )

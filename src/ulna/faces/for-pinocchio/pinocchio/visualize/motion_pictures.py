@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.kinematics import getFrameVelocity
+from pinocchio._algorithms.frame_motions import getFrameVelocity
 from pinocchio._containers.enums import LOCAL_WORLD_ALIGNED
 from pinocchio._model.model import Model
 from ulna.viewer.page.browser import somebody_can_look

@@ -1,0 +1,150 @@
+"""Velocities and accelerations of joints and frames, after forward kinematics."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from pinocchio._algorithms.frame_arguments import LOCAL, at_frame, repeated_call, split
+from pinocchio._containers.arrays import index
+from pinocchio._containers.enums import reference_of
+from pinocchio._containers.keywords import by_name
+from pinocchio._data.data import Data
+from pinocchio._data.states import compiled_for
+from pinocchio._model.bound_kernels import BoundKernel, not_applicable
+from pinocchio._model.frame import changes
+from pinocchio._model.model import Model
+from pinocchio._spatial.motion_force import Motion
+from ulna import spatial
+from ulna.algorithms.multibody.references import Reference
+from ulna.compiler import compile as compile_function
+from ulna.numeric import cross
+from ulna.typing import Array, Floats
+
+__all__ = [
+    "getAcceleration",
+    "getClassicalAcceleration",
+    "getFrameAcceleration",
+    "getFrameClassicalAcceleration",
+    "getFrameVelocity",
+    "getVelocity",
+]
+
+_HERE = np.eye(4)
+
+
+@repeated_call("joint velocity", motion=True)
+def getVelocity(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
+    """The velocity of a joint, after forwardKinematics with v."""
+    return _joint_motion(model, data, joint_id, reference_frame, "velocity")
+
+
+@repeated_call("joint acceleration", motion=True)
+def getAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
+    """The spatial acceleration of a joint, after forwardKinematics with v and a."""
+    return _joint_motion(model, data, joint_id, reference_frame, "acceleration")
+
+
+@repeated_call("joint classical", motion=True)
+def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
+    """The acceleration of the point at a joint's origin, after forwardKinematics with v and a."""
+    return _joint_motion(model, data, joint_id, reference_frame, "classical")
+
+
+@repeated_call("velocity", motion=True)
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+def getFrameVelocity(
+    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+) -> Motion:
+    """The velocity of a frame (its index, or a joint's and a placement), after forwardKinematics with v."""
+    return _frame_motion(model, data, frame_id, placement, reference_frame, "velocity")
+
+
+@repeated_call("acceleration", motion=True)
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+def getFrameAcceleration(
+    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+) -> Motion:
+    """The spatial acceleration of a frame, after forwardKinematics with v and a; see `getFrameVelocity`."""
+    return _frame_motion(model, data, frame_id, placement, reference_frame, "acceleration")
+
+
+@repeated_call("classical", motion=True)
+@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+def getFrameClassicalAcceleration(
+    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+) -> Motion:
+    """The acceleration of the point at a frame's origin; see `getFrameAcceleration`."""
+    return _frame_motion(model, data, frame_id, placement, reference_frame, "classical")
+
+
+def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -> Motion:
+    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
+    return _motion(model, data, kind, reference_of(rf), joint, _HERE, (joint_id, rf, f"joint {kind}"))
+
+
+def _frame_motion(model: Model, data: Data, frame_id: int, placement: Any, rf: Any, kind: str) -> Motion:
+    where, reference = split(tuple(x for x in (frame_id, placement) if x is not None), rf)
+    key, fixed_frame = at_frame(model, where)
+    if fixed_frame is not None:
+        return _motion(model, data, kind, reference, key[0], where[1]._m)
+    frame, key_part = model.frames[key], (LOCAL if rf is None else rf) if placement is None else placement
+    return _motion(
+        model, data, kind, reference, frame.parentJoint, frame.placement._m, (frame_id, key_part, kind)
+    )
+
+
+def _motion(
+    model: Model,
+    data: Data,
+    kind: str,
+    reference: Reference,
+    joint: int,
+    placement: Floats,
+    place: Any = None,
+) -> Motion:
+    """The motion of a frame out of what the Data holds of its joint; bound at `place` for the next time."""
+    watch = [(changes, changes.copy())]  # joints and frames
+    if data._layout is not model._layout:
+        compiled_for(model, data)
+    if kind == "velocity":
+        data.require(data._qv, "forwardKinematics(model, data, q, v)")
+    else:
+        data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
+    step = data._bound_at.get(place, (not_applicable,))[0] if data._model is model else not_applicable
+    motion = step()  # deferred fields may be filled now
+    if motion is NotImplemented:
+        fields = ("v",) if kind == "velocity" else ("v", "a")
+        arrays = [np.ascontiguousarray(placement), *(data._arrays[x][joint] for x in ("oMi", *fields))]
+        kernel = _seen_from(kind, reference)
+        if place is not None and data._model is model:
+            watch += [(data.mark_of(field), np.zeros(())) for field in fields]
+            data._bound_at[place] = BoundKernel(kernel, watch, given=arrays).call, place[1]
+        motion = kernel(*arrays)
+    return Motion._of(motion)
+
+
+@cache
+def _seen_from(kind: str, reference: Reference) -> Any:
+    """The compiled motion of a frame at a placement in its joint's frame, in a reference."""
+
+    def run(placement: Array, oMi: Array, v: Array, a: Array | None = None) -> Array:
+        T, M = (spatial.SE3(m[:3, :3], m[:3, 3]) for m in (oMi, placement))
+        into = M.inverse()
+        if reference == "world":
+            into = T
+        elif reference == "local_world_aligned":
+            into = spatial.SE3.from_rotation(T.rotation @ M.rotation, np.zeros(3)) @ into
+        velocity = into.act(spatial.Motion(v[:3], v[3:]))
+        if kind == "velocity":
+            return velocity.vector()
+        assert a is not None
+        gain = into.act(spatial.Motion(a[:3], a[3:]))
+        if kind == "classical":
+            gain = spatial.Motion(gain.linear + cross(velocity.angular, velocity.linear), gain.angular)
+        return gain.vector()
+
+    motions: dict[str, Any] = {"v": (6,)} if kind == "velocity" else {"v": (6,), "a": (6,)}
+    return compile_function(run, placement=(4, 4), oMi=(4, 4), **motions)

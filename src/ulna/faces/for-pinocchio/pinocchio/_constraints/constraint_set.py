@@ -1,0 +1,69 @@
+"""Lists of constraints, remembered with the kernels that are bound to them."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+from pinocchio._constraints.frame_pair import changes
+from pinocchio._constraints.rigid_constraint import checked_constraints, structures_of
+from pinocchio._data.data import Data
+from pinocchio._model.model import Model
+
+_MOST_SETS = 8
+"""So many lists of constraints does a Data know."""
+
+
+@final
+class ConstraintSet:
+    """A list of constraints with its data, for one model, and the algorithms bound to them.
+
+    Attributes:
+        live: Of each constraint its placements, gains and wanted acceleration, the arrays that users write to.
+        runs: What is bound, by the key of the algorithm.
+    """
+
+    def __init__(self, model: Model, models: Any, datas: Any) -> None:
+        self.model, self.models, self.datas = model, checked_constraints(model, models, datas), list(datas)
+        self.version, self.shapes = changes[0], structures_of(self.models)
+        self.places = tuple(one._places for one in self.models)
+        self.live = tuple(
+            x
+            for one, known in zip(self.models, self.datas, strict=True)
+            for x in (one._places, one._gains._v, known._views["contact_acceleration_desired"]._v)
+        )
+        self.runs: dict[Any, Any] = {}
+
+    def matches(self, model: Model, models: Any, datas: Any) -> bool:
+        """Whether it was made for these."""
+        return (
+            self.model is model
+            and self.version == changes[0]
+            and models == self.models
+            and datas == self.datas
+        )
+
+
+def constraint_set_of(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet:
+    """The constraints as they are bound to a Data.
+
+    Raises:
+        InputError: see `checked_constraints`; the Data does not fit the model.
+    """
+    constraint_set = known_constraint_set(model, data, models, datas)
+    if constraint_set is None:
+        data.attach(model)
+        models, datas = list(models), list(datas)
+        constraint_set = known_constraint_set(model, data, models, datas)
+    if constraint_set is None:
+        constraint_set = ConstraintSet(model, models, datas)
+        current = [known for known in data._constraint_sets if known.version == changes[0]]
+        data._constraint_sets = [*current, constraint_set][-_MOST_SETS:]
+    return constraint_set
+
+
+def known_constraint_set(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet | None:
+    """The same where they have been bound before, else None."""
+    for constraint_set in data._constraint_sets:
+        if constraint_set.matches(model, models, datas):
+            return constraint_set
+    return None
