@@ -59,13 +59,32 @@ class Plant:
         self._kernels: dict[str, Any] = {}
 
     def acceleration(self, q: Floats, v: Floats, tau: Floats) -> Floats:
-        """Accelerations (nv,) [rad/s^2, m/s^2] under torques `tau` and smooth friction."""
+        """Accelerations under torques and smooth friction.
+
+        Args:
+            q: Configuration, shape (nq,).
+            v: Velocity, shape (nv,) [rad/s or m/s].
+            tau: Torques, shape (nv,) [N m or N].
+
+        Returns:
+            Accelerations, shape (nv,) [rad/s^2 or m/s^2].
+        """
         if self.friction is not None:
             tau = tau + self._friction_torque(v)
         return self._acceleration(q, v, tau)
 
     def euler(self, q: Floats, v: Floats, tau: Floats, dt: float) -> tuple[Floats, Floats]:
-        """Configuration and velocity after a semi-implicit step of `dt` [s], with exact friction."""
+        """A semi-implicit step with exact friction.
+
+        Args:
+            q: Configuration, shape (nq,).
+            v: Velocity, shape (nv,) [rad/s or m/s].
+            tau: Torques, shape (nv,) [N m or N].
+            dt: The step [s].
+
+        Returns:
+            Configuration and velocity after the step.
+        """
         if self._is_bound:
             free = v + dt * self.acceleration(q, v, tau)
             return self._integrate(q, dt * free), free
@@ -75,7 +94,18 @@ class Plant:
         return self._integrate(q, dt * free), free
 
     def rk4(self, q: Floats, v: Floats, torque: Torque, t: float, dt: float) -> tuple[Floats, Floats]:
-        """Configuration and velocity after a step of `dt` [s] of fourth order; asks for torques four times."""
+        """A Runge-Kutta step of fourth order.
+
+        Args:
+            q: Configuration, shape (nq,).
+            v: Velocity, shape (nv,) [rad/s or m/s].
+            torque: Returns the torques; called four times.
+            t: The time at the start [s].
+            dt: The step [s].
+
+        Returns:
+            Configuration and velocity after the step.
+        """
         rates = [self._rates(q, np.zeros_like(v), v, torque, t)]
         for part in (0.5, 0.5, 1.0):
             du, dv = rates[-1]

@@ -23,10 +23,16 @@ class Recording:
         self._columns: dict[str, Floats] = {}
 
     def add(self, t: float, q: ArrayLike, **notes: Any) -> None:
-        """Append a row: a time [s], a configuration (nq,), and notes by name.
+        """Append a row.
+
+        Args:
+            t: The time [s].
+            q: The configuration, shape (nq,).
+            notes: Further columns by name.
 
         Raises:
-            ShapeError: A number of entries differs from that of the rows before.
+            ShapeError: A shape differs from that of the rows before.
+            InputError: A column holds no numbers.
         """
         if self._count == self._capacity:
             self._capacity = 2 * self._capacity or 64

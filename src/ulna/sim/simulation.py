@@ -158,7 +158,12 @@ class Simulation:
     def run(
         self, duration: float, dt: float = 0.01, until: Callable[[Simulation], object] | None = None
     ) -> None:
-        """Step for `duration` [s], or until `until` returns true.
+        """Step for some time, or until a condition holds.
+
+        Args:
+            duration: How long [s].
+            dt: About how long a step is [s]; the duration is divided into equal steps.
+            until: Called after each step with the simulation; true ends the run.
 
         Raises:
             InputError: A time is not above zero.

@@ -21,10 +21,18 @@ AXIS_COLOURS: tuple[RGBA, RGBA, RGBA] = (
 
 
 def tessellate(shape: Shape, rgba: RGBA = DEFAULT_COLOUR, around: int = FACETS) -> Surface:
-    """The surface of a simple shape in its own frame.
+    """The surface of a primitive shape in its own frame.
+
+    Args:
+        shape: A shape of `ulna.geometry` other than a mesh.
+        rgba: Its colour.
+        around: Facets around a round shape.
+
+    Returns:
+        The surface.
 
     Raises:
-        InputError: For a shape that is not a simple one (meshes are loaded by `meshes.load_mesh`).
+        InputError: The shape is a mesh; `load_mesh` reads these.
     """
     match shape:
         case Box():

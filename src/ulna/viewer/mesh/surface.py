@@ -72,7 +72,15 @@ class Surface:
         object.__setattr__(self, "rgba", colour(self.rgba))
 
     def moved(self, pose: Array, scale: Iterable[float] = (1.0, 1.0, 1.0)) -> Surface:
-        """The surface scaled along its own axes, then placed at `pose`, (4, 4); turned over if mirrored."""
+        """The surface scaled along its axes, then moved; triangles are flipped where it is mirrored.
+
+        Args:
+            pose: T_target_surface, shape (4, 4).
+            scale: A factor along each axis.
+
+        Returns:
+            The new surface.
+        """
         factors = np.asarray(tuple(scale), dtype=float)
         rotation, translation = np.asarray(pose, dtype=float)[:3, :3], np.asarray(pose, dtype=float)[:3, 3]
         linear = rotation * factors

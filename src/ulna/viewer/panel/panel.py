@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import contextlib
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any, TypeVar, final
+from collections.abc import Callable, Sequence
+from typing import Any, final
 
 import numpy as np
 
 from ulna.checks.values import count, duration, flag, function, number, text
 from ulna.errors import InputError
 from ulna.typing import Floats
-from ulna.viewer.page import Page
 from ulna.viewer.page.gizmo import Gizmo, add_gizmo
 from ulna.viewer.panel.choices import ButtonMenu, Buttons, Choice, RadioBoxes, checked_choices
-from ulna.viewer.panel.controls import Button, Checkbox, Control, Folder, OfflineHandle, Text, with_unit
+from ulna.viewer.panel.controls import Button, Checkbox, OfflineHandle, Text, with_unit
+from ulna.viewer.panel.panel_base import PanelBase
 from ulna.viewer.panel.plot import LINE_COLOURS, Plot
 from ulna.viewer.panel.sliders import Number, Slider, check_limits, check_step
 
 _MAX_BUTTONS = 6  # choices from which on buttons become a menu
-_C = TypeVar("_C", bound=Control)
 
 
 def ignore_value(_: Any) -> None:
@@ -28,7 +25,7 @@ def ignore_value(_: Any) -> None:
 
 
 @final
-class Panel:
+class Panel(PanelBase):
     """Controls beside the scene.
 
     Functions that handle a change are called with the new value on one thread, one after the other, of each control
@@ -38,24 +35,6 @@ class Panel:
     Args:
         page: The page, or None to store values only.
     """
-
-    def __init__(self, page: Page | None) -> None:
-        self._page = page
-        self._gui: Any = None if page is None else page.server.gui
-        self._open_folders = threading.local()  # folders that this thread is within
-
-    @contextlib.contextmanager
-    def folder(self, label: str, open: bool = True) -> Iterator[Folder]:
-        """Controls that are made within stand together under a heading."""
-        heading = self._add("folder", label, expand_by_default=flag("open", open))
-        out = self._register(Folder(heading, label))
-        around = getattr(self._open_folders, "folder", None)
-        with heading:
-            self._open_folders.folder = out
-            try:
-                yield out
-            finally:
-                self._open_folders.folder = around
 
     def slider(
         self,
@@ -69,7 +48,20 @@ class Panel:
         unit: str = "",
         hint: str | None = None,
     ) -> Slider:
-        """A slider from `low` to `high`, beginning at `value`.
+        """Add a slider.
+
+        Args:
+            label: The text beside it.
+            low: The least value.
+            high: The largest value.
+            value: The first value; `low` when not given.
+            on_change: Called with the new value when a user changes it.
+            step: From one value to the next; a thousandth of the range when not given.
+            unit: The unit, shown in brackets.
+            hint: Text shown while the pointer is over it.
+
+        Returns:
+            The slider; its value, limits, step, label and unit can be assigned to.
 
         Raises:
             InputError: `low` is not below `high`, `step` is not above zero, or a number is not finite.
@@ -90,7 +82,20 @@ class Panel:
         *,
         unit: str = "",
     ) -> Number:
-        """A number to type."""
+        """Add a number field.
+
+        Args:
+            label: The text beside it.
+            value: The first value.
+            on_change: Called with the new value when a user changes it.
+            unit: The unit, shown in brackets.
+
+        Returns:
+            The number field.
+
+        Raises:
+            InputError: `value` is no finite number.
+        """
         text("label", label)
         function("on_change", on_change)
         handle = self._add("number", with_unit(label, unit), number("value", value))
@@ -99,7 +104,19 @@ class Panel:
     def checkbox(
         self, label: str, value: bool = False, on_change: Callable[[bool], None] = ignore_value
     ) -> Checkbox:
-        """A box to tick."""
+        """Add a checkbox.
+
+        Args:
+            label: The text beside it.
+            value: Whether it is checked at first.
+            on_change: Called with the new value when a user changes it.
+
+        Returns:
+            The checkbox.
+
+        Raises:
+            InputError: `value` is not True or False.
+        """
         function("on_change", on_change)
         return self._register_listening(
             Checkbox(self._add("checkbox", label, flag("value", value)), label), on_change
@@ -112,7 +129,16 @@ class Panel:
         value: str | None = None,
         on_change: Callable[[str], None] = ignore_value,
     ) -> Choice:
-        """A menu of which one is chosen.
+        """Add a menu.
+
+        Args:
+            label: The text beside it.
+            options: What can be chosen, each once.
+            value: The first choice; the first option when not given.
+            on_change: Called with the new value when a user changes it.
+
+        Returns:
+            The menu.
 
         Raises:
             InputError: There are no options, or one twice.
@@ -131,7 +157,16 @@ class Panel:
         value: str | None = None,
         on_change: Callable[[str], None] = ignore_value,
     ) -> Choice:
-        """Boxes of which exactly one is ticked.
+        """Add radio boxes, of which exactly one is checked.
+
+        Args:
+            label: The text beside it.
+            options: What can be chosen, each once.
+            value: The first choice; the first option when not given.
+            on_change: Called with the new value when a user changes it.
+
+        Returns:
+            The boxes.
 
         Raises:
             InputError: There are no options, or one twice.
@@ -157,7 +192,19 @@ class Panel:
         return out
 
     def button(self, label: str, on_click: Callable[[], None], *, hint: str | None = None) -> Button:
-        """A button; `value` counts how often it was clicked."""
+        """Add a button; its `value` counts clicks.
+
+        Args:
+            label: The text on it.
+            on_click: Called when it is clicked.
+            hint: Text shown while the pointer is over it.
+
+        Returns:
+            The button.
+
+        Raises:
+            InputError: `on_click` is no function.
+        """
         function("on_click", on_click)
         out = self._register(Button(self._add("button", label, hint=hint), label))
 
@@ -169,7 +216,19 @@ class Panel:
         return out
 
     def buttons(self, label: str, options: Sequence[str], on_click: Callable[[str], None]) -> Buttons:
-        """A row of buttons, or a menu of many with one button to press; calls `on_click` with what was chosen."""
+        """Add a row of buttons; many options become a menu with one button.
+
+        Args:
+            label: The text beside it.
+            options: The texts on the buttons, each once.
+            on_click: Called with the option that is clicked.
+
+        Returns:
+            The buttons.
+
+        Raises:
+            InputError: There are no options, or one twice.
+        """
         names, _ = checked_choices(label, options, None)
         function("on_click", on_click)
         if len(names) <= _MAX_BUTTONS:
@@ -230,7 +289,7 @@ class Panel:
     def gizmo(
         self, name: str, pose: Floats, on_drag: Callable[[tuple[Floats, str]], None], size: float = 0.2
     ) -> Gizmo:
-        """A pose to drag; `on_drag` is called with (T_world_gizmo, "start" | "update" | "end").
+        """Add a pose to drag to the scene; arguments as for `ulna.viewer.page.gizmo.add_gizmo`.
 
         Raises:
             InputError: There is no page.
@@ -238,49 +297,3 @@ class Panel:
         if self._page is None:
             raise InputError("There is no page to drag anything in.")
         return add_gizmo(self._page, name, pose, on_drag, size)
-
-    def _add(self, kind: str, label: str, *value: Any, **more: Any) -> Any:
-        """A control of the page, or its substitute without a page."""
-        text("label", label)
-        if more.get("hint") is not None:
-            text("hint", more["hint"])
-        if self._gui is None:
-            return OfflineHandle(label=label, **({"value": value[0]} if value else {}), **more)
-        more.pop("value", None)
-        add = getattr(self._gui, f"add_{kind}")
-        return add(label, **more, **({"initial_value": value[0]} if value else {}))
-
-    def _register(self, control: _C) -> _C:
-        around = getattr(self._open_folders, "folder", None)
-        if around is not None:
-            around.add_child(control)
-        return control
-
-    def _register_listening(self, control: Any, on_change: Callable[[Any], None]) -> Any:
-        handle = control._handle
-        self._listen(handle, "on_update", on_change, lambda: handle.value, lambda: control.removed)
-        return self._register(control)
-
-    def _listen(
-        self,
-        handle: Any,
-        event: str,
-        function: Callable[[Any], None],
-        value: Callable[[], Any],
-        removed: Callable[[], bool],
-        each: bool = False,
-    ) -> None:
-        """Call `function` with the result of `value` when a user changed it: with the newest only, or with `each`."""
-        page = self._page
-        if page is None or page.closed:
-            return
-
-        def call(value: Any) -> None:
-            if not removed():
-                function(value)
-
-        async def changed(event: Any) -> None:
-            if event.client is not None:  # not for a value that the program set
-                page.post_event(None if each else id(handle), call, value())
-
-        getattr(handle, event)(changed)

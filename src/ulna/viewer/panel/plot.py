@@ -77,10 +77,14 @@ class Plot(Control):
         self._set("title", with_unit(self._label, self._unit))
 
     def add(self, t: float, values: ArrayLike) -> None:
-        """Append a row: the time [s], and a number for each line.
+        """Append a row.
+
+        Args:
+            t: The time [s]; one before that of the last row clears the plot.
+            values: A number for each line.
 
         Raises:
-            ShapeError: There are more or fewer numbers than lines.
+            ShapeError: The count of numbers is not that of lines.
         """
         row, t = np.atleast_1d(finite_array("values", values)), number("t", t, "a time [s]")
         if row.shape != (len(self._names),):

@@ -16,7 +16,15 @@ _FLOAT = np.dtype(float)
 
 
 def configuration(robot: Any, q: ArrayLike | str | None) -> Floats:
-    """A configuration (nq,) from an array, a name of `robot.configurations`, or None for the usual one.
+    """A configuration from an array or a name.
+
+    Args:
+        robot: The robot.
+        q: An array (nq,), a name in `robot.configurations`, or None for the
+            first of "qr", "ready", "home" and all names that exists, else neutral.
+
+    Returns:
+        A copy, shape (nq,) [rad or m].
 
     Raises:
         UnknownName: The robot has no configuration of that name.

@@ -1,5 +1,5 @@
-// What runs before viser's program, written for viser 1.1: the hook is there before any message, and a tab whose program
-// ended looks for the next one four times a second, but leaves an attempt that is under way the time it needs.
+// Runs before viser's program, written for viser 1.1: installs the hook before any message arrives, and lets a tab whose
+// program ended try to reconnect four times a second, without interrupting an attempt that is under way.
 (() => {
   let page;
   Object.defineProperty(window, "__viserMutable", {configurable: true, get: () => page, set: now => {

@@ -1,18 +1,18 @@
 // No frame is drawn for messages that show nothing new. Where a processor draws, a heavy surface has few of its triangles
 // while anything moves, and all of them in one frame when it rests.
 //
-// `page.ulnaNews` says whether messages since the last request for a frame show something new; null when there were none.
+// `page.ulnaChanged` says whether messages since the last request for a frame show something new; null when there were none.
 (() => {
   const page = window.__viserMutable;
   const REST = 300, FRAMES = 2;  // ms and frames after the last request; viser's own end before that
-  if (!page || page.ulnaNews !== undefined) return;
+  if (!page || page.ulnaChanged !== undefined) return;
   const met = new WeakSet();
   let ask = page.requestRender, asked = 0, since = 0, whole = "";
-  page.ulnaNews = null;
+  page.ulnaChanged = null;
   const request = () => {
-    const news = page.ulnaNews;
-    page.ulnaNews = null;
-    if (news !== false) frames();
+    const changed = page.ulnaChanged;
+    page.ulnaChanged = null;
+    if (changed !== false) frames();
   };
   const frames = () => {
     asked = performance.now();

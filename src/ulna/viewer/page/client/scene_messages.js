@@ -1,50 +1,50 @@
-// How messages with poses and looks reach viser's page, written for viser 1.1. Names in capitals are filled in.
+// How messages with poses and appearances are processed in viser's page, written for viser 1.1. Names in capitals are filled in.
 //
-// The page puts messages into a queue and empties it before each frame. The hook takes messages with poses out
-// and writes them where the page keeps the newest pose of each node, so that they never pile up. Looks are put on the
-// materials of meshes, ten times a second on those that were loaded since; what has lost its look becomes plain.
-// The floor is drawn before whatever lets light through: farther away than its middle, that would be painted over.
-// Words are drawn by the browser, in the fonts that it has, on a square that is turned to whoever looks.
+// The page puts messages into a queue and empties it before each frame. The hook removes messages with poses and writes
+// them where the page stores the newest pose of each node, so that they never accumulate. Appearances are applied to the
+// materials of meshes, ten times a second for meshes that were loaded since; a node without one gets the default.
+// The floor is drawn before translucent nodes: it is sorted by its centre, and would be drawn over them.
+// Labels are drawn by the browser, in the fonts that it has, on a square that faces the camera.
 (() => {
   document.title = TITLE;
   const page = window.__viserMutable;
   if (!page) return;
-  // viser counts a tab when it has told of its camera, which it does once, and a busy tab before anybody hears it
+  // viser counts a tab once it has sent its camera; a busy tab sends it before the server listens, so send it again
   for (let wait = 500; wait < 4e4; wait *= 2) setTimeout(() => page.sendCamera?.(), wait);
   if (page.messageQueue.ulna) return;
   const queue = page.messageQueue, push = Array.prototype.push;
-  const say = news => { page.ulnaNews = news || !!page.ulnaNews; };
+  const markChanged = changed => { page.ulnaChanged = changed || !!page.ulnaChanged; };
   const apply = ({names, p}) => {
-    let news = false;
+    let changed = false;
     names.forEach((name, i) => {
       const pose = page.nodePoseData[name], k = 7 * i;
       if (!pose || pose.position.every((x, j) => x === p[k + j]) && pose.wxyz.every((x, j) => x === p[k + 3 + j])) return;
       pose.position = [p[k], p[k + 1], p[k + 2]];
       pose.wxyz = [p[k + 3], p[k + 4], p[k + 5], p[k + 6]];
       if (pose.poseUpdateState !== "waitForMakeObject") pose.poseUpdateState = "needsUpdate";
-      news = true;
+      changed = true;
     });
-    return news;
+    return changed;
   };
   const redraw = () => {
-    say(true);
+    markChanged(true);
     page.requestRender();
   };
-  // a tab that can be seen beside the program comes back when that runs again, without a click
+  // a visible tab reconnects when the program runs again, without a click
   document.hasFocus = () => document.visibilityState === "visible";
   document.addEventListener("visibilitychange", () => window.dispatchEvent(new Event("focus")));
-  let wanted = new Map();
-  const worn = new Set(), plain = [-1, -1, -1, 1, 1, 1, 1];
-  const write = (mesh, words) => {
-    if (mesh.userData.said === words) return false;
+  let requested = new Map();
+  const styled = new Set(), defaultAppearance = [-1, -1, -1, 1, 1, 1, 1];
+  const drawText = (mesh, words) => {
+    if (mesh.userData.shownText === words) return false;
     const m = mesh.material, lines = words.split("\n"), font = "96px system-ui, sans-serif";
     const canvas = document.createElement("canvas"), pen = canvas.getContext("2d");
-    const fresh = mesh.userData.said === undefined, height = mesh.userData.words;
+    const fresh = mesh.userData.shownText === undefined, height = mesh.userData.words;
     pen.font = font;
     canvas.width = Math.max(1, ...lines.map(line => Math.ceil(pen.measureText(line).width)));
     canvas.height = 120 * lines.length;
     pen.fillRect(0, 0, canvas.width, canvas.height);
-    pen.font = font;  // a canvas that gets a size forgets
+    pen.font = font;  // setting the size of a canvas resets the font
     pen.fillStyle = "white";
     lines.forEach((line, k) => pen.fillText(line, 0, 120 * k + 96));
     const Texture = (m.map ?? m.alphaMap).constructor;
@@ -54,7 +54,7 @@
     m.alphaMap.needsUpdate = m.needsUpdate = true;
     m.map = null;
     m.toneMapped = m.depthWrite = false;
-    mesh.userData.said = words;
+    mesh.userData.shownText = words;
     mesh.frustumCulled = false;
     mesh.onBeforeRender = (renderer, scene, camera) => {
       const p = mesh.parent.matrixWorld.elements, c = camera.matrixWorld.elements, e = mesh.matrixWorld.elements;
@@ -68,36 +68,36 @@
     };
     return true;
   };
-  const dress = (name, look, words) => {
+  const setAppearance = (name, look, words) => {
     const node = page.nodeRefFromName[name];
     if (!node) return false;
-    let news = false;
-    const set = (thing, key, value) => { if (thing[key] !== value) { thing[key] = value; news = true; } };
+    let changed = false;
+    const set = (thing, key, value) => { if (thing[key] !== value) { thing[key] = value; changed = true; } };
     if (node.scale.x !== look[4] || node.scale.y !== look[5] || node.scale.z !== look[6]) {
       node.scale.set(look[4], look[5], look[6]);
-      news = true;
+      changed = true;
     }
     node.traverse(mesh => {
       const m = mesh.material;
       if (!m || !m.color || m.isShaderMaterial) return;
-      if (words !== undefined && mesh.userData.words) news = write(mesh, words) || news;
+      if (words !== undefined && mesh.userData.words) changed = drawText(mesh, words) || changed;
       const own = m.userData.ulna ??= {color: m.color.clone(), map: m.map, opacity: m.opacity,
         transparent: m.transparent, depthWrite: m.depthWrite, side: m.side, cast: mesh.castShadow};
       const tinted = look[0] >= 0, opacity = own.opacity * look[3], clear = opacity < 0.999;
       const color = tinted ? m.color.clone().setRGB(look[0], look[1], look[2]) : own.color;
-      if (!m.color.equals(color)) { m.color.copy(color); news = true; }
+      if (!m.color.equals(color)) { m.color.copy(color); changed = true; }
       set(m, "map", tinted ? null : own.map);
       set(m, "opacity", opacity);
       set(m, "depthWrite", own.depthWrite && !clear);
       set(m, "side", clear ? 0 : own.side);
       set(m, "transparent", own.transparent || clear);
       set(mesh, "castShadow", own.cast && !clear);
-      if (news) m.needsUpdate = true;
+      if (changed) m.needsUpdate = true;
     });
-    if (news) redraw();
+    if (changed) redraw();
     return true;
   };
-  // the picture behind all is drawn last, where nothing else was: a depth of its own for each sample costs a processor much
+  // the background is drawn last, only where nothing else is: writing its depth is slow with software rendering
   const backdrop = () => {
     const m = page.backgroundMaterial, mesh = m && page.scene?.children.find(o => o.material === m);
     if (!mesh || m.userData.ulna) return;
@@ -126,31 +126,31 @@
     m.needsUpdate = true;
     redraw();
   };
-  const wear = () => {
+  const applyAppearances = () => {
     backdrop();
     page.nodeRefFromName[FLOOR]?.traverse(part => { part.renderOrder = -1; });
-    wanted.forEach(([look, words], name) => dress(name, look, words) && worn.add(name));
-    worn.forEach(name => wanted.has(name) || (dress(name, plain), worn.delete(name)));
+    requested.forEach(([look, words], name) => setAppearance(name, look, words) && styled.add(name));
+    styled.forEach(name => requested.has(name) || (setAppearance(name, defaultAppearance), styled.delete(name)));
   };
-  const looks = ({names, v, words}) => {
-    wanted = new Map(names.map((name, i) => [name, [Array.from(v.slice(7 * i, 7 * i + 7)), words[name]]]));
-    wear();
+  const onAppearances = ({names, v, words}) => {
+    requested = new Map(names.map((name, i) => [name, [Array.from(v.slice(7 * i, 7 * i + 7)), words[name]]]));
+    applyAppearances();
   };
-  setInterval(wear, 100);
+  setInterval(applyAppearances, 100);
   Object.defineProperty(queue, "ulna", {value: true});
   Object.defineProperty(queue, "push", {value: (...messages) => {
     for (const m of messages) {
       const update = m.type === "SceneNodeUpdateMessage";
-      if (update && m.name === POSES) say(apply(m.updates));
+      if (update && m.name === POSES) markChanged(apply(m.updates));
       else if (update && m.name === APPEARANCES) {
-        looks(m.updates);
-        say(false);  // it asked for a frame where it needed one
+        onAppearances(m.updates);
+        markChanged(false);  // it requested a frame where it needed one
       } else {
-        say(true);
+        markChanged(true);
         push.call(queue, m.type === "EnvironmentMapMessage" && page.ulnaSoftware ? {...m, hdri_data: null} : m);
       }
     }
     return queue.length;
   }});
-  queue.push(...queue.splice(0));  // what came before the hook
+  queue.push(...queue.splice(0));  // messages that arrived before the hook
 })();
