@@ -30,7 +30,7 @@ def _is_symbolic(value: Any) -> bool:
     return True
 
 
-def refuse_masked(name: str, value: Any) -> None:
+def check_not_masked(name: str, value: Any) -> None:
     """Refuse a masked array, or a list with one, that masks any entry: its numbers would be used as if they counted.
 
     Args:

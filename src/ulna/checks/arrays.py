@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.checks.values import MAX_LENGTH, real_number, short_repr
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
-from ulna.numeric import is_symbolic, refuse_masked
+from ulna.numeric import check_not_masked, is_symbolic
 from ulna.typing import Array, Floats
 
 ROTATION_TOLERANCE = 1e-6
@@ -22,7 +22,7 @@ def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
     Raises:
         InputError, NonFiniteError: They are not, or rows differ in length.
     """
-    refuse_masked(name, value)
+    check_not_masked(name, value)
     try:
         raw = np.asarray(value)
         if raw.dtype.kind not in "fiu" and raw.size:
@@ -90,7 +90,7 @@ def batched_array(name: str, value: Any, shape: tuple[int, ...], fix: str = "") 
         NonFiniteError: nan or inf among the numbers.
     """
     expected = "(" + ", ".join(["...", *map(str, shape)]) + ")"
-    refuse_masked(name, value)
+    check_not_masked(name, value)
     try:
         array = np.asarray(value)
     except ValueError:

@@ -60,8 +60,8 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Tasks and limits are loaded when first named: `robot.ik` does without them."""
     if name in __all__ or name == "differential":
-        room = importlib.import_module("ulna.ik.differential")
-        return room if name == "differential" else getattr(room, name)
+        package = importlib.import_module("ulna.ik.differential")
+        return package if name == "differential" else getattr(package, name)
     raise AttributeError(f"module 'ulna.ik' has no attribute {name!r}")
 
 

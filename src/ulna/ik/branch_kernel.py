@@ -1,4 +1,4 @@
-"""The compiled kernel behind `ik_all`, bare, for hot loops: a pose in, every branch with its worth out."""
+"""The compiled kernel behind `ik_all`, bare, for hot loops: a pose in, every branch with its errors out."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ class BranchKernel:
 
     Attributes:
         gufunc: What it calls: (T, T_base, held, branch, base, centre) -> (q, worth), see `ulna.ik.analytic.closed`.
-        method: How it works, in words.
+        method: How it works, as a sentence.
         free: Name of the joint that `held` is the value of; None where there is none.
     """
 
     def __init__(self, model: Model, frame: str, joints: Sequence[str] | None, free: str | None) -> None:
         names = None if joints is None else tuple(joints)
-        rest = np.clip(model.neutral, model.lower_position, model.upper_position)
-        held = tuple(rest[list(between(model, frame, names))].tolist())
+        default_start = np.clip(model.neutral, model.lower_position, model.upper_position)
+        held = tuple(default_start[list(between(model, frame, names))].tolist())
         source = source_of(model, frame, names, free, held)
         if not isinstance(source, ClosedForm):
             raise InputError(
                 f"The arm that carries {frame!r} has no closed form: {source.method}. Use ik_all."
             )
-        self._source, self._rest = source, rest
+        self._source, self._default_start = source, default_start
         self.gufunc = source.kernel.gufunc
         self.method = source.method
         self.free = None if source.free is None else source.arm.names[source.free]
@@ -50,7 +50,7 @@ class BranchKernel:
             held: Value of the free joint, (...).
         """
         source = self._source
-        base = (self._rest if q0 is None else q0)[..., None, :]
+        base = (self._default_start if q0 is None else q0)[..., None, :]
         centre = source.centre if q0 is None else base[..., source.index]
         at = source.base(base)
         return self.gufunc(

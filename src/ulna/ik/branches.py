@@ -1,4 +1,4 @@
-"""Every way of an arm to reach a pose: distinct, within limits, certified by forward kinematics."""
+"""Every configuration of an arm that reaches a pose: distinct, within limits, certified by forward kinematics."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ulna.errors import InputError, ShapeError
 from ulna.ik.analytic.candidates import Source, between, source_of
 from ulna.ik.analytic.sift import Sift
 from ulna.model import Model
-from ulna.numeric import refuse_masked
+from ulna.numeric import check_not_masked
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
 
 _ONE = np.zeros(1)
-_ROWS = 100_000  # configurations looked at together, which bounds memory
+_ROWS = 100_000  # configurations processed together, which bounds memory
 
 
 @final
@@ -27,8 +27,8 @@ _ROWS = 100_000  # configurations looked at together, which bounds memory
 class Branches:
     """The solutions of one pose, or of a batch of poses.
 
-    Of one pose, the arrays hold exactly its solutions; of a batch, each pose has room for the most any of them has, and
-    what is not needed is nan. `batch[i]` are the solutions of pose i.
+    Of one pose, the arrays hold exactly its solutions; of a batch, each pose has as many rows as the most any
+    of them has, and unused rows are nan. `batch[i]` are the solutions of pose i.
 
     Attributes:
         q: Configurations, (..., k, nq) [rad or m], the nearest to `q0` first where it was given.
@@ -80,11 +80,11 @@ class Branches:
         if self.q.ndim == 2:
             return self.q[index]
         q, here = self.q[index], self.position_error[index]
-        rest = (here, self.rotation_error[index], self.found[index], self.miss[index])
+        details = (here, self.rotation_error[index], self.found[index], self.miss[index])
         if q.ndim == 2:
             known = np.isfinite(here)
-            q, rest = q[known], (here[known], rest[1][known], int(rest[2]), rest[3])
-        return Branches(q, *rest, self.complete, self.method)
+            q, details = q[known], (here[known], details[1][known], int(details[2]), details[3])
+        return Branches(q, *details, self.complete, self.method)
 
     def __repr__(self) -> str:
         what = "all" if self.complete else "found"
@@ -129,7 +129,7 @@ def ik_all(
 
 def _goals(T: Any) -> Floats:
     """The goals (..., 4, 4); a rotation that is none shows when forward kinematics does not meet it, see `Sift`."""
-    refuse_masked("T", T)
+    check_not_masked("T", T)
     if isinstance(T, np.ndarray) and T.dtype == np.float64 and T.shape[-2:] == (4, 4):
         return T
     if isinstance(T, SE3):
@@ -140,8 +140,8 @@ def _goals(T: Any) -> Floats:
 def _start(model: Model, q0: ArrayLike | None, batch: tuple[int, ...]) -> Floats:
     """The configurations (*batch, nq) of all joints before the arm's are found."""
     if q0 is None:
-        rest = _rest(model)
-        return np.broadcast_to(rest, (*batch, model.nq)) if batch else rest
+        default = _clipped_neutral(model)
+        return np.broadcast_to(default, (*batch, model.nq)) if batch else default
     q = batched_array("q0", q0, (model.nq,))
     try:
         return np.broadcast_to(q, (*batch, model.nq))
@@ -152,7 +152,7 @@ def _start(model: Model, q0: ArrayLike | None, batch: tuple[int, ...]) -> Floats
 
 
 @lru_cache(maxsize=64)
-def _rest(model: Model) -> Floats:
+def _clipped_neutral(model: Model) -> Floats:
     return np.clip(model.neutral, model.lower_position, model.upper_position)
 
 
@@ -190,30 +190,30 @@ def _values(model: Model, source: Source, samples: int | ArrayLike, q0: Floats |
         raise InputError(
             f"Joint {axis.name!r} has no limits to sample between; give `samples` as values, or limits in the model."
         )
-    own = np.unique(q0[..., axis.index]) if q0 is not None else _ONE[:0]
-    return np.concatenate([own, grid]) if len(own) == 1 else grid
+    start_values = np.unique(q0[..., axis.index]) if q0 is not None else _ONE[:0]
+    return np.concatenate([start_values, grid]) if len(start_values) == 1 else grid
 
 
 def _method(source: Source, values: Floats) -> str:
     if source.free is None:
         return source.method
     name = source.arm.axes[source.free].name
-    spread = (
+    sampled = (
         f"{len(values)} values from {values.min():.3g} to {values.max():.3g}" if len(values) else "no value"
     )
-    return f"{source.method}; joint {name} at {spread}"
+    return f"{source.method}; joint {name} at {sampled}"
 
 
 def _packed(poses: list[Any], batch: tuple[int, ...], nq: int, complete: bool, method: str) -> Branches:
     if not batch:
-        q, position, rotation, found, miss = poses[0]
-        return Branches(q, position, rotation, int(found), miss, complete, method)
+        q, position, rotation, reachable, miss = poses[0]
+        return Branches(q, position, rotation, int(reachable), miss, complete, method)
     most = max((len(pose[0]) for pose in poses), default=0)
     q = np.full((len(poses), most, nq), np.nan)
     errors = np.full((2, len(poses), most), np.nan)
     for i, (rows, position, rotation, _, _) in enumerate(poses):
         q[i, : len(rows)], errors[0, i, : len(rows)], errors[1, i, : len(rows)] = rows, position, rotation
-    found = np.array([pose[3] for pose in poses], dtype=int).reshape(batch)
+    reachable = np.array([pose[3] for pose in poses], dtype=int).reshape(batch)
     miss = np.array([pose[4] for pose in poses]).reshape(*batch, 2)
     errors = errors.reshape(2, *batch, most)
-    return Branches(q.reshape(*batch, most, nq), errors[0], errors[1], found, miss, complete, method)
+    return Branches(q.reshape(*batch, most, nq), errors[0], errors[1], reachable, miss, complete, method)

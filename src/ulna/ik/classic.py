@@ -28,23 +28,23 @@ import numpy as np
 from ulna import algorithms, numeric
 from ulna.compiler import Function, compile, trace
 from ulna.errors import InputError, UnknownName
-from ulna.ik.goal import Mask, squared_tolerances
-from ulna.ik.problem import Errors, Problem, errors
-from ulna.ik.qp import solve_box
-from ulna.ik.question import (
+from ulna.ik.acceptance import acceptance, are_rotations, unwound
+from ulna.ik.arguments import (
     check_count,
+    check_goal_shape,
     check_tolerances,
+    default_start,
     matrix_of,
     poses_of_parts,
     problem_of,
-    refuse,
-    refuse_shape,
-    rest,
+    raise_invalid_pose,
     shift_of,
 )
+from ulna.ik.goal import Mask, squared_tolerances
+from ulna.ik.problem import Errors, Problem, errors
+from ulna.ik.qp import solve_box
 from ulna.ik.result import IKSolution
-from ulna.ik.search import start
-from ulna.ik.verdict import are_rotations, unwound, verdict
+from ulna.ik.search import starting_point
 from ulna.linalg import solve_damped, solve_spd
 from ulna.model import Model
 from ulna.typing import Array
@@ -73,9 +73,9 @@ _SINGULAR = 1e-14  # keeps the pseudoinverse finite where J loses rank
 def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function:
     """A classic solver as a kernel.
 
-    Inputs: T and q0 as those of `search.race`, shift (d,) of the starting points, settings as `SETTINGS` names them.
-    Output as that of `search.race`, with iterations of all searches in place of steps, and the number of searches that
-    had failed before in place of the starting point.
+    Inputs: T and q0 as those of `search.multi_start`, shift (d,) of the starting points, settings as `SETTINGS` names
+    them. Output as that of `search.multi_start`, with iterations of all searches in place of steps, and the number of
+    searches that had failed before in place of the starting point.
     """
     n = len(problem.positions)
 
@@ -103,7 +103,7 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
                 if wish is not None:
                     dq = dq + wish - solve_damped(at.J, at.J @ wish, _SINGULAR)
             moved = problem.moved(q, dq)
-            anew = start(problem, q0, shift, failed + 1.0, 1.0)
+            anew = starting_point(problem, q0, shift, failed + 1.0, 1.0)
             following = numeric.where(is_met, q, numeric.where(over, anew, moved))
             return (
                 *following[problem.positions],
@@ -115,9 +115,9 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
 
         state = numeric.loop(go_on, body, (*q0[problem.positions], 0.0, 0.0, 0.0, 0.0), 2**30)
         q = unwound(problem, problem.replaced(q0, state[:n]), q0, 0.0)
-        said = verdict(problem, q, goals, tolerances, is_valid, state[n + 1], state[n + 2])
-        within = numeric.where(_is_within(problem, q), said[0], numeric.minimum(said[0], 0.0))
-        return numeric.vector(*q, within, *said[1:])
+        report = acceptance(problem, q, goals, tolerances, is_valid, state[n + 1], state[n + 2])
+        within = numeric.where(_is_within(problem, q), report[0], numeric.minimum(report[0], 0.0))
+        return numeric.vector(*q, within, *report[1:])
 
     shapes: dict[str, Any] = {**problem.shapes, "shift": (len(problem.drawn),), "settings": (len(SETTINGS),)}
     return trace(solve, name=f"ik_{method}", **shapes)
@@ -188,7 +188,7 @@ def _is_within(problem: Problem, q: Array) -> Any:
 
 @final
 class ClassicSolver:
-    """A classic solver of one robot for one kind of question."""
+    """A classic solver of one robot for given frames, masks and joints."""
 
     def __init__(
         self,
@@ -207,7 +207,7 @@ class ClassicSolver:
         self._kernel = compile(
             classic(self.problem, method, has_null_motion), checked=True, unit_entries=unit
         )
-        self._rest = rest(self.problem)
+        self._default_start = default_start(self.problem)
 
     def __call__(
         self, T: Any, q0: Any, settings: dict[str, Any], seed: int, threads: int | None
@@ -228,8 +228,8 @@ class ClassicSolver:
         goals = matrix_of(T)
         poses = poses_of_parts(goals, self.problem)
         T = goals if poses is None else poses
-        refuse_shape(T, self.problem)
-        raw = self._kernel(T, self._rest if q0 is None else q0, shift, numbers, threads=threads)
+        check_goal_shape(T, self.problem)
+        raw = self._kernel(T, self._default_start if q0 is None else q0, shift, numbers, threads=threads)
         if (raw[..., self.problem.model.nq] < -0.5).any():
-            refuse(np.asarray(T, dtype=float))
+            raise_invalid_pose(np.asarray(T, dtype=float))
         return IKSolution(self.problem, raw)

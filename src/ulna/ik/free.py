@@ -17,8 +17,8 @@ from ulna.checks.arrays import batched_array
 from ulna.collision import Checker
 from ulna.errors import InputError
 from ulna.ik.analytic.candidates import ClosedForm, Elimination, between, source_of
+from ulna.ik.arguments import check_count, matrix_of
 from ulna.ik.branches import Branches, ik_all
-from ulna.ik.question import check_count, matrix_of
 from ulna.ik.result import IKSolution
 from ulna.ik.solve import Solver
 from ulna.typing import Array, ArrayLike, Floats
@@ -27,7 +27,7 @@ _FIRST, _MOST = 7, 64  # starting points of the first and of the largest round
 _WHOLE = 64  # the starting point from which on they are drawn from the whole ranges
 _SAME = 1e-3  # rad or m: solutions this near are one
 _CHECKED = 16  # configurations checked together; at first fewer, since the nearest is often free
-_EXPLAINED = 32  # configurations looked at to say why there is no solution
+_EXPLAINED = 32  # configurations examined to explain why there is no solution
 
 
 @final
@@ -41,7 +41,7 @@ class FreeSolution:
         success: Whether the goal is met within the limits and nothing touches, (...).
         position_error: Distance from the goal [m], (...), or (..., k) for k frames.
         rotation_error: Angle from the goal [rad], likewise.
-        distance: How far everything is apart at least [m], (...): asked for where there is no solution, else nan.
+        distance: How far everything is apart at least [m], (...): computed where there is no solution, else nan.
         candidates: How many configurations that reach the goal were looked at, (...).
         reason: Why there is no solution, in words; "" where there is one. A list of such for a batch.
     """
@@ -64,15 +64,15 @@ class FreeSolution:
     def __repr__(self) -> str:
         if np.ndim(self.success):
             return f"<{self.success.size} free IK solutions, {int(self.success.sum())} of them met>"
-        found = "free solution" if self.success else f"no free solution: {self.reason}"
+        status = "free solution" if self.success else f"no free solution: {self.reason}"
         with np.printoptions(precision=4, suppress=True):
-            return f"<IK {found}, q={self.q}, {self.candidates} candidates>"
+            return f"<IK {status}, q={self.q}, {self.candidates} candidates>"
 
 
 @final
 @dataclass(frozen=True)
-class Question:
-    """What is asked beside goals and start.
+class FreeOptions:
+    """The options of `robot.ik_free`.
 
     Attributes:
         margin: What comes as near as this counts as touching [m].
@@ -98,7 +98,7 @@ class Question:
 
 @final
 class FreeSolver:
-    """Inverse kinematics of one robot in one world, for one kind of question.
+    """Inverse kinematics of one robot in one world, for one `Solver`.
 
     Args:
         solver: What finds single solutions.
@@ -126,50 +126,50 @@ class FreeSolver:
         """The joints that may move, those that do not carry the frame left out."""
         return tuple(self.model.joints[i].name for i in self.solver.problem.joints)
 
-    def __call__(self, T: Any, q0: ArrayLike | None, question: Question) -> FreeSolution:
+    def __call__(self, T: Any, q0: ArrayLike | None, options: FreeOptions) -> FreeSolution:
         """Solves for goals T (..., 4, 4), or (..., k, 4, 4) for k frames; see `robot.ik_free`."""
         core: Any = self.solver.problem.shapes["T"]
         T = batched_array("T", matrix_of(T), core)
         batch = T.shape[: T.ndim - len(core)]
         starts: Any = [None]
         if q0 is not None:
-            given = batched_array("q0", q0, (self.model.nq,))
-            batch = np.broadcast_shapes(batch, given.shape[:-1])
-            starts = np.broadcast_to(given, (*batch, self.model.nq)).reshape(-1, self.model.nq)
+            start = batched_array("q0", q0, (self.model.nq,))
+            batch = np.broadcast_shapes(batch, start.shape[:-1])
+            starts = np.broadcast_to(start, (*batch, self.model.nq)).reshape(-1, self.model.nq)
         goals = np.broadcast_to(T, (*batch, *core)).reshape(-1, *core)
         if q0 is None:
             starts = starts * len(goals)
-        found = [self._solve(goal, start, question) for goal, start in zip(goals, starts, strict=True)]
+        answers = [self._solve(goal, start, options) for goal, start in zip(goals, starts, strict=True)]
         if not batch:
-            return found[0]
-        return _stacked(found, batch, self.model.nq, len(self.solver.problem.frames))
+            return answers[0]
+        return _stacked(answers, batch, self.model.nq, len(self.solver.problem.frames))
 
-    def _solve(self, T: Floats, q0: Floats | None, question: Question) -> FreeSolution:
+    def _solve(self, T: Floats, q0: Floats | None, options: FreeOptions) -> FreeSolution:
         """One goal."""
-        first = self._reach(T, q0, question)
+        first = self._reach(T, q0, options)
         if not first:
             return _answer(
                 first, False, np.nan, 0, f"no configuration was found that reaches the goal; {first.reason}"
             )
-        if q0 is None and self._first_free([first], question):
+        if q0 is None and self._first_free([first], options):
             return _answer(first, True, np.nan, 1, "")
         home = first.q if q0 is None else q0
-        branches = self._branches(T, home, question) if self.is_finite else None
-        seen: list[IKSolution] = []
-        for starts in self._starts(home, first.q, branches, question):
-            some = self._news(T, starts, home, seen, question)
-            seen += some
-            chosen = self._first_free(some, question)
+        branches = self._branches(T, home, options) if self.is_finite else None
+        reaching: list[IKSolution] = []
+        for starts in self._starts(home, first.q, branches, options):
+            solutions = self._new_solutions(T, starts, home, reaching, options)
+            reaching += solutions
+            chosen = self._first_free(solutions, options)
             if chosen is not None:
-                return _answer(chosen, True, np.nan, len(seen), "")
-        seen.sort(key=lambda solution: self._apart(home, solution.q))
-        return self._refusal(seen, branches is not None and branches.complete, question)
+                return _answer(chosen, True, np.nan, len(reaching), "")
+        reaching.sort(key=lambda solution: self._apart(home, solution.q))
+        return self._all_collide(reaching, branches is not None and branches.complete, options)
 
-    def _reach(self, T: Floats, q0: Any, question: Question) -> IKSolution:
+    def _reach(self, T: Floats, q0: Any, options: FreeOptions) -> IKSolution:
         """A configuration that reaches the goal, whatever it touches; for goals in rows one for each."""
-        return self.solver(T, q0, question.position_tolerance, question.rotation_tolerance, question.seed)
+        return self.solver(T, q0, options.position_tolerance, options.rotation_tolerance, options.seed)
 
-    def _branches(self, T: Floats, home: Floats, question: Question) -> Branches:
+    def _branches(self, T: Floats, home: Floats, options: FreeOptions) -> Branches:
         """All solutions of an arm that has finitely many."""
         return ik_all(
             self.model,
@@ -177,73 +177,75 @@ class FreeSolver:
             self.model.frame_name(self.solver.problem.frames[0]),
             home,
             joints=self._arm,
-            position_tolerance=question.position_tolerance,
-            rotation_tolerance=question.rotation_tolerance,
+            position_tolerance=options.position_tolerance,
+            rotation_tolerance=options.rotation_tolerance,
         )
 
     def _starts(
-        self, home: Floats, first: Floats, branches: Branches | None, question: Question
+        self, home: Floats, first: Floats, branches: Branches | None, options: FreeOptions
     ) -> Iterator[Floats]:
         """Starting points (k, nq) in rounds: what is known, then points drawn around `home`, farther and farther."""
         yield first[None] if branches is None else np.vstack([first, branches.q])
         if branches is not None and branches.complete:
             return
-        rng = np.random.default_rng(question.seed)
+        rng = np.random.default_rng(options.seed)
         drawn, done = self.solver.problem.drawn, 1
         low, high = self.solver.problem.range
-        while done < question.attempts:
-            count = min(done + _FIRST, _MOST, question.attempts - done)
-            spread = np.minimum((done + np.arange(count)) / _WHOLE, 1.0)[:, None]
+        while done < options.attempts:
+            count = min(done + _FIRST, _MOST, options.attempts - done)
+            radius = np.minimum((done + np.arange(count)) / _WHOLE, 1.0)[:, None]
             starts = np.repeat(home[None], count, axis=0)
             there = rng.uniform(low, high, (count, len(low)))
-            starts[:, drawn] += spread * (there - starts[:, drawn])
+            starts[:, drawn] += radius * (there - starts[:, drawn])
             done += count
             yield starts
 
-    def _news(
-        self, T: Floats, starts: Floats, home: Floats, seen: Sequence[IKSolution], question: Question
+    def _new_solutions(
+        self, T: Floats, starts: Floats, home: Floats, reaching: Sequence[IKSolution], options: FreeOptions
     ) -> list[IKSolution]:
-        """The solutions met from starting points that were not seen before, the nearest to `home` first."""
-        found = self._reach(np.broadcast_to(T, (len(starts), *T.shape)), starts, question)
-        q, good = found.q, np.asarray(found.success)
-        known = np.array([solution.q for solution in seen]).reshape(-1, self.model.nq)
+        """The solutions met from starting points that were not found before, the nearest to `home` first."""
+        solutions = self._reach(np.broadcast_to(T, (len(starts), *T.shape)), starts, options)
+        q, good = solutions.q, np.asarray(solutions.success)
+        known = np.array([solution.q for solution in reaching]).reshape(-1, self.model.nq)
         same = self._apart(q[:, None], np.concatenate([q, known])) < _SAME
         new: list[int] = []
         for i in np.argsort(self._apart(home, q), kind="stable").tolist():
             if good[i] and not (same[i, new].any() or same[i, len(q) :].any()):
                 new.append(i)
-        return [found[i] for i in new]
+        return [solutions[i] for i in new]
 
-    def _first_free(self, some: Sequence[IKSolution], question: Question) -> IKSolution | None:
+    def _first_free(self, solutions: Sequence[IKSolution], options: FreeOptions) -> IKSolution | None:
         """The first solution that is free by the exact check."""
         done = 0
-        while done < len(some):
-            part = some[done : done + min(3 * done + 1, _CHECKED)]
+        while done < len(solutions):
+            part = solutions[done : done + min(3 * done + 1, _CHECKED)]
             done += len(part)
             q = np.array([solution.q for solution in part])
-            free = np.flatnonzero(~self.checker.collides(q, question.moving, margin=question.margin))
+            free = np.flatnonzero(~self.checker.collides(q, options.moving, margin=options.margin))
             if len(free):
                 return part[int(free[0])]
         return None
 
-    def _refusal(self, seen: Sequence[IKSolution], complete: bool, question: Question) -> FreeSolution:
+    def _all_collide(
+        self, reaching: Sequence[IKSolution], complete: bool, options: FreeOptions
+    ) -> FreeSolution:
         """All collide: the one that overlaps least, of those nearest to the start."""
-        nearest = self.checker.distance(np.array([s.q for s in seen[:_EXPLAINED]]), question.moving)
+        nearest = self.checker.distance(np.array([s.q for s in reaching[:_EXPLAINED]]), options.moving)
         best = int(np.argmax(nearest.distance))
         a, b = nearest.names[best]
         d = float(nearest.distance[best])
         how = f"overlap by {-1e3 * d:.3g} mm" if d < 0.0 else f"are {1e3 * d:.3g} mm apart"
-        wanted = (
-            f", less than the margin of {1e3 * question.margin:.3g} mm" if d >= 0.0 < question.margin else ""
+        missing = (
+            f", less than the margin of {1e3 * options.margin:.3g} mm" if d >= 0.0 < options.margin else ""
         )
-        count = f"{len(seen)} configuration{'s' * (len(seen) > 1)}"
-        known = "all there are" if complete else "as many as were found"
+        count = f"{len(reaching)} configuration{'s' * (len(reaching) > 1)}"
+        which = "all there are" if complete else "as many as were found"
         return _answer(
-            seen[best],
+            reaching[best],
             False,
             d,
-            len(seen),
-            f"{count} reach the goal ({known}), and all collide; at best {a} and {b} {how}{wanted}",
+            len(reaching),
+            f"{count} reach the goal ({which}), and all collide; at best {a} and {b} {how}{missing}",
         )
 
 
@@ -254,11 +256,11 @@ def _answer(
     return FreeSolution(solution.q, success, *errors, distance, candidates, reason)
 
 
-def _stacked(found: Sequence[FreeSolution], batch: tuple[int, ...], nq: int, frames: int) -> FreeSolution:
+def _stacked(answers: Sequence[FreeSolution], batch: tuple[int, ...], nq: int, frames: int) -> FreeSolution:
     """The answers of a batch as one."""
 
     def of(name: str, kind: Any, *core: int) -> Array:
-        return np.array([getattr(answer, name) for answer in found], dtype=kind).reshape(*batch, *core)
+        return np.array([getattr(answer, name) for answer in answers], dtype=kind).reshape(*batch, *core)
 
     each = (frames,) if frames > 1 else ()
     reasons = of("reason", object).tolist()

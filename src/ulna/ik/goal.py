@@ -1,4 +1,4 @@
-"""What is asked of a frame: which parts of its pose count, and how far the frame is from there.
+"""Goals of a frame: which parts of its pose count, and how far the frame is from there.
 
 | symbol | meaning | shape, unit | equation |
 |---|---|---|---|
@@ -100,7 +100,7 @@ class Distance(NamedTuple):
     rotation: Any
     """Squared length of e_r or e_a, or of what counts of e_w [rad^2]."""
     is_near: Any
-    """Whether e_w can be told: not half a turn from the goal, where its direction is lost."""
+    """Whether e_w can be computed: not half a turn from the goal, where its direction is lost."""
     weighted: Sequence[Any]
     """The errors, weighted; radians count as `length` metres."""
     rows: Sequence[Array]
@@ -152,7 +152,7 @@ def distance(
         arc = _arc(s, c, chord) if by_angle or not is_whole else 1.0
         rotation = sum((chord[k] * chord[k] for k in turned), 0.0)
         if is_whole:
-            rotation = numeric.where(c > 0.0, rotation, 2.0 - 2.0 * c)  # beyond, s says ever less
+            rotation = numeric.where(c > 0.0, rotation, 2.0 - 2.0 * c)  # beyond, s shrinks again
             angle = numeric.arctan2(numeric.sqrt(sum((s[k] * s[k] for k in turned), 0.0)), c)
         else:
             is_near = c > _NEARLY_HALF_TURN

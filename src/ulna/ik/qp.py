@@ -4,16 +4,17 @@
 |---|---|---|
 | H, g | objective x^T H x / 2 + g^T x, H positive definite | (n, n), (n,) |
 | l, u | bounds l <= x <= u, infinite where there is none | (n,) |
-| s | side on which a variable is held: -1 at l, 1 at u, 0 free | (n,) |
+| s | side on which a variable is fixed: -1 at l, 1 at u, 0 free | (n,) |
 | w | slope H x + g; at the optimum 0 where free, not below 0 at l, not above 0 at u | (n,) |
 
 With bounds alone the optimum is found by an active-set method with projected steps: solve for the free variables; where
-the solution leaves the bounds, go to its projection if that is better, else as far as the first bound, and hold what
-arrived at one; where it stays inside, let go of all whose slope has the wrong sign. With every step the objective falls
-or another variable is held, so no set of held variables comes back. The first solution is that without bounds: a motion
-away from all limits costs one factorisation. Source: More & Toraldo, On the solution of large quadratic programming
-problems with bound constraints (1991); Nocedal & Wright 2006, sections 16.5 and 16.7. Variables are eliminated last to
-first, which leaves the zeros between the branches of a tree as they are (Featherstone 2008, section 6.5).
+the solution leaves the bounds, go to its projection if that is better, else as far as the first bound, and fix what
+arrived at one; where it stays inside, release all whose gradient has the wrong sign. With every step the objective
+falls or another variable is fixed, so no set of fixed variables comes back. The first solution is that without bounds:
+a motion away from all limits costs one factorisation. Source: More & Toraldo, On the solution of large quadratic
+programming problems with bound constraints (1991); Nocedal & Wright 2006, sections 16.5 and 16.7. Variables are
+eliminated last to first, which leaves the zeros between the branches of a tree as they are (Featherstone 2008, section
+6.5).
 
 Rows are left to daqp, a dual active-set solver: Arnstrom, Bemporad, Axehill (2022).
 """
@@ -65,7 +66,7 @@ def solve_box(H: Array, g: Array, lower: Array, upper: Array) -> Boxed:
 
     def improve(*state: Any) -> tuple[Any, ...]:
         side, x = dict(zip(bounded, state, strict=False)), state[len(bounded) : len(bounded) + n]
-        t = _with_held(rows, pull, x, side)
+        t = _with_fixed(rows, pull, x, side)
         beyond = {i: where(less(t[i], low[i]), -1.0, where(less(high[i], t[i]), 1.0, zero)) for i in bounded}
         bound = {i: where(beyond[i] < 0.0, low[i], high[i]) for i in bounded}
         c = [where(abs(beyond[i]) > 0.5, bound[i], t[i]) if i in side else t[i] for i in range(n)]
@@ -84,9 +85,9 @@ def solve_box(H: Array, g: Array, lower: Array, upper: Array) -> Boxed:
         for i in bounded:
             arrives = where(reach[i] <= first, beyond[i], side[i])
             stopped = where(reach[i] <= first, bound[i], x[i] + first * (t[i] - x[i]))
-            held = where(abs(beyond[i]) > 0.5, beyond[i], side[i])
-            kept = where(release[i] > 0.5, 0.0, side[i])
-            sides.append(where(inside, kept, where(projected, held, arrives)))
+            fixed = where(abs(beyond[i]) > 0.5, beyond[i], side[i])
+            released = where(release[i] > 0.5, 0.0, side[i])
+            sides.append(where(inside, released, where(projected, fixed, arrives)))
             following[i] = where(inside, t[i], where(projected, c[i], stopped))
         for i in set(range(n)) - set(bounded):
             following[i] = where(inside | projected, t[i], x[i] + first * (t[i] - x[i]))
@@ -105,7 +106,7 @@ def solve_box(H: Array, g: Array, lower: Array, upper: Array) -> Boxed:
     return Boxed(vector(*end[len(bounded) : -2]), end[-1])
 
 
-def _with_held(H: _Rows, g: Sequence[Any], x: Sequence[Any], side: Mapping[int, Any]) -> list[Any]:
+def _with_fixed(H: _Rows, g: Sequence[Any], x: Sequence[Any], side: Mapping[int, Any]) -> list[Any]:
     """The optimum over the free variables, the others staying where they are in x."""
     n = len(g)
     free = {i: 1.0 - s * s for i, s in side.items()}
@@ -116,8 +117,8 @@ def _with_held(H: _Rows, g: Sequence[Any], x: Sequence[Any], side: Mapping[int, 
         pull = sum((H[i][j] * ((1.0 - free[j]) * x[j]) for j in side), g[i])
         right.append((1.0 - f) * x[i] - f * pull)
     t = linalg.solve_spd(matrix([row[::-1] for row in rows[::-1]]), vector(*right[::-1]))
-    found = [t[..., n - 1 - i][()] for i in range(n)]
-    return [where(abs(side[i]) > 0.5, x[i], found[i]) if i in side else found[i] for i in range(n)]
+    solution = [t[..., n - 1 - i][()] for i in range(n)]
+    return [where(abs(side[i]) > 0.5, x[i], solution[i]) if i in side else solution[i] for i in range(n)]
 
 
 def _slope(H: _Rows, g: Sequence[Any], x: Sequence[Any]) -> list[Any]:

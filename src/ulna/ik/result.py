@@ -1,4 +1,4 @@
-"""What inverse kinematics answers: configurations, and honestly how near they are."""
+"""Results of inverse kinematics: configurations and their errors."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _SHOWN = 4
 class IKSolution(metaclass=Explained):
     """The answer of `robot.ik`, for one goal or a batch of them; it cannot be changed.
 
-    It counts as true when the goal is met, so `if solution:` means what it says; a batch has no single truth.
+    It counts as true when the goal is met, so `if solution:` works; a batch has no single truth value.
     """
 
     __slots__ = ("_problem", "_raw")
 
     def __init__(self, problem: Problem, raw: Floats) -> None:
-        """`raw` holds q, status, steps, starting point and the errors of each frame: see `search.race`."""
+        """`raw` holds q, status, steps, starting point and the errors of each frame: see `search.multi_start`."""
         self._problem = problem
         self._raw = raw
 
@@ -67,11 +67,11 @@ class IKSolution(metaclass=Explained):
     def reason(self) -> Any:
         """Why there is no solution, in words; "" where there is one. A list of such for a batch."""
         if self._raw.ndim == 1:
-            return self._say(self._raw)
+            return self._reason_of(self._raw)
         rows = self._raw.reshape(-1, self._raw.shape[-1])
-        said = np.empty(len(rows), dtype=object)
-        said[:] = [self._say(row) for row in rows]
-        return said.reshape(self._raw.shape[:-1]).tolist()
+        reasons = np.empty(len(rows), dtype=object)
+        reasons[:] = [self._reason_of(row) for row in rows]
+        return reasons.reshape(self._raw.shape[:-1]).tolist()
 
     def __len__(self) -> int:
         if self._raw.ndim == 1:
@@ -95,9 +95,9 @@ class IKSolution(metaclass=Explained):
     def __repr__(self) -> str:
         if self._raw.ndim > 1:
             return f"<{self._raw[..., 0].size} IK solutions, {int(self.success.sum())} of them met>"
-        found = "solution" if self.success else f"no solution: {self.reason}"
+        status = "solution" if self.success else f"no solution: {self.reason}"
         with np.printoptions(precision=_SHOWN, suppress=True):
-            return f"<IK {found}, q={self.q}, {self.iterations} iterations>"
+            return f"<IK {status}, q={self.q}, {self.iterations} iterations>"
 
     def figures(self) -> tuple[Any, ...]:
         """(q, success, iterations, restarts, position_error, rotation_error) at once, where a microsecond counts."""
@@ -122,7 +122,7 @@ class IKSolution(metaclass=Explained):
             return out
         return float(out[0]) if self._raw.ndim == 1 else out[..., 0]
 
-    def _say(self, row: Floats) -> str:
+    def _reason_of(self, row: Floats) -> str:
         nq = self._problem.model.nq
         if row[nq] > 0.5:
             return ""
@@ -132,10 +132,10 @@ class IKSolution(metaclass=Explained):
         ]
         lower, upper = self._problem.limits
         names = self._problem.model.position_names
-        held = [
+        at_limit = [
             names[i]
             for i in self._problem.positions
             if row[i] <= lower[i] + _AT_LIMIT or row[i] >= upper[i] - _AT_LIMIT
         ]
-        end = f", with {', '.join(held)} at the limit" if held else ""
+        end = f", with {', '.join(at_limit)} at the limit" if at_limit else ""
         return f"the nearest found: {'; '.join(parts)}{end}"

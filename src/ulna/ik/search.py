@@ -6,12 +6,12 @@
 | u_s | starting point number s: frac(s alpha + u_0), with alpha_j = phi^-j, phi^(d+1) = phi + 1 | [0, 1)^d | Roberts
 2018, the sequence R_d |
 
-An attempt that has not arrived after `ATTEMPT` steps, or has stopped coming nearer, gives way to the next starting
-point. A single goal is raced for by all lanes; the goals of a batch march on together, one in each lane.
+An attempt that has not arrived after `ATTEMPT_STEPS` steps, or has stalled, is replaced by the next starting point.
+All lanes search for a single goal; the goals of a batch advance in lock-step, one in each lane.
 
 Where no attempt arrives, the same code descends from the best of them to a local minimum of the squared error, with a
-damping after Marquardt's rule, so that no step leads away (Nocedal & Wright 2006, section 10.3). It is told so by a
-negative number of steps.
+damping after Marquardt's rule, so that no step leads away (Nocedal & Wright 2006, section 10.3). A negative number
+of steps selects it.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ import numpy as np
 from ulna import numeric
 from ulna.compiler import Function, trace
 from ulna.compiler.language.lanes import choose, in_any_lane, lane, least
+from ulna.ik.acceptance import acceptance, are_rotations, unwound
 from ulna.ik.problem import Problem, errors, step
-from ulna.ik.verdict import are_rotations, unwound, verdict
 from ulna.typing import Array, Floats
 
 LANES = 8
-ATTEMPT = 24  # steps: most attempts that succeed do so within 12
-USUAL = 10  # steps that an attempt takes in the mean
-PATIENCE = 7  # steps before an attempt may be found to have stopped
-PROGRESS = 0.8  # the part of the squared error that may remain after a step for it to count as progress
-MARCH = 4  # steps between two looks at a batch
-CLOSE = 1.0  # rad or m: how near to q0 an answer must be to be taken before other lanes have answered
+ATTEMPT_STEPS = 24  # steps: most attempts that succeed do so within 12
+MEAN_STEPS = 10  # steps that an attempt takes in the mean
+STALL_STEPS = 7  # steps before an attempt may count as stalled
+STALL_RATIO = 0.8  # the part of the squared error that may remain after a step for it to count as progress
+BATCH_STEPS = 4  # steps of a batch between two removals of the goals that are met
+NEAR_START = 1.0  # rad or m: how near to q0 an answer must be to be taken before other lanes have answered
 _DAMPING = 0.04  # tuned on Panda, UR5 and an arm of Talos for the fewest steps in the mean
 _LEAST_DAMPING = 1e-9
 _FAR = 1e300
@@ -43,7 +43,7 @@ _FIRST, _SMALLEST, _LARGEST = 0.03, 1e-9, 1e6  # damping of a descent, in square
 
 
 class Attempt(NamedTuple):
-    """Where one lane stands."""
+    """The state of the search in one lane."""
 
     q: Array
     """Configuration, (nq,)."""
@@ -52,7 +52,7 @@ class Attempt(NamedTuple):
     age: Any
     """How many steps ago; in a descent the damping [m^2]."""
     before: Any
-    """Squared error before the last step [m^2]; in a descent 1 where the best configuration is looked at again."""
+    """Squared error before the last step [m^2]; in a descent 1 where the best configuration is evaluated again."""
     is_met: Any
     """1 if the goals are met, or a descent has ended, else 0."""
     best: Array
@@ -86,15 +86,15 @@ class Attempt(NamedTuple):
         return cls(q, number, 0.0, _FAR, 0.0, q, _FAR)
 
 
-def start(problem: Problem, q0: Array, shift: Array, number: Any, spread: Any) -> Array:
-    """Starting point `number`: a point of the ranges, drawn towards `q0` but for the part `spread` of its way."""
+def starting_point(problem: Problem, q0: Array, shift: Array, number: Any, radius: Any) -> Array:
+    """Starting point `number`: a point of the ranges, drawn towards `q0` by the fraction 1 - `radius`."""
     low, high = problem.range
     alpha = _golden(len(low))
     out = np.array(q0, dtype=object)
     for j, i in enumerate(problem.drawn):
         turns = number * alpha[j] + shift[j]
         there = low[j] + (high[j] - low[j]) * (turns - np.floor(turns))
-        out[i] = q0[i] + spread * (there - q0[i])
+        out[i] = q0[i] + radius * (there - q0[i])
     return out
 
 
@@ -127,16 +127,16 @@ def advance(
     if lower is not None:
         damping = numeric.where(descends, lower.damping, damping)
     q = step(problem, now.q, at, damping)
-    stopped = (now.age >= PATIENCE) & (at.squared > PROGRESS * now.before)
-    over = ((now.age >= float(ATTEMPT)) | stopped) & ~at.is_met
+    stalled = (now.age >= STALL_STEPS) & (at.squared > STALL_RATIO * now.before)
+    over = ((now.age >= float(ATTEMPT_STEPS)) | stalled) & ~at.is_met
     following = now.number + stride
-    anew = start(problem, q0, shift, following, spread(following, near))
+    anew = starting_point(problem, q0, shift, following, draw_radius(following, near))
     better = at.is_met | (at.squared < now.least)
-    stays, leaves = at.is_met, over
+    keeps, restarts = at.is_met, over
     age, before = numeric.where(over, 0.0, now.age + 1.0), numeric.where(over, _FAR, at.squared)
     is_met = numeric.where(at.is_met, 1.0, 0.0)
     if lower is not None and descends is not None:
-        stays, leaves = stays & ~descends, numeric.where(descends, lower.is_worse, over)
+        keeps, restarts = keeps & ~descends, numeric.where(descends, lower.is_worse, over)
         anew = numeric.where(descends, now.best, anew)
         age, before = (
             numeric.where(descends, lower.damping, age),
@@ -144,7 +144,7 @@ def advance(
         )
         is_met = numeric.where(descends, lower.is_over, is_met)
     return Attempt(
-        numeric.where(stays, now.q, numeric.where(leaves, anew, q)),
+        numeric.where(keeps, now.q, numeric.where(restarts, anew, q)),
         numeric.where(over, following, now.number),
         age,
         before,
@@ -155,12 +155,12 @@ def advance(
 
 
 class Descent(NamedTuple):
-    """What one evaluation of the error says of a descent."""
+    """The next state of a descent after one evaluation of the error."""
 
     damping: Any
     """For the next step [m^2]."""
     is_worse: Any
-    """Whether the last step led away, so that the best configuration is looked at again."""
+    """Whether the last step led away, so that the best configuration is evaluated again."""
     is_over: Any
     """Whether the error changes no more."""
 
@@ -176,13 +176,13 @@ def descent(now: Attempt, squared: Any, scale: float) -> Descent:
     return Descent(numeric.maximum(damping, _SMALLEST * scale), worse, over)
 
 
-def spread(number: Any, near: Any) -> Any:
+def draw_radius(number: Any, near: Any) -> Any:
     """How far from q0 starting point `number` may lie, 0 to 1: with `near` (1, else 0) growing from 0, else 1."""
     widening = numeric.minimum(number * (1.0 / (2 * LANES)), 1.0)
     return numeric.where(number < 0.5, 0.0, 1.0 - near * (1.0 - widening))
 
 
-def race(problem: Problem) -> Function:
+def multi_start(problem: Problem) -> Function:
     """The search of one goal in all lanes.
 
     Inputs: goals T, (4, 4) or for k > 1 frames (k, 4, 4), q0 (nq,), shift (d,) of the starting points, and settings
@@ -198,7 +198,7 @@ def race(problem: Problem) -> Function:
         descends = settings[3] < 0.0
         home = problem.clip(q0)
         number = lane(LANES)
-        first = Attempt.first(start(problem, home, shift, number, spread(number, near)), number)
+        first = Attempt.first(starting_point(problem, home, shift, number, draw_radius(number, near)), number)
         first = first._replace(
             age=numeric.where(descends, _FIRST * problem.length**2, 0.0),
             before=numeric.where(descends, 1.0, _FAR),
@@ -211,8 +211,8 @@ def race(problem: Problem) -> Function:
         def go_on(*state: Any) -> Any:
             now, steps = Attempt.of(problem, home, state[:-1]), state[-1]
             is_met = now.is_met > 0.5
-            close = (number < 0.5) & (offset(now.q) < CLOSE**2)
-            is_over = is_met & ((near < 0.5) | close | (steps > float(ATTEMPT)))
+            close = (number < 0.5) & (offset(now.q) < NEAR_START**2)
+            is_over = is_met & ((near < 0.5) | close | (steps > float(ATTEMPT_STEPS)))
             is_over = numeric.where(descends, is_met & (number < 0.5), is_over)
             return (steps < limit) & is_valid & ~in_any_lane(is_over)
 
@@ -233,22 +233,22 @@ def race(problem: Problem) -> Function:
         q = problem.replaced(home, [choose(chosen, x) for x in last.best[problem.positions]])
         q = unwound(problem, q, home, near)
         return numeric.vector(
-            *q, *verdict(problem, q, goals, tolerances, is_valid, steps, choose(chosen, last.number))
+            *q, *acceptance(problem, q, goals, tolerances, is_valid, steps, choose(chosen, last.number))
         )
 
     shapes: dict[str, Any] = {**problem.shapes, "shift": (len(problem.drawn),), "settings": (4,)}
     return trace(search, name="ik", lanes=LANES, **shapes)
 
 
-def march(problem: Problem) -> Function:
-    """`MARCH` steps of one attempt at one goal, for batches: state (n + 5,) in, state out.
+def batch_steps(problem: Problem) -> Function:
+    """`BATCH_STEPS` steps of one attempt at one goal, for batches in lock-step: state (n + 5,) in, state out.
 
-    Inputs: as those of `race`, and the state: positions of the joints that may move, number of the starting point, age,
-    squared error before, whether the goals are met, steps.
+    Inputs: as those of `multi_start`, and the state: positions of the joints that may move, number of the starting
+    point, age, squared error before, whether the goals are met, steps.
     """
     n = len(problem.positions)
 
-    def some_steps(T: Array, q0: Array, shift: Array, settings: Array, state: Array) -> Array:
+    def steps_of_attempt(T: Array, q0: Array, shift: Array, settings: Array, state: Array) -> Array:
         goals, home = problem.goals(T), problem.clip(q0)
 
         def attempt(flat: Sequence[Any]) -> Attempt:
@@ -262,7 +262,7 @@ def march(problem: Problem) -> Function:
             after = (then.number, then.age, then.before, then.is_met, flat[-1] + 1.0)
             return (*then.q[problem.positions], *after)
 
-        return numeric.vector(*numeric.loop(lambda *flat: flat[-2] < 0.5, body, tuple(state), MARCH))
+        return numeric.vector(*numeric.loop(lambda *flat: flat[-2] < 0.5, body, tuple(state), BATCH_STEPS))
 
     shapes: dict[str, Any] = {
         **problem.shapes,
@@ -270,4 +270,4 @@ def march(problem: Problem) -> Function:
         "settings": (4,),
         "state": (n + 5,),
     }
-    return trace(some_steps, name="ik_march", **shapes)
+    return trace(steps_of_attempt, name="ik_batch", **shapes)

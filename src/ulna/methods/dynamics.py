@@ -12,7 +12,7 @@ from ulna.algorithms import Friction
 from ulna.algorithms.multibody.references import Reference
 from ulna.errors import ShapeError
 from ulna.methods.base import Part
-from ulna.numeric import refuse_masked
+from ulna.numeric import check_not_masked
 from ulna.typing import Array, ArrayLike
 
 Forces = Mapping[str, ArrayLike] | None
@@ -228,7 +228,7 @@ class Dynamics(Part):
 def stacked(forces: Mapping[str, ArrayLike]) -> Array:
     """The wrenches side by side, (..., k, 6)."""
     for name, wrench in forces.items():
-        refuse_masked(f"forces[{name!r}]", wrench)
+        check_not_masked(f"forces[{name!r}]", wrench)
     wrenches = [np.asarray(wrench) for wrench in forces.values()]
     for name, wrench in zip(forces, wrenches, strict=True):
         if wrench.shape[-1:] != (6,):

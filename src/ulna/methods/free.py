@@ -67,9 +67,9 @@ class FreeInverseKinematics(InverseKinematics, Collisions):
             ModelError: If the robot has no collision geometry, or a mesh file is missing.
             MissingExtra: If coal is not installed.
         """
-        from ulna.ik.free import FreeSolver, Question
+        from ulna.ik.free import FreeOptions, FreeSolver
 
-        question = Question(margin, moving, position_tolerance, rotation_tolerance, seed, attempts)
+        search_options = FreeOptions(margin, moving, position_tolerance, rotation_tolerance, seed, attempts)
         goals, solver = self._solver(T, frame, mask, joints)
         checker = self.collision_checker(world, **options)
-        return FreeSolver(solver, checker, self._plain["distance"])(goals, q0, question)
+        return FreeSolver(solver, checker, self._plain["distance"])(goals, q0, search_options)

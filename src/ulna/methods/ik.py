@@ -120,8 +120,8 @@ class InverseKinematics(Part):
         Returns:
             A solution as from `ik`; its `restarts` are the searches that failed, its `iterations` those of all.
         """
+        from ulna.ik.arguments import named_goals
         from ulna.ik.classic import DAMPING, ClassicSolver
-        from ulna.ik.question import named_goals
 
         goals, names, masks = named_goals(T, frame, mask, self.model.tool)
         has_null_motion = bool(limit_gain or manipulability_gain)
@@ -143,7 +143,7 @@ class InverseKinematics(Part):
         return solver(goals, q0, settings, seed, threads)
 
     def _solver(self, T: Any, frame: Any, mask: Any, joints: Any) -> tuple[Any, Any]:
-        from ulna.ik.question import named_goals
+        from ulna.ik.arguments import named_goals
         from ulna.ik.solve import Solver
 
         goals, names, masks = named_goals(T, frame, mask, self.model.tool)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.errors import ModelError, UnknownName, excerpt
 from ulna.model.model import Model
-from ulna.numeric import refuse_masked
+from ulna.numeric import check_not_masked
 from ulna.typing import Floats
 
 
@@ -52,7 +52,7 @@ def position(model: Model, q: Any, what: str = "q", base: Floats | None = None) 
 
 def local_position(count: int, value: Any, what: str, each: str = "") -> Floats:
     """`value` as `count` finite numbers."""
-    refuse_masked(what, value)
+    check_not_masked(what, value)
     try:
         out = np.array(value, dtype=float)
     except (TypeError, ValueError):

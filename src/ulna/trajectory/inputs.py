@@ -8,14 +8,14 @@ import numpy as np
 
 from ulna.checks.values import number
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
-from ulna.numeric import refuse_masked
+from ulna.numeric import check_not_masked
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
 
 
 def numbers(name: str, value: Any) -> Floats:
     """`value` as an array of finite floats of any shape."""
-    refuse_masked(name, value)
+    check_not_masked(name, value)
     try:
         array = np.asarray(value)
         if array.dtype.kind == "c":

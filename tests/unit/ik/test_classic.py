@@ -6,9 +6,9 @@ import pytest
 import ulna
 from ulna.compiler import compile
 from ulna.errors import InputError, UnknownName
+from ulna.ik.arguments import problem_of
 from ulna.ik.classic import DAMPING, bounded_move, move
 from ulna.ik.problem import errors
-from ulna.ik.question import problem_of
 from ulna.spatial import so3_log
 
 METHODS = sorted(DAMPING)

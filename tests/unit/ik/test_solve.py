@@ -10,9 +10,9 @@ import pytest
 import ulna
 from ulna.compiler.runtime import jit
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.ik.arguments import problem_of
 from ulna.ik.goal import mask_of
 from ulna.ik.problem import errors
-from ulna.ik.question import problem_of
 from ulna.ik.result import IKSolution
 from ulna.model import Continuous, FreeFlyer, ModelBuilder, Planar, Prismatic, Revolute, with_root_joint
 from ulna.spatial import SE3, so3_log
@@ -66,8 +66,8 @@ def test_figures_are_what_is_told_one_by_one(panda, goals):
     for solution in (panda.ik(T), panda.ik(goals[1][:3]), panda.ik(several, mask="position", attempts=8)):
         names = ("q", "success", "iterations", "restarts", "position_error", "rotation_error")
         for figure, name in zip(solution.figures(), names, strict=True):
-            told = getattr(solution, name)
-            assert type(figure) is type(told) and np.array_equal(figure, told)
+            values = getattr(solution, name)
+            assert type(figure) is type(values) and np.array_equal(figure, values)
 
 
 def test_the_same_seed_gives_the_same_answer_and_another_seed_another(panda, goals):

@@ -17,7 +17,7 @@ from ulna.compiler.runtime import gufunc as native
 from ulna.compiler.runtime import jit
 from ulna.compiler.runtime.foreign import is_foreign, refuse_lazy, refuse_tables, shape_advice, shown
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
-from ulna.numeric import refuse_masked
+from ulna.numeric import check_not_masked
 from ulna.system import forks
 
 Unit = tuple[tuple[int, tuple[int, ...]], ...]
@@ -78,7 +78,7 @@ class General:
         if not self.interpreted and any(is_foreign(a) for a in args):
             for a, port in zip(args, f.inputs, strict=True):
                 refuse_tables(port, a)
-                refuse_masked(port.name, a)
+                check_not_masked(port.name, a)
             if self.checked:
                 for a, port in zip(args, f.inputs, strict=True):
                     if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others, as Dask's, may be lazy
@@ -195,7 +195,7 @@ class General:
         )
 
     def _array(self, value: Any, port: Port) -> Any:
-        refuse_masked(port.name, value)
+        check_not_masked(port.name, value)
         try:
             array = np.asarray(value)
         except ValueError as error:  # ragged lists

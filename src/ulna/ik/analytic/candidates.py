@@ -54,8 +54,8 @@ class Source(ABC):
         self.lower, self.upper = model.lower_position[self.index], model.upper_position[self.index]
         self.centre = np.clip(0.0, self.lower, self.upper)
         held = -1 if free is None else arm.axes[free].index
-        kept = [i for i, index in enumerate(self.index) if index != held]
-        self._columns = [self.index[i] for i in kept], [arm.indices_v[i] for i in kept]
+        solved = [i for i, index in enumerate(self.index) if index != held]
+        self._columns = [self.index[i] for i in solved], [arm.indices_v[i] for i in solved]
 
     @property
     @abstractmethod
@@ -171,12 +171,12 @@ class ManyStarts(Source):
 
     def __init__(self, model: Model, frame: str, arm: Arm) -> None:
         super().__init__(model, frame, arm, None)
-        spread = np.where(np.isfinite(self.periods), np.pi, 1.0)
+        half_width = np.where(np.isfinite(self.periods), np.pi, 1.0)
         self._low = np.where(
-            np.isfinite(self.lower), self.lower, np.minimum(-spread, self.upper - 2.0 * spread)
+            np.isfinite(self.lower), self.lower, np.minimum(-half_width, self.upper - 2.0 * half_width)
         )
         self._high = np.where(
-            np.isfinite(self.upper), self.upper, np.maximum(spread, self.lower + 2.0 * spread)
+            np.isfinite(self.upper), self.upper, np.maximum(half_width, self.lower + 2.0 * half_width)
         )
 
     @cached_property
@@ -253,5 +253,5 @@ def between(model: Model, frame: str, joints: tuple[str, ...] | None) -> tuple[i
     if True not in moves:
         return ()
     first = moves.index(True)
-    inside = [step for step, own in zip(steps[first:], moves[first:], strict=True) if not own]
+    inside = [step for step, is_arm in zip(steps[first:], moves[first:], strict=True) if not is_arm]
     return tuple(i for step in inside for i in range(step.joint.idx_q, step.joint.idx_q + step.joint.kind.nq))

@@ -57,7 +57,7 @@ class Arm:
     Attributes:
         axes: The joints, from the base to the frame; two may share a coordinate.
         end: M.
-        before: The steps that carry the arm, held still; they count by the pose they give.
+        before: The steps that carry the arm, held still; they count by their pose.
         placement: T, from the last of them to the arm's base.
     """
 

@@ -55,10 +55,10 @@ def starts(lines: list[Line], G: SE3, problems: int = 2) -> tuple[Floats, float]
         L, B = _equations([carried[i] if i < first else acts[i] for i in order[:5]], loop[5], rho_G)
         entered.append((first, loop, *_pencil(L, B)))
     entered.sort(key=lambda entry: entry[-1])
-    found = [
+    solutions = [
         np.roll(_angles(loop, G, pencil), first, axis=-1) for first, loop, pencil, _ in entered[:problems]
     ]
-    return np.concatenate(found), float(entered[0][-1])
+    return np.concatenate(solutions), float(entered[0][-1])
 
 
 class _Pencil:

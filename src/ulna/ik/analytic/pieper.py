@@ -77,14 +77,14 @@ def solve(plan: Plan, lines: list[Line], G: SE3, branch: Array, near: Array) -> 
     motion = SE3.identity()
     for line, angle in zip(others, angles, strict=True):
         motion = motion @ turn_about(line, angle)
-    rest = G @ motion if plan.reverse else G @ motion.inverse()
+    remaining = G @ motion if plan.reverse else G @ motion.inverse()
     sign, nearby = 1.0 - 2.0 * branch[2], near[plan.first : plan.first + 3]
     if plan.triple == "spherical":
-        own = _rotation(W, rest.rotation, sign, nearby)
+        wrist = _rotation(W, remaining.rotation, sign, nearby)
     else:
-        own = _planar(W, centre, rest, sign, nearby)
+        wrist = _planar(W, centre, remaining, sign, nearby)
     q: list[Any] = [None] * 6
-    for i, angle in zip([*order, *range(plan.first, plan.first + 3)], [*angles, *own], strict=True):
+    for i, angle in zip([*order, *range(plan.first, plan.first + 3)], [*angles, *wrist], strict=True):
         q[i] = angle
     return vector(*q)
 

@@ -29,7 +29,7 @@ class Sift:
         source: Where candidates come from.
         near: Whether solutions come nearest to the base configuration first, angles next to its own.
         limits: Whether those outside the joint limits are left out.
-        turns: Whether a solution is listed for every whole turn that limits have room for.
+        turns: Whether a solution is listed for every whole turn that the limits allow.
         position: Largest distance from the goal [m].
         rotation: Largest angle from the goal [rad].
     """
@@ -55,15 +55,15 @@ class Sift:
             at, _ = self._is_at(worth)
         at &= self._first(q, at)
         good = at & (worth[..., 2] > 0.5) if self.limits else at
-        found = at.sum(axis=(1, 2)).tolist()
+        counts = at.sum(axis=(1, 2)).tolist()
         if (
-            0 in found or max(self.position, self.rotation) > _LOOSE
+            0 in counts or max(self.position, self.rotation) > _LOOSE
         ):  # else every goal has been met: it is a pose
             exact = _orthogonal(T)
             if exact is not None:
                 return self(exact, base, values, seed)
         poses = []
-        for i, count in enumerate(found):
+        for i, count in enumerate(counts):
             misses = worth[i][at[i]] if count else _nearest(worth[i])
             poses.append((*self._ordered(q[i][good[i]], worth[i][good[i]], base[i]), count, misses[0, :2]))
         return poses, complete
@@ -110,7 +110,7 @@ class Sift:
         return q, worth[:, 0], worth[:, 1]
 
     def _copies(self, q: Floats) -> Floats:
-        """The same configuration with whole turns added wherever both limits leave room for them."""
+        """The same configuration with whole turns added wherever both limits allow them."""
         source, options = self.source, []
         for x, low, high, period in zip(
             q[source.index], source.lower, source.upper, source.periods, strict=True
@@ -127,9 +127,9 @@ class Sift:
 
 def _orthogonal(T: Floats) -> Floats | None:
     """The poses with the nearest rotations, where those given are rotations in their first digits only; else None."""
-    given = SE3.from_matrix(T).rotation
-    rotation = nearest_rotation(given)
-    if np.abs(rotation - given).max(initial=0.0) < _ROUNDED:
+    rounded = SE3.from_matrix(T).rotation
+    rotation = nearest_rotation(rounded)
+    if np.abs(rotation - rounded).max(initial=0.0) < _ROUNDED:
         return None
     return SE3(rotation, T[..., :3, 3]).matrix()
 

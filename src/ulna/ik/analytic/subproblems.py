@@ -35,8 +35,8 @@ def angle_between(h: Array, u: Array, w: Array, near: Any) -> Any:
 def two_angles(a: Any, b: Any, c: Any, sign: Any, near: Any) -> Any:
     """SP4: the angle x with a cos x + b sin x = c, the one that `sign` (1 or -1) says."""
     square = a * a + b * b
-    rest = sqrt(maximum(square - c * c, 0.0))
-    return where(square > _NOTHING, arctan2(b, a) + sign * arctan2(rest, c), near)
+    root = sqrt(maximum(square - c * c, 0.0))
+    return where(square > _NOTHING, arctan2(b, a) + sign * arctan2(root, c), near)
 
 
 def square(x: Affine) -> Array:
@@ -81,16 +81,16 @@ def four_angles(coefficients: Array, number: Any) -> Any:
             for j, other in enumerate(roots):
                 if j != i:
                     repulsion = _plus(repulsion, _over((1.0, 0.0), (z[0] - other[0], z[1] - other[1])))
-            pushed = _mul(value, repulsion)
-            move = _over(value, (slope[0] - pushed[0], slope[1] - pushed[1]))
+            repelled = _mul(value, repulsion)
+            move = _over(value, (slope[0] - repelled[0], slope[1] - repelled[1]))
             length = move[0] * move[0] + move[1] * move[1]
             known = length < 1e12  # neither nan nor off to infinity, as where two roots fall together
             out += [z[0] - where(known, move[0], 0.0), z[1] - where(known, move[1], 0.0)]
             largest = maximum(largest, where(known, length / (z[0] * z[0] + z[1] * z[1] + 1e-30), 0.0))
         return (*out, largest)
 
-    found = loop(lambda *values: values[-1] > 1e-28, step, state, limit=40)
-    angles = [arctan2(found[2 * i + 1], found[2 * i]) for i in range(4)]
+    roots = loop(lambda *values: values[-1] > 1e-28, step, state, limit=40)
+    angles = [arctan2(roots[2 * i + 1], roots[2 * i]) for i in range(4)]
     chosen = angles[3]
     for i in (2, 1, 0):
         chosen = where(number < i + 0.5, angles[i], chosen)

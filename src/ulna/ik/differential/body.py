@@ -28,7 +28,7 @@ class ComTask(Task):
 
     Attributes:
         cost: Cost of a metre, one number or one for each axis of the world [1/m].
-        target: A point to use where none is told.
+        target: A point to use where none is passed.
     """
 
     cost: ArrayLike = 1.0

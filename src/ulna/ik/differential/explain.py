@@ -25,29 +25,29 @@ def reason(
         problem: What it made of the sample.
         q: Configuration, shape (nq,).
         dt: Duration, shape () [s].
-        *inputs: What was told.
+        *inputs: What was passed.
         where: The place in the batch, for the message.
     """
-    told = dict(zip(program.inputs, inputs, strict=True))
-    if problem.verdict == NO_ROTATION:
-        return _no_rotation(program, told, where)
-    if problem.verdict == CONFLICT:
-        return _conflict(program, q, dt, told, where)
+    values = dict(zip(program.inputs, inputs, strict=True))
+    if problem.status == NO_ROTATION:
+        return _no_rotation(program, values, where)
+    if problem.status == CONFLICT:
+        return _conflict(program, q, dt, values, where)
     if not np.isfinite(problem.H).all() or np.linalg.eigvalsh(problem.H)[0] <= 0.0:
         return InputError(
             f"The tasks do not determine all joints{where}, and `damping` is too small to do so. "
             "Give more damping, or add a PostureTask or a DampingTask."
         )
-    return _no_solution(program, q, dt, told, where)
+    return _no_solution(program, q, dt, values, where)
 
 
 def _conflict(
-    program: Program, q: Floats, dt: Floats, told: Mapping[str, Floats], where: str
+    program: Program, q: Floats, dt: Floats, values: Mapping[str, Floats], where: str
 ) -> InfeasibleError:
-    """Two limits leave a joint no room: the worst such joint."""
+    """Two limits leave a joint no velocity: the worst such joint."""
     model = program.model
     intervals = [
-        (limit.label, bound) for limit, bound in program.bounds(q, dt, told) if isinstance(bound, Interval)
+        (limit.label, bound) for limit, bound in program.bounds(q, dt, values) if isinstance(bound, Interval)
     ]
     lower, upper = (np.stack([bound[k][list(program.moving)] for _, bound in intervals]) for k in (0, 1))
     worst = int(np.argmax(lower.max(axis=0) - upper.min(axis=0)))
@@ -62,16 +62,16 @@ def _conflict(
 
 
 def _no_solution(
-    program: Program, q: Floats, dt: Floats, told: Mapping[str, Floats], where: str
+    program: Program, q: Floats, dt: Floats, values: Mapping[str, Floats], where: str
 ) -> InfeasibleError:
     """Rows and bounds leave nothing: those without any one of which there would be a solution."""
     guilty = []
     for k, limit in enumerate(program.limits):
-        if _feasible(replace(program, limits=_without(program.limits, k)), q, dt, told):
+        if _feasible(replace(program, limits=_without(program.limits, k)), q, dt, values):
             guilty.append(limit.label)
     for k, task in enumerate(program.constraints):
         if len(program.constraints) + len(program.tasks) > 1 and _feasible(
-            replace(program, constraints=_without(program.constraints, k)), q, dt, told
+            replace(program, constraints=_without(program.constraints, k)), q, dt, values
         ):
             guilty.append(task.label)
     everything = [part.label for part in (*program.limits, *program.constraints)]
@@ -82,9 +82,9 @@ def _no_solution(
     return InfeasibleError(names, text)
 
 
-def _no_rotation(program: Program, told: Mapping[str, Floats], where: str) -> InputError:
+def _no_rotation(program: Program, values: Mapping[str, Floats], where: str) -> InputError:
     """A target is neither a pose nor a rotation."""
-    off = {name: _distance_from_rotation(told[name][:3, :3]) for name in program.rotations}
+    off = {name: _distance_from_rotation(values[name][:3, :3]) for name in program.rotations}
     name = max(off, key=lambda name: off[name])
     return InputError(
         f"`{name}`{where} is not a rotation: R^T R differs from 1 by {off[name]:.3g}. "
@@ -106,9 +106,9 @@ def _joint(model: Model, i: int, q: Floats) -> str:
     raise AssertionError(f"no joint has the entry {i} of v")
 
 
-def _feasible(program: Program, q: Floats, dt: Floats, told: Mapping[str, Floats]) -> bool:
-    p = program.problem(q, dt, *(told[name] for name in program.inputs))
-    if p.verdict == CONFLICT:
+def _feasible(program: Program, q: Floats, dt: Floats, values: Mapping[str, Floats]) -> bool:
+    p = program.problem(q, dt, *(values[name] for name in program.inputs))
+    if p.status == CONFLICT:
         return False
     n = len(p.g)
     A = np.ascontiguousarray(p.A)

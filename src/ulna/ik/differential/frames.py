@@ -70,7 +70,7 @@ class FrameTask(_OfFrame):
         position_cost: Cost of a metre, one number or one for each axis [1/m].
         orientation_cost: Cost of a radian, one number or one for each axis [1/rad].
         axes: Whose axes those are, the "frame"'s (e is one screw) or the "world"'s (the point goes straight).
-        target: A pose to use where none is told.
+        target: A pose to use where none is passed.
     """
 
     position_cost: ArrayLike = 1.0
@@ -113,7 +113,7 @@ class RelativeFrameTask(_OfFrame):
         root: Name of the other frame.
         position_cost: Cost of a metre, in the axes of `frame` [1/m].
         orientation_cost: Cost of a radian, in the axes of `frame` [1/rad].
-        target: A pose to use where none is told.
+        target: A pose to use where none is passed.
     """
 
     root: str
@@ -162,7 +162,7 @@ class PositionTask(_OfFrame):
         frame: Name of the frame.
         cost: Cost of a metre, one number or one for each axis [1/m].
         axes: Whose axes those are, the "world"'s or the "frame"'s.
-        target: A point to use where none is told.
+        target: A point to use where none is passed.
     """
 
     cost: ArrayLike = 1.0
@@ -203,7 +203,7 @@ class OrientationTask(_OfFrame):
         frame: Name of the frame.
         cost: Cost of a radian, one number or one for each axis [1/rad].
         axes: Whose axes those are, the "frame"'s or the "world"'s.
-        target: A rotation to use where none is told.
+        target: A rotation to use where none is passed.
     """
 
     cost: ArrayLike = 1.0
@@ -243,7 +243,7 @@ class AxisTask(_OfFrame):
         frame: Name of the frame.
         axis: The axis in the frame, of any length; z by default.
         cost: Cost of a unit of the chord between axis and direction, near the target the same as a radian [1/rad].
-        target: A direction, of any length but zero, to use where none is told.
+        target: A direction, of any length but zero, to use where none is passed.
     """
 
     axis: ArrayLike = (0.0, 0.0, 1.0)

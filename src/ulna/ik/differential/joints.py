@@ -33,7 +33,7 @@ class PostureTask(Task):
 
     Attributes:
         cost: Cost of a radian or a metre: one number for all joints but a floating base, or (nv,) [1/rad, 1/m].
-        target: A configuration to use where none is told: numbers, a dictionary by joint, or a name such as "home".
+        target: A configuration to use where none is passed: numbers, a dictionary by joint, or a name such as "home".
     """
 
     cost: ArrayLike = 1e-3
@@ -98,7 +98,7 @@ class LinearTask(Task):
         A: The matrix, (k, nv).
         reference: q_0, as for `PostureTask`; None for the neutral configuration.
         cost: Cost of a unit of each row, one number or (k,).
-        target: b, (k,), to use where none is told.
+        target: b, (k,), to use where none is passed.
     """
 
     A: ArrayLike

@@ -53,7 +53,7 @@ class Limit(ABC):
     """Something that a velocity must not go beyond.
 
     Attributes:
-        name: What it is called in messages, and the first word of what it must be told.
+        name: What it is called in messages, and the prefix of the names of its inputs.
     """
 
     name: str | None = None
@@ -64,11 +64,11 @@ class Limit(ABC):
         return self.name or type(self).__name__
 
     def inputs(self, model: Model) -> Shapes:
-        """Names and shapes of what it must be told at every step."""
+        """Names and shapes of its inputs at every step."""
         return {}
 
     def defaults(self, model: Model) -> Mapping[str, Any]:
-        """Values of inputs that need not be told."""
+        """Values of inputs that need not be passed."""
         return {}
 
     @abstractmethod
@@ -144,7 +144,7 @@ class VelocityLimit(Limit):
 class AccelerationLimit(Limit):
     """Joints change their velocity no faster than allowed, and can stop before the limits of position.
 
-    It must be told the velocity that was chosen at the step before, as `v`.
+    It takes the velocity that was chosen at the step before, as `v`.
 
     Attributes:
         largest: Greatest accelerations [rad/s^2 or m/s^2]: one number, (nv,), or by joint.
@@ -184,9 +184,9 @@ def check_gain(gain: float, label: str) -> None:
 
 def _speed_to_stop(way: Any, a: float, dt: Any) -> Any:
     """The greatest speed with which a joint may go on for a step and then stop within `way`."""
-    room = maximum(way, 0.0)
-    steps = -ceil(0.5 - sqrt(0.25 + (2.0 / a) * room / (dt * dt)))
-    return (room / dt + (0.5 * a) * dt * steps * (steps + 1.0)) / (steps + 1.0)
+    remaining = maximum(way, 0.0)
+    steps = -ceil(0.5 - sqrt(0.25 + (2.0 / a) * remaining / (dt * dt)))
+    return (remaining / dt + (0.5 * a) * dt * steps * (steps + 1.0)) / (steps + 1.0)
 
 
 def _unbounded(model: Model, q: Array) -> tuple[Array, Array]:
@@ -208,7 +208,7 @@ def _limited(model: Model, margin: float, label: str) -> Iterator[tuple[int, int
                     "no bounds on its velocities. Take the limits away, or leave this limit out."
                 )
             if lower + margin > upper - margin:
-                raise InputError(f"{label}: a `margin` of {margin} leaves joint {joint.name!r} no room.")
+                raise InputError(f"{label}: a `margin` of {margin} leaves joint {joint.name!r} no range.")
             yield joint.idx_q + k, joint.idx_v + k, lower + margin, upper - margin
 
 
@@ -216,18 +216,18 @@ def _is_vector(kind: JointKind) -> bool:
     return all(isinstance(k, VectorKind) for k in (kind.kinds if isinstance(kind, Composite) else (kind,)))
 
 
-def _of_joints(model: Model, given: Any, label: str) -> Floats:
+def _of_joints(model: Model, bound: Any, label: str) -> Floats:
     """Positive numbers (nv,), from one, as many, or by joint; infinite for joints that are left out."""
-    if isinstance(given, Mapping):
+    if isinstance(bound, Mapping):
         out = np.full(model.nv, np.inf)
-        for name, value in given.items():
+        for name, value in bound.items():
             joint = model.joint(name)
             out[joint.idx_v : joint.idx_v + joint.nv] = value
     else:
-        out = np.asarray(given, dtype=float)
+        out = np.asarray(bound, dtype=float)
         if out.shape not in ((), (model.nv,)):
             raise ShapeError(label, out.shape, f"one number or ({model.nv},)")
         out = np.broadcast_to(out, (model.nv,))
     if not (out > 0.0).all():
-        raise InputError(f"{label}: {given} holds a number that is not above 0.")
+        raise InputError(f"{label}: {bound} holds a number that is not above 0.")
     return out

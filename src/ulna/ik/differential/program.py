@@ -42,7 +42,7 @@ SLACK = 1e-9  # rows may be missed by so much
 TURNED = 1e-6  # by how much R^T R of a target may differ from 1
 
 SOLVED, CONFLICT, UNSOLVED, ROWS, NO_ROTATION = range(5)
-"""What a step says of itself: found; limits of a joint leave no room; no optimum; rows are in the way; bad target."""
+"""Status of a step: solved; limits of a joint contradict; no optimum; rows are violated; bad target."""
 
 _RESERVED = ("q", "dt", "name", "doc", "rules")
 
@@ -50,8 +50,8 @@ _RESERVED = ("q", "dt", "name", "doc", "rules")
 class Problem(NamedTuple):
     """The program: H (n, n), g (n,), A (k, n), and bounds (n + k,) of v and of A v, those of constraints last.
 
-    `verdict` says what is wrong with it before it is solved: 0 where nothing is, CONFLICT where limits leave a joint no
-    room, NO_ROTATION where a target is none.
+    `status` says what is wrong with it before it is solved: 0 where nothing is, CONFLICT where limits of a joint
+    contradict each other, NO_ROTATION where a target is none.
     """
 
     H: Array
@@ -59,7 +59,12 @@ class Problem(NamedTuple):
     A: Array
     lower: Array
     upper: Array
-    verdict: Any
+    status: Any
+
+    @property
+    def verdict(self) -> Any:
+        """The former name of `status`."""
+        return self.status
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,12 +92,12 @@ class Program:
                 raise InputError(
                     f"{task.label}: a constraint is met exactly; its costs cannot be `adjustable`."
                 )
-        told = Counter(name for part in self.parts for name in part.inputs(self.model))
-        told.update(task.scale for task in self._adjustable)
-        told.update(task.label for task in self.objectives if not task.inputs(self.model))
-        for name, count in told.items():
+        values = Counter(name for part in self.parts for name in part.inputs(self.model))
+        values.update(task.scale for task in self._adjustable)
+        values.update(task.label for task in self.objectives if not task.inputs(self.model))
+        for name, count in values.items():
             if count > 1 or name in _RESERVED:
-                why = "belongs to two tasks or limits" if count > 1 else "has a meaning of its own"
+                why = "belongs to two tasks or limits" if count > 1 else "is reserved"
                 raise InputError(f"The name {name!r} {why}; give one another: name='...'.")
 
     @property
@@ -111,15 +116,15 @@ class Program:
 
     @cached_property
     def defaults(self) -> Mapping[str, Floats]:
-        """Values of the inputs that need not be told."""
-        found: dict[str, Any] = {task.scale: np.ones(()) for task in self._adjustable}
+        """Values of the inputs that need not be passed."""
+        defaults: dict[str, Any] = {task.scale: np.ones(()) for task in self._adjustable}
         for part in self.parts:
-            found |= part.defaults(self.model)
-        return found
+            defaults |= part.defaults(self.model)
+        return defaults
 
     @cached_property
     def inputs(self) -> Shapes:
-        """Names and shapes of all inputs: first those that must be told."""
+        """Names and shapes of all inputs: first those that must be passed."""
         shapes = {name: shape for part in self.parts for name, shape in part.inputs(self.model).items()}
         shapes |= {task.scale: () for task in self._adjustable}
         return dict(sorted(shapes.items(), key=lambda item: item[0] in self.defaults))
@@ -145,26 +150,26 @@ class Program:
             for entries in self.model.quaternions
         )
 
-    def of(self, part: Task | Limit, told: Mapping[str, Array]) -> list[Array]:
+    def of(self, part: Task | Limit, values: Mapping[str, Array]) -> list[Array]:
         """The inputs of a part, in its order."""
-        return [told[name] for name in part.inputs(self.model)]
+        return [values[name] for name in part.inputs(self.model)]
 
     def errors(self, q: Array, *inputs: Array) -> tuple[Array, ...]:
         """The error of each task and constraint, not weighted."""
-        told = dict(zip(self.inputs, inputs, strict=True))
-        return tuple(task.rows(self.model, q, *self.of(task, told)).e for task in self.objectives)
+        values = dict(zip(self.inputs, inputs, strict=True))
+        return tuple(task.rows(self.model, q, *self.of(task, values)).e for task in self.objectives)
 
     def bounds(
-        self, q: Array, dt: Any, told: Mapping[str, Array]
+        self, q: Array, dt: Any, values: Mapping[str, Array]
     ) -> Iterator[tuple[Limit, Interval | Strip]]:
         """What each limit allows."""
         for limit in self.limits:
-            yield limit, limit.bounds(self.model, q, dt, *self.of(limit, told))
+            yield limit, limit.bounds(self.model, q, dt, *self.of(limit, values))
 
     def problem(self, q: Array, dt: Any, *inputs: Array) -> Problem:
         """The quadratic program at `q` for a step of `dt`; of one sample, or traced."""
-        told = dict(zip(self.inputs, inputs, strict=True))
-        bounds = [bound for _, bound in self.bounds(q, dt, told)]
+        values = dict(zip(self.inputs, inputs, strict=True))
+        bounds = [bound for _, bound in self.bounds(q, dt, values)]
         lower, upper, gap = self._box([b for b in bounds if isinstance(b, Interval)])
         rows = [np.zeros((0, len(self.moving)))]
         low, high = [lower], [upper]
@@ -174,18 +179,18 @@ class Program:
                 low.append(strip.lower)
                 high.append(strip.upper)
         for task in self.constraints:
-            J, e, _ = self._weighted(task, q, told)
+            J, e, _ = self._weighted(task, q, values)
             rows.append(J)
             low.append(e / dt)
             high.append(e / dt)
-        turned = reduce(maximum, (_from_rotation(told[name]) for name in self.rotations), 0.0)
-        verdict = where(less(GAP, gap), float(CONFLICT), float(SOLVED))
-        verdict = where(less(turned, TURNED), verdict, float(NO_ROTATION))
-        H, g = self._objective(q, dt, told)
-        return Problem(H, g, np.concatenate(rows), np.concatenate(low), np.concatenate(high), verdict)
+        turned = reduce(maximum, (_from_rotation(values[name]) for name in self.rotations), 0.0)
+        status = where(less(GAP, gap), float(CONFLICT), float(SOLVED))
+        status = where(less(turned, TURNED), status, float(NO_ROTATION))
+        H, g = self._objective(q, dt, values)
+        return Problem(H, g, np.concatenate(rows), np.concatenate(low), np.concatenate(high), status)
 
     def step(self, q: Array, dt: Any, *inputs: Array) -> tuple[Array, Array, Any]:
-        """v (nv,), the configuration after dt (nq,), and what to think of them; traced.
+        """v (nv,), the configuration after dt (nq,), and the status; traced.
 
         Rows are only looked at: where the optimum without them keeps them, it is the optimum.
         """
@@ -196,29 +201,29 @@ class Program:
         if len(problem.A):
             rows = apply(problem.A, x)
             missed = reduce(maximum, [*(problem.lower[n:] - rows), *(rows - problem.upper[n:])])
-        verdict = where(less(missed, SLACK), problem.verdict, float(ROWS))
-        verdict = where(less(0.5, solved), verdict, float(UNSOLVED))
-        verdict = where(less(0.5, problem.verdict), problem.verdict, verdict)
-        v = self.spread(x, q)
-        return v, self.move(q, v, dt), verdict
+        status = where(less(missed, SLACK), problem.status, float(ROWS))
+        status = where(less(0.5, solved), status, float(UNSOLVED))
+        status = where(less(0.5, problem.status), problem.status, status)
+        v = self.full_velocity(x, q)
+        return v, self.move(q, v, dt), status
 
     def move(self, q: Array, v: Array, dt: Any) -> Array:
         """The configuration after `dt`."""
         return integrate(self.model, q, v * dt)
 
-    def spread(self, x: Array, q: Array) -> Array:
+    def full_velocity(self, x: Array, q: Array) -> Array:
         """The velocity (nv,) of the whole robot: joints that may not move stand still."""
         v = blank((self.model.nv,), q)
         v[..., self.moving] = x
         return v
 
-    def _objective(self, q: Array, dt: Any, told: Mapping[str, Array]) -> tuple[Array, Array]:
+    def _objective(self, q: Array, dt: Any, values: Mapping[str, Array]) -> tuple[Array, Array]:
         n = len(self.moving)
         H, g, damping = np.zeros((n, n)), np.zeros(n), self.damping
         for task in self.tasks:
-            J, e, costs = self._weighted(task, q, told)
+            J, e, costs = self._weighted(task, q, values)
             if task.adjustable:
-                costs = costs * told[task.scale]
+                costs = costs * values[task.scale]
             A, b = J * costs[:, None], e * costs
             H = H + A.T @ A
             g = g - A.T @ (b / dt)
@@ -226,12 +231,12 @@ class Program:
                 damping = damping + task.damping * (b * b).sum()
         return H + damping * np.eye(n), g
 
-    def _weighted(self, task: Task, q: Array, told: Mapping[str, Array]) -> tuple[Array, Array, Floats]:
+    def _weighted(self, task: Task, q: Array, values: Mapping[str, Array]) -> tuple[Array, Array, Floats]:
         """J, alpha e and w of the rows that cost something."""
         costs = task.costs(self.model)
-        J, e = task.rows(self.model, q, *self.of(task, told))
-        kept = np.flatnonzero(costs > 0.0)
-        return J[..., kept, :][..., self.moving], task.gain * e[..., kept], costs[kept]
+        J, e = task.rows(self.model, q, *self.of(task, values))
+        rows = np.flatnonzero(costs > 0.0)
+        return J[..., rows, :][..., self.moving], task.gain * e[..., rows], costs[rows]
 
     def _box(self, intervals: list[Interval]) -> tuple[Array, Array, Any]:
         """The tightest bounds. Where two contradict each other, the later holds; with `recover`, the earlier."""

@@ -1,11 +1,11 @@
-"""Limits that are rows over several joints: a plane not to be crossed, and any rows that are told.
+"""Limits that are rows over several joints: a plane not to be crossed, and any rows that are passed.
 
 | symbol | meaning | shape, unit | equation |
 |---|---|---|---|
 | p, J | origin of a frame in the world, and its Jacobian | (3,), (3, nv) | |
 | n, h | normal of a plane, to the allowed side, and its height | (3,), m | n . p >= h |
 | g | gain: the part of the way to the plane that one step may go | 1 | n . J v >= (h - n . p) g / dt |
-| A, b | rows that are told | (k, nv), (k,) | A v <= b |
+| A, b | rows that are passed | (k, nv), (k,) | A v <= b |
 
 Source: Faverjon & Tournassoud, A local based approach for path planning of manipulators with a high number of degrees
 of freedom (1987). The rows are linear: a step may miss a bent bound by the square of its length.
@@ -33,7 +33,7 @@ from ulna.typing import Array, ArrayLike
 class PlaneLimit(Limit):
     """The origin of a frame stays on one side of a plane of the world: n . p >= h.
 
-    It may be told a plane (4,): the normal n, which points to the allowed side, and h [m].
+    It takes a plane (4,): the normal n, which points to the allowed side, and h [m].
 
     Attributes:
         frame: Name of the frame.
@@ -77,10 +77,10 @@ class PlaneLimit(Limit):
 @final
 @dataclass(frozen=True, eq=False)
 class LinearLimit(Limit):
-    """Any rows that are told at every step: A v <= b; the door for distances between bodies.
+    """Any rows that are passed at every step: A v <= b; for instance distances between bodies.
 
     For a distance d between two points with its gradient g over the joints, the row is `-g` and b is `gain * d / dt`
-    (Faverjon & Tournassoud 1987). It is told the matrix A (count, nv) as `<name>_matrix` and b (count,) as
+    (Faverjon & Tournassoud 1987). It takes the matrix A (count, nv) as `<name>_matrix` and b (count,) as
     `<name>_bound`; rows that are not needed are zeros.
 
     Attributes:

@@ -20,7 +20,7 @@ from ulna.typing import ArrayLike, Floats
 
 @final
 class DifferentialIK:
-    """Tells the joint velocities that best fulfil some tasks within some limits.
+    """Computes the joint velocities that best fulfil some tasks within some limits.
 
         ik = DifferentialIK(robot, [FrameTask("panda_hand"), PostureTask(1e-3, target="qr")])
         while True:
@@ -29,7 +29,7 @@ class DifferentialIK:
     Everything between q and the velocity is one compiled kernel: kinematics, errors, Jacobians, objective, bounds, and
     their active-set solver. Rows (constraints, planes) are handed to daqp when they matter (extra `qp`).
 
-    What must be told at every step are the `inputs`, in their order: `ik.step(q, dt, T_left, T_right)`, or by name:
+    What must be passed at every step are the `inputs`, in their order: `ik.step(q, dt, T_left, T_right)`, or by name:
     `ik.step(q, dt, left=T_left, right=T_right)`; those with a default may be left out. Batches broadcast: q (..., nq)
     and targets with leading axes give velocities (..., nv).
 
@@ -40,8 +40,9 @@ class DifferentialIK:
         constraints: Tasks to be met exactly (J dq = gain e); their costs only leave rows out, where they are 0.
         damping: What a radian or metre of motion costs, squared: makes the solution unique where joints are free.
         locked: Names of joints that stand still.
-        recover: What happens when limits leave a joint no room, as when it stands far beyond a limit of position:
-            False raises InfeasibleError; True lets limits that are listed later yield to those listed before.
+        recover: What happens when the limits of a joint contradict each other, as when it stands far beyond a
+            limit of position: False raises InfeasibleError; True lets limits that are listed later yield to those
+                listed before.
 
     Raises:
         UnknownName: If there is no such frame or joint.
@@ -64,13 +65,13 @@ class DifferentialIK:
         model = getattr(robot, "model", robot)
         if not isinstance(model, Model):
             raise InputError(
-                f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) gives, or a Model."
+                f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) returns, or a Model."
             )
         limits = (VelocityLimit(), PositionLimit()) if limits is None else limits
         _check_kinds("tasks", tasks, Task)
         _check_kinds("constraints", constraints, Task)
         _check_kinds("limits", limits, Limit)
-        self._hold(
+        self._set_program(
             Program(
                 model,
                 tuple(tasks),
@@ -82,7 +83,7 @@ class DifferentialIK:
             )
         )
 
-    def _hold(self, program: Program) -> None:
+    def _set_program(self, program: Program) -> None:
         self.program = program
         self._defaults = tuple(program.defaults[name] for name in program.inputs if name in program.defaults)
         self._open = len(program.inputs) - len(self._defaults)
@@ -95,11 +96,12 @@ class DifferentialIK:
 
     def __repr__(self) -> str:
         parts = ", ".join(part.label for part in self.program.parts)
-        return f"<differential IK of {self.program.model.name!r}: {parts}; told {', '.join(self.inputs) or 'nothing'}>"
+        inputs = ", ".join(self.inputs) or "nothing"
+        return f"<differential IK of {self.program.model.name!r}: {parts}; inputs {inputs}>"
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of what is told after q and dt, in order; those with a default come last."""
+        """Names of what is passed after q and dt, in order; those with a default come last."""
         return tuple(self.program.inputs)
 
     @property
@@ -129,94 +131,94 @@ class DifferentialIK:
 
     def errors(self, q: ArrayLike, *targets: Any, **named: Any) -> dict[str, Floats]:
         """The errors of tasks and constraints at `q`, by name, not weighted: (..., k) each [m or rad]."""
-        values = self._compiled("errors")(q, *self._told(targets, named))
+        values = self._compiled("errors")(q, *self._input_values(targets, named))
         return dict(zip((task.label for task in self.program.objectives), values, strict=True))
 
     def problem(self, q: ArrayLike, dt: float, *targets: Any, **named: Any) -> Problem:
         """The quadratic program over the velocities of the joints that may move; see `Problem`."""
-        return Problem(*self._compiled("problem")(q, self._seconds(dt), *self._told(targets, named)))
+        return Problem(*self._compiled("problem")(q, self._seconds(dt), *self._input_values(targets, named)))
 
     def targets_at(self, q: ArrayLike) -> dict[str, Floats]:
         """The targets that `q` fulfils, by name: `ik.step(q, dt, **(ik.targets_at(q0) | {"left": T}))`."""
-        model, found = self.program.model, {}
+        model, targets = self.program.model, {}
         for task in self.program.objectives:
-            found |= task.reached_by(model, np.asarray(q, dtype=float))
-        return found
+            targets |= task.reached_by(model, np.asarray(q, dtype=float))
+        return targets
 
     def _solve(self, q: Any, dt: float, targets: tuple[Any, ...], named: dict[str, Any]) -> tuple[Any, Any]:
         if named or len(targets) != self._open:
-            told = self._told(targets, named)
+            inputs = self._input_values(targets, named)
         else:
             for target in targets:
                 if type(target) is not np.ndarray:
-                    told = self._told(targets, named)
+                    inputs = self._input_values(targets, named)
                     break
             else:
-                told = (*targets, *self._defaults)
-        held = self._dt
-        seconds = held[1] if type(dt) is float and held[0] == dt else self._seconds(dt)
+                inputs = (*targets, *self._defaults)
+        last_dt = self._dt
+        seconds = last_dt[1] if type(dt) is float and last_dt[0] == dt else self._seconds(dt)
         if self.program.equalities:
-            return self._by_rows(q, seconds, told)
-        v, following, verdict = self._kernel(q, seconds, *told)
-        if verdict.any() if verdict.ndim else verdict:
-            return self._by_rows(q, seconds, told, verdict, v)
+            return self._by_rows(q, seconds, inputs)
+        v, following, status = self._kernel(q, seconds, *inputs)
+        if status.any() if status.ndim else status:
+            return self._by_rows(q, seconds, inputs, status, v)
         return v, following
 
     def _by_rows(
-        self, q: Any, seconds: Any, told: Sequence[Any], verdict: Any = None, v: Any = None
+        self, q: Any, seconds: Any, inputs: Sequence[Any], status: Any = None, v: Any = None
     ) -> tuple[Floats, Floats]:
-        """The same by daqp; of a batch only the samples whose verdict is not 0, `v` has the solutions of the others."""
-        problem = Problem(*self._compiled("problem")(q, seconds, *told))
+        """The same by daqp; of a batch only the samples whose status is not 0, `v` has the solutions of the others."""
+        problem = Problem(*self._compiled("problem")(q, seconds, *inputs))
         batch = problem.g.shape[:-1]
         if not batch:
-            v = self._optimum(problem, (q, seconds, *told))
+            v = self._optimum(problem, (q, seconds, *inputs))
         else:
             v = np.empty((*batch, self.program.model.nv)) if v is None else v
             for index in np.ndindex(batch):
-                if verdict is None or verdict[index]:
+                if status is None or status[index]:
                     sample = Problem(*(field[index] for field in problem))
-                    v[index] = self._optimum(sample, (q, seconds, *told), batch, index)
+                    v[index] = self._optimum(sample, (q, seconds, *inputs), batch, index)
         return v, self._compiled("move")(q, v, seconds)
 
     def _optimum(
-        self, p: Problem, given: Sequence[Any], batch: tuple[int, ...] = (), index: tuple[int, ...] = ()
+        self, p: Problem, arguments: Sequence[Any], batch: tuple[int, ...] = (), index: tuple[int, ...] = ()
     ) -> Floats:
-        """The velocity (nv,) of one program; `given` are q, dt and the inputs of the batch it is out of."""
+        """The velocity (nv,) of one program; `arguments` are q, dt and the inputs of the batch it is out of."""
         program = self.program
-        x = solve_rows(p.H, p.g, p.A, p.lower, p.upper, program.equalities) if p.verdict == SOLVED else None
+        x = solve_rows(p.H, p.g, p.A, p.lower, p.upper, program.equalities) if p.status == SOLVED else None
         if x is not None:
-            return x if len(x) == program.model.nv else program.spread(x, p.g)
+            return x if len(x) == program.model.nv else program.full_velocity(x, p.g)
         shapes = ((program.model.nq,), (), *program.inputs.values())
         sample = [
             np.broadcast_to(np.asarray(value, dtype=float), (*batch, *shape))[index]
-            for value, shape in zip(given, shapes, strict=True)
+            for value, shape in zip(arguments, shapes, strict=True)
         ]
         raise explain.reason(program, p, *sample, where=f" at index {index}" if batch else "")
 
-    def _told(self, targets: Sequence[Any], named: Mapping[str, Any]) -> tuple[Any, ...]:
+    def _input_values(self, targets: Sequence[Any], named: Mapping[str, Any]) -> tuple[Any, ...]:
         """Every input as an array, in order."""
         names = self.inputs
         if len(targets) > len(names):
             raise InputError(
-                f"{len(targets)} targets are told; expected at most {len(names)}: {', '.join(names)}."
+                f"{len(targets)} targets are passed; expected at most {len(names)}: {', '.join(names)}."
             )
-        told = dict(zip(names, targets, strict=False))
+        values = dict(zip(names, targets, strict=False))
         for name, value in named.items():
             if name not in names:
                 raise UnknownName("target", name, names)
-            if name in told:
-                raise InputError(f"The target {name!r} is told twice, by its place and by its name.")
-            told[name] = value
-        told = {**self.program.defaults, **told}
-        missing = [name for name in names if name not in told]
+            if name in values:
+                raise InputError(f"The target {name!r} is passed twice, by its position and by its name.")
+            values[name] = value
+        values = {**self.program.defaults, **values}
+        missing = [name for name in names if name not in values]
         if missing:
             raise InputError(
-                f"What {', '.join(map(repr, missing))} shall be is not told; expected: {', '.join(names)}."
+                f"Missing targets: {', '.join(map(repr, missing))}; expected: {', '.join(names)}."
             )
-        return tuple(as_array(told[name]) for name in names)
+        return tuple(as_array(values[name]) for name in names)
 
     def _seconds(self, dt: Any) -> Any:
-        """The duration as an array, kept for the next step."""
+        """The duration as an array, stored for the next step."""
         try:
             seconds = np.asarray(dt, dtype=float)
         except (TypeError, ValueError):
@@ -245,7 +247,7 @@ class DifferentialIK:
 
 def _of_program(program: Program) -> DifferentialIK:
     ik = DifferentialIK.__new__(DifferentialIK)
-    ik._hold(program)
+    ik._set_program(program)
     return ik
 
 

@@ -46,7 +46,7 @@ class Task(ABC):
             is reached. It is 1 for tasks of frames and of the centre of mass, which with 0 let the joints of a
             stretched arm rush to and fro at their greatest speeds, and 0 for others.
         name: What its target is called; by default the frame's name, or what kind of task it is.
-        adjustable: Whether a factor on its costs may be told at every step, as `<name>_scale`, to fade it in and out.
+        adjustable: Whether a factor on its costs may be passed at every step, as `<name>_scale`, to fade it in and out.
     """
 
     gain: float = 1.0
@@ -76,11 +76,11 @@ class Task(ABC):
         """What it is called when no name is given."""
 
     def inputs(self, model: Model) -> Shapes:
-        """Names and shapes of what it must be told at every step."""
+        """Names and shapes of its inputs at every step."""
         return {}
 
     def defaults(self, model: Model) -> Mapping[str, Any]:
-        """Values of inputs that need not be told."""
+        """Values of inputs that need not be passed."""
         return {}
 
     def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
@@ -113,14 +113,14 @@ def cost_of(value: Any, count: int, what: str) -> Floats:
         InputError: Another shape, or a negative number, nan or inf.
     """
     try:
-        given = np.asarray(value, dtype=float)
+        numbers = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
         raise InputError(f"{what} is {value!r}; expected a number or {count} numbers.") from None
-    if given.shape not in ((), (count,)):
-        raise InputError(f"{what} has shape {given.shape}; expected a number or {count} numbers.")
-    if not (np.isfinite(given) & (given >= 0.0)).all():
+    if numbers.shape not in ((), (count,)):
+        raise InputError(f"{what} has shape {numbers.shape}; expected a number or {count} numbers.")
+    if not (np.isfinite(numbers) & (numbers >= 0.0)).all():
         raise InputError(f"{what} is {value}; expected finite numbers not below 0.")
-    return np.broadcast_to(given, (count,)).astype(float)
+    return np.broadcast_to(numbers, (count,)).astype(float)
 
 
 def as_array(target: Any) -> Floats:

@@ -69,7 +69,7 @@ def test_position_refuses() -> None:
     with pytest.raises(InputError, match="`margin` is -1"):
         PositionLimit(margin=-1.0)
     narrow = chain((Revolute(), {"lower": -0.1, "upper": 0.1}))
-    with pytest.raises(InputError, match="leaves joint 'joint0' no room"):
+    with pytest.raises(InputError, match="leaves joint 'joint0' no range"):
         PositionLimit(margin=0.2).bounds(narrow, np.zeros(1), 0.1)
     planar = chain((Planar(), {"lower": (-1.0, -1.0, -3.0), "upper": (1.0, 1.0, 3.0)}))
     with pytest.raises(InputError, match="'joint0' is planar"):

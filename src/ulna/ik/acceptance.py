@@ -1,4 +1,4 @@
-"""What is said of an answer: its errors computed anew, whether it meets the goals, and whether these are poses."""
+"""Acceptance test of an answer: errors computed anew, whether it meets the goals, and whether these are poses."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def unwound(problem: Problem, q: Array, home: Array, near: Any) -> Array:
     return np.array(out, dtype=object)
 
 
-def verdict(
+def acceptance(
     problem: Problem, q: Array, goals: Array, tolerances: Array, is_valid: Any, steps: Any, number: Any
 ) -> list[Any]:
-    """What is said of an answer beside its configuration; the errors are those at `q`, computed anew."""
+    """Status (1 met, 0 not met, -1 a goal is no rotation), steps, starting point, and the errors at `q`."""
     each = problem.distances(q, goals, with_rows=False)
     status = numeric.where(is_valid, numeric.where(are_met(each, tolerances), 1.0, 0.0), -1.0)
     parts = [x for d in each for x in (numeric.sqrt(d.position), d.angle)]
@@ -48,18 +48,18 @@ def are_rotations(goals: Array) -> Any:
     return good
 
 
-def judge(problem: Problem) -> Function:
-    """The verdict on a configuration, as a kernel.
+def acceptance_kernel(problem: Problem) -> Function:
+    """The acceptance test of a configuration, as a kernel.
 
-    Inputs: T, q0 and settings as those of `search.race`, the configuration q (nq,), and what is told beside it: steps
-    and number of the starting point. Output as that of `search.race`.
+    Inputs: T, q0 and settings as those of `search.multi_start`, the configuration q (nq,), and counts (2,):
+    steps and number of the starting point. Output as that of `search.multi_start`.
     """
 
-    def say(T: Array, q0: Array, settings: Array, q: Array, told: Array) -> Array:
+    def accept(T: Array, q0: Array, settings: Array, q: Array, counts: Array) -> Array:
         goals = problem.goals(T)
         q = unwound(problem, q, q0, settings[2])
-        said = verdict(problem, q, goals, settings[:2], are_rotations(goals), told[0], told[1])
-        return numeric.vector(*q, *said)
+        report = acceptance(problem, q, goals, settings[:2], are_rotations(goals), counts[0], counts[1])
+        return numeric.vector(*q, *report)
 
-    shapes: dict[str, Any] = {**problem.shapes, "settings": (4,), "q": (problem.model.nq,), "told": (2,)}
-    return trace(say, name="ik_judge", **shapes)
+    shapes: dict[str, Any] = {**problem.shapes, "settings": (4,), "q": (problem.model.nq,), "counts": (2,)}
+    return trace(accept, name="ik_acceptance", **shapes)

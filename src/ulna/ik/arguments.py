@@ -1,4 +1,4 @@
-"""What users ask of inverse kinematics, understood: frames, masks, joints, goals and their errors."""
+"""Arguments of inverse kinematics, checked: frames, masks, joints, goals, tolerances and seeds."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.ik.goal import Mask, mask_of
 from ulna.ik.problem import Problem
 from ulna.model import Model
-from ulna.numeric import refuse_masked
+from ulna.numeric import check_not_masked
 from ulna.typing import Floats
 
-REST = ("rest", "home", "ready", "qr", "half_sitting", "standing")
+DEFAULT_STARTS = ("rest", "home", "ready", "qr", "half_sitting", "standing")
 """Names of configurations that a search sets out from, the first that the robot has."""
 
 
 def named_goals(
     T: Any, frame: Any, mask: Any, tool: str
 ) -> tuple[Any, tuple[str, ...], tuple[Any, ...] | None]:
-    """Goals, names of their frames and their masks, out of what users may pass: see `robot.ik`."""
+    """Goals, names of their frames and their masks, from the arguments `T`, `frame` and `mask` of `robot.ik`."""
     if isinstance(T, Mapping):
         if frame is not None:
             raise InputError(f"`T` names the frames {list(T)}, so `frame` must be None; it is {frame!r}.")
@@ -45,7 +45,7 @@ def named_goals(
 
 
 def _masks(mask: Any, names: Sequence[str]) -> tuple[Mask, ...] | None:
-    """The mask of each frame; None where nothing is said."""
+    """The mask of each frame; None where no mask is given."""
     if mask is None:
         return None
     if isinstance(mask, np.ndarray):
@@ -78,14 +78,14 @@ def _side_by_side(goals: Mapping[Any, Any], masks: tuple[Mask, ...] | None) -> F
         raise InputError(f"`T` has poses whose leading axes do not broadcast: {shapes}.") from None
 
 
-def rest(problem: Problem) -> Floats:
+def default_start(problem: Problem) -> Floats:
     """The configuration a search without `q0` sets out from: a named one, or neutral, or the middle of the limits.
 
     All of it is within the limits, for the joints that do not move stay there.
     """
     model = problem.model
     lower, upper = problem.limits
-    for name in REST:
+    for name in DEFAULT_STARTS:
         if name in model.configurations:
             return np.clip(model.configurations[name], lower, upper)
     q = model.neutral.copy()
@@ -107,10 +107,10 @@ def problem_of(
     Raises:
         UnknownName, InputError: If there is no such frame or joint, or too few joints for what counts.
     """
-    found = tuple(model.frame(name) for name in frames)
-    if len({model.frame_index(name) for name in frames}) < len(found):
+    carried = tuple(model.frame(name) for name in frames)
+    if len({model.frame_index(name) for name in frames}) < len(carried):
         raise InputError(f"`frame` names {list(frames)}; a frame can have one goal only.")
-    moved = sorted({i for f in found for i in model.support(f.joint)})
+    moved = sorted({i for f in carried for i in model.support(f.joint)})
     moved = sorted({model.joint_index(_source(model, i)) for i in moved})
     if joints is not None:
         allowed = {model.joint_index(name) for name in joints}
@@ -119,12 +119,12 @@ def problem_of(
             raise InputError(f"`joints` names {followers[0]!r}, which follows another joint; name that one.")
         moved = [i for i in moved if i in allowed]
     if not moved:
-        raise InputError(f"No joint that may move carries {', '.join(f.name for f in found)}.")
-    problem = Problem(model, found, tuple(masks or [Mask()] * len(found)), tuple(moved), **options)
+        raise InputError(f"No joint that may move carries {', '.join(f.name for f in carried)}.")
+    problem = Problem(model, carried, tuple(masks or [Mask()] * len(carried)), tuple(moved), **options)
     n = len(problem.velocities)
     if masks is None and problem.rows > n:
         raise InputError(
-            f"{', '.join(f.name for f in found)} is moved by {n} joint coordinates, too few for all {problem.rows} "
+            f"{', '.join(f.name for f in carried)} is moved by {n} joint coordinates, too few for all {problem.rows} "
             'directions of its goal. Say what counts: mask="position", mask="position+z" (and where the tool\'s z axis '
             'points), mask="z", or six weights (x, y, z, rx, ry, rz). mask="pose" asks for the whole pose all the same.'
         )
@@ -147,7 +147,7 @@ def matrix_of(T: Any) -> Any:
     """
     plain = type(T) is np.ndarray
     if not plain:
-        refuse_masked("T", T)
+        check_not_masked("T", T)
     try:
         return np.asarray(T.matrix() if hasattr(T, "matrix") else T)
     except ValueError:
@@ -179,18 +179,18 @@ def pose_of_part(name: str, T: Any, mask: Mask) -> Floats | None:
 def poses_of_parts(T: Any, problem: Problem) -> Floats | None:
     """The same for the goals of all frames of a problem, (..., 4, 4), or (..., k, 4, 4) for k frames."""
     kinds = {(mask.axis is not None or any(mask.rotation), any(mask.position)) for mask in problem.masks}
-    if len(kinds) > 1:  # of one frame a point counts, of another a rotation; a dictionary can say so
+    if len(kinds) > 1:  # of one frame a point counts, of another a rotation; a dictionary can express this
         return None
     poses = pose_of_part("T", T, problem.masks[0])
     core = problem.shapes["T"]
     return poses if poses is not None and poses.shape[poses.ndim - len(core) :] == core else None
 
 
-def refuse_shape(T: Any, problem: Problem) -> None:
+def check_goal_shape(T: Any, problem: Problem) -> None:
     """Says how to make a pose of what has the shape of a point, a rotation, or a position with angles.
 
     Raises:
-        ShapeError: If that is so.
+        ShapeError: If they do not.
     """
     core = problem.shapes["T"]
     shape = np.shape(T)
@@ -214,8 +214,8 @@ def _advice(shape: tuple[int, ...]) -> str:
     return ""
 
 
-def refuse(T: Floats) -> NoReturn:
-    """Says what is wrong with goals that are no poses.
+def raise_invalid_pose(T: Floats) -> NoReturn:
+    """Raises an error that explains what is wrong with goals that are no poses.
 
     Raises:
         InputError: Always.
@@ -223,15 +223,15 @@ def refuse(T: Floats) -> NoReturn:
     checked_rotation("T", T[..., :3, :3], "ulna.spatial.nearest_rotation(R)")
     rows = T[..., 3, :].reshape(-1, 4)
     wrong = rows[(rows != (0.0, 0.0, 0.0, 1.0)).any(axis=1)][0]
-    mend = "" if T[..., :3, 3].any() else " The matrix looks transposed."
-    raise InputError(f"`T` has the last row {wrong.tolist()}; expected [0, 0, 0, 1].{mend}")
+    hint = "" if T[..., :3, 3].any() else " The matrix looks transposed."
+    raise InputError(f"`T` has the last row {wrong.tolist()}; expected [0, 0, 0, 1].{hint}")
 
 
-def refuse_batch(T: Any, q0: Any, problem: Problem) -> None:
-    """Says so, in the user's words, where goals and `q0` have leading axes that do not broadcast.
+def check_batch_axes(T: Any, q0: Any, problem: Problem) -> None:
+    """Checks that the leading axes of goals and `q0` broadcast.
 
     Raises:
-        ShapeError: If that is so.
+        ShapeError: If they do not.
     """
     if q0 is None:
         return
@@ -239,12 +239,12 @@ def refuse_batch(T: Any, q0: Any, problem: Problem) -> None:
     try:
         np.broadcast_shapes(batch, np.shape(q0)[:-1])
     except ValueError:
-        mend = f"`T` has shape {np.shape(T)}."
-        raise ShapeError("q0", np.shape(q0), f"leading axes that broadcast with {batch}", mend) from None
+        hint = f"`T` has shape {np.shape(T)}."
+        raise ShapeError("q0", np.shape(q0), f"leading axes that broadcast with {batch}", hint) from None
 
 
 def check_tolerances(position: Any, rotation: Any) -> None:
-    """Refuses tolerances that are no lengths above 0."""
+    """Raises InputError unless tolerances are above 0."""
     tolerances = {
         "position_tolerance": (position, "length above 0 in metres"),
         "rotation_tolerance": (rotation, "angle above 0 in radians"),
@@ -255,7 +255,7 @@ def check_tolerances(position: Any, rotation: Any) -> None:
 
 
 def check_count(name: str, value: Any, least: int = 1) -> None:
-    """Refuses what is no whole number, `least` or above."""
+    """Raises InputError unless `value` is a whole number, `least` or above."""
     count(name, value, least)
 
 
