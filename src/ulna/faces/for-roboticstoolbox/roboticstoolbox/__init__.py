@@ -5,19 +5,46 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-_HOMES = {
-    "roboticstoolbox._et": ("ET", "ET2"),
-    "roboticstoolbox._ets": ("ETS", "ETS2"),
-    "roboticstoolbox._link": ("Link", "Link2", "ELink", "ELink2"),
-    "roboticstoolbox._gripper": ("Gripper",),
-    "roboticstoolbox._robot": ("BaseRobot", "Robot", "ERobot"),
-    "roboticstoolbox._planar": ("Robot2", "ERobot2"),
-    "roboticstoolbox._ik": ("IKSolution",),
-    "roboticstoolbox._solvers": ("IKSolver", "IK_LM", "IK_NR", "IK_GN", "IK_QP"),
-    "roboticstoolbox._dh": (
-        "DHLink", "DHRobot", "SerialLink", "RevoluteDH", "PrismaticDH", "RevoluteMDH", "PrismaticMDH",
-    ),
-    "roboticstoolbox._poe": ("PoELink", "PoERevolute", "PoEPrismatic", "PoERobot"),
+from roboticstoolbox._common.former_modules import register_former_modules
+from roboticstoolbox._ets.elementary_transform import ET as ET
+from roboticstoolbox._ets.elementary_transform import ET2 as ET2
+from roboticstoolbox._ets.ets import ETS as ETS
+from roboticstoolbox._ets.ets import ETS2 as ETS2
+from roboticstoolbox._ets.inverse_kinematics import IKSolution as IKSolution
+from roboticstoolbox._ik.solvers import IK_GN as IK_GN
+from roboticstoolbox._ik.solvers import IK_LM as IK_LM
+from roboticstoolbox._ik.solvers import IK_NR as IK_NR
+from roboticstoolbox._ik.solvers import IK_QP as IK_QP
+from roboticstoolbox._ik.solvers import IKSolver as IKSolver
+from roboticstoolbox._links.gripper import Gripper as Gripper
+from roboticstoolbox._links.link import ELink as ELink
+from roboticstoolbox._links.link import ELink2 as ELink2
+from roboticstoolbox._links.link import Link as Link
+from roboticstoolbox._links.link import Link2 as Link2
+from roboticstoolbox._robots.dh_links import DHLink as DHLink
+from roboticstoolbox._robots.dh_links import PrismaticDH as PrismaticDH
+from roboticstoolbox._robots.dh_links import PrismaticMDH as PrismaticMDH
+from roboticstoolbox._robots.dh_links import RevoluteDH as RevoluteDH
+from roboticstoolbox._robots.dh_links import RevoluteMDH as RevoluteMDH
+from roboticstoolbox._robots.dh_robot import DHRobot as DHRobot
+from roboticstoolbox._robots.dh_robot import SerialLink as SerialLink
+from roboticstoolbox._robots.planar_robot import ERobot2 as ERobot2
+from roboticstoolbox._robots.planar_robot import Robot2 as Robot2
+from roboticstoolbox._robots.poe_robot import PoELink as PoELink
+from roboticstoolbox._robots.poe_robot import PoEPrismatic as PoEPrismatic
+from roboticstoolbox._robots.poe_robot import PoERevolute as PoERevolute
+from roboticstoolbox._robots.poe_robot import PoERobot as PoERobot
+from roboticstoolbox._robots.robot import BaseRobot as BaseRobot
+from roboticstoolbox._robots.robot import ERobot as ERobot
+from roboticstoolbox._robots.robot import Robot as Robot
+
+_CLASSES = (
+    "ET", "ET2", "ETS", "ETS2", "Link", "Link2", "ELink", "ELink2", "Gripper", "BaseRobot", "Robot", "ERobot",
+    "Robot2", "ERobot2", "IKSolution", "IKSolver", "IK_LM", "IK_NR", "IK_GN", "IK_QP", "DHLink", "DHRobot",
+    "SerialLink", "RevoluteDH", "PrismaticDH", "RevoluteMDH", "PrismaticMDH", "PoELink", "PoERevolute",
+    "PoEPrismatic", "PoERobot",
+)  # fmt: skip
+_MODULE_NAMES = {
     "roboticstoolbox.tools.trajectory": (
         "Trajectory", "jtraj", "ctraj", "mtraj", "mstraj", "quintic", "quintic_func", "trapezoidal",
         "trapezoidal_func", "lspb", "xplot",
@@ -30,7 +57,7 @@ _HOMES = {
     ),
     "roboticstoolbox.tools.helpers": ("null", "jsingu", "jacobian_numerical", "hessian_numerical", "Ticker"),
 }  # fmt: skip
-_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+_MODULE_OF = {name: module for module, names in _MODULE_NAMES.items() for name in names}
 _MODULES = ("backends", "ets", "models", "robot", "tools")
 _MOBILE = {
     "Bicycle", "BinaryOccupancyGrid", "Bug2", "CurvaturePolyPlanner", "DiffSteer", "DistanceTransformPlanner",
@@ -40,14 +67,16 @@ _MOBILE = {
     "VehicleAnimationBase", "VehicleBase", "VehicleDriverBase", "VehicleIcon", "VehicleMarker", "VehiclePolygon",
     "mobile", "blocks",
 }  # fmt: skip
-__all__ = list(_HOME_OF)
+__all__ = list(_CLASSES)
+__all__ += list(_MODULE_OF)
 __all__ += ["backends", "models"]
 __version__ = "1.5.0"  # whose names these are
+register_former_modules()
 
 
 def __getattr__(name: str) -> Any:
-    if name in _HOME_OF:
-        value = getattr(importlib.import_module(_HOME_OF[name]), name)
+    if name in _MODULE_OF:
+        value = getattr(importlib.import_module(_MODULE_OF[name]), name)
         globals()[name] = value
         return value
     if name in _MODULES:

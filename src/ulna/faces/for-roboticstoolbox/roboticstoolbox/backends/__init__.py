@@ -21,7 +21,7 @@ def load_backend(name: str) -> Any:
         from swift import Swift
 
         return Swift()
-    from roboticstoolbox._figure import PyPlot, PyPlot2
+    from roboticstoolbox._plot.figure import PyPlot, PyPlot2
 
     return PyPlot() if name == "pyplot" else PyPlot2()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._rooms import furnish, offered
+from roboticstoolbox._common.module_aliases import furnish, offered
 
 __all__ = ["ET", "ET2", "ETS", "ETS2"]
 furnish(__name__, __all__)

@@ -12,7 +12,7 @@ def catalog(
     keywords: Any = None, dof: int | None = None, mtype: str | None = None, border: str = "thin", **_: Any
 ) -> None:
     """Prints which robots there are: all, or those with `dof` joints, or of the kind "DH", "ETS" or "URDF"."""
-    from roboticstoolbox._table import grid
+    from roboticstoolbox._common.text_table import grid
 
     rows = []
     for room in _ROOMS if mtype is None else (mtype,):

@@ -18,11 +18,12 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._dh import DHLink, DHRobot, PrismaticDH, PrismaticMDH, RevoluteDH, RevoluteMDH
-from roboticstoolbox._et import ET
-from roboticstoolbox._ets import ETS
-from roboticstoolbox._link import Link
-from roboticstoolbox._robot import BaseRobot, Robot
+from roboticstoolbox._ets.elementary_transform import ET
+from roboticstoolbox._ets.ets import ETS
+from roboticstoolbox._links.link import Link
+from roboticstoolbox._robots.dh_links import DHLink, PrismaticDH, PrismaticMDH, RevoluteDH, RevoluteMDH
+from roboticstoolbox._robots.dh_robot import DHRobot
+from roboticstoolbox._robots.robot import BaseRobot, Robot
 from ulna.errors import InputError
 from ulna.typing import Floats
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._rooms import furnish, offered
+from roboticstoolbox._common.module_aliases import furnish, offered
 
 _MODULES = (
     "BaseRobot", "DHLink", "DHRobot", "ELink", "ERobot", "ET", "ETS", "Gripper", "IK", "Link", "PoERobot", "Robot",

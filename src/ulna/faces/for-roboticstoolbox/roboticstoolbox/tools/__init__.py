@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._rooms import furnish, offered
+from roboticstoolbox._common.module_aliases import furnish, offered
 
 _MODULES = ("null", "p_servo", "Ticker", "numerical", "jsingu", "params", "plot", "trchain")
 _NAMES = (

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from roboticstoolbox._et import flat
+from roboticstoolbox._common.poses import to_planar
 from ulna.errors import FormatError, InputError, UnknownName, excerpt
 from ulna.formats.ets import ET
 from ulna.typing import Floats
@@ -80,7 +80,7 @@ def trchain2(
 ) -> Any:
     """The pose in the plane at the end of a chain of R, Tx, Ty, (3, 3); see `trchain`."""
     T, tokens = _evaluated(chain, q, unit, qvar, variables or {}, _IN_THE_PLANE)
-    return (flat(T), tokens) if return_tokens else flat(T)
+    return (to_planar(T), tokens) if return_tokens else to_planar(T)
 
 
 def _evaluated(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._poses import array
+from roboticstoolbox._common.poses import array
 from ulna.control import p_servo as _servo
 from ulna.typing import Floats
 

@@ -199,7 +199,7 @@ def ctraj(T0: Any, T1: Any, t: Any = None, s: Any = None) -> Any:
         t: How many, or times; the way along the line follows a trapezoid of speed.
         s: The way along the line instead, from 0 to 1, (m,).
     """
-    from roboticstoolbox._poses import matrix, pose
+    from roboticstoolbox._common.poses import matrix, pose
     from ulna.spatial import SE3
 
     if (t is None) == (s is None):

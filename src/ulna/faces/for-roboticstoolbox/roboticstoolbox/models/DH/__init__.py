@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._analytic import PumaWords
+from roboticstoolbox._ik.puma_branches import PumaBranches
 from roboticstoolbox.models._made import dh_class, table
 
 __all__ = list(table("dh"))
 
 for _each in __all__:
-    globals()[_each] = dh_class(_each, __name__, *((PumaWords,) if _each == "Puma560" else ()))
+    globals()[_each] = dh_class(_each, __name__, *((PumaBranches,) if _each == "Puma560" else ()))
 
 
 def __getattr__(name: str) -> Any:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._et import ET2
-from roboticstoolbox._ets import ETS2
-from roboticstoolbox._link import Link2
-from roboticstoolbox._planar import Robot2
-from roboticstoolbox._robot import Robot
+from roboticstoolbox._ets.elementary_transform import ET2
+from roboticstoolbox._ets.ets import ETS2
+from roboticstoolbox._links.link import Link2
+from roboticstoolbox._robots.planar_robot import Robot2
+from roboticstoolbox._robots.robot import Robot
 from roboticstoolbox.models._made import table, tree_class
 
 __all__ = list(dict.fromkeys(["Planar2", *table("ets")]))

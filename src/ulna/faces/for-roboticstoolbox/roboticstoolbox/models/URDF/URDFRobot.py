@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from roboticstoolbox._load import from_model, read
-from roboticstoolbox._robot import Robot
+from roboticstoolbox._robots.from_model import from_model, read
+from roboticstoolbox._robots.robot import Robot
 from ulna.errors import InputError, UnknownName
 
 

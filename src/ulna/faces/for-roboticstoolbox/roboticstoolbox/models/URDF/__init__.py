@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._load import from_model
-from roboticstoolbox._robot import Robot
+from roboticstoolbox._robots.from_model import from_model
+from roboticstoolbox._robots.robot import Robot
 from roboticstoolbox.models._made import table, tree_class
 from roboticstoolbox.models.URDF._described import ROBOTS, described_class
 from roboticstoolbox.models.URDF.URDFRobot import URDFRobot

@@ -12,8 +12,8 @@ from typing import Any, final
 
 import numpy as np
 
-from roboticstoolbox._load import from_model, read
-from roboticstoolbox._robot import Robot
+from roboticstoolbox._robots.from_model import from_model, read
+from roboticstoolbox._robots.robot import Robot
 from roboticstoolbox.models.URDF.URDFRobot import URDFRobot
 from ulna.errors import ModelError
 

@@ -1,0 +1,1 @@
+"""Poses, tables of text, and the modules that names are imported from."""

@@ -1,0 +1,101 @@
+"""Poses as the toolbox passes them about: SE3 objects of spatialmath, or plain matrices."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import MissingExtra, ShapeError
+from ulna.spatial import matrix_to_rpy
+from ulna.typing import Floats
+
+
+@cache
+def _spatialmath() -> Any:
+    try:
+        import spatialmath
+    except ImportError:
+        raise MissingExtra("spatialmath-python", "toolbox", "A pose of the toolbox") from None
+    return spatialmath
+
+
+@cache
+def _class(size: int) -> Any:
+    return _spatialmath().SE3 if size == 4 else _spatialmath().SE2
+
+
+def pose(T: Floats) -> Any:
+    """An SE3 that holds one matrix (4, 4) or many (m, 4, 4), an SE2 for (3, 3); unchecked, as kernels made them."""
+    kind = _class(T.shape[-1])
+    out = kind.__new__(kind)
+    out.data = [T] if T.ndim == 2 else list(T)
+    return out
+
+
+def array(T: Any) -> Floats:
+    """The numbers of a pose object, or of poses, or of an array."""
+    held = getattr(T, "data", None)
+    if type(held) is list:
+        return held[0] if len(held) == 1 else np.array(held, dtype=float)
+    return np.asarray(T, dtype=float)
+
+
+def matrix(T: Any, size: int = 4) -> Floats:
+    """The homogeneous matrix (size, size) of a pose object or an array.
+
+    Raises:
+        ShapeError: It is neither.
+    """
+    M = array(T)
+    if M.shape != (size, size):
+        raise ShapeError("pose", M.shape, f"({size}, {size}), or one SE{size - 1}")
+    return M
+
+
+def matrices(T: Any) -> Floats:
+    """The matrices of poses, (4, 4) or (m, 4, 4)."""
+    M = array(T)
+    if M.shape != (4, 4) and (M.shape[-2:] != (4, 4) or M.ndim > 3):
+        raise ShapeError("pose", M.shape, "(4, 4) or (m, 4, 4), or an SE3")
+    return M
+
+
+def describe(T: Floats) -> str:
+    """The words for a constant pose, "SE3(x, y, z; roll, pitch, yaw)", what is zero left out."""
+    if T.shape == (3, 3):
+        angle = math.degrees(math.atan2(T[1, 0], T[0, 0]))
+        return f"SE2({T[0, 2]:.4g}, {T[1, 2]:.4g}; {angle:.4g}°)"
+    parts = []
+    if T[:3, 3].any():
+        parts.append(", ".join(f"{x:.4g}" for x in T[:3, 3]))
+    rpy = np.degrees(matrix_to_rpy(T[:3, :3])) + np.array([0.0, -0.0, 0.0])  # no roll or yaw of -0
+    if np.abs(rpy).max() > 0.0:
+        parts.append(", ".join(f"{x:.4g}°" for x in rpy))
+    return f"SE3({'; '.join(parts)})"
+
+
+def along(z: Floats, point: Any) -> Floats:
+    """A frame at `point` whose z axis is `z`, (4, 4)."""
+    x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
+    x /= np.linalg.norm(x)
+    T = np.eye(4)
+    T[:3, 0], T[:3, 1], T[:3, 2], T[:3, 3] = x, np.cross(z, x), z, np.asarray(point, dtype=float).ravel()
+    return T
+
+
+def to_spatial(T: Floats) -> Floats:
+    """A pose in the plane (3, 3) as one in space (4, 4); those in space as they are."""
+    if T.shape == (4, 4):
+        return T
+    out = np.eye(4)
+    out[:2, :2], out[:2, 3] = T[:2, :2], T[:2, 2]
+    return out
+
+
+def to_planar(T: Floats) -> Floats:
+    """The pose in the plane (..., 3, 3) of a pose in space (..., 4, 4) that stays in it."""
+    axes = [0, 1, 3]
+    return T[..., axes, :][..., axes]

@@ -1,0 +1,1 @@
+"""Dynamics of robots, in joint space and in task space, their parameters and their simulation."""

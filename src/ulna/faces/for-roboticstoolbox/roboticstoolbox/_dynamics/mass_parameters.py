@@ -1,0 +1,72 @@
+"""What the links of a robot weigh: tables, payloads, and robots with less friction or other masses."""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+import numpy as np
+
+from roboticstoolbox._common.text_table import grid
+from roboticstoolbox._mixins.robot_mixin import Part
+from ulna.spatial import Inertia
+
+
+class Weights(Part):
+    """Masses, motors and friction."""
+
+    def payload(self, m: float, p: Any = None) -> None:
+        """Hangs a point mass `m` [kg] at `p` [m] in the last link; it replaces the one before, 0 takes it off."""
+        ends = self.ee_links
+        last = ends[0] if len(ends) == 1 else self._links[self.n - 1]
+        own = last.__dict__.setdefault("_empty", (last.m, last.r, last.I))
+        last.m, last.r, last.I = own
+        if m:
+            body = last._inertia()
+            more = Inertia.from_point(float(m), np.zeros(3) if p is None else np.asarray(p, dtype=float))
+            whole = more if body is None else body + more
+            last.m, last.r, last.I = float(whole.mass), whole.com, whole.inertia
+
+    def nofriction(self, coulomb: bool = True, viscous: bool = False) -> Self:
+        """A copy without Coulomb friction, without viscous friction."""
+        out = self.copy()
+        for link in out._links:
+            if coulomb:
+                link.Tc = [0.0, 0.0]
+            if viscous:
+                link.B = 0.0
+        return out
+
+    def perturb(self, p: float = 0.1) -> Self:
+        """A copy with masses and inertias off at random by up to the fraction `p`."""
+        out = self.copy()
+        out.name = f"P/{self.name}"
+        draw = np.random.default_rng()
+        for link in out._links:
+            link.m = link.m * (1.0 + draw.uniform(-p, p))
+            link.I = link.I * (1.0 + draw.uniform(-p, p))
+        return out
+
+    def dynamics(self) -> None:
+        """Prints what the links weigh, as a table."""
+        rows = [[link.name, *link._numbers()] for link in self._links]
+        print(grid(["j", "m", "r", "I", "Jm", "B", "Tc", "G"], rows, [True] + [False] * 7))
+
+    def dynamics_list(self) -> None:
+        """Prints what each link weighs."""
+        for i, link in enumerate(self._links):
+            print(f"\nLink {i}:: {link}")
+            print(link.dyn(indent=2))
+
+    def jointdynamics(self, q: Any, qd: Any = None) -> list[tuple[tuple[float], tuple[float, float]]]:
+        """The transfer function of each motor, 1 / (J s + B): numerator and denominator, as seen by the motor.
+
+        Args:
+            q: Configuration, (n,) [rad or m].
+            qd: Velocity at which Coulomb friction counts, as Tc / qd of B, (n,); without it does not.
+        """
+        rates = np.zeros(self.n) if qd is None else np.asarray(qd, dtype=float)
+        out = []
+        for m, rate, link in zip(np.diagonal(self.inertia(q)), rates, self._joints(), strict=True):
+            dry = link.Tc[0] / rate if rate > 0.0 else link.Tc[1] / rate if rate < 0.0 else 0.0
+            out.append(((1,), (float(m / link.G**2), float(link.B + dry))))
+        return out

@@ -1,0 +1,69 @@
+"""How a robot moves under torques: the integrators of scipy on the robot's accelerations."""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._mixins.robot_mixin import Part
+from ulna.errors import MissingExtra, ShapeError, UnknownName
+from ulna.typing import Floats
+
+fdyn = namedtuple("fdyn", ["t", "q", "qd"])
+
+
+class Motion(Part):
+    """Motion under torques."""
+
+    accel: Any
+
+    def fdyn(
+        self,
+        T: float,
+        q0: Any,
+        Q: Any = None,
+        Q_args: dict[str, Any] | None = None,
+        qd0: Any = None,
+        solver: str = "RK45",
+        solver_args: dict[str, Any] | None = None,
+        dt: float | None = None,
+        progress: bool = False,
+    ) -> fdyn:
+        """The motion under torques `Q(robot, t, q, qd, **Q_args)` from `q0` for `T` seconds: t, q, qd by rows.
+
+        `solver` is one of scipy's; its steps are the rows, or every `dt`.
+        """
+        try:
+            from scipy import integrate, interpolate
+        except ImportError:
+            raise MissingExtra("scipy", "toolbox", "fdyn") from None
+        solvers = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+        if solver not in solvers:
+            raise UnknownName("solver", solver, solvers)
+        start = np.asarray(q0, dtype=float)
+        if start.shape != (self.n,):
+            raise ShapeError("q0", start.shape, f"({self.n},)")
+        v0 = np.zeros(self.n) if qd0 is None else np.asarray(qd0, dtype=float)
+        still, arguments, n = np.zeros(self.n), Q_args or {}, self.n
+
+        def rate(t: float, x: Floats) -> Floats:
+            tau = still if Q is None else np.asarray(Q(self, t, x[:n], x[n:], **arguments), dtype=float)
+            return np.concatenate([x[n:], self.accel(x[:n], x[n:], tau)])
+
+        stepper = getattr(integrate, solver)(
+            rate, t0=0.0, y0=np.concatenate([start, v0]), t_bound=T, **(solver_args or {})
+        )
+        times, states = [0.0], [stepper.y]
+        while stepper.status == "running":
+            message = stepper.step()
+            if stepper.status == "failed":
+                raise RuntimeError(f"fdyn: {solver} failed at t = {stepper.t:.4g} s: {message}")
+            times.append(stepper.t)
+            states.append(stepper.y)
+        t, x = np.array(times), np.array(states)
+        if dt is not None:
+            even = np.arange(0.0, T, dt)
+            x, t = interpolate.interp1d(t, x, axis=0)(even), even
+        return fdyn(t, x[:, :n], x[:, n:])

@@ -1,0 +1,180 @@
+"""One chain of transforms with its compiled kernels: where the toolbox's kinematic questions are answered."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._ets.elementary_transform import BaseET
+from roboticstoolbox._ets.jacobian_array import Jacobian
+from ulna import algorithms
+from ulna.errors import ShapeError
+from ulna.formats.ets import ETS as Transforms
+from ulna.model import Frame, Model
+from ulna.robot import Robot
+from ulna.system.cached import cached_property
+from ulna.typing import Array, Floats
+
+_ANGLES = {"rpy/xyz", "rpy/zyx", "eul", "exp"}
+_MEASURES = {
+    "yoshikawa": "yoshikawa",
+    "asada": "asada",
+    "minsingular": "minimum_singular_value",
+    "invcondition": "inverse_condition",
+}
+
+
+class Chain:
+    """The transforms from one frame to another; configurations are those of the robot it belongs to.
+
+    Columns of Jacobians stand in the order of the joints along the chain.
+    """
+
+    def __init__(self, transforms: Sequence[BaseET]) -> None:
+        """`transforms` are copied: later changes to them are not seen."""
+        self.transforms = tuple(et._like() for et in transforms)
+        self.jindices = np.array([et.jindex for et in self.transforms if et.isjoint], dtype=int)
+        self.n = len(self.jindices)
+        self._in_order = bool((self.jindices == np.arange(self.n)).all())
+        self._shape = (self.n,)
+        self._tools: dict[bytes, Chain] = {}
+
+    @cached_property
+    def arm(self) -> Robot:
+        """The robot that Ulna computes with: the chain alone, its end the tool."""
+        count = iter(range(self.n))
+        plain = [et._plain(next(count)) if et.isjoint else et._plain() for et in self.transforms]
+        return Robot(Transforms(tuple(plain)).model("chain"))
+
+    @cached_property
+    def unlimited(self) -> Chain:
+        """The same chain without joint limits."""
+        free = [et._like() for et in self.transforms]
+        for et in free:
+            et.qlim = None
+        return Chain(free)
+
+    def with_tool(self, T: Floats) -> Chain:
+        """The chain that ends in a tool at `T`."""
+        key = T.tobytes()
+        if key not in self._tools:
+            if len(self._tools) > 32:
+                self._tools.clear()
+            self._tools[key] = Chain([*self.transforms, BaseET("SE3", T=T)])
+        return self._tools[key]
+
+    def q(self, q: Any) -> Floats:
+        """The joint coordinates along the chain, out of the robot's or of its own."""
+        if self._in_order and type(q) is np.ndarray and q.shape == self._shape:
+            return q
+        given = np.asarray(q, dtype=float)
+        if given.ndim == 2 and 1 in given.shape:  # one configuration, as a row or a column
+            given = given.ravel() if given.shape[0] == 1 or given.size == self.n != 1 else given
+        size = given.shape[-1] if given.ndim else 1
+        if given.ndim in (0, 1) and self.n == 1 and size == 1:
+            return given.reshape(1)
+        if self.n and size > self.jindices.max():
+            return given if self._in_order and size == self.n else given[..., self.jindices]
+        if size != self.n:
+            raise ShapeError("q", given.shape, f"({max([self.n, *(self.jindices + 1)])},) or (m, n)")
+        return given
+
+    def fk(self, q: Any) -> Floats:
+        """The pose of the end in the start, (..., 4, 4)."""
+        if self.n == 0:
+            return self._constant
+        try:
+            return self._fk(self.q(q))
+        except TypeError as error:
+            return algorithms.frame_pose(*self._symbols(q, error)).matrix()
+
+    @cached_property
+    def _fk(self) -> Any:
+        return self.arm.kernel("fk", checked=True)
+
+    @cached_property
+    def _constant(self) -> Floats:
+        T = np.eye(4)
+        for et in self.transforms:
+            T = T @ et._plain().transform().matrix()
+        return T
+
+    def jacob0(self, q: Any) -> Floats:
+        """The Jacobian in the axes of the start, (..., 6, n)."""
+        if self.n == 0:
+            return np.zeros((6, 0))
+        try:
+            return self._jacob0(self.q(q)).view(Jacobian)
+        except TypeError as error:
+            return algorithms.frame_jacobian(*self._symbols(q, error))
+
+    def jacobe(self, q: Any) -> Floats:
+        """The Jacobian in the axes of the end, (..., 6, n)."""
+        if self.n == 0:
+            return np.zeros((6, 0))
+        try:
+            return self._jacobe(self.q(q)).view(Jacobian)
+        except TypeError as error:
+            return algorithms.frame_jacobian(*self._symbols(q, error), reference="local")
+
+    def _symbols(self, q: Any, error: TypeError) -> tuple[Model, Array, Frame]:
+        """What the tower's algorithms make formulas of; `error` where `q` holds no symbols."""
+        given = np.asarray(q, dtype=object)
+        if not any(hasattr(x, "free_symbols") for x in given.ravel()):
+            raise error
+        if given.ndim == 1 and given.size > self.jindices.max():
+            given = given[self.jindices]
+        if given.shape != self._shape:
+            raise ShapeError("q", given.shape, f"({self.n},), symbols for one configuration")
+        model = self.arm.model
+        return model, given, model.frame(model.tool)
+
+    @cached_property
+    def _jacob0(self) -> Any:
+        return self.arm.kernel("jacobian", checked=True, reference="local_world_aligned")
+
+    @cached_property
+    def _jacobe(self) -> Any:
+        return self.arm.kernel("jacobian", checked=True, reference="local")
+
+    def hessian0(self, q: Any) -> Floats:
+        """The Hessian in the axes of the start, (..., n, 6, n)."""
+        return self.arm.hessian(self.q(q))
+
+    def hessiane(self, q: Any) -> Floats:
+        """`hessian0` turned into the axes of the end, (..., n, 6, n); it is not the derivative of `jacobe`."""
+        H, R = self.hessian0(q), self.fk(q)[..., None, :3, :3]
+        turned = np.swapaxes(R, -1, -2)
+        return np.concatenate([turned @ H[..., :3, :], turned @ H[..., 3:, :]], axis=-2)
+
+    def partial(self, q: Any, order: int) -> Floats:
+        """The derivatives of the pose of that order in the axes of the start, (n, ..., n, 6, n)."""
+        from ulna.algorithms import jacobian_partials
+
+        return jacobian_partials(np.asarray(self.jacob0(q)), order)
+
+    def jacob0_dot(self, q: Any, qd: Any) -> Floats:
+        """The derivative of the Jacobian in the axes of the start by time, (..., 6, n)."""
+        return self.arm.jacobian_dot(self.q(q), self.q(qd))
+
+    def analytical(self, q: Any, representation: str) -> Floats:
+        """The Jacobian of position and angles, (..., 6, n)."""
+        return self.arm.analytical_jacobian(self.q(q), representation).view(Jacobian)
+
+    def manipulability(self, q: Any, method: str, axes: Any) -> Any:
+        """The measure of manipulability of that name, (...)."""
+        return self.arm.manipulability(self.q(q), _measure(method), axes)
+
+    def jacobm(self, q: Any, axes: Any) -> Floats:
+        """The gradient of manipulability, (n, 1)."""
+        return self.arm.manipulability_gradient(self.q(q), axes)[..., None]
+
+
+def _measure(method: str) -> Any:
+    from ulna.errors import UnknownName
+
+    if method not in _MEASURES:
+        raise UnknownName("measure of manipulability", method, _MEASURES)
+    return _MEASURES[method]

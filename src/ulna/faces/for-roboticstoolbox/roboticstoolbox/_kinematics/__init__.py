@@ -1,0 +1,1 @@
+"""Kinematics of robots, contacts and distances."""

@@ -1,0 +1,271 @@
+"""The kinematics of a robot: every question goes to the chain from `start` to `end`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._common.poses import matrix, pose, to_spatial
+from roboticstoolbox._ets import inverse_kinematics as _ik
+from roboticstoolbox._ets.compiled_chain import _ANGLES, Chain
+from roboticstoolbox._ets.ets import ETS
+from roboticstoolbox._ets.sequence import limits_of
+from roboticstoolbox._links.gripper import Gripper
+from roboticstoolbox._links.link import Link
+from roboticstoolbox._links.link_tree import between
+from roboticstoolbox._links.ulna_model import model_of
+from ulna.errors import InputError, UnknownName
+from ulna.robot import Robot as Body
+from ulna.typing import Floats
+
+
+class Kinematics:
+    """Poses, Jacobians and inverse kinematics; `end` and `start` are links, grippers or their names.
+
+    Without `end` it is the tool of the gripper, or the last link; without `start` the base.
+    """
+
+    _chains: dict[Any, Chain]
+    _base: Floats | None
+    _tool: Floats | None
+    _links: list[Link]
+    _grippers: list[Gripper]
+    _whole: Body | None
+    name: str
+    n: int
+    q: Floats
+
+    def _chain(self, end: Any, start: Any, tool: Any = None) -> Chain:
+        try:
+            chain = self._chains[end, start]
+        except (KeyError, TypeError):
+            chain = self._chains[self._named(end), self._named(start)] = Chain(self.ets(start, end).data)
+        T = self._tool if tool is None else matrix(tool)
+        return chain if T is None else chain.with_tool(T)
+
+    def _named(self, what: Any) -> Any:
+        return what.name if isinstance(what, (Link, Gripper)) else what
+
+    def _link(self, what: Any) -> Link:
+        """The link that a name, a link or a gripper means."""
+        if isinstance(what, Gripper):
+            return what.links[0]
+        if isinstance(what, Link):
+            what = what.name
+        links = self.link_dict
+        if what not in links:
+            raise UnknownName("link", what, links)
+        return links[what]
+
+    @property
+    def link_dict(self) -> dict[str, Link]:
+        """All links by name, those of grippers included."""
+        hands = [link for gripper in self._grippers for link in gripper.links]
+        return {link.name: link for link in [*self._links, *hands]}
+
+    @property
+    def ee_links(self) -> list[Link]:
+        """The links that bear a gripper; of an arm without any, those that end a branch."""
+        bearers = [gripper.links[0].parent for gripper in self._grippers]
+        if bearers:
+            return [link for link in bearers if link is not None]
+        own = {id(link) for link in self._links}
+        return [link for link in self._links if not any(id(child) in own for child in link.children)]
+
+    def _end(self) -> tuple[Link, Floats | None]:
+        """The link and the tool meant where none is named."""
+        if len(self._grippers) == 1:
+            gripper = self._grippers[0]
+            return gripper.links[0], None if np.array_equal(gripper._tool, np.eye(4)) else gripper._tool
+        if len(self._grippers) > 1:
+            names = ", ".join(gripper.name for gripper in self._grippers)
+            raise InputError(f"The robot has several grippers; say which is meant: end= one of {names}.")
+        ends = self.ee_links
+        if len(ends) > 1:
+            names = ", ".join(link.name for link in ends)
+            raise InputError(f"The robot has several ends; say which is meant: end= one of {names}.")
+        return ends[0], None
+
+    def ets(self, start: Any = None, end: Any = None) -> ETS:
+        """The transforms from `start` to `end`."""
+        last, tool = self._end() if end is None else (self._link(end), None)
+        rise, down = between(None if start is None else self._link(start), last)
+        items = [et.inv() for link in rise for et in reversed(link.ets.data)]
+        items += [et for link in down for et in link.ets.data]
+        return ETS._of([*items, ETS._et("SE3", T=tool)] if tool is not None else items)
+
+    def fkine(
+        self, q: Any, end: Any = None, start: Any = None, tool: Any = None, include_base: bool = True
+    ) -> Any:
+        """The pose of `end` in the world, an SE3; one for each row of a trajectory (m, n)."""
+        T = self._chain(end, start, tool).fk(q)
+        return pose(self._base @ T if self._base is not None and include_base else T)
+
+    def fkine_all(self, q: Any) -> Any:
+        """Poses of the base and of all links, those of grippers last, as one SE3."""
+        body, whole = self._everything(), self._configuration(q)
+        return pose(body.fk(whole, ["base link of the robot", *self.link_dict]))
+
+    def _everything(self) -> Body:
+        """Arm and grippers as one robot of Ulna."""
+        if self._whole is None:
+            base = np.eye(4) if self._base is None else to_spatial(self._base)
+            pairs = self.__dict__.get("_disabled", ())
+            fall = (0.0, 0.0, -9.81)
+            model = model_of(self.name, self._links, self._grippers, fall, base, True, pairs)
+            self._whole = Body(model)
+        return self._whole
+
+    def _configuration(self, q: Any) -> Floats:
+        """The configuration of arm and grippers."""
+        hands = [gripper.q for gripper in self._grippers]
+        return np.concatenate([np.asarray(q, dtype=float).ravel(), *hands])
+
+    def jacob0(self, q: Any, end: Any = None, start: Any = None, tool: Any = None) -> Floats:
+        """The Jacobian in the axes of the start, (6, n), linear rows first; (m, 6, n) for (m, n)."""
+        return self._chain(end, start, tool).jacob0(q)
+
+    def jacobe(self, q: Any, end: Any = None, start: Any = None, tool: Any = None) -> Floats:
+        """The Jacobian in the axes of the end, (6, n); (m, 6, n) for (m, n)."""
+        return self._chain(end, start, tool).jacobe(q)
+
+    def jacob0_analytical(
+        self, q: Any, representation: str = "rpy/xyz", end: Any = None, start: Any = None, tool: Any = None
+    ) -> Floats:
+        """The Jacobian of position and angles, (6, n)."""
+        if representation not in _ANGLES:
+            raise UnknownName("representation", representation, _ANGLES)
+        return self._chain(end, start, tool).analytical(q, representation)
+
+    def jacob0_dot(self, q: Any, qd: Any, J0: Any = None, representation: str | None = None) -> Floats:
+        """The derivative of `jacob0` (or of `jacob0_analytical`) by time, (6, n); `J0` is not needed."""
+        chain = self._chain(None, None)
+        if representation is None:
+            return chain.jacob0_dot(q, qd)
+        kernel = chain.arm.kernel("analytical_jacobian", representation=representation).jacobian()
+        return kernel(chain.q(q)) @ chain.q(qd)
+
+    def hessian0(
+        self, q: Any = None, end: Any = None, start: Any = None, J0: Any = None, tool: Any = None
+    ) -> Floats:
+        """The Hessian in the axes of the start, (n, 6, n); `J0` is not needed."""
+        return self._chain(end, start, tool).hessian0(self.q if q is None else q)
+
+    def hessiane(
+        self, q: Any = None, end: Any = None, start: Any = None, Je: Any = None, tool: Any = None
+    ) -> Floats:
+        """The Hessian in the axes of the end, (n, 6, n); `Je` is not needed."""
+        return self._chain(end, start, tool).hessiane(self.q if q is None else q)
+
+    def partial_fkine0(self, q: Any, n: int = 3, end: Any = None, start: Any = None) -> Floats:
+        """The derivatives of the pose of order `n` in the axes of the start, (n, ..., n, 6, n)."""
+        return self._chain(end, start).partial(q, n)
+
+    def manipulability(
+        self,
+        q: Any = None,
+        J: Any = None,
+        end: Any = None,
+        start: Any = None,
+        method: str = "yoshikawa",
+        axes: Any = "all",
+        **_: Any,
+    ) -> Any:
+        """How far the Jacobian is from losing rank: "yoshikawa", "asada", "minsingular" or "invcondition"."""
+        from ulna import algorithms
+
+        if J is not None:
+            from roboticstoolbox._ets.compiled_chain import _measure
+
+            return algorithms.measure_of(np.asarray(J, dtype=float), _measure(method), axes)
+        at = self.q if q is None else q
+        if method == "asada":
+            J = np.asarray(self._chain(end, start).jacob0(at))
+            return algorithms.asada(J, self.inertia(at), axes)  # type: ignore[attr-defined]
+        return self._chain(end, start).manipulability(at, method, axes)
+
+    def jacobm(
+        self,
+        q: Any = None,
+        J: Any = None,
+        H: Any = None,
+        end: Any = None,
+        start: Any = None,
+        axes: Any = "all",
+    ) -> Floats:
+        """The gradient of Yoshikawa's manipulability, (n, 1); `J` and `H` are not needed."""
+        return self._chain(end, start).jacobm(self.q if q is None else q, axes)
+
+    def _ik(
+        self, kind: Any, Tep: Any, end: Any, start: Any, q0: Any, tool: Any, rest: dict[str, Any]
+    ) -> _ik.IKSolution:
+        shared = {n: rest.pop(n) for n in ("ilimit", "slimit", "tol", "mask", "joint_limits") if n in rest}
+        return _ik.solve(self._chain(end, start, tool), Tep, kind, q0, **shared, **_ik.settings(rest))
+
+    def ik_LM(
+        self,
+        Tep: Any,
+        end: Any = None,
+        start: Any = None,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        k: float = 1.0,
+        method: Any = "chan",
+        tool: Any = None,
+        **rest: Any,
+    ) -> _ik.IKSolution:
+        """The configuration for a pose of `end` as seen from the base (not the world).
+
+        Settings and solvers are those of `roboticstoolbox._ets.inverse_kinematics`.
+        """
+        chain, common = self._chain(end, start, tool), (ilimit, slimit, tol, mask, joint_limits, k, method)
+        return _ik.solve(chain, Tep, "LM", q0, *common, **_ik.settings(rest))
+
+    def ik_NR(
+        self, Tep: Any, end: Any = None, start: Any = None, q0: Any = None, tool: Any = None, **rest: Any
+    ) -> _ik.IKSolution:
+        """The same by Newton and Raphson's method."""
+        return self._ik("NR", Tep, end, start, q0, tool, rest)
+
+    def ik_GN(
+        self, Tep: Any, end: Any = None, start: Any = None, q0: Any = None, tool: Any = None, **rest: Any
+    ) -> _ik.IKSolution:
+        """The same by Gauss and Newton's method."""
+        return self._ik("GN", Tep, end, start, q0, tool, rest)
+
+    def ikine_QP(
+        self, Tep: Any, end: Any = None, start: Any = None, q0: Any = None, tool: Any = None, **rest: Any
+    ) -> _ik.IKSolution:
+        """The same by quadratic programs."""
+        return self._ik("QP", Tep, end, start, q0, tool, rest)
+
+    ikine_LM, ikine_NR, ikine_GN = ik_LM, ik_NR, ik_GN
+
+    @property
+    def qlim(self) -> Floats:
+        """Joint limits, (2, n); a turn without limits has -pi and pi.
+
+        Raises:
+            ValueError: A sliding joint has none.
+        """
+        joints = sorted((link for link in self._links if link.isjoint), key=lambda link: link.jindex or 0)
+        return limits_of(link.v for link in joints if link.v is not None)
+
+    @qlim.setter
+    def qlim(self, limits: Any) -> None:
+        given = np.asarray(limits, dtype=float)
+        if given.shape != (2, self.n):
+            raise InputError(f"`qlim` has shape {given.shape}; expected (2, {self.n}).")
+        for link in self._links:
+            if link.isjoint:
+                link.qlim = given[:, link.jindex]
+
+    def random_q(self) -> Floats:
+        """A random configuration within the limits, (n,)."""
+        low, high = self.qlim
+        return np.random.default_rng().uniform(low, high)

@@ -1,0 +1,1 @@
+"""Links: their transforms, dynamic parameters, shapes, grippers, and the tree that they form."""

@@ -1,0 +1,70 @@
+"""Grippers: links beyond the end of an arm, with configurations of their own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._common.poses import matrix, pose
+from roboticstoolbox._links.link import Link
+from ulna.errors import ShapeError
+from ulna.typing import Floats
+
+
+class Gripper:
+    """A tree of links that an arm carries, its own configuration, and the tool that it holds."""
+
+    def __init__(self, links: Any, name: str = "", tool: Any = None) -> None:
+        """The first of `links` is the one that the arm carries."""
+        self.links: list[Link] = [links] if isinstance(links, Link) else list(links)
+        self.name = name or (self.links[0].name if self.links else "")
+        self._tool = np.eye(4) if tool is None else matrix(tool)
+        joints = [link for link in self.links if link.isjoint]
+        for i, link in enumerate(joints):
+            link.jindex = i
+        self.n = len(joints)
+        self._q: Floats = np.zeros(self.n)
+
+    @property
+    def q(self) -> Floats:
+        """Its configuration, (n,)."""
+        return self._q
+
+    @q.setter
+    def q(self, q: Any) -> None:
+        given = np.array(q, dtype=float).ravel()
+        if given.shape != (self.n,):
+            raise ShapeError("q", np.shape(q), f"({self.n},)")
+        self._q = given
+        robot = self.links[0].robot
+        if robot is not None:
+            robot.dynchanged()
+
+    @property
+    def tool(self) -> Any:
+        """The pose of the tool in the first link."""
+        return pose(self._tool)
+
+    @tool.setter
+    def tool(self, T: Any) -> None:
+        self._tool = np.eye(4) if T is None else matrix(T)
+        robot = self.links[0].robot
+        if robot is not None:
+            robot._forget()
+
+    def dfs_links(self, start: Link, func: Any = None) -> list[Link]:
+        """The links from `start` on, children before siblings; `func` is called with each."""
+        out = [start]
+        if func is not None:
+            func(start)
+        for child in start.children:
+            out += self.dfs_links(child, func)
+        return out
+
+    def __str__(self) -> str:
+        carrier = self.links[0].parent_name if self.links else None
+        return f'Gripper("{self.name}", connected to {carrier}, {self.n} joints, {len(self.links)} links)'
+
+    def __repr__(self) -> str:
+        return f'Gripper({[str(link) for link in self.links]}, name="{self.name}", tool={self._tool!r})'

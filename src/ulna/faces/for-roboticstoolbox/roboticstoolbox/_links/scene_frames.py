@@ -1,0 +1,111 @@
+"""Robots and links in the tree of frames: what hangs on them goes where they go.
+
+Where a link is follows from its robot's `q`, whenever it is asked for; `update` has nothing to do.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from roboticstoolbox._common.poses import to_spatial
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+_OF_LINKS = {"actuator": "`G`, `Jm`, `B` and `Tc`", "mesh": "`geometry`", "id": "`number`"}
+
+
+def scene_node() -> Any:
+    from spatialgeometry import SceneNode
+
+    return SceneNode
+
+
+class Node:
+    """A frame that shapes and robots can hang on."""
+
+    _children: list[Any]
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    def attach(self, object: Any) -> None:
+        """Hangs a shape, a frame or a robot on it: its pose is from now on seen from here."""
+        object.attach_to(self)
+
+    def update(self) -> None:
+        """Nothing is to be done: where a frame is in the world is computed when it is asked for."""
+
+    def tree(self) -> str:
+        """The whole tree it is in, a line for each frame, this one marked."""
+        return scene_node().tree(self)
+
+    def tree_children(self) -> str:
+        """This frame and what hangs on it, a line for each."""
+        return scene_node().tree_children(self)
+
+
+class LinkNode(Node):
+    """A link as a frame: it hangs on the link before it, the first one on the robot."""
+
+    robot: Any
+
+    @property
+    def _wT(self) -> Floats:
+        """T_world_link at the robot's `q`, (4, 4); of a link without a robot at zero."""
+        if self.robot is not None:
+            return self.robot._where(self)
+        T = to_spatial(self.A(0.0).A)
+        return T if self.parent is None else self.parent._wT @ T
+
+    @property
+    def T(self) -> Floats:
+        """T_parent_link at the robot's `q`, (4, 4)."""
+        above = self.scene_parent
+        return self._wT if above is None else np.linalg.solve(above._wT, self._wT)
+
+    @T.setter
+    def T(self, pose: Any) -> None:
+        raise InputError(f"Where link {self.name!r} is follows from the configuration; set the robot's `q`.")
+
+    _T = T
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "attach_to":
+            raise AttributeError(
+                "A link hangs on the link before it; attach its robot: robot.attach_to(frame)."
+            )
+        if name in _OF_LINKS:
+            raise AttributeError(f"`{name}` of a link is not offered; use {_OF_LINKS[name]}.")
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    @property
+    def scene_parent(self) -> Any:
+        """The link before it; the robot for the first one."""
+        return self.robot if self.parent is None else self.parent
+
+    @property
+    def scene_children(self) -> list[Any]:
+        """The links after it, and what was attached to it."""
+        return [*self.children, *self._children]
+
+    def _within(self, shape: Any, within: float) -> list[Any]:
+        if self.robot is None:
+            raise InputError(f"Link {self.name!r} belongs to no robot, so it is nowhere; make a Robot of it.")
+        return self.robot._near(self.robot.q, shape, within, [self.name]) if self._solids else []
+
+    def closest_point(
+        self, shape: Any, inf_dist: float = 1.0, skip: bool = False
+    ) -> tuple[float | None, Floats | None, Floats | None]:
+        """Distance from a shape, the nearest point of the link and that of the shape; None beyond `inf_dist`."""
+        for found in self._within(shape, inf_dist):
+            return found.distance, found.points[0], found.points[1]
+        return None, None, None
+
+    def iscollided(self, shape: Any, skip: bool = False) -> bool:
+        """Whether it touches a shape, at the robot's `q`."""
+        return any(found.distance <= 0.0 for found in self._within(shape, 0.01))
+
+    collided = iscollided

@@ -1,0 +1,27 @@
+"""What the parts of a robot count on: each is a class of methods, and finds the others' in the robot it belongs to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ulna.typing import Floats
+
+if TYPE_CHECKING:
+    from roboticstoolbox._links.gripper import Gripper
+    from roboticstoolbox._links.link import Link
+
+
+class Part:
+    """Methods of a robot on one theme."""
+
+    name: str
+    n: int
+    _links: list[Link]
+    _grippers: list[Gripper]
+    _base: Floats | None
+    _tool: Floats | None
+    _gravity: Floats
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...

@@ -1,0 +1,109 @@
+"""What scripts set and name of a robot: its configuration, its velocity, and configurations with names."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._common.poses import array
+from roboticstoolbox._mixins.robot_mixin import Part
+from ulna.errors import InputError, ShapeError
+from ulna.typing import Floats
+
+
+class State(Part):
+    """Where a robot is, and where it may be told to go by name."""
+
+    _configs: dict[str, Floats]
+
+    @property
+    def q(self) -> Floats:  # type: ignore[override]
+        """The configuration, (n,)."""
+        return self._q
+
+    @q.setter
+    def q(self, q: Any) -> None:
+        self._q = self._state("q", q)
+
+    @property
+    def qd(self) -> Floats:
+        """The velocity, (n,)."""
+        return self._qd
+
+    @qd.setter
+    def qd(self, qd: Any) -> None:
+        self._qd = self._state("qd", qd)
+
+    @property
+    def qdd(self) -> Floats:
+        """The acceleration, (n,)."""
+        return self._qdd
+
+    @qdd.setter
+    def qdd(self, qdd: Any) -> None:
+        self._qdd = self._state("qdd", qdd)
+
+    def _state(self, name: str, value: Any) -> Floats:
+        out = np.array(value, dtype=float)
+        if out.shape != (self.n,):
+            out = out.ravel()
+            if out.shape != (self.n,):
+                raise ShapeError(name, np.shape(value), f"({self.n},)")
+        return out
+
+    @property
+    def control_mode(self) -> str:
+        """What simulators integrate: "p", "v" or "a"."""
+        return self._control_mode
+
+    @control_mode.setter
+    def control_mode(self, mode: str) -> None:
+        if mode not in ("p", "v", "a"):
+            raise InputError(f"`control_mode` is {mode!r}; expected 'p', 'v' or 'a'.")
+        self._control_mode = mode
+
+    @property
+    def qdlim(self) -> Floats | None:
+        """Greatest speeds, (n,); None where a joint has none."""
+        speeds = [link.qdlim for link in self._joints()]
+        return None if None in speeds else np.array(speeds, dtype=float)
+
+    @property
+    def configs(self) -> dict[str, Floats]:
+        """Named configurations."""
+        return self._configs
+
+    def addconfiguration(self, name: str, q: Any) -> None:
+        """Names a configuration, in `configs` alone."""
+        self._configs[name] = self._state(name, q)
+
+    def addconfiguration_attr(self, name: str, q: Any, unit: str = "rad") -> None:
+        """Names a configuration, as an attribute too; `unit` "deg" converts angles."""
+        values = self._state(name, q)
+        self._configs[name] = self.toradians(values) if unit == "deg" else values
+        setattr(self, name, self._configs[name])
+
+    def todegrees(self, q: Any) -> Floats:
+        """Angles in degrees, lengths as they are."""
+        return np.where(self.revolutejoints, np.degrees(np.asarray(q, dtype=float)), q)
+
+    def toradians(self, q: Any) -> Floats:
+        """Angles in radians, lengths as they are."""
+        return np.where(self.revolutejoints, np.radians(np.asarray(q, dtype=float)), q)
+
+    def jtraj(self, q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None, **options: Any) -> Any:
+        """A joint trajectory between two configurations, or between those of two poses; see `roboticstoolbox.jtraj`.
+
+        Args:
+            q0: Start, (n,); or a pose of the end, whose configuration is found.
+            qf: End, likewise.
+            t: How many, or times.
+            qd0: Velocity at the start.
+            qd1: Velocity at the end.
+            **options: Those of inverse kinematics, for poses.
+        """
+        from roboticstoolbox.tools.trajectory import jtraj
+
+        ends = [self.ikine_LM(T, **options).q if np.shape(array(T)) == (4, 4) else T for T in (q0, qf)]
+        return jtraj(ends[0], ends[1], t, qd0, qd1)

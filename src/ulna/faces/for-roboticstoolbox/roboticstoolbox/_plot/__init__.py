@@ -1,0 +1,1 @@
+"""Pictures of robots in matplotlib and in the viewer."""

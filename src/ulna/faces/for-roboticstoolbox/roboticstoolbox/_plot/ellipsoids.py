@@ -1,0 +1,117 @@
+"""Ellipsoids of a robot's end: how fast it can move, how hard it can push."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._common.poses import to_spatial
+from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._plot.figure import PyPlot
+from ulna.errors import InputError, UnknownName
+from ulna.typing import Floats
+
+
+class Ellipse:
+    """An ellipsoid in the world: directions, half axes, centre."""
+
+    def __init__(self, axes: Floats, radii: Floats, centre: Floats) -> None:
+        """`axes` (3, 3) are columns, `radii` (3,) and `centre` (3,) in metres."""
+        self.axes, self.radii, self.centre = axes, radii, centre
+
+    @property
+    def points(self) -> Floats:
+        """A grid of points on it, (3, 17, 33)."""
+        u, v = np.meshgrid(np.linspace(0, np.pi, 17), np.linspace(0, 2 * np.pi, 33), indexing="ij")
+        ball = np.stack([np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)])
+        return np.tensordot(self.axes * self.radii, ball, axes=1) + self.centre[:, None, None]
+
+
+class Ellipses(Part):
+    """Ellipsoids, and colours of links."""
+
+    def vellipse(
+        self, q: Any, opt: str = "trans", unit: str = "rad", centre: Any = "ee", scale: float = 0.1, **_: Any
+    ) -> Ellipse:
+        """The ellipsoid of the velocities that joint rates of one give, in the axes of the world.
+
+        Args:
+            q: Configuration, (n,).
+            opt: "trans" for linear velocities, "rot" for angular ones.
+            unit: Of angles in `q`, "rad" or "deg".
+            centre: Where it is drawn, "ee" for the end.
+            scale: What its half axes are multiplied by.
+        """
+        return self._shell(q, "velocity", opt, scale, centre, unit)
+
+    def fellipse(
+        self, q: Any, opt: str = "trans", unit: str = "rad", centre: Any = "ee", scale: float = 0.1, **_: Any
+    ) -> Ellipse:
+        """The ellipsoid of the forces that joint torques of one give; see `vellipse`."""
+        return self._shell(q, "force", opt, scale, centre, unit)
+
+    def _shell(
+        self, q: Any, kind: str, opt: str, scale: float, centre: Any = "ee", unit: str = "rad"
+    ) -> Ellipse:
+        from ulna.viewer.robot.ellipsoids import manipulability_ellipsoid
+
+        if opt not in ("trans", "rot"):
+            raise InputError(f"`opt` is {opt!r}; expected 'trans' or 'rot'.")
+        if unit not in ("rad", "deg"):
+            raise UnknownName("unit", unit, ("rad", "deg"))
+        at = self.q if q is None else np.asarray(q, dtype=float)
+        at = at if unit == "rad" else self.toradians(at)
+        chain, end = self._chain(None, None), to_spatial(self.fkine(at).A)
+        J = end[:3, :3] @ np.split(chain.jacobe(at), 2)[0 if opt == "trans" else 1]
+        axes, radii = manipulability_ellipsoid(J, kind)
+        middle = end[:3, 3] if isinstance(centre, str) else np.asarray(centre, dtype=float)
+        return Ellipse(axes[:3, :3], scale * radii, middle)
+
+    def plot_ellipse(self, ellipse: Ellipse, block: bool = True, limits: Any = None, **_: Any) -> PyPlot:
+        """Draws an ellipsoid."""
+        env = PyPlot(None, limits)
+        env.ax.plot_wireframe(*ellipse.points, color="#e08a1e", lw=0.5)
+        if block:
+            env.hold()
+        return env
+
+    def plot_vellipse(
+        self, q: Any, block: bool = True, opt: str = "trans", limits: Any = None, **_: Any
+    ) -> PyPlot:
+        """Draws the robot with its ellipsoid of velocities."""
+        return self._with_shell(q, "velocity", opt, block, limits)
+
+    def plot_fellipse(
+        self, q: Any, block: bool = True, opt: str = "trans", limits: Any = None, **_: Any
+    ) -> PyPlot:
+        """Draws the robot with its ellipsoid of forces."""
+        return self._with_shell(q, "force", opt, block, limits)
+
+    def _with_shell(self, q: Any, kind: str, opt: str, block: bool, limits: Any) -> PyPlot:
+        at = self.q if q is None else np.asarray(q, dtype=float)
+        env = PyPlot(None, limits)
+        env.show(self, at, self.name, [self._shell(at, kind, opt, 0.1).points])
+        if block:
+            env.hold()
+        return env
+
+    def linkcolormap(self, linkcolors: Any = "viridis") -> Any:
+        """A colour map of matplotlib with a colour for each joint: named, or of a list of n colours.
+
+        Raises:
+            InputError: It is a list, and not of n colours.
+        """
+        from roboticstoolbox._plot.figure import pyplot
+
+        pyplot()
+        from matplotlib import colormaps, colors
+
+        if isinstance(linkcolors, (list, tuple)):
+            if len(linkcolors) != self.n:
+                raise InputError(f"`linkcolors` has {len(linkcolors)} colours; expected {self.n}.")
+            return colors.ListedColormap(list(linkcolors))
+        return colormaps.get_cmap(linkcolors).resampled(self.n)
+
+
+__all__ = ["Ellipse", "Ellipses"]

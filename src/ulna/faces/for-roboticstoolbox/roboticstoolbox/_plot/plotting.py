@@ -1,0 +1,158 @@
+"""Pictures of a robot: stick figures in matplotlib, films, or the viewer."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from collections.abc import Iterator
+from typing import Any, ClassVar
+
+import numpy as np
+
+from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._plot.figure import PyPlot, PyPlot2, has_window
+from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.typing import Array, Floats
+
+_BACKENDS = ("pyplot", "pyplot2", "swift")
+
+
+class Plotting(Part):
+    """Pictures."""
+
+    _backend: str | None = None
+    _backend_of_all: ClassVar[str | None] = None
+
+    @property
+    def default_backend(self) -> str | None:
+        """What `plot` and `teach` draw with when they are not told: "pyplot", "swift", or None for what suits."""
+        return self._backend or self._backend_of_all
+
+    @default_backend.setter
+    def default_backend(self, be: str | None) -> None:
+        self._backend = _checked(be)
+
+    @classmethod
+    def set_default_backend(cls, be: str | None) -> None:
+        """Sets `default_backend` of all robots of the class that have none of their own."""
+        cls._backend_of_all = _checked(be)
+
+    def _drawn_with(self, backend: str | None, here: bool = False) -> str:
+        """The backend to take; `here` where only matplotlib can do what is wanted."""
+        told = _checked(backend) or self.default_backend
+        return told or ("swift" if not here and self._is_for_the_viewer() else "pyplot")
+
+    def plot(
+        self,
+        q: Any,
+        backend: str | None = None,
+        block: bool = False,
+        dt: float = 0.05,
+        limits: Any = None,
+        vellipse: bool = False,
+        fellipse: bool = False,
+        fig: str | None = None,
+        movie: str | None = None,
+        loop: bool = False,
+        ax: Any = None,
+        env: Any = None,
+        view: str | None = None,
+        **options: Any,
+    ) -> Any:
+        """Draws the robot, or plays a trajectory, in matplotlib, or in the viewer with backend="swift".
+
+        Args:
+            q: Configuration (n,), or rows of them (m, n) [rad or m].
+            backend: "pyplot" or "swift"; None for the viewer where the robot has shapes and there is a screen.
+            block: Whether to wait until the window is closed.
+            dt: Time from row to row [s].
+            limits: Of the picture, x, y, z from and to [m].
+            vellipse: Whether to draw the ellipsoid of velocities.
+            fellipse: Whether to draw the ellipsoid of forces.
+            fig: Name of the figure.
+            movie: A file to write, .gif or .mp4, each row shown for `dt` seconds.
+            loop: Whether to play for ever.
+            ax: Axes to draw into.
+            env: What an earlier call returned, to draw into it again.
+            view: "xy", "xz" or "yz" to look at that plane; in matplotlib.
+            **options: Let pass.
+
+        Returns:
+            What it was drawn in; it has `hold()` and `close()`.
+        """
+        rows = np.atleast_2d(np.asarray(q, dtype=float))
+        if rows.shape[-1] != self.n or rows.ndim != 2:
+            raise ShapeError("q", np.shape(q), f"({self.n},) or (m, {self.n})")
+        flat = movie is not None or ax is not None or isinstance(env, PyPlot)
+        chosen = self._drawn_with(backend, flat)
+        if chosen == "swift":
+            return self._play(rows, block, dt, movie, env)
+        if env is None:
+            env = (PyPlot2 if chosen == "pyplot2" else PyPlot)(ax, limits, fig or "")
+            env.launch(view=view)
+        if movie is not None:
+            from ulna.viewer.output.video import write_video
+
+            write_video(movie, self._frames(env, rows, dt, vellipse, fellipse), 1.0 / dt)
+        else:
+            wait = has_window()
+            for _ in self._frames(env, rows if wait else rows[-1:], dt, vellipse, fellipse, drawn=False):
+                env.step(dt)
+            while loop and wait:
+                for _ in self._frames(env, rows, dt, vellipse, fellipse, drawn=False):
+                    env.step(dt)
+        self.q = rows[-1]
+        if block:
+            env.hold()
+        return env
+
+    def _frames(
+        self, env: PyPlot, rows: Floats, dt: float, vellipse: bool, fellipse: bool, drawn: bool = True
+    ) -> Iterator[Array]:
+        for i, row in enumerate(rows):
+            kinds = [kind for kind, wanted in (("velocity", vellipse), ("force", fellipse)) if wanted]
+            shells = [self._shell(row, kind, "trans", 0.1).points for kind in kinds]
+            title = f"{self.name}   t = {i * dt:.2f} s" if len(rows) > 1 else self.name
+            env.show(self, row, title, shells)
+            yield env.picture() if drawn else row
+
+    def _is_for_the_viewer(self) -> bool:
+        """Whether there are shapes to see and a screen to see them on."""
+        from ulna.viewer.page.browser import has_screen
+
+        if not self.hasgeometry or os.environ.get("SWIFT_HEADLESS"):
+            return False
+        return has_screen() and importlib.util.find_spec("viser") is not None
+
+    def _play(self, rows: Floats, block: bool, dt: float, movie: str | None, env: Any = None) -> Any:
+        if movie is not None:
+            raise InputError(
+                "`movie` needs backend='pyplot'; for films of the viewer see ulna.Viewer.record."
+            )
+        self.q = rows[0]
+        if env is None:
+            env = self._stage(realtime=len(rows) > 1)
+            env.add(self, readonly=True)
+        for row in rows:
+            self.q = row
+            env.step(dt)
+        if block:
+            env.hold()
+        return env
+
+    def _stage(self, realtime: bool) -> Any:
+        """An environment of the viewer, with a page only where somebody can look at it."""
+        import swift
+
+        env = swift.Swift()
+        env.launch(realtime=realtime)
+        return env
+
+
+def _checked(backend: str | None) -> str | None:
+    if backend is not None and backend.lower() not in _BACKENDS:
+        raise UnknownName("backend", backend, _BACKENDS)
+    return backend and backend.lower()
+
+
+__all__ = ["Plotting"]

@@ -1,0 +1,1 @@
+"""The classes of robots, composed of the packages beside this one."""

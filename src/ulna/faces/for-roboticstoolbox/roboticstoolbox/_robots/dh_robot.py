@@ -1,0 +1,208 @@
+"""Arms of links by Denavit and Hartenberg's parameters."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._common.poses import matrix, pose
+from roboticstoolbox._ets.compiled_chain import Chain
+from roboticstoolbox._ets.elementary_transform import ET
+from roboticstoolbox._ets.ets import ETS
+from roboticstoolbox._ik.analytic import Analytic
+from roboticstoolbox._robots.dh_links import DHLink
+from roboticstoolbox._robots.dh_text import DHWords
+from roboticstoolbox._robots.robot import BaseRobot, Robot
+from ulna.errors import InputError, ModelError
+from ulna.typing import Floats
+
+
+class DHRobot(DHWords, Analytic, Robot):
+    """A serial arm of DH links; its base and its tool are part of its transforms."""
+
+    def __init__(self, links: Any, meshdir: Any = None, **more: Any) -> None:
+        """`links` are DH links of one convention, or a DH robot; `more` are arguments of `Robot`."""
+        own = [link.copy() for link in links._links] if isinstance(links, BaseRobot) else list(links)
+        if not own:
+            raise ModelError("A DHRobot has at least one link; `links` is empty.")
+        if any(not isinstance(link, DHLink) for link in own):
+            raise ModelError(
+                "A DHRobot is made of DH links: RevoluteDH, PrismaticDH, RevoluteMDH, PrismaticMDH."
+            )
+        if len({getattr(link, "mdh", None) for link in own}) > 1:
+            raise ModelError("Some links have standard and some modified parameters; use one convention.")
+        for i, link in enumerate(own):
+            link._parent = own[i - 1] if i else None
+            link.name = link.name or f"link{i + 1}"
+        super().__init__(own, **more)
+
+    def ets(self, start: Any = None, end: Any = None) -> ETS:
+        """The transforms from `start` to `end`; of the whole arm with base and tool."""
+        inner = super().ets(start, end)
+        before = [ET("SE3", T=self._base)] if start is None and self._base is not None else []
+        after = [ET("SE3", T=self._tool)] if end is None and self._tool is not None else []
+        return ETS._of([*before, *inner.data, *after])
+
+    def _chain(self, end: Any, start: Any, tool: Any = None) -> Any:
+        key = self._named(end), self._named(start)
+        if key not in self._chains:
+            self._chains[key] = Chain(self.ets(start, end).data)
+        chain = self._chains[key]
+        return chain if tool is None else chain.with_tool(matrix(tool))
+
+    def fkine(
+        self, q: Any, end: Any = None, start: Any = None, tool: Any = None, include_base: bool = True
+    ) -> Any:
+        """The pose of `end` in the world, an SE3; one for each row of a trajectory (m, n)."""
+        T = self._chain(end, start, tool).fk(q)
+        if not include_base and self._base is not None:
+            T = np.linalg.inv(self._base) @ T
+        return pose(T)
+
+    def jacob0(
+        self,
+        q: Any,
+        T: Any = None,
+        half: str | None = None,
+        start: Any = None,
+        end: Any = None,
+        tool: Any = None,
+    ) -> Floats:
+        """The Jacobian in the axes of the start, (6, n); `half` "trans" or "rot" for three rows. `T` is not needed."""
+        return _half(super().jacob0(q, end, start, tool), half)
+
+    def jacobe(
+        self, q: Any, half: str | None = None, end: Any = None, start: Any = None, tool: Any = None
+    ) -> Floats:
+        """The Jacobian in the axes of the end, (6, n); `half` is "trans" or "rot" for three rows."""
+        return _half(super().jacobe(q, end, start, tool), half)
+
+    def jacob0_analytical(
+        self,
+        q: Any,
+        representation: str = "rpy/xyz",
+        T: Any = None,
+        end: Any = None,
+        start: Any = None,
+        tool: Any = None,
+    ) -> Floats:
+        """The Jacobian of position and angles, (6, n); `T` is not needed."""
+        return super().jacob0_analytical(q, representation, end, start, tool)
+
+    def __add__(self, other: Any) -> DHRobot:
+        """This arm, and after its last link that of another one, or one more link; base and tool are this one's."""
+        more = [other] if isinstance(other, DHLink) else getattr(other, "_links", None)
+        if more is None or not all(isinstance(link, DHLink) for link in more):
+            return NotImplemented
+        links = [link.copy() for link in (*self._links, *more)]
+        if len({link.name for link in links}) < len(links):
+            for link in links:
+                link.name = ""
+        return DHRobot(
+            links,
+            name=self.name,
+            manufacturer=self.manufacturer,
+            base=self._base,
+            tool=self._tool,
+            gravity=self._gravity,
+        )
+
+    def _placed_anew(self) -> None:
+        self._forget()
+
+    @property
+    def mdh(self) -> int:
+        """1 for modified parameters, 0 for standard ones."""
+        return int(self._column("mdh")[0])
+
+    def _column(self, name: str) -> list[float]:
+        return [getattr(link, name) for link in self._links]
+
+    theta = property(lambda self: self._column("theta"), doc="Angles about z of the links.")
+    d = property(lambda self: self._column("d"), doc="Distances along z of the links.")
+    a = property(lambda self: self._column("a"), doc="Distances along x of the links.")
+    alpha = property(lambda self: self._column("alpha"), doc="Angles about x of the links.")
+    offset = property(lambda self: self._column("offset"), doc="What is added to the joint coordinates.")
+
+    @property
+    def r(self) -> Floats:
+        """Centres of mass of the links, (3, n)."""
+        return np.array([link.r for link in self._links]).T
+
+    def A(self, j: Any, q: Any = None) -> Any:
+        """The pose of link `j`, or of link j[1] seen from before link j[0]; base and tool do not count."""
+        at = self.q if q is None else np.asarray(q, dtype=float)
+        first, last = (0, j) if np.ndim(j) == 0 else (j[0], j[1])
+        T = np.eye(4)
+        for k in range(first, last + 1):
+            T = T @ self._links[k].A(at[k]).A
+        return pose(T)
+
+    def fkine_path(self, q: Any, old: Any = None) -> Any:
+        """Poses of the base, of all links, and of the tool."""
+        return self.fkine_all(q)
+
+    def isspherical(self) -> bool:
+        """Whether the last three joints' axes meet in a point."""
+        wrist = self._links[-3:]
+        if len(wrist) < 3 or any(link.sigma for link in wrist):  # type: ignore[attr-defined]
+            return False
+        a, b, c = wrist
+        turns = sorted([abs(a.alpha), abs(b.alpha)])  # type: ignore[attr-defined]
+        close = all(abs(x) < 1e-9 for x in (a.a, b.a, b.d))  # type: ignore[attr-defined]
+        return close and c is not None and bool(np.allclose(turns, math.pi / 2))
+
+    def rne(
+        self,
+        q: Any,
+        qd: Any = None,
+        qdd: Any = None,
+        gravity: Any = None,
+        fext: Any = None,
+        base_wrench: bool = False,
+    ) -> Floats:
+        """The joint torques of a motion, (n,) or (m, n).
+
+        Args:
+            q: Configuration, (n,) or (m, n) [rad or m]; or q, qd, qdd side by side, (3 n,).
+            qd: Velocity.
+            qdd: Acceleration.
+            gravity: Acceleration of free fall, (3,); None for the robot's.
+            fext: A wrench that the last link exerts, along its own axes, (6,) [N, N m].
+            base_wrench: Refused.
+        """
+        if base_wrench:
+            raise InputError(
+                "base_wrench=True is not offered; ask `frame_wrench` of an ulna.Robot on a free base."
+            )
+        if qd is None and qdd is None and np.shape(q)[-1] == 3 * self.n and self.n:
+            q, qd, qdd = np.split(np.asarray(q, dtype=float), 3, axis=-1)
+        tau = super().rne(q, qd, qdd, gravity=gravity)
+        if fext is None:
+            return tau
+        J = self._chain(self._links[-1].name, None).jacobe(q)
+        return tau + np.swapaxes(J, -1, -2) @ np.asarray(fext, dtype=float)
+
+    rne_python = rne
+
+    def delete_rne(self) -> None:
+        """Forgets masses and motors, which the next question takes from the links again."""
+        self.dynchanged()
+
+
+def _half(J: Floats, half: str | None) -> Floats:
+    """The rows of linear ("trans") or of angular ("rot") velocities; all of them for None."""
+    if half is None:
+        return J
+    if half not in ("trans", "rot"):
+        raise InputError(f"`half` is {half!r}; expected 'trans' or 'rot'.")
+    return J[..., :3, :] if half == "trans" else J[..., 3:, :]
+
+
+class SerialLink(DHRobot):
+    """The former name of `DHRobot`."""
+
+
+__all__ = ["DHRobot", "SerialLink"]

@@ -1,0 +1,86 @@
+"""DH robots in words and as screws: the toolbox's tables of parameters, and the axes of the joints."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._common.poses import _spatialmath, pose
+from roboticstoolbox._common.text_table import grid
+from roboticstoolbox._mixins.robot_mixin import Part
+
+
+class DHWords(Part):
+    """What is printed of a DH robot."""
+
+    def __str__(self) -> str:
+        kind = "modified" if self.mdh else "standard"
+        head = f"{self._headline()}, {kind} DH parameters"
+        return f"{head}\n{self._parameters()}{self._placed()}{self.configurations_str()}"
+
+    def dhunique(self) -> None:
+        """Prints the parameters that are not zero, as a table."""
+        rows = []
+        for j, link in enumerate(self._links):
+            given: Any = link
+            length = ("θ", given.theta) if link.isprismatic else ("d", given.d)
+            for letter, value in (length, ("a", given.a), ("⍺", given.alpha)):
+                if value:
+                    rows.append([f"{letter}{j}", f"{value:.4g}"])
+        print(grid(["param", "value"], rows, [True, False]))
+
+    def twists(self, q: Any = None) -> tuple[Any, Any]:
+        """The axes of the joints in the world as twists (spatialmath's Twist3), and the pose of the end."""
+        sm = _spatialmath()
+        poses = self.fkine_all(np.zeros(self.n) if q is None else q).A
+        base = np.eye(4) if self._base is None else self._base
+        axes = poses[1:] if self.mdh else [base, *poses[1:-1]]
+        out = sm.Twist3.Empty()
+        for T, turns in zip(axes, self.revolutejoints, strict=True):
+            z = T[:3, 2]
+            out.append(sm.Twist3.UnitRevolute(z, T[:3, 3]) if turns else sm.Twist3.UnitPrismatic(z))
+        return out, pose(poses[-1])
+
+    def _parameters(self) -> str:
+        limited = any(link.qlim is not None for link in self._links)
+        limits = self.qlim if limited else None
+        rows = []
+        for j, link in enumerate(self._links):
+            given: Any = link
+            number = str if self.mdh else _short
+            q, slides = f"{'-' if given.isflip else ' '}q{j + 1}", given.sigma
+            if given.offset:
+                shift = abs(given.offset)
+                q += f" {'-' if given.offset < 0 else '+'} {shift if slides else f'{math.degrees(shift):.3g}°'}"
+            moving = [_angle(given.theta), q] if slides else [q, number(given.d)]
+            beside = [number(given.a), _angle(given.alpha)]
+            row = [*beside, *moving] if self.mdh else [*moving, *beside]
+            if limits is not None:
+                row += [_short(float(x)) if slides else f"{math.degrees(x):.1f}°" for x in limits[:, j]]
+            rows.append(row)
+        header = ["aⱼ₋₁", "⍺ⱼ₋₁", "θⱼ", "dⱼ"] if self.mdh else ["θⱼ", "dⱼ", "aⱼ", "⍺ⱼ"]
+        header += ["q⁻", "q⁺"] if limited else []
+        return grid(header, rows, [bool(self.mdh)] + [True] * (len(header) - 1))
+
+    def _placed(self) -> str:
+        rows = []
+        for name, T in (("base", self._base), ("tool", self._tool)):
+            if T is not None:
+                from ulna.spatial import matrix_to_euler
+
+                xyz = ", ".join(f"{x:.2g}" for x in T[:3, 3])
+                angles = ", ".join(
+                    f"{math.degrees(x) + 0.0:.2g}°" for x in matrix_to_euler(T[:3, :3], "xyz")[::-1]
+                )
+                rows.append([name, f"t = {xyz}; rpy/xyz = {angles}"])
+        return "\n" + grid([], rows, [True, False]) if rows else ""
+
+
+def _short(x: float) -> str:
+    return f"{x:.4g}" if isinstance(x, float) else str(x)
+
+
+def _angle(x: float) -> str:
+    return f"{x * (180.0 / math.pi)}°"

@@ -1,0 +1,102 @@
+"""Ulna's models as robots of the toolbox: files, and robots of the catalogue."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._ets.elementary_transform import ET
+from roboticstoolbox._ets.ets import ETS
+from roboticstoolbox._links.link import Link
+from ulna.errors import ModelError
+from ulna.loading import load_model
+from ulna.model import Model, Prismatic, Revolute
+
+_LETTERS = "xyz"
+
+
+def read(path: Any, **options: Any) -> tuple[Model, str]:
+    """The model in a file, or of a name of the catalogue, and where it was read from."""
+    return load_model(path, mimic=False, **options), str(Path(path))
+
+
+def from_model(
+    kind: Any,
+    model: Model,
+    gripper_link: str | None = None,
+    tool: Any = None,
+    leave_out: tuple[str, ...] = (),
+    carriers: Mapping[str, str] | None = None,
+    **more: Any,
+) -> Any:
+    """A robot of the class `kind` with the links of a model.
+
+    Args:
+        kind: `Robot`, or a class of its kind.
+        model: The model.
+        gripper_link: First link of the gripper.
+        tool: The gripper's tool, (4, 4).
+        leave_out: Links not to take.
+        carriers: Links to put between a link and all that comes after it, as firsts of grippers: by name, the link.
+        **more: Arguments of the robot.
+    """
+    links: list[Link] = []
+    by_name: dict[str, Link] = {}
+    for part in model.links:
+        if part.name in leave_out:
+            continue
+        joint = model.joint(part.parent_joint) if part.parent_joint in model.joint_names else None
+        items = [] if np.array_equal(part.origin.matrix(), np.eye(4)) else [ET.SE3(part.origin.matrix())]
+        extra: dict[str, Any] = {}
+        if joint is not None:
+            items += _turned(joint.kind, part.name)
+            limits = joint.limits
+            if np.isfinite([*limits.lower, *limits.upper]).all():
+                items[-1].qlim = [limits.lower[0], limits.upper[0]]
+            extra["qdlim"] = limits.velocity[0] if np.isfinite(limits.velocity[0]) else None
+            extra |= {"B": joint.damping[0], "Tc": joint.friction[0]}
+            extra["tlim"] = limits.effort[0] if np.isfinite(limits.effort[0]) else None
+        if part.inertia.mass:
+            extra |= {"m": part.inertia.mass, "r": part.inertia.com, "I": part.inertia.inertia}
+        link = Link(
+            ETS(items) if items else None,
+            name=part.name,
+            parent=by_name.get(part.parent or ""),
+            geometry=part.visuals,
+            collision=part.collisions,
+            **extra,
+        )
+        by_name[part.name] = link
+        links.append(link)
+    firsts = [by_name[gripper_link]] if gripper_link else []
+    for name, before in (carriers or {}).items():
+        carrier = Link(name=name, parent=by_name[before])
+        for link in links:
+            if link.parent is by_name[before]:
+                link._parent = carrier
+        links.append(carrier)
+        firsts.append(carrier)
+    robot = kind._from_links(links, firsts or None, name=model.name, gravity=model.gravity, **more)
+    robot._disabled = [pair for pair in model.disabled_pairs if all(name in by_name for name in pair)]
+    if tool is not None and robot.grippers:
+        robot.grippers[0].tool = tool
+    return robot
+
+
+def _turned(kind: Any, name: str) -> list[Any]:
+    """A joint as transforms: along its axis, between turns where that is none of the frame's."""
+    if not isinstance(kind, (Revolute, Prismatic)):
+        raise ModelError(
+            f"The joint of link {name!r} is {kind!r}; the toolbox knows turning and sliding joints."
+        )
+    axis = np.asarray(kind.axis, dtype=float)
+    letter = "R" if isinstance(kind, Revolute) else "t"
+    for i in range(3):
+        if abs(abs(axis[i]) - 1.0) < 1e-12:
+            return [getattr(ET, letter + _LETTERS[i])(flip=bool(axis[i] < 0.0))]
+    raise ModelError(
+        f"The joint of link {name!r} turns about {axis}; the toolbox knows joints about x, y and z."
+    )

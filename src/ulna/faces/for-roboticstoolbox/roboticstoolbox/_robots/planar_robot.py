@@ -1,0 +1,50 @@
+"""Robots in the plane, whose poses are SE2."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from roboticstoolbox._common.poses import pose, to_planar
+from roboticstoolbox._ets.compiled_chain import Chain
+from roboticstoolbox._ets.ets import ETS2
+from roboticstoolbox._links.link import Link2
+from roboticstoolbox._robots.robot import BaseRobot
+from ulna.typing import Floats
+
+
+class Robot2(BaseRobot):
+    """A robot in the plane."""
+
+    _link_class = Link2
+    _size = 3
+
+    def fkine(self, q: Any, end: Any = None, start: Any = None, **_: Any) -> Any:
+        """The pose of `end` as an SE2."""
+        T = to_planar(self._chain(end, start).fk(q))
+        T = T if self._base is None else self._base @ T
+        return pose(T if self._tool is None else T @ self._tool)
+
+    def _chain(self, end: Any, start: Any, tool: Any = None) -> Any:
+        key = self._named(end), self._named(start)
+        if key not in self._chains:
+            self._chains[key] = Chain(self.ets(start, end).data)
+        return self._chains[key]
+
+    def ets(self, start: Any = None, end: Any = None) -> Any:
+        """The transforms from `start` to `end`."""
+        return ETS2._of(super().ets(start, end).data)
+
+    def jacob0(self, q: Any, end: Any = None, start: Any = None, **_: Any) -> Floats:
+        """The Jacobian in the axes of the start, (3, n)."""
+        return self._chain(end, start).jacob0(q)[..., [0, 1, 5], :]
+
+    def jacobe(self, q: Any, end: Any = None, start: Any = None, **_: Any) -> Floats:
+        """The Jacobian in the axes of the end, (3, n)."""
+        return self._chain(end, start).jacobe(q)[..., [0, 1, 5], :]
+
+
+class ERobot2(Robot2):
+    """The former name of `Robot2`."""
+
+
+ETS2.robot_class = Robot2

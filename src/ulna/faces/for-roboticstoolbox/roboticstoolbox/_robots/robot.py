@@ -1,0 +1,235 @@
+"""Robots as the toolbox has them: links, a state that scripts set, and methods for everything."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from roboticstoolbox._common.poses import matrix, pose
+from roboticstoolbox._dynamics.dynamics import Dynamics, _three
+from roboticstoolbox._dynamics.mass_parameters import Weights
+from roboticstoolbox._dynamics.operational_space import Felt
+from roboticstoolbox._dynamics.simulation import Motion
+from roboticstoolbox._ets.ets import ETS
+from roboticstoolbox._ets.sequence import BaseETS
+from roboticstoolbox._kinematics.collision import Collision
+from roboticstoolbox._kinematics.kinematics import Kinematics
+from roboticstoolbox._links.gripper import Gripper
+from roboticstoolbox._links.link import Link
+from roboticstoolbox._links.link_tree import connect, number
+from roboticstoolbox._mixins.copying import Copies
+from roboticstoolbox._mixins.link_access import Family
+from roboticstoolbox._mixins.link_graph import Graph
+from roboticstoolbox._mixins.robot_frame import RobotNode
+from roboticstoolbox._mixins.state import State
+from roboticstoolbox._mixins.text import Words
+from roboticstoolbox._plot.ellipsoids import Ellipses
+from roboticstoolbox._plot.plotting import Plotting
+from roboticstoolbox._plot.teaching import Teaching
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+_ELSEWHERE = {
+    "ikine_LMS": "ikine_LM",
+    "ikine_min": "ikine_QP or ulna's robot.ik",
+    "pay": "payload",
+    "paycap": "payload_capacity",
+    "basemesh": "`geometry` of a link",
+    "meshdir": "`geometry` of links",
+    "URDF_read": "ulna.load(path), or models.URDF.URDFRobot(path)",
+    "ikine_a": "analytic_ik().solve(T), which gives all answers",
+    "ikine_6s": "robot.ulna.ik_all, which gives all answers",
+    "analytic_ik": "robot.ulna.ik_all, which gives all answers",
+    "ikine_analytic": "robot.ulna.ik_all, which gives all answers",
+    "twists": "PoERobot",
+    "dhunique": "print(robot)",
+}
+
+
+class BaseRobot(
+    Family,
+    State,
+    Kinematics,
+    Dynamics,
+    Felt,
+    Motion,
+    Weights,
+    Collision,
+    RobotNode,
+    Plotting,
+    Teaching,
+    Ellipses,
+    Words,
+    Graph,
+    Copies,
+):
+    """What all robots share."""
+
+    _link_class: ClassVar[type[Link]] = Link
+
+    def __init__(
+        self,
+        arg: Any,
+        gripper_links: Any = None,
+        name: str = "",
+        manufacturer: str = "",
+        comment: str = "",
+        base: Any = None,
+        tool: Any = None,
+        gravity: Any = (0.0, 0.0, -9.81),
+        keywords: Any = (),
+        symbolic: bool = False,
+        configs: dict[str, Any] | None = None,
+        check_jindex: bool = True,
+        urdf_string: str | None = None,
+        urdf_filepath: str | None = None,
+    ) -> None:
+        """A robot of links, of a chain of transforms, or like another robot.
+
+        Args:
+            arg: Links, a chain, or a robot.
+            gripper_links: First links of grippers.
+            name: Its name.
+            manufacturer: Who makes it.
+            comment: A remark.
+            base: Where it stands in the world.
+            tool: A tool at the end.
+            gravity: Acceleration of free fall [m/s^2].
+            keywords: Words about it.
+            symbolic: Refused.
+            configs: Named configurations.
+            check_jindex: Let pass.
+            urdf_string: What it was read from.
+            urdf_filepath: Where it was read from.
+        """
+        if symbolic:
+            raise InputError("Symbolic robots are not offered; trace functions of an ulna.Robot instead.")
+        if isinstance(arg, BaseRobot):
+            links = [link.copy() for link in arg._links]
+            name, manufacturer = name or arg.name, manufacturer or arg.manufacturer
+        elif isinstance(arg, BaseETS):
+            links = self._links_of(arg)
+        else:
+            links = list(arg)
+        self.name, self.manufacturer, self.comment = name, manufacturer, comment
+        self.keywords, self.symbolic = list(keywords), False
+        self.urdf_string, self.urdf_filepath = urdf_string, urdf_filepath
+        self._parent, self._children = None, []
+        self._setup(links, gripper_links)
+        self._base = self._unless_identity(base)
+        self._tool = self._unless_identity(tool)
+        self._gravity = _three(gravity)
+        self.q, self.qd, self.qdd = np.zeros(self.n), np.zeros(self.n), np.zeros(self.n)
+        self.control_mode = "v"
+        self._configs: dict[str, Floats] = {}
+        for key, q in (configs or {}).items():
+            self.addconfiguration_attr(key, q)
+
+    _size = 4
+
+    @classmethod
+    def _from_links(cls, links: list[Link], gripper: list[Link] | None, **more: Any) -> Self:
+        return cls(links, gripper_links=gripper, **more)
+
+    @classmethod
+    def _links_of(cls, chain: BaseETS) -> list[Link]:
+        """A link for each joint, and one for what comes after the last."""
+        out: list[Link] = []
+        for part in chain.split():
+            if part.data:
+                parent = out[-1] if out else None
+                out.append(cls._link_class(part, parent=parent, name=f"link{len(out)}"))
+        return out
+
+    def _setup(self, links: list[Link], gripper_links: Any) -> None:
+        firsts = [] if gripper_links is None else gripper_links
+        firsts = [firsts] if isinstance(firsts, Link) else list(firsts)
+        connect(links, self)
+        self._grippers = []
+        for first in firsts:
+            hand = [first]
+            for link in hand:
+                hand.extend(link.children)
+            self._grippers.append(Gripper(hand, name=first.name))
+            links = [link for link in links if all(link is not other for other in hand)]
+        number(links)
+        for i, link in enumerate(links):
+            link.number = i + 1
+        self._links = links
+        self.n = sum(link.isjoint for link in links)
+        self._kernels, self._weights = {}, None
+        self._chains, self._whole = {}, None
+
+    def _forget(self) -> None:
+        """Drops what was compiled for transforms and limits that have changed."""
+        self._chains, self._whole, self._weights, self._kernels = {}, None, None, {}
+
+    @classmethod
+    def URDF(cls, file: str, gripper: int | str | None = None, manufacturer: str = "") -> Self:
+        """The robot in a URDF or xacro file; `gripper` is the first link of its gripper, or the number of that."""
+        from roboticstoolbox._robots.from_model import from_model, read
+
+        model, path = read(file)
+        first = model.links[gripper].name if isinstance(gripper, int) else gripper
+        return from_model(cls, model, gripper_link=first, manufacturer=manufacturer, urdf_filepath=path)
+
+    @property
+    def ulna(self) -> Any:
+        """Arm and grippers as an `ulna.Robot`, whose configurations have the grippers' joints, too."""
+        return self._everything()
+
+    @property
+    def base(self) -> Any:
+        """Where the robot stands in the world."""
+        return pose(np.eye(self._size) if self._base is None else self._base)
+
+    @base.setter
+    def base(self, T: Any) -> None:
+        self._base = self._unless_identity(T)
+        self._placed_anew()
+
+    @property
+    def tool(self) -> Any:
+        """The tool at the end."""
+        return pose(np.eye(self._size) if self._tool is None else self._tool)
+
+    @tool.setter
+    def tool(self, T: Any) -> None:
+        self._tool = self._unless_identity(T)
+        self._placed_anew()
+
+    def _placed_anew(self) -> None:
+        """Drops what base and tool are compiled into."""
+        self._whole, self._weights, self._kernels = None, None, {}
+
+    def _unless_identity(self, T: Any) -> Floats | None:
+        if T is None:
+            return None
+        M = matrix(T, self._size)
+        return None if np.array_equal(M, np.eye(self._size)) else M.copy()
+
+    @property
+    def gravity(self) -> Floats:
+        """Acceleration of free fall in the world, (3,) [m/s^2]."""
+        return self._gravity
+
+    @gravity.setter
+    def gravity(self, g: Any) -> None:
+        self._gravity = _three(g)
+
+    def __getattr__(self, name: str) -> Any:
+        if name in _ELSEWHERE:
+            raise AttributeError(f"`{name}` of a robot is not offered; use {_ELSEWHERE[name]}.")
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+
+class Robot(BaseRobot):
+    """A robot in space."""
+
+
+class ERobot(Robot):
+    """The former name of `Robot`."""
+
+
+ETS.robot_class = Robot
