@@ -37,7 +37,7 @@ LOAD = """
 import pickle, sys
 things = pickle.load(open(sys.argv[1], "rb"))
 print("|".join(repr(thing).partition(" at 0x")[0] for thing in things))
-assert things[2].robot_class.__name__ == "Robot" and things[3].robot_class.__name__ == "Robot2"
+assert type(things[2]._robot()).__name__ == "Robot" and type(things[3]._robot()).__name__ == "Robot2"
 assert type(things[0] * things[0]).__name__ == "ETS"
 """
 

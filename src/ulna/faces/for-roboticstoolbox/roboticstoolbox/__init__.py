@@ -3,48 +3,24 @@
 from __future__ import annotations
 
 import importlib
+from functools import partial
 from typing import Any
 
+from roboticstoolbox._common.class_registry import register_class
 from roboticstoolbox._common.former_modules import register_former_modules
-from roboticstoolbox._ets.elementary_transform import ET as ET
-from roboticstoolbox._ets.elementary_transform import ET2 as ET2
-from roboticstoolbox._ets.ets import ETS as ETS
-from roboticstoolbox._ets.ets import ETS2 as ETS2
-from roboticstoolbox._ets.inverse_kinematics import IKSolution as IKSolution
-from roboticstoolbox._ik.solvers import IK_GN as IK_GN
-from roboticstoolbox._ik.solvers import IK_LM as IK_LM
-from roboticstoolbox._ik.solvers import IK_NR as IK_NR
-from roboticstoolbox._ik.solvers import IK_QP as IK_QP
-from roboticstoolbox._ik.solvers import IKSolver as IKSolver
-from roboticstoolbox._links.gripper import Gripper as Gripper
-from roboticstoolbox._links.link import ELink as ELink
-from roboticstoolbox._links.link import ELink2 as ELink2
-from roboticstoolbox._links.link import Link as Link
-from roboticstoolbox._links.link import Link2 as Link2
-from roboticstoolbox._robots.dh_links import DHLink as DHLink
-from roboticstoolbox._robots.dh_links import PrismaticDH as PrismaticDH
-from roboticstoolbox._robots.dh_links import PrismaticMDH as PrismaticMDH
-from roboticstoolbox._robots.dh_links import RevoluteDH as RevoluteDH
-from roboticstoolbox._robots.dh_links import RevoluteMDH as RevoluteMDH
-from roboticstoolbox._robots.dh_robot import DHRobot as DHRobot
-from roboticstoolbox._robots.dh_robot import SerialLink as SerialLink
-from roboticstoolbox._robots.planar_robot import ERobot2 as ERobot2
-from roboticstoolbox._robots.planar_robot import Robot2 as Robot2
-from roboticstoolbox._robots.poe_robot import PoELink as PoELink
-from roboticstoolbox._robots.poe_robot import PoEPrismatic as PoEPrismatic
-from roboticstoolbox._robots.poe_robot import PoERevolute as PoERevolute
-from roboticstoolbox._robots.poe_robot import PoERobot as PoERobot
-from roboticstoolbox._robots.robot import BaseRobot as BaseRobot
-from roboticstoolbox._robots.robot import ERobot as ERobot
-from roboticstoolbox._robots.robot import Robot as Robot
 
-_CLASSES = (
-    "ET", "ET2", "ETS", "ETS2", "Link", "Link2", "ELink", "ELink2", "Gripper", "BaseRobot", "Robot", "ERobot",
-    "Robot2", "ERobot2", "IKSolution", "IKSolver", "IK_LM", "IK_NR", "IK_GN", "IK_QP", "DHLink", "DHRobot",
-    "SerialLink", "RevoluteDH", "PrismaticDH", "RevoluteMDH", "PrismaticMDH", "PoELink", "PoERevolute",
-    "PoEPrismatic", "PoERobot",
-)  # fmt: skip
 _MODULE_NAMES = {
+    "roboticstoolbox._ets.elementary_transform": ("ET", "ET2"),
+    "roboticstoolbox._ets.ets": ("ETS", "ETS2"),
+    "roboticstoolbox._links.link": ("Link", "Link2", "ELink", "ELink2"),
+    "roboticstoolbox._links.gripper": ("Gripper",),
+    "roboticstoolbox._robots.robot": ("BaseRobot", "Robot", "ERobot"),
+    "roboticstoolbox._robots.planar_robot": ("Robot2", "ERobot2"),
+    "roboticstoolbox._ets.inverse_kinematics": ("IKSolution",),
+    "roboticstoolbox._ik.solvers": ("IKSolver", "IK_LM", "IK_NR", "IK_GN", "IK_QP"),
+    "roboticstoolbox._robots.dh_links": ("DHLink", "RevoluteDH", "PrismaticDH", "RevoluteMDH", "PrismaticMDH"),
+    "roboticstoolbox._robots.dh_robot": ("DHRobot", "SerialLink"),
+    "roboticstoolbox._robots.poe_robot": ("PoELink", "PoERevolute", "PoEPrismatic", "PoERobot"),
     "roboticstoolbox.tools.trajectory": (
         "Trajectory", "jtraj", "ctraj", "mtraj", "mstraj", "quintic", "quintic_func", "trapezoidal",
         "trapezoidal_func", "lspb", "xplot",
@@ -67,8 +43,7 @@ _MOBILE = {
     "VehicleAnimationBase", "VehicleBase", "VehicleDriverBase", "VehicleIcon", "VehicleMarker", "VehiclePolygon",
     "mobile", "blocks",
 }  # fmt: skip
-__all__ = list(_CLASSES)
-__all__ += list(_MODULE_OF)
+__all__ = list(_MODULE_OF)
 __all__ += ["backends", "models"]
 __version__ = "1.5.0"  # whose names these are
 register_former_modules()
@@ -91,3 +66,7 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted({*__all__, *_MODULES})
+
+
+for _name in ("Robot", "Robot2"):
+    register_class(_name, partial(__getattr__, _name))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from roboticstoolbox._common.former_modules import former_class
+from roboticstoolbox._ets import ets as ets  # products of transforms are sequences
 
 
 def __getattr__(name: str) -> Any:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections import UserList
 from collections.abc import Iterable
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 
+from roboticstoolbox._common.class_registry import registered_class
 from roboticstoolbox._common.poses import matrix
 from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.elementary_transform import ET, BaseET
@@ -20,8 +21,6 @@ class BaseETS(UserList):
     """What ETS and ETS2 share: composition, numbering, and changes of form."""
 
     _et: type[BaseET] = ET
-    robot_class: ClassVar[Any] = None
-    """The class of robots of such sequences; the modules of those classes set it, which are built on this one."""
 
     def __init__(self, arg: Any = None) -> None:
         """From nothing, a transform, a list of them, or another chain.
@@ -146,7 +145,7 @@ class BaseETS(UserList):
         return self._robot().teach(*arguments, **options)
 
     def _robot(self) -> Any:
-        return self.robot_class(self, name="ETS")
+        return registered_class("Robot" if self._et is ET else "Robot2")(self, name="ETS")
 
     def random_q(self, i: int = 1) -> Floats:
         """Random joint coordinates within the limits, (n,) or (i, n)."""

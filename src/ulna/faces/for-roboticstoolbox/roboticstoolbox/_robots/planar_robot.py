@@ -45,6 +45,3 @@ class Robot2(BaseRobot):
 
 class ERobot2(Robot2):
     """The former name of `Robot2`."""
-
-
-ETS2.robot_class = Robot2

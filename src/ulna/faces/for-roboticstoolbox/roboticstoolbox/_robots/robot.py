@@ -11,7 +11,6 @@ from roboticstoolbox._dynamics.dynamics import Dynamics, _three
 from roboticstoolbox._dynamics.mass_parameters import Weights
 from roboticstoolbox._dynamics.operational_space import Felt
 from roboticstoolbox._dynamics.simulation import Motion
-from roboticstoolbox._ets.ets import ETS
 from roboticstoolbox._ets.sequence import BaseETS
 from roboticstoolbox._kinematics.collision import Collision
 from roboticstoolbox._kinematics.kinematics import Kinematics
@@ -230,6 +229,3 @@ class Robot(BaseRobot):
 
 class ERobot(Robot):
     """The former name of `Robot`."""
-
-
-ETS.robot_class = Robot
