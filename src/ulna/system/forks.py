@@ -6,24 +6,35 @@ other thread holds one: a compilation that runs is finished first. Where there i
 
 Locks that may be held for as long as a user's function runs (those of the viewer, say) are waited for `PATIENCE`
 seconds only. The child then gets a new lock in place of one that is still held.
+
+A fork also waits until no other thread imports a module, since Python frees no lock of a module in the child
+(`import_locks.py`): at most `IMPORT_PATIENCE` seconds. A module that takes longer stays half imported in the child, as
+in a circular import. Later forks do not wait for it again.
 """
 
 from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 import time
 import weakref
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, final
+
+from ulna.system.import_locks import ImportLock
 
 OUTER, RECIPES, KERNEL, COMPILER, LIBRARY = range(5)
 """The order in which locks are taken: whoever holds one takes only those of a higher rank, or of the same twice."""
 
 PATIENCE = 5.0
 """How long a fork waits for locks of rank OUTER [s]; it waits for the others as long as it takes."""
+
+IMPORT_PATIENCE = 30.0
+"""How long a fork waits for imports in other threads [s]."""
 
 _SLICE = 0.05  # s for which a fork holds some locks while it waits for another
 
@@ -35,6 +46,7 @@ class _Fork:
 
     held: list[Any] = field(default_factory=list)
     renewed: list[Any] = field(default_factory=list)
+    waited: dict[int, float] = field(default_factory=dict)
     interrupted: bool = False
 
 
@@ -42,6 +54,7 @@ _locks: dict[int, tuple[int, weakref.ref[Any]]] = {}
 _calls: dict[int, weakref.WeakMethod[Any]] = {}
 _one_at_a_time = threading.RLock()
 _forks: list[_Fork] = []
+_imports = ImportLock()
 
 
 def lock(rank: int = OUTER) -> threading.RLock:
@@ -67,13 +80,12 @@ def _before() -> None:
     _one_at_a_time.acquire()
     fork = _Fork()
     _forks.append(fork)
-    began = time.monotonic()
     while True:
         try:
             busy = _take(fork)
             if busy is None:
                 return
-            _wait(fork, *busy, began)
+            _wait(fork, *busy)
         except KeyboardInterrupt:  # a fork cannot be called off; Ctrl-C comes after it
             fork.interrupted = True
             _release(fork)
@@ -85,8 +97,9 @@ def _take(fork: _Fork) -> tuple[int, Any] | None:
     Letting go of all makes a deadlock impossible even where some thread takes locks in another order.
     """
     known = list(_locks.values())
-    for rank, one in sorted(((rank, made()) for rank, made in known), key=lambda pair: pair[0]):
-        if one is None or any(one is renewed for renewed in fork.renewed):
+    ours = [(rank, one) for rank, one in ((rank, made()) for rank, made in known) if one is not None]
+    for rank, one in [*sorted(ours, key=lambda pair: pair[0]), *_of_python()]:
+        if any(one is renewed for renewed in fork.renewed):
             continue
         if not one.acquire(timeout=_SLICE):
             _release(fork)
@@ -99,17 +112,33 @@ def _take(fork: _Fork) -> tuple[int, Any] | None:
     return _take(fork)
 
 
-def _wait(fork: _Fork, rank: int, one: Any, began: float) -> None:
+def _of_python() -> list[tuple[int, Any]]:
+    """The locks of Python that a fork takes, after those of Ulna.
+
+    The module logging takes its lock after this, in a hook of its own. A thread that has it may import, as
+    `logging.config` does, and would then wait for the fork that waits for it: so it is taken before the imports stop.
+    """
+    logging = getattr(sys.modules.get("logging"), "_lock", None)
+    return [*([(LIBRARY, logging)] if hasattr(logging, "_is_owned") else []), (LIBRARY, _imports)]
+
+
+def _wait(fork: _Fork, rank: int, one: Any) -> None:
     """Waits for a lock that another thread holds, or gives it up."""
+    began = time.monotonic()
     if one.acquire(timeout=1.0):
         one.release()
-    elif rank == OUTER and time.monotonic() - began > PATIENCE:
+        return
+    waited = fork.waited[id(one)] = fork.waited.get(id(one), 0.0) + time.monotonic() - began
+    if one is _imports and waited > IMPORT_PATIENCE:
+        _imports.abandon()
+    elif rank == OUTER and waited > PATIENCE:
         fork.renewed.append(one)
 
 
 def _release(fork: _Fork) -> None:
     while fork.held:
-        fork.held.pop().release()
+        with suppress(RuntimeError):  # in a child, logging may have made its lock anew already
+            fork.held.pop().release()
 
 
 def _after_in_parent() -> None:
@@ -130,6 +159,7 @@ def _after_in_child() -> None:
     _release(fork)
     for one in fork.renewed:
         renew(one)
+    _imports.renew()
     _one_at_a_time.release()
     for call in list(_calls.values()):
         method = call()

@@ -3,70 +3,18 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
-import textwrap
 import threading
 
 import pytest
 
+from support.fork_scripts import run_script
 from ulna.system import forks
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 
-_HEAD = """
-import faulthandler, os, sys, threading, time
-import numpy as np
-import ulna
-from ulna.system import forks
-from ulna.compiler import compile
-
-def child(work):
-    # one fork whose child does `work`; its exit status, 99 after a hang
-    number = os.fork()
-    if number == 0:
-        faulthandler.dump_traceback_later(30.0, exit=True)
-        try:
-            work()
-            os._exit(0)
-        except BaseException:
-            import traceback
-            traceback.print_exc()
-        finally:
-            os._exit(1)
-    return os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
-
-def heavy(n):
-    # takes LLVM about 0.3 s
-    def f(q):
-        x = q
-        for k in range(60):
-            x = np.sin(x + k * n) * x[::-1] + np.cos(q * x)
-        return x
-    return compile(f, q=(8,))
-
-def fresh():
-    n = float(time.monotonic_ns())
-    assert compile(lambda q: n * q, q=(3,))(np.ones(3))[0] == n
-"""
-
-
-def _run(text: str, cache: str = "0") -> str:
-    script = _HEAD + textwrap.dedent(text)
-    done = subprocess.run(
-        [sys.executable, "-W", "ignore::DeprecationWarning", "-c", script],
-        capture_output=True,
-        text=True,
-        timeout=170,
-        env={**os.environ, "ULNA_CACHE": cache, "ULNA_QUIET": "1"},
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-6000:]
-    return done.stdout
-
 
 def test_a_child_forked_during_a_compilation_compiles(tmp_path):
-    out = _run(
+    out = run_script(
         """
         robot = ulna.load("ur5")
         known = robot.kernel("fk")
@@ -103,7 +51,7 @@ def test_a_child_forked_during_a_compilation_compiles(tmp_path):
 
 
 def test_multiprocessing_forks_during_compilations():
-    _run(
+    run_script(
         """
         import multiprocessing
         going = threading.Event()
@@ -126,7 +74,7 @@ def test_multiprocessing_forks_during_compilations():
 
 
 def test_a_fork_within_what_is_told_of_a_compilation():
-    _run(
+    run_script(
         """
         from ulna.compiler.runtime import jit
         jit._PATIENCE = 0.0
@@ -144,13 +92,12 @@ def test_a_fork_within_what_is_told_of_a_compilation():
 
 def test_a_fork_while_inverse_kinematics_is_compiled_elsewhere():
     # Python 3.11 holds a lock in functools.cached_property
-    _run(
+    run_script(
         """
         robots = [ulna.load("ur5"), ulna.load("panda")]
         def solve(robot):
             q = robot.configurations.get("qr", np.full(robot.nq, 0.3))
             assert robot.ik(robot.fk(q)).success
-        solve(robots[1])  # imports what there is to import: CPython keeps modules half imported in a child
         thread = threading.Thread(target=solve, args=(robots[0],))
         thread.start()
         statuses = []
@@ -164,7 +111,7 @@ def test_a_fork_while_inverse_kinematics_is_compiled_elsewhere():
 
 def test_a_child_uses_what_the_viewer_had():
     pytest.importorskip("viser")
-    _run(
+    run_script(
         """
         from ulna.viewer.viewer import Viewer
         robot = ulna.load("ur5")
@@ -201,7 +148,7 @@ def test_a_child_uses_what_the_viewer_had():
 
 
 def test_a_lock_that_is_held_for_long_is_new_in_the_child():
-    _run(
+    run_script(
         """
         forks.PATIENCE = 0.5
         lock = forks.lock()
@@ -225,7 +172,7 @@ def test_a_lock_that_is_held_for_long_is_new_in_the_child():
 
 
 def test_locks_taken_in_any_order_do_not_stop_a_fork():
-    _run(
+    run_script(
         """
         a, b = forks.lock(), forks.lock()
         end = time.monotonic() + 1.5
@@ -251,7 +198,7 @@ def test_locks_taken_in_any_order_do_not_stop_a_fork():
 
 
 def test_ctrl_c_while_a_fork_waits_comes_after_it():
-    _run(
+    run_script(
         """
         import signal
         lock = forks.lock(forks.COMPILER)
