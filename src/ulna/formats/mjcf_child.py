@@ -16,6 +16,7 @@ from typing import Any, final
 
 from ulna.errors import FormatError, InputError, MissingExtra
 from ulna.formats.mjcf_compiler import compile_mjcf, model_of
+from ulna.system import forks
 
 SECONDS = 60.0
 """How long MuJoCo may compile a file that is not trusted [s]."""
@@ -105,7 +106,7 @@ class _Ended(Exception):
 class _CompilerProcess:
     """A process that runs `mjcf_compiler`, for one file after another."""
 
-    _lock = threading.Lock()
+    _lock = forks.lock(forks.LIBRARY)
     _waiting: _CompilerProcess | None = None
 
     def __init__(self) -> None:
@@ -189,7 +190,6 @@ class _CompilerProcess:
     @classmethod
     def forget(cls) -> None:
         """In a forked child: the process belongs to the parent."""
-        cls._lock = threading.Lock()
         found, cls._waiting = cls._waiting, None
         if found is not None:
             found._process.returncode = 0  # not ours to wait for
@@ -202,5 +202,4 @@ def _end_waiting() -> None:
 
 
 atexit.register(_end_waiting)
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_CompilerProcess.forget)
+forks.in_child(_CompilerProcess.forget)

@@ -245,3 +245,27 @@ def test_a_lock_is_reentrant_and_free_after_a_fork_in_the_parent():
     thread.start()
     thread.join()
     assert taken == [True]
+
+
+@pytest.mark.slow
+def test_children_read_mjcf_while_another_thread_does():
+    pytest.importorskip("mujoco")
+    run_script(
+        """
+        text = '<mujoco><worldbody><body><joint name="j" type="hinge"/><geom size="1"/></body></worldbody></mujoco>'
+        def read():
+            assert ulna.load(text).nq == 1
+        read()
+        going = threading.Event()
+        def forever():
+            while not going.is_set():
+                read()
+        thread = threading.Thread(target=forever)
+        thread.start()
+        statuses = [child(read) for _ in range(5)]
+        going.set()
+        thread.join()
+        read()
+        assert not any(statuses), statuses
+        """
+    )

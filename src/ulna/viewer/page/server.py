@@ -10,6 +10,7 @@ import atexit
 import contextlib
 import logging
 import socket
+import weakref
 from collections.abc import Iterator
 from numbers import Integral
 from pathlib import Path
@@ -20,10 +21,12 @@ from ulna.extras import install_command
 from ulna.system import forks
 from ulna.viewer.page import access as guard
 from ulna.viewer.page import client_files as client
+from ulna.viewer.page.inherited_sockets import close_inherited
 from ulna.viewer.page.message_filter import filter_messages
 from ulna.viewer.page.pose_channel import early_script, is_known_version
 
 _construction_lock = forks.lock()
+_serving: weakref.WeakKeyDictionary[Any, list[Any]] = weakref.WeakKeyDictionary()  # what opened the sockets
 _log = logging.getLogger("ulna.page")
 _log.setLevel(logging.CRITICAL)
 
@@ -50,7 +53,7 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
     page = Path(viser.__file__).parent / "client" / "build" / "index.html"
     page_files = client.ClientFiles(page, early_script(title)) if is_known_version() else None
     original: Any = sockets.serve
-    guarded: list[bool] = []
+    guarded: list[Any] = []
 
     def guarded_serve(*args: Any, **options: Any) -> Any:
         answer: Any = options.get("process_request")
@@ -73,7 +76,8 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
                 args = (*args[:2], 0, *args[3:])
             options["process_request"] = process_request
             options["logger"] = _log  # browsers open sockets that they may never use; that is no error
-            guarded.append(True)
+            guarded.append(original(*args, **options))
+            return guarded[-1]
         return original(*args, **options)
 
     with _construction_lock, _without_viser_output():
@@ -96,6 +100,7 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
         server._websock_server.unregister_handler(getattr(_messages, kind))
     if is_known_version():
         filter_messages(server)
+    _serving[server] = guarded
     return server
 
 
@@ -129,6 +134,7 @@ def stop(server: Any) -> None:
 def disconnect(server: Any) -> None:
     """Let go of a server that runs in the parent of this forked child: nothing here reaches it or waits for it."""
     _silence(server)
+    close_inherited(opened.server for opened in _serving.get(server, ()) if hasattr(opened, "server"))
     buffer = server._websock_server.get_message_buffer() if is_known_version() else None
     for part in (server, server._websock_server, server.gui, server.scene, buffer):
         for value in vars(part).values() if part is not None else ():
