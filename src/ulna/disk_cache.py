@@ -67,7 +67,7 @@ def read(name: str) -> bytes | None:
     if data[: len(_MAGIC)] != _MAGIC or not hmac.compare_digest(
         data[len(_MAGIC) : head], _seal(secret, name, content)
     ):
-        with contextlib.suppress(OSError):  # damaged: make room for a good one
+        with contextlib.suppress(OSError):  # damaged: remove it, so that a sound one is written
             path.unlink()
         return None
     with contextlib.suppress(OSError):

@@ -228,20 +228,20 @@ _lock = forks.lock(forks.RECIPES)
 def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), **options: Any) -> Function:
     """The traced function of recipe `name` for `model`; see `kernel` for the arguments and errors."""
     recipe, chosen = _choose(name, options)
-    told = _told(model, parameters)
+    names = _parameter_names(model, parameters)
     arguments = (*recipe.arguments, *recipe.more(chosen))
     shapes: dict[str, Any] = {key: _shape(model, size) for key, size in arguments}
     doc = f"{recipe.doc} Robot: {model.name}."
-    if not told:
+    if not names:
         with sized(model, name, chosen):
             return trace(recipe.build(model, **chosen), name=name, doc=doc, **shapes)
 
     def run(*arrays: Any) -> Any:
-        values = dict(zip(told, arrays[len(shapes) :], strict=True))
+        values = dict(zip(names, arrays[len(shapes) :], strict=True))
         return recipe.build(models.with_parameters(model, values), **chosen)(*arrays[: len(shapes)])
 
-    doc += f" Parameters: {', '.join(told)}."
-    extra: dict[str, Any] = {key: models.parameters(model, key).shape for key in told}
+    doc += f" Parameters: {', '.join(names)}."
+    extra: dict[str, Any] = {key: models.parameters(model, key).shape for key in names}
     with sized(model, name, chosen):
         return trace(run, name=name, doc=doc, **shapes, **extra)
 
@@ -258,11 +258,11 @@ def kernel(
     """The compiled kernel of recipe `name` for `model`.
 
     Args:
-        model: The robot's model; its numbers become constants of the code.
+        model: The robot's model; its parameters become constants of the code.
         name: A key of `RECIPES`.
         dtype: float64 or float32.
         checked: Whether nan and inf in the inputs raise NonFiniteError, and quaternions that are not unit InputError.
-        parameters: Names of numbers of the model that become further arguments instead, in this order, after the
+        parameters: Names of model parameters that become further arguments instead, in this order, after the
             others; see `ulna.model.parameters`. They broadcast like all arguments.
         **options: Options of the recipe, such as `frame` and `reference`.
 
@@ -270,28 +270,28 @@ def kernel(
         UnknownName: For an unknown kernel, parameter, option, frame or reference; names the nearest.
     """
     recipe, chosen = _choose(name, options)
-    told = _told(model, parameters)
-    key = (model.fingerprint, name, element_of(dtype).name, checked, told, tuple(chosen.items()))
+    names = _parameter_names(model, parameters)
+    key = (model.fingerprint, name, element_of(dtype).name, checked, names, tuple(chosen.items()))
     with _lock:
-        found = _made.get(key)
-        if found is None:
+        compiled = _made.get(key)
+        if compiled is None:
             unit = _quaternions(model, name) if checked else ()
-            if isinstance(recipe.build, WithMass) and not MASS_PARAMETERS & set(told):
+            if isinstance(recipe.build, WithMass) and not MASS_PARAMETERS & set(names):
                 check_mass(model, element_of(dtype).name)
-            traced = function(model, name, parameters=told, **chosen)
-            found = _made[key] = compile(traced, dtype=dtype, checked=checked, unit_entries=unit)
-            _recent.append(found)
-    return found
+            traced = function(model, name, parameters=names, **chosen)
+            compiled = _made[key] = compile(traced, dtype=dtype, checked=checked, unit_entries=unit)
+            _recent.append(compiled)
+    return compiled
 
 
-def _told(model: Model, parameters: str | Sequence[str]) -> tuple[str, ...]:
+def _parameter_names(model: Model, parameters: str | Sequence[str]) -> tuple[str, ...]:
     """The names of the parameters, each once."""
-    told = (parameters,) if isinstance(parameters, str) else tuple(parameters)
-    for name in told:
+    names = (parameters,) if isinstance(parameters, str) else tuple(parameters)
+    for name in names:
         models.parameters(model, name)  # raises for an unknown one
-        if told.count(name) > 1:
-            raise InputError(f"`parameters` names {name!r} {told.count(name)} times; expected once.")
-    return told
+        if names.count(name) > 1:
+            raise InputError(f"`parameters` names {name!r} {names.count(name)} times; expected once.")
+    return names
 
 
 def _quaternions(model: Model, name: str) -> tuple[tuple[int, tuple[int, ...]], ...]:

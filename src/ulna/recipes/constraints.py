@@ -20,15 +20,17 @@ _SOLVED = {**_BOUND, "solver": Proximal()}
 
 def _of_bonds(function: Callable[..., Any]) -> Callable[..., Callable[..., Any]]:
     def build(model: Model, constraints: Any) -> Callable[..., Any]:
-        found = bonds(model, constraints)
-        return lambda *arrays: function(model, *arrays, found)
+        resolved = bonds(model, constraints)
+        return lambda *arrays: function(model, *arrays, resolved)
 
     return build
 
 
 def _error(model: Model, constraints: Any) -> Callable[..., Any]:
-    found = bonds(model, constraints)
-    return lambda q, *anchors: algorithms.constraint_error(model, q, anchors[0] if anchors else None, found)
+    resolved = bonds(model, constraints)
+    return lambda q, *anchors: algorithms.constraint_error(
+        model, q, anchors[0] if anchors else None, resolved
+    )
 
 
 def _anchors(options: Mapping[str, Any]) -> Arguments:
@@ -45,19 +47,19 @@ def _motion(
     stabilised: bool,
     solver: Proximal,
 ) -> Callable[..., Any]:
-    found, law = bonds(model, constraints), law_of(model, friction)
+    resolved, law = bonds(model, constraints), law_of(model, friction)
     frames = [model.frame(name) for name in forces]
     anchored = any(constraint.is_contact for constraint in constraints)
 
     def run(q: Array, v: Array, tau: Array, *rest: Array) -> tuple[Any, ...]:
-        given = list(rest)
-        external = algorithms.at_joints(model, q, given.pop(0), frames, reference) if frames else None
+        remaining = list(rest)
+        external = algorithms.at_joints(model, q, remaining.pop(0), frames, reference) if frames else None
         pull = None
         if stabilised:
-            pull = Stabilisation(given.pop(0) if anchored else None, given.pop(0))
+            pull = Stabilisation(remaining.pop(0) if anchored else None, remaining.pop(0))
         if law is not None:
             tau = tau + algorithms.friction_torque(v, law)
-        return tuple(algorithms.constrained_dynamics(model, q, v, tau, found, external, pull, solver))
+        return tuple(algorithms.constrained_dynamics(model, q, v, tau, resolved, external, pull, solver))
 
     return run
 
@@ -85,11 +87,11 @@ def _jacobian_arguments(options: Mapping[str, Any]) -> Arguments:
 
 
 def _impact(model: Model, constraints: Any, elastic: bool, solver: Proximal) -> Callable[..., Any]:
-    found = bonds(model, constraints)
+    resolved = bonds(model, constraints)
 
     def run(q: Array, v: Array, *restitution: Array) -> tuple[Any, ...]:
         back = restitution[0] if elastic else None
-        return tuple(algorithms.impulse_dynamics(model, q, v, found, back, solver))
+        return tuple(algorithms.impulse_dynamics(model, q, v, resolved, back, solver))
 
     return run
 

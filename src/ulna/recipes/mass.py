@@ -39,7 +39,7 @@ class WithMass:
             try:
                 return function(*arrays)
             except ZeroPivot as error:
-                raise _refusal(model, [error.index]) from None
+                raise _no_inertia_error(model, [error.index]) from None
 
         return run
 
@@ -57,7 +57,7 @@ def check_mass(model: Model, dtype: str = "float64") -> None:
     """Refuses a model some motion of which moves no inertia, and warns once of one that is close to that.
 
     Args:
-        model: The model. Where it is large, or what the mass matrix depends on is traced, only masses are looked at.
+        model: The model. Where it is large, or what the mass matrix depends on is traced, only masses are examined.
         dtype: The type to compute in, "float64" or "float32".
 
     Raises:
@@ -68,23 +68,23 @@ def check_mass(model: Model, dtype: str = "float64") -> None:
         return
     idle = _joints_without_mass(model, masses)
     if idle:
-        raise _refusal(model, idle)
+        raise _no_inertia_error(model, idle)
     if _is_known(model) and model.nv <= conditioning.LARGEST:
-        found = _worst(model)
-        if found.everywhere.loose:
-            raise _refusal(model, found.everywhere.loose)
-        _warn(model, found, dtype)
+        report = _worst(model)
+        if report.everywhere.loose:
+            raise _no_inertia_error(model, report.everywhere.loose)
+        _warn(model, report, dtype)
 
 
 def _is_known(model: Model) -> bool:
-    """Whether none of the model's numbers is traced."""
+    """Whether no parameter of the model is traced."""
     try:
         return bool(model.fingerprint)
     except TypeError:  # TraceError, too
         return False
 
 
-class _Found(NamedTuple):
+class _Conditioning(NamedTuple):
     everywhere: Conditioning
     """Where every joint is at a generic position."""
     worst: Conditioning
@@ -93,37 +93,37 @@ class _Found(NamedTuple):
 
 
 @lru_cache(maxsize=32)
-def _worst(model: Model) -> _Found:
+def _worst(model: Model) -> _Conditioning:
     """The conditioning at the neutral, the named, and a drawn configuration."""
     drawn = np.random.default_rng(0).uniform(-1.0, 1.0, model.nv)
     generic = conditioning.conditioning(model, algorithms.integrate(model, model.neutral, drawn))
-    found = [(generic, "")]
+    candidates = [(generic, "")]
     if not generic.loose:
         places = {"the neutral configuration": model.neutral}
         places |= {f"the configuration {name!r}": q for name, q in list(model.configurations.items())[:8]}
-        found += [(conditioning.conditioning(model, q), f" at {place}") for place, q in places.items()]
-    worst, place = max(found, key=lambda pair: pair[0].kappa)
-    return _Found(generic, worst, "" if worst.kappa < 100.0 * generic.kappa else place)
+        candidates += [(conditioning.conditioning(model, q), f" at {place}") for place, q in places.items()]
+    worst, place = max(candidates, key=lambda pair: pair[0].kappa)
+    return _Conditioning(generic, worst, "" if worst.kappa < 100.0 * generic.kappa else place)
 
 
 _warned: set[tuple[str, str]] = set()
 
 
-def _warn(model: Model, found: _Found, dtype: str) -> None:
-    digits = -np.log10(np.finfo(dtype).eps) - np.log10(found.worst.kappa)
+def _warn(model: Model, report: _Conditioning, dtype: str) -> None:
+    digits = -np.log10(np.finfo(dtype).eps) - np.log10(report.worst.kappa)
     if digits >= _LEAST_DIGITS[dtype] or (model.fingerprint, dtype) in _warned:
         return
     _warned.add((model.fingerprint, dtype))
-    named = _listed(model, found.worst.weak)
+    named = _listed(model, report.worst.weak)
     size = (
-        f"has the condition number {found.worst.kappa:.1e}" if found.worst.kappa < np.inf else "is singular"
+        f"has the condition number {report.worst.kappa:.1e}" if report.worst.kappa < np.inf else "is singular"
     )
     left = (
         f"about {digits:.0f} digits of them are right" if digits >= 1.0 else "none of their digits are right"
     )
     better = ", compute in float64" if dtype == "float32" else ""
     warnings.warn(
-        f"The mass matrix of {model.name!r} {size}{found.place}: {named} can move almost without inertia. "
+        f"The mass matrix of {model.name!r} {size}{report.place}: {named} can move almost without inertia. "
         f"Accelerations, its inverse and derivatives are computed, but there {left} in {dtype}. Give their links "
         f"inertia, give them armature (robot.with_parameters({{'armature': ...}})), lock them (robot.lock([{named}]))"
         f"{better}; robot.mass_matrix and robot.inverse_dynamics are not affected.",
@@ -132,7 +132,7 @@ def _warn(model: Model, found: _Found, dtype: str) -> None:
     )
 
 
-def _refusal(model: Model, entries: Iterable[int]) -> ModelError:
+def _no_inertia_error(model: Model, entries: Iterable[int]) -> ModelError:
     entries = list(entries)
     named = _listed(model, entries)
     loose = [joint for joint in model.joints if joint.mimic is None and joint.name in _names(model, entries)]
@@ -184,12 +184,12 @@ def _joints_without_mass(model: Model, masses: list[Any]) -> list[int]:
         parent = model.joints[i].parent
         if parent >= 0:
             heavy[parent] = heavy[parent] or heavy[i]
-    felt = np.asarray(model.armature) != 0.0
+    has_inertia = np.asarray(model.armature) != 0.0
     for joint, carries in zip(model.joints, heavy, strict=True):
-        felt[joint.idx_v : joint.idx_v + joint.kind.nv] |= carries
+        has_inertia[joint.idx_v : joint.idx_v + joint.kind.nv] |= carries
     idle = []
     for joint in (j for j in model.joints if j.mimic is None):
         entries = range(joint.idx_v, joint.idx_v + joint.nv)
-        if entries and not any(felt[k] for k in entries):
+        if entries and not any(has_inertia[k] for k in entries):
             idle.append(joint.idx_v)
     return idle

@@ -66,7 +66,7 @@ def test_the_main_thread_alone_needs_another_thread() -> None:
 def test_watchers_are_called_by_the_thread_that_compiles(monkeypatch) -> None:
     """They may take locks that it holds."""
     monkeypatch.setenv("ULNA_CACHE", "0")
-    monkeypatch.setattr(jit, "_PATIENCE", 0.0)
+    monkeypatch.setattr(jit, "_ANNOUNCE_FROM", 0.0)
     told: list[tuple[str, str]] = []
     monkeypatch.setattr(jit, "watchers", [lambda *_: told.append((threading.current_thread().name, _[1]))])
     compile(trace(lambda q: q * 1.2345 + 6.0, q=()))

@@ -411,7 +411,7 @@ def test_clear_without_a_folder(place):
 @pytest.fixture
 def slow(monkeypatch):
     """Every compilation takes longer than a moment."""
-    monkeypatch.setattr(jit, "_PATIENCE", 0.0)
+    monkeypatch.setattr(jit, "_ANNOUNCE_FROM", 0.0)
     monkeypatch.delenv("ULNA_QUIET", raising=False)
 
 

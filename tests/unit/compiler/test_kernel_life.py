@@ -333,7 +333,7 @@ def test_the_fast_door_works_on_this_interpreter():
     free_threaded = not getattr(sys, "_is_gil_enabled", lambda: True)()
     if not standard or free_threaded or os.environ.get("ULNA_FAST") == "0":
         pytest.skip("another interpreter")
-    assert layout.fast_door_works()
+    assert layout.fast_call_works()
     assert compile(lambda x: x, x=()).is_fast
 
 

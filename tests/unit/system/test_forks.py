@@ -77,7 +77,7 @@ def test_a_fork_within_what_is_told_of_a_compilation():
     run_script(
         """
         from ulna.compiler.runtime import jit
-        jit._PATIENCE = 0.0
+        jit._ANNOUNCE_FROM = 0.0
         seen = []
         def watcher(what, how_long):
             if not seen:

@@ -98,7 +98,7 @@ def test_watchers_hear_of_long_compilations(
     heard: list[Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.delenv("ULNA_QUIET", raising=False)
-    monkeypatch.setattr(jit, "_PATIENCE", 0.0)
+    monkeypatch.setattr(jit, "_ANNOUNCE_FROM", 0.0)
     monkeypatch.setenv("ULNA_CACHE", "0")
     kernel = ulna.compile(lambda x: np.sin(x) * 0.123456789, x=(1,))
     kernel(np.zeros(1))

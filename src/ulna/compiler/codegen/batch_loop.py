@@ -59,7 +59,7 @@ def batch_loop(f: Function, element: DType, lanes: int) -> str:
         _move(w, f"put{k}", f"put{k + 1}", k, port, element, gather=False)
     w.append(f"put{len(ports)}:\n  %next = add i64 %i, %count\n  %end = icmp eq i64 %next, %n")
     w.append("  br i1 %end, label %done, label %step")
-    # The bits of the exceptions differ between processors; C libraries pay heed only to those that exist.
+    # The bits of the exceptions differ between processors; C libraries consider only those that exist.
     w.append("done:\n  %flags = call i32 @feclearexcept(i32 -1)\n  ret void\n}\n")
     return "\n".join(w)
 

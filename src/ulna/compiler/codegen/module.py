@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from ulna.compiler.codegen.batch_loop import batch_loop
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
-from ulna.compiler.codegen.row_table import at, spread
+from ulna.compiler.codegen.row_table import at, write_rows
 from ulna.compiler.codegen.rows import load, store
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import Function
@@ -33,15 +33,17 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
     arguments = [f"ptr %{port}, i64 %{port}s" if strided else f"ptr %{port}" for port in names]
     attributes = "noinline nounwind #0" if strided or f.lanes > 1 else "noinline nounwind"
     pieces = parts(f, layout.lanes, pack)
-    spreads = layout.lanes > 1 and len(pieces) > 1  # then the last part has the stores and nothing else
-    slots = _slots(f.graph, pieces, f.results if spreads else ())
+    writes_rows_last = (
+        layout.lanes > 1 and len(pieces) > 1
+    )  # then the last part has the stores and nothing else
+    slots = _slots(f.graph, pieces, f.results if writes_rows_last else ())
     bodies = []
     for number, steps in enumerate(pieces):
         body = Writer(module, f.graph, layout, "", contract, f.lanes > 1)
         if number == 0:
             _read_inputs(body, f)
-        if spreads and number == len(pieces) - 1:
-            _spread_outputs(body, f, slots)
+        if writes_rows_last and number == len(pieces) - 1:
+            _write_output_rows(body, f, slots)
         else:
             _write_steps(body, steps, slots)
         bodies.append(body.lines)
@@ -63,13 +65,13 @@ def _define(
     module.definitions[name] = "\n".join([head, "entry:", *lines, "  ret void", "}", ""])
 
 
-def _slots(graph: Graph, pieces: Sequence[Sequence[Step]], spread: Sequence[int]) -> dict[int, int]:
+def _slots(graph: Graph, pieces: Sequence[Sequence[Step]], results: Sequence[int]) -> dict[int, int]:
     """Where in the scratch the nodes lie that a later part needs; a place that is free again is taken again.
 
-    Constants are written anew in each part, but those among `spread` are in the scratch, too.
+    Constants are written anew in each part, but those among `results` are in the scratch, too.
     """
     constant = (Op.CONST, Op.BOOL)
-    handed = {index for index in spread if graph.op[index] in constant}
+    handed = {index for index in results if graph.op[index] in constant}
     last: dict[int, int] = {}
     for number, steps in enumerate(pieces):
         last.update((index, number) for step in steps for index in used(graph, step))
@@ -126,7 +128,7 @@ def _write_steps(to: Writer, steps: Iterable[Step], slots: dict[int, int]) -> No
                 to.write(f"store {kind(index)} {to.names[index]}, {at(to, slots[index])}")
 
 
-def _spread_outputs(to: Writer, f: Function, slots: dict[int, int]) -> None:
+def _write_output_rows(to: Writer, f: Function, slots: dict[int, int]) -> None:
     """Writes all outputs out of the scratch."""
     g, start = f.graph, 0
     zeros = (
@@ -134,7 +136,7 @@ def _spread_outputs(to: Writer, f: Function, slots: dict[int, int]) -> None:
     )
     zero = next(zeros, None)
     for k, port in enumerate(f.outputs):
-        spread(to, f"o{k}", [slots[index] for index in f.results[start : start + port.size]], zero)
+        write_rows(to, f"o{k}", [slots[index] for index in f.results[start : start + port.size]], zero)
         start += port.size
 
 

@@ -173,18 +173,18 @@ class Writer:
 
     def any_lane(self, index: int, condition: str) -> None:
         """Whether the condition holds in any lane, in all lanes."""
-        lay, found = self.layout, self.fresh("any")
+        lay, reduced = self.layout, self.fresh("any")
         self.module.declare(f"declare i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth})")
-        self.write(f"{found} = call i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth} {condition})")
-        self.names[index] = self.in_all_lanes("i1", found)
+        self.write(f"{reduced} = call i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth} {condition})")
+        self.names[index] = self.in_all_lanes("i1", reduced)
 
     def least_lane(self, index: int, value: str) -> None:
         """The smallest number of all lanes, in all lanes."""
-        lay, found = self.layout, self.fresh("least")
+        lay, reduced = self.layout, self.fresh("least")
         name = f"@llvm.vector.reduce.fmin.{lay.suffix}"
         self.module.declare(f"declare {lay.dtype} {name}({lay.real})")
-        self.write(f"{found} = call {lay.dtype} {name}({lay.real} {value})")
-        self.names[index] = self.in_all_lanes(lay.dtype, found)
+        self.write(f"{reduced} = call {lay.dtype} {name}({lay.real} {value})")
+        self.names[index] = self.in_all_lanes(lay.dtype, reduced)
 
     def in_all_lanes(self, element: str, value: str) -> str:
         """A vector that holds a value in every lane."""

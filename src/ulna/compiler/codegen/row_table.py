@@ -21,7 +21,7 @@ def at(to: Writer, place: int | str) -> str:
     return f"ptr {pointer}"
 
 
-def spread(to: Writer, port: str, places: Sequence[int], zero: int | None) -> None:
+def write_rows(to: Writer, port: str, places: Sequence[int], zero: int | None) -> None:
     """Writes all columns of `port`; column j lies in `places[j]` of the scratch, zeros in `zero`."""
     lanes, size = to.layout.lanes, len(places)
     whole = size // lanes
@@ -34,7 +34,7 @@ def spread(to: Writer, port: str, places: Sequence[int], zero: int | None) -> No
 
 
 def _loop(to: Writer, port: str, table: Sequence[Sequence[int]], zero: int | None) -> None:
-    """The chunks that are as wide as there are lanes; the first place of one that is zero is told as -1."""
+    """The chunks that are as wide as there are lanes; the first place of one that is zero is given as -1."""
     lay, lanes = to.layout, to.layout.lanes
     flat = [-1 if set(row) == {zero} else place for row in table for place in row]
     kind = f"[{len(flat)} x i32]"

@@ -193,8 +193,8 @@ def trace(
         raise ValueError(f"rules={rules!r}; expected 'relaxed' or 'exact'.")
     graph = Graph(relaxed=rules == "relaxed")
     ports, arguments = [], []
-    for key, given in shapes.items():
-        port = Port(key, _shape(key, given))
+    for key, shape in shapes.items():
+        port = Port(key, _shape(key, shape))
         ports.append(port)
         array = _object_array([Scalar(graph, graph.input()) for _ in range(port.size)]).reshape(port.shape)
         arguments.append(array if port.shape else array[()])
@@ -237,14 +237,14 @@ _KNOWN = (
 )
 
 
-def _shape(name: str, given: Any) -> Shape:
+def _shape(name: str, value: Any) -> Shape:
     try:
-        shape = tuple(map(operator.index, given if isinstance(given, (tuple, list)) else (given,)))
+        shape = tuple(map(operator.index, value if isinstance(value, (tuple, list)) else (value,)))
     except TypeError:
         shape = (-1,)
     if min(shape, default=0) < 0:
         raise InputError(
-            f"{name}={given!r}: expected a shape, a whole number or a tuple of them, none negative."
+            f"{name}={value!r}: expected a shape, a whole number or a tuple of them, none negative."
         )
     return shape
 

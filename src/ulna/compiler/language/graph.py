@@ -37,14 +37,14 @@ def most_operations() -> float:
     Raises:
         InputError: it is no whole number.
     """
-    given = os.environ.get("ULNA_MOST_OPERATIONS", "").strip()
-    if not given:
+    setting = os.environ.get("ULNA_MOST_OPERATIONS", "").strip()
+    if not setting:
         return _MOST
-    if not given.isdecimal():
+    if not setting.isdecimal():
         raise InputError(
-            f"ULNA_MOST_OPERATIONS is {given!r}; expected a whole number such as {_MOST}, or 0 for no limit."
+            f"ULNA_MOST_OPERATIONS is {setting!r}; expected a whole number such as {_MOST}, or 0 for no limit."
         )
-    return int(given) or float("inf")
+    return int(setting) or float("inf")
 
 
 def refuse_size(what: str, seconds: float = 0.0, memory: float = 0.0) -> NoReturn:

@@ -1,4 +1,4 @@
-"""Words for a race: a function that is evaluated once in all lanes of a register, whose lanes look at each other.
+"""Cross-lane operations: a function evaluated once in all lanes of a register can reduce over its lanes.
 
 `trace(f, lanes=8)` makes such a function. Its inputs are the same in every lane; the lanes differ by their number
 alone, go on together, and all must agree on the outputs in the end, since those of lane 0 are taken. So a search from

@@ -326,13 +326,13 @@ def number_in(graph: Graph, value: Any) -> int:
 
 def innermost(*values: Any) -> Graph:
     """The deepest graph among the traced values; numbers have none."""
-    found: Graph | None = None
+    deepest: Graph | None = None
     for value in values:
-        if isinstance(value, Value) and (found is None or is_inside(value.graph, found)):
-            found = value.graph
-    if found is None:
+        if isinstance(value, Value) and (deepest is None or is_inside(value.graph, deepest)):
+            deepest = value.graph
+    if deepest is None:
         raise TraceError("None of the values is traced.")
-    return found
+    return deepest
 
 
 def meet(a: Value, b: Value) -> tuple[Graph, int, int]:

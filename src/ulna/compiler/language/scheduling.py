@@ -45,8 +45,8 @@ def made(graph: Graph, step: Step) -> Sequence[int]:
         return (step,)
     if isinstance(step, Store):
         return ()
-    found = (graph.find(op, argument) for argument in step.arguments for op in (Op.SIN, Op.COS))
-    return [index for index in found if index is not None]
+    partners = (graph.find(op, argument) for argument in step.arguments for op in (Op.SIN, Op.COS))
+    return [index for index in partners if index is not None]
 
 
 def used(graph: Graph, step: Step) -> Sequence[int]:
@@ -57,7 +57,7 @@ def used(graph: Graph, step: Step) -> Sequence[int]:
 
 
 def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
-    """The steps that evaluate `f`, in parts of bearable size.
+    """The steps that evaluate `f`, in parts that compile in acceptable time.
 
     The inputs are the first steps of the first part. With several parts in SIMD lanes, the last one has all the stores
     and nothing else, so that they can become a loop.
@@ -109,12 +109,12 @@ def chunks(lanes: int, size: int) -> Iterator[tuple[int, int]]:
 
 
 def _stores(f: Function, lanes: int) -> list[Store]:
-    found, start = [], 0
+    stores, start = [], 0
     for number, port in enumerate(f.outputs):
         values = f.results[start : start + port.size]
-        found += [Store(number, at, values[at : at + width]) for at, width in chunks(lanes, port.size)]
+        stores += [Store(number, at, values[at : at + width]) for at, width in chunks(lanes, port.size)]
         start += port.size
-    return found
+    return stores
 
 
 def _order(f: Function, lanes: int, pack: int) -> Iterator[Step]:

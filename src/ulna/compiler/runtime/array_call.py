@@ -1,4 +1,4 @@
-"""The general way into a kernel: conversion, broadcasting, messages, threads, `out=`."""
+"""The checked call of a kernel: conversion, broadcasting, messages, threads, `out=`."""
 
 from __future__ import annotations
 
@@ -12,9 +12,7 @@ from ulna.compiler.codegen.module import emit_batch
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
 from ulna.compiler.language.scalar import Value
-from ulna.compiler.runtime import entry_point as entry
-from ulna.compiler.runtime import gufunc as native
-from ulna.compiler.runtime import jit
+from ulna.compiler.runtime import entry_point, gufunc, jit
 from ulna.compiler.runtime.foreign import is_foreign, refuse_lazy, refuse_tables, shape_advice, shown
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 from ulna.numeric import check_not_masked
@@ -23,21 +21,21 @@ from ulna.system import forks
 Unit = tuple[tuple[int, tuple[int, ...]], ...]
 """Which entries of which inputs must form unit vectors, quaternions say: (number of the input, entries), ..."""
 
-# A tenth below the fast door's own, so that what that door sends here is refused and never sent back.
-_UNIT_TOLERANCE = 0.9 * entry.UNIT_TOLERANCE
+# A tenth below that of the fast call, so that what the fast call sends here is refused and never sent back.
+_UNIT_TOLERANCE = 0.9 * entry_point.UNIT_TOLERANCE
 ELEMENT: dict[str, DType] = {"float64": "double", "float32": "float"}
 _ROWS_PER_THREAD = 1024  # below this, starting a thread costs more than the work
 
 
 @final
-class General:
+class ArrayCall:
     """Calls a function with whatever may stand for its arguments."""
 
     def __init__(self, function: Function, dtype: np.dtype[Any], checked: bool, unit: Unit = ()) -> None:
         self.function, self.dtype, self.checked, self.unit = function, dtype, checked, unit
-        self.single: Callable[[], Any] = lambda: None  # the fast door, once there is one
+        self.single: Callable[[], Any] = lambda: None  # the fast call, once there is one
         # NumPy's generalised ufuncs need an input, an output, axes longer than 0, and at most 64 arrays.
-        ports = native.ports_of(function)
+        ports = gufunc.ports_of(function)
         self.interpreted = (
             not function.inputs or not function.outputs or not all(p.size for p in ports) or len(ports) > 64
         )
@@ -60,7 +58,7 @@ class General:
             with self._lock:
                 if self._ufunc is None:
                     code = jit.load(self.function, self.batch_ir(), ("batch",))
-                    self._ufunc = native.make_ufunc(self.function, code.address("batch"), code, self.element)
+                    self._ufunc = gufunc.make_ufunc(self.function, code.address("batch"), code, self.element)
         return self._ufunc
 
     def __call__(self, *args: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
@@ -95,10 +93,10 @@ class General:
                 _check_finite(port.name, a)
             for number, entries in self.unit:
                 _check_unit(f.inputs[number].name, arrays[number], entries)
-        door = self.single() if batch == () and (out is None or self._is_exact(out)) else None
-        if door is not None:
+        fast_call = self.single() if batch == () and (out is None or self._is_exact(out)) else None
+        if fast_call is not None:
             exact = [self._exact(a) for a in arrays]
-            return door(*exact) if out is None else door(*exact, out=out)
+            return fast_call(*exact) if out is None else fast_call(*exact, out=out)
         if self.interpreted:
             return self._interpret(arrays, out)
         rows = int(np.prod(batch, dtype=np.int64))
@@ -130,17 +128,17 @@ class General:
         return (*args, *(named[name] for name in names[len(args) :] if name in named))
 
     def _exact(self, array: Any) -> Any:
-        """An array that the fast door takes for sure: its very dtype, contiguous, aligned."""
+        """An array that the fast call takes for sure: its very dtype, contiguous, aligned."""
         exact = np.empty(array.shape, self.dtype)
         exact[...] = array
         return exact
 
     def _is_exact(self, out: Any) -> bool:
-        """Whether the fast door writes into `out` for sure."""
-        given = out if type(out) is tuple else (out,)
-        return len(given) == len(self.function.outputs) and all(
+        """Whether the fast call writes into `out` for sure."""
+        targets = out if type(out) is tuple else (out,)
+        return len(targets) == len(self.function.outputs) and all(
             is_exact(target, port.shape, self.dtype)
-            for target, port in zip(given, self.function.outputs, strict=True)
+            for target, port in zip(targets, self.function.outputs, strict=True)
         )
 
     def _interpret(self, arrays: Sequence[Any], out: Any) -> Any:
@@ -149,10 +147,10 @@ class General:
         results = f(*arrays)
         results = [r.astype(self.dtype) for r in ((results,) if f.single else results)]
         if out is not None:
-            given = out if isinstance(out, tuple) else (out,)
-            for target, result in zip(given, results, strict=True):
+            targets = out if isinstance(out, tuple) else (out,)
+            for target, result in zip(targets, results, strict=True):
                 np.copyto(target, result)
-            results = given
+            results = targets
         if f.single:
             return results[0] if results[0].ndim else results[0][()]
         return tuple(results)
@@ -160,13 +158,13 @@ class General:
     def _check_out(self, out: Any, batch: tuple[int, ...]) -> None:
         """Refuses what the results of a batch cannot be written to."""
         f = self.function
-        given = out if isinstance(out, tuple) else (out,)
-        if len(given) != len(f.outputs):
+        targets = out if isinstance(out, tuple) else (out,)
+        if len(targets) != len(f.outputs):
             raise InputError(
-                f"`out` holds {len(given)} arrays; {f.name} has {len(f.outputs)} outputs: expected as many arrays, "
+                f"`out` holds {len(targets)} arrays; {f.name} has {len(f.outputs)} outputs: expected as many arrays, "
                 "in a tuple."
             )
-        for target, port in zip(given, f.outputs, strict=True):
+        for target, port in zip(targets, f.outputs, strict=True):
             if (
                 type(target) is np.ndarray
                 and target.shape == batch + port.shape
@@ -186,12 +184,12 @@ class General:
     def _is_apart(self, arrays: Sequence[Any], out: Any, batch: tuple[int, ...]) -> bool:
         """Whether parts of the batch can be written to `out` independently; else NumPy must see the whole."""
         f = self.function
-        given = out if isinstance(out, tuple) else (out,)
-        return len(given) == len(f.outputs) and all(
+        targets = out if isinstance(out, tuple) else (out,)
+        return len(targets) == len(f.outputs) and all(
             isinstance(o, np.ndarray)
             and o.shape == batch + p.shape
             and not any(np.may_share_memory(o, a) for a in arrays)
-            for o, p in zip(given, f.outputs, strict=True)
+            for o, p in zip(targets, f.outputs, strict=True)
         )
 
     def _array(self, value: Any, port: Port) -> Any:
@@ -247,9 +245,9 @@ class General:
         """Cuts the batch into equal parts along one axis; the GIL is free in the loops."""
         f = self.function
         if out is None:
-            given = [np.empty(batch + p.shape, self.dtype) for p in f.outputs]
+            targets = [np.empty(batch + p.shape, self.dtype) for p in f.outputs]
         else:
-            given = list(out if isinstance(out, tuple) else (out,))
+            targets = list(out if isinstance(out, tuple) else (out,))
         wide = [
             np.broadcast_to(a, batch + p.shape) if a.ndim > len(p.shape) else a
             for a, p in zip(arrays, f.inputs, strict=True)
@@ -261,7 +259,7 @@ class General:
         def part(k: int) -> None:
             rows = (*lead, slice(cuts[k], cuts[k + 1]))
             inputs = [a[rows] if a.ndim > len(p.shape) else a for a, p in zip(wide, f.inputs, strict=True)]
-            self.ufunc(*inputs, out=tuple(o[rows] for o in given))
+            self.ufunc(*inputs, out=tuple(o[rows] for o in targets))
 
         from concurrent.futures import ThreadPoolExecutor  # slow to import, and needed only here
 
@@ -269,7 +267,7 @@ class General:
         assert ufunc is not None
         with ThreadPoolExecutor(len(cuts) - 1) as pool:
             list(pool.map(part, range(len(cuts) - 1)))
-        return given[0] if f.single else tuple(given)
+        return targets[0] if f.single else tuple(targets)
 
 
 def is_exact(target: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:

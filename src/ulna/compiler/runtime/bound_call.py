@@ -7,8 +7,8 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.compiler.runtime import gufunc as native
-from ulna.compiler.runtime.array_call import General
+from ulna.compiler.runtime import gufunc
+from ulna.compiler.runtime.array_call import ArrayCall
 from ulna.errors import DtypeError, InputError, ShapeError
 from ulna.system import forks
 from ulna.typing import Array
@@ -40,47 +40,51 @@ class Bound:
 
 @final
 class SlowBound(Bound):
-    """A bound kernel where the fast door does not work."""
+    """A bound kernel where the fast call does not work."""
 
-    __slots__ = ("__weakref__", "_pairs", "_slow", "_through", "kernel", "targets")
+    __slots__ = ("__weakref__", "_checked_call", "_pairs", "_slow", "kernel", "targets")
 
     def __init__(
-        self, kernel: Any, targets: tuple[Array, ...], through: _Through, pairs: _Pairs, slow: Any
+        self, kernel: Any, targets: tuple[Array, ...], checked_call: _CheckedCall, pairs: _Pairs, slow: Any
     ) -> None:
         self.kernel, self.targets = kernel, targets
-        self._through, self._slow = through, slow
-        self._pairs = tuple((live, kept, _form(live), _form(kept)) for live, kept in pairs)
+        self._checked_call, self._slow = checked_call, slow
+        self._pairs = tuple((live, reference, _form(live), _form(reference)) for live, reference in pairs)
 
     def __call__(self, *args: Any) -> Any:
         """Evaluates the kernel; see `KernelBase.into`."""
-        if self._slow is not None and not (self._through.fits(args) and _same(self._pairs)):
+        if self._slow is not None and not (self._checked_call.fits(args) and _same(self._pairs)):
             return self._slow(*args)
-        return self._through(*args)
+        return self._checked_call(*args)
 
 
 @final
-class _Through:
-    """The general way into a kernel with fixed targets and last inputs."""
+class _CheckedCall:
+    """The checked call of a kernel with fixed targets and last inputs."""
 
     def __init__(
-        self, general: General, targets: tuple[Array, ...], returns: tuple[int, ...], given: tuple[Array, ...]
+        self,
+        array_call: ArrayCall,
+        targets: tuple[Array, ...],
+        returns: tuple[int, ...],
+        given: tuple[Array, ...],
     ) -> None:
-        self.general, self.targets, self.returns, self.given = general, targets, returns, given
+        self.array_call, self.targets, self.returns, self.given = array_call, targets, returns, given
         self._out = targets[0] if len(targets) == 1 else targets
 
     def __call__(self, *args: Any) -> Any:
         self.check()
-        self.general(*args, *self.given, out=self._out)
+        self.array_call(*args, *self.given, out=self._out)
         copies = tuple(
             self.targets[k].copy() if self.targets[k].ndim else self.targets[k][()] for k in self.returns
         )
         return copies[0] if len(copies) == 1 else copies or None
 
     def check(self) -> None:
-        """Refuses bound arrays that were changed in place: resized, made read-only, given another shape or type."""
+        """Raises where bound arrays were changed in place: resized, made read-only, given another shape or type."""
         try:
-            _check_targets(self.general, self.targets)
-            _check_given(self.general, self.given)
+            _check_targets(self.array_call, self.targets)
+            _check_given(self.array_call, self.given)
         except InputError as error:
             error.args = (
                 f"{error} The array was changed after into(); restore it, or bind the kernel anew.",
@@ -88,8 +92,8 @@ class _Through:
             raise
 
     def fits(self, args: tuple[Any, ...]) -> bool:
-        """Whether the arguments are what the fast door takes."""
-        ports, dtype = self.general.function.inputs, self.general.dtype
+        """Whether the arguments are what the fast call takes."""
+        ports, dtype = self.array_call.function.inputs, self.array_call.dtype
         ports = ports[: len(ports) - len(self.given)]
         return len(args) == len(ports) and all(
             (type(a) is np.ndarray and a.dtype is dtype and a.shape == p.shape and _is_readable(a))
@@ -102,11 +106,11 @@ class _Through:
 class _Otherwise:
     """What is called instead of a bound kernel, once its arrays are known to be intact."""
 
-    def __init__(self, through: _Through, function: Callable[..., Any]) -> None:
-        self._through, self._function = through, function
+    def __init__(self, checked_call: _CheckedCall, function: Callable[..., Any]) -> None:
+        self._checked_call, self._function = checked_call, function
 
     def __call__(self, *args: Any, **named: Any) -> Any:
-        self._through.check()
+        self._checked_call.check()
         return self._function(*args, **named)
 
 
@@ -115,14 +119,16 @@ def _is_readable(array: Array) -> bool:
 
 
 def _form(array: Array) -> tuple[Any, ...]:
-    """What of an array must stay for compiled code to go on reading it."""
+    """The properties of an array that must not change for compiled code to go on reading it."""
     return array.shape, array.dtype, _is_readable(array)
 
 
 def _same(pairs: Sequence[tuple[Any, ...]]) -> bool:
     return all(
-        _form(live) == live_form and _form(kept) == kept_form and live.tobytes() == kept.tobytes()
-        for live, kept, live_form, kept_form in pairs
+        _form(live) == live_form
+        and _form(reference) == reference_form
+        and live.tobytes() == reference.tobytes()
+        for live, reference, live_form, reference_form in pairs
     )
 
 
@@ -133,13 +139,13 @@ _types: list[type | None] = []
 def _type() -> type | None:
     with _lock:
         if not _types:
-            _types.append(native.make_type(Bound, "Bound"))
+            _types.append(gufunc.make_type(Bound, "Bound"))
         return _types[0]
 
 
 def bind(
     kernel: Any,
-    general: General,
+    array_call: ArrayCall,
     work: int | None,
     targets: Sequence[Array],
     returns: Sequence[int],
@@ -147,36 +153,40 @@ def bind(
     otherwise: Callable[..., Any] | None,
     given: Sequence[Array] = (),
 ) -> Bound:
-    """Makes what `KernelBase.into` returns; `work` is the address of the kernel's code, where there is any."""
-    chosen, told, pairs = tuple(targets), tuple(given), tuple((live, kept) for live, kept in watch)
+    """Makes the result of `KernelBase.into`; `work` is the address of the kernel's code, where there is any."""
+    chosen, inputs, pairs = (
+        tuple(targets),
+        tuple(given),
+        tuple((live, reference) for live, reference in watch),
+    )
     numbers = tuple(int(k) for k in returns)
-    _check_targets(general, chosen)
-    _check_given(general, told)
+    _check_targets(array_call, chosen)
+    _check_given(array_call, inputs)
     _check_pairs(pairs)
     if pairs and otherwise is None:
         raise InputError("`watch` is given without `otherwise`; expected a function for when it differs.")
     for k in numbers:
         if not 0 <= k < len(chosen):
             raise InputError(f"`returns` names output {k}; expected 0 to {len(chosen) - 1}.")
-    through = _Through(general, chosen, numbers, told)
-    slow = through if otherwise is None else _Otherwise(through, otherwise)
+    checked_call = _CheckedCall(array_call, chosen, numbers, inputs)
+    slow = checked_call if otherwise is None else _Otherwise(checked_call, otherwise)
     kind = _type() if work is not None else None
     if kind is None or work is None:
-        return SlowBound(kernel, chosen, through, pairs, None if otherwise is None else slow)
-    plan = native.Plan(general.function, general.element, work, chosen, pairs, numbers, told)
-    instance = native.make_bound(kind, plan, slow)
+        return SlowBound(kernel, chosen, checked_call, pairs, None if otherwise is None else slow)
+    plan = gufunc.Plan(array_call.function, array_call.element, work, chosen, pairs, numbers, inputs)
+    instance = gufunc.make_bound(kind, plan, slow)
     instance.__dict__.update(kernel=kernel, targets=chosen)
-    native.keep(instance, kernel, plan, slow)
+    gufunc.keep(instance, kernel, plan, slow)
     return instance
 
 
-def _check_targets(general: General, targets: tuple[Any, ...]) -> None:
-    f, dtype = general.function, general.dtype
+def _check_targets(array_call: ArrayCall, targets: tuple[Any, ...]) -> None:
+    f, dtype = array_call.function, array_call.dtype
     if len(targets) != len(f.outputs):
         raise InputError(f"into() was given {len(targets)} arrays; {f.name} has {len(f.outputs)} outputs.")
     for target, port in zip(targets, f.outputs, strict=True):
         if type(target) is not np.ndarray:
-            raise InputError(f"into() was given a {type(target).__name__}; expected NumPy arrays.")
+            raise InputError(f"into() was called with a {type(target).__name__}; expected NumPy arrays.")
         if target.dtype != dtype:
             raise DtypeError(port.name, str(target.dtype), f"{dtype}, which {f.name} computes in")
         if target.shape != port.shape:
@@ -187,13 +197,17 @@ def _check_targets(general: General, targets: tuple[Any, ...]) -> None:
             )
     for k, target in enumerate(targets):
         if any(np.may_share_memory(target, other) for other in targets[:k]):
-            raise InputError("Arrays given to into() share memory; expected one of its own for each output.")
+            raise InputError(
+                "Arrays given to into() share memory; expected a separate array for each output."
+            )
 
 
-def _check_given(general: General, given: tuple[Any, ...]) -> None:
-    ports, dtype = general.function.inputs, general.dtype
+def _check_given(array_call: ArrayCall, given: tuple[Any, ...]) -> None:
+    ports, dtype = array_call.function.inputs, array_call.dtype
     if len(given) > len(ports):
-        raise InputError(f"into() was given {len(given)} inputs; {general.function.name} has {len(ports)}.")
+        raise InputError(
+            f"into() was given {len(given)} inputs; {array_call.function.name} has {len(ports)}."
+        )
     for array, port in zip(given, ports[len(ports) - len(given) :], strict=True):
         if type(array) is not np.ndarray or array.dtype != dtype or not _is_readable(array):
             raise InputError(f"`given` holds no C-contiguous array of {dtype} for `{port.name}`.")

@@ -1,7 +1,7 @@
 """IR of a kernel's own code: `entry`, the 100 ns call from Python, and `work`, the same on bare pointers.
 
 `entry` is a CPython vectorcall function that reads the PyArrayObject fields when every argument is exactly a contiguous
-array of the right type and shape, and in every other case hands over to `given` of `door`.
+array of the right type and shape, and in every other case hands over to `with_out` of `fast_call`.
 """
 
 from __future__ import annotations

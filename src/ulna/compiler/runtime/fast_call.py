@@ -1,4 +1,4 @@
-"""IR of the doors through which kernels write into arrays that exist: `out=`, and arrays bound for good (see `bound`).
+"""IR of the calls by which kernels write into existing arrays: `out=`, and arrays bound for good (see `bound`).
 
 One piece of code serves all kernels: it reads what it must know of a kernel from a table of words, its plan. As in
 `entry`, what is not exactly an array of the right type and shape goes to a Python callable, which converts or refuses.
@@ -158,7 +158,7 @@ _SLOW = f"""slow:
 
 _GIVEN = f"""
 ; A kernel called otherwise than plainly: writes into `out`, one array or a tuple of arrays, where all is exact.
-define ptr @given{_HEAD}
+define ptr @with_out{_HEAD}
   %plain = icmp eq ptr %keywords, null
   br i1 %plain, label %slow, label %named
 named:
@@ -371,4 +371,4 @@ failed:
 declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)
 """
 
-DOOR_IR = _TAKE + _DIFFER + _COPIED + _GIVEN + _BOUND
+FAST_CALL_IR = _TAKE + _DIFFER + _COPIED + _GIVEN + _BOUND

@@ -1,7 +1,7 @@
 """The Python types whose instances are machine code, and NumPy generalised ufuncs around compiled loops.
 
 A kernel and a bound kernel are instances of small types made here through CPython's own type factory; their vectorcall
-slots point to JIT-compiled code (see `entry`, `door`). Where the layout that code relies on differs (another
+slots point to JIT-compiled code (see `entry_point`, `fast_call`). Where the layout that code relies on differs (another
 interpreter, a free-threaded build, another NumPy), there are no such types, and everything goes through the ufunc.
 """
 
@@ -20,15 +20,13 @@ import numpy as np
 from ulna.compiler.codegen.ir_text import DType
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
-from ulna.compiler.runtime import entry_point as entry
-from ulna.compiler.runtime import jit
-from ulna.compiler.runtime import object_layout as layout
-from ulna.compiler.runtime.fast_call import DOOR_IR, FIELDS
+from ulna.compiler.runtime import entry_point, jit, object_layout
+from ulna.compiler.runtime.fast_call import FAST_CALL_IR, FIELDS
 from ulna.compiler.runtime.object_layout import (
     TYPE_NUMBER,
     array_function,
     c_function,
-    fast_door_works,
+    fast_call_works,
     ufunc_function,
 )
 from ulna.typing import Array as AnyArray
@@ -72,13 +70,15 @@ _KEEP: list[Any] = []  # what CPython and NumPy keep pointers to
 
 
 def make_type(base: type, name: str) -> type | None:
-    """A subtype of `base` (which has no fields) whose instances are called through a pointer of their own."""
-    if not fast_door_works():
+    """A subtype of `base` (which has no fields) whose instances are called through a pointer in each instance."""
+    if not fast_call_works():
         return None
     members = (_MemberDef * 4)(
-        _MemberDef(b"__vectorcalloffset__", 19, entry.VECTORCALL, 1, None),  # 19: Py_ssize_t, 1: read only
-        _MemberDef(b"__dictoffset__", 19, entry.DICT, 1, None),
-        _MemberDef(b"__weaklistoffset__", 19, entry.WEAKREFS, 1, None),
+        _MemberDef(
+            b"__vectorcalloffset__", 19, entry_point.VECTORCALL, 1, None
+        ),  # 19: Py_ssize_t, 1: read only
+        _MemberDef(b"__dictoffset__", 19, entry_point.DICT, 1, None),
+        _MemberDef(b"__weaklistoffset__", 19, entry_point.WEAKREFS, 1, None),
         _MemberDef(),
     )
     get, put = c_function("PyObject_GenericGetDict"), c_function("PyObject_GenericSetDict")
@@ -91,7 +91,7 @@ def make_type(base: type, name: str) -> type | None:
     )
     flags = (1 << 18) | (1 << 11) | (1 << 7)  # DEFAULT, HAVE_VECTORCALL, DISALLOW_INSTANTIATION
     called = f"{base.__module__}.{name}".encode()
-    spec = _Spec(called, entry.END, 0, flags, slots)
+    spec = _Spec(called, entry_point.END, 0, flags, slots)
     _KEEP.extend((members, properties, slots, called, spec))
     factory = ctypes.pythonapi.PyType_FromSpecWithBases
     factory.restype, factory.argtypes = ctypes.py_object, [ctypes.POINTER(_Spec), ctypes.py_object]
@@ -108,49 +108,53 @@ def _make(kind: type, words: dict[int, int]) -> Any:
 
 
 def make_kernel(kind: type, code: int, plan: Plan, slow: Callable[..., Any], element: DType) -> Any:
-    """A kernel, of a type from `make_type`, that runs `entry` at address `code`; all given must outlive it."""
+    """A kernel, of a type from `make_type`, that runs `entry` at address `code`; all arguments must outlive it."""
     words = {
-        entry.VECTORCALL: code,
-        entry.SLOW: id(slow),
-        entry.PLAN: plan.address,
-        entry.OTHERWISE: _doors()["given"],
-        entry.ARRAY_TYPE: id(np.ndarray),
-        entry.DESCRIPTOR: id(layout.NUMPY_TYPE[element]),
-        entry.NEW: array_function(layout.ARRAY_NEW),
-        entry.TUPLE_NEW: c_function("PyTuple_New"),
-        entry.RETURN: array_function(layout.ARRAY_RETURN),
-        entry.FLOAT: id(float),
-        entry.FLOAT64: id(np.float64),
+        entry_point.VECTORCALL: code,
+        entry_point.SLOW: id(slow),
+        entry_point.PLAN: plan.address,
+        entry_point.OTHERWISE: _fast_calls()["with_out"],
+        entry_point.ARRAY_TYPE: id(np.ndarray),
+        entry_point.DESCRIPTOR: id(object_layout.NUMPY_TYPE[element]),
+        entry_point.NEW: array_function(object_layout.ARRAY_NEW),
+        entry_point.TUPLE_NEW: c_function("PyTuple_New"),
+        entry_point.RETURN: array_function(object_layout.ARRAY_RETURN),
+        entry_point.FLOAT: id(float),
+        entry_point.FLOAT64: id(np.float64),
     }
     return _make(kind, words)
 
 
 def make_bound(kind: type, plan: Plan, slow: Callable[..., Any]) -> Any:
-    """A bound kernel, of a type from `make_type`; all given must outlive it."""
-    words = {entry.VECTORCALL: _doors()["bound"], entry.SLOW: id(slow), entry.PLAN: plan.address}
+    """A bound kernel, of a type from `make_type`; all arguments must outlive it."""
+    words = {
+        entry_point.VECTORCALL: _fast_calls()["bound"],
+        entry_point.SLOW: id(slow),
+        entry_point.PLAN: plan.address,
+    }
     return _make(kind, words)
 
 
 def keep(instance: Any, *needed: Any) -> None:
     """Keeps what machine code reads through bare pointers until the instance goes, whatever its attributes become."""
-    weakref.finalize(instance, _let_go, *needed).atexit = False
+    weakref.finalize(instance, _release, *needed).atexit = False
 
 
-def _let_go(*_: Any) -> None:
+def _release(*_: Any) -> None:
     """Nothing is left to do: the references go with the call."""
 
 
 @cache
-def _doors() -> dict[str, int]:
+def _fast_calls() -> dict[str, int]:
     """Addresses of the code that all kernels share."""
-    code = jit.load_text(DOOR_IR, ("given", "bound"))
+    code = jit.load_text(FAST_CALL_IR, ("with_out", "bound"))
     _KEEP.append(code)
     return code.addresses
 
 
 @final
 class Plan:
-    """The words that `door` reads: what there is to know of a kernel, and of the arrays it is bound to."""
+    """The words that the code of `fast_call` reads: ports and code of a kernel, and the arrays it is bound to."""
 
     def __init__(
         self,
@@ -162,13 +166,13 @@ class Plan:
         returned: Sequence[int] = (),
         given: Sequence[AnyArray] = (),
     ) -> None:
-        self._kept: list[Any] = [tuple(targets), tuple(watched), tuple(given)]
+        self._references: list[Any] = [tuple(targets), tuple(watched), tuple(given)]
         number, first = element == "double", len(f.inputs)
-        inputs = [self._port(p.shape, layout.NUMPY_TYPE[element], number) for p in f.inputs]
-        outputs = [self._port(p.shape, layout.NUMPY_TYPE[element]) for p in f.outputs]
+        inputs = [self._port(p.shape, object_layout.NUMPY_TYPE[element], number) for p in f.inputs]
+        outputs = [self._port(p.shape, object_layout.NUMPY_TYPE[element]) for p in f.outputs]
         pairs = [
-            (id(live), id(kept), live.nbytes // 8, *self._array_port(live), *self._array_port(kept))
-            for live, kept in watched
+            (id(live), id(reference), live.nbytes // 8, *self._array_port(live), *self._array_port(reference))
+            for live, reference in watched
         ]
         words = {
             "inputs": first - len(given),
@@ -193,7 +197,7 @@ class Plan:
         self, shape: tuple[int, ...], dtype: np.dtype[Any], may_be_number: bool = False
     ) -> tuple[int, int, int, int]:
         """What `take` compares an array with."""
-        self._kept.append(dtype)
+        self._references.append(dtype)
         return len(shape), self._table([shape]), int(may_be_number and not shape), id(dtype)
 
     def _array_port(self, array: AnyArray) -> tuple[int, int, int, int]:
@@ -203,7 +207,7 @@ class Plan:
     def _table(self, rows: Sequence[Sequence[int]]) -> int:
         """The address of some words in memory."""
         block = array("Q", [word for row in rows for word in row])
-        self._kept.append(block)
+        self._references.append(block)
         return block.buffer_info()[0]
 
 
@@ -217,8 +221,8 @@ def _common_words() -> dict[str, int]:
         "tuple_type": id(tuple),
         "out": id(sys.intern("out")),
         "none": id(None),
-        "array_new": array_function(layout.ARRAY_NEW),
-        "array_return": array_function(layout.ARRAY_RETURN),
+        "array_new": array_function(object_layout.ARRAY_NEW),
+        "array_return": array_function(object_layout.ARRAY_RETURN),
         "tuple_new": c_function("PyTuple_New"),
         "own": c_function("Py_IncRef"),
         "call": c_function("PyObject_Vectorcall"),
@@ -240,7 +244,7 @@ def make_ufunc(f: Function, loop: int, keep: Any, element: DType) -> np.ufunc:
     make = ctypes.PYFUNCTYPE(
         ctypes.py_object, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, *([ctypes.c_int] * 4),
         ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p,
-    )(ufunc_function(layout.UFUNC_FROM_SIGNATURE))  # fmt: skip
+    )(ufunc_function(object_layout.UFUNC_FROM_SIGNATURE))  # fmt: skip
     address = ctypes.addressof
     no_identity, unused = -1, 0
     ufunc = make(
@@ -251,19 +255,19 @@ def make_ufunc(f: Function, loop: int, keep: Any, element: DType) -> np.ufunc:
     return ufunc
 
 
-def _tie(ufunc: np.ufunc, kept: tuple[Any, ...], functions: int, types: int) -> None:
-    """Ties the life of `kept` to the ufunc through its field `obj`, if that field is where it should be."""
+def _tie(ufunc: np.ufunc, references: tuple[Any, ...], functions: int, types: int) -> None:
+    """Binds the lifetime of `references` to the ufunc through its field `obj`, if that field is where it should be."""
     word = ctypes.c_void_p.from_address
     if (
-        fast_door_works()
+        fast_call_works()
         and (word(id(ufunc) + 32).value, word(id(ufunc) + 64).value) == (functions, types)
         and word(id(ufunc) + 80).value is None
         and word(id(ufunc) + 88).value is None
     ):
-        ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
-        word(id(ufunc) + 88).value = id(kept)
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(references))
+        word(id(ufunc) + 88).value = id(references)
     else:
-        _KEEP.append((ufunc, kept))
+        _KEEP.append((ufunc, references))
 
 
 def ports_of(f: Function) -> Sequence[Port]:

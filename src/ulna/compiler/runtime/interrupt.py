@@ -18,7 +18,7 @@ def interruptible(work: Callable[[], T]) -> T:
     """What `work` returns or raises; called in the main thread, KeyboardInterrupt leaves it at once.
 
     Python handles signals in the main thread, between its own instructions: while native code runs there, it waits. So
-    `work` runs in a thread of its own. After an interruption it goes on there and keeps its locks until it is done; its
+    `work` runs in a separate thread. After an interruption it goes on there and keeps its locks until it is done; its
     result is dropped.
     """
     if threading.current_thread() is not threading.main_thread():

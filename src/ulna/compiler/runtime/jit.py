@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from ulna import disk_cache as disk
+from ulna import disk_cache
 from ulna.compiler.codegen.target import Target, register_bytes
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime.interrupt import at_end, interruptible
@@ -25,9 +25,9 @@ _RECIPE = "inlining or level 1, codegen 2"
 # How much IR text of one call and of a batch LLVM compiles, about [byte/s].
 _SPEED = {"entry": 4e6, "batch": 2e6}
 # Compilations that will take longer are announced; tracing took about as long already [s].
-_PATIENCE = 0.5
+_ANNOUNCE_FROM = 0.5
 watchers: list[Callable[[str, str], None]] = []
-"""Told what is compiled and how long that takes, where it is long, and nothing for how long once it is done."""
+"""Called with what is compiled and about how long it takes, where it is long, and with "" once it is done."""
 _lock = forks.lock(forks.COMPILER)  # LLVM's contexts are not safe to share
 # Daemon threads may still compile: LLVM must not be torn down under them. Nobody compiles from then on.
 at_end.append(lambda: _lock.acquire(timeout=60.0))
@@ -77,8 +77,8 @@ def target() -> Target:
 
 def _new_machine() -> Any:
     t = target()
-    found = _llvm().Target.from_triple(t.triple)
-    return found.create_target_machine(
+    llvm_target = _llvm().Target.from_triple(t.triple)
+    return llvm_target.create_target_machine(
         cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True
     )
 
@@ -98,17 +98,17 @@ def load_text(ir: str, names: tuple[str, ...]) -> Code:
 
 def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[[], Any]) -> Code:
     t, llvm = target(), _llvm()
-    key = disk.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
+    key = disk_cache.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
     start = time.perf_counter()
-    content = _kept(key)
+    content = _cached_object(key)
     fresh = content is None
     if content is None:
         with announced():  # in this thread and without the lock: watchers may do anything, forks included
             content = interruptible(lambda: _object(key, ir, has_loops))
     seconds = time.perf_counter() - start if fresh else 0.0
     with _lock:
-        own = _new_machine()  # the engine takes it over
-        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), own)
+        machine = _new_machine()  # the engine takes it over
+        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
         engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(content))
         engine.finalize_object()
         code = Code(engine, {name: engine.get_function_address(name) for name in names}, seconds)
@@ -121,50 +121,50 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[
     return code
 
 
-def _kept(key: str) -> bytes | None:
+def _cached_object(key: str) -> bytes | None:
     """The object file in the cache, where there is one that is sound."""
-    content = disk.read(key)
+    content = disk_cache.read(key)
     return content if content is not None and is_sound(content, target().triple) else None
 
 
 def _object(key: str, ir: str, has_loops: bool) -> bytes:
     """The object file of `ir`, which another thread, or a compilation that was interrupted, may have made by now."""
     with _lock:
-        content = _kept(key)
+        content = _cached_object(key)
         if content is None:
             content = _machine().emit_object(_optimised(ir, has_loops))
-            disk.write(key, content)
+            disk_cache.write(key, content)
         return content
 
 
 def _announced(f: Function, seconds: float) -> Any:
     """Announces a compilation."""
-    kept = "it is kept for next time" if disk.folder() is not None else "the disk cache is off"
-    text = f"compiling {f.name} ({f.operations:,} operations), about {math.ceil(seconds)} s; {kept}"
+    storage = "it is stored for next time" if disk_cache.folder() is not None else "the disk cache is off"
+    text = f"compiling {f.name} ({f.operations:,} operations), about {math.ceil(seconds)} s; {storage}"
     return announced(text, f"Compiling {f.name}", seconds)
 
 
 @contextlib.contextmanager
 def announced(text: str, what: str, seconds: float) -> Iterator[None]:
-    """Says on the error stream, unless ULNA_QUIET is set, and to watchers what will take longer than a moment.
+    """Announces on the error stream, unless ULNA_QUIET is set, and to watchers, work that takes longer than a moment.
 
     Args:
-        text: What the error stream is told.
-        what: What watchers are told, before and after.
+        text: What is printed to the error stream.
+        what: What watchers receive, before and after.
         seconds: How long it will take, about [s].
     """
-    if seconds < _PATIENCE:
+    if seconds < _ANNOUNCE_FROM:
         yield
         return
     if os.environ.get("ULNA_QUIET", "0") in ("", "0") and sys.stderr is not None:
         print(f"ulna: {text}", file=sys.stderr, flush=True)
-    told = tuple(watchers)
-    for watcher in told:
+    observers = tuple(watchers)
+    for watcher in observers:
         watcher(what, f"about {math.ceil(seconds)} s")
     try:
         yield
     finally:
-        for watcher in told:
+        for watcher in observers:
             watcher(what, "")
 
 
@@ -191,7 +191,7 @@ def _optimised(ir: str, has_loops: bool) -> Any:
 
 @cache
 def _inlining() -> Any:
-    """Inlining and what follows; made once, for llvmlite gives a manager's memory, some 9 kB, never back."""
+    """Inlining and what follows; made once, since llvmlite never frees the memory of a manager, some 9 kB."""
     passes = _llvm().create_new_module_pass_manager()
     passes.add_always_inliner_pass()
     passes.add_global_dead_code_eliminate_pass()

@@ -11,11 +11,8 @@ import numpy as np
 
 from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.runtime import bound_call as bound
-from ulna.compiler.runtime import entry_point as entry
-from ulna.compiler.runtime import gufunc as native
-from ulna.compiler.runtime import jit
-from ulna.compiler.runtime.array_call import ELEMENT, General, Unit
+from ulna.compiler.runtime import bound_call, entry_point, gufunc, jit
+from ulna.compiler.runtime.array_call import ELEMENT, ArrayCall, Unit
 from ulna.errors import DtypeError, MissingExtra
 from ulna.idioms import unknown_attribute
 from ulna.system import forks
@@ -27,23 +24,23 @@ class KernelBase:
 
     __slots__ = ()
 
-    _general: General
+    _array_call: ArrayCall
     _work: int | None
 
     @property
     def function(self) -> Function:
         """The traced function behind the kernel."""
-        return self._general.function
+        return self._array_call.function
 
     @property
     def dtype(self) -> np.dtype[Any]:
         """The type computed in: float64 or float32."""
-        return self._general.dtype
+        return self._array_call.dtype
 
     @property
     def gufunc(self) -> np.ufunc:
         """The NumPy generalised ufunc, for `dask.array.apply_gufunc` and the like."""
-        return self._general.ufunc
+        return self._array_call.ufunc
 
     @property
     def signature(self) -> str:
@@ -67,12 +64,12 @@ class KernelBase:
 
     @property
     def is_fast(self) -> bool:
-        """Whether single calls take the 100 ns door (else they go through the gufunc)."""
+        """Whether single calls use the fast call of 100 ns (else they go through the gufunc)."""
         return isinstance(self, _NATIVE) if _NATIVE is not None else False
 
     def ir(self, batch: bool = False) -> str:
         """LLVM IR of the single call, or of the loop over a batch."""
-        return self._general.batch_ir() if batch else _entry_ir(self._general)
+        return self._array_call.batch_ir() if batch else _entry_ir(self._array_call)
 
     def asm(self, batch: bool = False) -> str:
         """Assembly for this machine of the single call, or of the loop over a batch."""
@@ -80,7 +77,7 @@ class KernelBase:
 
     def jacobian(self, wrt: str | int = 0) -> Any:
         """The kernel of the derivative of the outputs by input `wrt`, shape output + input."""
-        return compile(self.function.jacobian(wrt), dtype=self.dtype, checked=self._general.checked)
+        return compile(self.function.jacobian(wrt), dtype=self.dtype, checked=self._array_call.checked)
 
     def into(
         self,
@@ -102,8 +99,8 @@ class KernelBase:
             otherwise: Called with the arguments, and its result returned, where these are not exactly arrays of the
                 right type and shape, or what is watched differs or has another shape or type than at first. Without it,
                 arguments are converted as the kernel does, and one sample is computed. It must not hold the bound
-                kernel: such a ring is never freed.
-            given: Arrays that are the last inputs, read at every call as they then are; calls are told the others.
+                kernel: such a reference cycle is never freed.
+            given: Arrays that are the last inputs, read at every call as they then are; calls pass the others.
 
         Returns:
             A `Bound` kernel. It is called with positional arguments, holds the GIL while it works, and cannot be
@@ -115,7 +112,7 @@ class KernelBase:
             ShapeError: If an array has another shape than its output.
             DtypeError: If an array has another type than the kernel. All three come at once, and from later calls.
         """
-        return bound.bind(self, self._general, self._work, targets, returns, watch, otherwise, given)
+        return bound_call.bind(self, self._array_call, self._work, targets, returns, watch, otherwise, given)
 
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture; written to `path` when one is given."""
@@ -130,7 +127,7 @@ class KernelBase:
         letters = iter("abcdefghijklmnopqrstuvwxyz")
         names: list[str] = []
         sizes: dict[str, int] = {}
-        for port in native.ports_of(self.function):
+        for port in gufunc.ports_of(self.function):
             axes = [next(letters) for _ in port.shape]
             sizes.update(zip(axes, port.shape, strict=True))
             names.append("(" + ",".join(axes) + ")")
@@ -154,21 +151,21 @@ class KernelBase:
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return compile, (self.function, self.dtype.name, self._general.checked, self._general.unit)
+        return compile, (self.function, self.dtype.name, self._array_call.checked, self._array_call.unit)
 
 
 class SlowKernel(KernelBase):
-    """A kernel whose single calls go through the gufunc: where the fast door does not work."""
+    """A kernel whose single calls go through the gufunc: where the fast call does not work."""
 
-    __slots__ = ("__dict__", "__weakref__", "_general")
+    __slots__ = ("__dict__", "__weakref__", "_array_call")
 
-    def __init__(self, general: General) -> None:
-        self._general = general
-        self.__dict__.update(__doc__=_doc(general.function), _work=None)
+    def __init__(self, array_call: ArrayCall) -> None:
+        self._array_call = array_call
+        self.__dict__.update(__doc__=_doc(array_call.function), _work=None)
 
     def __call__(self, *args: Any, **options: Any) -> Any:
         """Evaluates the kernel; see `Kernel`."""
-        return self._general(*args, **options)
+        return self._array_call(*args, **options)
 
 
 def _doc(f: Function) -> str:
@@ -185,12 +182,14 @@ def _native_type() -> Any:
     global _NATIVE, _native_made
     with _native_lock:
         if not _native_made:
-            _NATIVE, _native_made = native.make_type(KernelBase, "Kernel"), True
+            _NATIVE, _native_made = gufunc.make_type(KernelBase, "Kernel"), True
     return _NATIVE
 
 
-def _entry_ir(general: General) -> str:
-    return entry.entry_ir(general.function, jit.target(), general.element, general.checked, general.unit)
+def _entry_ir(array_call: ArrayCall) -> str:
+    return entry_point.entry_ir(
+        array_call.function, jit.target(), array_call.element, array_call.checked, array_call.unit
+    )
 
 
 def element_of(dtype: Any) -> np.dtype[Any]:
@@ -238,21 +237,21 @@ def compile(
         f = trace(f, **dict[str, Any](shapes))
     elif shapes:
         raise TypeError("Shapes are given for a function that is traced already.")
-    general = General(f, element_of(dtype), checked, unit_entries)
-    door = _native_type()
+    array_call = ArrayCall(f, element_of(dtype), checked, unit_entries)
+    native_type = _native_type()
     if "graph" in os.environ.get("ULNA_DEBUG", ""):
         print(f"[ulna] {f.name}{f.signature}: {f.operations} operations {f.operation_counts}")
-    if door is None or not f.outputs:
-        return SlowKernel(general)
-    ir = _entry_ir(general)
+    if native_type is None or not f.outputs:
+        return SlowKernel(array_call)
+    ir = _entry_ir(array_call)
     if "ir" in os.environ.get("ULNA_DEBUG", "").split(","):
         print(ir)
     code = jit.load(f, ir, ("entry", "work"))
-    plan = native.Plan(f, general.element, code.address("work"))
-    instance = native.make_kernel(door, code.address("entry"), plan, general, general.element)
-    instance.__dict__.update(__doc__=_doc(f), _general=general, _work=code.address("work"))
-    native.keep(instance, general, plan, code)
+    plan = gufunc.Plan(f, array_call.element, code.address("work"))
+    instance = gufunc.make_kernel(native_type, code.address("entry"), plan, array_call, array_call.element)
+    instance.__dict__.update(__doc__=_doc(f), _array_call=array_call, _work=code.address("work"))
+    gufunc.keep(instance, array_call, plan, code)
     if "asm" in os.environ.get("ULNA_DEBUG", ""):
         print(jit.assembly(f, ir))
-    general.single = weakref.ref(instance)
+    array_call.single = weakref.ref(instance)
     return instance

@@ -28,10 +28,10 @@ def _is_sound_elf(content: bytes, machine: int | None) -> bool:
     """ELF, 64 bits, little endian: the header and the table of sections (System V ABI, chapter 4)."""
     if content[:7] != b"\x7fELF\x02\x01\x01":
         return False
-    kind, found = struct.unpack_from("<HH", content, 16)
+    kind, found_machine = struct.unpack_from("<HH", content, 16)
     at = struct.unpack_from("<Q", content, 40)[0]
     width, count, names = struct.unpack_from("<HHH", content, 58)
-    if kind != _RELOCATABLE or (machine is not None and found != machine):
+    if kind != _RELOCATABLE or (machine is not None and found_machine != machine):
         return False
     if width != 64 or not 0 < names < count or at + width * count > len(content):
         return False

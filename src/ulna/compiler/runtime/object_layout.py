@@ -25,7 +25,7 @@ NUMPY_TYPE = {"double": np.dtype(np.float64), "float": np.dtype(np.float32)}
 
 
 @cache
-def fast_door_works() -> bool:
+def fast_call_works() -> bool:
     """Whether objects lie in memory as compiled code expects; reads only, through known addresses."""
     if os.environ.get("ULNA_FAST", "") == "0" or platform.python_implementation() != "CPython":
         return False
