@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from support.derivatives import by_configuration, by_vector
-from support.plain_dynamics import momentum, torques
+from support.plain_dynamics import momentum
 from support.random_models import KINDS, random_model
+from ulna import algorithms as alg
 from ulna.algorithms import random
 from ulna.algorithms.derivatives.centroidal import centroidal_derivatives, com_velocity_derivatives
 from ulna.algorithms.derivatives.forward_dynamics import forward_dynamics_derivatives
@@ -59,15 +60,15 @@ def close(actual: Floats, expected: Floats, tolerance: float = 1e-9) -> None:
 def test_inverse_dynamics_by_differences(case: Case) -> None:
     model, q, v, a, external = case.model, case.q, case.v, case.a, case.external
     by_q, by_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
-    close(by_q, by_configuration(model, q, lambda x: torques(model, x, v, a, external)).T)
-    close(by_v, by_vector(v, lambda x: torques(model, q, x, a, external)).T)
-    close(M, by_vector(a, lambda x: torques(model, q, v, x, external)).T)
+    close(by_q, by_configuration(model, q, lambda x: alg.rnea(model, x, v, a, external)).T)
+    close(by_v, by_vector(v, lambda x: alg.rnea(model, q, x, a, external)).T)
+    close(M, by_vector(a, lambda x: alg.rnea(model, q, v, x, external)).T)
 
 
 def test_forward_dynamics_follows_from_inverse(case: Case) -> None:
     """Differentiating tau = ID(q, v, FD(q, v, tau)) by each argument."""
     model, q, v, a, external = case.model, case.q, case.v, case.a, case.external
-    tau = torques(model, q, v, a, external)
+    tau = alg.rnea(model, q, v, a, external)
     by_q, by_v, by_tau = forward_dynamics_derivatives(model, q, v, tau, external)
     tau_q, tau_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
     close(M @ by_tau, np.eye(model.nv))
@@ -101,7 +102,7 @@ def test_batches_equal_single_states(case: Case) -> None:
 def test_automatic_differentiation_agrees(name: str) -> None:
     case = Case(name)
     model = case.model
-    traced = trace(lambda v, a: torques(model, case.q.astype(object), v, a), v=(model.nv,), a=(model.nv,))
+    traced = trace(lambda v, a: alg.rnea(model, case.q.astype(object), v, a), v=(model.nv,), a=(model.nv,))
     by_q, by_v, M = inverse_dynamics_derivatives(model, case.q, case.v, case.a)
     close(traced.jacobian("v")(case.v, case.a), by_v)
     close(traced.jacobian("a")(case.v, case.a), M)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from support.derivatives import along, by_configuration
-from support.plain_dynamics import momentum, torques
+from support.plain_dynamics import momentum
 from support.random_models import KINDS, random_model
 from ulna import algorithms as alg
 from ulna.compiler import compile, trace
@@ -62,10 +62,10 @@ def turned(matrix: Floats) -> Floats:
 
 def test_inverse_dynamics_is_the_sum_over_bodies(case: Case) -> None:
     m, q, v, a, external = case.model, case.q, case.v, case.a, case.external
-    close(alg.inverse_dynamics(m, q, v, a, external), torques(m, q, v, a, external))
-    close(alg.bias_forces(m, q, v, external), torques(m, q, v, 0.0 * a, external))
-    close(alg.static_torque(m, q, external), torques(m, q, 0.0 * v, 0.0 * a, external))
-    close(alg.gravity_forces(m, q), torques(m, q, 0.0 * v, 0.0 * a))
+    close(alg.inverse_dynamics(m, q, v, a, external), alg.rnea(m, q, v, a, external))
+    close(alg.bias_forces(m, q, v, external), alg.rnea(m, q, v, 0.0 * a, external))
+    close(alg.static_torque(m, q, external), alg.rnea(m, q, 0.0 * v, 0.0 * a, external))
+    close(alg.gravity_forces(m, q), alg.rnea(m, q, 0.0 * v, 0.0 * a))
 
 
 def test_forward_after_inverse_is_the_identity(case: Case) -> None:

@@ -8,7 +8,7 @@ import pytest
 from support.random_models import KINDS, random_model
 from ulna import algorithms as alg
 from ulna import kernels
-from ulna.algorithms.dynamics.rnea import inverse_dynamics
+from ulna.algorithms.dynamics.rnea_point_accelerations import inverse_dynamics
 from ulna.model import dynamic_parameters, perturbed, with_dynamic_parameters, with_payload
 from ulna.spatial import Inertia, Motion
 from ulna.typing import Floats

@@ -7,7 +7,7 @@ import pytest
 
 import ulna
 from ulna import kernels
-from ulna.algorithms.multibody import link_frames as tidy_module
+from ulna.algorithms.multibody import link_frames
 from ulna.compiler import trace
 from ulna.errors import InputError, TooLargeError
 from ulna.model import Model, ModelBuilder, Revolute
@@ -97,14 +97,14 @@ def test_long_tracing_is_announced(
 
 
 def test_a_wide_robot_takes_linear_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Frames are chosen among those of a few joints beyond, however many there are."""
+    """The number of children whose placements are tried for a frame is bounded."""
     counts = []
-    absorbed = tidy_module._absorbed
+    absorbed = link_frames._absorbed
     for n in (20, 40):
         calls: list[int] = []
         monkeypatch.setattr(
-            tidy_module, "_absorbed", lambda *a, seen=calls: (seen.append(1), absorbed(*a))[1]
+            link_frames, "_absorbed", lambda *a, seen=calls: (seen.append(1), absorbed(*a))[1]
         )
-        tidy_module.tidy(chain(n, "star"))
+        link_frames.choose_link_frames(chain(n, "star"))
         counts.append(len(calls))
     assert counts[1] < 2.2 * counts[0]

@@ -34,6 +34,9 @@ from ulna.algorithms.derivatives.velocity import frame_velocity_derivatives as f
 from ulna.algorithms.derivatives.velocity import motion_derivatives as motion_derivatives
 from ulna.algorithms.derivatives.velocity import point_derivatives as point_derivatives
 from ulna.algorithms.dynamics.aba import aba as aba
+from ulna.algorithms.dynamics.aba_relative_accelerations import (
+    articulated_body_dynamics as articulated_body_dynamics,
+)
 from ulna.algorithms.dynamics.center_of_mass import center_of_mass as center_of_mass
 from ulna.algorithms.dynamics.center_of_mass import center_of_mass_acceleration as center_of_mass_acceleration
 from ulna.algorithms.dynamics.center_of_mass import center_of_mass_jacobian as center_of_mass_jacobian
@@ -45,6 +48,7 @@ from ulna.algorithms.dynamics.centroidal import centroidal_matrix_dot as centroi
 from ulna.algorithms.dynamics.centroidal import centroidal_momentum as centroidal_momentum
 from ulna.algorithms.dynamics.centroidal import centroidal_momentum_rate as centroidal_momentum_rate
 from ulna.algorithms.dynamics.coriolis import coriolis_matrix as coriolis_matrix
+from ulna.algorithms.dynamics.crba import crba as crba
 from ulna.algorithms.dynamics.crba import mass_matrix as mass_matrix
 from ulna.algorithms.dynamics.energy import kinetic_energy as kinetic_energy
 from ulna.algorithms.dynamics.energy import mechanical_energy as mechanical_energy
@@ -67,11 +71,12 @@ from ulna.algorithms.dynamics.regressors import joint_torque_regressor as joint_
 from ulna.algorithms.dynamics.regressors import kinetic_energy_regressor as kinetic_energy_regressor
 from ulna.algorithms.dynamics.regressors import potential_energy_regressor as potential_energy_regressor
 from ulna.algorithms.dynamics.regressors import static_regressor as static_regressor
-from ulna.algorithms.dynamics.rnea import bias_forces as bias_forces
-from ulna.algorithms.dynamics.rnea import gravity_forces as gravity_forces
-from ulna.algorithms.dynamics.rnea import inverse_dynamics as inverse_dynamics
-from ulna.algorithms.dynamics.rnea import joint_wrenches as joint_wrenches
-from ulna.algorithms.dynamics.rnea import static_torque as static_torque
+from ulna.algorithms.dynamics.rnea import rnea as rnea
+from ulna.algorithms.dynamics.rnea_point_accelerations import bias_forces as bias_forces
+from ulna.algorithms.dynamics.rnea_point_accelerations import gravity_forces as gravity_forces
+from ulna.algorithms.dynamics.rnea_point_accelerations import inverse_dynamics as inverse_dynamics
+from ulna.algorithms.dynamics.rnea_point_accelerations import joint_wrenches as joint_wrenches
+from ulna.algorithms.dynamics.rnea_point_accelerations import static_torque as static_torque
 from ulna.algorithms.kinematics.analytical_jacobian import Representation as Representation
 from ulna.algorithms.kinematics.analytical_jacobian import analytical_jacobian as analytical_jacobian
 from ulna.algorithms.kinematics.analytical_jacobian import analytical_jacobian_dot as analytical_jacobian_dot

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from support.derivatives import by_configuration
-from support.plain_dynamics import torques
 from support.random_models import random_model
+from ulna import algorithms as alg
 from ulna.algorithms.derivatives.inverse_dynamics import inverse_dynamics_derivatives
 from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.model import Model, ModelBuilder, Revolute
@@ -67,7 +67,7 @@ def test_forward_inverts_inverse(robot: Robot) -> None:
     rng = np.random.default_rng(3)
     q, (v, a) = robot.random_configuration(seed=4), rng.standard_normal((2, robot.nv))
     by_q, by_v, M = robot.inverse_dynamics_derivatives(q, v, a)
-    a_q, a_v, inverse = robot.forward_dynamics_derivatives(q, v, torques(robot.model, q, v, a))
+    a_q, a_v, inverse = robot.forward_dynamics_derivatives(q, v, alg.rnea(robot.model, q, v, a))
     np.testing.assert_allclose(M @ inverse, np.eye(robot.nv), atol=1e-9)
     np.testing.assert_allclose(M @ a_q, -by_q, atol=1e-9 * np.abs(by_q).max())
     np.testing.assert_allclose(M @ a_v, -by_v, atol=1e-9 * np.abs(by_v).max())

@@ -23,11 +23,11 @@ from typing import Any, NamedTuple, final
 import numpy as np
 
 from ulna import numeric
-from ulna.algorithms.constraints.dynamics import delassus_of, seen_inside
+from ulna.algorithms.constraints.dynamics import delassus_of, solve_transposed_columns
 from ulna.algorithms.constraints.proximal_solver import largest, largest_entry
 from ulna.algorithms.dynamics.crba import mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
-from ulna.algorithms.dynamics.rnea import bias_forces
+from ulna.algorithms.dynamics.rnea_point_accelerations import bias_forces
 from ulna.algorithms.multibody.external_forces import External
 from ulna.model import Model
 from ulna.numeric import apply, vector
@@ -124,7 +124,7 @@ def damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped) 
     """
     m = J.shape[-2]
     factors = Factors(M)
-    Y = seen_inside(factors, J)
+    Y = solve_transposed_columns(factors, J)
     y = factors.inward([drive[..., k][()] for k in range(M.shape[-1])])
     z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
     b = [-sum((entry * z[k] for k, entry in row.items()), g[..., i][()]) for i, row in enumerate(Y)]

@@ -34,7 +34,7 @@ from ulna.algorithms.constraints.kinematics import (
 from ulna.algorithms.constraints.proximal_solver import Proximal, largest_entry, solve_proximal
 from ulna.algorithms.dynamics.crba import mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors, is_zero
-from ulna.algorithms.dynamics.rnea import bias_forces
+from ulna.algorithms.dynamics.rnea_point_accelerations import bias_forces
 from ulna.algorithms.multibody.external_forces import External
 from ulna.model import Model
 from ulna.model.constraint import Bond
@@ -183,14 +183,14 @@ def delassus_matrix(model: Model, q: Array, bonds: Sequence[Bond]) -> Array:
         bonds: The constraints.
     """
     factors = Factors(mass_matrix(model, q))
-    return delassus_of(factors, seen_inside(factors, constraint_jacobian(model, q, bonds)))
+    return delassus_of(factors, solve_transposed_columns(factors, constraint_jacobian(model, q, bonds)))
 
 
 def _response(
     factors: Factors, J: Array, drive: Array, g: Array, compliance: Any, settings: Proximal
 ) -> tuple[Array, Array, Any]:
     """a, f and the rounds, for M a = drive + J^T f and J a + g + R f = 0."""
-    Y = seen_inside(factors, J)
+    Y = solve_transposed_columns(factors, J)
     y = factors.inward([drive[..., k][()] for k in range(len(factors.lower))])
     z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
     G = delassus_of(factors, Y)
@@ -206,7 +206,7 @@ def _response(
     return vector(*a), vector(*forces), iterations
 
 
-def seen_inside(factors: Factors, J: Array) -> list[dict[int, Any]]:
+def solve_transposed_columns(factors: Factors, J: Array) -> list[dict[int, Any]]:
     """Y, column by column; entries that are zero by the tree are missing."""
     found = []
     for i in range(J.shape[-2]):
@@ -216,7 +216,7 @@ def seen_inside(factors: Factors, J: Array) -> list[dict[int, Any]]:
 
 
 def delassus_of(factors: Factors, Y: Sequence[dict[int, Any]]) -> Array:
-    """G = Y^T D^-1 Y, of the columns that `seen_inside` gives."""
+    """G = Y^T D^-1 Y, of the columns that `solve_transposed_columns` gives."""
     m = len(Y)
     G: list[list[Any]] = [[0.0] * m for _ in range(m)]
     for i, row in enumerate(Y):

@@ -37,7 +37,7 @@ import numpy as np
 
 from ulna import numeric
 from ulna.algorithms.constraints.damped_dynamics import damped_factors
-from ulna.algorithms.constraints.dynamics import delassus_of, seen_inside
+from ulna.algorithms.constraints.dynamics import delassus_of, solve_transposed_columns
 from ulna.algorithms.constraints.frame_errors import frame_of, relative_log
 from ulna.algorithms.derivatives.inverse_dynamics import inverse_dynamics_derivatives
 from ulna.algorithms.derivatives.velocity import (
@@ -47,7 +47,7 @@ from ulna.algorithms.derivatives.velocity import (
 )
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.algorithms.kinematics.forward_kinematics import frame_acceleration, frame_pose, frame_velocity
-from ulna.algorithms.multibody.tree import blank
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.model import Frame, Model
 from ulna.model.constraint import Bond, End
 from ulna.numeric import apply, matrix, skew, vector
@@ -153,9 +153,9 @@ def bound_terms(
     """
     external: list[Force | None] = [None] * len(model.joints)
     m = sum(bond.size for bond in bonds)
-    J, c_q, g_q, g_v, X_q = (blank((m, model.nv), q, v, a, forces) for _ in range(5))
-    X = blank((m, m), q)
-    extra = blank((model.nv, model.nv), q, v, a, forces)
+    J, c_q, g_q, g_v, X_q = (batch_zeros((m, model.nv), q, v, a, forces) for _ in range(5))
+    X = batch_zeros((m, m), q)
+    extra = batch_zeros((model.nv, model.nv), q, v, a, forces)
     start = 0
     for k, bond in enumerate(bonds):
         assert bond.second is not None, "the frame that holds it"
@@ -190,7 +190,7 @@ def bound_response(terms: BoundTerms, mu: Any = 0.0, rounds: Any = 1) -> BoundRe
     """How accelerations and forces of constrained dynamics with that damping, after those rounds, answer to changes."""
     m, n = terms.J.shape
     factors = Factors(terms.M)
-    Y = seen_inside(factors, terms.J)
+    Y = solve_transposed_columns(factors, terms.J)
     MJ = [factors.outward(column.get(k, 0.0) * r for k, r in enumerate(factors.reciprocals)) for column in Y]
     of_forces = damped_factors(delassus_of(factors, Y), vector(*[mu] * m))
     S = of_forces.inverse()

@@ -27,10 +27,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ulna.algorithms.dynamics.rnea import rates
+from ulna.algorithms.dynamics.rnea_point_accelerations import point_motions
 from ulna.algorithms.kinematics.jacobian import Column, aligned_columns
-from ulna.algorithms.multibody.link_frames import Tidy, tidy
-from ulna.algorithms.multibody.tree import Step, blank, poses
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.prepared_model import PreparedModel, prepare
+from ulna.algorithms.multibody.tree import Step, poses
 from ulna.model import Model
 from ulna.model.constraint import Bond, End
 from ulna.numeric import apply, cross
@@ -43,7 +44,7 @@ class Side(NamedTuple):
     """One end of a bond, somewhere on its way."""
 
     step: int
-    """The step of the tidy tree that carries it; -1 for the world."""
+    """The step that carries it, between optimised frames; -1 for the world."""
     placement: SE3
     """Its pose in the moving frame of that step."""
     carrier: SE3
@@ -66,11 +67,11 @@ def constraint_jacobian(model: Model, q: Array, bonds: Sequence[Bond], turned: b
         bonds: The constraints.
         turned: Whether rows of "local" constraints are written along the axes of their first frame.
     """
-    tidied = tidy(model)
-    J = blank((sum(bond.size for bond in bonds), model.nv), q)
+    prepared = prepare(model)
+    J = batch_zeros((sum(bond.size for bond in bonds), model.nv), q)
     start = 0
     for bond in bonds:
-        first, second = _sides(model, tidied, q, bond)
+        first, second = _sides(model, prepared, q, bond)
         for sign, columns in ((1.0, first.columns), (-1.0, second.columns if second else [])):
             for column in columns:
                 linear, angular = column.motion.linear, column.motion.angular
@@ -107,12 +108,12 @@ def constraint_error(
         bonds: The constraints.
         turned: Whether rows of "local" constraints are written along the axes of their first frame.
     """
-    tidied = tidy(model)
+    prepared = prepare(model)
     inputs = (q,) if anchors is None else (q, anchors[..., 0, 0])
-    e = blank((sum(bond.size for bond in bonds),), *inputs)
+    e = batch_zeros((sum(bond.size for bond in bonds),), *inputs)
     start = contacts = 0
     for bond in bonds:
-        first, second = _sides(model, tidied, q, bond)
+        first, second = _sides(model, prepared, q, bond)
         if second is not None:
             to = second.pose
         else:
@@ -137,8 +138,8 @@ def constraint_bias(model: Model, q: Array, v: Array, bonds: Sequence[Bond], tur
         bonds: The constraints.
         turned: Whether rows of "local" constraints are written along the axes of their first frame.
     """
-    tidied = tidy(model)
-    moving = rates(tidied.tree, q, v, None, -np.asarray(model.gravity))
+    prepared = prepare(model)
+    moving = point_motions(prepared.tree, q, v, None, -np.asarray(model.gravity))
 
     def motion(side: Side) -> tuple[Array, Array, Array, Array]:
         """u, w and their derivatives."""
@@ -149,10 +150,10 @@ def constraint_bias(model: Model, q: Array, v: Array, bonds: Sequence[Bond], tur
         velocity = sum((c.motion.linear * v[..., c.index, None] for c in side.columns), np.zeros(3))
         return velocity, apply(R, rate.w), linear, apply(R, rate.e)
 
-    k = blank((sum(bond.size for bond in bonds),), q, v)
+    k = batch_zeros((sum(bond.size for bond in bonds),), q, v)
     start = 0
     for bond in bonds:
-        first, second = _sides(model, tidied, q, bond)
+        first, second = _sides(model, prepared, q, bond)
         u, _, linear, angular = motion(first)
         if second is not None:
             u_b, w_b, linear_b, angular_b = motion(second)
@@ -171,31 +172,33 @@ def along_axes(model: Model, q: Array, rows: Array, bonds: Sequence[Bond]) -> Ar
     """Rows (..., m, n) along the world's axes, each part along the axes of its own constraint."""
     if not any(bond.local for bond in bonds):
         return rows
-    tidied = tidy(model)
+    prepared = prepare(model)
     parts, start = [], 0
     for bond in bonds:
         for first_row in range(start, start + bond.size, 3):
             part = rows[..., first_row : first_row + 3, :]
             if bond.local:
-                R = _sides(model, tidied, q, bond)[0].pose.rotation
+                R = _sides(model, prepared, q, bond)[0].pose.rotation
                 part = np.swapaxes(R, -1, -2) @ part
             parts.append(part)
         start += bond.size
     return np.concatenate(parts, axis=-2)
 
 
-def _sides(model: Model, tidied: Tidy, q: Array, bond: Bond) -> tuple[Side, Side | None]:
-    return _side(model, tidied, q, bond.first), _side(model, tidied, q, bond.second) if bond.second else None
+def _sides(model: Model, prepared: PreparedModel, q: Array, bond: Bond) -> tuple[Side, Side | None]:
+    return _side(model, prepared, q, bond.first), _side(
+        model, prepared, q, bond.second
+    ) if bond.second else None
 
 
-def _side(model: Model, tidied: Tidy, q: Array, end: End) -> Side:
+def _side(model: Model, prepared: PreparedModel, q: Array, end: End) -> Side:
     if end.joint < 0:
         return Side(-1, end.placement, SE3.identity(), [])
     last = next(
-        i for i, step in enumerate(tidied.tree) if step.is_last and step.joint is model.joints[end.joint]
+        i for i, step in enumerate(prepared.tree) if step.is_last and step.joint is model.joints[end.joint]
     )
-    placement = tidied.frames[last].inverse() @ end.placement
-    chain = _chain(tidied.tree, last)
+    placement = prepared.frames[last].inverse() @ end.placement
+    chain = _chain(prepared.tree, last)
     return Side(last, placement, poses(chain, q)[-1], aligned_columns(chain, q, placement))
 
 

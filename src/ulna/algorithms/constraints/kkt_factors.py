@@ -26,7 +26,7 @@ import numpy as np
 
 from ulna import numeric
 from ulna.algorithms.constraints.damped_dynamics import damped_factors
-from ulna.algorithms.constraints.dynamics import delassus_of, seen_inside
+from ulna.algorithms.constraints.dynamics import delassus_of, solve_transposed_columns
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.model import Model
 from ulna.numeric import apply, vector
@@ -54,7 +54,7 @@ def constrained_factors(M: Array, J: Array, mu: Array) -> ConstrainedFactors:
     """
     m, n = J.shape[-2:]
     of_joints = Factors(M, [0.0] * n)
-    Y = seen_inside(of_joints, J)
+    Y = solve_transposed_columns(of_joints, J)
     G = delassus_of(of_joints, Y) if m else np.zeros((0, 0))
     of_forces = damped_factors(G, mu)
     lower = list(of_forces.lower)

@@ -26,9 +26,9 @@ from typing import Any
 import numpy as np
 
 from ulna.algorithms.derivatives.inverse_dynamics import Beyond, effects, gather, states
-from ulna.algorithms.multibody.link_frames import tidy
-from ulna.algorithms.multibody.mass_moments import lumps
-from ulna.algorithms.multibody.tree import Step, blank, poses
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.prepared_model import prepare
+from ulna.algorithms.multibody.tree import Step, poses
 from ulna.model import Model
 from ulna.numeric import apply, cross, is_symbolic
 from ulna.spatial import SE3, Force
@@ -47,13 +47,13 @@ def centroidal_derivatives(model: Model, q: Array, v: Array, a: Array) -> tuple[
         v: Velocity, shape (..., nv).
         a: Acceleration, shape (..., nv).
     """
-    tidied = tidy(model)
-    tree, T = tidied.tree, poses(tidied.tree, q)
+    prepared = prepare(model)
+    tree, T = prepared.tree, poses(prepared.tree, q)
     state = states(tree, q, v, a, np.zeros(3))
-    beyond = [one for _, one in gather(model, tidied, lumps(model, tidied), state, q)][::-1]
+    beyond = [one for _, one in gather(model, prepared, prepared.body_moments, state, q)][::-1]
     mass, centre, h, F = _whole(tree, T, beyond)
     share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
-    found = [blank((6, model.nv), q, v, a) for _ in range(4)]
+    found = [batch_zeros((6, model.nv), q, v, a) for _ in range(4)]
     for i, (step, pose, all_) in enumerate(zip(tree, T, beyond, strict=True)):
         about = SE3(pose.rotation, pose.translation - centre)
         for effect in effects(step, state(i)):
@@ -80,13 +80,13 @@ def com_velocity_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, A
         q: Configuration, shape (..., nq).
         v: Velocity, shape (..., nv).
     """
-    tidied = tidy(model)
-    tree, T = tidied.tree, poses(tidied.tree, q)
+    prepared = prepare(model)
+    tree, T = prepared.tree, poses(prepared.tree, q)
     state = states(tree, q, v, 0.0 * v, np.zeros(3))
-    beyond = [one for _, one in gather(model, tidied, lumps(model, tidied), state, q)][::-1]
+    beyond = [one for _, one in gather(model, prepared, prepared.body_moments, state, q)][::-1]
     mass = sum(all_.body.mass for step, all_ in zip(tree, beyond, strict=True) if step.parent < 0)
     share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
-    by_q, by_v = blank((3, model.nv), q, v), blank((3, model.nv), q, v)
+    by_q, by_v = batch_zeros((3, model.nv), q, v), batch_zeros((3, model.nv), q, v)
     for i, (step, pose, all_) in enumerate(zip(tree, T, beyond, strict=True)):
         for effect in effects(step, state(i)):
             moved = all_.body.apply(effect.psi).linear + cross(effect.s.angular, all_.h.linear)

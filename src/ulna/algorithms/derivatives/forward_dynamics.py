@@ -20,8 +20,8 @@ from typing import Any
 from ulna.algorithms.derivatives.inverse_dynamics import inverse_dynamics_derivatives
 from ulna.algorithms.dynamics.forward_dynamics import by_mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors, is_zero
-from ulna.algorithms.multibody.external_forces import External, batches
-from ulna.algorithms.multibody.tree import blank
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.external_forces import External
 from ulna.model import Model
 from ulna.typing import Array
 
@@ -42,9 +42,9 @@ def forward_dynamics_derivatives(
     tau_q, tau_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
     factors = Factors(M)
     a_q, a_v = (
-        _negative(factors, by, blank(by.shape[-2:], q, v, tau, *batches(external))) for by in (tau_q, tau_v)
+        _negative(factors, by, batch_zeros(by.shape[-2:], q, v, tau, external)) for by in (tau_q, tau_v)
     )
-    return a_q, a_v, factors.inverse() + blank((model.nv, model.nv), q, v, tau, *batches(external))
+    return a_q, a_v, factors.inverse() + batch_zeros((model.nv, model.nv), q, v, tau, external)
 
 
 def _negative(factors: Factors, b: Array, into: Array) -> Array:

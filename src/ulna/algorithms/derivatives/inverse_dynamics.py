@@ -4,8 +4,8 @@
 |---|---|---|---|---|
 | U_i, V_i | twist of the parent and of the body of step i | Motion | [m/s, rad/s] | V_i = U_i + S_i v_i |
 | C_i, A_i | acceleration of the same two, gravity taken off | Motion | | A_i = C_i + S_i a_i + U_i x S_i v_i |
-| m, c, I | inertia of all bodies from step i outward | Lump | | see mass_moments.py |
-| u | velocity of the observer of step i, for that of its parent | (3) | [m/s] | see relative_states |
+| m, c, I | inertia of all bodies from step i outward | MassMoments | | see mass_moments.py |
+| u | velocity of the observer of step i, for that of its parent | (3) | [m/s] | see states_of_moving_observers |
 | h = (p, n), D | their momentum, and the rate of I | Force, (3, 3) | | |
 | F_i | the force that moves them | Force | [N, N m] | sum of I A + V x* I V - external |
 | s | a column of S_i | Motion | | constant |
@@ -37,11 +37,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna.algorithms.dynamics.crba import columns_of
-from ulna.algorithms.multibody.external_forces import External, batches
-from ulna.algorithms.multibody.link_frames import Tidy, tidy
-from ulna.algorithms.multibody.mass_moments import Lump, felt, steiner, turned, turning_axis
-from ulna.algorithms.multibody.tree import Step, blank
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.external_forces import External
+from ulna.algorithms.multibody.mass_moments import MassMoments, rotate_symmetric, rotation_axis, steiner
+from ulna.algorithms.multibody.prepared_model import PreparedModel, prepare
+from ulna.algorithms.multibody.tree import Step
 from ulna.model import Model
 from ulna.numeric import apply, cross, dot
 from ulna.spatial import SE3, Force, Motion
@@ -61,7 +61,7 @@ class State(NamedTuple):
 class Beyond(NamedTuple):
     """What is gathered of all bodies from a step outward."""
 
-    body: Lump
+    body: MassMoments
     h: Force
     D: Array
     F: Force
@@ -71,15 +71,21 @@ class Beyond(NamedTuple):
 
     def passed(self, step: Step, q: Array, u: Array) -> Beyond:
         """The same seen from the parent, for whom the moving frame has the velocity u."""
-        J, P, axis = step.transform(q), step.placement.rotation, turning_axis(step.kind)
+        J, P, axis = step.transform(q), step.placement.rotation, rotation_axis(step.kind)
         body, arm = self.body, arm_of(step, J)
         first, linear, angular = (
             apply(P, apply(J.rotation, x)) for x in (body.first, self.h.linear, self.h.angular)
         )
         linear = linear + u * body.mass
         h = Force(linear, angular + cross(first, u) + cross(arm, linear))
-        D = turned(P, turned(J.rotation, self.D, axis)) + steiner(first, u) + steiner(arm, linear)
-        return Beyond(body.moved(J, axis).moved(step.placement), h, D, _inward(step, self.F, q))
+        D = (
+            rotate_symmetric(P, rotate_symmetric(J.rotation, self.D, axis))
+            + steiner(first, u)
+            + steiner(arm, linear)
+        )
+        return Beyond(
+            body.to_outer_frame(J, axis).to_outer_frame(step.placement), h, D, _inward(step, self.F, q)
+        )
 
     def coriolis(self, s: Motion) -> Force:
         """B s."""
@@ -115,12 +121,12 @@ def inverse_dynamics_derivatives(
         external: For every joint of the model the force on its body, in its moving frame and fixed in it [N, N m], or
             None.
     """
-    tidied = tidy(model)
-    tree = tidied.tree
-    state = relative_states(tree, q, v, a, model.gravity)
+    prepared = prepare(model)
+    tree = prepared.tree
+    state = states_of_moving_observers(tree, q, v, a, model.gravity)
     effects_of = cache(lambda i: effects(tree[i], state(i)))
-    by_q, by_v, M = (blank((model.nv, model.nv), q, v, a, *batches(external)) for _ in range(3))
-    for i, beyond in gather(model, tidied, felt(model, tidied), state, q, external):
+    by_q, by_v, M = (batch_zeros((model.nv, model.nv), q, v, a, external) for _ in range(3))
+    for i, beyond in gather(model, prepared, prepared.regrouped_moments, state, q, external):
         for effect in effects_of(i):
             _add_pairs(tree, state, effects_of, i, effect, beyond, q, by_q, by_v, M)
     for k in range(model.nv):
@@ -168,7 +174,7 @@ def _add_pairs(
 def effects(step: Step, state: State) -> list[Effect]:
     """The columns of a step with what they do."""
     found = []
-    for index, s in columns_of(step):
+    for index, s in step.columns():
         psi = state.U.cross(s)
         chi = state.C.cross(s) + state.U.cross(psi)
         found.append(Effect(index, s, psi, chi, state.V.cross(s) + psi))
@@ -187,15 +193,15 @@ def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -
     def state(i: int) -> State:
         step = tree[i]
         before = state(step.parent) if step.parent >= 0 else None
-        U = step.carry(before.V, q) if before else zero
-        C = step.carry(before.A if before else lift, q)
+        U = step.motion_from_parent(before.V, q) if before else zero
+        C = step.motion_from_parent(before.A if before else lift, q)
         own = step.motion(v)
         return State(U, U + own, C, C + step.motion(a) + U.cross(own), np.zeros(3))
 
     return state
 
 
-def relative_states(
+def states_of_moving_observers(
     tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array
 ) -> Callable[[int], State]:
     """The same, each as observed by somebody who moves on evenly with the origin of the moving frame of the step.
@@ -233,21 +239,21 @@ def arm_of(step: Step, J: SE3) -> Array:
 
 def gather(
     model: Model,
-    tidied: Tidy,
-    bodies: Sequence[Lump],
+    prepared: PreparedModel,
+    bodies: Sequence[MassMoments],
     state: Callable[[int], State],
     q: Array,
     external: External = None,
 ) -> Iterator[tuple[int, Beyond]]:
     """Every step, the leaves first, with what is beyond it when each carries one of `bodies`."""
-    waiting: list[list[Beyond]] = [[] for _ in tidied.tree]
-    for i, step in reversed(list(enumerate(tidied.tree))):
+    waiting: list[list[Beyond]] = [[] for _ in prepared.tree]
+    for i, step in reversed(list(enumerate(prepared.tree))):
         body, V = bodies[i], state(i).V
         h = body.apply(V)
         F = body.apply(state(i).A) + V.cross(h)
         if external is not None and step.is_last:
             force = external[model.joint_index(step.joint.name)]
-            F = F if force is None else F - tidied.frames[i].act_inverse(force)
+            F = F if force is None else F - prepared.frames[i].act_inverse(force)
         beyond = Beyond(body, h, body.rate(V), F)
         for child in waiting[i]:
             beyond = beyond + child

@@ -26,8 +26,9 @@ from typing import Literal
 from ulna.algorithms.kinematics.forward_kinematics import frame_acceleration, frame_pose, frame_velocity
 from ulna.algorithms.kinematics.jacobian import by_step, local_columns
 from ulna.algorithms.kinematics.jacobian_dot import partial_twists, step_twist
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.references import Reference, check_reference
-from ulna.algorithms.multibody.tree import blank, chain
+from ulna.algorithms.multibody.tree import chain
 from ulna.errors import UnknownName
 from ulna.model import Frame, Model
 from ulna.numeric import skew
@@ -45,7 +46,7 @@ def frame_velocity_derivatives(model: Model, q: Array, v: Array, frame: Frame) -
         frame: A frame of the model.
     """
     groups = by_step(local_columns(chain(model, frame), q, frame.placement))
-    dV_dq, dV_dv = blank((6, model.nv), q, v), blank((6, model.nv), q, v)
+    dV_dq, dV_dv = batch_zeros((6, model.nv), q, v), batch_zeros((6, model.nv), q, v)
     before = Motion.zero()
     for group in groups:
         for c in group:
@@ -69,7 +70,7 @@ def frame_acceleration_derivatives(
     """
     groups = by_step(local_columns(chain(model, frame), q, frame.placement))
     upto, beyond = partial_twists(groups, v)
-    dA_dq, dA_dv, dA_da = (blank((6, model.nv), q, v, a) for _ in range(3))
+    dA_dq, dA_dv, dA_da = (batch_zeros((6, model.nv), q, v, a) for _ in range(3))
     U, C = Motion.zero(), Motion.zero()
     for group, V_k, rest in zip(groups, upto, beyond, strict=True):
         own = step_twist(group, v)

@@ -1,51 +1,46 @@
-"""Forward dynamics by the articulated-body algorithm: the accelerations that torques give.
+"""Forward dynamics by the articulated-body algorithm, as in the book.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| A_0, F_0 | acceleration of a body, the force on it, if no joint accelerated | | | rnea.py outward, a = 0 |
-| I^A | articulated-body inertia | Articulated | | see articulated.py |
-| F^A | holds a body to A_0 while the joints beyond give way | Force | [N, N m] | F_0 + sum of children's F^a |
-| s, k | a column of S_i, its place in v | | | |
-| u, D | I^A s, s.u + armature | Force, () | | |
-| g | acceleration of the joint if its parent kept A_0 | () | [rad/s^2] or [m/s^2] | (tau_k - s.F^A) / D |
-| F^a | what the parent feels of it | Force | | F^A + u g, then I^A less u u^T / D |
-| Y | acceleration beyond A_0 | Motion | | Y = Y_p seen from the step, + s a |
-| a | joint acceleration | (nv) | | a_k = g - u.Y / D |
+| X | takes motions from the parent's moving frame to the step's, X^T forces the other way | (6, 6) | | |
+| S | motion subspace in the moving frame, constant | (6, n) | [1] or [m/rad] | |
+| V, c | velocity of the body; velocity-product acceleration | (6) | | c = V x S v |
+| I^A, p^A | articulated-body inertia, bias force | (6, 6), (6) | | I, V x* I V - f_x, plus those of the children |
+| U, D, u | | (6, n), (n, n), (n) | | U = I^A S, D = S^T U + armature, u = tau - S^T p^A |
+| I^a, p^a | what the parent receives | (6, 6), (6) | | I^a = I^A - U D^-1 U^T, p^a = p^A + I^a c + U D^-1 u |
+| a' | acceleration of the body before that of the joint | (6) | | a' = X A_p + c, A_0 = -g |
+| a | joint acceleration | (n) | [rad/s^2] or [m/s^2] | a = D^-1 (u - U^T a'), A = a' + S a |
 
-Source: Featherstone 2008, section 7.3, algorithm of table 7.1. Counting accelerations from A_0 leaves no products of
-velocities in the two last passes. A step with several columns is passed column by column, as that many joints at one
-place: the mass between them is zero, and S is constant. The frames are those of link_frames.py, and the inertias
-those a joint can feel. A mimic joint ties two places of the tree together, which no recursion over the tree can do.
+Source: Featherstone 2008, section 7.3, table 7.1. This is the form to read, and the reference of the tests. The one
+that is compiled is aba_relative_accelerations.py, which works on blocks of (3, 3) and one column of S at a time.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ulna.algorithms.dynamics.articulated_inertia import Articulated
-from ulna.algorithms.dynamics.crba import columns_of
-from ulna.algorithms.dynamics.mass_matrix_factors import inverted, is_zero
-from ulna.algorithms.dynamics.rnea import less_external, rates, wrench
-from ulna.algorithms.multibody.external_forces import External, batches
-from ulna.algorithms.multibody.link_frames import tidy
-from ulna.algorithms.multibody.mass_moments import felt, turning_axis
-from ulna.algorithms.multibody.tree import blank
-from ulna.errors import InputError
+from ulna.algorithms.dynamics.aba_relative_accelerations import check_no_mimics
+from ulna.algorithms.dynamics.mass_matrix_factors import ZeroPivot, is_zero
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.body_motions import body_velocities
+from ulna.algorithms.multibody.external_forces import External, at_steps
+from ulna.algorithms.multibody.mass_moments import body_moments
+from ulna.algorithms.multibody.tree import Step, steps
+from ulna.linalg import inverse
 from ulna.model import Model
-from ulna.spatial import Force, Motion
+from ulna.numeric import apply
 from ulna.typing import Array
 
 
-class _Column(NamedTuple):
-    """What the pass outward needs of a column."""
+class _Joint(NamedTuple):
+    """What the pass outward needs of a joint."""
 
-    index: int
-    s: Motion
-    u: Force
-    reciprocal: Any
-    g: Any
+    S: Array
+    U: Array
+    D_inv: Array
+    u: Array
 
 
 def aba(model: Model, q: Array, v: Array, tau: Array, external: External = None) -> Array:
@@ -59,41 +54,44 @@ def aba(model: Model, q: Array, v: Array, tau: Array, external: External = None)
         external: Forces on the bodies.
 
     Raises:
-        InputError: the model has mimic joints; `forward_dynamics` takes them.
+        InputError: The model has mimic joints; `forward_dynamics` takes them.
         ZeroPivot: A motion moves no inertia, whatever the inputs.
     """
-    if any(joint.mimic is not None for joint in model.joints):
-        raise InputError(
-            "The articulated-body algorithm takes no mimic joints; use forward_dynamics, which solves with the mass "
-            "matrix for such models."
-        )
-    tidied = tidy(model)
-    tree, bodies = tidied.tree, felt(model, tidied)
-    held = rates(tree, q, v, None, -np.asarray(model.gravity))
-    forces = [wrench(body, rate) for body, rate in zip(bodies, held, strict=True)]
-    forces = less_external(model, tidied, forces, external)
-    inertias = [Articulated.of(body) for body in bodies]
-    passed: list[list[_Column]] = [[] for _ in tree]
+    check_no_mimics(model)
+    tree = steps(model)
+    V, I, f_x = body_velocities(tree, q, v), body_moments(model, tree), at_steps(model, tree, external)
+    X = [(step.placement @ step.transform(q)).inverse().adjoint() for step in tree]
+    c = [V_i.cross(step.motion(v)).vector() for step, V_i in zip(tree, V, strict=True)]
+    I_A = [I_i.matrix() for I_i in I]
+    p_A = [(V_i.cross(I_i.apply(V_i)) - f).vector() for I_i, V_i, f in zip(I, V, f_x, strict=True)]
+
+    joints: dict[int, _Joint] = {}
     for i, step in reversed(list(enumerate(tree))):
-        inertia, force = inertias[i], forces[i]
-        for k, s in columns_of(step):
-            u = inertia.apply(s)
-            reciprocal = inverted(s.dot(u) + model.armature[k], k)
-            g = (tau[..., k] - s.dot(force)) * reciprocal
-            passed[i].append(_Column(k, s, u, reciprocal, g))
-            inertia, force = inertia.less(u, reciprocal, s, is_zero(model.armature[k])), force + u * g
+        joints[i] = S, U, D_inv, u = _joint(step, I_A[i], p_A[i], tau, model.armature)
         if step.parent >= 0:
-            T = step.transform(q)
-            inward = inertia.moved(T, turning_axis(step.kind)).moved(step.placement)
-            inertias[step.parent] = inertias[step.parent] + inward
-            forces[step.parent] = forces[step.parent] + step.placement.act(T.act(force))
-    a = blank((model.nv,), q, v, tau, *batches(external))
-    beyond: list[Motion] = []
+            I_a = I_A[i] - U @ D_inv @ U.mT
+            p_a = p_A[i] + apply(I_a, c[i]) + apply(U @ D_inv, u)
+            I_A[step.parent] = I_A[step.parent] + X[i].mT @ I_a @ X[i]
+            p_A[step.parent] = p_A[step.parent] + apply(X[i].mT, p_a)
+
+    a, A = batch_zeros((model.nv,), q, v, tau, external), []
+    A_0 = np.concatenate([-np.asarray(model.gravity), np.zeros(3)])
     for i, step in enumerate(tree):
-        Y = step.carry(beyond[step.parent], q) if step.parent >= 0 else Motion(np.zeros(3), np.zeros(3))
-        for column in reversed(passed[i]):
-            value = column.g - column.reciprocal * Y.dot(column.u)
-            a[..., column.index] = value
-            Y = Y + column.s * value
-        beyond.append(Y)
+        S, U, D_inv, u = joints[i]
+        a_free = apply(X[i], A[step.parent] if step.parent >= 0 else A_0) + c[i]
+        a_i = apply(D_inv, u - apply(U.mT, a_free))
+        a[..., list(step.indices)] = a_i
+        A.append(a_free + apply(S, a_i))
     return a
+
+
+def _joint(step: Step, I_A: Array, p_A: Array, tau: Array, armature: Array) -> _Joint:
+    """S, U, D^-1 and u of a step."""
+    indices = list(step.indices)
+    S = np.stack([s.vector() for s in step.subspace()], axis=-1)
+    U = I_A @ S
+    D = S.T @ U + np.diag(armature[indices])
+    for k, index in enumerate(indices):
+        if is_zero(D[..., k, k]):
+            raise ZeroPivot(index)
+    return _Joint(S, U, inverse(D), tau[..., indices] - apply(S.T, p_A))

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.algorithms.multibody.mass_moments import Lump, turned
+from ulna.algorithms.multibody.mass_moments import MassMoments, rotate_symmetric
 from ulna.numeric import apply, is_symbolic, matrix, skew
 from ulna.spatial import SE3, Force, Motion
 from ulna.spatial.batched import column
@@ -36,7 +36,7 @@ class Articulated:
     I: Array
 
     @classmethod
-    def of(cls, body: Lump) -> Articulated:
+    def of(cls, body: MassMoments) -> Articulated:
         """That of a rigid body."""
         return cls(column(body.mass, 2) * np.eye(3), -skew(body.first), body.second)
 
@@ -72,10 +72,14 @@ class Articulated:
                 I[..., k - 3, :] = I[..., :, k - 3] = H[..., :, k - 3] = 0.0
         return Articulated(M, H, I)
 
-    def moved(self, T: SE3, axis: int | None = None) -> Articulated:
+    def to_outer_frame(self, T: SE3, axis: int | None = None) -> Articulated:
         """The same seen from the outer frame of T, which turns about a coordinate axis if it is told which."""
         R, cross = T.rotation, skew(T.translation)
-        M, H, I = turned(R, self.M, axis), _turned(R, self.H, axis), turned(R, self.I, axis)
+        M, H, I = (
+            rotate_symmetric(R, self.M, axis),
+            _rotate(R, self.H, axis),
+            rotate_symmetric(R, self.I, axis),
+        )
         moved = H - M @ cross
         more, less = cross @ moved, np.swapaxes(H, -1, -2) @ cross
         return Articulated(
@@ -83,7 +87,7 @@ class Articulated:
         )
 
 
-def _turned(R: Array, H: Array, axis: int | None) -> Array:
+def _rotate(R: Array, H: Array, axis: int | None) -> Array:
     """R H R^T; about a coordinate axis the antisymmetric part across it stays, and the symmetric part turns twice."""
     if axis is None:
         return R @ H @ np.swapaxes(R, -1, -2)

@@ -23,9 +23,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna.algorithms.multibody.link_frames import Tidy, tidy
-from ulna.algorithms.multibody.mass_moments import Lump, lumps
-from ulna.algorithms.multibody.tree import Step, blank, gathered_in_world, inward, poses
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.mass_moments import MassMoments
+from ulna.algorithms.multibody.prepared_model import PreparedModel, prepare
+from ulna.algorithms.multibody.tree import Step, inward, poses, sum_in_world
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.numeric import apply, cross, is_symbolic
@@ -96,12 +97,12 @@ def center_of_mass_jacobian(model: Model, q: Array, subtree: str | None = None) 
         UnknownName: no such joint.
         InputError: there is no mass.
     """
-    tidied = tidy(model)
-    tree = tidied.tree
-    masses, own = _tared(tree, _bodies(model, tidied, subtree))
+    prepared = prepare(model)
+    tree = prepared.tree
+    masses, own = _tared(tree, _bodies(model, prepared, subtree))
     mass_of = {id(step): m for step, m in zip(tree, masses, strict=True)}
     moments = inward(tree, own, lambda step, c: _position(step, mass_of[id(step)], c, q))
-    J = blank((3, model.nv), q)
+    J = batch_zeros((3, model.nv), q)
     for step, m, c, T in zip(tree, masses, moments, poses(tree, q), strict=True):
         for k, s in zip(step.indices, step.subspace(), strict=True):
             J[..., :, k] += apply(T.rotation, (m * s.linear + cross(s.angular, c)) * step.multiplier)
@@ -120,9 +121,9 @@ def first_moment(
         a: Acceleration, shape (..., nv); None for zero.
         subtree: Name of a joint, for what it moves; None for all.
     """
-    tidied = tidy(model)
-    tree = tidied.tree
-    masses, own = _tared(tree, _bodies(model, tidied, subtree))
+    prepared = prepare(model)
+    tree = prepared.tree
+    masses, own = _tared(tree, _bodies(model, prepared, subtree))
     still = np.zeros(3)
     ground = sum(
         (m * s.placement.translation for s, m in zip(tree, masses, strict=True) if s.parent < 0), still
@@ -145,7 +146,7 @@ def first_moment(
         return Moment(_position(step, m, c, q), *rates)
 
     values = [Moment(c, still, still) for c in own]
-    return gathered_in_world(tree, values, Moment(ground, still, still), move)
+    return sum_in_world(tree, values, Moment(ground, still, still), move)
 
 
 def _position(step: Step, m: Any, c: Array, q: Array) -> Array:
@@ -154,7 +155,7 @@ def _position(step: Step, m: Any, c: Array, q: Array) -> Array:
     return apply(step.placement.rotation, apply(J.rotation, c) + m * J.translation)
 
 
-def _tared(tree: Sequence[Step], bodies: Sequence[Lump]) -> tuple[list[Any], list[Array]]:
+def _tared(tree: Sequence[Step], bodies: Sequence[MassMoments]) -> tuple[list[Any], list[Array]]:
     """The masses from every step outward; each body's first moment with its children's masses at their fixed frames."""
     masses, own = [body.mass for body in bodies], [body.first for body in bodies]
     for i, step in reversed(list(enumerate(tree))):
@@ -164,12 +165,12 @@ def _tared(tree: Sequence[Step], bodies: Sequence[Lump]) -> tuple[list[Any], lis
     return masses, own
 
 
-def _bodies(model: Model, tidied: Tidy, subtree: str | None) -> list[Lump]:
+def _bodies(model: Model, prepared: PreparedModel, subtree: str | None) -> list[MassMoments]:
     """The bodies that count, nothing for the others."""
     counted = {model.joints[i].name for i in _joints(model, subtree)}
     return [
-        body if step.joint.name in counted else Lump.zero()
-        for step, body in zip(tidied.tree, lumps(model, tidied), strict=True)
+        body if step.joint.name in counted else MassMoments.zero()
+        for step, body in zip(prepared.tree, prepared.body_moments, strict=True)
     ]
 
 
@@ -178,7 +179,7 @@ def _joints(model: Model, subtree: str | None) -> tuple[int, ...]:
 
 
 def _over_mass(model: Model, subtree: str | None, moment: Array, *inputs: Array) -> Array:
-    return moment * _reciprocal(model, subtree) + blank((3,), *inputs)
+    return moment * _reciprocal(model, subtree) + batch_zeros((3,), *inputs)
 
 
 def _reciprocal(model: Model, subtree: str | None) -> Any:

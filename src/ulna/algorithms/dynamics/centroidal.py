@@ -24,12 +24,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from ulna.algorithms.dynamics.center_of_mass import center_of_mass, center_of_mass_velocity
-from ulna.algorithms.dynamics.coriolis import Moving, velocities
-from ulna.algorithms.dynamics.crba import columns_of, composites, outside
-from ulna.algorithms.dynamics.rnea import rates, wrench
-from ulna.algorithms.multibody.link_frames import tidy
-from ulna.algorithms.multibody.mass_moments import Lump, felt, lumps, steiner
-from ulna.algorithms.multibody.tree import Step, blank, gathered_in_world, inward, poses
+from ulna.algorithms.dynamics.coriolis import Moving
+from ulna.algorithms.dynamics.crba import composite_moments, in_parent_frame
+from ulna.algorithms.dynamics.rnea_point_accelerations import newton_euler, point_motions
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.body_motions import body_velocities
+from ulna.algorithms.multibody.mass_moments import MassMoments, steiner
+from ulna.algorithms.multibody.prepared_model import prepare
+from ulna.algorithms.multibody.tree import Step, inward, poses, sum_in_world
 from ulna.model import Model
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3, Force
@@ -43,12 +45,12 @@ def centroidal_matrix(model: Model, q: Array) -> Array:
         model: The robot.
         q: Configuration, shape (..., nq).
     """
-    tidied = tidy(model)
-    tree = tidied.tree
-    beyond = composites(tree, felt(model, tidied), q)
-    A = blank((6, model.nv), q)
+    prepared = prepare(model)
+    tree = prepared.tree
+    beyond = composite_moments(tree, prepared.regrouped_moments, q)
+    A = batch_zeros((6, model.nv), q)
     for step, body, G in zip(tree, beyond, _centred(tree, q, center_of_mass(model, q)), strict=True):
-        for k, s in columns_of(step):
+        for k, s in step.columns():
             _add(A, k, G.act(body.apply(s)))
     return A
 
@@ -61,17 +63,17 @@ def centroidal_matrix_dot(model: Model, q: Array, v: Array) -> Array:
         q: Configuration, shape (..., nq).
         v: Velocity, shape (..., nv).
     """
-    tidied = tidy(model)
-    tree = tidied.tree
-    V = velocities(tree, q, v)
-    own = [Moving.at(body, twist) for body, twist in zip(felt(model, tidied), V, strict=True)]
+    prepared = prepare(model)
+    tree = prepared.tree
+    V = body_velocities(tree, q, v)
+    own = [Moving.at(body, twist) for body, twist in zip(prepared.regrouped_moments, V, strict=True)]
     beyond = inward(tree, own, lambda step, moving: moving.seen_from(step, q))
     drift = center_of_mass_velocity(model, q, v)
-    A = blank((6, model.nv), q, v)
+    A = batch_zeros((6, model.nv), q, v)
     for step, all_, twist, G in zip(
         tree, beyond, V, _centred(tree, q, center_of_mass(model, q)), strict=True
     ):
-        for k, s in columns_of(step):
+        for k, s in step.columns():
             change = G.act(all_.body.apply(twist.cross(s)) + all_.rate(s))
             f = apply(G.rotation, all_.body.apply(s).linear)
             _add(A, k, Force(change.linear, change.angular - cross(drift, f)))
@@ -86,10 +88,10 @@ def centroidal_momentum(model: Model, q: Array, v: Array) -> Array:
         q: Configuration, shape (..., nq).
         v: Velocity, shape (..., nv).
     """
-    tidied = tidy(model)
-    V = velocities(tidied.tree, q, v)
-    momenta = [body.apply(twist) for body, twist in zip(felt(model, tidied), V, strict=True)]
-    return _about_centre(model, tidied.tree, momenta, q) + blank((6,), q, v)
+    prepared = prepare(model)
+    V = body_velocities(prepared.tree, q, v)
+    momenta = [body.apply(twist) for body, twist in zip(prepared.regrouped_moments, V, strict=True)]
+    return _about_centre(model, prepared.tree, momenta, q) + batch_zeros((6,), q, v)
 
 
 def centroidal_momentum_rate(model: Model, q: Array, v: Array, a: Array) -> Array:
@@ -101,10 +103,10 @@ def centroidal_momentum_rate(model: Model, q: Array, v: Array, a: Array) -> Arra
         v: Velocity, shape (..., nv).
         a: Acceleration, shape (..., nv).
     """
-    tidied = tidy(model)
-    moving = rates(tidied.tree, q, v, a, np.zeros(3))
-    forces = [wrench(body, rate) for body, rate in zip(felt(model, tidied), moving, strict=True)]
-    return _about_centre(model, tidied.tree, forces, q) + blank((6,), q, v, a)
+    prepared = prepare(model)
+    motions = point_motions(prepared.tree, q, v, a, np.zeros(3))
+    forces = newton_euler(prepared.regrouped_moments, motions)
+    return _about_centre(model, prepared.tree, forces, q) + batch_zeros((6,), q, v, a)
 
 
 def centroidal_inertia(model: Model, q: Array) -> Array:
@@ -114,12 +116,15 @@ def centroidal_inertia(model: Model, q: Array) -> Array:
         model: The robot.
         q: Configuration, shape (..., nq).
     """
-    tidied = tidy(model)
-    whole = gathered_in_world(
-        tidied.tree, lumps(model, tidied), Lump.zero(), lambda step, body: outside(step, body, q)
+    prepared = prepare(model)
+    whole = sum_in_world(
+        prepared.tree,
+        prepared.body_moments,
+        MassMoments.zero(),
+        lambda step, body: in_parent_frame(step, body, q),
     )
     about_centre = steiner(whole.first, center_of_mass(model, q) * 0.5)
-    return whole.second - about_centre + blank((3, 3), q)
+    return whole.second - about_centre + batch_zeros((3, 3), q)
 
 
 def _centred(tree: Sequence[Step], q: Array, g: Array) -> list[SE3]:
@@ -129,9 +134,7 @@ def _centred(tree: Sequence[Step], q: Array, g: Array) -> list[SE3]:
 
 def _about_centre(model: Model, tree: Sequence[Step], own: Sequence[Force], q: Array) -> Array:
     """The sum of what bodies have in their frames, about g along the axes of the world, (..., 6)."""
-    inward_ = gathered_in_world(
-        tree, own, Force.zero(), lambda step, force: step.placement.act(step.transform(q).act(force))
-    )
+    inward_ = sum_in_world(tree, own, Force.zero(), lambda step, force: step.force_to_parent(force, q))
     f = inward_.linear
     return Force(f, inward_.angular - cross(center_of_mass(model, q), f)).vector()
 

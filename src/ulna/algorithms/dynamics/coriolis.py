@@ -4,7 +4,7 @@
 |---|---|---|---|---|
 | V_i, s | twist of body i; a column of S_i, both in its moving frame | Motion | | |
 | s' | rate of s as it is carried along | Motion | | s' = V_i x s |
-| I | inertia of all bodies from step i outward | Lump | | sum of theirs |
+| I | inertia of all bodies from step i outward | MassMoments | | sum of theirs |
 | h = (p, n), D | their momentum, and the rate of their second moment | Force, (3, 3) | | see mass_moments.py |
 | B s | for s = (l; w) | Force | | (w x p; (D w + w x n) / 2) |
 | B^T s | a pure moment | (3) | | p x l + (D w + n x w) / 2 |
@@ -22,10 +22,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from ulna.algorithms.dynamics.crba import columns_of
-from ulna.algorithms.multibody.link_frames import tidy
-from ulna.algorithms.multibody.mass_moments import Lump, felt, steiner, turned, turning_axis
-from ulna.algorithms.multibody.tree import Step, blank, inward, outward
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.body_motions import body_velocities
+from ulna.algorithms.multibody.mass_moments import MassMoments, rotate_symmetric, rotation_axis, steiner
+from ulna.algorithms.multibody.prepared_model import prepare
+from ulna.algorithms.multibody.tree import Step, inward
 from ulna.model import Model
 from ulna.numeric import apply, cross, dot
 from ulna.spatial import SE3, Force, Motion
@@ -35,12 +36,12 @@ from ulna.typing import Array
 class Moving(NamedTuple):
     """Bodies that move: their inertia I, their momentum h, and D, about the origin of a frame."""
 
-    body: Lump
+    body: MassMoments
     h: Force
     D: Array
 
     @classmethod
-    def at(cls, body: Lump, V: Motion) -> Moving:
+    def at(cls, body: MassMoments, V: Motion) -> Moving:
         """A body with the twist V."""
         return cls(body, body.apply(V), body.rate(V))
 
@@ -49,13 +50,15 @@ class Moving(NamedTuple):
 
     def seen_from(self, step: Step, q: Array) -> Moving:
         """The same in the parent's moving frame."""
-        return self.moved(step.transform(q), turning_axis(step.kind)).moved(step.placement)
+        return self.to_outer_frame(step.transform(q), rotation_axis(step.kind)).to_outer_frame(step.placement)
 
-    def moved(self, T: SE3, axis: int | None = None) -> Moving:
+    def to_outer_frame(self, T: SE3, axis: int | None = None) -> Moving:
         """The same in the outer frame of T, which turns about a coordinate axis if it is told which."""
         h = T.act(self.h)
         return Moving(
-            self.body.moved(T, axis), h, turned(T.rotation, self.D, axis) + steiner(T.translation, h.linear)
+            self.body.to_outer_frame(T, axis),
+            h,
+            rotate_symmetric(T.rotation, self.D, axis) + steiner(T.translation, h.linear),
         )
 
     def rate(self, s: Motion) -> Force:
@@ -72,14 +75,14 @@ def coriolis_matrix(model: Model, q: Array, v: Array) -> Array:
         q: Configuration, shape (..., nq).
         v: Velocity, shape (..., nv).
     """
-    tidied = tidy(model)
-    tree = tidied.tree
-    V = velocities(tree, q, v)
-    own = [Moving.at(body, twist) for body, twist in zip(felt(model, tidied), V, strict=True)]
+    prepared = prepare(model)
+    tree = prepared.tree
+    V = body_velocities(tree, q, v)
+    own = [Moving.at(body, twist) for body, twist in zip(prepared.regrouped_moments, V, strict=True)]
     beyond = inward(tree, own, lambda step, moving: moving.seen_from(step, q))
-    C = blank((model.nv, model.nv), q, v)
+    C = batch_zeros((model.nv, model.nv), q, v)
     for i, step in enumerate(tree):
-        for k, s in columns_of(step):
+        for k, s in step.columns():
             _add_pairs(tree, V, i, k, s, beyond[i], q, C)
     return C
 
@@ -94,18 +97,13 @@ def _add_pairs(
     column = Force(cross(s.angular, h.linear), half + turn) + body.apply(V[i].cross(s))
     row = body.apply(s)
     moment = cross(h.linear, s.linear) + half - turn
-    for index, other in columns_of(tree[i]):
+    for index, other in tree[i].columns():
         C[..., index, k] += column.dot(other)
     while tree[i].parent >= 0:
         P, J = tree[i].placement, tree[i].transform(q)
         column, row = P.act(J.act(column)), P.act(J.act(row))
         moment = apply(P.rotation, apply(J.rotation, moment))
         i = tree[i].parent
-        for index, other in columns_of(tree[i]):
+        for index, other in tree[i].columns():
             C[..., index, k] += column.dot(other)
             C[..., k, index] += row.dot(V[i].cross(other)) + dot(moment, other.angular)
-
-
-def velocities(tree: Sequence[Step], q: Array, v: Array) -> list[Motion]:
-    """The twist of every body in its moving frame."""
-    return outward(tree, Motion.zero(), lambda step, V: step.carry(V, q) + step.motion(v))

@@ -2,30 +2,46 @@
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| I_i^c | inertia of all bodies from step i outward, in its moving frame | Lump | | I_i + sum of its children's |
+| I_i^c | inertia of all bodies from step i outward, in its moving frame | MassMoments | | I_i + sum of its children's |
 | s | a column of S_i | Motion | | constant, see tree.py |
-| r | force that accelerates those bodies along s | Force | | r = I_i^c s |
-| M_ij | entry for a column of step j, on which step i stands | () | | s_j . r, with r seen from j |
+| F | force that accelerates those bodies along s | Force | | F = I_i^c s, then F = X F in the parent's frame |
+| M_kl | entry of the columns k of step i and l of step j, on which i stands | () | | s_l . F, F seen from j |
 | M | mass matrix | (nv, nv) | [kg], [kg m], [kg m^2] | plus armature on its diagonal |
 
-Source: Featherstone 2008, section 6.2, algorithm of table 6.2. The frames are those of link_frames.py, and the
-inertias those
-a joint can feel. A column of a mimic joint, times the multiplier, is one of its source: it couples the place of the
-mimic joint with all that the source moves, and with the source's own column, wherever the two stand in the tree. M is
-then B^T M' B, where M' is the matrix of the tree with every joint free, and v' = B v.
+Source: Featherstone 2008, section 6.2, table 6.2. A column of a mimic joint, times the multiplier, is one of its
+source; it couples the place of the mimic joint with all that the source moves, and with the column of the source,
+wherever the two are in the tree. M is then B^T M' B, where M' is the matrix of the tree with every joint free, and
+v' = B v.
+
+`composite_rigid_bodies` is the recursion of the book on any tree and inertias. `crba` applies it to the frames and
+inertias of the model; `mass_matrix`, which is compiled, to optimised frames (link_frames.py) and regrouped inertias
+(regrouped_moments.py). M is the same: the frames turn about and slide along the joints' axes, and regrouping keeps the
+kinetic energy at every velocity. `tests/laws/test_textbook_dynamics_laws.py` compares the two.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ulna.algorithms.multibody.link_frames import tidy
-from ulna.algorithms.multibody.mass_moments import Lump, felt, turning_axis
-from ulna.algorithms.multibody.tree import Step, blank, inward
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.mass_moments import MassMoments, body_moments, in_parent_frame
+from ulna.algorithms.multibody.prepared_model import prepare
+from ulna.algorithms.multibody.tree import Step, inward, steps
 from ulna.model import Model
-from ulna.spatial import Force, Motion
+from ulna.spatial import Force
 from ulna.typing import Array
+
+
+def crba(model: Model, q: Array) -> Array:
+    """M in the frames and with the inertias of the model, shape (..., nv, nv).
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq).
+    """
+    tree = steps(model)
+    return composite_rigid_bodies(model, tree, body_moments(model, tree), q)
 
 
 def mass_matrix(model: Model, q: Array) -> Array:
@@ -35,54 +51,49 @@ def mass_matrix(model: Model, q: Array) -> Array:
         model: The robot.
         q: Configuration, shape (..., nq).
     """
-    tidied = tidy(model)
-    return mass_matrix_of(model, tidied.tree, composites(tidied.tree, felt(model, tidied), q), q)
+    prepared = prepare(model)
+    return composite_rigid_bodies(model, prepared.tree, prepared.regrouped_moments, q)
 
 
-def composites(tree: Sequence[Step], bodies: Sequence[Lump], q: Array) -> list[Lump]:
-    """I^c of every step."""
-    return inward(tree, bodies, lambda step, body: outside(step, body, q))
+def composite_rigid_bodies(model: Model, tree: Sequence[Step], I: Sequence[MassMoments], q: Array) -> Array:
+    """The recursion of table 6.2, shape (..., nv, nv).
 
-
-def outside(step: Step, body: Lump, q: Array) -> Lump:
-    """An inertia in the moving frame of a step, as the parent's moving frame sees it."""
-    return body.moved(step.transform(q), turning_axis(step.kind)).moved(step.placement)
-
-
-def mass_matrix_of(model: Model, tree: Sequence[Step], bodies: Sequence[Lump], *inputs: Array) -> Array:
-    """M, out of the composite inertias of all steps; the first of `inputs` is q, the others count for the batch."""
-    q = inputs[0]
-    M = blank((model.nv, model.nv), *inputs)
-    for i in range(len(tree)):
-        own = columns_of(tree[i])
-        for n, (k, s) in enumerate(own):
-            r = bodies[i].apply(s)
-            for index, other in own[:n]:
-                _add_twice(M, k, index, r.dot(other))
-            M[..., k, k] += r.dot(s)
-            for step, seen in passed_inward(tree, i, r, q):
-                for index, other in columns_of(step):
-                    _add_twice(M, k, index, seen.dot(other))
+    Args:
+        model: The robot.
+        tree: Its steps.
+        I: The inertia of the body of every step, in its moving frame.
+        q: Configuration, shape (..., nq).
+    """
+    I_c = composite_moments(tree, I, q)
+    M = batch_zeros((model.nv, model.nv), q)
+    for i, step in enumerate(tree):
+        columns = step.columns()
+        for n, (k, s) in enumerate(columns):
+            F = I_c[i].apply(s)
+            for l, s_l in columns[:n]:
+                _add_symmetric(M, k, l, s_l.dot(F))
+            M[..., k, k] += s.dot(F)
+            for ancestor, F_j in forces_at_ancestors(tree, i, F, q):
+                for l, s_l in ancestor.columns():
+                    _add_symmetric(M, k, l, s_l.dot(F_j))
     for k in range(model.nv):
         M[..., k, k] += model.armature[k]
     return M
 
 
-def _add_twice(M: Array, k: int, index: int, entry: Any) -> None:
-    M[..., k, index] += entry
-    M[..., index, k] += entry
+def composite_moments(tree: Sequence[Step], I: Sequence[MassMoments], q: Array) -> list[MassMoments]:
+    """I^c of every step."""
+    return inward(tree, I, lambda step, I_i: in_parent_frame(step, I_i, q))
 
 
-def columns_of(step: Step) -> list[tuple[int, Motion]]:
-    """The columns s of a step, and where each stands in `v`; those of a mimic joint with its multiplier."""
-    return [(k, S * step.multiplier) for k, S in zip(step.indices, step.subspace(), strict=True)]
-
-
-def passed_inward(tree: Sequence[Step], i: int, force: Force, q: Array) -> list[tuple[Step, Force]]:
-    """The steps that step `i` stands on, nearest first, each with a force of step `i` as its moving frame sees it."""
-    found = []
+def forces_at_ancestors(tree: Sequence[Step], i: int, F: Force, q: Array) -> Iterator[tuple[Step, Force]]:
+    """The steps that step `i` stands on, nearest first, each with a force of step `i` in its moving frame."""
     while tree[i].parent >= 0:
-        force = tree[i].placement.act(tree[i].transform(q).act(force))
+        F = tree[i].force_to_parent(F, q)
         i = tree[i].parent
-        found.append((tree[i], force))
-    return found
+        yield tree[i], F
+
+
+def _add_symmetric(M: Array, k: int, l: int, entry: Any) -> None:
+    M[..., k, l] += entry
+    M[..., l, k] += entry

@@ -3,7 +3,7 @@
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | u, w | velocity of the origin of a body's frame, angular velocity, in that frame | (3) | [m/s], [rad/s] | |
-| m, c, I | mass, first and second moment about the frame's origin | Lump | | see mass_moments.py |
+| m, c, I | mass, first and second moment about the frame's origin | MassMoments | | see mass_moments.py |
 | J_a | armature: inertia of the drives | (nv) | [kg], [kg m^2] | |
 | T | kinetic energy | () | [J] | sum of m u.u / 2 + u.(w x c) + w.I w / 2, plus v.J_a v / 2 |
 | U | potential energy, zero at the world's origin | () | [J] | -g . (first moment of all that moves) |
@@ -18,10 +18,9 @@ from __future__ import annotations
 from typing import Any
 
 from ulna.algorithms.dynamics.center_of_mass import first_moment
-from ulna.algorithms.dynamics.coriolis import velocities
-from ulna.algorithms.multibody.link_frames import tidy
-from ulna.algorithms.multibody.mass_moments import felt
-from ulna.algorithms.multibody.tree import blank
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.body_motions import body_velocities
+from ulna.algorithms.multibody.prepared_model import prepare
 from ulna.model import Model
 from ulna.numeric import apply, cross, dot
 from ulna.typing import Array
@@ -35,9 +34,9 @@ def kinetic_energy(model: Model, q: Array, v: Array) -> Any:
         q: Configuration, shape (..., nq).
         v: Velocity, shape (..., nv).
     """
-    tidied = tidy(model)
-    T = 0.5 * dot(v * model.armature, v) + blank((), q, v)[()]
-    for body, V in zip(felt(model, tidied), velocities(tidied.tree, q, v), strict=True):
+    prepared = prepare(model)
+    T = 0.5 * dot(v * model.armature, v) + batch_zeros((), q, v)[()]
+    for body, V in zip(prepared.regrouped_moments, body_velocities(prepared.tree, q, v), strict=True):
         u, w = V.linear, V.angular
         T = T + dot(w, 0.5 * apply(body.second, w) + cross(body.first, u)) + 0.5 * (body.mass * dot(u, u))
     return T
@@ -50,7 +49,7 @@ def potential_energy(model: Model, q: Array) -> Any:
         model: The robot.
         q: Configuration, shape (..., nq).
     """
-    return -dot(first_moment(model, q).position, model.gravity) + blank((), q)[()]
+    return -dot(first_moment(model, q).position, model.gravity) + batch_zeros((), q)[()]
 
 
 def mechanical_energy(model: Model, q: Array, v: Array) -> Any:

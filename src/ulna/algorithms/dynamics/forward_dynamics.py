@@ -15,12 +15,13 @@ against 2953; G1 on a free flyer 109: 8242 against 11503). With mimic joints onl
 
 from __future__ import annotations
 
-from ulna.algorithms.dynamics.aba import aba
+from ulna.algorithms.dynamics.aba_relative_accelerations import articulated_body_dynamics
 from ulna.algorithms.dynamics.crba import mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
-from ulna.algorithms.dynamics.rnea import bias_forces
-from ulna.algorithms.multibody.external_forces import External, batches
-from ulna.algorithms.multibody.tree import blank, steps
+from ulna.algorithms.dynamics.rnea_point_accelerations import bias_forces
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.external_forces import External
+from ulna.algorithms.multibody.tree import steps
 from ulna.model import Model
 from ulna.typing import Array
 
@@ -39,13 +40,13 @@ def forward_dynamics(model: Model, q: Array, v: Array, tau: Array, external: Ext
     """
     if prefers_mass_matrix(model):
         return by_mass_matrix(model, q, v, tau, external)
-    return aba(model, q, v, tau, external)
+    return articulated_body_dynamics(model, q, v, tau, external)
 
 
 def by_mass_matrix(model: Model, q: Array, v: Array, tau: Array, external: External = None) -> Array:
     """The same by the factors of the mass matrix."""
     h = bias_forces(model, q, v, external)
-    a = blank((model.nv,), q, v, tau, *batches(external))
+    a = batch_zeros((model.nv,), q, v, tau, external)
     solution = Factors(mass_matrix(model, q)).solve([(tau - h)[..., k] for k in range(model.nv)])
     for k, value in enumerate(solution):
         a[..., k] = value

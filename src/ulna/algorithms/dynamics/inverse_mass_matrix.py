@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from ulna.algorithms.dynamics.crba import mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
-from ulna.algorithms.multibody.tree import blank
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.model import Model
 from ulna.typing import Array
 
@@ -28,4 +28,4 @@ def inverse_mass_matrix(model: Model, q: Array) -> Array:
         q: Configuration, shape (..., nq).
     """
     inverse = Factors(mass_matrix(model, q)).inverse()
-    return inverse if inverse.dtype == object else inverse + blank((model.nv, model.nv), q)
+    return inverse if inverse.dtype == object else inverse + batch_zeros((model.nv, model.nv), q)

@@ -60,7 +60,9 @@ class Factors:
         self.reciprocals: list[Any] = [None] * n
         for k in reversed(range(n)):
             self.pivots[k] = pivot = rows[k][k]
-            self.reciprocals[k] = inverted(pivot, k) if floors is None else reciprocal_above(pivot, floors[k])
+            self.reciprocals[k] = (
+                inverse_pivot(pivot, k) if floors is None else reciprocal_above(pivot, floors[k])
+            )
             filled = [j for j in range(k) if not is_zero(rows[k][j])]
             self.lower[k] = {j: rows[k][j] * self.reciprocals[k] for j in filled}
             for i in filled:
@@ -136,7 +138,7 @@ def is_zero(x: Any) -> bool:
     return getattr(x, "_known_", x if isinstance(x, (int, float)) else None) == 0.0
 
 
-def inverted(pivot: Any, index: int) -> Any:
+def inverse_pivot(pivot: Any, index: int) -> Any:
     """1 / pivot, the inertia that entry `index` of v moves while what is beyond it gives way.
 
     Raises:

@@ -26,7 +26,7 @@ from ulna.algorithms.dynamics.coriolis import coriolis_matrix
 from ulna.algorithms.dynamics.crba import mass_matrix
 from ulna.algorithms.dynamics.forward_dynamics import forward_dynamics
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
-from ulna.algorithms.dynamics.rnea import gravity_forces
+from ulna.algorithms.dynamics.rnea_point_accelerations import gravity_forces
 from ulna.algorithms.kinematics.analytical_jacobian import (
     Representation,
     analytical_jacobian,

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ulna.algorithms.dynamics.rnea import gravity_forces
+from ulna.algorithms.dynamics.rnea_point_accelerations import gravity_forces
 from ulna.algorithms.kinematics.jacobian import frame_jacobian
 from ulna.algorithms.multibody.references import Reference
 from ulna.model import Frame, Model

@@ -24,7 +24,8 @@ from typing import Any, cast
 import numpy as np
 
 from ulna.algorithms.dynamics.center_of_mass import total_mass
-from ulna.algorithms.multibody.tree import Step, blank, chain, outward, poses, steps
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.tree import Step, chain, outward, poses, steps
 from ulna.model import Frame, Model
 from ulna.numeric import apply, cross, dot, matrix, vector
 from ulna.spatial import Motion
@@ -65,7 +66,7 @@ def joint_torque_regressor(model: Model, q: Array, v: Array | None = None, a: Ar
     tree = steps(model)
     root = cast("tuple[_Column, ...]", ())
     subspaces = outward(tree, root, lambda step, below: _with_own(step, below, q))
-    Y = blank((model.nv, 10 * len(model.joints)), *inputs)
+    Y = batch_zeros((model.nv, 10 * len(model.joints)), *inputs)
     for step, (V, A), columns in zip(tree, _motions(model, tree, q, v, a), subspaces, strict=True):
         if not step.is_last:
             continue
@@ -96,7 +97,7 @@ def frame_regressor(model: Model, q: Array, v: Array, a: Array, frame: Frame) ->
     motions = _motions(model, tree, q, v, a)
     V, A = motions[-1] if motions else _at_rest(model)
     Y = body_regressor(frame.placement.act_inverse(V), frame.placement.act_inverse(A))
-    return Y + blank((6, 10), q, v, a)
+    return Y + batch_zeros((6, 10), q, v, a)
 
 
 def static_regressor(model: Model, q: Array) -> Array:
@@ -106,7 +107,7 @@ def static_regressor(model: Model, q: Array) -> Array:
     """
     tree = steps(model)
     total = total_mass(model)
-    out = blank((3, 4 * len(model.joints)), q)
+    out = batch_zeros((3, 4 * len(model.joints)), q)
     for step, T in zip(tree, poses(tree, q), strict=True):
         if step.is_last:
             first = 4 * model.joint_index(step.joint.name)
@@ -118,7 +119,7 @@ def static_regressor(model: Model, q: Array) -> Array:
 def kinetic_energy_regressor(model: Model, q: Array, v: Array) -> Array:
     """The row (..., 10 nbodies) that makes the kinetic energy [J] out of p, without that of the drives."""
     tree = steps(model)
-    out = blank((10 * len(model.joints),), q, v)
+    out = batch_zeros((10 * len(model.joints),), q, v)
     for step, (V, _) in zip(tree, _motions(model, tree, q, v, None), strict=True):
         if step.is_last:
             first = 10 * model.joint_index(step.joint.name)
@@ -136,7 +137,7 @@ def kinetic_energy_regressor(model: Model, q: Array, v: Array) -> Array:
 def potential_energy_regressor(model: Model, q: Array) -> Array:
     """The row (..., 10 nbodies) that makes the potential energy [J] out of p; zero at the world's origin."""
     tree = steps(model)
-    out = blank((10 * len(model.joints),), q)
+    out = batch_zeros((10 * len(model.joints),), q)
     for step, T in zip(tree, poses(tree, q), strict=True):
         if step.is_last:
             first = 10 * model.joint_index(step.joint.name)
@@ -147,7 +148,7 @@ def potential_energy_regressor(model: Model, q: Array) -> Array:
 
 def _with_own(step: Step, below: tuple[_Column, ...], q: Array) -> tuple[_Column, ...]:
     """The columns of S of the steps up to and with `step`, in its frame, each with its place in v."""
-    carried = [(row, step.carry(S, q)) for row, S in below]
+    carried = [(row, step.motion_from_parent(S, q)) for row, S in below]
     own = [(row, S * step.multiplier) for row, S in zip(step.indices, step.subspace(), strict=True)]
     return (*carried, *own)
 
@@ -162,10 +163,10 @@ def _motions(
     """V and A of every step."""
 
     def advance(step: Step, before: tuple[Motion, Motion]) -> tuple[Motion, Motion]:
-        V, A = before[0], step.carry(before[1], q)
+        V, A = before[0], step.motion_from_parent(before[1], q)
         if v is not None:
             own = step.motion(v)
-            V = step.carry(V, q) + own
+            V = step.motion_from_parent(V, q) + own
             A = A + V.cross(own)
         return V, A if a is None else A + step.motion(a)
 

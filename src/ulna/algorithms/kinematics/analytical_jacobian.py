@@ -30,7 +30,7 @@ import numpy as np
 from ulna.algorithms.kinematics.forward_kinematics import frame_pose, frame_velocity
 from ulna.algorithms.kinematics.jacobian import frame_jacobian
 from ulna.algorithms.kinematics.jacobian_dot import frame_jacobian_dot
-from ulna.algorithms.multibody.tree import blank
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.errors import UnknownName
 from ulna.model import Frame, Model
 from ulna.numeric import apply, cross, dot, skew, sqrt
@@ -75,7 +75,7 @@ def analytical_jacobian(
     """
     J = frame_jacobian(model, q, frame)
     B = rate_matrix(frame_pose(model, q, frame).rotation, representation)
-    J_a = blank((6, model.nv), q)
+    J_a = batch_zeros((6, model.nv), q)
     J_a[..., :3, :] = J[..., :3, :]
     J_a[..., 3:, :] = B @ J[..., 3:, :]
     return J_a
@@ -99,7 +99,7 @@ def analytical_jacobian_dot(
     J, dJ = frame_jacobian(model, q, frame), frame_jacobian_dot(model, q, v, frame)
     R, w = frame_pose(model, q, frame).rotation, frame_velocity(model, q, v, frame).angular
     B, dB = rate_matrix(R, representation), rate_matrix_dot(R, w, representation)
-    result = blank((6, model.nv), q, v)
+    result = batch_zeros((6, model.nv), q, v)
     result[..., :3, :] = dJ[..., :3, :]
     result[..., 3:, :] = B @ dJ[..., 3:, :] + dB @ J[..., 3:, :]
     return result

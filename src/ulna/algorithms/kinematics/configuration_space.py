@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.algorithms.multibody.tree import blank
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.model import Joint, Model
 from ulna.numeric import sqrt
 from ulna.typing import Array, Floats
@@ -38,7 +38,7 @@ def coordinate_rates(model: Model, q: Array, v: Array) -> Array:
 
 def difference(model: Model, q0: Array, q1: Array) -> Array:
     """The velocity that leads from `q0` to `q1` in one second, the shortest way, shape (..., nv)."""
-    d = blank((model.nv,), q0, q1)
+    d = batch_zeros((model.nv,), q0, q1)
     for joint in _independent(model):
         d[..., _rows(joint)] = joint.kind.difference(_q(joint, q0), _q(joint, q1))
     return d
@@ -137,7 +137,7 @@ def _rows(joint: Joint) -> slice:
 
 def _join(model: Model, inputs: tuple[Array, ...], f: Callable[[Joint], Array]) -> Array:
     """The configuration whose part for each joint is f(joint)."""
-    q = blank((model.nq,), *inputs)
+    q = batch_zeros((model.nq,), *inputs)
     for joint in _independent(model):
         _q(joint, q)[...] = f(joint)
     return q
@@ -147,7 +147,7 @@ def _blocks(
     model: Model, inputs: tuple[Array, ...], f: Callable[[Joint], tuple[Array, Array]]
 ) -> tuple[Array, Array]:
     """The two matrices whose diagonal blocks are f(joint)."""
-    first, second = (blank((model.nv, model.nv), *inputs) for _ in range(2))
+    first, second = (batch_zeros((model.nv, model.nv), *inputs) for _ in range(2))
     for joint in _independent(model):
         rows = _rows(joint)
         first[..., rows, rows], second[..., rows, rows] = f(joint)

@@ -18,14 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ulna.algorithms.multibody.batch_shapes import broadcast_motion, broadcast_pose
+from ulna.algorithms.multibody.body_motions import body_accelerations, body_velocities
 from ulna.algorithms.multibody.references import Reference, check_reference, in_reference, relevant_placement
 from ulna.algorithms.multibody.tree import (
-    Step,
     chain,
-    outward,
     poses,
-    spread_motion,
-    spread_pose,
     steps,
     tip_pose,
 )
@@ -43,7 +41,7 @@ def joint_poses(model: Model, q: Array) -> list[SE3]:
         q: Configuration, shape (..., nq).
     """
     tree = steps(model)
-    return [spread_pose(T, q) for T, step in zip(poses(tree, q), tree, strict=True) if step.is_last]
+    return [broadcast_pose(T, q) for T, step in zip(poses(tree, q), tree, strict=True) if step.is_last]
 
 
 def frame_pose(model: Model, q: Array, frame: Frame) -> SE3:
@@ -54,7 +52,7 @@ def frame_pose(model: Model, q: Array, frame: Frame) -> SE3:
         q: Configuration, shape (..., nq).
         frame: A frame of the model.
     """
-    return spread_pose(tip_pose(chain(model, frame), q, frame.placement), q)
+    return broadcast_pose(tip_pose(chain(model, frame), q, frame.placement), q)
 
 
 def frame_poses(model: Model, q: Array, frames: Sequence[Frame]) -> list[SE3]:
@@ -69,7 +67,9 @@ def frame_poses(model: Model, q: Array, frames: Sequence[Frame]) -> list[SE3]:
     tree = steps(model, needed)
     last = [T for T, step in zip(poses(tree, q), tree, strict=True) if step.is_last]
     of_joint = dict(zip(needed, last, strict=True))
-    return [spread_pose(of_joint[f.joint] @ f.placement if f.joint >= 0 else f.placement, q) for f in frames]
+    return [
+        broadcast_pose(of_joint[f.joint] @ f.placement if f.joint >= 0 else f.placement, q) for f in frames
+    ]
 
 
 def joint_velocities(model: Model, q: Array, v: Array) -> list[Motion]:
@@ -81,8 +81,8 @@ def joint_velocities(model: Model, q: Array, v: Array) -> list[Motion]:
         v: Velocity, shape (..., nv).
     """
     tree = steps(model)
-    velocities = _velocities(tree, q, v)
-    return [spread_motion(V, q, v) for V, step in zip(velocities, tree, strict=True) if step.is_last]
+    velocities = body_velocities(tree, q, v)
+    return [broadcast_motion(V, q, v) for V, step in zip(velocities, tree, strict=True) if step.is_last]
 
 
 def joint_accelerations(model: Model, q: Array, v: Array, a: Array | None) -> list[Motion]:
@@ -96,8 +96,8 @@ def joint_accelerations(model: Model, q: Array, v: Array, a: Array | None) -> li
     """
     tree = steps(model)
     inputs = (q, v) if a is None else (q, v, a)
-    found = _accelerations(tree, q, v, a)
-    return [spread_motion(A, *inputs) for (_, A), step in zip(found, tree, strict=True) if step.is_last]
+    found = body_accelerations(tree, q, v, a)
+    return [broadcast_motion(A, *inputs) for (_, A), step in zip(found, tree, strict=True) if step.is_last]
 
 
 def frame_velocity(
@@ -115,10 +115,10 @@ def frame_velocity(
     check_reference(reference)
     tree = chain(model, frame)
     if not tree:
-        return spread_motion(Motion.zero(), q, v)
+        return broadcast_motion(Motion.zero(), q, v)
     placement = relevant_placement(frame.placement, reference)
-    V = placement.act_inverse(_velocities(tree, q, v)[-1])
-    return spread_motion(in_reference(V, tip_pose(tree, q, placement), reference), q, v)
+    V = placement.act_inverse(body_velocities(tree, q, v)[-1])
+    return broadcast_motion(in_reference(V, tip_pose(tree, q, placement), reference), q, v)
 
 
 def frame_acceleration(
@@ -149,9 +149,9 @@ def frame_acceleration(
     inputs = (q, v) if a is None else (q, v, a)
     tree = chain(model, frame)
     if not tree:
-        return spread_motion(Motion.zero(), *inputs)
+        return broadcast_motion(Motion.zero(), *inputs)
 
-    V, A = _accelerations(tree, q, v, a)[-1]
+    V, A = body_accelerations(tree, q, v, a)[-1]
     placement = relevant_placement(frame.placement, reference)
     V, A = placement.act_inverse(V), placement.act_inverse(A)
     T = tip_pose(tree, q, placement)
@@ -161,20 +161,4 @@ def frame_acceleration(
     if classical and reference == "world":
         V = in_reference(V, T, reference)
         A = Motion(A.linear + cross(V.angular, V.linear), A.angular)
-    return spread_motion(A, *inputs)
-
-
-def _velocities(tree: Sequence[Step], q: Array, v: Array) -> list[Motion]:
-    return outward(tree, Motion.zero(), lambda step, V: step.carry(V, q) + step.motion(v))
-
-
-def _accelerations(tree: Sequence[Step], q: Array, v: Array, a: Array | None) -> list[tuple[Motion, Motion]]:
-    """V and A of every step."""
-
-    def advance(step: Step, before: tuple[Motion, Motion]) -> tuple[Motion, Motion]:
-        own = step.motion(v)
-        V = step.carry(before[0], q) + own
-        A = step.carry(before[1], q) + V.cross(own)
-        return V, A if a is None else A + step.motion(a)
-
-    return outward(tree, (Motion.zero(), Motion.zero()), advance)
+    return broadcast_motion(A, *inputs)

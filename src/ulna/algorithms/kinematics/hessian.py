@@ -19,8 +19,9 @@ of a mimic joint add to those of its source in both places.
 from __future__ import annotations
 
 from ulna.algorithms.kinematics.jacobian import Column, frame_columns
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.references import Reference
-from ulna.algorithms.multibody.tree import blank, chain
+from ulna.algorithms.multibody.tree import chain
 from ulna.model import Frame, Model
 from ulna.numeric import cross
 from ulna.spatial import Motion
@@ -39,7 +40,7 @@ def frame_hessian(
         reference: "world", "local" or "local_world_aligned".
     """
     columns = frame_columns(chain(model, frame), q, frame.placement, reference)
-    H = blank((model.nv, 6, model.nv), q)
+    H = batch_zeros((model.nv, 6, model.nv), q)
     for k in columns:
         for j in columns:
             change = _change(k, j, reference)

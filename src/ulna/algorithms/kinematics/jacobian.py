@@ -21,8 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.references import Reference, check_reference
-from ulna.algorithms.multibody.tree import Step, blank, chain, poses, steps
+from ulna.algorithms.multibody.tree import Step, chain, poses, steps
 from ulna.model import Frame, Model
 from ulna.numeric import apply, cross, skew
 from ulna.spatial import SE3, Motion
@@ -50,7 +51,7 @@ def frame_jacobian(
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
     """
-    J = blank((6, model.nv), q)
+    J = batch_zeros((6, model.nv), q)
     for column in frame_columns(chain(model, frame), q, frame.placement, reference):
         J[..., :3, column.index] += column.motion.linear
         J[..., 3:, column.index] += column.motion.angular
@@ -67,7 +68,7 @@ def joint_jacobians(model: Model, q: Array) -> Array:
         model: The robot.
         q: Configuration, shape (..., nq).
     """
-    J = blank((6, model.nv), q)
+    J = batch_zeros((6, model.nv), q)
     for column in world_columns(steps(model), q):
         J[..., :3, column.index] += column.motion.linear
         J[..., 3:, column.index] += column.motion.angular

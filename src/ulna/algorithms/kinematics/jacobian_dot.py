@@ -20,8 +20,9 @@ from functools import reduce
 from operator import add
 
 from ulna.algorithms.kinematics.jacobian import Column, by_step, frame_columns, world_columns
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.references import Reference
-from ulna.algorithms.multibody.tree import blank, chain, steps
+from ulna.algorithms.multibody.tree import chain, steps
 from ulna.model import Frame, Model
 from ulna.numeric import cross
 from ulna.spatial import Motion
@@ -42,7 +43,7 @@ def frame_jacobian_dot(
     """
     groups = by_step(frame_columns(chain(model, frame), q, frame.placement, reference))
     upto, beyond = partial_twists(groups, v)
-    dJ = blank((6, model.nv), q, v)
+    dJ = batch_zeros((6, model.nv), q, v)
     for group, V, rest in zip(groups, upto, beyond, strict=True):
         for column in group:
             change = _change(column.motion, V, rest, reference)
@@ -60,7 +61,7 @@ def joint_jacobians_dot(model: Model, q: Array, v: Array) -> Array:
         v: Velocity, shape (..., nv).
     """
     tree = steps(model)
-    dJ = blank((6, model.nv), q, v)
+    dJ = batch_zeros((6, model.nv), q, v)
     twists: list[Motion] = []
     groups = by_step(world_columns(tree, q))
     for step, group in zip(tree, groups, strict=True):

@@ -23,7 +23,8 @@ import numpy as np
 
 from ulna import linalg
 from ulna.algorithms.kinematics.jacobian import aligned_columns, by_step, frame_jacobian
-from ulna.algorithms.multibody.tree import blank, chain
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.tree import chain
 from ulna.errors import InputError, TraceError, UnknownName
 from ulna.model import Frame, Model
 from ulna.numeric import cross, dot, is_symbolic
@@ -115,10 +116,10 @@ def manipulability_gradient(model: Model, q: Array, frame: Frame, axes: Axes = "
     columns = aligned_columns(chain(model, frame), q, frame.placement)
     J = frame_jacobian(model, q, frame)[..., rows, :]
     P, m = _pseudoinverse_transposed(J)
-    full = blank((6, model.nv), q)
+    full = batch_zeros((6, model.nv), q)
     full[..., rows, :] = P
 
-    gradient = blank((model.nv,), q)
+    gradient = batch_zeros((model.nv,), q)
     groups = by_step(columns)
     before: Any = np.zeros(3)  # the sum of f_j over the steps before k
     for group in groups:

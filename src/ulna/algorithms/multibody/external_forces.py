@@ -1,4 +1,4 @@
-"""Forces that act on the bodies from elsewhere: given at frames, wanted at joints.
+"""External forces on the bodies: from wrenches at frames to wrenches at joints.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
@@ -20,7 +20,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ulna.algorithms.multibody.references import Reference, check_reference
-from ulna.algorithms.multibody.tree import chain, poses
+from ulna.algorithms.multibody.tree import Step, chain, poses
 from ulna.model import Frame, Model
 from ulna.numeric import apply, cross
 from ulna.spatial import Force
@@ -50,27 +50,37 @@ def at_joints(
         UnknownName: no such reference.
     """
     check_reference(reference)
-    found: list[Force | None] = [None] * len(model.joints)
+    external: list[Force | None] = [None] * len(model.joints)
     for k, frame in enumerate(frames):
         if frame.joint >= 0:
-            given = Force(wrenches[..., k, :3], wrenches[..., k, 3:])
-            force = _at_joint(model, q, given, frame, reference)
-            before = found[frame.joint]
-            found[frame.joint] = force if before is None else before + force
-    return found
+            wrench = Force(wrenches[..., k, :3], wrenches[..., k, 3:])
+            force = _at_joint(model, q, wrench, frame, reference)
+            sum_ = external[frame.joint]
+            external[frame.joint] = force if sum_ is None else sum_ + force
+    return external
 
 
-def _at_joint(model: Model, q: Array, given: Force, frame: Frame, reference: Reference) -> Force:
+def at_steps(model: Model, tree: Sequence[Step], external: External) -> list[Force]:
+    """The force on the body of every step, in the moving frame of its joint; zero where there is none.
+
+    Args:
+        model: The robot.
+        tree: Its steps, of which the last one of every joint carries the body.
+        external: Forces on the bodies.
+    """
+    forces: list[Force] = []
+    for step in tree:
+        force = external[model.joint_index(step.joint.name)] if external and step.is_last else None
+        forces.append(Force.zero() if force is None else force)
+    return forces
+
+
+def _at_joint(model: Model, q: Array, wrench: Force, frame: Frame, reference: Reference) -> Force:
     if reference == "local":
-        return frame.placement.act(given)
+        return frame.placement.act(wrench)
     T = poses(chain(model, frame), q)[-1]
     if reference == "world":
-        return T.act_inverse(given)
+        return T.act_inverse(wrench)
     back = np.swapaxes(T.rotation, -1, -2)
-    force = apply(back, given.linear)
-    return Force(force, apply(back, given.angular) + cross(frame.placement.translation, force))
-
-
-def batches(external: External) -> list[Array]:
-    """Arrays whose batch is that of the forces."""
-    return [part for force in external or () if force is not None for part in (force.linear, force.angular)]
+    force = apply(back, wrench.linear)
+    return Force(force, apply(back, wrench.angular) + cross(frame.placement.translation, force))

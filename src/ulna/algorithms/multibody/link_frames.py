@@ -36,19 +36,23 @@ _CHOICES = (
 )
 
 
-class Tidy(NamedTuple):
-    """Steps between tidy frames."""
+class LinkFrames(NamedTuple):
+    """Steps between optimised link frames."""
 
     tree: tuple[Step, ...]
     frames: tuple[SE3, ...]
-    """C: each moving frame, seen from the one that the model names."""
+    """C: the pose of each moving frame in the one that the model names."""
 
 
-def tidy(model: Model) -> Tidy:
-    """The steps of a model between moving frames that are as close to each other as can be."""
+def choose_link_frames(model: Model) -> LinkFrames:
+    """The steps of a model between moving frames whose placements have as few entries other than 0 and 1 as possible.
+
+    Args:
+        model: The robot; where its placements are not numbers, its own frames are returned.
+    """
     old = steps(model)
     if is_symbolic(*(x for s in old for x in (s.placement.rotation, s.placement.translation))):
-        return Tidy(old, tuple(SE3.identity() for _ in old))
+        return LinkFrames(old, tuple(SE3.identity() for _ in old))
     children: list[list[int]] = [[] for _ in old]
     for i, step in enumerate(old):
         if step.parent >= 0:
@@ -73,7 +77,7 @@ def tidy(model: Model) -> Tidy:
         offset = math.remainder(offset, 2.0 * math.pi)
         tree.append(replace(step, placement=P, kind=kind, offset=offset))
         frames.append(C)
-    return Tidy(tuple(tree), tuple(frames))
+    return LinkFrames(tuple(tree), tuple(frames))
 
 
 def _aligned(kind: JointKind) -> tuple[JointKind, SE3]:

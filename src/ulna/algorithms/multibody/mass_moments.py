@@ -1,4 +1,4 @@
-"""Inertias as what adds up: mass, first and second moment about a frame's origin; and which of them a joint can feel.
+"""The inertia of a rigid body as mass, first and second moment about a frame's origin, which add up.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
@@ -6,66 +6,66 @@
 | c | first moment: mass times centre of mass | (3) | [kg m] | |
 | I | rotational inertia about the origin | (3, 3) | [kg m^2] | |
 | h = (p, n) | momentum at the twist (v, w) | Force | [N s, N m s] | p = m v + w x c, n = I w + c x v |
-| D | rate of I about a point that stands still | (3, 3) | [kg m^2/s] | [w] I - I [w] + 2 (c.v) 1 - c v^T - v c^T |
-| k, a, b | axis of a revolute joint, and the two across it | | | |
+| D | rate of I about an origin that is at rest | (3, 3) | [kg m^2/s] | [w] I - I [w] + 2 (c.v) 1 - c v^T - v c^T |
 
-What lies on the axis of a revolute joint moves with either of the two bodies it joins: a mass m, a first moment c_k,
-and a part of I that is equal in aa and bb. It may as well belong to the parent. `felt` moves all of it inward, so
-that most bodies have no mass, no c_k and no I_bb any more, and their zeros fold away; the torques are the same to the
-last parameter. Prismatic joints and translations leave I, spherical joints m, to the parent. Forces and momenta of
-bodies are not the same: use it only for what is projected on motion subspaces.
-
-Source: Khalil & Kleinfinger, Minimum operations and minimum parameters of the dynamic models of tree structure robots
-(1987). The rotation of I about a coordinate axis is Featherstone's, appendix A.5.
+Source: Featherstone 2008, appendix A.3 (the ten numbers of a rigid-body inertia) and A.5 (the rotation of I about a
+coordinate axis).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ulna.algorithms.multibody.link_frames import Tidy
 from ulna.algorithms.multibody.tree import Step
-from ulna.model import Continuous, Helical, JointKind, Model, Prismatic, Revolute, Spherical, Translation
-from ulna.numeric import apply, cross, dot, is_symbolic, matrix
+from ulna.model import Continuous, Helical, JointKind, Model, Revolute
+from ulna.numeric import apply, cross, dot, matrix, skew
 from ulna.spatial import SE3, Force, Inertia, Motion
+from ulna.spatial.batched import column
 from ulna.typing import Array
 
 
 @dataclass(frozen=True, slots=True)
-class Lump:
-    """The inertia of bodies about the origin of a frame; lumps in one frame are added."""
+class MassMoments:
+    """Mass, first and second moment of bodies about the origin of a frame; those in one frame are added."""
 
     mass: Any
     first: Array
     second: Array
 
     @classmethod
-    def of(cls, inertia: Inertia) -> Lump:
-        """That of a body."""
+    def of_body(cls, inertia: Inertia) -> MassMoments:
+        """Those of one body."""
         return cls(inertia.mass, inertia.first_moment(), inertia.about_origin())
 
     @classmethod
-    def zero(cls) -> Lump:
-        """That of nothing."""
+    def zero(cls) -> MassMoments:
+        """Those of no body."""
         return cls(0.0, np.zeros(3), np.zeros((3, 3)))
 
-    def __add__(self, other: Lump) -> Lump:
-        return Lump(self.mass + other.mass, self.first + other.first, self.second + other.second)
+    def __add__(self, other: MassMoments) -> MassMoments:
+        return MassMoments(self.mass + other.mass, self.first + other.first, self.second + other.second)
 
-    def __sub__(self, other: Lump) -> Lump:
-        return Lump(self.mass - other.mass, self.first - other.first, self.second - other.second)
+    def __sub__(self, other: MassMoments) -> MassMoments:
+        return MassMoments(self.mass - other.mass, self.first - other.first, self.second - other.second)
 
     def apply(self, motion: Motion) -> Force:
         """The momentum at a twist, or the force at an acceleration."""
         v, w = motion.linear, motion.angular
-        linear = _wide(self.mass, 1) * v + cross(w, self.first)
+        linear = column(self.mass) * v + cross(w, self.first)
         return Force(linear, apply(self.second, w) + cross(self.first, v))
 
+    def matrix(self) -> Array:
+        """The 6x6 inertia, shape (..., 6, 6), linear part first: momentum = matrix @ twist."""
+        c, m = skew(self.first), column(self.mass, 2) * np.eye(3)
+        m, c, I = np.broadcast_arrays(m, c, self.second)
+        return np.concatenate([np.concatenate([m, -c], axis=-1), np.concatenate([c, I], axis=-1)], axis=-2)
+
     def rate(self, V: Motion) -> Array:
-        """D, when the body has the twist V and the origin stands still."""
+        """D of a body with the twist V, about an origin at rest, shape (..., 3, 3) [kg m^2/s]."""
         w, I, c, v = V.angular, self.second, self.first, V.linear
         x, y, z = w[..., 0], w[..., 1], w[..., 2]
         e = [[I[..., i, j] for j in range(3)] for i in range(3)]
@@ -74,16 +74,41 @@ class Lump:
         xy = z * (e[0][0] - e[1][1]) + y * e[1][2] - x * e[0][2]
         xz = y * (e[2][2] - e[0][0]) + x * e[0][1] - z * e[1][2]
         yz = x * (e[1][1] - e[2][2]) + z * e[0][2] - y * e[0][1]
-        turned = matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, -(xx + yy)]])
-        return turned + steiner(c, v)
+        rotation = matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, -(xx + yy)]])
+        return rotation + steiner(c, v)
 
-    def moved(self, T: SE3, axis: int | None = None) -> Lump:
-        """The same seen from the outer frame of T, which turns about a coordinate axis if it is told which."""
+    def to_outer_frame(self, T: SE3, axis: int | None = None) -> MassMoments:
+        """The same about the origin of the frame in which the present one has the pose T.
+
+        Args:
+            T: The pose of the present frame in the outer one [m].
+            axis: The coordinate axis, 0, 1 or 2, about which T turns, which saves operations; None for any rotation.
+        """
         p, m = T.translation, self.mass
         c = apply(T.rotation, self.first)
-        shifted = c + _wide(m, 1) * p
-        I = turned(T.rotation, self.second, axis) + steiner(p, c + 0.5 * _wide(m, 1) * p)
-        return Lump(m, shifted, I)
+        shifted = c + column(m) * p
+        I = rotate_symmetric(T.rotation, self.second, axis) + steiner(p, c + 0.5 * column(m) * p)
+        return MassMoments(m, shifted, I)
+
+
+def body_moments(model: Model, tree: Sequence[Step]) -> list[MassMoments]:
+    """The inertia of the body of every step, in the moving frame of its joint; zero for the inner parts of a joint.
+
+    Args:
+        model: The robot.
+        tree: Its steps, of which the last one of every joint carries the body.
+    """
+    return [
+        MassMoments.of_body(model.inertias[model.joint_index(step.joint.name)])
+        if step.is_last
+        else MassMoments.zero()
+        for step in tree
+    ]
+
+
+def in_parent_frame(step: Step, body: MassMoments, q: Array) -> MassMoments:
+    """X acting on an inertia: from the moving frame of a step to the parent's moving frame."""
+    return body.to_outer_frame(step.transform(q), rotation_axis(step.kind)).to_outer_frame(step.placement)
 
 
 def steiner(a: Array, b: Array) -> Array:
@@ -94,7 +119,7 @@ def steiner(a: Array, b: Array) -> Array:
     return matrix([[yy + zz, xy, xz], [xy, xx + zz, yz], [xz, yz, xx + yy]])
 
 
-def turned(R: Array, I: Array, axis: int | None = None) -> Array:
+def rotate_symmetric(R: Array, I: Array, axis: int | None = None) -> Array:
     """R I R^T (..., 3, 3) of a symmetric I; cheaper when R turns about a coordinate axis, 0, 1 or 2."""
     if axis is None:
         half = R @ I
@@ -112,55 +137,10 @@ def turned(R: Array, I: Array, axis: int | None = None) -> Array:
     return matrix(out)
 
 
-def turning_axis(kind: JointKind) -> int | None:
+def rotation_axis(kind: JointKind) -> int | None:
     """The coordinate axis, 0, 1 or 2, about which a joint turns its moving frame; None if it is not one."""
     if isinstance(kind, (Revolute, Continuous, Helical)):
         axis = np.asarray(kind.axis)
         if np.count_nonzero(axis) == 1:
             return int(np.abs(axis).argmax())
     return None
-
-
-def lumps(model: Model, tidied: Tidy) -> list[Lump]:
-    """Of every step the body it carries, in its moving frame; nothing for the inner parts of a joint."""
-    return [
-        Lump.of(model.inertias[model.joint_index(step.joint.name)]).moved(frame.inverse())
-        if step.is_last
-        else Lump.zero()
-        for step, frame in zip(tidied.tree, tidied.frames, strict=True)
-    ]
-
-
-def felt(model: Model, tidied: Tidy) -> list[Lump]:
-    """The same for torques: what the joint of a step cannot tell from inertia of its parent is given to the parent."""
-    bodies = lumps(model, tidied)
-    for i, step in reversed(list(enumerate(tidied.tree))):
-        if step.parent >= 0 and is_symbolic(step.placement.rotation, step.placement.translation):
-            continue  # moving inertia through a placement that is not known costs more than it saves
-        given = _indifferent(step, bodies[i])
-        if given is None:
-            continue
-        bodies[i] = bodies[i] - given
-        if step.parent >= 0:
-            bodies[step.parent] = bodies[step.parent] + given.moved(step.placement)
-    return bodies
-
-
-def _indifferent(step: Step, body: Lump) -> Lump | None:
-    """The part of a body that moves with the parent as well, in the moving frame at zero, which is the fixed frame."""
-    nothing = np.zeros(3), np.zeros((3, 3))
-    if isinstance(step.kind, (Prismatic, Translation)):
-        return Lump(0.0, nothing[0], body.second)
-    if isinstance(step.kind, Spherical):
-        return Lump(body.mass, *nothing)
-    if not isinstance(step.kind, (Revolute, Continuous)):
-        return None
-    k = turning_axis(step.kind)
-    if k is None:
-        return Lump(body.mass, *nothing)
-    b = (k + 2) % 3
-    return Lump(body.mass, body.first * np.eye(3)[k], body.second[b, b] * (np.eye(3) - np.diag(np.eye(3)[k])))
-
-
-def _wide(x: Any, rank: int) -> Any:
-    return x[(..., *[None] * rank)] if isinstance(x, np.ndarray) and x.ndim else x

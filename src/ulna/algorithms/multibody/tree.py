@@ -22,11 +22,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-import numpy as np
-
 from ulna.model import Composite, Frame, Joint, JointKind, Model, Revolute, Universal
-from ulna.numeric import is_symbolic
-from ulna.spatial import SE3, Motion
+from ulna.spatial import SE3, Force, Motion
 from ulna.typing import Array
 
 Value = TypeVar("Value")
@@ -67,6 +64,10 @@ class Step:
         """S: its columns in the moving frame."""
         return self.kind.motion_subspace(self.kind.neutral())
 
+    def columns(self) -> list[tuple[int, Motion]]:
+        """The columns of S, times the multiplier of a mimic joint, and the entry of `v` that each belongs to."""
+        return [(k, s * self.multiplier) for k, s in zip(self.indices, self.subspace(), strict=True)]
+
     def transform(self, q: Array) -> SE3:
         """J(q)."""
         position = self.joint.q_of(q)[..., self.start_q : self.start_q + self.kind.nq]
@@ -81,9 +82,13 @@ class Step:
         """P J(q) T: a pose T in the moving frame, seen from the parent's moving frame."""
         return self.placement @ (self.transform(q) @ T)
 
-    def carry(self, motion: Motion, q: Array) -> Motion:
+    def motion_from_parent(self, motion: Motion, q: Array) -> Motion:
         """X^-1 acting on a twist of the parent's moving frame: the same twist in the moving frame."""
         return self.transform(q).act_inverse(self.placement.act_inverse(motion))
+
+    def force_to_parent(self, force: Force, q: Array) -> Force:
+        """X acting on a wrench of the moving frame: the same wrench in the parent's moving frame."""
+        return self.placement.act(self.transform(q).act(force))
 
     def motion(self, v: Array) -> Motion:
         """S times the part of `v` that moves this step, in the moving frame; likewise of an acceleration."""
@@ -102,17 +107,17 @@ def steps(model: Model, joints: Iterable[int] | None = None) -> tuple[Step, ...]
         model: The robot.
         joints: Ascending indices; with every joint, the joints it stands on.
     """
-    found: list[Step] = []
+    tree: list[Step] = []
     last_of = {-1: -1}
     for index in range(len(model.joints)) if joints is None else joints:
         joint = model.joints[index]
         parent, start_q, start_v = last_of[joint.parent], 0, 0
         parts = _unfold(joint.kind, joint.placement)
         for k, (placement, kind) in enumerate(parts):
-            found.append(Step(joint, parent, placement, kind, start_q, start_v, k == len(parts) - 1))
-            parent, start_q, start_v = len(found) - 1, start_q + kind.nq, start_v + kind.nv
+            tree.append(Step(joint, parent, placement, kind, start_q, start_v, k == len(parts) - 1))
+            parent, start_q, start_v = len(tree) - 1, start_q + kind.nq, start_v + kind.nv
         last_of[index] = parent
-    return tuple(found)
+    return tuple(tree)
 
 
 def chain(model: Model, frame: Frame) -> tuple[Step, ...]:
@@ -129,7 +134,7 @@ def outward(tree: Sequence[Step], root: Value, f: Callable[[Step, Value], Value]
 
 
 def inward(tree: Sequence[Step], values: Sequence[Any], f: Callable[[Step, Any], Any]) -> list[Any]:
-    """Values that gather towards the root: value_p(i) += f(step_i, value_i), the leaves first."""
+    """Values summed towards the root: value_p(i) += f(step_i, value_i), the leaves first."""
     gathered = list(values)
     for step, i in zip(reversed(tree), reversed(range(len(tree))), strict=True):
         if step.parent >= 0:
@@ -137,10 +142,10 @@ def inward(tree: Sequence[Step], values: Sequence[Any], f: Callable[[Step, Any],
     return gathered
 
 
-def gathered_in_world(
+def sum_in_world(
     tree: Sequence[Step], values: Sequence[Any], world: Any, f: Callable[[Step, Any], Any]
 ) -> Any:
-    """What `inward` would bring to the world, added to `world`."""
+    """The sum of f(step_i, value_i) over the steps on the world, after `inward`, added to `world`."""
     for step, value in zip(tree, inward(tree, values, f), strict=True):
         if step.parent < 0:
             world = world + f(step, value)
@@ -163,29 +168,6 @@ def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
     return fixed @ tip
 
 
-def blank(shape: tuple[int, ...], *inputs: Array) -> Array:
-    """Zeros of the batch of `inputs`, each (..., n), then of `shape`; objects when an input holds symbols."""
-    if is_symbolic(*inputs):
-        return np.full(shape, 0.0, dtype=object)
-    return np.zeros(_batch(inputs) + shape)
-
-
-def spread_pose(pose: SE3, *inputs: Array) -> SE3:
-    """`pose` once for each element of the batch of `inputs`, also where it does not depend on them."""
-    if is_symbolic(*inputs):
-        return pose
-    batch = _batch(inputs)
-    return SE3(np.broadcast_to(pose.rotation, (*batch, 3, 3)), np.broadcast_to(pose.translation, (*batch, 3)))
-
-
-def spread_motion(motion: Motion, *inputs: Array) -> Motion:
-    """`motion` once for each element of the batch of `inputs`, also where it does not depend on them."""
-    if is_symbolic(*inputs):
-        return motion
-    batch = _batch(inputs)
-    return Motion(np.broadcast_to(motion.linear, (*batch, 3)), np.broadcast_to(motion.angular, (*batch, 3)))
-
-
 def _unfold(kind: JointKind, placement: SE3) -> list[tuple[SE3, JointKind]]:
     """The parts of a kind, each with the pose of its fixed frame in the moving frame before it."""
     if isinstance(kind, Universal):
@@ -195,7 +177,3 @@ def _unfold(kind: JointKind, placement: SE3) -> list[tuple[SE3, JointKind]]:
         places = [placement @ kind.placements[0], *kind.placements[1:]]
         return [part for k, place in zip(kind.kinds, places, strict=True) for part in _unfold(k, place)]
     return [(placement, kind)]
-
-
-def _batch(inputs: Sequence[Array]) -> tuple[int, ...]:
-    return np.broadcast_shapes(*(np.shape(x)[:-1] for x in inputs))

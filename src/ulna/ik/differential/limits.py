@@ -24,7 +24,7 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from ulna.algorithms.multibody.tree import blank
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.errors import InputError, ShapeError
 from ulna.ik.differential.task import Shapes
 from ulna.model import Composite, JointKind, Model
@@ -190,7 +190,7 @@ def _speed_to_stop(way: Any, a: float, dt: Any) -> Any:
 
 
 def _unbounded(model: Model, q: Array) -> tuple[Array, Array]:
-    free = blank((model.nv,), q)
+    free = batch_zeros((model.nv,), q)
     return free - np.inf, free + np.inf
 
 

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna.algorithms import integrate
-from ulna.algorithms.multibody.tree import blank
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.errors import InputError
 from ulna.ik.differential.joints import PostureTask
 from ulna.ik.differential.limits import Interval, Limit, Strip
@@ -213,7 +213,7 @@ class Program:
 
     def full_velocity(self, x: Array, q: Array) -> Array:
         """The velocity (nv,) of the whole robot: joints that may not move stand still."""
-        v = blank((self.model.nv,), q)
+        v = batch_zeros((self.model.nv,), q)
         v[..., self.moving] = x
         return v
 

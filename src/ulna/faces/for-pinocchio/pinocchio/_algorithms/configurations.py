@@ -14,7 +14,7 @@ from pinocchio._model.building import FREE
 from pinocchio._model.model import Model
 from pinocchio._spatial.random_numbers import generator
 from ulna import algorithms
-from ulna.algorithms.multibody.tree import blank
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.model.joints.base import Coordinate
@@ -78,7 +78,7 @@ def _within(model: CoreModel) -> Any:
     """
 
     def run(parts: Array, normal: Array, low: Array, high: Array) -> tuple[Array, Array]:
-        q = blank((model.nq,), parts)
+        q = batch_zeros((model.nq,), parts)
         for joint in model.joints:
             for k, c in enumerate(() if joint.mimic else joint.kind.coordinates, start=joint.idx_q):
                 q[k] = normal[k] if c.unit == "" else _drawn(c, parts[k], low[k], high[k])
