@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import secrets
 import stat
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -15,12 +17,18 @@ from typing import Any
 # no links followed; a pipe that stands in a file's place is not waited for
 _READING = os.O_RDONLY | sum(getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY"))
 
+_TEMPORARY = re.compile(r"\.ulna-[0-9a-f]{8}(\..*)?", re.DOTALL)
+_STALE = 86400.0  # s without a change after which such a file is of a process that ended
+_cleaned: set[Path] = set()
+
 
 @contextmanager
 def replacing(target: str | os.PathLike[str]) -> Iterator[Path]:
     """A path to write to, beside `target`, which takes its place at the end; after an error it is removed.
 
-    A reader, and whoever looks after a crash, finds the old file, the new one or none, never a part.
+    A reader, and whoever looks after a crash, finds the old file, the new one or none, never a part. So it is after a
+    loss of power, too: the content is on the disk (`os.fsync`) before the file gets its name. What a killed process
+    left beside is removed by the first write of a process into that folder, a day later or more.
 
     Raises:
         OSError: It cannot be written; `target` is as it was.
@@ -31,10 +39,12 @@ def replacing(target: str | os.PathLike[str]) -> Iterator[Path]:
     if place.exists() and not place.is_file():  # a device or a pipe is written to, never replaced
         yield place
         return
-    beside = place.with_name(f".{secrets.token_hex(4)}{place.suffix}")
+    _remove_stale(place.parent)
+    beside = place.with_name(f".ulna-{secrets.token_hex(4)}{place.suffix}")
     try:
         beside.touch()  # before the work that may be long
         yield beside
+        _sync(beside)
         if place.exists():
             with suppress(OSError):
                 os.chmod(beside, stat.S_IMODE(place.stat().st_mode))
@@ -42,6 +52,33 @@ def replacing(target: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             beside.unlink(missing_ok=True)
+
+
+def _sync(path: Path) -> None:
+    """Has the content of a file written to the disk, where the file system can tell."""
+    descriptor = os.open(path, os.O_RDWR | getattr(os, "O_CLOEXEC", 0))
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):
+            raise
+    finally:
+        os.close(descriptor)
+
+
+def _remove_stale(folder: Path) -> None:
+    """Removes files that `replacing` made in a folder and that nothing has written to for a day; once per process."""
+    if folder in _cleaned:
+        return
+    _cleaned.add(folder)
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if _TEMPORARY.fullmatch(entry.name) is None:
+                continue
+            with suppress(OSError):
+                status = entry.stat(follow_symlinks=False)
+                if stat.S_ISREG(status.st_mode) and time.time() - status.st_mtime > _STALE:
+                    os.unlink(entry.path)
 
 
 def save_figure(figure: Any, path: Any) -> None:

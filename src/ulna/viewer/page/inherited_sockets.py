@@ -24,7 +24,9 @@ def close_inherited(servers: Iterable[Any]) -> None:
 
 
 def _descriptors(server: Any) -> Iterator[int]:
-    sockets = list(getattr(server, "sockets", ()) if getattr(server, "server", None) is not None else ())
+    sockets: list[Any] = list(
+        getattr(server, "sockets", ()) if getattr(server, "server", None) is not None else ()
+    )
     for connection in list(getattr(server, "handlers", ())):
         transport = getattr(connection, "transport", None)
         sockets.append(transport.get_extra_info("socket") if transport is not None else None)
