@@ -18,7 +18,7 @@ import queue
 import shutil
 import tempfile
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict
 from pathlib import Path
 
@@ -82,11 +82,11 @@ class _Results:
         """The verdict on a mutant, empty where there is none yet."""
         if (mutant.path, mutant.change) in self._equivalent:
             return "equivalent"
-        return self._all.get(mutant.name, {}).get("status", "")
+        return self._all.get(mutant.key, {}).get("status", "")
 
     def add(self, mutant: Mutant, verdict: trial.Verdict) -> None:
         """Notes a verdict and writes the file."""
-        self._all[mutant.name] = asdict(verdict)
+        self._all[mutant.key] = asdict(verdict)
         self._path.parent.mkdir(parents=True, exist_ok=True)
         beside = self._path.with_suffix(".new")
         beside.write_text(json.dumps(self._all, indent=1))
@@ -119,7 +119,8 @@ def _try(
 
     try:
         with ThreadPoolExecutor(options.jobs) as pool:
-            for mutant, verdict in pool.map(one, planned):
+            for done in as_completed([pool.submit(one, plan) for plan in planned]):
+                mutant, verdict = done.result()
                 results.add(mutant, verdict)
                 by = verdict.test or f"{verdict.tests} tests"
                 print(f"{verdict.status:9} {verdict.seconds:4.0f} s  {mutant.name}  [{by}]", flush=True)

@@ -10,37 +10,31 @@ from pathlib import Path
 from mutation.coverage_map import CoverageMap
 from mutation.mutant import Mutant
 
-FILES = 5  # test files that are tried where the map knows nothing
+FUNCTIONS, FILES = 12, 2  # how many test functions and files are tried where the map knows nothing
 _OTHER = ("browser", "architecture", "fuzz")  # folders of tests that try no single line
 
 
 def stages(mutant: Mutant, covered: CoverageMap, root: Path, budget: float) -> list[list[str]]:
-    """The tests to try, in up to three rounds; each round takes about `budget` seconds at most.
+    """The tests to try, in up to four rounds; each round takes about `budget` seconds at most.
 
     First the quickest of the tests that run the mutated lines, then more of these and of the tests that run the file,
-    then the test files that name what is mutated.
+    then, where these are few, the test functions and files that name what is mutated.
     """
     if mutant.function_lines is not None:
         exact = covered.of_lines(mutant.path, mutant.line, mutant.last_line)
     else:
         exact = covered.of_lines(mutant.path, *(mutant.signature_of or (0, -1)))
-    own = Path(mutant.path).stem.strip("_")
+    own = _module(mutant.path)[-1]
 
     def order(test: str) -> tuple[bool, float]:
-        return own not in test, covered.seconds(test)
+        return own not in re.split(r"\W|_", test), covered.seconds(test)
 
     near = _within(sorted(exact, key=order), covered, budget)
     first = near[:12]
     second = near[12:] + _within(sorted(covered.of_file(mutant.path) - exact, key=order), covered, budget / 2)
     rounds = [first, second]
     if len(first) < 12:
-        rounds.append(
-            [
-                file
-                for file in named(mutant, root)
-                if not all(t.startswith(f"{file}::") for t in first) or not first
-            ]
-        )
+        rounds += named(mutant, root)
     return [tests for tests in rounds if tests]
 
 
@@ -55,18 +49,24 @@ def _within(tests: list[str], covered: CoverageMap, budget: float) -> list[str]:
     return chosen
 
 
-def named(mutant: Mutant, root: Path) -> list[str]:
-    """The test files that name most of a mutant: its path, the function around it, what its module defines."""
+def named(mutant: Mutant, root: Path) -> list[list[str]]:
+    """The test functions, then the files, that name most of a mutant: its path, the function around it, its module."""
     module = _module(mutant.path)
     inner, others = _names((root / mutant.path).read_text(), mutant.line)
-    scores = []
-    for file, words in _test_words(root):
-        mirror = Path(mutant.path).stem.strip("_") in Path(file).stem
-        folder = sum(part in Path(file).parts for part in module[1:-1] + module[:1])
-        score = 6 * mirror + 3 * folder + 4 * sum(name in words for name in inner)
-        score += min(4, sum(name in words for name in others))
-        scores.append((-score, file))
-    return [file for score, file in sorted(scores)[:FILES] if score <= -4]
+    files, functions = [], []
+    for file, words, tests in _test_words(root):
+        own = Path(file).stem.removeprefix("test_").split("_")
+        place = 6 * (module[-1] in own or module[-1] == "_".join(own))
+        place += 4 * len(set(module[:-1]).intersection(Path(file).parts))
+        defined = min(4, sum(name in words for name in others))
+        files.append((-place - 4 * len(words.intersection(inner)) - defined, file))
+        for test, inside in tests.items():
+            near = len(inside.intersection(inner))
+            if place >= 6 or near:
+                defined = min(4, sum(name in inside for name in others))
+                functions.append((-place - 6 * near - defined, f"{file}::{test}"))
+    best = [test for _, test in sorted(functions)[:FUNCTIONS]]
+    return [best, [file for score, file in sorted(files)[:FILES] if score <= -4]]
 
 
 def _module(path: str) -> tuple[str, ...]:
@@ -89,13 +89,25 @@ def _names(source: str, line: int) -> tuple[list[str], set[str]]:
 
 
 @lru_cache
-def _test_words(root: Path) -> list[tuple[str, set[str]]]:
-    """The test files and the words in each, and in the scripts beside it that it runs."""
+def _test_words(root: Path) -> list[tuple[str, set[str], dict[str, set[str]]]]:
+    """The test files, the words in each and in the scripts beside it that it runs, and those in each test function."""
     found = []
     for path in sorted((root / "tests").rglob("test_*.py")):
         if set(_OTHER).isdisjoint(path.relative_to(root).parts):
             text = path.read_text()
+            tree = ast.parse(text)
             scripts = (p for p in path.parent.glob("*.py") if p.stem[:5] != "test_" and p.name in text)
-            words = set(re.findall(r"\w+", "\n".join([text, *(script.read_text() for script in scripts)])))
-            found.append((path.relative_to(root).as_posix(), words))
+            words = _identifiers(tree).union(*(_identifiers(ast.parse(p.read_text())) for p in scripts))
+            tests = {
+                node.name: _identifiers(node)
+                for node in tree.body
+                if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+            }
+            found.append((path.relative_to(root).as_posix(), words, tests))
     return found
+
+
+def _identifiers(tree: ast.AST) -> set[str]:
+    """The names that a piece of source uses."""
+    names = (getattr(node, "attr", getattr(node, "id", getattr(node, "name", ""))) for node in ast.walk(tree))
+    return {str(name).strip("_") for name in names}

@@ -9,12 +9,15 @@ from dataclasses import dataclass
 class Mutant:
     """One change: the text between two places of a file (bytes of UTF-8) becomes another.
 
-    `function_lines` are the lines of the innermost function around it, none at module or class level or in a signature.
+    `place` is its line's text, column and number among the equal lines of its file, so that results stay valid when
+    other lines change. `function_lines` are the lines of the innermost function around it, none at module or class
+    level or in a signature; there, `signature_of` are the lines of that signature's function.
     """
 
     path: str
     line: int
     last_line: int
+    place: str
     start: int
     end: int
     kind: str
@@ -25,8 +28,13 @@ class Mutant:
 
     @property
     def name(self) -> str:
+        """Where it is now and what it changes."""
+        return f"{self.path}:{self.line} {self.change}"
+
+    @property
+    def key(self) -> str:
         """What identifies the mutant in the results."""
-        return f"{self.path}:{self.line}:{self.start} {self.change}"
+        return f"{self.path} | {self.place} | {self.change}"
 
     @property
     def change(self) -> str:

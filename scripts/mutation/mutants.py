@@ -79,7 +79,8 @@ class _Finder(ast.NodeVisitor):
         self.source, self.path = source, path
         self.mutants: list[Mutant] = []
         self._starts = [0]
-        for line in source.splitlines(keepends=True):
+        self._lines = source.splitlines(keepends=True)
+        for line in self._lines:
             self._starts.append(self._starts[-1] + len(line))
         self._function: tuple[int, int] | None = None
         self._signature: tuple[int, int] | None = None
@@ -88,7 +89,10 @@ class _Finder(ast.NodeVisitor):
         start = self._starts[node.lineno - 1] + node.col_offset
         end = self._starts[node.end_lineno - 1] + node.end_col_offset
         before = self.source[start:end].decode()
-        where = (node.lineno, node.end_lineno, start, end)
+        text = self._lines[node.lineno - 1]
+        number = self._lines[: node.lineno - 1].count(text)
+        place = f"{text.decode().strip()} @ {node.col_offset} #{number}"
+        where = (node.lineno, node.end_lineno, place, start, end)
         self.mutants.append(Mutant(self.path, *where, kind, before, after, self._function, self._signature))
 
     def _note_changed(self, node: ast.expr, kind: str, change: Callable[[Any], None]) -> None:

@@ -116,13 +116,19 @@ def test_a_longer_sample_begins_with_the_shorter(tools: Any, project: Path) -> N
     files = list(tools["sampling"].all_files(project / "src"))
     sample = tools["sampling"].sample
     assert sample(project, files, 4, 7)[:2] == sample(project, files, 2, 7)
-    assert len({mutant.line for mutant in sample(project, files, 9, 7)}) == 4  # lines that have mutants
+    moved = sample(project, files, 4, 7)
+    (project / "src/tiny/steps.py").write_text(SOURCE.replace("def step", "LIMIT = 3\n\n\ndef step"))
+    assert [m.key for m in sample(project, files, 5, 7) if "LIMIT" not in m.place] == [m.key for m in moved]
+    assert len({mutant.line for mutant in sample(project, files, 9, 7)}) == 5  # lines that have mutants
 
 
 def test_without_a_map_the_tests_that_name_the_module_are_tried(tools: Any, project: Path) -> None:
     mutant = tools["mutants"].mutants(SOURCE.encode(), "src/tiny/steps.py")[0]
     nothing = tools["map"].CoverageMap(project, project / "out")
-    assert tools["choice"].stages(mutant, nothing, project, 10.0) == [["tests/unit/test_steps.py"]]
+    assert tools["choice"].stages(mutant, nothing, project, 10.0) == [
+        ["tests/unit/test_steps.py::test_step"],
+        ["tests/unit/test_steps.py"],
+    ]
 
 
 def run(project: Path, *words: str) -> tuple[int, str]:
@@ -143,14 +149,14 @@ def test_with_a_map_gaps_survive_and_all_else_is_caught(project: Path) -> None:
     run(project, "--map", "tests/unit")
     status, output = run(project, "--count", "4", "--seed", "3")
     results = json.loads((project / "out" / "mutation" / "results.json").read_text())
-    lines = {int(name.split(":")[1]): verdict for name, verdict in results.items()}
-    assert {line: verdict["status"] for line, verdict in lines.items()} == {
-        4: "caught",
-        6: lines[6]["status"],  # `x >= 10` survives, `x <= 10` does not
-        7: "survived",
-        8: "caught",
+    lines = {key.split(" | ")[1].split()[0]: verdict for key, verdict in results.items()}
+    assert {word: verdict["status"] for word, verdict in lines.items()} == {
+        "def": "caught",
+        "if": lines["if"]["status"],  # `x >= 10` survives, `x <= 10` does not
+        "raise": "survived",
+        "return": "caught",
     }
-    assert lines[8]["test"] == "tests/unit/test_steps.py::test_step"
+    assert lines["return"]["test"] == "tests/unit/test_steps.py::test_step"
     assert (project / "src/tiny/steps.py").read_text() == SOURCE
     assert status == 1
     assert run(project, "--count", "4", "--seed", "3")[1].splitlines() == output.splitlines()[-2:]
