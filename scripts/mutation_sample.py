@@ -66,7 +66,9 @@ def main(words: list[str] | None = None) -> int:
     if options.show:
         _show([mutant for mutant in chosen if results.status(mutant) == "survived"][: options.show], root)
     else:
-        _try([mutant for mutant in chosen if not results.status(mutant)], results, root, folder, options)
+        open_ones = ("", "survived", "untested") if options.again else ("",)
+        left = [mutant for mutant in chosen if results.status(mutant) in open_ones]
+        _try(left, results, root, folder, options)
     return _summary(chosen, results)
 
 

@@ -54,7 +54,10 @@ def named(mutant: Mutant, root: Path) -> list[list[str]]:
     module = _module(mutant.path)
     inner, others = _names((root / mutant.path).read_text(), mutant.line)
     files, functions = [], []
+    compatibility = "faces" in Path(mutant.path).parts
     for file, words, tests in _test_words(root):
+        if compatibility and "faces" not in Path(file).parts:
+            continue
         own = Path(file).stem.removeprefix("test_").split("_")
         place = 6 * (module[-1] in own or module[-1] == "_".join(own))
         place += 4 * len(set(module[:-1]).intersection(Path(file).parts))
@@ -66,14 +69,15 @@ def named(mutant: Mutant, root: Path) -> list[list[str]]:
                 defined = min(4, sum(name in inside for name in others))
                 functions.append((-place - 6 * near - defined, f"{file}::{test}"))
     best = [test for _, test in sorted(functions)[:FUNCTIONS]]
-    return [best, [file for score, file in sorted(files)[:FILES] if score <= -4]]
+    count = 2 * FILES if compatibility else FILES  # whose tests run scripts, which name little
+    return [best, [file for score, file in sorted(files)[:count] if score <= -4]]
 
 
 def _module(path: str) -> tuple[str, ...]:
     """The dotted name of a source file, as a package is imported: compatibility packages begin at their own name."""
     parts = Path(path).with_suffix("").parts
     start = next((i + 1 for i, part in enumerate(parts) if part.startswith("for-")), 1)
-    return tuple(part.strip("_") for part in parts[start:])
+    return tuple(part.strip("_") for part in parts[start:] if part != "__init__")
 
 
 def _names(source: str, line: int) -> tuple[list[str], set[str]]:

@@ -223,7 +223,10 @@ class _Finder(ast.NodeVisitor):
     def visit_Return(self, node: ast.Return) -> None:
         if node.value is None or (isinstance(node.value, ast.Constant) and node.value.value is None):
             return
-        if not (isinstance(node.value, ast.Name) and node.value.id == "NotImplemented"):
+        same = (
+            isinstance(node.value, ast.Constant) and node.value.value is False
+        )  # as None to all who ask for truth
+        if not same and not (isinstance(node.value, ast.Name) and node.value.id == "NotImplemented"):
             self._note(node.value, "return", "None")
         self.visit(node.value)
 
@@ -238,7 +241,7 @@ class _Finder(ast.NodeVisitor):
     visit_Continue = visit_Break
 
     def visit_Expr(self, node: ast.Expr) -> None:
-        if isinstance(node.value, ast.Call):
+        if isinstance(node.value, ast.Call) and not ast.unparse(node.value.func).endswith("sleep"):
             self._note(node, "statement", "pass")
         self.generic_visit(node)
 

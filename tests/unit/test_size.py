@@ -10,7 +10,7 @@ from ulna import kernels
 from ulna.algorithms.multibody import link_frames
 from ulna.compiler import trace
 from ulna.errors import InputError, TooLargeError
-from ulna.model import Model, ModelBuilder, Revolute
+from ulna.model import Model, ModelBuilder, PointContact, Revolute
 from ulna.recipes import size
 from ulna.recipes.size import COEFFICIENTS, estimated_nodes
 from ulna.spatial import SE3, Inertia
@@ -108,3 +108,11 @@ def test_a_wide_robot_takes_linear_time(monkeypatch: pytest.MonkeyPatch) -> None
         link_frames.choose_link_frames(chain(n, "star"))
         counts.append(len(calls))
     assert counts[1] < 2.2 * counts[0]
+
+
+@pytest.mark.parametrize("name", ["constrained_dynamics", "impulse_dynamics", "delassus_matrix"])
+def test_the_estimate_under_constraints_is_about_the_number_of_nodes(name: str) -> None:
+    options = {"constraints": (PointContact("l12"),)}
+    model = chain(12)
+    nodes = len(kernels.function(model, name, **options).graph)
+    assert 0.7 < estimated_nodes(model, name, options) / nodes < 1.5

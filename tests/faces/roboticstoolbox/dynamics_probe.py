@@ -129,6 +129,14 @@ def own(rtb: Any, sm: Any) -> dict[str, Any]:
     out["frames rne"] = robot.rne(q, qd, qdd)
     out["frames inertia"] = robot.inertia(q)
     out["frames fkine"] = np.asarray(robot.fkine(q).A)
+    turned = Link(ET.tx(1) * ET.Ry(0.3) * ET.Rx(jindex=1), name="turned")
+    fixed = Link(ET.tx(1) * ET.tz(2), name="fixed")
+    out["frames Ts"] = np.array([b.Ts, turned.Ts, fixed.Ts])
+    out["frames kinds"] = [
+        f"{link.name} {link.v} {link.isjoint} {link.isrevolute} {link.isprismatic} {link.isflip} {link.jindex}"
+        for link in (a, b, c, turned, fixed)
+    ]
+    out["frames A"] = np.array([np.asarray(link.A(0.3).A) for link in (a, b, c, turned)])
     return out
 
 

@@ -270,6 +270,7 @@ def test_size_limit(tmp_path):
     ("change", "words"),
     [
         (('<axis xyz="0 0 2"/>', '<axis xyz="0 0 2"/>'), "taken as a direction only"),
+        (('lower="-1" upper="2" ', ""), "neither lower nor upper is given"),
         (("<dynamics damping", "<dynamic damping"), "did you mean <dynamics>"),
         (('<mimic joint="ja"', '<mimic joint="jx"'), "there is no such joint"),
         (('<mimic joint="ja"', '<mimic joint="jd"'), "which is fixed"),

@@ -119,7 +119,7 @@ class MotionPictures(abc.ABC):
         return self.viewer.viewer.picture(None, w or 960, h or 600)
 
     @contextmanager
-    def create_video_ctx(self, filename: str, fps: float = 25.0, **_: Any) -> Iterator[None]:
+    def create_video_ctx(self, filename: str, fps: float = 30, **_: Any) -> Iterator[None]:
         """Writes what is played within to a film: .mp4 or .gif."""
         from ulna.viewer.output.video import checked_video_path, write_video
 
