@@ -1,7 +1,7 @@
 #!/usr/bin/env python
 """How good the tests are: tries random small changes of `src/` and counts which of them the tests notice.
 
-    scripts/mutation_sample.py --map tests/unit -n 2   # once: which tests run which line; the rest goes to pytest
+    scripts/mutation_sample.py --map tests/unit --jobs 2   # once: which tests run which line; the rest goes to pytest
     scripts/mutation_sample.py --count 60 --seed 1     # then: a sample; run it again to go on where it stopped
     scripts/mutation_sample.py --count 60 --show 5     # what survived, as changes of the source
 
@@ -46,6 +46,10 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument(
         "--map", nargs="+", metavar="TESTS", help="trace these tests (`--jobs` at a time) for the map"
     )
+    parser.add_argument("--again", action="store_true", help="try survivors again, after tests were added")
+    parser.add_argument(
+        "--tests", nargs="+", metavar="TESTS", help="try these tests alone, as pytest names them"
+    )
     parser.add_argument(
         "--root", type=Path, default=Path(__file__).resolve().parents[1], help="the repository"
     )
@@ -77,8 +81,11 @@ class _Results:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._all: dict[str, dict] = json.loads(path.read_text()) if path.exists() else {}
+        self._all = self._read()
         self._equivalent = _equivalent(Path(trial.__file__).with_name("equivalent.txt"))
+
+    def _read(self) -> dict[str, dict]:
+        return json.loads(self._path.read_text()) if self._path.exists() else {}
 
     def status(self, mutant: Mutant) -> str:
         """The verdict on a mutant, empty where there is none yet."""
@@ -88,7 +95,7 @@ class _Results:
 
     def add(self, mutant: Mutant, verdict: trial.Verdict) -> None:
         """Notes a verdict and writes the file."""
-        self._all[mutant.key] = asdict(verdict)
+        self._all = self._read() | {mutant.key: asdict(verdict)}  # another run may have added some
         self._path.parent.mkdir(parents=True, exist_ok=True)
         beside = self._path.with_suffix(".new")
         beside.write_text(json.dumps(self._all, indent=1))
@@ -106,7 +113,10 @@ def _try(
 ) -> None:
     """Tries mutants and prints a line for each."""
     covered, judge = coverage_map.CoverageMap(root, folder), trial.Judge()
-    planned = [(mutant, choice.stages(mutant, covered, root, options.budget)) for mutant in chosen]
+    planned = [
+        (mutant, [options.tests] if options.tests else choice.stages(mutant, covered, root, options.budget))
+        for mutant in chosen
+    ]
     places = Path(tempfile.mkdtemp(prefix="mutation-"))
     free: queue.SimpleQueue[trial.Sandbox] = queue.SimpleQueue()
     for job in range(min(options.jobs, len(planned))):

@@ -16,6 +16,8 @@ import ulna
 import ulna.robots.catalogue
 from ulna.errors import UlnaError, UnknownArgument, UnknownAttribute
 from ulna.idioms import IDIOMS
+from ulna.idioms.module_names import MODEL, MODULE
+from ulna.idioms.robot_names import MUJOCO, PINOCCHIO, ROBOT
 from ulna.idioms.scene_names import KEYWORDS
 
 ALL = [(subject, name) for subject, names in IDIOMS.items() for name in names]
@@ -202,3 +204,19 @@ def test_an_argument_that_another_library_has_is_named(things: dict[str, Any]) -
     }  # fmt: skip
     assert set(KEYWORDS.values()) <= parameters
     assert "color" in inspect.signature(viewer.add).parameters  # the signature is the function's own
+
+
+def test_names_of_pinocchio_and_mujoco_are_theirs() -> None:
+    """A name that the other library does not have would never be asked for."""
+    pin, mujoco = pytest.importorskip("pinocchio"), pytest.importorskip("mujoco")
+    wrapper = pin.RobotWrapper(pin.buildSampleModelManipulator())
+    theirs = {
+        PINOCCHIO: {
+            name for thing in (pin, pin.Model, pin.SE3, wrapper, wrapper.data) for name in dir(thing)
+        },
+        MUJOCO: {name for thing in (mujoco, mujoco.MjModel, mujoco.MjData) for name in dir(thing)},
+    }
+    older = {"frameJacobian", "jointJacobian", "kineticEnergy", "potentialEnergy", "nJoints", "qM"}
+    for library, names in theirs.items():
+        for table in (ROBOT, MODEL, MODULE):
+            assert not set(table[library]) - names - older

@@ -1,5 +1,6 @@
 """Films keep their time, HTML files hold everything, stick figures stand where the robot does."""
 
+import base64
 import os
 import re
 import subprocess
@@ -150,6 +151,18 @@ def test_an_html_file_needs_nothing_else(tmp_path: Path, panda: ulna.Robot) -> N
     assert "darkMode:true" in text
     rest = viewer.html(tmp_path / "b.html")
     assert rest.stat().st_size < path.stat().st_size
+
+
+def test_an_html_file_has_the_texts_of_labels(tmp_path: Path) -> None:
+    pytest.importorskip("viser")
+    zstandard = pytest.importorskip("zstandard")
+    viewer = Viewer(page=False)
+    viewer.text("the goal", (0.0, 0.0, 1.0))
+    page = viewer.html(tmp_path / "a.html").read_text()
+    data = re.search('__VISER_EMBED_DATA__="([^"]+)"', page)
+    assert data is not None
+    sent = zstandard.ZstdDecompressor().decompressobj().decompress(base64.b64decode(data[1])[8:])
+    assert re.search(rb'"words": \{"[^"]+": "the goal"\}', sent)
 
 
 def test_sticks_stand_where_the_robot_does(panda: ulna.Robot) -> None:
