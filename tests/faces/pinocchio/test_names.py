@@ -11,9 +11,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 
 from support.shelf import worn
+from ulna.errors import InputError
 
 ROOT = Path(__file__).parents[3]
 MODULES = (
@@ -70,6 +72,21 @@ def test_names_that_are_imported_when_used_are_there(pin: Any) -> None:
     assert set(names) <= set(dir(pin))
     for name in names:
         assert getattr(pin, name) is not None
+
+
+def test_functions_made_of_records_have_their_names_and_arguments(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, q, zero = model.createData(), np.linspace(0.1, 0.6, 6), np.zeros(6)
+    assert list(inspect.signature(pin.rnea).parameters) == ["model", "data", "q", "v", "a", "fext"]
+    assert pin.rnea.__module__ == "pinocchio._algorithms.dynamics" and "torques" in pin.rnea.__doc__
+    with pytest.raises(TypeError, match=r"rnea\(\) missing 2 required"):
+        pin.rnea(model, data, q)
+    weight = pin.computeGeneralizedGravity(model, data, q)
+    for _ in range(2):  # the general case, and the bound kernel
+        np.testing.assert_allclose(pin.rnea(model, data, q=q, v=zero, a=zero), weight, atol=1e-12)
+        np.testing.assert_allclose(pin.rnea(model, data, list(q), zero, zero, fext=None), weight, atol=1e-12)
+    with pytest.raises(InputError, match="accelerations without velocities"):
+        pin.forwardKinematics(model, data, q, None, zero)
 
 
 def test_what_is_misspelt_offers_the_nearest_name(pin: Any) -> None:

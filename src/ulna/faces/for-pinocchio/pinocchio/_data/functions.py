@@ -79,17 +79,20 @@ def fast_path(
 
     def decorate(function: Function) -> Function:
         parameters = inspect.signature(function).parameters
-        source = "\n".join(_source(list(parameters), parameters, records, forces, returns_field))
+        name = function.__name__
+        source = "\n".join(_source(name, parameters, records, forces, returns_field))
         scope: dict[str, Any] = {"general": function}
-        exec(compile(source, f"<fast path of {function.__name__}>", "exec"), scope)
-        return functools.update_wrapper(scope["call"], function)  # type: ignore[return-value]
+        exec(compile(source, f"<fast path of {name}>", "exec"), scope)
+        return functools.update_wrapper(scope[name], function)  # type: ignore[return-value]
 
     return decorate
 
 
 def _source(
-    names: list[str], parameters: Any, records: tuple[Algorithm, ...], forces: Any, returns_field: str
+    function: str, parameters: Any, records: tuple[Algorithm, ...], forces: Any, returns_field: str
 ) -> list[str]:
+    """The lines of the function: a call of the bound kernel, and of `general` where that does not apply."""
+    names = list(parameters)
     inputs = [[PARAMETER_NAMES[letter] for letter in record.inputs] for record in records]
     ignored = {"model", "data", "fext" if forces else "", "compute_subtree_coms", *inputs[-1]}
     conditions = ["data._model is model", *(f"{name} is None" for name in names if name not in ignored)]
@@ -108,7 +111,7 @@ def _source(
         ]
     defaults = {name: "" if p.default is p.empty else f"={p.default!r}" for name, p in parameters.items()}
     return [
-        f"def call({', '.join(name + defaults[name] for name in names)}):",
+        f"def {function}({', '.join(name + defaults[name] for name in names)}):",
         f"    if {' and '.join(conditions)}:",
         *lines,
         "        if result is not NotImplemented:",
