@@ -215,13 +215,14 @@ _CRBA_IN_WORLD = Algorithm(
 )
 
 
-@fast_path(_CRBA)
 def crba(model: Model, data: Data, q: Any, convention: Any = None) -> Floats:
     """The mass matrix (nv, nv), both triangles; kept in `data.M`."""
-    if convention is not _WORLD:
-        return run(model, data, _CRBA, q)
-    M = data._bound.crba_in_world(q) if data._model is model else NotImplemented
-    return run(model, data, _CRBA_IN_WORLD, q) if M is NotImplemented else M
+    in_world = convention is _WORLD
+    if data._model is model:
+        M = data._bound.crba_in_world(q) if in_world else data._bound.crba(q)
+        if M is not NotImplemented:
+            return M
+    return run(model, data, _CRBA_IN_WORLD if in_world else _CRBA, q)
 
 
 @algorithm(

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import functools
+import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
-from pinocchio._data.data import Data
-from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
@@ -18,7 +17,6 @@ from ulna.algorithms.multibody.references import Reference
 from ulna.model import Frame
 
 LOCAL = ReferenceFrame.LOCAL
-_new = object.__new__
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -55,29 +53,47 @@ def repeated_call(kind: str, motion: bool = False) -> Callable[[Function], Funct
     """
 
     def decorate(function: Any) -> Any:
-        @functools.wraps(function)
-        def call(
-            model: Model, data: Data, place: Any = None, reference: Any = None, *rest: Any, **named: Any
-        ) -> Any:
-            if rest or named:
-                args = (x for x in (place, reference) if x is not None)
-                return function(model, data, *args, *rest, **named)
-            if reference is None:
-                reference = LOCAL
-            try:
-                step, bound_reference = data._bound_at[place, reference, kind]
-            except (KeyError, TypeError):
-                step, bound_reference = not_applicable, None
-            if bound_reference is reference and data._model is model:  # 0 == WORLD, but a plain number raises
-                values = step()
-                if values is not NotImplemented:
-                    if not motion:
-                        return values
-                    result = _new(Motion)
-                    result._v = values
-                    return result
-            return function(model, data, place, reference)
-
-        return call
+        name, any_order = function.__name__, hasattr(function, "orders")
+        names = list(inspect.signature(function).parameters)[2:]
+        place, reference, *rest = names
+        if any_order:
+            parameters, others = f"{place}=None, {reference}=None, *rest, **named", ["rest or named"]
+            call = f"*(x for x in ({place}, {reference}) if x is not None), *rest, **named"
+        else:
+            parameters = ", ".join([place, f"{reference}=LOCAL", *(f"{other}=None" for other in rest)])
+            others, call = [f"{other} is not None" for other in rest], ", ".join(names)
+        key = "LOCAL if REFERENCE is None else REFERENCE" if any_order or rest else "REFERENCE"
+        source = _TEMPLATE.format(
+            name=name,
+            parameters=parameters,
+            others=" or ".join(others) or "False",
+            call=call,
+            place=place,
+            reference=key.replace("REFERENCE", reference),
+            kind=kind,
+            returned=_AS_MOTION if motion else "return result",
+        )
+        scope: dict[str, Any] = {"general": function, "LOCAL": LOCAL, "new": object.__new__, "Motion": Motion}
+        exec(compile(source, f"<repeated call of {name}>", "exec"), scope)
+        return functools.update_wrapper(scope[name], function)
 
     return decorate
+
+
+_TEMPLATE = """
+def {name}(model, data, {parameters}):
+    if {others}:
+        return general(model, data, {call})
+    reference = {reference}
+    try:
+        step, bound_reference = data._bound_at[{place}, reference, {kind!r}]
+    except (KeyError, TypeError):
+        pass
+    else:
+        if bound_reference is reference and data._model is model:  # 0 == WORLD, but a plain number raises
+            result = step()
+            if result is not NotImplemented:
+                {returned}
+    return general(model, data, {place}, reference)
+"""
+_AS_MOTION = "motion = new(Motion); motion._v = result; return motion"
