@@ -195,6 +195,17 @@ def test_out_of_a_single_output(double):
     assert single.tolist() == [1.0, 3.0, 5.0]
 
 
+@pytest.mark.parametrize("rows", [(), (3,)])
+def test_a_tuple_of_one_stays_a_tuple(rows):
+    """As from a plain call, however `out` is passed and whether arguments are converted or not."""
+    kernel, out = compile(lambda q: (2.0 * q,), q=(2,)), np.zeros((*rows, 2))
+    for q in (np.ones((*rows, 2)), np.ones((*rows, 2)).tolist()):
+        for found in (kernel(q), kernel(q, out=out), kernel(q, out=(out,))):
+            assert isinstance(found, tuple)
+            np.testing.assert_array_equal(found[0], 2.0 * np.ones((*rows, 2)))
+        assert kernel(q, out=out)[0] is out
+
+
 @pytest.mark.parametrize("rows", [1, 5, 16, 17, 5000])
 @pytest.mark.parametrize("threads", [None, 3])
 def test_out_may_overlap_the_inputs(double, rows, threads):

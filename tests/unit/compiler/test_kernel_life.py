@@ -10,6 +10,7 @@ import os
 import pickle
 import subprocess
 import sys
+import sysconfig
 import threading
 import time
 import tracemalloc
@@ -327,10 +328,40 @@ def test_without_the_fast_door_everything_is_the_same(kernel, tmp_path):
     assert (shown, signature) == (repr(kernel), kernel.gufunc.signature)
 
 
+_LEAVES = """
+import gc, weakref
+import numpy as np
+from ulna.compiler import compile
+from ulna.compiler.runtime import jit
+
+made, load = [], jit._load
+def noted(*args, **options):
+    code = load(*args, **options)
+    made.append(weakref.ref(code))
+    return code
+jit._load = noted
+for k in range(8):
+    compile(lambda x: x * (k + 2.0), x=())(np.ones(20))
+gc.collect()
+print(len(made), sum(code() is not None for code in made))
+"""
+
+
+def test_without_the_fast_door_code_is_given_back_too():
+    child = subprocess.run(
+        [sys.executable, "-c", _LEAVES],
+        env={**os.environ, "ULNA_FAST": "0"},
+        capture_output=True,
+        timeout=120,
+        check=True,
+    )
+    assert child.stdout.split() == [b"8", b"0"]
+
+
 def test_the_fast_door_works_on_this_interpreter():
     """Everywhere the project is tested it should; where it does not, the general path serves, only slower."""
     standard = sys.implementation.name == "cpython" and not hasattr(sys, "gettotalrefcount")
-    free_threaded = not getattr(sys, "_is_gil_enabled", lambda: True)()
+    free_threaded = sysconfig.get_config_var("Py_GIL_DISABLED")  # whether or not the GIL is on
     if not standard or free_threaded or os.environ.get("ULNA_FAST") == "0":
         pytest.skip("another interpreter")
     assert layout.fast_call_works()

@@ -96,7 +96,9 @@ class ArrayCall:
         fast_call = self.single() if batch == () and (out is None or self._is_exact(out)) else None
         if fast_call is not None:
             exact = [self._exact(a) for a in arrays]
-            return fast_call(*exact) if out is None else fast_call(*exact, out=out)
+            if out is None:
+                return fast_call(*exact)
+            return fast_call(*exact, out=out if f.single or isinstance(out, tuple) else (out,))
         if self.interpreted:
             return self._interpret(arrays, out)
         rows = int(np.prod(batch, dtype=np.int64))

@@ -26,6 +26,7 @@ from ulna.compiler.runtime.object_layout import (
 
 FIELDS = (
     "inputs", "givens", "outputs", "work",  # how many, and the kernel's code
+    "whole",  # whether the result is a tuple; that of a function with one output need not be
     # tables of PORT words: axes, lengths, whether a float may stand for the array, the array's descriptor
     "ports_in", "ports_given", "ports_out",
     "given_arrays", "targets",  # tables of bound arrays
@@ -183,8 +184,9 @@ several:
   %size.ok = icmp eq i64 %size, %outputs
   br i1 %size.ok, label %in.from, label %slow
 single:
-  %is.one = icmp eq i64 %outputs, 1
-  br i1 %is.one, label %in.from, label %slow
+{_word("whole", "i64")}
+  %is.bare = icmp eq i64 %whole, 0
+  br i1 %is.bare, label %in.from, label %slow
 in.from:
   %source = phi ptr [ %items, %several ], [ %target.p, %single ]
 {_collect("ports_in", "inputs", "args", READABLE, "in", "to.from")}
@@ -199,7 +201,8 @@ run:
   br i1 %done, label %answer, label %slow
 answer:
   %first = load ptr, ptr %source
-  %is.whole = icmp ugt i64 %outputs, 1
+{_word("whole", "i64").replace("%whole", "%tuples")}
+  %is.whole = icmp ne i64 %tuples, 0
   %result = select i1 %is.whole, ptr %target, ptr %first
   call void %own(ptr %result)
   ret ptr %result

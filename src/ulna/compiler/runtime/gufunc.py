@@ -8,6 +8,7 @@ interpreter, a free-threaded build, another NumPy), there are no such types, and
 from __future__ import annotations
 
 import ctypes
+import platform
 import sys
 import weakref
 from array import array
@@ -179,6 +180,7 @@ class Plan:
             "givens": len(given),
             "outputs": len(f.outputs),
             "work": work,
+            "whole": int(not f.single),
             "ports_in": self._table(inputs),
             "ports_given": self._table([self._array_port(x) for x in given]),
             "ports_out": self._table([self._array_port(x) for x in targets] or outputs),
@@ -257,15 +259,16 @@ def make_ufunc(f: Function, loop: int, keep: Any, element: DType) -> np.ufunc:
 
 def _tie(ufunc: np.ufunc, references: tuple[Any, ...], functions: int, types: int) -> None:
     """Binds the lifetime of `references` to the ufunc through its field `obj`, if that field is where it should be."""
+    first = id(ufunc) + object.__basicsize__  # the head of an object is longer without the GIL
     word = ctypes.c_void_p.from_address
     if (
-        fast_call_works()
-        and (word(id(ufunc) + 32).value, word(id(ufunc) + 64).value) == (functions, types)
-        and word(id(ufunc) + 80).value is None
-        and word(id(ufunc) + 88).value is None
+        platform.python_implementation() == "CPython"
+        and (word(first + 16).value, word(first + 48).value) == (functions, types)
+        and word(first + 64).value is None
+        and word(first + 72).value is None
     ):
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(references))
-        word(id(ufunc) + 88).value = id(references)
+        word(first + 72).value = id(references)
     else:
         _KEEP.append((ufunc, references))
 
