@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import mmap
 import os
 import subprocess
 import sys
@@ -10,26 +9,11 @@ import sys
 import numpy as np
 import pytest
 
+from support.fenced import fenced
 from ulna.compiler import compile, trace
 
-_PROTECTED = 0  # PROT_NONE
-
-
-def fenced(count: int, dtype: type, at_end: bool) -> np.ndarray:
-    """An array of `count` numbers whose last (or first) byte lies beside a page without access."""
-    import ctypes
-
-    page = mmap.PAGESIZE
-    size = count * np.dtype(dtype).itemsize
-    pages = max((size + page - 1) // page, 1)
-    block = mmap.mmap(-1, (pages + 2) * page)
-    whole = np.frombuffer(block, np.uint8)
-    libc = ctypes.CDLL(None, use_errno=True)
-    for k in (0, pages + 1):
-        address = ctypes.c_void_p(whole.ctypes.data + k * page)
-        assert libc.mprotect(address, ctypes.c_size_t(page), ctypes.c_int(_PROTECTED)) == 0
-    start = page + pages * page - size if at_end else page
-    return whole[start : start + size].view(dtype)
+HERE = os.path.dirname(__file__)
+FOLDERS = (HERE, os.path.dirname(os.path.dirname(HERE)))
 
 
 def sweep() -> int:
@@ -71,9 +55,9 @@ def sweep() -> int:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs mprotect")
 def test_nothing_beyond_an_array_is_touched():
-    code = "import sys; sys.path.insert(0, sys.argv[1]); import test_memory_safety as t; print(t.sweep())"
+    code = "import sys; sys.path[:0] = sys.argv[1:]; import test_memory_safety as t; print(t.sweep())"
     child = subprocess.run(
-        [sys.executable, "-X", "faulthandler", "-c", code, os.path.dirname(__file__)],
+        [sys.executable, "-X", "faulthandler", "-c", code, *FOLDERS],
         capture_output=True,
         text=True,
         timeout=300,
@@ -87,10 +71,10 @@ def test_nothing_beyond_an_array_is_touched():
 def test_the_fence_holds():
     """Proof that the test above would see a read one number too far."""
     code = (
-        "import sys; sys.path.insert(0, sys.argv[1]); import test_memory_safety as t, numpy as np; "
-        "a = t.fenced(5, float, True); np.lib.stride_tricks.as_strided(a, (6,)).sum()"
+        "import sys; sys.path[:0] = sys.argv[1:]; import numpy as np; from support.fenced import fenced; "
+        "a = fenced(5, float, True); np.lib.stride_tricks.as_strided(a, (6,)).sum()"
     )
     child = subprocess.run(
-        [sys.executable, "-c", code, os.path.dirname(__file__)], capture_output=True, timeout=60, check=False
+        [sys.executable, "-c", code, *FOLDERS], capture_output=True, timeout=60, check=False
     )
     assert child.returncode != 0
