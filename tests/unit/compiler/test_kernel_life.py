@@ -1,4 +1,4 @@
-"""Kernels as objects: pickling, copying, threads, references, memory, and the path without the fast door."""
+"""Kernels as objects: pickling, copying, threads, references, memory, and the path without the fast call."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_a_gufunc_outlives_its_kernel():
 
 def test_the_type_cannot_be_made_or_called_wrongly(kernel):
     if not kernel.is_fast:
-        pytest.skip("the fast door does not work here")
+        pytest.skip("the fast call does not work here")
     with pytest.raises(TypeError, match="cannot create"):
         type(kernel)()
     assert callable(kernel)
@@ -303,7 +303,7 @@ sys.stdout.buffer.write(pickle.dumps(result))
 """
 
 
-def test_without_the_fast_door_everything_is_the_same(kernel, tmp_path):
+def test_without_the_fast_call_everything_is_the_same(kernel, tmp_path):
     child = subprocess.run(
         [sys.executable, "-c", _CHILD, os.path.dirname(__file__)],
         env={**os.environ, "ULNA_FAST": "0"},
@@ -347,7 +347,7 @@ print(len(made), sum(code() is not None for code in made))
 """
 
 
-def test_without_the_fast_door_code_is_given_back_too():
+def test_without_the_fast_call_code_is_given_back_too():
     child = subprocess.run(
         [sys.executable, "-c", _LEAVES],
         env={**os.environ, "ULNA_FAST": "0"},
@@ -358,7 +358,7 @@ def test_without_the_fast_door_code_is_given_back_too():
     assert child.stdout.split() == [b"8", b"0"]
 
 
-def test_the_fast_door_works_on_this_interpreter():
+def test_the_fast_call_works_on_this_interpreter():
     """Everywhere the project is tested it should; where it does not, the general path serves, only slower."""
     standard = sys.implementation.name == "cpython" and not hasattr(sys, "gettotalrefcount")
     free_threaded = sysconfig.get_config_var("Py_GIL_DISABLED")  # whether or not the GIL is on
