@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ulna import trajectory
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError, ShapeError, UnknownName
 
 A, B = np.array([0.0, 1.0, -2.0, 0.3]), np.array([1.0, 0.5, 2.5, 0.3])
 V, ACC, J = np.array([1.0, 0.5, 2.0, 1.0]), np.array([2.0, 3.0, 4.0, 1.0]), np.array([20.0, 10.0, 9.0, 5.0])
@@ -106,3 +106,10 @@ def test_mistakes_are_named() -> None:
         trajectory.trapezoidal(0.0, 1.0, velocity=0.4, duration=2.0)
     with pytest.raises(UnknownName, match="'phase'"):
         trajectory.trapezoidal(A, B, V, ACC, synchronise="phases")  # type: ignore[arg-type]
+    for start, end, said in (
+        ([A, B], B, "`q0`.*one point"),
+        ([], B, "`q0`.*one point"),
+        (A, B[:2], r"`q1`.*\(4,\)"),
+    ):
+        with pytest.raises(ShapeError, match=said):
+            trajectory.trapezoidal(start, end, V, ACC)

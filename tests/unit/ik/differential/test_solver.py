@@ -161,6 +161,11 @@ def test_what_is_made_wrongly_is_refused(panda: ulna.Robot) -> None:
             DifferentialIK(panda, tasks)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="`position_cost` is 'much'"):
         made(FrameTask(HAND, position_cost="much"))  # type: ignore[arg-type]
+    for cost in (-1.0, np.inf, [1.0, np.nan, 1.0]):
+        with pytest.raises(InputError, match="`position_cost` is .* expected finite numbers not below 0"):
+            made(FrameTask(HAND, position_cost=cost))
+    with pytest.raises(InputError, match=r"`position_cost` has shape \(2,\); expected a number or 3 numbers"):
+        made(FrameTask(HAND, position_cost=[1.0, 2.0]))
     with pytest.raises(InputError, match="kind Limit"):
         made(FrameTask(HAND), limits=[FrameTask(HAND)])
     with pytest.raises(InputError, match="`damping` is 0"):
