@@ -60,7 +60,7 @@ def named(mutant: Mutant, root: Path) -> list[list[str]]:
             continue
         own = Path(file).stem.removeprefix("test_").split("_")
         place = 6 * (module[-1] in own or module[-1] == "_".join(own))
-        place += 4 * len(set(module[:-1]).intersection(Path(file).parts))
+        place += 4 * len(set(module[:-1]).intersection([*Path(file).parts, *own]))
         defined = min(4, sum(name in words for name in others))
         files.append((-place - 4 * len(words.intersection(inner)) - defined, file))
         for test, inside in tests.items():
@@ -101,7 +101,11 @@ def _test_words(root: Path) -> list[tuple[str, set[str], dict[str, set[str]]]]:
             text = path.read_text()
             tree = ast.parse(text)
             scripts = (p for p in path.parent.glob("*.py") if p.stem[:5] != "test_" and p.name in text)
-            words = _identifiers(tree).union(*(_identifiers(ast.parse(p.read_text())) for p in scripts))
+            words = {
+                word.strip("_")
+                for script in (path, *scripts)
+                for word in re.findall(r"\w+", script.read_text())
+            }
             tests = {
                 node.name: _identifiers(node)
                 for node in tree.body
