@@ -206,6 +206,20 @@ def test_an_argument_that_another_library_has_is_named(things: dict[str, Any]) -
     assert "color" in inspect.signature(viewer.add).parameters  # the signature is the function's own
 
 
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        ("floating floating_base free_flyer freeflyer root_joint base fixed_base useFixedBase", "root"),
+        ("package_dir mesh_dir mesh_folder packages", "package_dirs"),
+        ("file filename urdf name path", "name_or_path"),
+    ],
+)
+def test_arguments_of_other_readers_are_named(words: str, meant: str) -> None:
+    for word in words.split():
+        with pytest.raises(UnknownArgument, match=f"no argument `{word}`. Did you mean `{meant}`"):
+            ulna.load("panda", **{word: 1})
+
+
 def test_names_of_pinocchio_and_mujoco_are_theirs() -> None:
     """A name that the other library does not have would never be asked for."""
     pin, mujoco = pytest.importorskip("pinocchio"), pytest.importorskip("mujoco")
