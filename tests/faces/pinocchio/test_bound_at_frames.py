@@ -135,3 +135,22 @@ def test_random_configurations_lie_evenly_within_limits(pin: Any, model: Any) ->
     for bad in (np.full(6, -1.0), np.full(6, np.nan)):
         with pytest.raises(Exception, match="lower limit is above"):
             pin.randomConfiguration(model, np.zeros(6), bad)
+
+
+def test_a_reference_frame_by_name_counts(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), np.linspace(0.1, 0.6, 6)
+    last = model.nframes - 1
+    pin.computeJointJacobiansTimeVariation(model, data, q, q)
+    pin.forwardKinematics(model, data, q, q)
+    for ask in (pin.getFrameJacobian, pin.getFrameJacobianTimeVariation, pin.getFrameVelocity):
+        local, world = ask(model, data, last, pin.LOCAL), ask(model, data, last, pin.WORLD)
+        assert not np.allclose(local, world)
+        for _ in range(2):
+            assert np.array_equal(ask(model, data, last, reference_frame=pin.WORLD), world)
+            assert np.array_equal(ask(model, data, frame_id=last, reference_frame=pin.WORLD), world)
+    assert np.array_equal(
+        pin.getFrameJacobian(model, data, last), pin.getFrameJacobian(model, data, last, pin.LOCAL)
+    )
+    J = pin.getJointJacobian(model, data, 6, pin.WORLD)
+    assert np.array_equal(pin.getJointJacobian(model, data, joint_id=6, reference_frame=pin.WORLD), J)

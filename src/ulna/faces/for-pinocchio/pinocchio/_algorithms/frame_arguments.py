@@ -57,10 +57,12 @@ def repeated_call(kind: str, motion: bool = False) -> Callable[[Function], Funct
         names = list(inspect.signature(function).parameters)[2:]
         place, reference, *rest = names
         if any_order:
+            place, reference = "place", "known_as"  # so that all arguments by name are in `named`
             parameters, others = f"{place}=None, {reference}=None, *rest, **named", ["rest or named"]
             call = f"*(x for x in ({place}, {reference}) if x is not None), *rest, **named"
         else:
-            parameters = ", ".join([place, f"{reference}=LOCAL", *(f"{other}=None" for other in rest)])
+            default = "None" if rest else "LOCAL"
+            parameters = ", ".join([place, f"{reference}={default}", *(f"{other}=None" for other in rest)])
             others, call = [f"{other} is not None" for other in rest], ", ".join(names)
         key = "LOCAL if REFERENCE is None else REFERENCE" if any_order or rest else "REFERENCE"
         source = _TEMPLATE.format(

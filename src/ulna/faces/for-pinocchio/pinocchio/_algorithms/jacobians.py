@@ -112,7 +112,7 @@ def getFrameJacobian(
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED; it stands third where there is no placement.
     """
     if placement is None:
-        placement, reference_frame = LOCAL if reference_frame is None else reference_frame, None
+        return getFrameJacobian(model, data, frame_id, LOCAL if reference_frame is None else reference_frame)
     if reference_frame is None and isinstance(placement, ReferenceFrame):
         return _bind_at(model, data, (frame_id, placement, "J"), at_frame(model, (frame_id,))[0], None)
     where, reference = split((frame_id, placement), reference_frame)
