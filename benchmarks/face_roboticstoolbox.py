@@ -135,7 +135,7 @@ def main() -> None:
             for who, env in variables.items():
                 took[who].append(seconds_to_run(code, env))
         rows.append(row(name, statistics.median(took["face"]), statistics.median(took["toolbox"])))
-    print(table("The toolbox's calls", ["call", "face", "toolbox", "ratio"], rows))
+    print(table("The toolbox's calls", ["call", "Ulna", "toolbox", "ratio"], rows))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ Run: python benchmarks/face_roboticstoolbox_names.py [--check | --record]
 
 The names stand in face_roboticstoolbox_names.json; `--record` takes them anew from the packages installed. "compared"
 counts the names that a probe of tests/faces/roboticstoolbox asks both sides for. `--check` compares with what
-docs/robotics_toolbox.md says, and exits with 1 where they differ, or where a name is refused without a word.
+docs/robotics_toolbox.md says, and exits with 1 where they differ, or where a name that is not supported raises without an explanation.
 """
 
 from __future__ import annotations
@@ -162,7 +162,7 @@ def asked() -> set[str]:
 
 
 def lines(place: str) -> tuple[str, list[str]]:
-    """The table and the words of refusals, and the names that are refused without one.
+    """The table with the messages of names that are not supported, and the names that raise without one.
 
     Args:
         place: A file that may be written.
@@ -175,28 +175,32 @@ def lines(place: str) -> tuple[str, list[str]]:
     )
     ours: dict[str, dict[str, str | None]] = json.loads(done.stdout.splitlines()[-1])
     probed = asked()
-    rows = ["| of | names | offered | compared | refused |", "|---|---|---|---|---|"]
-    words: dict[str, list[str]] = {}
+    rows = ["| of | names | supported | compared | not supported |", "|---|---|---|---|---|"]
+    messages: dict[str, list[str]] = {}
     silent, whole = [], [0, 0, 0]
-    for key, found in ours.items():
+    for key, answers in ours.items():
         package, group = key.split(": ")
-        refused = {name: word for name, word in found.items() if word is not None}
-        compared = [name for name in found if name in probed and name not in refused and package != ALONE]
-        listed = ", ".join(f"`{name}`" for name in refused)
-        counts = [len(found), len(found) - len(refused), len(compared)]
+        unsupported = {name: message for name, message in answers.items() if message is not None}
+        compared = [
+            name for name in answers if name in probed and name not in unsupported and package != ALONE
+        ]
+        listed = ", ".join(f"`{name}`" for name in unsupported)
+        counts = [len(answers), len(answers) - len(unsupported), len(compared)]
         shown = {WHOLE: "the package itself", ALONE: "by scripts"}.get(package, str(counts[2]))
         rows.append(f"| `{group}` | {counts[0]} | {counts[1]} | {shown} | {listed} |")
         if package != WHOLE:
             whole = [a + b for a, b in zip(whole, counts, strict=True)]
-        for name, word in refused.items():
-            if re.search(r"has no (attribute )?'\w+'\.?$", word):
+        for name, message in unsupported.items():
+            if re.search(r"has no (attribute )?'\w+'\.?$", message):
                 silent.append(f"{group}.{name}")
-            mend = re.sub(r"^.* has no '\w+'[.;] ", "", word)
-            words.setdefault(mend, []).append(f"`{group}.{name}`")
+            hint = re.sub(r"^.* has no '\w+'[.;] ", "", message)
+            messages.setdefault(hint, []).append(f"`{group}.{name}`")
     share = 100 * whole[1] / whole[0]
     rows.append(f"| all, without spatialmath | {whole[0]} | {whole[1]} ({share:.1f} %) | {whole[2]} | |")
-    said = [f"- {', '.join(names)}: {word}" for word, names in words.items()]
-    return "\n".join([*rows, "", "Refused with these words:", "", *said]), silent
+    listing = [f"- {', '.join(names)}: {message}" for message, names in messages.items()]
+    return "\n".join(
+        [*rows, "", "Names that raise an AttributeError, with its message:", "", *listing]
+    ), silent
 
 
 def main() -> int:
@@ -207,16 +211,16 @@ def main() -> int:
         RECORD.write_text(json.dumps(record(), indent=1) + "\n", encoding="utf-8")
         return 0
     with tempfile.TemporaryDirectory() as folder:
-        found, silent = lines(str(Path(folder) / "triangle.stl"))
+        table, silent = lines(str(Path(folder) / "triangle.stl"))
     if silent:
-        print(f"refused without a word: {', '.join(silent)}")
+        print(f"not supported, without an explanation: {', '.join(silent)}")
     if "--check" not in sys.argv:
-        print(found)
+        print(table)
         return 0
-    said = PAGE.read_text(encoding="utf-8").split(MARKS[0])[1].split(MARKS[1])[0].strip()
-    if said != found:
-        print(f"{PAGE.name} is out of date; expected:\n{found}")
-    return int(said != found or bool(silent))
+    documented = PAGE.read_text(encoding="utf-8").split(MARKS[0])[1].split(MARKS[1])[0].strip()
+    if documented != table:
+        print(f"{PAGE.name} is out of date; expected:\n{table}")
+    return int(documented != table or bool(silent))
 
 
 if __name__ == "__main__":

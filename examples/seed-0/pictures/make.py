@@ -79,7 +79,7 @@ def main():
             filmed = Path("film.py")
             filmed.write_text(text.replace("#robot.plot", "robot.plot"))
             space, _ = run(filmed)
-            rows = [space["robot"]._configuration(q) for q in space["qt"].q]
+            rows = [space["robot"]._complete_configuration(q) for q in space["qt"].q]
             save(drawn(opened(space["robot"]), thirds(rows)), "rtb_example6")
             with Image.open("panda1.gif") as film:
                 film.seek(film.n_frames // 2)

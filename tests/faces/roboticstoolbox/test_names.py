@@ -1,4 +1,4 @@
-"""The table of names in the docs is that of today, and whatever is refused says what to use instead."""
+"""The table of names in the docs is up to date, and names that are not supported raise an explanatory error."""
 
 from __future__ import annotations
 

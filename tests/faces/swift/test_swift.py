@@ -241,7 +241,7 @@ def test_controls_keep_values_and_call_in_the_thread_of_the_script(env: Any, swi
         assert env.add(element, name=name) is element
     assert env.values == {"s": 3.0, "m": 1, "c": [True, False], "r": [False, True], "b": None, "l": None}
     for element, value in ((slider, 4.0), (select, 0), (boxes, (1, True)), (radio, 0), (button, 0)):
-        env._controls._hear(element, value)  # as the page does, from its thread
+        env._controls._enqueue(element, value)  # as the page does, from its thread
     assert said == []
     env.step(0.01)
     assert said == [4.0, 0, [True, True], 0, 0]
@@ -284,7 +284,7 @@ def test_controls_change_and_go_at_any_time(env: Any, swift: Any) -> None:
     boxes.options, boxes.desc = ["x", "y", "z"], "more"
     heading, *ticks = boxes._controls
     assert heading.label == "more" and [t.value for t in ticks] == [False, True, False] == boxes.checked
-    env._controls._hear(slider, 50.0)  # the page was quicker than the script
+    env._controls._enqueue(slider, 50.0)  # the page was quicker than the script
     env.remove(slider)
     env.step(0.01)
     assert slider.value == 3.0 and dial.removed and env.values == {"which": 1} and not slider.shown
@@ -410,7 +410,7 @@ def test_what_is_not_offered_says_so(env: Any, swift: Any, arm: Any) -> None:
     with pytest.raises(InputError, match="of the camera are both"):
         env.set_camera_pose([0, 0, 0], [0, 0, 0])
     env.launch(headless=True, comms="websocket")  # of Swift 1
-    assert "Swift of 0 things" in repr(env)
+    assert "Swift of 0 objects" in repr(env)
     env.close()
     assert "not launched" in repr(env)
 

@@ -31,8 +31,8 @@ def _installed() -> ModuleSpec | None:
     shelf = Path(__file__).resolve().parent
     places = [place for place in sys.path if Path(place or ".").resolve() != shelf]
     finders: list[Any] = list(sys.meta_path)
-    found = (f.find_spec(__name__, places if f is PathFinder else None) for f in finders)
-    return next((spec for spec in found if spec is not None and spec.origin != __file__), None)
+    spec = (f.find_spec(__name__, places if f is PathFinder else None) for f in finders)
+    return next((spec for spec in spec if spec is not None and spec.origin != __file__), None)
 
 
 _spec = _installed()

@@ -56,5 +56,5 @@ _INSTEAD = {
 
 
 def __getattr__(name: str) -> object:
-    word = _INSTEAD.get(name, f"There are: {', '.join(__all__)}.")
-    raise AttributeError(f"Ulna's face of spatialgeometry has no {name!r}. {word}")
+    hint = _INSTEAD.get(name, f"There are: {', '.join(__all__)}.")
+    raise AttributeError(f"Ulna's package for spatialgeometry has no {name!r}. {hint}")

@@ -83,8 +83,8 @@ class CollisionShape(Shape):
             raise InputError(
                 f"Cannot measure how near {shape!r} is; expected a solid: Cuboid, Sphere, Mesh ..."
             )
-        found = [_distance(a, b) for a in self._parts() for b in shape._parts()]
-        nearest = min(found, key=lambda f: f.distance, default=None)
+        distances = [_distance(a, b) for a in self._parts() for b in shape._parts()]
+        nearest = min(distances, key=lambda f: f.distance, default=None)
         if nearest is None or nearest.distance > inf_dist:
             return None, None, None
         return nearest.distance, nearest.points[0], nearest.points[1]
@@ -123,7 +123,7 @@ def _distance(first: CollisionShape, second: CollisionShape) -> Any:
 
 
 class CollisionShapeGroup(CollisionShape, Members):
-    """Solids that move together and are collided with as one: a list of them, with a pose of its own."""
+    """Solids that move together and are collided with as one: a list of them, with a common pose."""
 
     kind = "group"
 
@@ -158,7 +158,7 @@ class CollisionShapeGroup(CollisionShape, Members):
             viewer[f"{name}/{k}"].pose = member.T
 
     def dress(self, handle: Any) -> None:
-        """Members have colours of their own."""
+        """Members keep their colours."""
 
     def to_dict(self) -> dict[str, Any]:
         """What it is and where, and its members."""

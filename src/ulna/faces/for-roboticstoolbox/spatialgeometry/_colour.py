@@ -25,10 +25,10 @@ def rgba(value: Any) -> RGBA:
         try:
             return colour(value)
         except UnknownName:
-            found = _of_matplotlib(value)
-            if found is None:
+            converted = _of_matplotlib(value)
+            if converted is None:
                 raise
-            return found
+            return converted
     try:
         numbers = np.asarray(value, dtype=float)
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Solids in files: meshes, in their own colours or in one."""
+"""Solids in files: meshes, in the colours of the file or in one."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Mesh(CollisionShape):
     Args:
         filename: The file.
         scale: A factor for its lengths, or one along each axis.
-        color: One colour for all of it; its own when not given.
+        color: One colour for all of it; those of the file when not given.
         y_up: Whether its y is up; it is turned so that z is.
         kwargs: As for `CollisionShape`.
 
@@ -85,5 +85,5 @@ class Mesh(CollisionShape):
             viewer.mesh(self._path, self._scale, name=f"{name}/mesh", pose=turn)
 
     def dress(self, handle: Any) -> None:
-        """Give a handle of the viewer this mesh's colour, or leave it its own, and its opacity."""
+        """Give a handle of the viewer this mesh's colour, or leave the colours of the file, and its opacity."""
         handle.color, handle.opacity = self._rgba[:3] if self._coloured else None, self.opacity

@@ -224,7 +224,7 @@ class Members(MutableSequence):
 
 
 class SceneGroup(SceneNode, Members):
-    """Frames that move together: a list of its children, with a pose of its own."""
+    """Frames that move together: a list of its children, with a common pose."""
 
     def __init__(self, initlist: Iterable[SceneNode] | None = None, **kwargs: Any) -> None:
         super().__init__(**kwargs)

@@ -96,7 +96,7 @@ class Cylinder(_Round):
 
 
 class Capsule(_Round):
-    """A cylinder about z with half a ball on either end, centred; one of Ulna's own.
+    """A cylinder about z with half a ball on either end, centred; not in spatialgeometry itself.
 
     Args:
         radius: Radius of the cylinder and of the balls [m].
@@ -113,7 +113,7 @@ class Capsule(_Round):
 
 
 class Cone(_Round):
-    """A cone about z, its tip up, centred half way; one of Ulna's own.
+    """A cone about z, its tip up, centred half way; not in spatialgeometry itself.
 
     Args:
         radius: Radius of its base [m].

@@ -1,7 +1,7 @@
 """The controls once more, for `from swift.Elements import ...`."""
 
-from swift._choices import Checkbox, Radio, Select
 from swift._element import SwiftElement
-from swift._elements import Button, Label, Slider
+from swift._option_controls import Checkbox, Radio, Select
+from swift._simple_controls import Button, Label, Slider
 
 __all__ = ["Button", "Checkbox", "Label", "Radio", "Select", "Slider", "SwiftElement"]

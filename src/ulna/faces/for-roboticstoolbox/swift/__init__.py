@@ -1,4 +1,4 @@
-"""The face of Swift over Ulna's viewer: a simulator in the browser, with handles, buttons and sliders."""
+"""Swift's names over Ulna's viewer: a simulator in the browser, with handles, buttons and sliders."""
 
 from __future__ import annotations
 
@@ -45,5 +45,5 @@ _INSTEAD = {
 
 
 def __getattr__(name: str) -> object:
-    word = _INSTEAD.get(name, f"There are: {', '.join(__all__)}.")
-    raise AttributeError(f"Ulna's face of Swift has no {name!r}. {word}")
+    hint = _INSTEAD.get(name, f"There are: {', '.join(__all__)}.")
+    raise AttributeError(f"Ulna's package for Swift has no {name!r}. {hint}")

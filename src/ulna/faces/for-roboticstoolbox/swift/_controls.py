@@ -1,4 +1,4 @@
-"""The controls of an environment: put into the panel, and heard in the thread of the script."""
+"""The controls of an environment: put into the panel; their callbacks run in the thread of the script."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class Controls:
         """The controls, by their number."""
         self._panel, self._count = panel, 0
         self._named: dict[str, SwiftElement] = {}
-        self._heard: deque[tuple[SwiftElement, Any]] = deque()
-        self._at_once = threading.Event()
+        self._events: deque[tuple[SwiftElement, Any]] = deque()
+        self._immediate = threading.Event()
 
     def add(self, element: SwiftElement, name: str | None) -> None:
         """Put a control into the panel.
@@ -45,7 +45,7 @@ class Controls:
             raise InputError(f"This {type(element).__name__} ({element.label!r}) is in the panel already.")
         if name in self._named:
             raise InputError(f"There is a control named {name!r} already.")
-        element.show(self._panel, self._count, self._hear)
+        element.show(self._panel, self._count, self._enqueue)
         self.elements[self._count] = element
         self._count += 1
         if name is not None:
@@ -58,8 +58,8 @@ class Controls:
             UnknownName: It is not there.
         """
         if element.id is None or self.elements.get(element.id) is not element:
-            told = (f"{number}: {type(e).__name__} {e.label!r}" for number, e in self.elements.items())
-            raise UnknownName("control in the panel", f"{type(element).__name__} {element.label!r}", told)
+            present = (f"{number}: {type(e).__name__} {e.label!r}" for number, e in self.elements.items())
+            raise UnknownName("control in the panel", f"{type(element).__name__} {element.label!r}", present)
         del self.elements[element.id]
         self._named = {name: e for name, e in self._named.items() if e is not element}
         element.remove()
@@ -75,7 +75,7 @@ class Controls:
         return {name: element.state for name, element in self._named.items()} if self._named else {}
 
     def handle(self, events: Mapping[Any, Any] | None = None) -> None:
-        """Call the functions of what was changed in the page, and of `events`: values by the number of the control.
+        """Call the functions of changes in the page, and of `events`: values by the number of the control.
 
         Raises:
             UnknownName: There is no control of that number.
@@ -85,28 +85,28 @@ class Controls:
                 if int(number) not in self.elements:
                     raise UnknownName("control", number, map(str, self.elements))
                 self.elements[int(number)].choose(value)
-        while self._heard:
-            element, value = self._heard.popleft()
+        while self._events:
+            element, value = self._events.popleft()
             if element.shown:
                 element.choose(value)
 
     @contextmanager
-    def at_once(self) -> Iterator[None]:
-        """While the script stands still within, what is done in the page is handled where it comes in."""
+    def handling_immediately(self) -> Iterator[None]:
+        """While the script waits in this context, the thread that receives events of the page handles them."""
         self.handle()
-        self._at_once.set()
+        self._immediate.set()
         try:
             yield
         finally:
-            self._at_once.clear()
+            self._immediate.clear()
 
     @property
     def waiting(self) -> int:
-        """How many changes were heard that no step has handled yet."""
-        return len(self._heard)
+        """Number of changes that no step has handled yet."""
+        return len(self._events)
 
-    def _hear(self, element: SwiftElement, value: Any) -> None:
-        if self._at_once.is_set():
+    def _enqueue(self, element: SwiftElement, value: Any) -> None:
+        if self._immediate.is_set():
             element.choose(value)
         else:
-            self._heard.append((element, value))
+            self._events.append((element, value))

@@ -1,4 +1,4 @@
-"""What all controls of the panel share: a label, a function that is told, and settings that change at any time."""
+"""Base of all controls of the panel: a label, a callback, and settings that can change at any time."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 Notice = Callable[["SwiftElement", Any], None]
-"""Told which element was changed in the page, and to what."""
+"""Called with the element that was changed in the page, and its value."""
 
 
 class Setting:
-    """Something of an element that can be set at any time; what does not fit is refused and changes nothing."""
+    """Something of an element that can be set at any time; a value that does not fit raises and changes nothing."""
 
     def __init__(self, kind: Callable[[Any], Any] = str) -> None:
         self._kind = kind
@@ -41,7 +41,7 @@ class SwiftElement(abc.ABC):
     Args:
         cb: Called with what was chosen, in the thread of the script, by `env.step`, `env.run`, `env.hold` or
             `env.process_events`.
-        label: The words beside it.
+        label: The text beside it.
         desc: An older name of `label`.
     """
 
@@ -71,8 +71,8 @@ class SwiftElement(abc.ABC):
         return self.label
 
     @desc.setter
-    def desc(self, words: str) -> None:
-        self.label = words
+    def desc(self, text: str) -> None:
+        self.label = text
 
     @property
     def shown(self) -> bool:
@@ -96,7 +96,7 @@ class SwiftElement(abc.ABC):
             control.remove()
         self._controls, self._panel, self.id = [], None, None
 
-    def _changed(self, value: Any) -> None:
+    def _on_change(self, value: Any) -> None:
         """Something was chosen in the page; that comes in on another thread."""
         self._notice(self, value)
 
@@ -105,23 +105,23 @@ class SwiftElement(abc.ABC):
         """Its controls in the panel."""
 
     def _check(self) -> None:  # noqa: B027 - most elements have nothing to check
-        """Refuse settings that do not fit together."""
+        """Raise for settings that do not fit together."""
 
     def _refresh(self) -> None:
-        """Have the panel show what it is by now; that calls nothing."""
+        """Bring the panel up to date; that calls nothing."""
         if self.shown:
-            self._bring(*self._controls)
+            self._synchronize(*self._controls)
 
     @abc.abstractmethod
-    def _bring(self, *controls: Any) -> None:
-        """Have its controls show what it is by now."""
+    def _synchronize(self, *controls: Any) -> None:
+        """Bring its controls up to date."""
 
     @abc.abstractmethod
     def update(self, e: Any) -> None:
         """Take over a value; calls nothing."""
 
     def choose(self, e: Any) -> None:
-        """Take over what was chosen in the page, and tell `cb`."""
+        """Take over what was chosen in the page, and call `cb`."""
         self.update(e)
         if self.cb is not None:
             self.cb(e)

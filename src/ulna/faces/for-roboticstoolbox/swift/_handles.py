@@ -1,4 +1,4 @@
-"""Things with joints: a handle with their state, and assemblies of shapes that a function places."""
+"""Objects with joints: a handle with their state, and assemblies of shapes that a function places."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from swift._items import Drawn, Item
+from swift._scene_items import DrawnShape, Item
 from ulna.errors import InputError
 
 _MODES = ("p", "v", "a")
@@ -18,7 +18,7 @@ _MODES = ("p", "v", "a")
 class AssemblyHandle(Item):
     """Something with joints: `q` and `qd` are its state, `control_mode` says what a step does.
 
-    "v" moves it at `qd`, held at its joint limits; "p" leaves it at `q`.
+    "v" moves it at `qd`, within its joint limits; "p" leaves it at `q`.
 
     Args:
         state: What has `q`, `qd` and `control_mode`.
@@ -88,7 +88,7 @@ class PartsHandle(AssemblyHandle):
 
     Args:
         viewer: The `ulna.Viewer`.
-        fk: Gives the world pose of each part at `q`.
+        fk: Returns the world pose of each part at `q`.
         parts: The shapes.
         q0: The joint coordinates at first.
         readonly: Whether it is shown only, never moved.
@@ -108,7 +108,7 @@ class PartsHandle(AssemblyHandle):
         super().__init__(SimpleNamespace(q=q, qd=np.zeros(len(q)), control_mode="v"), readonly, **more)
         self._fk, self._parts = fk, list(parts)
         label = self.name or f"assembly {self.id}"
-        self._drawn = [Drawn(viewer, part, f"{label} · {k}") for k, part in enumerate(self._parts)]
+        self._drawn = [DrawnShape(viewer, part, f"{label} · {k}") for k, part in enumerate(self._parts)]
         if len(q):
             self.show()
 
@@ -117,7 +117,7 @@ class PartsHandle(AssemblyHandle):
         """It stands for itself."""
         return self
 
-    def tell(self, t: float, dt: float, values: dict[str, Any]) -> None:
+    def advance(self, t: float, dt: float, values: dict[str, Any]) -> None:
         """Move the joint coordinates on."""
         if self._moves(t, values):
             self.q = np.asarray(self.q) + dt * np.asarray(self.qd)
@@ -127,7 +127,7 @@ class PartsHandle(AssemblyHandle):
         poses = list(self._fk(self.q))
         if len(poses) != len(self._parts):
             raise InputError(
-                f"`fk` gave {len(poses)} poses for {len(self._parts)} parts; expected one for each."
+                f"`fk` returned {len(poses)} poses for {len(self._parts)} parts; expected one for each."
             )
         for part, pose, drawn in zip(self._parts, poses, self._drawn, strict=True):
             part.T = pose

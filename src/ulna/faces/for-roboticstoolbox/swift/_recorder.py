@@ -58,16 +58,19 @@ class Recorder:
         times = np.array(self._times) - self._times[0]
         if self.path.suffix:
             return self._viewer.film(
-                self.path, move=lambda t: self._bring(times, t), duration=float(times[-1]), fps=self._fps
+                self.path,
+                move=lambda t: self._synchronize(times, t),
+                duration=float(times[-1]),
+                fps=self._fps,
             )
         self.path.mkdir(parents=True, exist_ok=True)
         for k, t in enumerate(frame_times(float(times[-1]), self._fps)):
-            self._bring(times, float(t))
+            self._synchronize(times, float(t))
             self._viewer.picture(self.path / f"{k:05d}.png", 960, 600)
-        self._bring(times, float(times[-1]))
+        self._synchronize(times, float(times[-1]))
         return self.path
 
-    def _bring(self, times: Any, t: float) -> None:
+    def _synchronize(self, times: Any, t: float) -> None:
         """Show what was at a time since the recording began."""
         k = int(np.searchsorted(times, t + 1e-9, side="right")) - 1
         configurations, poses = self._rows[max(k, 0)]

@@ -1,4 +1,4 @@
-"""A robot of the toolbox in the environment: its own `q` and `qd`, moved by each step, held at its limits."""
+"""A robot of the toolbox in the environment: its `q` and `qd` are moved by each step, within its limits."""
 
 from __future__ import annotations
 
@@ -10,39 +10,45 @@ from typing import Any
 import numpy as np
 
 from swift._handles import AssemblyHandle
-from swift._items import pose_of
+from swift._scene_items import pose_of
 from ulna.errors import InputError, ShapeError
 from ulna.sim.kinematic import limited_step
 from ulna.typing import Floats
 
 
 class RobotHandle(AssemblyHandle):
-    """A robot in the environment. Its state is the robot's own `q` and `qd`, whichever of the two one assigns to.
+    """A robot in the environment. Its state is `q` and `qd` of the robot, and assigning to either changes both.
 
     Args:
         viewer: The `ulna.Viewer`.
         robot: A robot of the toolbox; whatever has `q`, `qd` and an `ulna.Robot` in `ulna` serves.
         alphas: Opacity of what it looks like and of what it collides with.
         readonly: Whether it is shown only, never moved.
-        own: Whether it has a state of its own, as a robot has that is there already.
+        separate_state: Whether its state is separate from the robot's, as for a robot added a second time.
         more: As for `Item`.
     """
 
     def __init__(
-        self, viewer: Any, robot: Any, alphas: tuple[float, float], readonly: bool, own: bool, **more: Any
+        self,
+        viewer: Any,
+        robot: Any,
+        alphas: tuple[float, float],
+        readonly: bool,
+        separate_state: bool,
+        **more: Any,
     ) -> None:
-        state = SimpleNamespace(q=np.array(robot.q), qd=np.array(robot.qd)) if own else robot
+        state = SimpleNamespace(q=np.array(robot.q), qd=np.array(robot.qd)) if separate_state else robot
         super().__init__(state, readonly, **more)
         self._viewer, self.robot, self._model = viewer, robot, robot.ulna
-        self._whole = getattr(robot, "_configuration", np.copy)
+        self._complete = getattr(robot, "_complete_configuration", np.copy)
         self._low, self._high = _limits_of(robot)
-        self._held_step = limited_step(len(self._low))
-        stands = np.asarray(self._model.link_poses(self._model.neutral))[0]
-        self._base, self._to_place = self._placed(), False
+        self._limited_step = limited_step(len(self._low))
+        base_pose = np.asarray(self._model.link_poses(self._model.neutral))[0]
+        self._base, self._to_place = self._base_pose(), False
         self._moved: Floats | None = None
         # a model may have the base built in
-        self._within = np.linalg.inv(stands) if np.allclose(stands, self._base) else np.eye(4)
-        start, pose = self._configuration(), self._base @ self._within
+        self._model_offset = np.linalg.inv(base_pose) if np.allclose(base_pose, self._base) else np.eye(4)
+        start, pose = self._configuration(), self._base @ self._model_offset
         drawn = any(link.visuals for link in self._model.model.links)
         self.figures = tuple(
             viewer.add(self._model, start, pose=pose, opacity=alpha, show=what)
@@ -65,27 +71,27 @@ class RobotHandle(AssemblyHandle):
 
     def _configuration(self) -> Floats:
         """The configuration of the model: the joints, and those of grippers where it has them."""
-        return self._whole(self._joints())
+        return self._complete(self._joints())
 
-    def _placed(self) -> Floats:
+    def _base_pose(self) -> Floats:
         if hasattr(self.robot, "_wT"):  # it may hang on another robot's link
             return self.robot._wT
         return pose_of(getattr(self.robot, "base", np.eye(4)))
 
-    def tell(self, t: float, dt: float, values: dict[str, Any]) -> None:
+    def advance(self, t: float, dt: float, values: dict[str, Any]) -> None:
         """Move it on: joints turn and slide, so that moving is adding."""
         self._moved = None
         if self._moves(t, values):
             q, qd = self._joints(), np.asarray(self._state.qd, dtype=float)
             if qd.shape == q.shape:
-                moved, sound = self._held_step(q, qd, dt, self._low, self._high)
+                moved, sound = self._limited_step(q, qd, dt, self._low, self._high)
                 if math.isfinite(sound):
                     self._state.q = moved
-                    kept = self._state.q is moved  # then a script may write to it
-                    self._moved = moved.copy() if kept else moved
+                    is_same_array = self._state.q is moved  # then a script may write to it
+                    self._moved = moved.copy() if is_same_array else moved
                     return
             raise InputError(
-                f"{self._model.name!r} is at q = {q.tolist()} and told qd = {qd.tolist()}; expected {len(q)} finite "
+                f"{self._model.name!r} is at q = {q.tolist()} with qd = {qd.tolist()}; expected {len(q)} finite "
                 "numbers for each."
             )
 
@@ -93,20 +99,20 @@ class RobotHandle(AssemblyHandle):
         """Show where it is."""
         q, self._moved = self._moved, None
         for figure in self.figures:
-            if q is None:  # a script may have told it where to be
+            if q is None:  # a script may have set the configuration
                 figure.q = self._configuration()
             else:
-                figure.set_checked_q(partial(self._whole, q))  # which is asked for when somebody looks
+                figure.set_checked_q(partial(self._complete, q))  # which is asked for when somebody looks
         if not self._to_place:  # a base seldom moves, and asking for it takes time: not before somebody looks
             self._to_place = True
             self._viewer.scene.later(self, self._place)
 
     def _place(self) -> None:
-        self._to_place, base = False, self._placed()
+        self._to_place, base = False, self._base_pose()
         if not np.array_equal(base, self._base):
             self._base = base
             for figure in self.figures:
-                figure.pose = base @ self._within
+                figure.pose = base @ self._model_offset
 
     def remove(self) -> None:
         """Take it out of the scene."""
@@ -118,7 +124,7 @@ class RobotHandle(AssemblyHandle):
         """Where its links are in the world, an SE3 each."""
         from spatialmath import SE3  # pyright: ignore[reportMissingImports]
 
-        poses = self._placed() @ self._within @ self._model.link_poses(self._configuration())
+        poses = self._base_pose() @ self._model_offset @ self._model.link_poses(self._configuration())
         return [SE3(T, check=False) for T in poses]
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from swift._contents import Contents
+from swift._environment_contents import Contents
 from swift._recorder import Recorder
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import number
@@ -41,29 +41,35 @@ class Swift(Contents):
         if dt > 0.0:
             t, values = simulation.t + dt, controls.values
             for item in items:
-                item.tell(t, dt, values)
+                item.advance(t, dt, values)
         with viewer.scene.atomic():
             for item in items:
                 item.show()
         if dt > 0.0:
             simulation.step(dt)
         if self._recorder is not None:
-            self._note()
+            self._record()
 
     def run(self, duration: float | None = None, dt: float = 0.05, timeout: float | None = None) -> None:
         """Step for some time [s], or until the page is closed; at once to an end where there is none to close."""
         if duration is None and not self._watched():
-            self._say("so it does not run without an end; give it a duration.")
+            self._print_once("so it does not run without an end; give it a duration.")
             return
-        end, seen, gone = self.sim_time + (np.inf if duration is None else duration), False, 0.0
+        end, was_watched, unwatched_for = (
+            self.sim_time + (np.inf if duration is None else duration),
+            False,
+            0.0,
+        )
         while self.sim_time < end - 1e-9 and not (duration is None and self.viewer.closed):
-            began = time.monotonic()
+            started = time.monotonic()
             self.step(min(dt, end - self.sim_time))
             if duration is None and not self._simulation.realtime:
                 time.sleep(dt)
-            seen = seen or bool(self.viewer.clients)
-            gone = 0.0 if self.viewer.clients or not seen else gone + time.monotonic() - began
-            if gone > (3.0 if timeout is None else timeout):
+            was_watched = was_watched or bool(self.viewer.clients)
+            unwatched_for = (
+                0.0 if self.viewer.clients or not was_watched else unwatched_for + time.monotonic() - started
+            )
+            if unwatched_for > (3.0 if timeout is None else timeout):
                 return
 
     def hold(self, duration: float | None = None, timeout: float | None = None) -> None:
@@ -71,9 +77,9 @@ class Swift(Contents):
         viewer = self.viewer
         self.process_events()
         if not self._watched():
-            self._say("so it is not held open.")
+            self._print_once("so it is not held open.")
             return
-        with self._controls.at_once():
+        with self._controls.handling_immediately():
             if duration is None:
                 viewer.hold()
                 return
@@ -86,11 +92,11 @@ class Swift(Contents):
         viewer = self.viewer
         return not viewer.closed and (viewer.clients > 0 or somebody_can_look())
 
-    def _say(self, what: str) -> None:
-        if not self._said:
+    def _print_once(self, what: str) -> None:
+        if not self._printed:
             page = "It was closed" if not self.headless and self.viewer.closed else "Nobody can look here"
             print(f"Swift: {page}, {what}", flush=True)
-        self._said = True
+        self._printed = True
 
     def process_events(self, events: dict[Any, Any] | None = None) -> None:
         """Handle what was done in the panel, or `events`: what was chosen, by the number of the control."""
@@ -127,7 +133,7 @@ class Swift(Contents):
         if self._recorder is not None:
             raise InputError("A recording goes on already; call env.stop_recording() first.")
         self._recorder = Recorder(self.viewer, file_name, framerate, format)
-        self._note()
+        self._record()
 
     def stop_recording(self) -> None:
         """End the film and write it.
@@ -140,7 +146,7 @@ class Swift(Contents):
         recorder, self._recorder = self._recorder, None
         print(f"Swift: wrote {recorder.write()}", flush=True)
 
-    def _note(self) -> None:
+    def _record(self) -> None:
         assert self._recorder is not None
         items = self._items.values()
         figures = [figure for item in items for figure in item.figures]
@@ -150,4 +156,4 @@ class Swift(Contents):
     def __repr__(self) -> str:
         if self._viewer is None:
             return "<Swift, not launched>"
-        return f"<Swift of {len(self._items)} things at {self.sim_time:g} s>"
+        return f"<Swift of {len(self._items)} objects at {self.sim_time:g} s>"

@@ -1,4 +1,4 @@
-"""Modules that the toolbox keeps its names in, for scripts that import from there: all lead to `roboticstoolbox`."""
+"""Modules of the toolbox from which scripts import: their names are those of `roboticstoolbox`."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from types import ModuleType
 from typing import Any
 
 
-class _Room(ModuleType):
+class _AliasModule(ModuleType):
     """A module whose names are those of `roboticstoolbox`."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        return offered(self.__name__, name)
+        return public_name(self.__name__, name)
 
 
-def furnish(package: str, names: Iterable[str]) -> None:
+def add_module_aliases(package: str, names: Iterable[str]) -> None:
     """Makes modules of these names importable from a package."""
     for name in names:
         place = f"{package}.{name}"
-        sys.modules.setdefault(place, _Room(place, f"Names of `roboticstoolbox`, as {place}."))
+        sys.modules.setdefault(place, _AliasModule(place, f"Names of `roboticstoolbox`, as {place}."))
 
 
-def offered(place: str, name: str) -> Any:
-    """What `roboticstoolbox` has by that name.
+def public_name(place: str, name: str) -> Any:
+    """The object of that name in `roboticstoolbox`.
 
     Raises:
-        AttributeError: Nothing.
+        AttributeError: There is no such name.
     """
     import roboticstoolbox
 

@@ -1,4 +1,4 @@
-"""Poses as the toolbox passes them about: SE3 objects of spatialmath, or plain matrices."""
+"""Poses as the toolbox passes them: SE3 objects of spatialmath, or plain matrices."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def pose(T: Floats) -> Any:
 
 def array(T: Any) -> Floats:
     """The numbers of a pose object, or of poses, or of an array."""
-    held = getattr(T, "data", None)
-    if type(held) is list:
-        return held[0] if len(held) == 1 else np.array(held, dtype=float)
+    values = getattr(T, "data", None)
+    if type(values) is list:
+        return values[0] if len(values) == 1 else np.array(values, dtype=float)
     return np.asarray(T, dtype=float)
 
 
@@ -64,7 +64,7 @@ def matrices(T: Any) -> Floats:
 
 
 def describe(T: Floats) -> str:
-    """The words for a constant pose, "SE3(x, y, z; roll, pitch, yaw)", what is zero left out."""
+    """A constant pose as text, "SE3(x, y, z; roll, pitch, yaw)", without the parts that are zero."""
     if T.shape == (3, 3):
         angle = math.degrees(math.atan2(T[1, 0], T[0, 0]))
         return f"SE2({T[0, 2]:.4g}, {T[1, 2]:.4g}; {angle:.4g}°)"

@@ -1,4 +1,4 @@
-"""The dynamics of a robot: kernels that take masses, motors and gravity as numbers, so that links may change.
+"""The dynamics of a robot: kernels take inertias, motors and gravity as arguments, so that links may change.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -24,7 +24,7 @@ from ulna.numeric import less, where
 from ulna.robot import Robot as Body
 from ulna.typing import Array, Floats
 
-_WITH = {
+_KERNEL_PARAMETERS = {
     "inverse_dynamics": ("inertia", "armature", "gravity"),
     "forward_dynamics": ("inertia", "armature", "gravity"),
     "gravity_forces": ("inertia", "gravity"),
@@ -47,7 +47,7 @@ def _friction(n: int) -> Any:
 class Dynamics:
     """Torques, inertia and motion."""
 
-    _weights: dict[str, Floats] | None
+    _dynamic_arrays: dict[str, Floats] | None
     _kernels: dict[str, Any]
     _links: list[Link]
     _grippers: list[Any]
@@ -59,49 +59,49 @@ class Dynamics:
     q: Floats
 
     def dynchanged(self, what: str | None = None) -> None:
-        """Forgets masses and motors; called when a link changes."""
-        self._weights = None
+        """Discards the arrays of masses and motors; called when a link changes."""
+        self._dynamic_arrays = None
 
     @property
     def hasdynamics(self) -> bool:
         """Whether any link has mass, motor or friction."""
         return any(link.hasdynamics for link in self._links)
 
-    def _told(self) -> dict[str, Floats]:
-        """Masses, motors and friction as the kernels take them."""
-        if self._weights is None:
+    def _current_dynamic_arrays(self) -> dict[str, Floats]:
+        """The present inertias, motors and friction as arguments of the kernels."""
+        if self._dynamic_arrays is None:
             if not self.hasdynamics:
                 raise InputError(
-                    f"Robot {self.name!r} has no masses, so no dynamics; give its links m, r and I."
+                    f"Robot {self.name!r} has no masses, so no dynamics; set m, r and I of its links."
                 )
             base = np.eye(4) if self._base is None else self._base
             model = model_of(self.name, self._links, self._grippers, self._gravity, base, moving=False)
             joints = sorted((a for a in self._links if a.isjoint), key=lambda a: a.jindex or 0)
             gears = np.array([abs(a.G) for a in joints])
-            self._weights = {
+            self._dynamic_arrays = {
                 "inertia": parameters(model, "inertia"),
                 "armature": parameters(model, "armature"),
                 "viscous": np.array([a.B for a in joints]) * gears**2,
                 "forward": np.array([a.Tc[0] for a in joints]) * gears,
                 "backward": np.array([a.Tc[1] for a in joints]) * gears,
             }
-            self._weights["rubs"] = np.array(
-                any(self._weights[k].any() for k in ("viscous", "forward", "backward"))
+            self._dynamic_arrays["has_friction"] = np.array(
+                any(self._dynamic_arrays[k].any() for k in ("viscous", "forward", "backward"))
             )
             if not self._kernels:
                 self._kernels["body"] = Body(model)
-        return self._weights
+        return self._dynamic_arrays
 
     def _kernel(self, name: str) -> Any:
         if name not in self._kernels:
             body = self._kernels["body"]
-            self._kernels[name] = body.kernel(name, checked=True, parameters=_WITH[name])
+            self._kernels[name] = body.kernel(name, checked=True, parameters=_KERNEL_PARAMETERS[name])
         return self._kernels[name]
 
-    def _ask(self, name: str, arrays: tuple[Any, ...], gravity: Any = None) -> Floats:
-        told = self._told() if self._weights is None else self._weights
-        fall = self._gravity if gravity is None else _three(gravity)
-        extra = [fall if part == "gravity" else told[part] for part in _WITH[name]]
+    def _evaluate(self, name: str, arrays: tuple[Any, ...], gravity: Any = None) -> Floats:
+        values = self._current_dynamic_arrays() if self._dynamic_arrays is None else self._dynamic_arrays
+        fall = self._gravity if gravity is None else vector3(gravity)
+        extra = [fall if part == "gravity" else values[part] for part in _KERNEL_PARAMETERS[name]]
         kernel = self._kernels.get(name) or self._kernel(name)
         return kernel(*arrays, *extra)
 
@@ -114,49 +114,49 @@ class Dynamics:
             q: Configuration, (n,) or (m, n) [rad or m].
             qd: Velocity, likewise.
             qdd: Acceleration, likewise.
-            symbolic: Refused.
+            symbolic: Not supported; raises InputError.
             gravity: Acceleration of free fall, (3,) [m/s^2]; None for the robot's.
         """
         if symbolic:
             raise InputError("symbolic=True is not offered; trace `robot.inverse_dynamics` of an ulna.Robot.")
         v = np.zeros(self.n) if qd is None else np.asarray(qd, dtype=float)
-        tau = self._ask("inverse_dynamics", (q, v, np.zeros(self.n) if qdd is None else qdd), gravity)
-        told = self._weights
-        assert told is not None
-        return tau + self._rubbing(v) if told["rubs"] else tau
+        tau = self._evaluate("inverse_dynamics", (q, v, np.zeros(self.n) if qdd is None else qdd), gravity)
+        values = self._dynamic_arrays
+        assert values is not None
+        return tau + self._friction_torques(v) if values["has_friction"] else tau
 
-    def _rubbing(self, v: Any) -> Floats:
-        told = self._told()
-        return _friction(self.n)(v, told["viscous"], told["forward"], told["backward"])
+    def _friction_torques(self, v: Any) -> Floats:
+        values = self._current_dynamic_arrays()
+        return _friction(self.n)(v, values["viscous"], values["forward"], values["backward"])
 
     def inertia(self, q: Any) -> Floats:
         """The inertia matrix, motors included, (n, n) or (m, n, n)."""
-        return self._ask("mass_matrix", (q,))
+        return self._evaluate("mass_matrix", (q,))
 
     def coriolis(self, q: Any, qd: Any) -> Floats:
         """The matrix of Coriolis and centrifugal effects, (n, n) or (m, n, n)."""
-        return self._ask("coriolis_matrix", (q, qd))
+        return self._evaluate("coriolis_matrix", (q, qd))
 
     def gravload(self, q: Any = None, gravity: Any = None) -> Floats:
-        """The torques that gravity takes, (n,) or (m, n)."""
-        return self._ask("gravity_forces", (self.q if q is None else q,), gravity)
+        """The torques that hold the robot against gravity, (n,) or (m, n)."""
+        return self._evaluate("gravity_forces", (self.q if q is None else q,), gravity)
 
     def itorque(self, q: Any, qdd: Any) -> Floats:
         """The torques of inertia alone, (n,) or (m, n)."""
         return np.squeeze(self.inertia(q) @ np.asarray(qdd, dtype=float)[..., None], axis=-1)
 
     def accel(self, q: Any, qd: Any, torque: Any, gravity: Any = None) -> Floats:
-        """The accelerations that torques give, friction overcome, (n,) or (m, n)."""
-        self._told()
-        pushing = np.asarray(torque, dtype=float) - self._rubbing(np.asarray(qd, dtype=float))
-        return self._ask("forward_dynamics", (q, qd, pushing), gravity)
+        """The accelerations under torques and friction, (n,) or (m, n)."""
+        self._current_dynamic_arrays()
+        net_torque = np.asarray(torque, dtype=float) - self._friction_torques(np.asarray(qd, dtype=float))
+        return self._evaluate("forward_dynamics", (q, qd, net_torque), gravity)
 
     def friction(self, qd: Any) -> Floats:
         """The torques of friction, against the motion, (n,) or (m, n)."""
-        return -self._rubbing(np.asarray(qd, dtype=float))
+        return -self._friction_torques(np.asarray(qd, dtype=float))
 
 
-def _three(gravity: Any) -> Floats:
+def vector3(gravity: Any) -> Floats:
     g = np.asarray(gravity, dtype=float).ravel()
     if g.shape != (3,):
         raise ShapeError("gravity", np.shape(gravity), "(3,)")

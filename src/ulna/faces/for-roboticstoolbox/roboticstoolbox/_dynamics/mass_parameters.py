@@ -1,4 +1,4 @@
-"""What the links of a robot weigh: tables, payloads, and robots with less friction or other masses."""
+"""Dynamic parameters of a robot: tables, payloads, and copies with less friction or other masses."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from typing import Any, Self
 import numpy as np
 
 from roboticstoolbox._common.text_table import grid
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.spatial import Inertia
 
 
-class Weights(Part):
+class MassParameters(RobotMixin):
     """Masses, motors and friction."""
 
     def payload(self, m: float, p: Any = None) -> None:
-        """Hangs a point mass `m` [kg] at `p` [m] in the last link; it replaces the one before, 0 takes it off."""
+        """Attaches a point mass `m` [kg] at `p` [m] of the last link; it replaces an earlier one, 0 removes it."""
         ends = self.ee_links
         last = ends[0] if len(ends) == 1 else self._links[self.n - 1]
-        own = last.__dict__.setdefault("_empty", (last.m, last.r, last.I))
-        last.m, last.r, last.I = own
+        before = last.__dict__.setdefault("_empty", (last.m, last.r, last.I))
+        last.m, last.r, last.I = before
         if m:
             body = last._inertia()
             more = Inertia.from_point(float(m), np.zeros(3) if p is None else np.asarray(p, dtype=float))
-            whole = more if body is None else body + more
-            last.m, last.r, last.I = float(whole.mass), whole.com, whole.inertia
+            combined = more if body is None else body + more
+            last.m, last.r, last.I = float(combined.mass), combined.com, combined.inertia
 
     def nofriction(self, coulomb: bool = True, viscous: bool = False) -> Self:
         """A copy without Coulomb friction, without viscous friction."""
@@ -37,7 +37,7 @@ class Weights(Part):
         return out
 
     def perturb(self, p: float = 0.1) -> Self:
-        """A copy with masses and inertias off at random by up to the fraction `p`."""
+        """A copy with masses and inertias changed at random by up to the fraction `p`."""
         out = self.copy()
         out.name = f"P/{self.name}"
         draw = np.random.default_rng()
@@ -47,12 +47,12 @@ class Weights(Part):
         return out
 
     def dynamics(self) -> None:
-        """Prints what the links weigh, as a table."""
-        rows = [[link.name, *link._numbers()] for link in self._links]
+        """Prints the dynamic parameters of the links as a table."""
+        rows = [[link.name, *link._table_cells()] for link in self._links]
         print(grid(["j", "m", "r", "I", "Jm", "B", "Tc", "G"], rows, [True] + [False] * 7))
 
     def dynamics_list(self) -> None:
-        """Prints what each link weighs."""
+        """Prints the dynamic parameters of each link."""
         for i, link in enumerate(self._links):
             print(f"\nLink {i}:: {link}")
             print(link.dyn(indent=2))

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.errors import MissingExtra, ShapeError, UnknownName
 from ulna.typing import Floats
 
 fdyn = namedtuple("fdyn", ["t", "q", "qd"])
 
 
-class Motion(Part):
+class ForwardSimulation(RobotMixin):
     """Motion under torques."""
 
     accel: Any

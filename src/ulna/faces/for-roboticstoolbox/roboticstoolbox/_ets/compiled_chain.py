@@ -1,4 +1,4 @@
-"""One chain of transforms with its compiled kernels: where the toolbox's kinematic questions are answered."""
+"""A chain of transforms with its compiled kernels, which compute the kinematics of sequences and robots."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from roboticstoolbox._ets.elementary_transform import BaseET
 from roboticstoolbox._ets.jacobian_array import Jacobian
 from ulna import algorithms
-from ulna.errors import ShapeError
+from ulna.errors import ShapeError, UnknownName
 from ulna.formats.ets import ETS as Transforms
 from ulna.model import Frame, Model
 from ulna.robot import Robot
 from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
-_ANGLES = {"rpy/xyz", "rpy/zyx", "eul", "exp"}
+ANGLES = {"rpy/xyz", "rpy/zyx", "eul", "exp"}
 _MEASURES = {
     "yoshikawa": "yoshikawa",
     "asada": "asada",
@@ -33,8 +33,8 @@ class Chain:
     """
 
     def __init__(self, transforms: Sequence[BaseET]) -> None:
-        """`transforms` are copied: later changes to them are not seen."""
-        self.transforms = tuple(et._like() for et in transforms)
+        """`transforms` are copied: later changes to them have no effect."""
+        self.transforms = tuple(et._copy() for et in transforms)
         self.jindices = np.array([et.jindex for et in self.transforms if et.isjoint], dtype=int)
         self.n = len(self.jindices)
         self._in_order = bool((self.jindices == np.arange(self.n)).all())
@@ -45,13 +45,13 @@ class Chain:
     def arm(self) -> Robot:
         """The robot that Ulna computes with: the chain alone, its end the tool."""
         count = iter(range(self.n))
-        plain = [et._plain(next(count)) if et.isjoint else et._plain() for et in self.transforms]
+        plain = [et._to_ulna(next(count)) if et.isjoint else et._to_ulna() for et in self.transforms]
         return Robot(Transforms(tuple(plain)).model("chain"))
 
     @cached_property
     def unlimited(self) -> Chain:
         """The same chain without joint limits."""
-        free = [et._like() for et in self.transforms]
+        free = [et._copy() for et in self.transforms]
         for et in free:
             et.qlim = None
         return Chain(free)
@@ -66,20 +66,24 @@ class Chain:
         return self._tools[key]
 
     def q(self, q: Any) -> Floats:
-        """The joint coordinates along the chain, out of the robot's or of its own."""
+        """The joint coordinates along the chain, from those of the robot or of the chain."""
         if self._in_order and type(q) is np.ndarray and q.shape == self._shape:
             return q
-        given = np.asarray(q, dtype=float)
-        if given.ndim == 2 and 1 in given.shape:  # one configuration, as a row or a column
-            given = given.ravel() if given.shape[0] == 1 or given.size == self.n != 1 else given
-        size = given.shape[-1] if given.ndim else 1
-        if given.ndim in (0, 1) and self.n == 1 and size == 1:
-            return given.reshape(1)
+        coordinates = np.asarray(q, dtype=float)
+        if coordinates.ndim == 2 and 1 in coordinates.shape:  # one configuration, as a row or a column
+            coordinates = (
+                coordinates.ravel()
+                if coordinates.shape[0] == 1 or coordinates.size == self.n != 1
+                else coordinates
+            )
+        size = coordinates.shape[-1] if coordinates.ndim else 1
+        if coordinates.ndim in (0, 1) and self.n == 1 and size == 1:
+            return coordinates.reshape(1)
         if self.n and size > self.jindices.max():
-            return given if self._in_order and size == self.n else given[..., self.jindices]
+            return coordinates if self._in_order and size == self.n else coordinates[..., self.jindices]
         if size != self.n:
-            raise ShapeError("q", given.shape, f"({max([self.n, *(self.jindices + 1)])},) or (m, n)")
-        return given
+            raise ShapeError("q", coordinates.shape, f"({max([self.n, *(self.jindices + 1)])},) or (m, n)")
+        return coordinates
 
     def fk(self, q: Any) -> Floats:
         """The pose of the end in the start, (..., 4, 4)."""
@@ -98,7 +102,7 @@ class Chain:
     def _constant(self) -> Floats:
         T = np.eye(4)
         for et in self.transforms:
-            T = T @ et._plain().transform().matrix()
+            T = T @ et._to_ulna().transform().matrix()
         return T
 
     def jacob0(self, q: Any) -> Floats:
@@ -120,16 +124,16 @@ class Chain:
             return algorithms.frame_jacobian(*self._symbols(q, error), reference="local")
 
     def _symbols(self, q: Any, error: TypeError) -> tuple[Model, Array, Frame]:
-        """What the tower's algorithms make formulas of; `error` where `q` holds no symbols."""
-        given = np.asarray(q, dtype=object)
-        if not any(hasattr(x, "free_symbols") for x in given.ravel()):
+        """Arguments of Ulna's algorithms for symbolic `q`; raises `error` where `q` holds no symbols."""
+        coordinates = np.asarray(q, dtype=object)
+        if not any(hasattr(x, "free_symbols") for x in coordinates.ravel()):
             raise error
-        if given.ndim == 1 and given.size > self.jindices.max():
-            given = given[self.jindices]
-        if given.shape != self._shape:
-            raise ShapeError("q", given.shape, f"({self.n},), symbols for one configuration")
+        if coordinates.ndim == 1 and coordinates.size > self.jindices.max():
+            coordinates = coordinates[self.jindices]
+        if coordinates.shape != self._shape:
+            raise ShapeError("q", coordinates.shape, f"({self.n},), symbols for one configuration")
         model = self.arm.model
-        return model, given, model.frame(model.tool)
+        return model, coordinates, model.frame(model.tool)
 
     @cached_property
     def _jacob0(self) -> Any:
@@ -165,16 +169,14 @@ class Chain:
 
     def manipulability(self, q: Any, method: str, axes: Any) -> Any:
         """The measure of manipulability of that name, (...)."""
-        return self.arm.manipulability(self.q(q), _measure(method), axes)
+        return self.arm.manipulability(self.q(q), measure_name(method), axes)
 
     def jacobm(self, q: Any, axes: Any) -> Floats:
         """The gradient of manipulability, (n, 1)."""
         return self.arm.manipulability_gradient(self.q(q), axes)[..., None]
 
 
-def _measure(method: str) -> Any:
-    from ulna.errors import UnknownName
-
+def measure_name(method: str) -> Any:
     if method not in _MEASURES:
         raise UnknownName("measure of manipulability", method, _MEASURES)
     return _MEASURES[method]

@@ -1,4 +1,4 @@
-"""Elementary transforms: turns about and shifts along an axis, by a constant or by a joint."""
+"""Elementary transforms: rotations about and translations along an axis, by a constant or by a joint."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _ROW = {"tx": 0, "ty": 1, "tz": 2, "Rx": 3, "Ry": 4, "Rz": 5, "R": 2}
 
 
 class BaseET:
-    """What ET and ET2 share: an axis, and a constant or a joint."""
+    """Base class of ET and ET2: an axis, and a constant or a joint."""
 
     _size = 4
     sequence_class: ClassVar[Any] = None
     """The class of products of such transforms; ETS and ETS2 set it, which are built on this module."""
     edits: ClassVar[int] = 0
-    """How often any transform was made or changed: what was compiled before the last time may be out of date."""
+    """How often any transform was made or changed; sequences compiled at an earlier count may be out of date."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         BaseET.edits += 1
@@ -111,10 +111,10 @@ class BaseET:
         if self._T is not None:
             return self._T.copy()
         if not self.isjoint:
-            return self._plain().transform().matrix()
+            return self._to_ulna().transform().matrix()
         symbol = hasattr(q, "free_symbols")
         value = (0.0 if q is None else q if symbol else float(q)) + self.offset
-        return self._plain().transform(value).matrix()
+        return self._to_ulna().transform(value).matrix()
 
     @property
     def axis_func(self) -> Callable[[float], Floats] | None:
@@ -125,7 +125,7 @@ class BaseET:
 
     def inv(self) -> Self:
         """The inverse transform."""
-        out = self._like()
+        out = self._copy()
         if self._T is not None:
             out._T = np.linalg.inv(self._T)
         elif self.eta is not None:
@@ -141,12 +141,12 @@ class BaseET:
             )
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
-    def _like(self) -> Self:
+    def _copy(self) -> Self:
         out = object.__new__(type(self))
         out.__dict__.update(self.__dict__)
         return out
 
-    def _plain(self, joint: int | None = None) -> Transform:
+    def _to_ulna(self, joint: int | None = None) -> Transform:
         """The same transform in Ulna's terms, as joint number `joint`."""
         if self._T is not None:
             return Transform.se3(SE3.from_matrix(self._T))
@@ -169,7 +169,7 @@ class BaseET:
 
     __hash__ = None  # type: ignore[assignment]
 
-    def _words(self, q: str | None = None) -> str:
+    def _text(self, q: str | None = None) -> str:
         if self._T is not None:
             return describe(self._T)
         if self.isjoint:
@@ -180,7 +180,7 @@ class BaseET:
         return f"{self.axis}({self.eta:.4g})"
 
     def __str__(self) -> str:
-        return self._words()
+        return self._text()
 
     def __repr__(self) -> str:
         parts = []
@@ -242,7 +242,7 @@ class ET2(BaseET):
             return self._T.copy()
         return to_planar(super().A(q))
 
-    def _plain(self, joint: int | None = None) -> Transform:
+    def _to_ulna(self, joint: int | None = None) -> Transform:
         if self._T is None:
-            return super()._plain(joint)
+            return super()._to_ulna(joint)
         return Transform.se3(SE3.from_matrix(to_spatial(self._T)))

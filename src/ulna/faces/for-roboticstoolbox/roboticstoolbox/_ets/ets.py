@@ -1,4 +1,4 @@
-"""Chains of elementary transforms that answer kinematic questions, in space and in the plane."""
+"""Sequences of elementary transforms and their kinematics, in space and in the plane."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ETS(BaseETS):
 
     def eval(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Floats:
         """The pose of the end, (4, 4) or (m, 4, 4)."""
-        T = self._at(tool).fk(np.zeros(self.n) if q is None else q)
+        T = self._compiled(tool).fk(np.zeros(self.n) if q is None else q)
         return matrix(base) @ T if base is not None and include_base else T
 
     def fkine(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Any:
@@ -28,35 +28,35 @@ class ETS(BaseETS):
 
     def jacob0(self, q: Any, tool: Any = None) -> Floats:
         """The Jacobian in the axes of the start, (6, n)."""
-        return self._at(tool).jacob0(q)
+        return self._compiled(tool).jacob0(q)
 
     def jacobe(self, q: Any, tool: Any = None) -> Floats:
         """The Jacobian in the axes of the end, (6, n)."""
-        return self._at(tool).jacobe(q)
+        return self._compiled(tool).jacobe(q)
 
     def hessian0(self, q: Any = None, J0: Any = None, tool: Any = None) -> Floats:
         """The Hessian in the axes of the start, (n, 6, n); `J0` is not needed."""
-        return self._at(tool).hessian0(q)
+        return self._compiled(tool).hessian0(q)
 
     def hessiane(self, q: Any = None, Je: Any = None, tool: Any = None) -> Floats:
         """The Hessian in the axes of the end, (n, 6, n); `Je` is not needed."""
-        return self._at(tool).hessiane(q)
+        return self._compiled(tool).hessiane(q)
 
     def partial_fkine0(self, q: Any, n: int) -> Floats:
         """The derivatives of the pose of order `n`, (n, ..., n, 6, n): 1 the Jacobian, 2 the Hessian, and on."""
-        return self._at(None).partial(q, n)
+        return self._compiled(None).partial(q, n)
 
     def jacob0_analytical(self, q: Any, representation: str = "rpy/xyz", tool: Any = None) -> Floats:
         """The Jacobian of position and angles, (6, n)."""
-        return self._at(tool).analytical(q, representation)
+        return self._compiled(tool).analytical(q, representation)
 
     def manipulability(self, q: Any, method: str = "yoshikawa", axes: Any = "all") -> Any:
-        """How far the Jacobian is from losing rank."""
-        return self._at(None).manipulability(q, method, axes)
+        """A measure of the distance from singularities."""
+        return self._compiled(None).manipulability(q, method, axes)
 
     def jacobm(self, q: Any, axes: Any = "all") -> Floats:
         """The gradient of manipulability, (n, 1)."""
-        return self._at(None).jacobm(q, axes)
+        return self._compiled(None).jacobm(q, axes)
 
     def replace(self, i: int, axis: str) -> None:
         """Writes the transform at `i` as turns and one about or along another axis.
@@ -75,17 +75,17 @@ class ETS(BaseETS):
         step = (order.index(axis) - order.index(et.ax)) % 3
         about = order[3 - order.index(et.ax) - order.index(axis)]
         turn = math.pi / 2 if step == 1 else -math.pi / 2
-        other = et._like()
+        other = et._copy()
         other.axis = et.axis[0] + axis
         self.data[i : i + 1] = [ET(f"R{about}", -turn), other, ET(f"R{about}", turn)]
 
     def replaced(self, i: int, axis: str) -> ETS:
         """A copy on which `replace` was called."""
-        return self._changed("replace", i, axis)
+        return self._modified_copy("replace", i, axis)
 
     def _ik(self, kind: Any, Tep: Any, q0: Any, tool: Any, rest: dict[str, Any]) -> _ik.IKSolution:
         shared = {n: rest.pop(n) for n in ("ilimit", "slimit", "tol", "mask", "joint_limits") if n in rest}
-        return _ik.solve(self._at(tool), Tep, kind, q0, **shared, **_ik.settings(rest))
+        return _ik.solve(self._compiled(tool), Tep, kind, q0, **shared, **_ik.settings(rest))
 
     def ik_LM(self, Tep: Any, q0: Any = None, tool: Any = None, **rest: Any) -> _ik.IKSolution:
         """The joint coordinates for a pose of the end.
@@ -116,7 +116,7 @@ class ETS2(BaseETS):
 
     def eval(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Floats:
         """The pose of the end, (3, 3) or (m, 3, 3)."""
-        T = to_planar(self._at(None).fk(np.zeros(self.n) if q is None else q))
+        T = to_planar(self._compiled(None).fk(np.zeros(self.n) if q is None else q))
         T = T if tool is None else T @ matrix(tool, 3)
         return matrix(base, 3) @ T if base is not None and include_base else T
 
@@ -126,11 +126,11 @@ class ETS2(BaseETS):
 
     def jacob0(self, q: Any) -> Floats:
         """The Jacobian in the axes of the start, (3, n): x, y, angle."""
-        return self._at(None).jacob0(q)[..., [0, 1, 5], :]
+        return self._compiled(None).jacob0(q)[..., [0, 1, 5], :]
 
     def jacobe(self, q: Any) -> Floats:
         """The Jacobian in the axes of the end, (3, n)."""
-        return self._at(None).jacobe(q)[..., [0, 1, 5], :]
+        return self._compiled(None).jacobe(q)[..., [0, 1, 5], :]
 
     def ikine_LM(self, Tep: Any, q0: Any = None, mask: Any = None, **rest: Any) -> _ik.IKSolution:
         """The joint coordinates for a pose in the plane, an SE2 or (3, 3)."""
@@ -138,7 +138,7 @@ class ETS2(BaseETS):
         x, y, turn = (1.0, 1.0, 1.0) if mask is None else mask
         shared = {n: rest.pop(n) for n in ("ilimit", "slimit", "tol", "joint_limits") if n in rest}
         return _ik.solve(
-            self._at(None), T, "LM", q0, mask=(x, y, 0, 0, 0, turn), **shared, **_ik.settings(rest)
+            self._compiled(None), T, "LM", q0, mask=(x, y, 0, 0, 0, turn), **shared, **_ik.settings(rest)
         )
 
 

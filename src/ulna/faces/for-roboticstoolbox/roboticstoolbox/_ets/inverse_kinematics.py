@@ -1,4 +1,4 @@
-"""Inverse kinematics by the toolbox's names: which of Ulna's solvers each of them means.
+"""Inverse kinematics under the toolbox's names: the solver of Ulna that each of them calls.
 
 | name | solver of Ulna |
 |---|---|
@@ -6,7 +6,8 @@
 | `ik_LM`, `ikine_LM` with another damping or a null motion | `robot.ik_classic`, "chan", "wampler" or "sugihara" |
 | `ik_NR`, `ikine_NR`; `ik_GN`, `ikine_GN`; `ikine_QP` | "newton_raphson"; "gauss_newton"; "qp" |
 
-The toolbox's `tol` bounds E = e^T W e / 2; an answer within it counts as met. `robot.ik` goes on to 1e-6 m and rad.
+The toolbox's `tol` bounds E = e^T W e / 2; a solution within it counts as converged. `robot.ik` goes
+on to 1e-6 m and rad.
 """
 
 from __future__ import annotations
@@ -29,15 +30,15 @@ _KINDS = {"NR": "newton_raphson", "GN": "gauss_newton", "QP": "qp"}
 
 @dataclass
 class IKSolution:
-    """What inverse kinematics found; a sequence of rows of `q`, and true when the goal is met.
+    """The result of inverse kinematics: a sequence of rows of `q`, true when it converged.
 
     Attributes:
         q: Configuration, (n,), or (m, n) for m goals [rad or m].
-        success: Whether every goal is met.
+        success: Whether every goal is reached.
         iterations: Steps of all searches.
-        searches: How many searches were begun.
-        residual: E of the answer.
-        reason: Why there is none.
+        searches: Number of searches.
+        residual: E of the solution.
+        reason: Why there is no solution.
     """
 
     q: Floats
@@ -97,7 +98,7 @@ def solve(
     pi: Any = 0.3,
     seed: int | None = None,
 ) -> IKSolution:
-    """The answer for poses `Tep`, (4, 4) or (m, 4, 4), of the chain's end in its start."""
+    """The solution for poses `Tep`, (4, 4) or (m, 4, 4), of the chain's end in its start."""
     T = matrices(Tep)
     chain = chain if joint_limits else chain.unlimited
     start = None if q0 is None else chain.q(q0)
@@ -109,7 +110,7 @@ def solve(
     first = 0 if seed is None else seed
     if kind == "LM" and method == "chan" and k == 1.0 and not kq and not km:
         fine = _FINE if tol >= _FINE * _FINE else math.sqrt(tol)
-        found = chain.arm.ik(
+        result = chain.arm.ik(
             T,
             start,
             mask=weights,
@@ -119,7 +120,7 @@ def solve(
             attempts=int(slimit) if slimit >= 1 else 1,
         )
     else:
-        found = chain.arm.ik_classic(
+        result = chain.arm.ik_classic(
             T,
             _KINDS.get(kind, method),  # type: ignore[arg-type]
             start,
@@ -134,11 +135,11 @@ def solve(
             rotation_tolerance=math.sqrt(tol),
             seed=first,
         )
-    q, success, iterations, restarts, position, rotation = found.figures()
+    q, success, iterations, restarts, position, rotation = result.figures()
     if T.ndim == 2:
         residual = 0.5 * (position * position + rotation * rotation)
         is_met = success or residual < tol
-        reason = "" if is_met else found.reason
+        reason = "" if is_met else result.reason
         return IKSolution(q, is_met, iterations, restarts + 1, residual, reason)
     residuals = 0.5 * (np.square(position) + np.square(rotation))
     met = success | (residuals < tol)
@@ -151,16 +152,16 @@ _KNOWN = {"k", "method", "kq", "km", "pi", "seed"}
 _IGNORED = {"pinv", "pinv_damping", "ps", "kj", "ks", "verbose", "progress"}
 
 
-def settings(given: dict[str, Any]) -> dict[str, Any]:
+def settings(options: dict[str, Any]) -> dict[str, Any]:
     """The settings that `solve` takes among those of the toolbox.
 
     Raises:
         TypeError: The toolbox has no such setting.
     """
-    if not given:
-        return given
-    unknown = set(given) - _KNOWN - _IGNORED
+    if not options:
+        return options
+    unknown = set(options) - _KNOWN - _IGNORED
     if unknown:
         known = ", ".join(sorted(_KNOWN | _IGNORED))
         raise TypeError(f"unexpected settings {', '.join(sorted(unknown))}; expected some of {known}.")
-    return {name: value for name, value in given.items() if name in _KNOWN}
+    return {name: value for name, value in options.items() if name in _KNOWN}

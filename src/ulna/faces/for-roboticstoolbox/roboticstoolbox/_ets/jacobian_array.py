@@ -1,4 +1,4 @@
-"""What Jacobians are: NumPy arrays whose pseudoinverse is asked of a kernel.
+"""Jacobians as NumPy arrays whose pseudoinverse is computed by a kernel.
 
 Scripts write `np.linalg.pinv(J) @ v`. NumPy lets a class of arrays say what its functions mean for them (NEP 18), so
 `pinv` and `inv` of a Jacobian take 1 us instead of 25. Of those whose condition is not far from losing the rank, and in
@@ -15,8 +15,8 @@ import numpy as np
 from ulna.compiler import compile
 from ulna.linalg import pseudoinverse
 
-_SURE = 1e8  # the greatest condition at which half the digits are right by either way
-_WIDEST = 12  # beyond, compiling takes longer than it is worth
+_SURE = 1e8  # the greatest condition number at which the kernel is as accurate as NumPy
+_WIDEST = 12  # compiling larger matrices takes too long
 
 
 class Jacobian(np.ndarray):
@@ -35,11 +35,11 @@ class Jacobian(np.ndarray):
         return array[()] if return_scalar else array
 
     def __reduce_ex__(self, protocol: Any) -> Any:
-        """What is pickled: a plain array, which Pythons without the face can read."""
+        """What is pickled: a plain array, which loads without this package."""
         return self.view(np.ndarray).__reduce_ex__(protocol)
 
 
-Jacobian.__name__ = "array"  # the word that NumPy prints
+Jacobian.__name__ = "array"  # the name that NumPy prints
 
 
 def _inverse(func: Any, J: np.ndarray) -> Any:

@@ -18,7 +18,7 @@ from ulna.typing import Floats
 
 
 class BaseETS(UserList):
-    """What ETS and ETS2 share: composition, numbering, and changes of form."""
+    """Base class of ETS and ETS2: composition, numbering of joints, and changes of form."""
 
     _et: type[BaseET] = ET
 
@@ -29,36 +29,36 @@ class BaseETS(UserList):
             ValueError: Some joints have a number and some have none.
         """
         super().__init__()
-        items = [] if arg is None else [arg] if isinstance(arg, BaseET) else list(arg)
-        for item in items:
+        transforms = [] if arg is None else [arg] if isinstance(arg, BaseET) else list(arg)
+        for item in transforms:
             if not isinstance(item, self._et):
                 raise TypeError(
                     f"{item!r} is no {self._et.__name__}, of which a {type(self).__name__} is made."
                 )
-        self.data = [et._like() for et in items]
+        self.data = [et._copy() for et in transforms]
         joints = [et for et in self.data if et.isjoint]
         missing = [et.jindex is None for et in joints]
         if any(missing) and not all(missing):
             raise ValueError(
-                "Some joints have a `jindex` and some have none; give it to all of them or to none."
+                "Some joints have a `jindex` and some have none; set it for all of them or for none."
             )
         if all(missing):
             for i, et in enumerate(joints):
                 et.jindex = i
 
     @classmethod
-    def _of(cls, items: Iterable[BaseET]) -> Self:
+    def _from_transforms(cls, transforms: Iterable[BaseET]) -> Self:
         out = cls()
-        out.data = [et._like() for et in items]
+        out.data = [et._copy() for et in transforms]
         return out
 
     def _numbered(self, other: Any) -> list[BaseET]:
         """Transforms to append: joints without a number take the next ones."""
-        items = [other] if isinstance(other, BaseET) else list(other)
+        transforms = [other] if isinstance(other, BaseET) else list(other)
         following = max((et.jindex for et in self.data if et.isjoint), default=-1) + 1
         out = []
-        for et in items:
-            copy = et._like()
+        for et in transforms:
+            copy = et._copy()
             if copy.isjoint and copy.jindex is None:
                 copy.jindex, following = following, following + 1
             out.append(copy)
@@ -69,7 +69,7 @@ class BaseETS(UserList):
             other = other.ets
         if not isinstance(other, (self._et, type(self))):
             return NotImplemented
-        return type(self)._of([*self.data, *self._numbered(other)])
+        return type(self)._from_transforms([*self.data, *self._numbered(other)])
 
     def __rmul__(self, other: Any) -> Any:
         return type(self)(other) * self
@@ -93,7 +93,7 @@ class BaseETS(UserList):
         self.data[i:i] = self._numbered(item)
 
     def __getitem__(self, i: Any) -> Any:
-        return type(self)._of(self.data[i]) if isinstance(i, slice) else self.data[i]
+        return type(self)._from_transforms(self.data[i]) if isinstance(i, slice) else self.data[i]
 
     @property
     def n(self) -> int:
@@ -155,7 +155,7 @@ class BaseETS(UserList):
 
     def inv(self) -> Self:
         """The chain from the end to the start."""
-        return type(self)._of(et.inv() for et in reversed(self.data))
+        return type(self)._from_transforms(et.inv() for et in reversed(self.data))
 
     def compile(self) -> Self:
         """The chain with constants between joints made one."""
@@ -171,7 +171,7 @@ class BaseETS(UserList):
             T, any_constant = np.eye(self._et._size), False
             if et is not None:
                 out.append(et)
-        return type(self)._of(out)
+        return type(self)._from_transforms(out)
 
     def _constant(self, T: Floats) -> BaseET:
         return self._et("SE3" if self._et._size == 4 else "SE2", T=T)
@@ -183,7 +183,7 @@ class BaseETS(UserList):
         the last).
         """
         if method not in ("last", "first"):
-            raise UnknownName("way to split", method, ("last", "first"))
+            raise UnknownName("method of split", method, ("last", "first"))
         parts: list[list[BaseET]] = [[], []] if method == "last" else [[]]
         for et in self.data:
             if et.isjoint and method == "first":
@@ -193,7 +193,7 @@ class BaseETS(UserList):
                 parts.append([])
         if method == "first":
             parts.append([])
-        return [type(self)._of(part) for part in parts]
+        return [type(self)._from_transforms(part) for part in parts]
 
     def fixjoint(self, j: int, value: float, unit: str = "rad") -> Self:
         """The chain with the joint of number `j` held at `value`."""
@@ -204,7 +204,7 @@ class BaseETS(UserList):
                 out.append(self._et(et.axis, -held if et.isflip else held))
                 continue
             out.append(et)
-        return type(self)._of(out)
+        return type(self)._from_transforms(out)
 
     def merge(self, i: int) -> None:
         """Makes one constant of those at `i` and `i + 1`, which must be along the same axis.
@@ -220,7 +220,7 @@ class BaseETS(UserList):
 
     def merged(self, i: int) -> Self:
         """A copy on which `merge` was called."""
-        return self._changed("merge", i)
+        return self._modified_copy("merge", i)
 
     def swap(self, i: int) -> None:
         """Exchanges those at `i` and `i + 1`, which must commute: both along or about one axis, or both shifts.
@@ -238,26 +238,26 @@ class BaseETS(UserList):
 
     def swapped(self, i: int) -> Self:
         """A copy on which `swap` was called."""
-        return self._changed("swap", i)
+        return self._modified_copy("swap", i)
 
-    def _changed(self, what: str, *arguments: Any) -> Self:
-        out = type(self)._of(self.data)
+    def _modified_copy(self, what: str, *arguments: Any) -> Self:
+        out = type(self)._from_transforms(self.data)
         getattr(out, what)(*arguments)
         return out
 
-    def words(self, joint: str | None = None) -> str:
-        """The chain in words; `joint` is what joints are called, "q{0}" by number."""
+    def to_text(self, joint: str | None = None) -> str:
+        """The chain as text; `joint` is what joints are called, "q{0}" by number."""
         if not self.data:
             return f"SE{self._et._size - 1}()"
         form = joint or ("q" if self.n == 1 else "q{0}")
         shown = []
         for et in self.data:
             sign = "-" if et.isflip else ""
-            shown.append(et._words(sign + form.format(et.jindex)) if et.isjoint else et._words())
+            shown.append(et._text(sign + form.format(et.jindex)) if et.isjoint else et._text())
         return " ⊕ ".join(shown)
 
     def __str__(self) -> str:
-        return self.words()
+        return self.to_text()
 
     def __repr__(self) -> str:
         return f"[{', '.join(map(repr, self.data))}]"
@@ -267,21 +267,21 @@ class BaseETS(UserList):
 
     __hash__ = None  # type: ignore[assignment]
 
-    def _at(self, tool: Any) -> Chain:
-        """The chain's kernels; made anew when a transform was changed."""
-        known = self.__dict__.get("_known")
-        if known is None or known[0] != BaseET.edits or known[2] != self.data:
+    def _compiled(self, tool: Any) -> Chain:
+        """The compiled chain; compiled again when a transform was changed."""
+        cached = self.__dict__.get("_compiled_cache")
+        if cached is None or cached[0] != BaseET.edits or cached[2] != self.data:
             key = [
                 (et.axis, et.eta, et.jindex, et.isflip, et.offset, str(et.qlim), str(et._T))
                 for et in self.data
             ]
-            chain = known[1] if known is not None and known[3] == key else Chain(self.data)
-            known = self.__dict__["_known"] = (BaseET.edits, chain, list(self.data), key)
-        chain = known[1]
+            chain = cached[1] if cached is not None and cached[3] == key else Chain(self.data)
+            cached = self.__dict__["_compiled_cache"] = (BaseET.edits, chain, list(self.data), key)
+        chain = cached[1]
         return chain if tool is None else chain.with_tool(matrix(tool))
 
     def __deepcopy__(self, memo: Any) -> Self:
-        return type(self)._of(self.data)
+        return type(self)._from_transforms(self.data)
 
 
 def limits_of(joints: Iterable[BaseET]) -> Floats:

@@ -1,4 +1,4 @@
-"""Inverse kinematics in closed form by the toolbox's names, over all branches that Ulna finds."""
+"""Inverse kinematics in closed form: all branches for a pose, or the one nearest to a configuration."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from roboticstoolbox._common.poses import matrices, matrix, pose
 from roboticstoolbox._ets.inverse_kinematics import IKSolution
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.errors import InputError, ShapeError
 from ulna.spatial import matrix_to_euler
 from ulna.typing import Floats
@@ -37,50 +37,52 @@ class AnalyticIK:
 
         Args:
             T: The pose of the end, an SE3 or (4, 4).
-            joint_limits: Whether to leave out what is beyond the limits.
+            joint_limits: Whether to leave out solutions beyond the limits.
         """
-        found = self._branches(matrix(T), np.zeros(self.robot.n), joint_limits)
-        return IKSolution(found.q, found.count > 0, reason=found.reason)
+        solutions = self._branches(matrix(T), np.zeros(self.robot.n), joint_limits)
+        return IKSolution(solutions.q, solutions.count > 0, reason=solutions.reason)
 
     def ikine(self, T: Any, q0: Any = None, joint_limits: bool = True, weights: Any = None) -> IKSolution:
         """The configuration nearest to `q0` for a pose; along a trajectory, nearest to the one before.
 
         Args:
             T: The pose of the end, or poses.
-            q0: What to be near to, (n,); zeros when not given.
-            joint_limits: Whether to leave out what is beyond the limits.
-            weights: What the difference of each joint counts, (n,); 1 when not given.
+            q0: The configuration to be near to, (n,); default zeros.
+            joint_limits: Whether to leave out solutions beyond the limits.
+            weights: Weight of the difference of each joint, (n,); default 1.
         """
         goals, n = matrices(T), self.robot.n
         near = np.zeros(n) if q0 is None else np.asarray(q0, dtype=float).ravel()
         scale = np.ones(n) if weights is None else np.asarray(weights, dtype=float).ravel()
-        for name, given in (("q0", near), ("weights", scale)):
-            if given.shape != (n,):
-                raise ShapeError(name, given.shape, f"({n},)")
+        for name, vector in (("q0", near), ("weights", scale)):
+            if vector.shape != (n,):
+                raise ShapeError(name, vector.shape, f"({n},)")
         rows, reason, residual = [], "", 0.0
         for k, goal in enumerate(goals.reshape(-1, 4, 4)):
-            found = self._branches(goal, near, joint_limits)
-            if not found.count:
-                reason = reason or (found.reason if goals.ndim == 2 else f"pose {k}: {found.reason}")
+            solutions = self._branches(goal, near, joint_limits)
+            if not solutions.count:
+                reason = reason or (solutions.reason if goals.ndim == 2 else f"pose {k}: {solutions.reason}")
                 rows.append(np.full(n, np.nan))
                 continue
-            away = found.q - near
+            away = solutions.q - near
             away = np.where(self._turns, wrapped(away), away)
             best = int(np.argmin(np.linalg.norm(scale * away, axis=1)))
-            near = found.q[best]
+            near = solutions.q[best]
             rows.append(near)
-            residual = max(residual, math.hypot(found.position_error[best], found.rotation_error[best]))
+            residual = max(
+                residual, math.hypot(solutions.position_error[best], solutions.rotation_error[best])
+            )
         q = np.array(rows)
         return IKSolution(q[0] if goals.ndim == 2 else q, not reason, residual=residual, reason=reason)
 
     def validate(self, trials: int = 100, seed: int = 1) -> float:
-        """The share of random configurations that are found again from their poses."""
-        draw, found = np.random.default_rng(seed), 0
+        """The fraction of random configurations that are among the solutions for their poses."""
+        draw, count = np.random.default_rng(seed), 0
         for _ in range(trials):
             q = np.where(self._turns, draw.uniform(-math.pi, math.pi, self.robot.n), draw.uniform(0.2, 0.6))
             rows = self._branches(self.robot._chain(None, None).fk(q), q, False).q
-            found += bool(len(rows)) and bool((np.abs(rows - q).max(axis=1) < 1e-5).any())
-        return found / trials
+            count += bool(len(rows)) and bool((np.abs(rows - q).max(axis=1) < 1e-5).any())
+        return count / trials
 
     def __getattr__(self, name: str) -> Any:
         if name == "generate":
@@ -93,11 +95,11 @@ class AnalyticIK:
         return f"AnalyticIK({self.robot.name!r})"
 
 
-class Analytic(Part):
+class Analytic(RobotMixin):
     """Closed forms of DH robots."""
 
     def analytic_ik(self) -> AnalyticIK:
-        """A solver that gives all configurations for a pose."""
+        """A solver that returns all configurations for a pose."""
         return AnalyticIK(self)
 
     def ikine_analytic(
@@ -107,7 +109,7 @@ class Analytic(Part):
         return self.analytic_ik().ikine(T, q0, joint_limits, weights)
 
     def config_validate(self, config: str, allowables: Sequence[str]) -> str:
-        """`config` with the first letter of each of `allowables` of which it has none.
+        """`config` with the first letter of each of `allowables` that has none of its letters.
 
         Raises:
             InputError: A letter is in none of them.
@@ -127,7 +129,7 @@ class Analytic(Part):
         Args:
             T: The pose of the end, or poses.
             config: Letters that choose the branch; "f" turns the wrist over.
-            ikfunc: Gives three angles, offsets included, or a reason why there are none.
+            ikfunc: Returns three angles, offsets included, or the reason why there is no solution.
         """
         goals = matrices(T)
         base = np.eye(4) if self._base is None else self._base

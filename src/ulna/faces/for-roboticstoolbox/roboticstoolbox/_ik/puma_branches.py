@@ -10,14 +10,14 @@ import numpy as np
 from roboticstoolbox._common.poses import matrices
 from roboticstoolbox._ets.inverse_kinematics import IKSolution
 from roboticstoolbox._ik.analytic import wrapped
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.typing import Floats
 
 _STRAIGHT = 1e-9  # [rad] below which both letters for a joint hold
 
 
-class PumaBranches(Part):
-    """The words for the branches of the Puma 560, by which scripts choose one."""
+class PumaBranches(RobotMixin):
+    """The branches of the Puma 560, which scripts choose by letters."""
 
     def ikine_a(self, T: Any, config: str = "lun", tol: float = 1e-6) -> IKSolution:
         """The configuration of that branch for a pose, or for each of several; joint limits do not count.
@@ -30,21 +30,21 @@ class PumaBranches(Part):
 
         Source: Paul & Zhang, Computationally efficient kinematics for manipulators with spherical wrists (1986).
         """
-        words = set(self.config_validate(config, ("lr", "ud", "nf")))
+        letters = set(self.config_validate(config, ("lr", "ud", "nf")))
         goals = matrices(T)
         rows, reason, residual = [], "", 0.0
         for goal in goals.reshape(-1, 4, 4):
-            found = self._chain(None, None).arm.ik_all(goal, np.zeros(self.n), limits=False)
-            fits = [i for i, q in enumerate(found.q) if words <= self._branch(q)]
-            if not fits:
+            solutions = self._chain(None, None).arm.ik_all(goal, np.zeros(self.n), limits=False)
+            matching = [i for i, q in enumerate(solutions.q) if letters <= self._branch(q)]
+            if not matching:
                 reason, residual = "Out of reach", math.inf
                 rows.append(np.full(self.n, np.nan))
                 continue
-            q = wrapped(found.q[fits[0]])
+            q = wrapped(solutions.q[matching[0]])
             if abs(math.sin(q[4])) < _STRAIGHT:  # any turns of the fourth and sixth joint with that sum
                 q = wrapped([*q[:3], 0.0, q[4], q[5] + q[3] * math.cos(q[4])])
             rows.append(q)
-            e = found.position_error[fits[0]], found.rotation_error[fits[0]]
+            e = solutions.position_error[matching[0]], solutions.rotation_error[matching[0]]
             E = 0.5 * (e[0] * e[0] + e[1] * e[1])
             if tol < E:
                 reason = f"Solution does not reach the pose, residual {E:.3g}"

@@ -24,7 +24,7 @@ from ulna.typing import Floats
 
 
 class IKSolver:
-    """A solver with its settings, which are its attributes; `solve(ets, Tep, q0)` asks it.
+    """A solver with its settings, which are its attributes; `solve(ets, Tep, q0)` runs it.
 
     Attributes:
         We: The mask as a matrix, (6, 6).
@@ -57,9 +57,9 @@ class IKSolver:
             slimit: How many searches are made.
             tol: Greatest E that counts as reached.
             mask: What each of the six errors counts, (6,).
-            joint_limits: Whether an answer must be within the limits.
-            seed: Chooses where searches begin.
-            verbose: Let pass.
+            joint_limits: Whether a solution must be within the limits.
+            seed: Seed of the random starts.
+            verbose: Accepted and ignored.
             **rest: Settings of the method: k and method of LM; kq, km and pi of the null space; kj and ks of QP. What
                 only tells how the toolbox computes, pinv and ps, is let pass.
         """
@@ -72,12 +72,12 @@ class IKSolver:
             setattr(self, key, value)
 
     def solve(self, ets: Any, Tep: Any, q0: Any = None) -> IKSolution:
-        """The answer for a chain of transforms and a pose of its end."""
-        told = {
+        """The solution for a chain of transforms and a pose of its end."""
+        options = {
             name: getattr(self, name) for name in ("k", "method", "kq", "km", "pi") if hasattr(self, name)
         }
         return solve(
-            ets._at(None),
+            ets._compiled(None),
             Tep,
             self.kind,
             q0,
@@ -87,7 +87,7 @@ class IKSolver:
             mask=None if (self._weights == 1.0).all() else self._weights,
             joint_limits=self.joint_limits,
             seed=self.seed,
-            **told,
+            **options,
         )
 
     def error(self, Te: Any, Tep: Any) -> tuple[Floats, float]:
@@ -103,11 +103,11 @@ class IKSolver:
         """One step from the joint coordinates `q` towards a pose of the chain's end: E there, and where that is.
 
         Raises:
-            InputError: The solver moves joints in the null space, too, which only `solve` does.
+            InputError: The solver moves joints in the null space, too, which only `solve` supports.
         """
         if self.kq or self.km:
-            raise InputError("A step with `kq` or `km` is not offered; `solve` counts them.")
-        chain = ets._at(None)
+            raise InputError("A step with `kq` or `km` is not offered; `solve` supports them.")
+        chain = ets._compiled(None)
         at = chain.q(q)
         e, _ = self.error(chain.fk(at), Tep)
         method, damping = self._method(e)
@@ -117,7 +117,7 @@ class IKSolver:
         return self.error(chain.fk(moved), Tep)[1], moved
 
     def _method(self, e: Floats) -> tuple[Method, float]:
-        """The method in Ulna's words, and its damping."""
+        """Ulna's name of the method, and its damping."""
         return "newton_raphson", 0.0
 
 

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.poses import along, matrix
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._links.shapes import obstacle
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.errors import InputError
 from ulna.geometry import Cylinder, Shape
 from ulna.typing import Floats
@@ -25,34 +26,34 @@ from ulna.typing import Floats
 _SHAPE = "the shape"
 
 
-class Collision(Part):
+class Collision(RobotMixin):
     """Contacts and distances."""
 
-    def _near(self, q: Any, shape: Any, within: float, links: Any = None) -> list[Any]:
-        """What is near a shape, one entry for each link."""
-        from roboticstoolbox._links.shapes import obstacle
-
+    def _nearby_links(self, q: Any, shape: Any, within: float, links: Any = None) -> list[Any]:
+        """The nearest pairs of links and a shape, one for each link within the distance."""
         solid, T = obstacle(shape)
-        return self._near_solid(q, solid, T.matrix(), within, links)
+        return self._links_near_solid(q, solid, T.matrix(), within, links)
 
-    def _near_solid(self, q: Any, solid: Shape, T: Floats, within: float, links: Any = None) -> list[Any]:
+    def _links_near_solid(
+        self, q: Any, solid: Shape, T: Floats, within: float, links: Any = None
+    ) -> list[Any]:
         from ulna import collision
 
-        body = self._everything()
+        body = self._complete_robot()
         self._require_shapes()
         checker = body.collision_checker(collision.World().add(_SHAPE, solid, moving=True), pairs=())
         carried = T if self._parent is None else np.linalg.solve(self._parent._wT, T)
-        near = checker.nearest(self._configuration(q), {_SHAPE: carried}, within=within)
+        near = checker.nearest(self._complete_configuration(q), {_SHAPE: carried}, within=within)
         order = list(self.link_dict)
-        counted = [found for found in near if links is None or found.names[0] in links]
-        return sorted(counted, key=lambda found: order.index(found.names[0]))
+        selected = [pair for pair in near if links is None or pair.names[0] in links]
+        return sorted(selected, key=lambda pair: order.index(pair.names[0]))
 
     def _require_shapes(self) -> None:
         if not any(link._solids for link in self.link_dict.values()):
-            raise InputError(f"Robot {self.name!r} has no collision shapes; give its links some.")
+            raise InputError(f"Robot {self.name!r} has no collision shapes; set `collision` of its links.")
 
-    def _between(self, start: Any, end: Any) -> list[str] | None:
-        """Names of the links that count; None for all."""
+    def _links_between(self, start: Any, end: Any) -> list[str] | None:
+        """Names of the links from `start` to `end` with shapes; None for all."""
         if end is None and start is None:
             return None
         return [link.name for link in self.get_path(end, start)[0] if link._solids]
@@ -61,23 +62,25 @@ class Collision(Part):
         """Whether the robot touches a shape; itself, if that is given."""
         if shape is self:
             return self.isselfcollided(q)
-        return any(found.distance <= 0.0 for found in self._near(self.q if q is None else q, shape, 0.01))
+        return any(
+            pair.distance <= 0.0 for pair in self._nearby_links(self.q if q is None else q, shape, 0.01)
+        )
 
     collided = iscollided
 
     def isselfcollided(self, q: Any = None, skip: bool = False) -> bool:
         """Whether two links touch that are not joined."""
         self._require_shapes()
-        return bool(self._everything().collides(self._configuration(self.q if q is None else q)))
+        return bool(self._complete_robot().collides(self._complete_configuration(self.q if q is None else q)))
 
     def closest_point(
         self, q: Any, shape: Any, inf_dist: float = 1.0, skip: bool = False
     ) -> tuple[float | None, Floats | None, Floats | None]:
         """Distance from a shape, the nearest point of the robot and that of the shape; None beyond `inf_dist`."""
-        found = self._near(self.q if q is None else q, shape, inf_dist)
-        if not found:
+        near = self._nearby_links(self.q if q is None else q, shape, inf_dist)
+        if not near:
             return None, None, None
-        best = min(found, key=lambda item: item.distance)
+        best = min(near, key=lambda pair: pair.distance)
         return best.distance, best.points[0], best.points[1]
 
     def joint_velocity_damper(
@@ -87,7 +90,7 @@ class Collision(Part):
 
         Args:
             q: Configuration, (n,).
-            ps: Distance from a limit that is kept [rad or m].
+            ps: Least distance from a limit [rad or m].
             pi: Distance at which damping begins [rad or m].
             n: How many of the joints; None for all.
             gain: Greatest speed at that distance [rad/s or m/s].
@@ -96,9 +99,9 @@ class Collision(Part):
         count = self.n if n is None else n
         A, b = np.zeros((count, count)), np.zeros(count)
         for i, (x, low, high) in enumerate(zip(at[:count], *self.qlim[:, :count], strict=True)):
-            for side, room in ((-1.0, x - low), (1.0, high - x)):
-                if room <= pi:
-                    A[i, i], b[i] = side, gain * (room - ps) / (pi - ps)
+            for side, margin in ((-1.0, x - low), (1.0, high - x)):
+                if margin <= pi:
+                    A[i, i], b[i] = side, gain * (margin - ps) / (pi - ps)
         return A, b
 
     def link_collision_damper(
@@ -118,19 +121,21 @@ class Collision(Part):
             shape: The shape; where it has a velocity `v`, that counts.
             q: Configuration, (n,).
             di: Distance at which damping begins [m].
-            ds: Distance that is kept [m].
+            ds: Least distance [m].
             xi: Greatest speed of approach at `di` [m/s].
             end: Last link that counts.
             start: First link that counts.
-            collision_list: Refused.
+            collision_list: Not supported; raises InputError.
         """
-        _own(collision_list)
-        near = self._near(self.q if q is None else q, shape, di, self._between(start, end))
-        found = [item for item in near if item.gradient[: self.n].any()]  # the base cannot give way
-        if not found:
+        _reject_collision_list(collision_list)
+        near = self._nearby_links(self.q if q is None else q, shape, di, self._links_between(start, end))
+        movable = [pair for pair in near if pair.gradient[: self.n].any()]  # the base cannot give way
+        if not movable:
             return None, None
-        A = -np.array([item.gradient for item in found])[:, : self.n]
-        b = np.array([xi * (item.distance - ds) / (di - ds) + _gives_way(shape, item) for item in found])
+        A = -np.array([pair.gradient for pair in movable])[:, : self.n]
+        b = np.array(
+            [xi * (pair.distance - ds) / (di - ds) + _retreat_speed(shape, pair) for pair in movable]
+        )
         return A, b
 
     def vision_collision_damper(
@@ -153,52 +158,52 @@ class Collision(Part):
         Args:
             shape: What the camera looks at; its velocity `v` counts.
             camera: A pose, or a robot that carries the camera at its end.
-            camera_n: How many joints the robot that carries the camera has of its own, at its end. Columns of A for
-                them come last; its other joints are the first ones of this robot.
+            camera_n: Number of joints at the end of the robot that carries the camera that this robot does not have.
+                Columns of A for them come last; its other joints are the first ones of this robot.
             q: Configuration, (n,).
             di: Distance at which damping begins [m].
-            ds: Distance that is kept [m].
+            ds: Least distance [m].
             xi: Greatest speed of approach at `di` [m/s].
             end: Last link that counts.
             start: First link that counts.
-            collision_list: Refused.
+            collision_list: Not supported; raises InputError.
         """
-        _own(collision_list)
+        _reject_collision_list(collision_list)
         carries = hasattr(camera, "jacob0")
         c = matrix(camera.fkine(camera.q) if carries else camera)[:3, 3]
         t = np.asarray(shape._wT, dtype=float)[:3, 3]
         length = float(np.linalg.norm(c - t))
         line = along((c - t) / length, 0.5 * (c + t))
         at = self.q if q is None else q
-        near = self._near_solid(at, Cylinder(0.001, length), line, di, self._between(start, end))
+        near = self._links_near_solid(at, Cylinder(0.001, length), line, di, self._links_between(start, end))
         rows, bounds = [], []
-        for found in near:
-            row, (link, p) = np.zeros(self.n + camera_n), found.points
-            towards = (p - link) / found.distance
-            row[: self.n] = -found.gradient[: self.n]
+        for pair in near:
+            row, (link, p) = np.zeros(self.n + camera_n), pair.points
+            towards = (p - link) / pair.distance
+            row[: self.n] = -pair.gradient[: self.n]
             if carries:
-                seen = np.linalg.norm(p - t) / length * (towards @ camera.jacob0(camera.q)[:3])
+                rate = np.linalg.norm(p - t) / length * (towards @ camera.jacob0(camera.q)[:3])
                 shared = camera.n - camera_n
-                row[:shared] -= seen[:shared]
-                row[self.n :] -= seen[shared:]
+                row[:shared] -= rate[:shared]
+                row[self.n :] -= rate[shared:]
             rows.append(row)
             moved = np.linalg.norm(p - c) / length * (towards @ shape.v[:3])
-            bounds.append(xi * (found.distance - ds) / (di - ds) + moved)
+            bounds.append(xi * (pair.distance - ds) / (di - ds) + moved)
         return (np.array(rows), np.array(bounds)) if rows else (None, None)
 
 
-def _own(collision_list: Any) -> None:
+def _reject_collision_list(collision_list: Any) -> None:
     if collision_list is not None:
         raise InputError(
             "`collision_list` is not offered; the shapes are those of the links from start to end."
         )
 
 
-def _gives_way(shape: Any, found: Any) -> float:
+def _retreat_speed(shape: Any, pair: Any) -> float:
     """How fast a moving shape moves its nearest point away from the link [m/s]."""
     v = np.asarray(getattr(shape, "v", np.zeros(6)), dtype=float)
     if not v.any():
         return 0.0
-    link, p = found.points
+    link, p = pair.points
     centre = np.asarray(shape._wT, dtype=float)[:3, 3]
-    return float((p - link) @ (v[:3] + np.cross(v[3:], p - centre))) / found.distance
+    return float((p - link) @ (v[:3] + np.cross(v[3:], p - centre))) / pair.distance

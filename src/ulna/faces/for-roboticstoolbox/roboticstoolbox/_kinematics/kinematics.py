@@ -1,4 +1,4 @@
-"""The kinematics of a robot: every question goes to the chain from `start` to `end`."""
+"""The kinematics of a robot, computed by the compiled chain from `start` to `end`."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from roboticstoolbox._common.poses import matrix, pose, to_spatial
 from roboticstoolbox._ets import inverse_kinematics as _ik
-from roboticstoolbox._ets.compiled_chain import _ANGLES, Chain
+from roboticstoolbox._ets.compiled_chain import ANGLES, Chain, measure_name
 from roboticstoolbox._ets.ets import ETS
 from roboticstoolbox._ets.sequence import limits_of
 from roboticstoolbox._links.gripper import Gripper
 from roboticstoolbox._links.link import Link
-from roboticstoolbox._links.link_tree import between
+from roboticstoolbox._links.link_tree import links_between
 from roboticstoolbox._links.ulna_model import model_of
 from ulna.errors import InputError, UnknownName
 from ulna.robot import Robot as Body
@@ -31,7 +31,7 @@ class Kinematics:
     _tool: Floats | None
     _links: list[Link]
     _grippers: list[Gripper]
-    _whole: Body | None
+    _cached_robot: Body | None
     name: str
     n: int
     q: Floats
@@ -40,15 +40,15 @@ class Kinematics:
         try:
             chain = self._chains[end, start]
         except (KeyError, TypeError):
-            chain = self._chains[self._named(end), self._named(start)] = Chain(self.ets(start, end).data)
+            chain = self._chains[self._name_of(end), self._name_of(start)] = Chain(self.ets(start, end).data)
         T = self._tool if tool is None else matrix(tool)
         return chain if T is None else chain.with_tool(T)
 
-    def _named(self, what: Any) -> Any:
+    def _name_of(self, what: Any) -> Any:
         return what.name if isinstance(what, (Link, Gripper)) else what
 
     def _link(self, what: Any) -> Link:
-        """The link that a name, a link or a gripper means."""
+        """The link of a name, a link or a gripper."""
         if isinstance(what, Gripper):
             return what.links[0]
         if isinstance(what, Link):
@@ -61,39 +61,39 @@ class Kinematics:
     @property
     def link_dict(self) -> dict[str, Link]:
         """All links by name, those of grippers included."""
-        hands = [link for gripper in self._grippers for link in gripper.links]
-        return {link.name: link for link in [*self._links, *hands]}
+        gripper_links = [link for gripper in self._grippers for link in gripper.links]
+        return {link.name: link for link in [*self._links, *gripper_links]}
 
     @property
     def ee_links(self) -> list[Link]:
-        """The links that bear a gripper; of an arm without any, those that end a branch."""
-        bearers = [gripper.links[0].parent for gripper in self._grippers]
-        if bearers:
-            return [link for link in bearers if link is not None]
-        own = {id(link) for link in self._links}
-        return [link for link in self._links if not any(id(child) in own for child in link.children)]
+        """The links that carry a gripper; of an arm without grippers, the last link of each branch."""
+        carriers = [gripper.links[0].parent for gripper in self._grippers]
+        if carriers:
+            return [link for link in carriers if link is not None]
+        arm_links = {id(link) for link in self._links}
+        return [link for link in self._links if not any(id(child) in arm_links for child in link.children)]
 
-    def _end(self) -> tuple[Link, Floats | None]:
-        """The link and the tool meant where none is named."""
+    def _default_end(self) -> tuple[Link, Floats | None]:
+        """The link and the tool at which a robot ends by default."""
         if len(self._grippers) == 1:
             gripper = self._grippers[0]
             return gripper.links[0], None if np.array_equal(gripper._tool, np.eye(4)) else gripper._tool
         if len(self._grippers) > 1:
             names = ", ".join(gripper.name for gripper in self._grippers)
-            raise InputError(f"The robot has several grippers; say which is meant: end= one of {names}.")
+            raise InputError(f"The robot has several grippers; choose one with end=, one of {names}.")
         ends = self.ee_links
         if len(ends) > 1:
             names = ", ".join(link.name for link in ends)
-            raise InputError(f"The robot has several ends; say which is meant: end= one of {names}.")
+            raise InputError(f"The robot has several ends; choose one with end=, one of {names}.")
         return ends[0], None
 
     def ets(self, start: Any = None, end: Any = None) -> ETS:
         """The transforms from `start` to `end`."""
-        last, tool = self._end() if end is None else (self._link(end), None)
-        rise, down = between(None if start is None else self._link(start), last)
-        items = [et.inv() for link in rise for et in reversed(link.ets.data)]
-        items += [et for link in down for et in link.ets.data]
-        return ETS._of([*items, ETS._et("SE3", T=tool)] if tool is not None else items)
+        last, tool = self._default_end() if end is None else (self._link(end), None)
+        upward, downward = links_between(None if start is None else self._link(start), last)
+        transforms = [et.inv() for link in upward for et in reversed(link.ets.data)]
+        transforms += [et for link in downward for et in link.ets.data]
+        return ETS._from_transforms([*transforms, ETS._et("SE3", T=tool)] if tool is not None else transforms)
 
     def fkine(
         self, q: Any, end: Any = None, start: Any = None, tool: Any = None, include_base: bool = True
@@ -104,23 +104,23 @@ class Kinematics:
 
     def fkine_all(self, q: Any) -> Any:
         """Poses of the base and of all links, those of grippers last, as one SE3."""
-        body, whole = self._everything(), self._configuration(q)
-        return pose(body.fk(whole, ["base link of the robot", *self.link_dict]))
+        body, configuration = self._complete_robot(), self._complete_configuration(q)
+        return pose(body.fk(configuration, ["base link of the robot", *self.link_dict]))
 
-    def _everything(self) -> Body:
+    def _complete_robot(self) -> Body:
         """Arm and grippers as one robot of Ulna."""
-        if self._whole is None:
+        if self._cached_robot is None:
             base = np.eye(4) if self._base is None else to_spatial(self._base)
             pairs = self.__dict__.get("_disabled", ())
             fall = (0.0, 0.0, -9.81)
             model = model_of(self.name, self._links, self._grippers, fall, base, True, pairs)
-            self._whole = Body(model)
-        return self._whole
+            self._cached_robot = Body(model)
+        return self._cached_robot
 
-    def _configuration(self, q: Any) -> Floats:
+    def _complete_configuration(self, q: Any) -> Floats:
         """The configuration of arm and grippers."""
-        hands = [gripper.q for gripper in self._grippers]
-        return np.concatenate([np.asarray(q, dtype=float).ravel(), *hands])
+        gripper_positions = [gripper.q for gripper in self._grippers]
+        return np.concatenate([np.asarray(q, dtype=float).ravel(), *gripper_positions])
 
     def jacob0(self, q: Any, end: Any = None, start: Any = None, tool: Any = None) -> Floats:
         """The Jacobian in the axes of the start, (6, n), linear rows first; (m, 6, n) for (m, n)."""
@@ -134,8 +134,8 @@ class Kinematics:
         self, q: Any, representation: str = "rpy/xyz", end: Any = None, start: Any = None, tool: Any = None
     ) -> Floats:
         """The Jacobian of position and angles, (6, n)."""
-        if representation not in _ANGLES:
-            raise UnknownName("representation", representation, _ANGLES)
+        if representation not in ANGLES:
+            raise UnknownName("representation", representation, ANGLES)
         return self._chain(end, start, tool).analytical(q, representation)
 
     def jacob0_dot(self, q: Any, qd: Any, J0: Any = None, representation: str | None = None) -> Floats:
@@ -172,13 +172,11 @@ class Kinematics:
         axes: Any = "all",
         **_: Any,
     ) -> Any:
-        """How far the Jacobian is from losing rank: "yoshikawa", "asada", "minsingular" or "invcondition"."""
+        """A measure of the distance from singularities: "yoshikawa", "asada", "minsingular" or "invcondition"."""
         from ulna import algorithms
 
         if J is not None:
-            from roboticstoolbox._ets.compiled_chain import _measure
-
-            return algorithms.measure_of(np.asarray(J, dtype=float), _measure(method), axes)
+            return algorithms.measure_of(np.asarray(J, dtype=float), measure_name(method), axes)
         at = self.q if q is None else q
         if method == "asada":
             J = np.asarray(self._chain(end, start).jacob0(at))
@@ -258,12 +256,12 @@ class Kinematics:
 
     @qlim.setter
     def qlim(self, limits: Any) -> None:
-        given = np.asarray(limits, dtype=float)
-        if given.shape != (2, self.n):
-            raise InputError(f"`qlim` has shape {given.shape}; expected (2, {self.n}).")
+        limits_array = np.asarray(limits, dtype=float)
+        if limits_array.shape != (2, self.n):
+            raise InputError(f"`qlim` has shape {limits_array.shape}; expected (2, {self.n}).")
         for link in self._links:
             if link.isjoint:
-                link.qlim = given[:, link.jindex]
+                link.qlim = limits_array[:, link.jindex]
 
     def random_q(self) -> Floats:
         """A random configuration within the limits, (n,)."""

@@ -1,4 +1,4 @@
-"""What a link weighs, and the motor that moves it."""
+"""Dynamic parameters of a link: mass, inertia, motor and friction."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from ulna.spatial import Inertia
 from ulna.typing import Floats
 
 
-def _kept(numbers: Any) -> Floats:
-    """A copy that cannot be written to: entries set one by one would not reach the robot's dynamics."""
+def _read_only(numbers: Any) -> Floats:
+    """A read-only copy: single entries that a script sets would not reach the robot's dynamics."""
     out = np.array(numbers, dtype=float)
     out.setflags(write=False)
     return out
 
 
-def _matrix_of_inertia(I: Any) -> Floats:
+def _inertia_matrix(I: Any) -> Floats:
     """Inertia as a matrix, from (3, 3), or Ixx, Iyy, Izz, or those and Ixy, Iyz, Ixz."""
-    given = np.asarray(I, dtype=float)
-    if given.shape == (3, 3):
-        if np.abs(given - given.T).max() > 1e-8:
+    values = np.asarray(I, dtype=float)
+    if values.shape == (3, 3):
+        if np.abs(values - values.T).max() > 1e-8:
             raise InputError("`I` of a link is not symmetric; expected (3, 3), 3 or 6 numbers.")
-        return _kept(given)
-    if given.size == 3:
-        return _kept(np.diag(given.ravel()))
-    if given.size == 6:
-        xx, yy, zz, xy, yz, xz = given.ravel()
-        return _kept([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    raise ShapeError("I", given.shape, "(3, 3), (3,) or (6,): Ixx, Iyy, Izz, Ixy, Iyz, Ixz")
+        return _read_only(values)
+    if values.size == 3:
+        return _read_only(np.diag(values.ravel()))
+    if values.size == 6:
+        xx, yy, zz, xy, yz, xz = values.ravel()
+        return _read_only([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    raise ShapeError("I", values.shape, "(3, 3), (3,) or (6,): Ixx, Iyy, Izz, Ixy, Iyz, Ixz")
 
 
-class _Weight:
-    """An attribute of a link that its robot's dynamics depend on: setting it tells the robot."""
+class _DynamicParameter:
+    """An attribute of a link that its robot's dynamics depend on: setting it discards the robot's arrays."""
 
     def __init__(self, convert: Callable[[Any], Any]) -> None:
         self._convert = convert
@@ -55,30 +55,30 @@ class _Weight:
 
 def _coulomb(Tc: Any) -> Floats:
     """Coulomb friction in both directions: the second number is that of backward motion, not positive."""
-    given = np.ravel(np.asarray(Tc, dtype=float))
-    out = np.array([given[0], -given[0]]) if given.size == 1 else given
+    values = np.ravel(np.asarray(Tc, dtype=float))
+    out = np.array([values[0], -values[0]]) if values.size == 1 else values
     if out.shape != (2,) or out[0] < 0.0 or out[1] > 0.0:
         raise InputError(f"`Tc` of a link is {Tc}; expected one number, or [Tc+, Tc-] with Tc+ >= 0 >= Tc-.")
-    return _kept(out)
+    return _read_only(out)
 
 
 def _vector3(r: Any) -> Floats:
     out = np.array(r, dtype=float).ravel()
     if out.shape != (3,):
         raise ShapeError("r", np.shape(r), "(3,)")
-    return _kept(out)
+    return _read_only(out)
 
 
-class Heavy:
+class DynamicParameters:
     """Mass, inertia, motor and friction of a link."""
 
-    m = _Weight(float)
-    r = _Weight(_vector3)
-    I = _Weight(_matrix_of_inertia)
-    Jm = _Weight(float)
-    B = _Weight(float)
-    Tc = _Weight(_coulomb)
-    G = _Weight(float)
+    m = _DynamicParameter(float)
+    r = _DynamicParameter(_vector3)
+    I = _DynamicParameter(_inertia_matrix)
+    Jm = _DynamicParameter(float)
+    B = _DynamicParameter(float)
+    Tc = _DynamicParameter(_coulomb)
+    G = _DynamicParameter(float)
 
     if TYPE_CHECKING:
 
@@ -118,7 +118,7 @@ class Heavy:
         return Drive(self.Jm, abs(self.B), self.Tc[0], -self.Tc[1], gear=gear)
 
     def dyn(self, indent: int = 0) -> str:
-        """What it weighs, in words, a line for each number; lines begin with `indent` blanks."""
+        """The dynamic parameters as text, a line for each; lines begin with `indent` blanks."""
         low, high = (0.0, 0.0) if self.qlim is None else self.qlim
 
         def listed(numbers: Any) -> str:
@@ -139,8 +139,8 @@ class Heavy:
         ]
         return "\n".join(" " * indent + line for line in lines)
 
-    def _numbers(self) -> list[str]:
-        """What it weighs, as cells of a table: m, r, I, Jm, B, Tc, G."""
+    def _table_cells(self) -> list[str]:
+        """The dynamic parameters as cells of a table: m, r, I, Jm, B, Tc, G."""
         I = self.I
         six = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[1, 2], I[0, 2])
         cells = ([self.m], self.r, six, [self.Jm], [self.B], self.Tc, [self.G])

@@ -1,4 +1,4 @@
-"""Grippers: links beyond the end of an arm, with configurations of their own."""
+"""Grippers: links beyond the end of an arm, with separate configurations."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ulna.typing import Floats
 
 
 class Gripper:
-    """A tree of links that an arm carries, its own configuration, and the tool that it holds."""
+    """A tree of links that an arm carries, its configuration and its tool."""
 
     def __init__(self, links: Any, name: str = "", tool: Any = None) -> None:
         """The first of `links` is the one that the arm carries."""
@@ -33,10 +33,10 @@ class Gripper:
 
     @q.setter
     def q(self, q: Any) -> None:
-        given = np.array(q, dtype=float).ravel()
-        if given.shape != (self.n,):
+        values = np.array(q, dtype=float).ravel()
+        if values.shape != (self.n,):
             raise ShapeError("q", np.shape(q), f"({self.n},)")
-        self._q = given
+        self._q = values
         robot = self.links[0].robot
         if robot is not None:
             robot.dynchanged()
@@ -51,7 +51,7 @@ class Gripper:
         self._tool = np.eye(4) if T is None else matrix(T)
         robot = self.links[0].robot
         if robot is not None:
-            robot._forget()
+            robot._discard_compiled()
 
     def dfs_links(self, start: Link, func: Any = None) -> list[Link]:
         """The links from `start` on, children before siblings; `func` is called with each."""

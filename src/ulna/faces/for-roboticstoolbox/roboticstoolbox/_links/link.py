@@ -1,4 +1,4 @@
-"""Links: a chain of transforms from the link before, and what the body weighs."""
+"""Links: the transforms from the parent link, dynamic parameters and shapes."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from roboticstoolbox._common.poses import pose
 from roboticstoolbox._ets.elementary_transform import ET, ET2, BaseET
 from roboticstoolbox._ets.ets import ETS, ETS2
 from roboticstoolbox._ets.sequence import BaseETS
-from roboticstoolbox._links.dynamic_parameters import Heavy
+from roboticstoolbox._links.dynamic_parameters import DynamicParameters
 from roboticstoolbox._links.scene_frames import LinkNode
 from roboticstoolbox._links.shapes import as_shapes, carried, copied
 from ulna.errors import InputError
 from ulna.typing import Floats
 
 
-class Link(LinkNode, Heavy):
-    """A link: its transforms from the link before (the joint last), mass, motor, limits and shapes."""
+class Link(LinkNode, DynamicParameters):
+    """A link: its transforms from the parent link (the joint last), mass, motor, limits and shapes."""
 
     _ets_class: type[BaseETS] = ETS
 
@@ -43,7 +43,7 @@ class Link(LinkNode, Heavy):
         geometry: Any = (),
         collision: Any = (),
     ) -> None:
-        """A link; what it is called after is that of the toolbox.
+        """A link.
 
         Args:
             ets: Transforms from the parent's frame; at most one joint, the last.
@@ -72,15 +72,17 @@ class Link(LinkNode, Heavy):
         self._joint_name = joint_name
         self.children: list[Link] = []
         self._children: list[Any] = []
-        given = self._ets_class(ets)
-        joints = [i for i, et in enumerate(given.data) if et.isjoint]
-        if len(joints) > 1 or (joints and joints[0] != len(given.data) - 1 and type(self) in (Link, Link2)):
+        transforms = self._ets_class(ets)
+        joints = [i for i, et in enumerate(transforms.data) if et.isjoint]
+        if len(joints) > 1 or (
+            joints and joints[0] != len(transforms.data) - 1 and type(self) in (Link, Link2)
+        ):
             raise InputError(
-                f"Link {name!r} has the transforms {given}; expected one joint at most, at the end."
+                f"Link {name!r} has the transforms {transforms}; expected one joint at most, at the end."
             )
-        self._ets = given
+        self._ets = transforms
         if joints:
-            joint = given.data[joints[0]]
+            joint = transforms.data[joints[0]]
             if jindex is not None:
                 joint.jindex = jindex
             if qlim is not None:
@@ -98,7 +100,7 @@ class Link(LinkNode, Heavy):
     @geometry.setter
     def geometry(self, shapes: Any) -> None:
         self._drawn = carried(list(shapes), self)
-        self._changed()
+        self._limits_or_shapes_changed()
 
     @property
     def collision(self) -> list[Any]:
@@ -108,11 +110,11 @@ class Link(LinkNode, Heavy):
     @collision.setter
     def collision(self, shapes: Any) -> None:
         self._solids = carried(list(shapes), self)
-        self._changed()
+        self._limits_or_shapes_changed()
 
-    def _changed(self) -> None:
+    def _limits_or_shapes_changed(self) -> None:
         if self.robot is not None:
-            self.robot._forget()
+            self.robot._discard_compiled()
 
     @property
     def ets(self) -> Any:
@@ -191,7 +193,7 @@ class Link(LinkNode, Heavy):
         if self.v is None:
             raise InputError(f"Link {self.name!r} has no joint, so no limits.")
         self.v.qlim = limits
-        self._changed()
+        self._limits_or_shapes_changed()
 
     def islimit(self, q: float) -> bool:
         """Whether `q` is beyond its limits."""
@@ -211,7 +213,7 @@ class Link(LinkNode, Heavy):
         out.robot, out.children, out._children, out._parent = None, [], [], parent
         if parent is None:
             out._parent_name = self.parent_name
-        out._ets = type(self._ets)._of(self._ets.data)
+        out._ets = type(self._ets)._from_transforms(self._ets.data)
         out._drawn, out._solids = (
             carried([copied(x) for x in shapes], out) for shapes in (self._drawn, self._solids)
         )

@@ -10,7 +10,7 @@ from ulna.errors import ModelError, UnknownName
 
 
 def connect(links: Sequence[Link], robot: Any) -> None:
-    """Names, numbers and joins links, and tells them whose they are.
+    """Sets the names, the robot, the parents and the children of links.
 
     Raises:
         ModelError: Two links share a name.
@@ -23,7 +23,7 @@ def connect(links: Sequence[Link], robot: Any) -> None:
     by_name = {link.name: link for link in links}
     if len(by_name) != len(links):
         twice = next(a.name for a in links if sum(a.name == b.name for b in links) > 1)
-        raise ModelError(f"Two links are named {twice!r}; give each its own `name`.")
+        raise ModelError(f"Two links are named {twice!r}; give each a different `name`.")
     for link in links:
         if link._parent is None and link._parent_name:
             if link._parent_name not in by_name:
@@ -33,15 +33,15 @@ def connect(links: Sequence[Link], robot: Any) -> None:
             link._parent.children.append(link)
 
 
-def number(links: Sequence[Link]) -> None:
-    """Gives joints their places in q, in the order of the links, unless they have them: 0 to n - 1, each once."""
+def assign_joint_numbers(links: Sequence[Link]) -> None:
+    """Numbers joints in the order of the links, unless they are numbered from 0 to n - 1 already."""
     joints = [link for link in links if link.isjoint]
     if sorted(link.jindex or 0 for link in joints) != list(range(len(joints))):
         for i, link in enumerate(joints):
             link.jindex = i
 
 
-def up(link: Link) -> list[Link]:
+def path_from_root(link: Link) -> list[Link]:
     """The links from the root to `link`."""
     out: list[Link] = []
     at: Link | None = link
@@ -51,18 +51,18 @@ def up(link: Link) -> list[Link]:
     return out
 
 
-def between(start: Link | None, end: Link) -> tuple[list[Link], list[Link]]:
-    """Links to go up and then down, from `start` (the base for None) to the frame of `end`.
+def links_between(start: Link | None, end: Link) -> tuple[list[Link], list[Link]]:
+    """The path from `start` (the base for None) to `end`: links that it ascends, then links that it descends.
 
-    As in the toolbox the way down from a link begins before its own transforms, the way up from it beyond them.
+    As in the toolbox a descending path from a link includes the transforms of that link, an ascending path does not.
     """
-    down = up(end)
+    downward = path_from_root(end)
     if start is None:
-        return [], down
-    rise = up(start)
+        return [], downward
+    upward = path_from_root(start)
     shared = 0
-    while shared < min(len(rise), len(down)) and rise[shared] is down[shared]:
+    while shared < min(len(upward), len(downward)) and upward[shared] is downward[shared]:
         shared += 1
-    if shared == len(rise):
-        return [], down[shared - 1 :]
-    return rise[shared:][::-1], down[shared:]
+    if shared == len(upward):
+        return [], downward[shared - 1 :]
+    return upward[shared:][::-1], downward[shared:]

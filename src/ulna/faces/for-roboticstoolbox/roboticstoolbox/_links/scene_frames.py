@@ -94,18 +94,18 @@ class LinkNode(Node):
     def _within(self, shape: Any, within: float) -> list[Any]:
         if self.robot is None:
             raise InputError(f"Link {self.name!r} belongs to no robot, so it is nowhere; make a Robot of it.")
-        return self.robot._near(self.robot.q, shape, within, [self.name]) if self._solids else []
+        return self.robot._nearby_links(self.robot.q, shape, within, [self.name]) if self._solids else []
 
     def closest_point(
         self, shape: Any, inf_dist: float = 1.0, skip: bool = False
     ) -> tuple[float | None, Floats | None, Floats | None]:
         """Distance from a shape, the nearest point of the link and that of the shape; None beyond `inf_dist`."""
-        for found in self._within(shape, inf_dist):
-            return found.distance, found.points[0], found.points[1]
+        for pair in self._within(shape, inf_dist):
+            return pair.distance, pair.points[0], pair.points[1]
         return None, None, None
 
     def iscollided(self, shape: Any, skip: bool = False) -> bool:
         """Whether it touches a shape, at the robot's `q`."""
-        return any(found.distance <= 0.0 for found in self._within(shape, 0.01))
+        return any(pair.distance <= 0.0 for pair in self._within(shape, 0.01))
 
     collided = iscollided

@@ -1,4 +1,4 @@
-"""Shapes as Ulna has them, out of those of spatialgeometry or Ulna's own."""
+"""Shapes of Ulna from those of spatialgeometry or of Ulna."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ulna.spatial import SE3
 
 
 def obstacle(shape: Any) -> tuple[Shape, SE3]:
-    """A shape in its own frame, and where that is in the world.
+    """A shape, and the pose of its frame in the world.
 
     Raises:
         InputError: It is none that can be touched.
@@ -31,7 +31,7 @@ def _solid(shape: Any) -> Shape:
 
 
 def geometry(shape: Any, name: str) -> Geometry:
-    """A shape of a link, seen from the link."""
+    """A shape of a link, with its pose in the link."""
     if isinstance(shape, Geometry):
         return shape
     solid, T = (_solid(shape), SE3.from_matrix(shape.T)) if _hangs_on_link(shape) else obstacle(shape)
@@ -41,9 +41,9 @@ def geometry(shape: Any, name: str) -> Geometry:
 
 
 def as_shapes(shapes: list[Any], link: Any) -> list[Any]:
-    """The same list, with what came out of a model made shapes of spatialgeometry that hang on the link.
+    """The same list, with shapes of a model converted to shapes of spatialgeometry attached to the link.
 
-    Meshes whose file is not there stay what they are.
+    Meshes without a file are not converted.
     """
     for i, item in enumerate(shapes):
         if isinstance(item, Geometry):
@@ -52,7 +52,7 @@ def as_shapes(shapes: list[Any], link: Any) -> list[Any]:
 
 
 def carried(shapes: list[Any], link: Any) -> list[Any]:
-    """Shapes as parts of a link: seen from it, but no frames of their own in its tree."""
+    """Shapes as parts of a link: their poses are relative to it, and they are not nodes of its tree."""
     for shape in shapes:
         if getattr(shape, "_parent", link) is None:
             shape._parent = link
@@ -60,7 +60,7 @@ def carried(shapes: list[Any], link: Any) -> list[Any]:
 
 
 def copied(shape: Any) -> Any:
-    """A shape for another link; what is of a model is never changed and serves both."""
+    """A copy of a shape for another link; shapes of a model are immutable and shared."""
     if isinstance(shape, Geometry) or not _hangs_on_link(shape):
         return shape
     out = copy.copy(shape)

@@ -27,7 +27,7 @@ def model_of(
     moving: bool,
     disabled: Iterable[tuple[str, str]] = (),
 ) -> Model:
-    """Links and grippers as one model, whose links bear their names.
+    """One model of links and grippers, with the same link names.
 
     Args:
         name: The robot's name.
@@ -35,7 +35,7 @@ def model_of(
         grippers: What it carries.
         gravity: Acceleration of free fall in the world, (3,) [m/s^2].
         base: Where it stands in the world, (4, 4).
-        moving: Whether joints of grippers move, after those of the arm; else they stand at the grippers' `q`.
+        moving: Whether joints of grippers are joints of the model, after those of the arm; else they are fixed at `q`.
         disabled: Pairs of links whose shapes may touch.
 
     Raises:
@@ -43,29 +43,29 @@ def model_of(
     """
     builder = ModelBuilder(name or "robot")
     builder.gravity = gravity
-    hands = [link for gripper in grippers for link in gripper.links]
-    whole = [*links, *hands]
-    roots = [link for link in whole if link.parent is None]
+    gripper_links = [link for gripper in grippers for link in gripper.links]
+    all_links = [*links, *gripper_links]
+    roots = [link for link in all_links if link.parent is None]
     builder.add_link("base link of the robot")
     builder.root_joint(Fixed(), "where the robot stands", SE3.from_matrix(base))
     joints = {link: int(link.jindex or 0) for link in links if link.isjoint}
-    stay: dict[Link, float] = {}
+    fixed_values: dict[Link, float] = {}
     for gripper in grippers:
         first = len(joints)
         for link in gripper.links:
             if link.isjoint and moving:
                 joints[link] = first + int(link.jindex or 0)
             elif link.isjoint:
-                stay[link] = float(gripper.q[link.jindex])
-    order = sorted(range(len(whole)), key=lambda i: _first(whole[i], joints))
-    for link in whole:
+                fixed_values[link] = float(gripper.q[link.jindex])
+    order = sorted(range(len(all_links)), key=lambda i: _first(all_links[i], joints))
+    for link in all_links:
         drawn = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link._drawn)]
         checked = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link._solids)]
         builder.add_link(link.name, link._inertia(), drawn, checked)
     for i in order:
-        link = whole[i]
+        link = all_links[i]
         parent = "base link of the robot" if link in roots else link.parent.name
-        before, after, kind = _split(link, stay.get(link))
+        before, after, kind = _split(link, fixed_values.get(link))
         extra: dict[str, Any] = {}
         if link in joints:
             drive = link._drive().at_joint
@@ -76,11 +76,12 @@ def model_of(
     for pair in disabled:
         builder.disable_pair(*pair)
     model = builder.build()
-    wanted = [f"joint of {link.name}" for link in sorted(joints, key=lambda link: joints[link])]
-    given = [joint.name for joint in model.joints if joint.nq]
-    if wanted != given:
+    expected = [f"joint of {link.name}" for link in sorted(joints, key=lambda link: joints[link])]
+    actual = [joint.name for joint in model.joints if joint.nq]
+    if expected != actual:
         raise ModelError(
-            f"The joints of {name!r} are numbered across its branches: {wanted}; expected branch by branch: {given}. "
+            f"The joints of {name!r} are numbered across its branches: {expected}; expected branch by branch: "
+            f"{actual}. "
             "Give its links `jindex` in that order."
         )
     return model
@@ -88,23 +89,23 @@ def model_of(
 
 def _first(link: Link, places: dict[Link, int]) -> float:
     """The least of the places in q of a link and those beyond it: branches come in the order of their joints."""
-    own = places.get(link, np.inf)
-    return min([own, *(_first(child, places) for child in link.children)])
+    position = places.get(link, np.inf)
+    return min([position, *(_first(child, places) for child in link.children)])
 
 
-def _split(link: Link, held: float | None) -> tuple[SE3, SE3, JointKind]:
+def _split(link: Link, fixed_value: float | None) -> tuple[SE3, SE3, JointKind]:
     """The pose before the joint, that after it, and the motion."""
     parts = [SE3.identity(), SE3.identity()]
     kind: JointKind = Fixed()
     side = 0
     for et in link.ets.data:
-        if et.isjoint and held is None:
+        if et.isjoint and fixed_value is None:
             x, y, z = (-x + 0.0 if et.isflip else x for x in _AXES[et.ax])
             axis = (x, y, z)
             kind = Revolute(axis) if et.isrotation else Prismatic(axis)
             side = 1
             continue
-        plain = et._plain(0)
-        T = plain.transform(np.float64(held)) if et.isjoint else plain.transform()
+        plain = et._to_ulna(0)
+        T = plain.transform(np.float64(fixed_value)) if et.isjoint else plain.transform()
         parts[side] = tidy(parts[side] @ T)
     return parts[0], parts[1], kind

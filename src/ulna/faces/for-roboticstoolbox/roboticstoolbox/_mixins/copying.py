@@ -1,4 +1,4 @@
-"""Robots that are copied and pickled: links of their own, kernels shared or made anew."""
+"""Copies and pickles of robots: links are copied, compiled kernels are shared or compiled again."""
 
 from __future__ import annotations
 
@@ -6,45 +6,52 @@ import copy as copying
 from typing import Any, Self
 
 from roboticstoolbox._links.gripper import Gripper
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 
 
-class Copies(Part):
+class Copying(RobotMixin):
     """Copies of a robot."""
 
     def copy(self) -> Self:
-        """A copy with links of its own."""
+        """A copy, with copies of the links."""
         return copying.deepcopy(self)
 
     def __deepcopy__(self, memo: Any) -> Self:
         out: Any = object.__new__(type(self))
         memo[id(self)] = out
-        shared = {"_kernels", "_chains", "_whole", "_weights"}
+        shared = {"_kernels", "_chains", "_cached_robot", "_dynamic_arrays"}
         new = {}
-        everyone = list(self.link_dict.values())
-        for link in everyone:
+        all_links = list(self.link_dict.values())
+        for link in all_links:
             new[id(link)] = link.copy()
             new[id(link)].robot = out
-        for link in everyone:
-            twin = new[id(link)]
-            twin._parent = new.get(id(link._parent))
-            twin.children = [new[id(child)] for child in link.children]
+        for link in all_links:
+            duplicate = new[id(link)]
+            duplicate._parent = new.get(id(link._parent))
+            duplicate.children = [new[id(child)] for child in link.children]
         for key, value in self.__dict__.items():
             if key in shared or key in ("_links", "_grippers", "_parent", "_children"):
                 continue
             out.__dict__[key] = copying.deepcopy(value, memo)
-        out._kernels, out._chains, out._whole, out._weights = self._kernels, self._chains, self._whole, None
+        out._kernels, out._chains, out._cached_robot, out._dynamic_arrays = (
+            self._kernels,
+            self._chains,
+            self._cached_robot,
+            None,
+        )
         out._links = [new[id(link)] for link in self._links]
         out._grippers, out._parent, out._children = [], None, []
         for gripper in self._grippers:
-            twin = Gripper([new[id(link)] for link in gripper.links], gripper.name, gripper._tool)
-            twin.q = gripper.q.copy()
-            out._grippers.append(twin)
+            duplicate = Gripper([new[id(link)] for link in gripper.links], gripper.name, gripper._tool)
+            duplicate.q = gripper.q.copy()
+            out._grippers.append(duplicate)
         return out
 
     def __reduce__(self) -> Any:
         state = {
-            k: v for k, v in self.__dict__.items() if k not in ("_kernels", "_chains", "_whole", "_weights")
+            k: v
+            for k, v in self.__dict__.items()
+            if k not in ("_kernels", "_chains", "_cached_robot", "_dynamic_arrays")
         }
         return _rebuilt, (type(self), state | {"_parent": None})
 
@@ -52,5 +59,5 @@ class Copies(Part):
 def _rebuilt(kind: type, state: dict[str, Any]) -> Any:
     out = object.__new__(kind)
     out.__dict__.update(state)
-    out._kernels, out._chains, out._whole, out._weights = {}, {}, None, None
+    out._kernels, out._chains, out._cached_robot, out._dynamic_arrays = {}, {}, None, None
     return out

@@ -1,4 +1,4 @@
-"""The links of a robot as a family: which there are, which move, and who comes after whom."""
+"""Access to the links of a robot: joints, limits, branches, paths and shapes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from roboticstoolbox._common.poses import pose
 from roboticstoolbox._links.gripper import Gripper
 from roboticstoolbox._links.link import Link
-from roboticstoolbox._links.link_tree import between
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._links.link_tree import links_between
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.typing import Floats
 
 
-class Family(Part):
+class LinkAccess(RobotMixin):
     """Links, joints and branches."""
 
     @property
@@ -103,8 +103,8 @@ class Family(Part):
         return any(link._solids for link in self._links)
 
     @property
-    def _held(self) -> Floats:
-        """Joint limits, (2, n); a joint without any is not held."""
+    def _joint_bounds(self) -> Floats:
+        """Joint limits, (2, n); infinite for a joint without limits."""
         limits = [(-np.inf, np.inf) if link.qlim is None else link.qlim for link in self._joints()]
         return np.array(limits, dtype=float).reshape(-1, 2).T
 
@@ -119,9 +119,9 @@ class Family(Part):
 
     def get_path(self, end: Any = None, start: Any = None) -> tuple[list[Link], int, Any]:
         """The links from `start` to `end`, how many they are, and the tool's pose."""
-        last, tool = self._end() if end is None else (self._link(end), None)
-        rise, down = between(None if start is None else self._link(start), last)
-        path = [*rise, *down]
+        last, tool = self._default_end() if end is None else (self._link(end), None)
+        upward, downward = links_between(None if start is None else self._link(start), last)
+        path = [*upward, *downward]
         return path, len(path), pose(np.eye(4) if tool is None else tool)
 
     def segments(self) -> list[list[Link | None]]:

@@ -10,7 +10,7 @@ import webbrowser
 from pathlib import Path
 from typing import Any
 
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.errors import InputError
 from ulna.system.storage import replacing
 
@@ -27,11 +27,11 @@ def _letter(link: Any) -> str:
 
 
 def _quoted(name: str) -> str:
-    """A name as Graphviz takes it: in quotes unless it is a plain word."""
+    """A name as Graphviz takes it: in quotes unless it is an identifier."""
     return name if re.fullmatch(r"[A-Za-z_]\w*", name) else f'"{name}"'
 
 
-class Graph(Part):
+class LinkGraph(RobotMixin):
     """Graphs of links."""
 
     def graph(self, format: str = "dot", filename: Any = None, **options: Any) -> str:
@@ -60,13 +60,13 @@ class Graph(Part):
 
         Args:
             filename: The path or the stream.
-            **options: `etsbox`, whether transforms stand in boxes of their own; `ets`, "full" or "brief"; `jtype`,
-                whether arrows tell turning from sliding joints; `static`, whether fixed links are blue.
+            **options: `etsbox`, whether transforms are in separate boxes; `ets`, "full" or "brief"; `jtype`,
+                whether arrows distinguish revolute from prismatic joints; `static`, whether fixed links are blue.
         """
         _write(filename, self._dot(**options))
 
     def showgraph(self, display_graph: bool = True, **options: Any) -> str | None:
-        """Opens a picture of the tree of links in the browser, or gives its path: PDF by Graphviz.
+        """Opens a picture of the tree of links in the browser, or returns its path: a PDF by Graphviz.
 
         Raises:
             InputError: Graphviz is not installed.
@@ -98,22 +98,22 @@ class Graph(Part):
         if ets not in ("full", "brief"):
             raise InputError(f"`ets` is {ets!r}; expected 'full' or 'brief'.")
         ends = {id(link) for link in self.ee_links}
-        own = {id(link) for link in self._links}
+        arm_links = {id(link) for link in self._links}
         lines = ["digraph G {", "graph [rankdir=LR];", "  BASE [shape=square, style=filled, fillcolor=gray]"]
         for link in self.link_dict.values():
             name, before = _quoted(link.name), _quoted(link.parent_name or "BASE")
-            looks = _END if id(link) in ends else 'shape="circle"' if id(link) in own else "shape=cds"
+            style = _END if id(link) in ends else 'shape="circle"' if id(link) in arm_links else "shape=cds"
             blue = ', fontcolor="blue"' if static and not link.isjoint else ""
             arrow = f"arrowhead={_HEADS[_letter(link) if jtype else '']}"
-            words = link.ets.words("q{0}")
-            lines.append(f"  {name} [{looks}];")
+            text = link.ets.to_text("q{0}")
+            lines.append(f"  {name} [{style}];")
             if etsbox:
                 box = _quoted(f"{link.name}_ets")
-                lines.append(f'  {box} [shape=box, style=rounded, label="{words}"{blue}];')
+                lines.append(f'  {box} [shape=box, style=rounded, label="{text}"{blue}];')
                 lines += [f"  {before} -> {box};", f"  {box} -> {name} [{arrow}];"]
                 continue
             brief = f"...q{link.jindex}" if link.isjoint else ""
-            label = words if ets == "full" else brief
+            label = text if ets == "full" else brief
             lines.append(f'  {before} -> {name} [label="{label}", {arrow}{blue}];')
         return "\n".join([*lines, "}"]) + "\n"
 
@@ -121,11 +121,11 @@ class Graph(Part):
         links = self.link_dict.values()
         number = {id(link): f"n{i}" for i, link in enumerate(links)}
         ends = {id(link) for link in self.ee_links}
-        own = {id(link) for link in self._links}
+        arm_links = {id(link) for link in self._links}
         lines = ["flowchart LR", '    BASE["BASE"]']
         for link in links:
             left, right = (
-                ("((", "))") if id(link) in ends else ("[", "]") if id(link) in own else ("{{", "}}")
+                ("((", "))") if id(link) in ends else ("[", "]") if id(link) in arm_links else ("{{", "}}")
             )
             lines.append(f'    {number[id(link)]}{left}"{link.name}"{right}')
         for link in links:

@@ -9,11 +9,11 @@ import numpy as np
 from roboticstoolbox._common.poses import pose, to_spatial
 from roboticstoolbox._links.scene_frames import Node, scene_node
 from roboticstoolbox._links.shapes import geometry
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.typing import Floats
 
 
-class RobotNode(Node, Part):
+class RobotNode(Node, RobotMixin):
     """A robot as a frame: that of its base."""
 
     _parent: Any
@@ -36,7 +36,7 @@ class RobotNode(Node, Part):
 
     def _where(self, link: Any) -> Floats:
         """T_world_link at the configuration of now, (4, 4)."""
-        T = self._everything().fk(self._configuration(self.q), link.name)
+        T = self._complete_robot().fk(self._complete_configuration(self.q), link.name)
         return T if self._parent is None else self._parent._wT @ T
 
     @property
@@ -75,7 +75,7 @@ class RobotNode(Node, Part):
         """
         out = []
         links = self.link_dict
-        poses = self._everything().fk(self._configuration(q), list(links))
+        poses = self._complete_robot().fk(self._complete_configuration(q), list(links))
         for T, link in zip(poses, links.values(), strict=True):
             shapes = [
                 *(link._drawn if robot_alpha > 0 else ()),

@@ -1,4 +1,4 @@
-"""What the parts of a robot count on: each is a class of methods, and finds the others' in the robot it belongs to."""
+"""The base of the mixins of a robot: each has methods on one theme, and uses those of the others."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from roboticstoolbox._links.link import Link
 
 
-class Part:
+class RobotMixin:
     """Methods of a robot on one theme."""
 
     name: str

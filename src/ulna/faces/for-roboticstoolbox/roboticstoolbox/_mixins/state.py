@@ -1,4 +1,4 @@
-"""What scripts set and name of a robot: its configuration, its velocity, and configurations with names."""
+"""The state of a robot: configuration, velocity, acceleration, control mode and named configurations."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.poses import array
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
 
-class State(Part):
-    """Where a robot is, and where it may be told to go by name."""
+class State(RobotMixin):
+    """State and named configurations."""
 
     _configs: dict[str, Floats]
 
@@ -96,7 +96,7 @@ class State(Part):
         """A joint trajectory between two configurations, or between those of two poses; see `roboticstoolbox.jtraj`.
 
         Args:
-            q0: Start, (n,); or a pose of the end, whose configuration is found.
+            q0: Start, (n,); or a pose of the end, solved by inverse kinematics.
             qf: End, likewise.
             t: How many, or times.
             qd0: Velocity at the start.

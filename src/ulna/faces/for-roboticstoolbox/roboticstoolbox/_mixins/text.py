@@ -1,20 +1,20 @@
-"""Robots in words: the tables that the toolbox prints."""
+"""Robots as text: the tables that the toolbox prints."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from roboticstoolbox._common.text_table import grid
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 
 
-class Words(Part):
-    """What is printed of a robot."""
+class RobotText(RobotMixin):
+    """The text of a robot."""
 
     def _kind_name(self) -> str:
-        own = type(self)
-        is_model = own.__module__.startswith("roboticstoolbox.models") and own.__name__ != "URDFRobot"
-        return f"{own.__mro__[1].__name__}.{own.__name__}" if is_model else own.__name__
+        kind = type(self)
+        is_model = kind.__module__.startswith("roboticstoolbox.models") and kind.__name__ != "URDFRobot"
+        return f"{kind.__mro__[1].__name__}.{kind.__name__}" if is_model else kind.__name__
 
     def _headline(self) -> str:
         maker = f" (by {self.manufacturer})" if self.manufacturer else ""
@@ -41,7 +41,9 @@ class Words(Part):
         for i, link in enumerate(self._links):
             mark = "@" if id(link) in ends else ""
             joint = "" if link.jindex is None else str(link.jindex)
-            rows.append([str(i), mark + link.name, joint, link.parent_name or "BASE", link.ets.words("q{0}")])
+            rows.append(
+                [str(i), mark + link.name, joint, link.parent_name or "BASE", link.ets.to_text("q{0}")]
+            )
         header = ["link", "link", "joint", "parent", "ETS: parent to link"]
         right = [True, False, True, False, False]
         return f"{self._headline()}\n{grid(header, rows, right)}{self.configurations_str()}"

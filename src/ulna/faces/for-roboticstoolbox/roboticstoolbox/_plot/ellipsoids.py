@@ -1,4 +1,4 @@
-"""Ellipsoids of a robot's end: how fast it can move, how hard it can push."""
+"""Ellipsoids of a robot's end: velocities and forces that it can reach."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.poses import to_spatial
-from roboticstoolbox._mixins.robot_mixin import Part
-from roboticstoolbox._plot.figure import PyPlot
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
+from roboticstoolbox._plot.figure import PyPlot, pyplot
 from ulna.errors import InputError, UnknownName
 from ulna.typing import Floats
 
@@ -28,13 +28,13 @@ class Ellipse:
         return np.tensordot(self.axes * self.radii, ball, axes=1) + self.centre[:, None, None]
 
 
-class Ellipses(Part):
+class Ellipsoids(RobotMixin):
     """Ellipsoids, and colours of links."""
 
     def vellipse(
         self, q: Any, opt: str = "trans", unit: str = "rad", centre: Any = "ee", scale: float = 0.1, **_: Any
     ) -> Ellipse:
-        """The ellipsoid of the velocities that joint rates of one give, in the axes of the world.
+        """The ellipsoid of the velocities that joint rates of one produce, in the axes of the world.
 
         Args:
             q: Configuration, (n,).
@@ -43,15 +43,15 @@ class Ellipses(Part):
             centre: Where it is drawn, "ee" for the end.
             scale: What its half axes are multiplied by.
         """
-        return self._shell(q, "velocity", opt, scale, centre, unit)
+        return self._ellipsoid(q, "velocity", opt, scale, centre, unit)
 
     def fellipse(
         self, q: Any, opt: str = "trans", unit: str = "rad", centre: Any = "ee", scale: float = 0.1, **_: Any
     ) -> Ellipse:
-        """The ellipsoid of the forces that joint torques of one give; see `vellipse`."""
-        return self._shell(q, "force", opt, scale, centre, unit)
+        """The ellipsoid of the forces that joint torques of one produce; see `vellipse`."""
+        return self._ellipsoid(q, "force", opt, scale, centre, unit)
 
-    def _shell(
+    def _ellipsoid(
         self, q: Any, kind: str, opt: str, scale: float, centre: Any = "ee", unit: str = "rad"
     ) -> Ellipse:
         from ulna.viewer.robot.ellipsoids import manipulability_ellipsoid
@@ -80,18 +80,18 @@ class Ellipses(Part):
         self, q: Any, block: bool = True, opt: str = "trans", limits: Any = None, **_: Any
     ) -> PyPlot:
         """Draws the robot with its ellipsoid of velocities."""
-        return self._with_shell(q, "velocity", opt, block, limits)
+        return self._plot_with_ellipsoid(q, "velocity", opt, block, limits)
 
     def plot_fellipse(
         self, q: Any, block: bool = True, opt: str = "trans", limits: Any = None, **_: Any
     ) -> PyPlot:
         """Draws the robot with its ellipsoid of forces."""
-        return self._with_shell(q, "force", opt, block, limits)
+        return self._plot_with_ellipsoid(q, "force", opt, block, limits)
 
-    def _with_shell(self, q: Any, kind: str, opt: str, block: bool, limits: Any) -> PyPlot:
+    def _plot_with_ellipsoid(self, q: Any, kind: str, opt: str, block: bool, limits: Any) -> PyPlot:
         at = self.q if q is None else np.asarray(q, dtype=float)
         env = PyPlot(None, limits)
-        env.show(self, at, self.name, [self._shell(at, kind, opt, 0.1).points])
+        env.show(self, at, self.name, [self._ellipsoid(at, kind, opt, 0.1).points])
         if block:
             env.hold()
         return env
@@ -102,8 +102,6 @@ class Ellipses(Part):
         Raises:
             InputError: It is a list, and not of n colours.
         """
-        from roboticstoolbox._plot.figure import pyplot
-
         pyplot()
         from matplotlib import colormaps, colors
 
@@ -114,4 +112,4 @@ class Ellipses(Part):
         return colormaps.get_cmap(linkcolors).resampled(self.n)
 
 
-__all__ = ["Ellipse", "Ellipses"]
+__all__ = ["Ellipse", "Ellipsoids"]

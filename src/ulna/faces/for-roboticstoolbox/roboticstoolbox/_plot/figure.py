@@ -36,7 +36,7 @@ def has_window() -> bool:
 class PyPlot:
     """A figure of matplotlib with robots in it.
 
-    Robots that were added are moved by `step`, at their `qd` in control mode "v", held at their limits.
+    `step` moves the robots in control mode "v" by their `qd`, within their limits.
     """
 
     supports_teach = supports_ellipse = True
@@ -50,15 +50,15 @@ class PyPlot:
             name: The window's name.
         """
         self._ax, self.limits, self._name = ax, None, name
-        self._told(limits)
-        self._things: dict[int, Any] = {}
+        self._set_limits(limits)
+        self._objects: dict[int, Any] = {}
         self._readonly: set[int] = set()
         self.sim_time = 0.0
 
-    def _told(self, limits: Any) -> None:
+    def _set_limits(self, limits: Any) -> None:
         if limits is not None:
-            given = np.asarray(limits, dtype=float).ravel()
-            self.limits = np.tile(given, 3) if given.size == 2 else given
+            bounds = np.asarray(limits, dtype=float).ravel()
+            self.limits = np.tile(bounds, 3) if bounds.size == 2 else bounds
 
     def launch(self, name: str | None = None, limits: Any = None, view: str | None = None, **_: Any) -> None:
         """Opens the figure.
@@ -69,7 +69,7 @@ class PyPlot:
             view: "xy", "xz" or "yz" to look at that plane; None for a corner.
         """
         self._name = name or self._name
-        self._told(limits)
+        self._set_limits(limits)
         if view is not None:
             if view not in _VIEWS:
                 raise UnknownName("view", view, _VIEWS)
@@ -88,17 +88,17 @@ class PyPlot:
         return self.ax.figure
 
     def add(self, ob: Any, readonly: bool = False, **_: Any) -> int:
-        """Adds a robot, or an ellipsoid; gives its number.
+        """Adds a robot, or an ellipsoid; returns its number.
 
         Raises:
             InputError: It is neither.
         """
-        if not (hasattr(ob, "_everything") or hasattr(ob, "points")):
+        if not (hasattr(ob, "_complete_robot") or hasattr(ob, "points")):
             raise InputError(
                 f"{ob!r} cannot be drawn here; robots and ellipsoids can, shapes by swift.Swift()."
             )
-        number = max(self._things, default=-1) + 1
-        self._things[number] = ob
+        number = max(self._objects, default=-1) + 1
+        self._objects[number] = ob
         if readonly:
             self._readonly.add(number)
         self._draw()
@@ -106,25 +106,25 @@ class PyPlot:
 
     def remove(self, id: int) -> None:
         """Takes out what has that number."""
-        if id not in self._things:
-            raise UnknownName("number of a thing in the figure", id, map(str, self._things))
-        del self._things[id]
+        if id not in self._objects:
+            raise UnknownName("number of an object in the figure", id, map(str, self._objects))
+        del self._objects[id]
         self._draw()
 
     def reset(self) -> None:
         """Takes everything out."""
-        self._things, self.sim_time = {}, 0.0
+        self._objects, self.sim_time = {}, 0.0
         self.ax.clear()
 
     restart = reset
 
     def _draw(self) -> None:
-        robots = [(ob, ob.q) for ob in self._things.values() if hasattr(ob, "_everything")]
+        robots = [(ob, ob.q) for ob in self._objects.values() if hasattr(ob, "_complete_robot")]
         title = f"t = {self.sim_time:.2f} s" if self.sim_time else ""
-        self._show(robots, title, [ob.points for ob in self._things.values() if hasattr(ob, "points")])
+        self._show(robots, title, [ob.points for ob in self._objects.values() if hasattr(ob, "points")])
 
     def show(self, robot: Any, q: Floats, title: str = "", ellipses: Any = ()) -> None:
-        """Draws one robot anew."""
+        """Draws one robot."""
         self._show([(robot, q)], title, ellipses)
 
     def _show(self, robots: Any, title: str, ellipses: Any) -> None:
@@ -133,7 +133,7 @@ class PyPlot:
         limits = None if not self.ax.lines else [self.ax.get_xlim(), self.ax.get_ylim(), self.ax.get_zlim()]
         self.ax.clear()
         for robot, q in robots:
-            stick_figure(robot._everything(), robot._configuration(q), self.ax)
+            stick_figure(robot._complete_robot(), robot._complete_configuration(q), self.ax)
         for points in ellipses:
             self.ax.plot_wireframe(*points, color="#e08a1e", lw=0.4)
         if self.limits is not None:
@@ -156,12 +156,16 @@ class PyPlot:
 
     def step(self, dt: float = 0.05) -> None:
         """Moves what was added, and lets the window draw for `dt` seconds; at once where there is none."""
-        for number, robot in self._things.items():
-            if hasattr(robot, "_everything") and number not in self._readonly and robot.control_mode == "v":
-                low, high = robot._held
+        for number, robot in self._objects.items():
+            if (
+                hasattr(robot, "_complete_robot")
+                and number not in self._readonly
+                and robot.control_mode == "v"
+            ):
+                low, high = robot._joint_bounds
                 robot.q = np.clip(robot.q + dt * robot.qd, low, high)
         self.sim_time += dt
-        if self._things:
+        if self._objects:
             self._draw()
         if has_window():
             pyplot().pause(dt)
@@ -176,7 +180,7 @@ class PyPlot:
         pyplot().close(self.fig)
 
     def __repr__(self) -> str:
-        return f"PyPlot(t = {self.sim_time:g}, {len(self._things)} things)"
+        return f"PyPlot(t = {self.sim_time:g}, {len(self._objects)} objects)"
 
 
 class PyPlot2(PyPlot):

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from roboticstoolbox._plot.figure import PyPlot, PyPlot2, has_window
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.typing import Array, Floats
@@ -17,7 +17,7 @@ from ulna.typing import Array, Floats
 _BACKENDS = ("pyplot", "pyplot2", "swift")
 
 
-class Plotting(Part):
+class Plotting(RobotMixin):
     """Pictures."""
 
     _backend: str | None = None
@@ -25,7 +25,7 @@ class Plotting(Part):
 
     @property
     def default_backend(self) -> str | None:
-        """What `plot` and `teach` draw with when they are not told: "pyplot", "swift", or None for what suits."""
+        """The backend of `plot` and `teach` by default: "pyplot", "swift", or None to choose automatically."""
         return self._backend or self._backend_of_all
 
     @default_backend.setter
@@ -34,13 +34,13 @@ class Plotting(Part):
 
     @classmethod
     def set_default_backend(cls, be: str | None) -> None:
-        """Sets `default_backend` of all robots of the class that have none of their own."""
+        """Sets `default_backend` of all robots of the class for which it is not set."""
         cls._backend_of_all = _checked(be)
 
-    def _drawn_with(self, backend: str | None, here: bool = False) -> str:
-        """The backend to take; `here` where only matplotlib can do what is wanted."""
-        told = _checked(backend) or self.default_backend
-        return told or ("swift" if not here and self._is_for_the_viewer() else "pyplot")
+    def _backend_for(self, backend: str | None, here: bool = False) -> str:
+        """The backend to use; `here` where only matplotlib supports the arguments."""
+        name = _checked(backend) or self.default_backend
+        return name or ("swift" if not here and self._prefers_viewer() else "pyplot")
 
     def plot(
         self,
@@ -75,16 +75,16 @@ class Plotting(Part):
             ax: Axes to draw into.
             env: What an earlier call returned, to draw into it again.
             view: "xy", "xz" or "yz" to look at that plane; in matplotlib.
-            **options: Let pass.
+            **options: Accepted and ignored.
 
         Returns:
-            What it was drawn in; it has `hold()` and `close()`.
+            The figure or environment; it has `hold()` and `close()`.
         """
         rows = np.atleast_2d(np.asarray(q, dtype=float))
         if rows.shape[-1] != self.n or rows.ndim != 2:
             raise ShapeError("q", np.shape(q), f"({self.n},) or (m, {self.n})")
         flat = movie is not None or ax is not None or isinstance(env, PyPlot)
-        chosen = self._drawn_with(backend, flat)
+        chosen = self._backend_for(backend, flat)
         if chosen == "swift":
             return self._play(rows, block, dt, movie, env)
         if env is None:
@@ -111,13 +111,13 @@ class Plotting(Part):
     ) -> Iterator[Array]:
         for i, row in enumerate(rows):
             kinds = [kind for kind, wanted in (("velocity", vellipse), ("force", fellipse)) if wanted]
-            shells = [self._shell(row, kind, "trans", 0.1).points for kind in kinds]
+            ellipsoids = [self._ellipsoid(row, kind, "trans", 0.1).points for kind in kinds]
             title = f"{self.name}   t = {i * dt:.2f} s" if len(rows) > 1 else self.name
-            env.show(self, row, title, shells)
+            env.show(self, row, title, ellipsoids)
             yield env.picture() if drawn else row
 
-    def _is_for_the_viewer(self) -> bool:
-        """Whether there are shapes to see and a screen to see them on."""
+    def _prefers_viewer(self) -> bool:
+        """Whether the robot has shapes and there is a screen."""
         from ulna.viewer.page.browser import has_screen
 
         if not self.hasgeometry or os.environ.get("SWIFT_HEADLESS"):
@@ -131,7 +131,7 @@ class Plotting(Part):
             )
         self.q = rows[0]
         if env is None:
-            env = self._stage(realtime=len(rows) > 1)
+            env = self._launched_environment(realtime=len(rows) > 1)
             env.add(self, readonly=True)
         for row in rows:
             self.q = row
@@ -140,7 +140,7 @@ class Plotting(Part):
             env.hold()
         return env
 
-    def _stage(self, realtime: bool) -> Any:
+    def _launched_environment(self, realtime: bool) -> Any:
         """An environment of the viewer, with a page only where somebody can look at it."""
         import swift
 

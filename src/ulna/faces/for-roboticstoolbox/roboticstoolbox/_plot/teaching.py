@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.poses import to_spatial
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from roboticstoolbox._plot.figure import PyPlot, pyplot
 from ulna.errors import ShapeError
 from ulna.spatial import matrix_to_rpy
 from ulna.typing import Floats
 
 
-class Teaching(Part):
+class Teaching(RobotMixin):
     """Robots that are moved by hand."""
 
     def teach(
@@ -40,18 +40,18 @@ class Teaching(Part):
             view: "xy", "xz" or "yz" to look at that plane, in matplotlib.
 
         Returns:
-            What it was drawn in; `sliders` are the sliders.
+            The figure or environment; `sliders` are the sliders.
         """
         at = np.array(self.q if q is None else q, dtype=float)
         if at.shape != (self.n,):
             raise ShapeError("q", at.shape, f"({self.n},)")
         self.q = at
-        if self._drawn_with(backend) == "swift":
-            return self._taught_in_the_viewer(at, block)
+        if self._backend_for(backend) == "swift":
+            return self._teach_in_viewer(at, block)
         kinds = [kind for kind, wanted in (("velocity", vellipse), ("force", fellipse)) if wanted]
-        return self._taught_in_a_figure(at, block, limits, kinds, view)
+        return self._teach_in_figure(at, block, limits, kinds, view)
 
-    def _taught_in_a_figure(
+    def _teach_in_figure(
         self, at: Floats, block: bool, limits: Any, kinds: list[str], view: str | None
     ) -> PyPlot:
         plt = pyplot()
@@ -65,8 +65,8 @@ class Teaching(Part):
             env.show(
                 self,
                 at,
-                self._placed_words(at),
-                [self._shell(at, kind, "trans", 0.1).points for kind in kinds],
+                self._end_pose_text(at),
+                [self._ellipsoid(at, kind, "trans", 0.1).points for kind in kinds],
             )
 
         draw()
@@ -88,13 +88,13 @@ class Teaching(Part):
             env.hold()
         return env
 
-    def _taught_in_the_viewer(self, at: Floats, block: bool) -> Any:
+    def _teach_in_viewer(self, at: Floats, block: bool) -> Any:
         import swift
 
-        env = self._stage(realtime=True)
+        env = self._launched_environment(realtime=True)
         env.add(self, readonly=True)
-        words = swift.Label(self._placed_words(at))
-        env.add(words)
+        label = swift.Label(self._end_pose_text(at))
+        env.add(label)
         low, high = self.todegrees(self.qlim[0]), self.todegrees(self.qlim[1])
         shown = self.todegrees(at)
         sliders = []
@@ -104,7 +104,7 @@ class Teaching(Part):
                 q = self.q.copy()
                 q[j] = np.radians(value) if turns else value
                 self.q = q
-                words.label = self._placed_words(q)
+                label.label = self._end_pose_text(q)
 
             step, unit = (1.0, "°") if turns else (float(high[j] - low[j]) / 100.0, "m")
             value = float(np.clip(shown[j], low[j], high[j]))
@@ -117,8 +117,8 @@ class Teaching(Part):
             env.run()
         return env
 
-    def _placed_words(self, q: Floats) -> str:
-        """Where the end is, in words."""
+    def _end_pose_text(self, q: Floats) -> str:
+        """The pose of the end as text."""
         T = to_spatial(self.fkine(q).A)
         place = ", ".join(f"{x:.3f}" for x in T[:3, 3])
         angles = ", ".join(f"{x:.1f}°" for x in np.degrees(matrix_to_rpy(T[:3, :3])))

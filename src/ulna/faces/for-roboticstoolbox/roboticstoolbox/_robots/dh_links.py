@@ -41,14 +41,14 @@ class DHLink(Link):
             steps = [*turned, *([*lifted, joint] if sigma else [joint, *lifted]), *beside]
         super().__init__(ETS(steps), **more)
 
-    def _words(self) -> tuple[str, str]:
+    def _joint_text(self) -> tuple[str, str]:
         shift = f" + {self.offset}" if self.offset else ""
         if self.sigma:
             return f"{self.theta}", f"q{shift}"
         return f"q{shift}", f"{self.d}"
 
     def __str__(self) -> str:
-        theta, d = self._words()
+        theta, d = self._joint_text()
         head = f"{type(self).__name__}:{' ' * (2 if self.sigma else 3)}"
         return f"{head}θ={theta},  d={d},  a={self.a},  ⍺={float(self.alpha)}"
 

@@ -13,40 +13,40 @@ from roboticstoolbox._ets.elementary_transform import ET
 from roboticstoolbox._ets.ets import ETS
 from roboticstoolbox._ik.analytic import Analytic
 from roboticstoolbox._robots.dh_links import DHLink
-from roboticstoolbox._robots.dh_text import DHWords
+from roboticstoolbox._robots.dh_text import DHText
 from roboticstoolbox._robots.robot import BaseRobot, Robot
 from ulna.errors import InputError, ModelError
 from ulna.typing import Floats
 
 
-class DHRobot(DHWords, Analytic, Robot):
+class DHRobot(DHText, Analytic, Robot):
     """A serial arm of DH links; its base and its tool are part of its transforms."""
 
     def __init__(self, links: Any, meshdir: Any = None, **more: Any) -> None:
         """`links` are DH links of one convention, or a DH robot; `more` are arguments of `Robot`."""
-        own = [link.copy() for link in links._links] if isinstance(links, BaseRobot) else list(links)
-        if not own:
+        dh_links = [link.copy() for link in links._links] if isinstance(links, BaseRobot) else list(links)
+        if not dh_links:
             raise ModelError("A DHRobot has at least one link; `links` is empty.")
-        if any(not isinstance(link, DHLink) for link in own):
+        if any(not isinstance(link, DHLink) for link in dh_links):
             raise ModelError(
                 "A DHRobot is made of DH links: RevoluteDH, PrismaticDH, RevoluteMDH, PrismaticMDH."
             )
-        if len({getattr(link, "mdh", None) for link in own}) > 1:
+        if len({getattr(link, "mdh", None) for link in dh_links}) > 1:
             raise ModelError("Some links have standard and some modified parameters; use one convention.")
-        for i, link in enumerate(own):
-            link._parent = own[i - 1] if i else None
+        for i, link in enumerate(dh_links):
+            link._parent = dh_links[i - 1] if i else None
             link.name = link.name or f"link{i + 1}"
-        super().__init__(own, **more)
+        super().__init__(dh_links, **more)
 
     def ets(self, start: Any = None, end: Any = None) -> ETS:
         """The transforms from `start` to `end`; of the whole arm with base and tool."""
         inner = super().ets(start, end)
         before = [ET("SE3", T=self._base)] if start is None and self._base is not None else []
         after = [ET("SE3", T=self._tool)] if end is None and self._tool is not None else []
-        return ETS._of([*before, *inner.data, *after])
+        return ETS._from_transforms([*before, *inner.data, *after])
 
     def _chain(self, end: Any, start: Any, tool: Any = None) -> Any:
-        key = self._named(end), self._named(start)
+        key = self._name_of(end), self._name_of(start)
         if key not in self._chains:
             self._chains[key] = Chain(self.ets(start, end).data)
         chain = self._chains[key]
@@ -71,13 +71,13 @@ class DHRobot(DHWords, Analytic, Robot):
         tool: Any = None,
     ) -> Floats:
         """The Jacobian in the axes of the start, (6, n); `half` "trans" or "rot" for three rows. `T` is not needed."""
-        return _half(super().jacob0(q, end, start, tool), half)
+        return _selected_rows(super().jacob0(q, end, start, tool), half)
 
     def jacobe(
         self, q: Any, half: str | None = None, end: Any = None, start: Any = None, tool: Any = None
     ) -> Floats:
         """The Jacobian in the axes of the end, (6, n); `half` is "trans" or "rot" for three rows."""
-        return _half(super().jacobe(q, end, start, tool), half)
+        return _selected_rows(super().jacobe(q, end, start, tool), half)
 
     def jacob0_analytical(
         self,
@@ -109,8 +109,8 @@ class DHRobot(DHWords, Analytic, Robot):
             gravity=self._gravity,
         )
 
-    def _placed_anew(self) -> None:
-        self._forget()
+    def _on_base_or_tool_change(self) -> None:
+        self._discard_compiled()
 
     @property
     def mdh(self) -> int:
@@ -170,8 +170,8 @@ class DHRobot(DHWords, Analytic, Robot):
             qd: Velocity.
             qdd: Acceleration.
             gravity: Acceleration of free fall, (3,); None for the robot's.
-            fext: A wrench that the last link exerts, along its own axes, (6,) [N, N m].
-            base_wrench: Refused.
+            fext: A wrench that the last link exerts, in the axes of its frame, (6,) [N, N m].
+            base_wrench: Not supported; raises InputError.
         """
         if base_wrench:
             raise InputError(
@@ -188,11 +188,11 @@ class DHRobot(DHWords, Analytic, Robot):
     rne_python = rne
 
     def delete_rne(self) -> None:
-        """Forgets masses and motors, which the next question takes from the links again."""
+        """Discards the arrays of masses and motors; they are computed again when needed."""
         self.dynchanged()
 
 
-def _half(J: Floats, half: str | None) -> Floats:
+def _selected_rows(J: Floats, half: str | None) -> Floats:
     """The rows of linear ("trans") or of angular ("rot") velocities; all of them for None."""
     if half is None:
         return J

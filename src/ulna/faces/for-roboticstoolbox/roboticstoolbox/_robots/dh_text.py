@@ -1,4 +1,4 @@
-"""DH robots in words and as screws: the toolbox's tables of parameters, and the axes of the joints."""
+"""DH robots as text and as twists: the toolbox's tables of parameters, and the axes of the joints."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ import numpy as np
 
 from roboticstoolbox._common.poses import _spatialmath, pose
 from roboticstoolbox._common.text_table import grid
-from roboticstoolbox._mixins.robot_mixin import Part
+from roboticstoolbox._mixins.robot_mixin import RobotMixin
 
 
-class DHWords(Part):
-    """What is printed of a DH robot."""
+class DHText(RobotMixin):
+    """The text of a DH robot."""
 
     def __str__(self) -> str:
         kind = "modified" if self.mdh else "standard"
         head = f"{self._headline()}, {kind} DH parameters"
-        return f"{head}\n{self._parameters()}{self._placed()}{self.configurations_str()}"
+        return f"{head}\n{self._parameters()}{self._base_and_tool_text()}{self.configurations_str()}"
 
     def dhunique(self) -> None:
         """Prints the parameters that are not zero, as a table."""
         rows = []
         for j, link in enumerate(self._links):
-            given: Any = link
-            length = ("θ", given.theta) if link.isprismatic else ("d", given.d)
-            for letter, value in (length, ("a", given.a), ("⍺", given.alpha)):
+            dh: Any = link
+            length = ("θ", dh.theta) if link.isprismatic else ("d", dh.d)
+            for letter, value in (length, ("a", dh.a), ("⍺", dh.alpha)):
                 if value:
                     rows.append([f"{letter}{j}", f"{value:.4g}"])
         print(grid(["param", "value"], rows, [True, False]))
@@ -48,14 +48,14 @@ class DHWords(Part):
         limits = self.qlim if limited else None
         rows = []
         for j, link in enumerate(self._links):
-            given: Any = link
+            dh: Any = link
             number = str if self.mdh else _short
-            q, slides = f"{'-' if given.isflip else ' '}q{j + 1}", given.sigma
-            if given.offset:
-                shift = abs(given.offset)
-                q += f" {'-' if given.offset < 0 else '+'} {shift if slides else f'{math.degrees(shift):.3g}°'}"
-            moving = [_angle(given.theta), q] if slides else [q, number(given.d)]
-            beside = [number(given.a), _angle(given.alpha)]
+            q, slides = f"{'-' if dh.isflip else ' '}q{j + 1}", dh.sigma
+            if dh.offset:
+                shift = abs(dh.offset)
+                q += f" {'-' if dh.offset < 0 else '+'} {shift if slides else f'{math.degrees(shift):.3g}°'}"
+            moving = [_angle(dh.theta), q] if slides else [q, number(dh.d)]
+            beside = [number(dh.a), _angle(dh.alpha)]
             row = [*beside, *moving] if self.mdh else [*moving, *beside]
             if limits is not None:
                 row += [_short(float(x)) if slides else f"{math.degrees(x):.1f}°" for x in limits[:, j]]
@@ -64,7 +64,7 @@ class DHWords(Part):
         header += ["q⁻", "q⁺"] if limited else []
         return grid(header, rows, [bool(self.mdh)] + [True] * (len(header) - 1))
 
-    def _placed(self) -> str:
+    def _base_and_tool_text(self) -> str:
         rows = []
         for name, T in (("base", self._base), ("tool", self._tool)):
             if T is not None:

@@ -18,7 +18,7 @@ from ulna.model import Model, Prismatic, Revolute
 _LETTERS = "xyz"
 
 
-def read(path: Any, **options: Any) -> tuple[Model, str]:
+def read_model(path: Any, **options: Any) -> tuple[Model, str]:
     """The model in a file, or of a name of the catalogue, and where it was read from."""
     return load_model(path, mimic=False, **options), str(Path(path))
 
@@ -49,20 +49,20 @@ def from_model(
         if part.name in leave_out:
             continue
         joint = model.joint(part.parent_joint) if part.parent_joint in model.joint_names else None
-        items = [] if np.array_equal(part.origin.matrix(), np.eye(4)) else [ET.SE3(part.origin.matrix())]
+        transforms = [] if np.array_equal(part.origin.matrix(), np.eye(4)) else [ET.SE3(part.origin.matrix())]
         extra: dict[str, Any] = {}
         if joint is not None:
-            items += _turned(joint.kind, part.name)
+            transforms += _joint_transforms(joint.kind, part.name)
             limits = joint.limits
             if np.isfinite([*limits.lower, *limits.upper]).all():
-                items[-1].qlim = [limits.lower[0], limits.upper[0]]
+                transforms[-1].qlim = [limits.lower[0], limits.upper[0]]
             extra["qdlim"] = limits.velocity[0] if np.isfinite(limits.velocity[0]) else None
             extra |= {"B": joint.damping[0], "Tc": joint.friction[0]}
             extra["tlim"] = limits.effort[0] if np.isfinite(limits.effort[0]) else None
         if part.inertia.mass:
             extra |= {"m": part.inertia.mass, "r": part.inertia.com, "I": part.inertia.inertia}
         link = Link(
-            ETS(items) if items else None,
+            ETS(transforms) if transforms else None,
             name=part.name,
             parent=by_name.get(part.parent or ""),
             geometry=part.visuals,
@@ -71,22 +71,22 @@ def from_model(
         )
         by_name[part.name] = link
         links.append(link)
-    firsts = [by_name[gripper_link]] if gripper_link else []
+    gripper_roots = [by_name[gripper_link]] if gripper_link else []
     for name, before in (carriers or {}).items():
         carrier = Link(name=name, parent=by_name[before])
         for link in links:
             if link.parent is by_name[before]:
                 link._parent = carrier
         links.append(carrier)
-        firsts.append(carrier)
-    robot = kind._from_links(links, firsts or None, name=model.name, gravity=model.gravity, **more)
+        gripper_roots.append(carrier)
+    robot = kind._from_links(links, gripper_roots or None, name=model.name, gravity=model.gravity, **more)
     robot._disabled = [pair for pair in model.disabled_pairs if all(name in by_name for name in pair)]
     if tool is not None and robot.grippers:
         robot.grippers[0].tool = tool
     return robot
 
 
-def _turned(kind: Any, name: str) -> list[Any]:
+def _joint_transforms(kind: Any, name: str) -> list[Any]:
     """A joint as transforms: along its axis, between turns where that is none of the frame's."""
     if not isinstance(kind, (Revolute, Prismatic)):
         raise ModelError(

@@ -25,14 +25,14 @@ class Robot2(BaseRobot):
         return pose(T if self._tool is None else T @ self._tool)
 
     def _chain(self, end: Any, start: Any, tool: Any = None) -> Any:
-        key = self._named(end), self._named(start)
+        key = self._name_of(end), self._name_of(start)
         if key not in self._chains:
             self._chains[key] = Chain(self.ets(start, end).data)
         return self._chains[key]
 
     def ets(self, start: Any = None, end: Any = None) -> Any:
         """The transforms from `start` to `end`."""
-        return ETS2._of(super().ets(start, end).data)
+        return ETS2._from_transforms(super().ets(start, end).data)
 
     def jacob0(self, q: Any, end: Any = None, start: Any = None, **_: Any) -> Floats:
         """The Jacobian in the axes of the start, (3, n)."""

@@ -67,17 +67,17 @@ class PoERobot(Robot):
     def __init__(self, links: Any, T0: Any, **more: Any) -> None:
         """`links` are PoE links; `T0` is where the end is with all joints at zero, an SE3 or (4, 4)."""
         self.T0 = matrix(T0).copy()
-        own = list(links)
+        joints = list(links)
         before = np.eye(4)
-        for i, link in enumerate(own):
-            link._parent, link.name = own[i - 1] if i else None, link.name or f"link-{i + 1}"
+        for i, link in enumerate(joints):
+            link._parent, link.name = joints[i - 1] if i else None, link.name or f"link-{i + 1}"
             step = np.linalg.solve(before, link.frame)
             link._ets = ETS([ET("SE3", T=step), link._ets.data[-1]])
             before = link.frame
         end = Link(
-            ETS(ET("SE3", T=np.linalg.solve(before, self.T0).astype(float))), name="ee", parent=own[-1]
+            ETS(ET("SE3", T=np.linalg.solve(before, self.T0).astype(float))), name="ee", parent=joints[-1]
         )
-        super().__init__([*own, end], **more)
+        super().__init__([*joints, end], **more)
 
     def __str__(self) -> str:
         from spatialmath import SE3, Twist3  # pyright: ignore[reportMissingImports]

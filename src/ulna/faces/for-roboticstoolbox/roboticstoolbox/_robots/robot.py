@@ -1,4 +1,4 @@
-"""Robots as the toolbox has them: links, a state that scripts set, and methods for everything."""
+"""Robots of the toolbox: links, a state, and the methods of the mixins."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from roboticstoolbox._common.poses import matrix, pose
-from roboticstoolbox._dynamics.dynamics import Dynamics, _three
-from roboticstoolbox._dynamics.mass_parameters import Weights
-from roboticstoolbox._dynamics.operational_space import Felt
-from roboticstoolbox._dynamics.simulation import Motion
+from roboticstoolbox._dynamics.dynamics import Dynamics, vector3
+from roboticstoolbox._dynamics.mass_parameters import MassParameters
+from roboticstoolbox._dynamics.operational_space import OperationalSpace
+from roboticstoolbox._dynamics.simulation import ForwardSimulation
 from roboticstoolbox._ets.sequence import BaseETS
 from roboticstoolbox._kinematics.collision import Collision
 from roboticstoolbox._kinematics.kinematics import Kinematics
 from roboticstoolbox._links.gripper import Gripper
 from roboticstoolbox._links.link import Link
-from roboticstoolbox._links.link_tree import connect, number
-from roboticstoolbox._mixins.copying import Copies
-from roboticstoolbox._mixins.link_access import Family
-from roboticstoolbox._mixins.link_graph import Graph
+from roboticstoolbox._links.link_tree import assign_joint_numbers, connect
+from roboticstoolbox._mixins.copying import Copying
+from roboticstoolbox._mixins.link_access import LinkAccess
+from roboticstoolbox._mixins.link_graph import LinkGraph
 from roboticstoolbox._mixins.robot_frame import RobotNode
 from roboticstoolbox._mixins.state import State
-from roboticstoolbox._mixins.text import Words
-from roboticstoolbox._plot.ellipsoids import Ellipses
+from roboticstoolbox._mixins.text import RobotText
+from roboticstoolbox._plot.ellipsoids import Ellipsoids
 from roboticstoolbox._plot.plotting import Plotting
 from roboticstoolbox._plot.teaching import Teaching
 from ulna.errors import InputError
@@ -37,33 +37,33 @@ _ELSEWHERE = {
     "basemesh": "`geometry` of a link",
     "meshdir": "`geometry` of links",
     "URDF_read": "ulna.load(path), or models.URDF.URDFRobot(path)",
-    "ikine_a": "analytic_ik().solve(T), which gives all answers",
-    "ikine_6s": "robot.ulna.ik_all, which gives all answers",
-    "analytic_ik": "robot.ulna.ik_all, which gives all answers",
-    "ikine_analytic": "robot.ulna.ik_all, which gives all answers",
+    "ikine_a": "analytic_ik().solve(T), which returns all solutions",
+    "ikine_6s": "robot.ulna.ik_all, which returns all solutions",
+    "analytic_ik": "robot.ulna.ik_all, which returns all solutions",
+    "ikine_analytic": "robot.ulna.ik_all, which returns all solutions",
     "twists": "PoERobot",
     "dhunique": "print(robot)",
 }
 
 
 class BaseRobot(
-    Family,
+    LinkAccess,
     State,
     Kinematics,
     Dynamics,
-    Felt,
-    Motion,
-    Weights,
+    OperationalSpace,
+    ForwardSimulation,
+    MassParameters,
     Collision,
     RobotNode,
     Plotting,
     Teaching,
-    Ellipses,
-    Words,
-    Graph,
-    Copies,
+    Ellipsoids,
+    RobotText,
+    LinkGraph,
+    Copying,
 ):
-    """What all robots share."""
+    """Base class of all robots."""
 
     _link_class: ClassVar[type[Link]] = Link
 
@@ -95,10 +95,10 @@ class BaseRobot(
             base: Where it stands in the world.
             tool: A tool at the end.
             gravity: Acceleration of free fall [m/s^2].
-            keywords: Words about it.
-            symbolic: Refused.
+            keywords: Keywords for the catalogue.
+            symbolic: Not supported; raises InputError.
             configs: Named configurations.
-            check_jindex: Let pass.
+            check_jindex: Accepted and ignored.
             urdf_string: What it was read from.
             urdf_filepath: Where it was read from.
         """
@@ -118,7 +118,7 @@ class BaseRobot(
         self._setup(links, gripper_links)
         self._base = self._unless_identity(base)
         self._tool = self._unless_identity(tool)
-        self._gravity = _three(gravity)
+        self._gravity = vector3(gravity)
         self.q, self.qd, self.qdd = np.zeros(self.n), np.zeros(self.n), np.zeros(self.n)
         self.control_mode = "v"
         self._configs: dict[str, Floats] = {}
@@ -142,41 +142,41 @@ class BaseRobot(
         return out
 
     def _setup(self, links: list[Link], gripper_links: Any) -> None:
-        firsts = [] if gripper_links is None else gripper_links
-        firsts = [firsts] if isinstance(firsts, Link) else list(firsts)
+        gripper_roots = [] if gripper_links is None else gripper_links
+        gripper_roots = [gripper_roots] if isinstance(gripper_roots, Link) else list(gripper_roots)
         connect(links, self)
         self._grippers = []
-        for first in firsts:
-            hand = [first]
-            for link in hand:
-                hand.extend(link.children)
-            self._grippers.append(Gripper(hand, name=first.name))
-            links = [link for link in links if all(link is not other for other in hand)]
-        number(links)
+        for first in gripper_roots:
+            members = [first]
+            for link in members:
+                members.extend(link.children)
+            self._grippers.append(Gripper(members, name=first.name))
+            links = [link for link in links if all(link is not other for other in members)]
+        assign_joint_numbers(links)
         for i, link in enumerate(links):
             link.number = i + 1
         self._links = links
         self.n = sum(link.isjoint for link in links)
-        self._kernels, self._weights = {}, None
-        self._chains, self._whole = {}, None
+        self._kernels, self._dynamic_arrays = {}, None
+        self._chains, self._cached_robot = {}, None
 
-    def _forget(self) -> None:
-        """Drops what was compiled for transforms and limits that have changed."""
-        self._chains, self._whole, self._weights, self._kernels = {}, None, None, {}
+    def _discard_compiled(self) -> None:
+        """Discards what was compiled with former transforms and limits."""
+        self._chains, self._cached_robot, self._dynamic_arrays, self._kernels = {}, None, None, {}
 
     @classmethod
     def URDF(cls, file: str, gripper: int | str | None = None, manufacturer: str = "") -> Self:
         """The robot in a URDF or xacro file; `gripper` is the first link of its gripper, or the number of that."""
-        from roboticstoolbox._robots.from_model import from_model, read
+        from roboticstoolbox._robots.from_model import from_model, read_model
 
-        model, path = read(file)
+        model, path = read_model(file)
         first = model.links[gripper].name if isinstance(gripper, int) else gripper
         return from_model(cls, model, gripper_link=first, manufacturer=manufacturer, urdf_filepath=path)
 
     @property
     def ulna(self) -> Any:
         """Arm and grippers as an `ulna.Robot`, whose configurations have the grippers' joints, too."""
-        return self._everything()
+        return self._complete_robot()
 
     @property
     def base(self) -> Any:
@@ -186,7 +186,7 @@ class BaseRobot(
     @base.setter
     def base(self, T: Any) -> None:
         self._base = self._unless_identity(T)
-        self._placed_anew()
+        self._on_base_or_tool_change()
 
     @property
     def tool(self) -> Any:
@@ -196,11 +196,11 @@ class BaseRobot(
     @tool.setter
     def tool(self, T: Any) -> None:
         self._tool = self._unless_identity(T)
-        self._placed_anew()
+        self._on_base_or_tool_change()
 
-    def _placed_anew(self) -> None:
-        """Drops what base and tool are compiled into."""
-        self._whole, self._weights, self._kernels = None, None, {}
+    def _on_base_or_tool_change(self) -> None:
+        """Discards what was compiled with the former base and tool."""
+        self._cached_robot, self._dynamic_arrays, self._kernels = None, None, {}
 
     def _unless_identity(self, T: Any) -> Floats | None:
         if T is None:
@@ -215,7 +215,7 @@ class BaseRobot(
 
     @gravity.setter
     def gravity(self, g: Any) -> None:
-        self._gravity = _three(g)
+        self._gravity = vector3(g)
 
     def __getattr__(self, name: str) -> Any:
         if name in _ELSEWHERE:

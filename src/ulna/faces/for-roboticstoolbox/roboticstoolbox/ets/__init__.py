@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._common.module_aliases import furnish, offered
+from roboticstoolbox._common.module_aliases import add_module_aliases, public_name
 
 __all__ = ["ET", "ET2", "ETS", "ETS2"]
-furnish(__name__, __all__)
+add_module_aliases(__name__, __all__)
 
 
 def __getattr__(name: str) -> Any:
-    return offered(__name__, name)
+    return public_name(__name__, name)

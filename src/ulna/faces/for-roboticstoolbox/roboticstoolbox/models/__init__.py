@@ -1,11 +1,11 @@
-"""The robots that come with the face: models.Panda(), models.DH.Puma560(), models.ETS.Planar2() ..."""
+"""The robots of the package: models.Panda(), models.DH.Puma560(), models.ETS.Planar2() ..."""
 
 from __future__ import annotations
 
 import importlib
 from typing import Any
 
-_ROOMS = ("DH", "ETS", "URDF")
+_KINDS = ("DH", "ETS", "URDF")
 
 
 def catalog(
@@ -15,15 +15,15 @@ def catalog(
     from roboticstoolbox._common.text_table import grid
 
     rows = []
-    for room in _ROOMS if mtype is None else (mtype,):
-        module = importlib.import_module(f"roboticstoolbox.models.{room}")
-        for name in sorted(n for n in module.__all__ if n != "URDFRobot" and _is_here(room, n)):
+    for kind in _KINDS if mtype is None else (mtype,):
+        module = importlib.import_module(f"roboticstoolbox.models.{kind}")
+        for name in sorted(n for n in module.__all__ if n != "URDFRobot" and _is_here(kind, n)):
             robot = getattr(module, name)()
-            words = " ".join([name, robot.name, robot.manufacturer, *robot.keywords]).lower()
-            if dof not in (None, robot.n) or (keywords and str(keywords).lower() not in words):
+            text = " ".join([name, robot.name, robot.manufacturer, *robot.keywords]).lower()
+            if dof not in (None, robot.n) or (keywords and str(keywords).lower() not in text):
                 continue
             yes = "X" if robot.hasdynamics else ""
-            rows.append([name, robot.manufacturer, room, str(robot.n), robot.structure, yes])
+            rows.append([name, robot.manufacturer, kind, str(robot.n), robot.structure, yes])
     header = ["class", "manufacturer", "type", "DoF", "structure", "dynamics"]
     print(grid(header, rows, [False, False, False, True, False, False]) if rows else "no such robots")
 
@@ -31,15 +31,15 @@ def catalog(
 list = catalog
 
 
-def _is_here(room: str, name: str) -> bool:
+def _is_here(kind: str, name: str) -> bool:
     """Whether a robot can be made without fetching its description."""
-    from roboticstoolbox.models.URDF import _described
+    from roboticstoolbox.models.URDF import _external_descriptions
 
-    return room != "URDF" or name not in _described.ROBOTS or _described.is_here(name)
+    return kind != "URDF" or name not in _external_descriptions.ROBOTS or _external_descriptions.is_here(name)
 
 
 def __getattr__(name: str) -> Any:
-    if name in _ROOMS:
+    if name in _KINDS:
         return importlib.import_module(f"roboticstoolbox.models.{name}")
     if name.startswith("_"):
         raise AttributeError(name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._common.module_aliases import furnish, offered
+from roboticstoolbox._common.module_aliases import add_module_aliases, public_name
 
 _MODULES = (
     "BaseRobot", "DHLink", "DHRobot", "ELink", "ERobot", "ET", "ETS", "Gripper", "IK", "Link", "PoERobot", "Robot",
@@ -16,8 +16,8 @@ _NAMES = (
     "SerialLink",
 )  # fmt: skip
 __all__ = list(_NAMES)
-furnish(__name__, _MODULES)
+add_module_aliases(__name__, _MODULES)
 
 
 def __getattr__(name: str) -> Any:
-    return offered(__name__, name)
+    return public_name(__name__, name)

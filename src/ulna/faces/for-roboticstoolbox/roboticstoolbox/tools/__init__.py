@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._common.module_aliases import furnish, offered
+from roboticstoolbox._common.module_aliases import add_module_aliases, public_name
 
 _MODULES = ("null", "p_servo", "Ticker", "numerical", "jsingu", "params", "plot", "trchain")
 _NAMES = (
@@ -14,8 +14,8 @@ _NAMES = (
     "trapezoidal_func", "trchain", "trchain2", "xplot",
 )  # fmt: skip
 __all__ = list(_NAMES)
-furnish(__name__, _MODULES)
+add_module_aliases(__name__, _MODULES)
 
 
 def __getattr__(name: str) -> Any:
-    return offered(__name__, name)
+    return public_name(__name__, name)

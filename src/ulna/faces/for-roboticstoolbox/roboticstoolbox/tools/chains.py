@@ -113,39 +113,39 @@ def _evaluated(
 def _parsed(text: str, qvar: str) -> tuple[TrChainToken, ...]:
     joint = re.compile(rf"\b{re.escape(qvar)}([1-9][0-9]{{0,5}})\b")
     out, at = [], 0
-    while found := re.compile(r"(R.?|T.)\(").search(text, at):
-        depth, at = 1, found.end()
+    while match := re.compile(r"(R.?|T.)\(").search(text, at):
+        depth, at = 1, match.end()
         while depth and at < len(text):
             depth += {"(": 1, ")": -1}.get(text[at], 0)
             at += 1
         if depth:
-            raise FormatError(f"the bracket of {found[1]!r} is not closed in {excerpt(repr(text))}")
-        arg = text[found.end() : at - 1]
+            raise FormatError(f"the bracket of {match[1]!r} is not closed in {excerpt(repr(text))}")
+        arg = text[match.end() : at - 1]
         numbers = joint.findall(arg)
         if len(numbers) > 1:
-            raise FormatError(f"{found[1]}({arg}) speaks of {len(numbers)} joints; expected one at most")
-        out.append(TrChainToken(found[1], arg, int(numbers[0]) if numbers else 0))
+            raise FormatError(f"{match[1]}({arg}) speaks of {len(numbers)} joints; expected one at most")
+        out.append(TrChainToken(match[1], arg, int(numbers[0]) if numbers else 0))
     return tuple(out)
 
 
 def _value(text: str, names: Mapping[str, Any]) -> float:
     """The value of an arithmetic expression; nothing else is evaluated."""
-    said = excerpt(repr(text))
+    quoted = excerpt(repr(text))
     try:
-        value = float(_of(ast.parse(text.strip(), mode="eval").body, names, text))
+        value = float(_evaluate(ast.parse(text.strip(), mode="eval").body, names, text))
     except FormatError:  # which is a ValueError, too
         raise
     except (SyntaxError, RecursionError, MemoryError):  # too deep for Python's own parser
-        raise FormatError(f"{said} is no arithmetic expression") from None
+        raise FormatError(f"{quoted} is no arithmetic expression") from None
     except (ArithmeticError, TypeError, ValueError) as error:
-        raise FormatError(f"{said} has no value: {error}") from None
+        raise FormatError(f"{quoted} has no value: {error}") from None
     if not math.isfinite(value):
-        raise FormatError(f"{said} is {value}; expected a finite number")
+        raise FormatError(f"{quoted} is {value}; expected a finite number")
     return value
 
 
-def _of(node: ast.AST, names: Mapping[str, Any], text: str) -> Any:
-    inner = partial(_of, names=names, text=text)
+def _evaluate(node: ast.AST, names: Mapping[str, Any], text: str) -> Any:
+    inner = partial(_evaluate, names=names, text=text)
     match node:
         case ast.Constant(value=int() | float() as number):
             return float(number)  # powers of integers may have any number of digits

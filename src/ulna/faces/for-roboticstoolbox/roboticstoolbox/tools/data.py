@@ -1,4 +1,4 @@
-"""Files with data, of one's own or of the toolbox's package `rtb-data`, and the toolbox's settings."""
+"""Data files, of the user or of the toolbox's package `rtb-data`, and the toolbox's settings."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _PARAMETERS: dict[str, Any] = {"unicode": True}
 
 
 def rtb_set_param(param: str, value: Any) -> None:
-    """Keeps a setting; nothing depends on it here."""
+    """Stores a setting; nothing depends on it here."""
     _PARAMETERS[param] = value
 
 
@@ -38,17 +38,13 @@ def rtb_path_to_datafile(*filename: Any, local: bool = True) -> Path:
     name = Path(*filename)
     if local and name.expanduser().exists():
         return name.expanduser().resolve()
-    found = importlib.util.find_spec("rtbdata")
-    folders = [] if found is None else list(found.submodule_search_locations or ())
+    spec = importlib.util.find_spec("rtbdata")
+    folders = [] if spec is None else list(spec.submodule_search_locations or ())
     for folder in folders:
         if (Path(folder) / name).exists():
             return (Path(folder) / name).resolve()
-    mend = (
-        ""
-        if folders
-        else " The toolbox's own files come with the package `rtb-data`, which is not installed."
-    )
-    raise FormatError(f"There is no data file {str(name)!r}.{mend}", file=str(name))
+    hint = "" if folders else " The toolbox's files come with the package `rtb-data`, which is not installed."
+    raise FormatError(f"There is no data file {str(name)!r}.{hint}", file=str(name))
 
 
 def rtb_load_data(filename: Any, handler: Callable[..., Any], **options: Any) -> Any:

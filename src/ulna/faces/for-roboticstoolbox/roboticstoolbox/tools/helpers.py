@@ -19,27 +19,27 @@ def null(A: Any, atol: float = 1e-13, rtol: float = 0.0) -> Floats:
         atol: Singular values below it count as zero.
         rtol: So do those below it times the largest.
     """
-    given = np.atleast_2d(np.asarray(A, dtype=float))
-    _, s, Vt = np.linalg.svd(given)
+    matrix = np.atleast_2d(np.asarray(A, dtype=float))
+    _, s, Vt = np.linalg.svd(matrix)
     rank = int((s >= max(atol, rtol * s[0])).sum())
     return Vt[rank:].T
 
 
 def jsingu(J: Any) -> None:
     """Prints which columns of a Jacobian depend on earlier ones."""
-    given = np.asarray(J, dtype=float)
+    matrix = np.asarray(J, dtype=float)
     basis: list[int] = []
-    for j in range(given.shape[1]):
-        found, *_ = np.linalg.lstsq(given[:, basis], given[:, j], rcond=None)
-        if np.linalg.norm(given[:, basis] @ found - given[:, j]) >= 1e-9:
+    for j in range(matrix.shape[1]):
+        factors, *_ = np.linalg.lstsq(matrix[:, basis], matrix[:, j], rcond=None)
+        if np.linalg.norm(matrix[:, basis] @ factors - matrix[:, j]) >= 1e-9:
             basis.append(j)
             continue
-        words = "".join(
+        terms = "".join(
             f"{' - ' if x < 0.0 else ' + ' if i else ''}{abs(x):.3g} column_{basis[i]}"
-            for i, x in enumerate(found)
+            for i, x in enumerate(factors)
             if abs(x) > 1e-9
         )
-        print(f"column {j} ={words or ' 0'}")
+        print(f"column {j} ={terms or ' 0'}")
 
 
 def jacobian_numerical(f: Callable[[Floats], Any], x: Any, dx: float = 1e-8, N: int = 0) -> Floats:

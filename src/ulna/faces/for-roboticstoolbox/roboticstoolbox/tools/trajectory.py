@@ -64,7 +64,7 @@ class Trajectory:
     __repr__ = __str__
 
     def plot(self, block: bool = False, **_: Any) -> Any:
-        """Draws positions, velocities and accelerations over time; gives the figure."""
+        """Draws positions, velocities and accelerations over time; returns the figure."""
         plt = _pyplot("Trajectory.plot")
         rows = [("q", self.s), ("qd", self.sd), ("qdd", self.sdd)]
         rows = [(label, values) for label, values in rows if values is not None]
@@ -132,19 +132,19 @@ def jtraj(q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None) -> Traject
         qd1: Velocity at the end.
     """
     rows, is_time = _times(t)
-    lasts = float(rows.max()) if is_time else 1.0
+    duration = float(rows.max()) if is_time else 1.0
     at = rows if is_time else rows / (len(rows) - 1)
-    q, v, a = trajectory.quintic_states(q0, qf, lasts, at, qd0, qd1)
+    q, v, a = trajectory.quintic_states(q0, qf, duration, at, qd0, qd1)
     return Trajectory("jtraj", rows if is_time else at * float(t), q, v, a, istime=True)
 
 
 def quintic_func(q0: float, qf: float, T: float, qd0: float = 0, qdf: float = 0) -> Callable[[Any], Any]:
-    """The quintic as a function of time that gives position, velocity, acceleration."""
+    """The quintic as a function of time that returns position, velocity, acceleration."""
     return _function(trajectory.quintic(float(q0), float(qf), float(T), float(qd0), float(qdf)))
 
 
 def trapezoidal_func(q0: float, qf: float, T: float, V: float | None = None) -> Callable[[Any], Any]:
-    """The trapezoid as a function of time that gives position, velocity, acceleration."""
+    """The trapezoid as a function of time that returns position, velocity, acceleration."""
     return _function(_trapezoid(q0, qf, T, V))
 
 
@@ -196,17 +196,17 @@ def ctraj(T0: Any, T1: Any, t: Any = None, s: Any = None) -> Any:
     Args:
         T0: Start.
         T1: End.
-        t: How many, or times; the way along the line follows a trapezoid of speed.
-        s: The way along the line instead, from 0 to 1, (m,).
+        t: How many, or times; the path parameter follows a trapezoid of speed.
+        s: The path parameter instead, from 0 to 1, (m,).
     """
     from roboticstoolbox._common.poses import matrix, pose
     from ulna.spatial import SE3
 
     if (t is None) == (s is None):
         raise InputError("ctraj takes `t` or `s`, one of them.")
-    way = np.asarray(s, dtype=float) if s is not None else trapezoidal(0.0, 1.0, t).s
+    path = np.asarray(s, dtype=float) if s is not None else trapezoidal(0.0, 1.0, t).s
     start, end = SE3.from_matrix(matrix(T0)), SE3.from_matrix(matrix(T1))
-    return pose(start.interpolate(end, way, straight=True).matrix())
+    return pose(start.interpolate(end, path, straight=True).matrix())
 
 
 def mstraj(
@@ -231,7 +231,7 @@ def mstraj(
         q0: Start, (n,).
         qd0: Velocity at the start, (n,).
         qdf: Velocity at the end, (n,).
-        verbose: Let pass.
+        verbose: Accepted and ignored.
     """
     points = np.atleast_2d(np.asarray(viapoints, dtype=float))
     if q0 is not None:
@@ -241,7 +241,7 @@ def mstraj(
     segments, n = len(points) - 1, points.shape[1]
     blends = np.ceil(_each("tacc", tacc, segments) / dt - 1e-9) * dt
     v = _each("qd0", 0.0 if qd0 is None else qd0, n)
-    p, clock, half, lasts = points[0], 0.0, 0.0, 0.0
+    p, clock, half, duration = points[0], 0.0, 0.0, 0.0
     rows: list[Any] = []
     arrive, info = np.zeros(segments), []
     for k, (a, b, blend) in enumerate(zip(points, points[1:], blends, strict=False)):
@@ -250,14 +250,14 @@ def mstraj(
         slowest: float = math.nan
         if tsegment is None:
             needed = corner + np.ceil(np.abs(b - a) / _each("qdmax", qdmax, n) / dt - 1e-9) * dt
-            slowest, lasts = int(needed.argmax()), max(float(needed.max()), 2 * blend)
+            slowest, duration = int(needed.argmax()), max(float(needed.max()), 2 * blend)
         else:
-            lasts = float(_each("tsegment", tsegment, segments)[k])
-        info.append(mstraj_info(slowest, lasts, clock))
-        arrive[k] = clock + lasts + (half if k else 0.0)
-        rate = (b - a) / lasts
+            duration = float(_each("tsegment", tsegment, segments)[k])
+        info.append(mstraj_info(slowest, duration, clock))
+        arrive[k] = clock + duration + (half if k else 0.0)
+        rate = (b - a) / duration
         rows += _corner(p, v, a + half * rate, rate, corner, dt)
-        line = np.arange(round(half / dt) + 1, round((lasts - half) / dt) + 1) * dt
+        line = np.arange(round(half / dt) + 1, round((duration - half) / dt) + 1) * dt
         rows += [(a + t * rate, rate, np.zeros(n)) for t in line]
         p, v = rows[-1][0] if rows else a, rate
         clock += corner + dt * len(line)
@@ -265,19 +265,19 @@ def mstraj(
     q, rates, rises = (np.array(part) for part in zip(*rows, strict=True))
     out: Any = Trajectory("mstraj", dt * np.arange(len(q)), q, rates, rises, istime=True)
     out.arrive, out.via = arrive, points[1:]
-    out.info = [*info, mstraj_info(None, lasts, clock)]
+    out.info = [*info, mstraj_info(None, duration, clock)]
     return out
 
 
-def _each(name: str, given: Any, count: int) -> Floats:
+def _each(name: str, value: Any, count: int) -> Floats:
     """One number for all, or as many as there are."""
-    out = np.asarray(given, dtype=float)
+    out = np.asarray(value, dtype=float)
     if out.shape not in ((), (count,)):
         raise ShapeError(name, out.shape, f"a number, or ({count},)")
     return np.broadcast_to(out, (count,))
 
 
-def _corner(a: Floats, v: Floats, b: Floats, w: Floats, lasts: float, dt: float) -> list[Any]:
+def _corner(a: Floats, v: Floats, b: Floats, w: Floats, duration: float, dt: float) -> list[Any]:
     """Rows of the quintic from `a` at the velocity `v` to `b` at `w`, without the first."""
-    at = np.arange(1, round(lasts / dt) + 1) * dt
-    return list(zip(*trajectory.quintic_states(a, b, lasts, at, v, w), strict=True)) if at.size else []
+    at = np.arange(1, round(duration / dt) + 1) * dt
+    return list(zip(*trajectory.quintic_states(a, b, duration, at, v, w), strict=True)) if at.size else []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from roboticstoolbox._ik.puma_branches import PumaBranches
-from roboticstoolbox.models._made import dh_class, table
+from roboticstoolbox.models._from_tables import dh_class, table
 
 __all__ = list(table("dh"))
 

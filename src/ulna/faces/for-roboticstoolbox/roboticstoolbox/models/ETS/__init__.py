@@ -9,7 +9,7 @@ from roboticstoolbox._ets.ets import ETS2
 from roboticstoolbox._links.link import Link2
 from roboticstoolbox._robots.planar_robot import Robot2
 from roboticstoolbox._robots.robot import Robot
-from roboticstoolbox.models._made import table, tree_class
+from roboticstoolbox.models._from_tables import table, tree_class
 
 __all__ = list(dict.fromkeys(["Planar2", *table("ets")]))
 

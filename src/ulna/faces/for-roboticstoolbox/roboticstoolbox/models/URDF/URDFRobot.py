@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from roboticstoolbox._robots.from_model import from_model, read
+from roboticstoolbox._robots.from_model import from_model, read_model
 from roboticstoolbox._robots.robot import Robot
 from ulna.errors import InputError, UnknownName
 
@@ -32,17 +32,17 @@ class URDFRobot(Robot):
             manufacturer: Who makes it.
             gripper_link_index: Number of the first link of its gripper, as they stand in the file.
             gripper_link_name: Its name, or names of which the first that there is counts.
-            patch: Refused.
+            patch: Not supported; raises InputError.
             extra_packages: Folders of packages, by name.
-            **more: Let pass.
+            **more: Accepted and ignored.
 
         Raises:
             InputError: `patch` is given.
             UnknownName: There is no such link.
         """
         if patch is not None:
-            raise InputError("`patch` is not offered; mend the file itself, or pass its mended text.")
-        model, path = read(urdf_path, package_dirs=tuple((extra_packages or {}).values()))
+            raise InputError("`patch` is not offered; fix the file, or pass its fixed text.")
+        model, path = read_model(urdf_path, package_dirs=tuple((extra_packages or {}).values()))
         names = [link.name for link in model.links]
         gripper = None if gripper_link_index is None else names[gripper_link_index]
         if gripper_link_name is not None:

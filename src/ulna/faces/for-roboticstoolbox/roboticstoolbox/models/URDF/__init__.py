@@ -6,8 +6,8 @@ from typing import Any
 
 from roboticstoolbox._robots.from_model import from_model
 from roboticstoolbox._robots.robot import Robot
-from roboticstoolbox.models._made import table, tree_class
-from roboticstoolbox.models.URDF._described import ROBOTS, described_class
+from roboticstoolbox.models._from_tables import table, tree_class
+from roboticstoolbox.models.URDF._external_descriptions import ROBOTS, described_class
 from roboticstoolbox.models.URDF.URDFRobot import URDFRobot
 from ulna.robots.panda import panda
 

@@ -11,14 +11,14 @@ from swift._element import Setting, SwiftElement
 from ulna.errors import InputError, UnknownName
 
 
-def _words(options: Iterable[Any]) -> list[str]:
+def _option_names(options: Iterable[Any]) -> list[str]:
     return [str(o) for o in options]
 
 
-class _Choice(SwiftElement):
+class _OptionControl(SwiftElement):
     """An element with options; where they change, what is chosen stays chosen by its place."""
 
-    options: Any = Setting(_words)
+    options: Any = Setting(_option_names)
 
     def __init__(
         self, cb: Callable[[Any], Any] | None, label: str, options: Iterable[str], desc: str | None
@@ -55,7 +55,7 @@ class _Choice(SwiftElement):
         return {**super().to_dict(), "options": list(self.options)}
 
 
-class _One(_Choice):
+class _SingleChoice(_OptionControl):
     """An element with options of which one is chosen."""
 
     _value = 0
@@ -68,20 +68,20 @@ class _One(_Choice):
         return self.options[self._value] if self.options else None
 
     def _pressed(self, option: str) -> None:
-        self._changed(self._number(option))
+        self._on_change(self._number(option))
 
-    def _bring(self, *controls: Any) -> None:
+    def _synchronize(self, *controls: Any) -> None:
         (choice,) = controls
         choice.label = self.label or self.kind
         choice.options, choice.value = self.options, self._chosen()
 
 
-class Select(_One):
+class Select(_SingleChoice):
     """A menu of which one is chosen.
 
     Args:
         cb: Called with the index of what was chosen.
-        label: The words beside it.
+        label: The text beside it.
         options: What there is to choose.
         value: The index of what is chosen at first.
         desc: An older name of `label`.
@@ -130,13 +130,13 @@ class Select(_One):
         return {**super().to_dict(), "value": self._value}
 
 
-class Radio(_One):
+class Radio(_SingleChoice):
     """Boxes of which exactly one is ticked.
 
     Args:
         cb: Called with the index of the one that was ticked.
-        label: The words above them.
-        options: The words beside them.
+        label: The text above them.
+        options: The texts beside them.
         checked: The index of the one that is ticked at first, or a list of which.
         desc: An older name of `label`.
 
@@ -188,13 +188,13 @@ class Radio(_One):
         return {**super().to_dict(), "checked": self.checked}
 
 
-class Checkbox(_Choice):
+class Checkbox(_OptionControl):
     """Boxes to tick.
 
     Args:
         cb: Called with a list of which are ticked.
-        label: The words above them.
-        options: The words beside them.
+        label: The text above them.
+        options: The texts beside them.
         checked: Which are ticked at first.
         desc: An older name of `label`.
 
@@ -237,14 +237,14 @@ class Checkbox(_Choice):
 
     def _build(self, panel: Any) -> list[Any]:
         def ticked(k: int) -> Callable[[bool], None]:
-            return lambda on: self._changed((k, on))
+            return lambda on: self._on_change((k, on))
 
         self._built = list(self.options)
         with panel.folder(self.label or self.kind) as folder:
             boxes = [panel.checkbox(o, self._checked[k], ticked(k)) for k, o in enumerate(self.options)]
         return [folder, *boxes]
 
-    def _bring(self, *controls: Any) -> None:
+    def _synchronize(self, *controls: Any) -> None:
         folder, *boxes = controls
         if self._built != self.options:  # other boxes: they come at the end of the panel
             folder.remove()
@@ -259,7 +259,7 @@ class Checkbox(_Choice):
         self._checked = self._ticks(e)
 
     def choose(self, e: Any) -> None:
-        """Take over which are ticked, or one box (index, ticked) that was clicked, and tell `cb`."""
+        """Take over which are ticked, or one box (index, ticked) that was clicked, and call `cb`."""
         if isinstance(e, tuple):
             k, on = e
             e = [on if i == k else was for i, was in enumerate(self._checked)]

@@ -37,13 +37,13 @@ def table(name: str) -> dict[str, Any]:
     return json.loads((Path(__file__).parent / f"{name}.json").read_text(encoding="utf-8"))
 
 
-def _placed(twelve: Any) -> Floats:
+def _homogeneous(twelve: Any) -> Floats:
     return np.vstack([np.reshape(np.asarray(twelve, dtype=float), (3, 4)), [0.0, 0.0, 0.0, 1.0]])
 
 
 def _about(entry: dict[str, Any]) -> dict[str, Any]:
     out = {key: entry[key] for key in ("name", "manufacturer", "gravity") if key in entry}
-    return out | {key: _placed(entry[key]) for key in ("base", "tool") if key in entry}
+    return out | {key: _homogeneous(entry[key]) for key in ("base", "tool") if key in entry}
 
 
 def dh_links(entry: dict[str, Any]) -> list[DHLink]:
@@ -60,14 +60,14 @@ def _links(entry: dict[str, Any]) -> list[Link]:
     by_name: dict[str, Link] = {}
     for row in entry["links"]:
         fields = {k: v for k, v in row.items() if k not in ("ets", "parent", "name")}
-        items = []
+        transforms = []
         for axis, value, *flip in row.get("ets", ()):
             if axis == "SE3":
-                items.append(ET("SE3", T=_placed(value)))
+                transforms.append(ET("SE3", T=_homogeneous(value)))
             else:
-                items.append(ET(axis, value, flip=bool(flip)))
+                transforms.append(ET(axis, value, flip=bool(flip)))
         parent = by_name.get(row.get("parent", ""))
-        chain = ETS(items) if items else None
+        chain = ETS(transforms) if transforms else None
         by_name[row["name"]] = Link(chain, name=row["name"], parent=parent, **fields)
     return list(by_name.values())
 
@@ -76,11 +76,11 @@ def fill(robot: BaseRobot, source: str, name: str) -> None:
     """Makes `robot` that of an entry of "ets" or "urdf"."""
     entry = table(source)[name]
     links = _links(entry)
-    hands = dict(entry.get("grippers", ()))
-    firsts = [link for link in links if link.name in hands]
-    Robot.__init__(robot, links, gripper_links=firsts or None, **_about(entry))  # type: ignore[arg-type]
+    grippers = dict(entry.get("grippers", ()))
+    gripper_roots = [link for link in links if link.name in grippers]
+    Robot.__init__(robot, links, gripper_links=gripper_roots or None, **_about(entry))  # type: ignore[arg-type]
     for gripper in robot.grippers:
-        gripper.tool = _placed(hands[gripper.name])
+        gripper.tool = _homogeneous(grippers[gripper.name])
     _name(robot, entry)
 
 
@@ -98,7 +98,7 @@ def dh_class(name: str, module: str, *more: type) -> type:
             raise InputError(f"{name} takes no {', '.join(options)}.")
         chosen = entry
         if N is not None and name not in _LENGTH and len(entry["links"]) != N:
-            raise InputError(f"`N` is {N}; the face has {name} with {len(entry['links'])} joints.")
+            raise InputError(f"`N` is {N}; the package has {name} with {len(entry['links'])} joints.")
         if name in _LENGTH and (N is not None or a is not None):
             count = 10 if N is None else N
             row = entry["links"][0] | {"a": 1.0 / count if a is None else a}

@@ -1,4 +1,4 @@
-"""Sliders, buttons and words of the panel."""
+"""Sliders, buttons and labels of the panel."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Slider(SwiftElement):
         max: The largest value.
         step: From one value to the next.
         value: Where it starts.
-        label: The words beside it.
+        label: The text beside it.
         unit: What the value is measured in.
         precision: Digits that Swift shows; the panel shows those of `step`.
         desc: An older name of `label`.
@@ -75,10 +75,10 @@ class Slider(SwiftElement):
         return self._value
 
     def _build(self, panel: Any) -> list[Any]:
-        label, changed = self.label or "slider", self._changed
+        label, changed = self.label or "slider", self._on_change
         return [panel.slider(label, self.min, self.max, self._value, changed, step=self.step, unit=self.unit)]
 
-    def _bring(self, *controls: Any) -> None:
+    def _synchronize(self, *controls: Any) -> None:
         (slider,) = controls
         slider.label, slider.unit = self.label or "slider", self.unit
         slider.limits = self.min, self.max
@@ -101,16 +101,16 @@ class Button(SwiftElement):
 
     Args:
         cb: Called with 0, as Swift does.
-        label: The words on it.
+        label: The text on it.
         desc: An older name of `label`.
     """
 
     kind = "button"
 
     def _build(self, panel: Any) -> list[Any]:
-        return [panel.button(self.label or "button", lambda: self._changed(0))]
+        return [panel.button(self.label or "button", lambda: self._on_change(0))]
 
-    def _bring(self, *controls: Any) -> None:
+    def _synchronize(self, *controls: Any) -> None:
         controls[0].label = self.label or "button"
 
     def update(self, e: Any) -> None:
@@ -118,11 +118,11 @@ class Button(SwiftElement):
 
 
 class Label(SwiftElement):
-    """Words.
+    """A label.
 
     Args:
-        label: The words.
-        compact: Whether they take little room, which they always do here.
+        label: The text.
+        compact: Whether it is shown in one line, as labels always are here.
         desc: An older name of `label`.
     """
 
@@ -135,7 +135,7 @@ class Label(SwiftElement):
     def _build(self, panel: Any) -> list[Any]:
         return [panel.text(self.label)]
 
-    def _bring(self, *controls: Any) -> None:
+    def _synchronize(self, *controls: Any) -> None:
         controls[0].value = self.label
 
     def update(self, e: Any) -> None:

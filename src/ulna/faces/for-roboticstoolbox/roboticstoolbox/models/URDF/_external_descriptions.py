@@ -1,6 +1,6 @@
 """Robots that others describe: read from example-robot-data where it is installed, else fetched by robot_descriptions.
 
-Their figures are the files' own. What scripts count on is checked: how many joints there are, and the gripper's link.
+Parameters are those of the files. What scripts rely on is checked: how many joints there are, and the gripper's link.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any, final
 
 import numpy as np
 
-from roboticstoolbox._robots.from_model import from_model, read
+from roboticstoolbox._robots.from_model import from_model, read_model
 from roboticstoolbox._robots.robot import Robot
 from roboticstoolbox.models.URDF.URDFRobot import URDFRobot
 from ulna.errors import ModelError
@@ -32,7 +32,7 @@ class Described:
         maker: Who makes the robot.
         grippers: Names of the first link of its gripper, of which the first that there is counts.
         configs: Named configurations.
-        hands: Links to put between others and all that comes after them, by name: the link before, and the tool's
+        grippers_between: Links to put between others and all that comes after them, by name: the link before, and the tool's
             distance along z [m].
     """
 
@@ -40,7 +40,7 @@ class Described:
     maker: str
     grippers: tuple[str, ...] = ()
     configs: Mapping[str, Sequence[float]] = field(default_factory=dict)
-    hands: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    grippers_between: Mapping[str, tuple[str, float]] = field(default_factory=dict)
 
 
 ROBOTS = {
@@ -89,31 +89,38 @@ def is_here(name: str) -> bool:
 
 def described_class(name: str, module: str) -> type:
     """The class of a robot."""
-    told = ROBOTS[name]
+    description = ROBOTS[name]
 
     def init(self: Any, variant: str = "A") -> None:
-        model, path = read(told.name)
-        gripper = next((link for link in told.grippers if link in model.link_names), None)
-        if told.grippers and gripper is None:
-            raise _changed(name, told, f"no link {' or '.join(told.grippers)}")
-        hands = {hand: before for hand, (before, _) in told.hands.items()}
-        like = from_model(Robot, model, gripper, carriers=hands, manufacturer=told.maker, urdf_filepath=path)
+        model, path = read_model(description.name)
+        gripper = next((link for link in description.grippers if link in model.link_names), None)
+        if description.grippers and gripper is None:
+            raise _changed(name, description, f"no link {' or '.join(description.grippers)}")
+        grippers_between = {gripper: before for gripper, (before, _) in description.grippers_between.items()}
+        like = from_model(
+            Robot,
+            model,
+            gripper,
+            carriers=grippers_between,
+            manufacturer=description.maker,
+            urdf_filepath=path,
+        )
         self._filled(like)
-        for hand, (_, along) in zip(self.grippers, told.hands.values(), strict=False):
-            tool = hand.tool.A.copy()
+        for gripper, (_, along) in zip(self.grippers, description.grippers_between.values(), strict=False):
+            tool = gripper.tool.A.copy()
             tool[2, 3] = along
-            hand.tool = tool
-        for key, q in ({"qr": np.zeros(self.n), "qz": np.zeros(self.n)} | dict(told.configs)).items():
+            gripper.tool = tool
+        for key, q in ({"qr": np.zeros(self.n), "qz": np.zeros(self.n)} | dict(description.configs)).items():
             if len(q) != self.n:
-                raise _changed(name, told, f"{self.n} joints, not {len(q)}")
+                raise _changed(name, description, f"{self.n} joints, not {len(q)}")
             self.addconfiguration_attr(key, q)
 
-    about = f"The description {told.name!r}, of a robot by {told.maker}."
+    about = f"The description {description.name!r}, of a robot by {description.maker}."
     return type(name, (URDFRobot,), {"__init__": init, "__doc__": about, "__module__": module})
 
 
-def _changed(name: str, told: Described, what: str) -> ModelError:
+def _changed(name: str, description: Described, what: str) -> ModelError:
     return ModelError(
-        f"The description {told.name!r} has {what}, so it is not the one that models.URDF.{name} stands for; take "
-        f"models.URDF.URDFRobot({told.name!r}) as it is."
+        f"The description {description.name!r} has {what}, so it is not that of models.URDF.{name}; use "
+        f"models.URDF.URDFRobot({description.name!r}) as it is."
     )

@@ -41,7 +41,7 @@ class Item(abc.ABC):
         """What it was made of."""
 
     @abc.abstractmethod
-    def tell(self, t: float, dt: float, values: dict[str, Any]) -> None:
+    def advance(self, t: float, dt: float, values: dict[str, Any]) -> None:
         """Move it on by `dt` [s], to the time `t`."""
 
     @abc.abstractmethod
@@ -64,14 +64,14 @@ class ShapeHandle(Item):
     def __init__(self, viewer: Any, shape: Any, **more: Any) -> None:
         super().__init__(**more)
         self._shape = shape
-        self._drawn = Drawn(viewer, shape, self.name or f"{shape.stype} {self.id}")
+        self._drawn = DrawnShape(viewer, shape, self.name or f"{shape.stype} {self.id}")
 
     @property
     def thing(self) -> Any:
         """The shape."""
         return self._shape
 
-    def tell(self, t: float, dt: float, values: dict[str, Any]) -> None:
+    def advance(self, t: float, dt: float, values: dict[str, Any]) -> None:
         """Move it on."""
         shape = self._shape
         if self.callback is not None:
@@ -96,7 +96,7 @@ class ShapeHandle(Item):
         self._drawn.remove()
 
 
-class Drawn:
+class DrawnShape:
     """A shape as the viewer has it: drawn anew when its size or colour changes, moved when it moves."""
 
     def __init__(self, viewer: Any, shape: Any, name: str) -> None:

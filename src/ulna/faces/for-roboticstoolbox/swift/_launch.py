@@ -1,4 +1,4 @@
-"""The page of an environment: opened where somebody can look, closed, begun anew."""
+"""The page of an environment: opened where there is a viewer of it, closed, reset."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import webbrowser
 from typing import Any
 
 from swift._controls import Controls, not_open
-from swift._items import Item
 from swift._recorder import Recorder
+from swift._scene_items import Item
 from ulna.errors import UlnaWarning
 from ulna.sim import Simulation
 from ulna.viewer.page.browser import open_browser, somebody_can_look
 from ulna.viewer.viewer import Viewer
 
-_PATIENCE = 10.0  # s that `launch` waits for a browser that it opened
+_BROWSER_TIMEOUT = 10.0  # s that `launch` waits for a browser that it opened
 _OLDER = ("comms",)  # arguments of Swift 1 that mean nothing here
 _LOOK = "See `env.viewer.theme` and `env.viewer.floor`."
 _INSTEAD = {
-    "realtime_speed": "It is told by `env.launch(realtime=2.0)`, and in the page's panel.",
+    "realtime_speed": "It is an argument of `env.launch(realtime=2.0)`, and in the page's panel.",
     "swift_objects": "Take `env[number]` or `env[name]`; `env.show()` lists what there is.",
     "swift_names": "Take `env[name]`; `env.show()` lists what there is.",
     "elementid": "`env.elements` has the controls by their number.",
@@ -33,13 +33,13 @@ _INSTEAD = {
     **dict.fromkeys(
         ("inq", "outq", "server", "server_thread", "socket", "socket_thread"), "`env.viewer` serves the page."
     ),
-    **dict.fromkeys(("axes", "browser", "notebook"), "It is told by `env.launch`."),
+    **dict.fromkeys(("axes", "browser", "notebook"), "It is an argument of `env.launch`."),
     "last_time": "`env.sim_time` is the time.",
     "shape_callbacks": "`env.add_shape(shape, callback)` takes one.",
 }
 
 
-class Opened:
+class LaunchedEnvironment:
     """An environment with a viewer and a clock, as soon as it is launched."""
 
     def __init__(self, _dev: bool = False) -> None:
@@ -47,12 +47,12 @@ class Opened:
         self._items: dict[int, Item] = {}
         self._controls = Controls(None)
         self._recorder: Recorder | None = None
-        self._said = False
+        self._printed = False
         self.headless, self.rate = True, 60.0
 
     def __getattr__(self, name: str) -> Any:
-        word = _INSTEAD.get(name, "")
-        raise AttributeError(f"Swift on Ulna has no {name!r}. {word}".strip())
+        hint = _INSTEAD.get(name, "")
+        raise AttributeError(f"Swift on Ulna has no {name!r}. {hint}".strip())
 
     def launch(
         self,
@@ -93,9 +93,9 @@ class Opened:
             MissingExtra: There is to be a page, and viser is not installed.
             TypeError: There is no such argument.
         """
-        strange = [name for name in kwargs if name not in _OLDER]
-        if strange:
-            raise TypeError(f"Swift.launch has no argument {strange[0]!r}.")
+        unknown = [name for name in kwargs if name not in _OLDER]
+        if unknown:
+            raise TypeError(f"Swift.launch has no argument {unknown[0]!r}.")
         if lights is not None or ground_opacity != 1.0 or ground_pattern or ground_pattern_width != 1.0:
             warnings.warn(
                 "Swift.launch: the floor and the lamps are those of the viewer; `lights` and `ground_...` are not "
@@ -105,8 +105,8 @@ class Opened:
             )
         if self._viewer is not None:
             self.close()
-        told = _told_headless() if headless is None else bool(headless)
-        page = not told and (headless is False or notebook or somebody_can_look())
+        headless_requested = _headless_requested() if headless is None else bool(headless)
+        page = not headless_requested and (headless is False or notebook or somebody_can_look())
         speed = 1.0 if isinstance(realtime, bool) else float(realtime)
         self.headless, self.rate = not page, rate
         self._start(page, 8080, bool(realtime) and (page or headless is True), speed or 1.0, axes)
@@ -137,7 +137,7 @@ class Opened:
 
     def _await_tab(self) -> None:
         """Wait until the browser that was opened shows the page, so that nothing is missed; not for ever."""
-        due = time.monotonic() + _PATIENCE
+        due = time.monotonic() + _BROWSER_TIMEOUT
         while not self.viewer.clients and time.monotonic() < due:
             time.sleep(0.05)
         if not self.viewer.clients:
@@ -167,7 +167,7 @@ class Opened:
         self._viewer, self._controls = None, Controls(None)
 
     def reset(self) -> None:
-        """Begin anew: an empty environment at time zero. A tab that looks at the page finds it again."""
+        """Reset to an empty environment at time zero. A tab that looks at the page finds it again."""
         old, sim = self.viewer, self._simulation
         port = 8080 if old.closed else int(old.url.rsplit(":", 1)[1])
         page = not (self.headless or old.closed)
@@ -177,7 +177,7 @@ class Opened:
     restart = reset
 
 
-def _told_headless() -> bool:
+def _headless_requested() -> bool:
     return any(os.environ.get(name, "") not in ("", "0") for name in ("SWIFT_HEADLESS", "ULNA_HEADLESS"))
 
 

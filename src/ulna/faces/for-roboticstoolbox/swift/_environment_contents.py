@@ -9,14 +9,14 @@ import numpy as np
 
 from swift._element import SwiftElement
 from swift._handles import AssemblyHandle, PartsHandle
-from swift._items import Callback, ShapeHandle
-from swift._page import Opened
+from swift._launch import LaunchedEnvironment
 from swift._robot import RobotHandle
+from swift._scene_items import Callback, ShapeHandle
 from ulna.errors import InputError, UnknownName
 
 
-class Contents(Opened):
-    """An environment with things in it."""
+class Contents(LaunchedEnvironment):
+    """An environment with robots, shapes and controls."""
 
     def add(
         self,
@@ -65,14 +65,14 @@ class Contents(Opened):
         """Add a robot.
 
         Its state is `robot.q` and `robot.qd`, and the handle's `q` and `qd` are the same ones: assign to whichever you
-        like, before or after. A robot that is added a second time gets a handle with a state of its own.
+        like, before or after. A robot that is added a second time gets a handle with a separate state.
 
         Args:
             robot: The robot.
             robot_alpha: How opaque it is, from 0 to 1.
             collision_alpha: How opaque what it collides with is.
             readonly: Whether it is shown only, never moved.
-            callback: Called before each step with the time and the values of named controls; gives the new `q`.
+            callback: Called before each step with the time and the values of named controls; returns the new `q`.
             name: A name, for `env[name]`.
 
         Raises:
@@ -81,10 +81,10 @@ class Contents(Opened):
         for what, alpha in (("robot_alpha", robot_alpha), ("collision_alpha", collision_alpha)):
             if not 0.0 <= alpha <= 1.0:
                 raise InputError(f"`{what}` is {alpha}; expected a number from 0 to 1.")
-        own = any(item.thing is robot for item in self._items.values())
+        has_separate_state = any(item.thing is robot for item in self._items.values())
         alphas = float(robot_alpha), float(collision_alpha)
-        more = self._more(name, callback)
-        return self._keep(RobotHandle(self.viewer, robot, alphas, readonly, own, **more))
+        more = self._item_options(name, callback)
+        return self._register(RobotHandle(self.viewer, robot, alphas, readonly, has_separate_state, **more))
 
     def add_assembly(
         self,
@@ -98,27 +98,29 @@ class Contents(Opened):
         """Add shapes that a function of joint coordinates places.
 
         Args:
-            fk: Gives the world pose of each part at `q`.
+            fk: Returns the world pose of each part at `q`.
             parts: The shapes.
             q0: The joint coordinates at first.
             callback: As for `add_robot`.
             readonly: Whether it is shown only, never moved.
             name: A name, for `env[name]`.
         """
-        return self._keep(PartsHandle(self.viewer, fk, parts, q0, readonly, **self._more(name, callback)))
+        return self._register(
+            PartsHandle(self.viewer, fk, parts, q0, readonly, **self._item_options(name, callback))
+        )
 
     def add_shape(self, shape: Any, callback: Callback | None = None, name: str | None = None) -> int:
-        """Add a shape; gives its number. One that is there already keeps its number.
+        """Add a shape; returns its number. One that is there already keeps its number.
 
         Args:
             shape: The shape.
-            callback: Called before each step with the time and the values of named controls; gives the new pose.
+            callback: Called before each step with the time and the values of named controls; returns the new pose.
             name: A name, for `env[name]`.
         """
         for item in self._items.values():
             if item.thing is shape:
                 return item.id
-        return self._keep(ShapeHandle(self.viewer, shape, **self._more(name, callback))).id
+        return self._register(ShapeHandle(self.viewer, shape, **self._item_options(name, callback))).id
 
     def add_ui(self, element: SwiftElement, name: str | None = None) -> SwiftElement:
         """Add a control to the panel.
@@ -130,12 +132,12 @@ class Contents(Opened):
         self._controls.add(element, name)
         return element
 
-    def _more(self, name: str | None, callback: Callback | None) -> dict[str, Any]:
+    def _item_options(self, name: str | None, callback: Callback | None) -> dict[str, Any]:
         if name is not None and any(item.name == name for item in self._items.values()):
             raise InputError(f"There is something named {name!r} already.")
         return {"id": self._number, "name": name, "callback": callback}
 
-    def _keep(self, item: Any) -> Any:
+    def _register(self, item: Any) -> Any:
         self._items[item.id] = item
         self._number += 1
         return item
@@ -149,12 +151,12 @@ class Contents(Opened):
         if isinstance(id, SwiftElement):
             self._controls.remove(id)
             return
-        found = [
+        matching = [
             i for i in self._items.values() if i is id or i.thing is id or (i.id == id and _is_number(id))
         ]
-        if not found:
-            raise UnknownName("thing in the environment", id, (str(i) for i in self._items))
-        for item in found:
+        if not matching:
+            raise UnknownName("object in the environment", id, (str(i) for i in self._items))
+        for item in matching:
             bodies = [figure.body for figure in item.figures if figure.body is not None]
             item.remove()
             for body in bodies:
@@ -167,7 +169,7 @@ class Contents(Opened):
             if item.name == key if isinstance(key, str) else item.id == key:
                 return item.thing if isinstance(item, ShapeHandle) else item
         names = [i.name for i in self._items.values() if i.name]
-        raise UnknownName("thing in the environment", key, names or (str(i) for i in self._items))
+        raise UnknownName("object in the environment", key, names or (str(i) for i in self._items))
 
     @property
     def values(self) -> dict[str, Any]:
