@@ -32,7 +32,7 @@ class Described:
         maker: Who makes the robot.
         grippers: Names of the first link of its gripper, of which the first that there is counts.
         configs: Named configurations.
-        grippers_between: Links to put between others and all that comes after them, by name: the link before, and the tool's
+        carriers: Links to put between others and all that comes after them, by name: the link before, and the tool's
             distance along z [m].
     """
 
@@ -40,7 +40,7 @@ class Described:
     maker: str
     grippers: tuple[str, ...] = ()
     configs: Mapping[str, Sequence[float]] = field(default_factory=dict)
-    grippers_between: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    carriers: Mapping[str, tuple[str, float]] = field(default_factory=dict)
 
 
 ROBOTS = {
@@ -96,17 +96,17 @@ def described_class(name: str, module: str) -> type:
         gripper = next((link for link in description.grippers if link in model.link_names), None)
         if description.grippers and gripper is None:
             raise _changed(name, description, f"no link {' or '.join(description.grippers)}")
-        grippers_between = {gripper: before for gripper, (before, _) in description.grippers_between.items()}
+        carriers = {gripper: before for gripper, (before, _) in description.carriers.items()}
         like = from_model(
             Robot,
             model,
             gripper,
-            carriers=grippers_between,
+            carriers=carriers,
             manufacturer=description.maker,
             urdf_filepath=path,
         )
         self._filled(like)
-        for gripper, (_, along) in zip(self.grippers, description.grippers_between.values(), strict=False):
+        for gripper, (_, along) in zip(self.grippers, description.carriers.values(), strict=False):
             tool = gripper.tool.A.copy()
             tool[2, 3] = along
             gripper.tool = tool
