@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from support.derivatives import by_configuration, by_vector
-from support.plain_dynamics import momentum
 from support.random_models import KINDS, random_model
 from ulna import algorithms as alg
 from ulna.algorithms import random
 from ulna.algorithms.derivatives.centroidal import centroidal_derivatives, com_velocity_derivatives
 from ulna.algorithms.derivatives.forward_dynamics import forward_dynamics_derivatives
 from ulna.algorithms.derivatives.inverse_dynamics import inverse_dynamics_derivatives
+from ulna.algorithms.dynamics.centroidal_recursion import momentum_about_com, momentum_rate_about_com
 from ulna.compiler import trace
 from ulna.model import Model
 from ulna.spatial import Force
@@ -123,11 +123,11 @@ def test_mass_matrix_is_symmetric_and_quadratic_terms_are_skew(case: Case) -> No
 def test_centroidal_momentum_by_differences(case: Case) -> None:
     model, q, v, a = case.model, case.q, case.v, case.a
     dh_dq, dF_dq, dF_dv, dF_da = centroidal_derivatives(model, q, v, a)
-    close(dh_dq, by_configuration(model, q, lambda x: momentum(model, x, v, a)[0]).T)
-    close(dF_dq, by_configuration(model, q, lambda x: momentum(model, x, v, a)[1]).T)
-    close(dF_dv, by_vector(v, lambda x: momentum(model, q, x, a)[1]).T)
-    close(dF_da, by_vector(a, lambda x: momentum(model, q, v, x)[1]).T)
-    close(dF_da @ v, momentum(model, q, v, a)[0])
+    close(dh_dq, by_configuration(model, q, lambda x: momentum_about_com(model, x, v)).T)
+    close(dF_dq, by_configuration(model, q, lambda x: momentum_rate_about_com(model, x, v, a)).T)
+    close(dF_dv, by_vector(v, lambda x: momentum_rate_about_com(model, q, x, a)).T)
+    close(dF_da, by_vector(a, lambda x: momentum_rate_about_com(model, q, v, x)).T)
+    close(dF_da @ v, momentum_about_com(model, q, v))
     mass = sum(float(body.mass) for body in model.inertias)
     by_q, by_v = com_velocity_derivatives(model, q, v)
     close(by_q, dh_dq[:3] / mass)

@@ -11,6 +11,11 @@ from hypothesis import strategies as st
 
 from support.random_models import KINDS, random_model
 from ulna import algorithms as alg
+from ulna.algorithms.dynamics.centroidal_recursion import (
+    momentum_about_com,
+    momentum_matrix_about_com,
+    momentum_rate_about_com,
+)
 from ulna.compiler import trace
 from ulna.model import Model
 from ulna.spatial import Force
@@ -47,7 +52,7 @@ def close(actual: Floats, expected: Floats, tolerance: float = 1e-12) -> None:
     np.testing.assert_allclose(actual, expected, rtol=0.0, atol=tolerance * scale)
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=15, deadline=None, derandomize=True)
 @given(states())
 def test_inverse_dynamics_is_table_5_1(s: State) -> None:
     close(
@@ -55,13 +60,13 @@ def test_inverse_dynamics_is_table_5_1(s: State) -> None:
     )
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=15, deadline=None, derandomize=True)
 @given(states())
 def test_the_mass_matrix_is_table_6_2(s: State) -> None:
     close(alg.mass_matrix(s.model, s.q), alg.crba(s.model, s.q))
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=15, deadline=None, derandomize=True)
 @given(states(mimics=0))
 def test_forward_dynamics_is_table_7_1(s: State) -> None:
     """To 1e-12, or to the rounding of a solution with the mass matrix where that is larger."""
@@ -69,6 +74,33 @@ def test_forward_dynamics_is_table_7_1(s: State) -> None:
     tolerance = max(1e-12, 1e-15 * float(np.linalg.cond(alg.crba(s.model, s.q)).max()))
     for f in (alg.forward_dynamics, alg.articulated_body_dynamics, alg.by_mass_matrix):
         close(f(s.model, s.q, s.v, s.a, s.external), expected, tolerance)
+
+
+@settings(max_examples=3, deadline=None, derandomize=True)
+@given(states())
+def test_derivatives_of_inverse_dynamics_are_the_differentiated_recursion(s: State) -> None:
+    found = alg.inverse_dynamics_derivatives(s.model, s.q, s.v, s.a, s.external)
+    for actual, expected in zip(found, alg.rnea_derivatives(s.model, s.q, s.v, s.a, s.external), strict=True):
+        close(actual, expected)
+
+
+@settings(max_examples=3, deadline=None, derandomize=True)
+@given(states(mimics=0))
+def test_derivatives_of_forward_dynamics_are_those_of_its_inverse(s: State) -> None:
+    """To 1e-12, or to the rounding of two solutions with the mass matrix where that is larger."""
+    tolerance = max(1e-12, 1e-14 * float(np.linalg.cond(alg.crba(s.model, s.q)).max()))
+    found = alg.forward_dynamics_derivatives(s.model, s.q, s.v, s.a, s.external)
+    for actual, expected in zip(found, alg.aba_derivatives(s.model, s.q, s.v, s.a, s.external), strict=True):
+        close(actual, expected, tolerance)
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(states())
+def test_centroidal_dynamics_is_the_sum_over_bodies(s: State) -> None:
+    m, q, v, a = s.model, s.q, s.v, s.a
+    close(alg.centroidal_momentum(m, q, v), momentum_about_com(m, q, v))
+    close(alg.centroidal_momentum_rate(m, q, v, a), momentum_rate_about_com(m, q, v, a))
+    close(alg.centroidal_matrix(m, q), momentum_matrix_about_com(m, q))
 
 
 @pytest.mark.parametrize("name", ["rnea", "crba", "aba"])

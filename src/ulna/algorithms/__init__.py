@@ -21,6 +21,8 @@ from ulna.algorithms.constraints.kinematics import constraint_velocity as constr
 from ulna.algorithms.constraints.proximal_solver import Proximal as Proximal
 from ulna.algorithms.derivatives.centroidal import centroidal_derivatives as centroidal_derivatives
 from ulna.algorithms.derivatives.centroidal import com_velocity_derivatives as com_velocity_derivatives
+from ulna.algorithms.derivatives.differentiated_rnea import aba_derivatives as aba_derivatives
+from ulna.algorithms.derivatives.differentiated_rnea import rnea_derivatives as rnea_derivatives
 from ulna.algorithms.derivatives.forward_dynamics import (
     forward_dynamics_derivatives as forward_dynamics_derivatives,
 )

@@ -26,7 +26,7 @@ from typing import Literal
 from ulna.algorithms.kinematics.forward_kinematics import frame_acceleration, frame_pose, frame_velocity
 from ulna.algorithms.kinematics.jacobian import by_step, local_columns
 from ulna.algorithms.kinematics.jacobian_dot import partial_twists, step_twist
-from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.batch_shapes import add_column, batch_zeros
 from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.algorithms.multibody.tree import chain
 from ulna.errors import UnknownName
@@ -50,8 +50,8 @@ def frame_velocity_derivatives(model: Model, q: Array, v: Array, frame: Frame) -
     before = Motion.zero()
     for group in groups:
         for c in group:
-            _add(dV_dq, c.index, before.cross(c.motion))
-            _add(dV_dv, c.index, c.motion)
+            add_column(dV_dq, c.index, before.cross(c.motion))
+            add_column(dV_dv, c.index, c.motion)
         before = before + step_twist(group, v)
     return dV_dq, dV_dv
 
@@ -76,9 +76,9 @@ def frame_acceleration_derivatives(
         own = step_twist(group, v)
         for c in group:
             change = U.cross(c.motion)
-            _add(dA_dq, c.index, C.cross(c.motion) + change.cross(own + rest))
-            _add(dA_dv, c.index, change + c.motion.cross(rest))
-            _add(dA_da, c.index, c.motion)
+            add_column(dA_dq, c.index, C.cross(c.motion) + change.cross(own + rest))
+            add_column(dA_dv, c.index, change + c.motion.cross(rest))
+            add_column(dA_da, c.index, c.motion)
         C = C + step_twist(group, a) + V_k.cross(own)
         U = V_k
     return dA_dq, dA_dv, dA_da
@@ -154,8 +154,3 @@ def point_derivatives(
 def _turning(V: Motion, dV: Array) -> Array:
     """The derivative of w x u, from the derivative of the twist (u; w)."""
     return skew(V.angular) @ dV[..., :3, :] - skew(V.linear) @ dV[..., 3:, :]
-
-
-def _add(matrix: Array, index: int, motion: Motion) -> None:
-    matrix[..., :3, index] += motion.linear
-    matrix[..., 3:, index] += motion.angular

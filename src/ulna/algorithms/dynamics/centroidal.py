@@ -27,7 +27,7 @@ from ulna.algorithms.dynamics.center_of_mass import center_of_mass, center_of_ma
 from ulna.algorithms.dynamics.coriolis import Moving
 from ulna.algorithms.dynamics.crba import composite_moments, in_parent_frame
 from ulna.algorithms.dynamics.rnea_point_accelerations import newton_euler, point_motions
-from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.batch_shapes import add_column, batch_zeros
 from ulna.algorithms.multibody.body_motions import body_velocities
 from ulna.algorithms.multibody.mass_moments import MassMoments, steiner
 from ulna.algorithms.multibody.prepared_model import prepare
@@ -51,7 +51,7 @@ def centroidal_matrix(model: Model, q: Array) -> Array:
     A = batch_zeros((6, model.nv), q)
     for step, body, G in zip(tree, beyond, _centred(tree, q, center_of_mass(model, q)), strict=True):
         for k, s in step.columns():
-            _add(A, k, G.act(body.apply(s)))
+            add_column(A, k, G.act(body.apply(s)))
     return A
 
 
@@ -76,7 +76,7 @@ def centroidal_matrix_dot(model: Model, q: Array, v: Array) -> Array:
         for k, s in step.columns():
             change = G.act(all_.body.apply(twist.cross(s)) + all_.rate(s))
             f = apply(G.rotation, all_.body.apply(s).linear)
-            _add(A, k, Force(change.linear, change.angular - cross(drift, f)))
+            add_column(A, k, Force(change.linear, change.angular - cross(drift, f)))
     return A
 
 
@@ -137,8 +137,3 @@ def _about_centre(model: Model, tree: Sequence[Step], own: Sequence[Force], q: A
     inward_ = sum_in_world(tree, own, Force.zero(), lambda step, force: step.force_to_parent(force, q))
     f = inward_.linear
     return Force(f, inward_.angular - cross(center_of_mass(model, q), f)).vector()
-
-
-def _add(matrix: Array, k: int, column: Force) -> None:
-    matrix[..., :3, k] += column.linear
-    matrix[..., 3:, k] += column.angular
