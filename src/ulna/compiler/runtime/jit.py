@@ -184,14 +184,30 @@ def _optimised(ir: str, has_loops: bool) -> Any:
     options.loop_vectorization = False  # lanes are explicit
     options.slp_vectorization = False
     builder = llvm.create_pass_builder(_machine(), options)
-    passes = builder.getModulePassManager() if has_loops else _inlining()
-    passes.run(module, builder)
+    if not has_loops:
+        _inlining().run(module, builder)
+        return module
+    passes = builder.getModulePassManager()  # cannot run twice
+    try:
+        passes.run(module, builder)
+    finally:
+        _free(passes)
     return module
+
+
+def _free(passes: Any) -> None:
+    """Frees a manager of passes. In llvmlite 0.46 to 0.50 its `close` does nothing: a base class hides `_dispose`."""
+    llvm = _llvm()
+    if type(passes)._dispose is llvm.ffi.ObjectRef._dispose:
+        llvm.newpassmanagers.NewPassManager._dispose(passes)
+        passes.detach()
+    else:
+        passes.close()
 
 
 @cache
 def _inlining() -> Any:
-    """Inlining and what follows; made once, since llvmlite never frees the memory of a manager, some 9 kB."""
+    """Inlining and what follows; made once."""
     passes = _llvm().create_new_module_pass_manager()
     passes.add_always_inliner_pass()
     passes.add_global_dead_code_eliminate_pass()
