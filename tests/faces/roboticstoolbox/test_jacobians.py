@@ -94,3 +94,9 @@ def test_nobody_notices(panda: Any) -> None:
     A[:3] *= 2.0
     A[3:, 0] = 1.0
     assert (A[:3] == 2.0 * P[:3]).all() and (A[3:, 0] == 1.0).all() and (J == P).all()
+
+
+def test_a_chain_has_the_gradient_of_manipulability_of_its_robot(panda: Any) -> None:
+    q = configurations(panda, 1)[0]
+    np.testing.assert_allclose(panda.ets().jacobm(q), panda.jacobm(q), rtol=1e-9)
+    assert np.abs(panda.ets().jacobm(q, "trans") - panda.ets().jacobm(q)).max() > 1e-3

@@ -220,7 +220,10 @@ def test_a_mesh_that_cannot_be_read_is_left_out_with_a_warning(tmp_path) -> None
     (tmp_path / "a.stl").write_text("no mesh")
     broken = Geometry("shell", Mesh(str(tmp_path / "a.stl")))
     with pytest.warns(ModelWarning, match="'cart' is drawn without a mesh"):
-        assert len(link_surfaces([BALL, broken], "cart")) == 1
+        (surface,) = link_surfaces([BALL, broken], "cart")
+    assert len(surface.triangles) == len(tessellate(Sphere(0.1)).triangles)  # the ball is there once
+    with pytest.warns(ModelWarning):
+        assert link_surfaces([broken], "cart") == ()
 
 
 def test_a_missing_mesh_is_left_out_in_silence() -> None:
