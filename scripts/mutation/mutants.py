@@ -256,6 +256,8 @@ class _Finder(ast.NodeVisitor):
                 if ast.dump(first) != ast.dump(second):
                     self._note_changed(node, "swapped", lambda new, i=index: _swap_arguments(new, i))
         self.visit(node.func)
+        if name == "reshape":  # any number below zero is the size that is left
+            node = ast.Call(node.func, [a for a in node.args if ast.unparse(a) != "-1"], node.keywords)
         for value in [*node.args, *(k.value for k in node.keywords if k.arg not in _NEUTRAL)]:
             self.visit(value)
 

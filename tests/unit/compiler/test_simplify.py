@@ -188,3 +188,36 @@ def test_rewriting_ends_on_long_chains():
             (Op.NEG, Op.SUB, Op.ADD, Op.MUL)[k % 4], *((node,) if k % 4 == 0 else (node, g.inputs[1]))
         )
     assert len(g.live([node])) <= 5002
+
+
+LESS, EQUAL = (Op.LT, X, Y), (Op.EQ, X, Y)
+
+
+@pytest.mark.parametrize(
+    ("term", "simpler"),
+    [
+        ((Op.AND, LESS, (True,)), LESS),
+        ((Op.AND, (False,), LESS), (False,)),
+        ((Op.AND, LESS, LESS), LESS),
+        ((Op.AND, LESS, (Op.NOT, LESS)), (False,)),
+        ((Op.AND, (Op.NOT, LESS), LESS), (False,)),
+        ((Op.OR, LESS, (True,)), (True,)),
+        ((Op.OR, (False,), LESS), LESS),
+        ((Op.OR, LESS, LESS), LESS),
+        ((Op.OR, LESS, (Op.NOT, LESS)), (True,)),
+        ((Op.OR, (Op.NOT, LESS), LESS), (True,)),
+        ((Op.NOT, (Op.NOT, LESS)), LESS),
+        ((Op.LT, X, X), (False,)),
+        ((Op.SELECT, (True,), X, Y), X),
+        ((Op.SELECT, (False,), X, Y), Y),
+        ((Op.SELECT, LESS, X, X), X),
+        ((Op.SELECT, (Op.NOT, LESS), X, Y), (Op.SELECT, LESS, Y, X)),
+        ((Op.MIN, X, X), X),
+        ((Op.MAX, Y, Y), Y),
+        ((Op.LT, (1.0,), (2.0,)), (True,)),
+    ],
+)
+def test_conditions_and_choices_become_simpler(term: Term, simpler: Term) -> None:
+    g = new_graph(relaxed=False)
+    assert build(g, term) == build(g, simpler)
+    assert build(g, (Op.AND, LESS, EQUAL)) not in (build(g, LESS), build(g, EQUAL), build(g, (False,)))
