@@ -95,7 +95,6 @@ HANDLE: dict[str, dict[str, str]] = {
         "joint_positions": "handle.q",
         "set_q": "handle.q",
         "update_cfg": "handle.q",
-        "display": "handle.q",
         "fk": "handle.robot.fk(q)",
         "ik": "handle.robot.ik(T)",
     },
