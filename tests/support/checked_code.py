@@ -17,11 +17,12 @@ from ulna.compiler.runtime import jit
 
 READ, WRITE = 1, 2
 MOST = 1 << 14  # areas
+_GAP = 128  # bytes after what alloca makes
 _BITS = {"double": 64, "float": 32, "ptr": 64}
 _KIND = r"(<\d+ x \w+>|\w+)"
 _LOAD = re.compile(rf"  (%\S+) = load {_KIND}, ptr (\S+?)(?:, align (\d+))?$")
 _STORE = re.compile(rf"  store {_KIND} (.+), ptr (\S+?)(?:, align (\d+))?$")
-_ALLOCA = re.compile(rf"  (%\S+) = alloca {_KIND}(?:, i64 (\d+))?(?:, align \d+)?$")
+_ALLOCA = re.compile(rf"  (%\S+) = alloca {_KIND}(?:, i64 (\d+))?$")
 _CONSTANT = re.compile(r"(@\S+) = .*\bconstant \[(\d+) x (\w+)\] ")
 _OTHER = re.compile(
     r"(%\S+ = )?(load|store|alloca|atomicrmw|cmpxchg|va_arg)\b|.*\bcall\b.*@llvm\.(mem|masked|vp)"
@@ -166,7 +167,9 @@ def instrumented(ir: str) -> tuple[str, list[str]]:
         elif found := _ALLOCA.match(line):
             made += 1
             size = int(found[3] or 1) * _bytes(found[2])
-            lines += [line, f"  call void @opened(ptr {found[1]}, i64 {size}, i64 {READ | WRITE})"]
+            room = int(found[3] or 1) + -(-_GAP // _bytes(found[2]))  # so that no other area follows at once
+            lines.append(f"  {found[1]} = alloca {found[2]}, i64 {room}")
+            lines.append(f"  call void @opened(ptr {found[1]}, i64 {size}, i64 {READ | WRITE})")
         elif _OTHER.match(line.strip()):
             raise ValueError(f"An access to memory that is not checked: {line.strip()}")
         elif line.strip().startswith("ret ") and made:
