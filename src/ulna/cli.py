@@ -1,4 +1,4 @@
-"""The command `ulna`: robots listed, told about, shown; a demonstration; scripts of others run; the cache."""
+"""The command `ulna`: robots listed, described, shown; a demonstration; scripts of others run; the cache."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ABOUT = "Ulna compiles your robot: kinematics of articulated robots, from the t
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit code: 0 well, 2 for what the user can mend, 130 for Ctrl-C.
+    """Run the command; returns its exit code: 0 well, 2 for what the user can fix, 130 for Ctrl-C.
 
     Args:
         arguments: The words after `ulna`; those of the process when not given.
@@ -26,8 +26,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):  # tables are drawn with signs that not every terminal knows
             stream.reconfigure(errors="replace")
     parser = _parser()
-    own, program = _parted(list(sys.argv[1:] if arguments is None else arguments))
-    chosen = parser.parse_args(own)
+    options, program = _parted(list(sys.argv[1:] if arguments is None else arguments))
+    chosen = parser.parse_args(options)
     chosen.program = program
     if not hasattr(chosen, "run"):
         parser.print_help()
@@ -81,14 +81,14 @@ def _parser() -> argparse.ArgumentParser:
         sub.set_defaults(run=run)
         return sub
 
-    robot = "a name that `ulna list` gives, or the path of a .urdf, .xacro or MJCF (.xml) file"
+    robot = "a name from `ulna list`, or the path of a .urdf, .xacro or MJCF (.xml) file"
     command("list", _list, "list the robots that can be loaded by name").add_argument(
         "words", nargs="*", metavar="WORD", help="only those whose name or description holds all of these"
     )
     info = command(
         "info",
         _info,
-        "tell about a robot: its joints, links, limits and configurations",
+        "describe a robot: its joints, links, limits and configurations",
         "With --check it lists what looks wrong instead; the exit status is then 1 where there is an error or a "
         "warning, 0 where there are only notes or nothing.",
     )
@@ -109,7 +109,7 @@ def _parser() -> argparse.ArgumentParser:
         "--q",
         nargs="+",
         metavar="VALUE",
-        help="configuration: one of the robot's own by name (qr), or a number for each joint [rad or m]",
+        help="configuration: a named one of the robot (qr), or a number for each joint [rad or m]",
     )
     show.add_argument(
         "--show", metavar="WHAT", default="visual", help="visual (default), collision, both or skeleton"
@@ -139,9 +139,9 @@ def _parser() -> argparse.ArgumentParser:
         "--only", action="append", default=[], metavar="PACKAGE", help="roboticstoolbox or pinocchio"
     )
     run.usage = "%(prog)s [-h] [--only FACE] (SCRIPT | -m MODULE | -c CODE | -) [ARGUMENT ...]"
-    doctor = command("doctor", _doctor, "tell what a script uses of those packages that Ulna does not offer")
+    doctor = command("doctor", _doctor, "list what a script uses of those packages that Ulna does not offer")
     doctor.add_argument("path", metavar="SCRIPT")
-    cache = command("cache", _cache, "tell where compiled kernels are kept, and how many")
+    cache = command("cache", _cache, "show where compiled kernels are stored, and how many")
     cache.add_argument("--clear", action="store_true", help="remove them; they are compiled anew when needed")
     return parser
 
@@ -158,12 +158,12 @@ def _list(chosen: argparse.Namespace) -> None:
     from ulna.robots.catalogue import entries
 
     words = [w.lower() for w in chosen.words]
-    found = [e for e in entries() if all(w in f"{e.name} {e.about} {e.source}".lower() for w in words)]
-    if not found:
+    matches = [e for e in entries() if all(w in f"{e.name} {e.about} {e.source}".lower() for w in words)]
+    if not matches:
         raise InputError(f"No robot matches {' '.join(chosen.words)!r}. `ulna list` shows all of them.")
-    width = max(len(e.name) for e in found)
+    width = max(len(e.name) for e in matches)
     source = ""
-    for entry in found:
+    for entry in matches:
         if entry.source != source:
             print(f"{entry.source}:" if not source else f"\n{entry.source}:")
             source = entry.source
@@ -272,8 +272,8 @@ def _parted(arguments: list[str]) -> tuple[list[str], list[str]]:
         return arguments, []
     from ulna.compat.run import split
 
-    own, program = split(arguments[1:])
-    return ["run", *own], program
+    options, program = split(arguments[1:])
+    return ["run", *options], program
 
 
 def _doctor(chosen: argparse.Namespace) -> int:

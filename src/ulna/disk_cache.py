@@ -125,16 +125,16 @@ def entries(place: Path) -> list[Path]:
 
 def prune(place: Path, limit: int = _LIMIT) -> None:
     """Removes the entries unused for longest until the folder holds at most `limit` bytes."""
-    found = []
+    files = []
     for path in entries(place):
         with contextlib.suppress(OSError):
             status = path.stat()
             if path.name.startswith("new-") and status.st_mtime < time.time() - 3600:
                 path.unlink()
             else:
-                found.append((status.st_mtime, status.st_size, path))
-    total = sum(size for _, size, _ in found)
-    for _, size, path in sorted(found):
+                files.append((status.st_mtime, status.st_size, path))
+    total = sum(size for _, size, _ in files)
+    for _, size, path in sorted(files):
         if total <= limit:
             break
         with contextlib.suppress(OSError):

@@ -1,4 +1,4 @@
-"""Every exception and warning of Ulna, in one tree, each carrying its data and the mend.
+"""Every exception and warning of Ulna, in one tree, each carrying its data and the fix.
 
 UlnaError
 ├── InputError (ValueError)          what was passed in cannot be used
@@ -10,7 +10,7 @@ UlnaError
 ├── UnknownArgument (TypeError)      a function has no argument of that name
 ├── UnknownOperation (TypeError)     an operator is not defined for these objects
 ├── ModelError (ValueError)          a robot model contradicts itself
-│   └── FormatError                  a model file is broken: file, line, element, mend
+│   └── FormatError                  a model file is broken: file, line, element, fix
 ├── InfeasibleError (ValueError)     limits and constraints leave no motion at all
 ├── MissingExtra (ImportError)       an optional dependency is not installed
 ├── TraceError (TypeError)           a traced function does what cannot be traced
@@ -86,19 +86,25 @@ class InputError(UlnaError, ValueError):
 class ShapeError(InputError):
     """An array has the wrong shape."""
 
-    def __init__(self, name: str, given: tuple[int, ...], expected: str, mend: str = "") -> None:
+    def __init__(
+        self, name: str, given: tuple[int, ...], expected: str, fix: str = "", *, mend: str = ""
+    ) -> None:
+        fix = fix or mend  # `mend` is the former name of the argument, here and below
         self.name, self.given, self.expected = name, given, expected
         text = f"`{name}` has shape {given}; expected {expected}."
-        super().__init__(f"{text} {mend}" if mend else text)
+        super().__init__(f"{text} {fix}" if fix else text)
 
 
 class DtypeError(InputError, TypeError):
     """An array has a type that does not convert to real numbers."""
 
-    def __init__(self, name: str, given: str, expected: str = "real numbers", mend: str = "") -> None:
+    def __init__(
+        self, name: str, given: str, expected: str = "real numbers", fix: str = "", *, mend: str = ""
+    ) -> None:
+        fix = fix or mend
         self.name, self.given, self.expected = name, given, expected
         text = f"`{name}` has dtype {given}; expected {expected}."
-        super().__init__(f"{text} {mend}" if mend else text)
+        super().__init__(f"{text} {fix}" if fix else text)
 
 
 class NonFiniteError(InputError):
@@ -109,17 +115,23 @@ class NonFiniteError(InputError):
         name: str,
         index: tuple[int, ...],
         value: float,
-        mend: str = "Look where it comes from, or call the bare kernel (robot.kernel(...)), which lets nan through.",
+        fix: str = "Look where it comes from, or call the bare kernel (robot.kernel(...)), which lets nan through.",
+        *,
+        mend: str = "",
     ) -> None:
+        fix = mend or fix
         self.name, self.index, self.value = name, index, value
         where = f"[{', '.join(map(str, index))}]" if index else ""
-        super().__init__(f"`{name}{where}` is {value}; expected finite numbers. {mend}")
+        super().__init__(f"`{name}{where}` is {value}; expected finite numbers. {fix}")
 
 
 class UnknownName(UlnaError, LookupError):
     """A frame, joint, robot or kernel of that name does not exist; the nearest names are offered."""
 
-    def __init__(self, kind: str, given: object, choices: Iterable[str], mend: str = "") -> None:
+    def __init__(
+        self, kind: str, given: object, choices: Iterable[str], fix: str = "", *, mend: str = ""
+    ) -> None:
+        fix = fix or mend
         self.kind, self.given, self.choices = kind, given, tuple(choices)
         near = nearest(str(given), self.choices)
         self.nearest = near[0] if near else None
@@ -133,7 +145,7 @@ class UnknownName(UlnaError, LookupError):
         else:
             hint = f"There is no {kind} at all."
         text = f"No {kind} named {excerpt(repr(given))}. {hint}"
-        super().__init__(f"{text} {mend}" if mend else text)
+        super().__init__(f"{text} {fix}" if fix else text)
 
 
 class UnknownAttribute(UlnaError, AttributeError):
@@ -173,7 +185,7 @@ class ModelError(UlnaError, ValueError):
 
 
 class FormatError(ModelError):
-    """A model file is broken; says where and what mends it."""
+    """A model file is broken; says where and how to fix it."""
 
     def __init__(
         self,
@@ -182,16 +194,23 @@ class FormatError(ModelError):
         file: str | None = None,
         line: int | None = None,
         element: str = "",
+        fix: str = "",
         mend: str = "",
     ) -> None:
-        self.message, self.file, self.line, self.element, self.mend = message, file, line, element, mend
+        fix = fix or mend
+        self.message, self.file, self.line, self.element, self.fix = message, file, line, element, fix
         place = f"{file or '<string>'}" + (f":{line}" if line else "")
         parts = [f"{place}: {message}"]
         if element:
             parts.append(f"In {element}.")
-        if mend:
-            parts.append(mend)
+        if fix:
+            parts.append(fix)
         super().__init__(" ".join(parts))
+
+    @property
+    def mend(self) -> str:
+        """The former name of `fix`."""
+        return self.fix
 
 
 class InfeasibleError(UlnaError, ValueError):

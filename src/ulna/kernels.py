@@ -295,7 +295,7 @@ def _parameter_names(model: Model, parameters: str | Sequence[str]) -> tuple[str
 
 
 def _quaternions(model: Model, name: str) -> tuple[tuple[int, tuple[int, ...]], ...]:
-    """Where configurations among the arguments hold quaternions; nowhere for `normalize`, which mends them."""
+    """Where configurations among the arguments hold quaternions; nowhere for `normalize`, which normalises them."""
     if name == "normalize":
         return ()
     inputs = [number for number, (_, size) in enumerate(RECIPES[name].arguments) if size == "nq"]
@@ -311,8 +311,8 @@ def shapes_for(model: Model, names: Sequence[str], given: Mapping[str, Any]) -> 
     shapes = {}
     for name in names:
         if name not in given and name not in sizes:
-            mend = f"Give the shape of other arguments: compile(f, robot, {name}=(3,))."
-            raise UnknownName("robot quantity", name, sizes, mend)
+            fix = f"Give the shape of other arguments: compile(f, robot, {name}=(3,))."
+            raise UnknownName("robot quantity", name, sizes, fix)
         shapes[name] = given[name] if name in given else _shape(model, sizes[name])
     return shapes
 

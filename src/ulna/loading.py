@@ -52,7 +52,7 @@ def load(
     Raises:
         InputError: what is to be loaded is neither a name nor a path nor text.
         UnknownName: no robot of that name; offers the nearest one.
-        FormatError: the file is missing or broken; says where and what mends it.
+        FormatError: the file is missing or broken; says where and how to fix it.
         MissingExtra: the robot needs a package that is not installed.
     """
     from ulna.robot import Robot
@@ -103,7 +103,7 @@ def load_model(
     Raises:
         InputError: what is to be loaded is neither a name nor a path nor text.
         UnknownName: no robot of that name; offers the nearest one.
-        FormatError: the file is missing or broken; says where and what mends it.
+        FormatError: the file is missing or broken; says where and how to fix it.
         MissingExtra: the robot needs a package that is not installed.
     """
     if not isinstance(name_or_path, (str, os.PathLike)):

@@ -84,7 +84,7 @@ def dot(a: Array, b: Array) -> Any:
 
 
 def apply(m: Array, v: Array) -> Array:
-    """Matrix times vector, batched: (..., m, n) by (..., n) gives (..., m)."""
+    """Matrix times vector, batched: (..., m, n) by (..., n) returns (..., m)."""
     return (m @ v[..., None])[..., 0]
 
 
@@ -158,7 +158,7 @@ def maximum(a: Any, b: Any) -> Any:
 
 
 def clip(x: Any, low: Any, high: Any) -> Any:
-    """`x` held between `low` and `high`."""
+    """`x` clipped between `low` and `high`."""
     return minimum(maximum(x, low), high)
 
 
@@ -250,7 +250,7 @@ def _extremum(hook: str, symbolic: str, a: Any, b: Any) -> Any:
 def loop(condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple[Any, ...]:
     """Iterates `state = body(*state)` while `condition(*state)`, at most `limit` times.
 
-    The state is a tuple of numbers, or of arrays of one batch shape; each element of the batch stops on its own and
+    The state is a tuple of numbers, or of arrays of one batch shape; each element of the batch stops separately and
     then keeps its state. `body` returns a tuple of the same length. Traced, this becomes a loop in the SIMD lanes.
     """
     if any(isinstance(s, np.ndarray) and s.dtype == object for s in state):

@@ -72,7 +72,7 @@ class Robot(
 
     Every method takes configurations of shape (..., nq) and velocities of shape (..., nv), with any leading batch
     axes, and returns NumPy arrays. Inputs are checked: a wrong shape, a name that does not exist, nan or inf raise an
-    error that says what mends it. For hot loops take the bare kernel with `kernel`.
+    error that says how to fix it. For hot loops take the bare kernel with `kernel`.
 
     Frames are named; the default is the tool. References of velocities and Jacobians, with the twist's linear part
     first: "world" (of the point at the world's origin, world axes), "local" (frame's origin and axes),
@@ -210,7 +210,7 @@ def compile(
         TraceError: If `f` branches on a traced value.
     """
     if robot is not None and not isinstance(robot, Robot):
-        raise InputError(f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) gives.")
+        raise InputError(f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) returns.")
     if not callable(f):
         raise InputError(
             f"`f` is {short_repr(f)}; expected a function of arrays. Kernels with names come from "

@@ -87,13 +87,13 @@ def gaps(c: Floats, h: Floats, count: int) -> Floats:
 
 def overlaps(c: Floats, h: Floats, count: int, margin: float) -> Array:
     """Whether boxes come as near as `margin` [m] along every axis, (count, n, rows); arguments as for `gaps`."""
-    found = None
+    candidates = None
     for low, high in zip(_by_axis(c - h), _by_axis(c + h), strict=True):
         near = low[:count, None] <= high + margin
         near &= low <= (high[:count] + margin)[:, None]
-        found = near if found is None else np.logical_and(found, near, out=found)
-    assert found is not None
-    return found
+        candidates = near if candidates is None else np.logical_and(candidates, near, out=candidates)
+    assert candidates is not None
+    return candidates
 
 
 def _by_axis(x: Floats) -> Floats:

@@ -171,16 +171,16 @@ def _beyond(kind: Kind, c: Array, numbers: Array) -> list[Any]:
 def centres(model: Model, q: Array, spheres: Spheres) -> dict[str, Array]:
     """Where the spheres are in the world at a configuration (nq,): by link, (n, 3) [m]."""
     joints = algorithms.joint_poses(model, q)
-    found = {}
+    points = {}
     for name, balls in spheres.links.items():
         link = model.link(name)
         local = link.placement @ balls.centres
         if link.joint >= 0:
             T = joints[link.joint]
-            found[name] = local @ T.rotation.T + T.translation
+            points[name] = local @ T.rotation.T + T.translation
         else:
-            found[name] = local
-    return found
+            points[name] = local
+    return points
 
 
 def self_pairs(model: Model, spheres: Spheres, pairs: Sequence[LinkPair]) -> list[tuple[str, int, str, int]]:
@@ -242,26 +242,26 @@ def sphere_clearance(
 
     def distances(q: Array) -> list[Any]:
         c = centres(model, q, balls)
-        found = []
+        gaps = []
         for a, i, b, j in couples:
             v = c[a][i] - c[b][j]
-            found.append(root(v @ v) - (balls.links[a].radii[i] + balls.links[b].radii[j]))
+            gaps.append(root(v @ v) - (balls.links[a].radii[i] + balls.links[b].radii[j]))
         for kind, numbers, links in rows:
             for link in links:
                 for centre, radius in zip(c[link], balls.links[link].radii, strict=True):
-                    found.append(signed(kind, centre, numbers) - radius)
-        return found
+                    gaps.append(signed(kind, centre, numbers) - radius)
+        return gaps
 
     def function(q: Array) -> Any:
-        found = distances(q)
-        if not found:
+        gaps = distances(q)
+        if not gaps:
             return 0.0 * q[0] + np.inf
-        least = found[0]
-        for d in found[1:]:
+        least = gaps[0]
+        for d in gaps[1:]:
             least = minimum(least, d)
         if smooth is None:
             return least
-        total = sum(exp((least - d) / smooth) for d in found)  # none above 1
+        total = sum(exp((least - d) / smooth) for d in gaps)  # none above 1
         return least - smooth * np.log(total)
 
     return function

@@ -168,18 +168,18 @@ class SphereChecker:
             buffer = getattr(self._scratch, "buffer", None)
             if buffer is None:
                 buffer = self._scratch.buffer = np.empty((_CHUNK, *own.function.outputs[0].shape))
-            found = []
+            results = []
             for start in starts:
                 part = slice(start, min(start + _CHUNK, count))
                 c = buffer[: part.stop - part.start]
                 placed = own(flat[part], reach, out=(c, np.empty(len(c))))
                 here = [(kind, links, x[part]) for kind, links, x in spread]
-                found.append(self._one(what, placed, here, join, reach))
-            return found
+                results.append(self._one(what, placed, here, join, reach))
+            return results
 
         starts = range(0, count, _CHUNK)
         if threads is None or threads < 2 or len(starts) < 2:
-            found = run(starts)
+            results = run(starts)
         else:
             from concurrent.futures import ThreadPoolExecutor
 
@@ -187,29 +187,29 @@ class SphereChecker:
                 starts[k * len(starts) // threads : (k + 1) * len(starts) // threads] for k in range(threads)
             ]
             with ThreadPoolExecutor(threads) as pool:  # kernels let go of the interpreter's lock
-                found = [piece for share in pool.map(run, shares) for piece in share]
-        return np.concatenate(found).reshape(batch) if found else np.empty(batch)
+                results = [piece for share in pool.map(run, shares) for piece in share]
+        return np.concatenate(results).reshape(batch) if results else np.empty(batch)
 
     def _one(self, what: What, placed: tuple[Any, Any], rows: Any, join: Any, reach: float) -> Any:
-        """The verdicts of some configurations whose spheres are placed and checked against each other."""
+        """The answers of some configurations whose spheres are placed and checked against each other."""
         centres, result = placed
         for kind, links, numbers in rows:
             chosen = centres[..., self._chosen(links), :][..., None, :, :]
-            found = self._outer(what, kind, links)(chosen, numbers, reach)
-            result = join(result, join.reduce(found, axis=-1))
+            distances = self._outer(what, kind, links)(chosen, numbers, reach)
+            result = join(result, join.reduce(distances, axis=-1))
         return np.asarray(result)
 
     def _configurations(self, q: ArrayLike) -> Floats:
         try:
-            found = np.asarray(q, dtype=float)
+            array = np.asarray(q, dtype=float)
         except (TypeError, ValueError) as error:
             raise DtypeError("q", type(q).__name__) from error
-        if found.shape[-1:] != (self.model.nq,):
-            raise ShapeError("q", found.shape, f"(..., {self.model.nq})")
-        if not np.isfinite(found).all():
-            bad = tuple(int(i) for i in np.argwhere(~np.isfinite(found))[0])
-            raise NonFiniteError("q", bad, float(found[bad]))
-        return found
+        if array.shape[-1:] != (self.model.nq,):
+            raise ShapeError("q", array.shape, f"(..., {self.model.nq})")
+        if not np.isfinite(array).all():
+            bad = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+            raise NonFiniteError("q", bad, float(array[bad]))
+        return array
 
     def _check_moving(self, poses: Mapping[str, SE3]) -> None:
         for name in poses:
@@ -229,14 +229,14 @@ class SphereChecker:
         for part in gap.parts(self.world, self._missing):
             links = tuple(gap.checked_links(self.model, self.spheres, self.world[part.owner]))
             if links:
-                found = groups.setdefault((part.kind, links), [])
-                found.append((part, self.world[part.owner].pose, part.owner))
-        return [(kind, links, found) for (kind, links), found in groups.items()]
+                members = groups.setdefault((part.kind, links), [])
+                members.append((part, self.world[part.owner].pose, part.owner))
+        return [(kind, links, members) for (kind, links), members in groups.items()]
 
     def _rows(self, parts: Sequence[tuple[gap.Part, SE3, str]], poses: Mapping[str, SE3]) -> Floats:
-        found = [gap.row(part, poses.get(name, pose)) for part, pose, name in parts]
-        batch = np.broadcast_shapes(*(x.shape[:-1] for x in found))
-        return np.stack([np.broadcast_to(x, (*batch, x.shape[-1])) for x in found], axis=-2)
+        rows = [gap.row(part, poses.get(name, pose)) for part, pose, name in parts]
+        batch = np.broadcast_shapes(*(x.shape[:-1] for x in rows))
+        return np.stack([np.broadcast_to(x, (*batch, x.shape[-1])) for x in rows], axis=-2)
 
     def _chosen(self, links: tuple[str, ...]) -> Any:
         index = [k for link in links for k in self._places[link]]
@@ -254,7 +254,7 @@ class SphereChecker:
 
 @functools.lru_cache(maxsize=64)
 def _own_kernel(what: What, model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...]) -> Any:
-    """From a configuration and a reach to the centres of all spheres and the verdict of spheres on spheres.
+    """From a configuration and a reach to the centres of all spheres and the answer of spheres on spheres.
 
     Shared by all worlds: to change obstacles compiles nothing.
     """
@@ -268,39 +268,39 @@ def _own_kernel(what: What, model: Model, spheres: Spheres, pairs: tuple[LinkPai
 
     def check(q: Array, reach: Any) -> tuple[Any, Any]:
         c = gap.centres(model, q, spheres)
-        verdict = _Verdict(what, reach)
+        answer = _Result(what, reach)
         for a, i, b, j in couples:
             v = c[a][i] - c[b][j]
             radius = spheres.links[a].radii[i] + spheres.links[b].radii[j]
             if what == "free":
-                verdict.beyond(v @ v, radius)
+                answer.beyond(v @ v, radius)
             else:
-                verdict.at(gap.root(v @ v) - radius)
-        return np.concatenate([np.asarray(x, dtype=object) for x in c.values()]), verdict.number()
+                answer.at(gap.root(v @ v) - radius)
+        return np.concatenate([np.asarray(x, dtype=object) for x in c.values()]), answer.number()
 
     return compile(trace(check, name=f"spheres_{what}", q=(model.nq,), reach=()))
 
 
 @functools.lru_cache(maxsize=64)
 def _outer_kernel(what: What, kind: gap.Kind, radii: tuple[float, ...]) -> Any:
-    """From centres, the numbers of one obstacle, and a reach to the verdict of spheres on that obstacle."""
+    """From centres, the numbers of one obstacle, and a reach to the answer of spheres on that obstacle."""
 
     def check(c: Array, numbers: Array, reach: Any) -> Any:
-        verdict = _Verdict(what, reach)
+        answer = _Result(what, reach)
         for centre, radius in zip(c, radii, strict=True):
             if what == "free" and kind != "plane":
                 squared, rounding = gap.squared(kind, centre, numbers)
-                verdict.beyond(squared, radius + rounding)
+                answer.beyond(squared, radius + rounding)
             else:
-                verdict.at(gap.signed(kind, centre, numbers) - radius)
-        return verdict.number()
+                answer.at(gap.signed(kind, centre, numbers) - radius)
+        return answer.number()
 
     shapes = {"c": (len(radii), 3), "numbers": (gap.WIDTH[kind],), "reach": ()}
     return compile(trace(check, name=f"spheres_{kind}_{what}", **shapes))
 
 
 @final
-class _Verdict:
+class _Result:
     """What is gathered while spheres are looked at: whether all is free, or the least distance; nan is not free."""
 
     def __init__(self, what: What, reach: Any) -> None:

@@ -53,8 +53,8 @@ def _onto(solid: Solid, grid: Floats, reach: float) -> tuple[Floats, Floats]:
     """What of a grid stands for a solid, and what of that lies inside."""
     nearest = _projection(solid.shape, grid)
     if nearest is not None:
-        kept = nearest[((nearest - grid) ** 2).sum(axis=1) <= reach**2]
-        return kept, kept
+        nearby = nearest[((nearest - grid) ** 2).sum(axis=1) <= reach**2]
+        return nearby, nearby
     beyond = _beyond(solid, grid)
     return grid[beyond <= reach], np.vstack([grid[beyond <= 0.0], solid.vertices])
 

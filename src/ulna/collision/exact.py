@@ -156,12 +156,12 @@ class Checker:
         enough = -np.inf if stop_below is None else _number("stop_below", stop_below)
         with self.lock:
             batch, chunks = self._chunks(q, moving)
-            found = [
+            nearest = [
                 self._nearest(poses, row, bounds, enough)
                 for _, poses in chunks
                 for row, bounds in enumerate(np.moveaxis(self._bounds(poses, broad_phase), -1, 0))
             ]
-        return Distance.of([self._proximity(item) for item in found], batch)
+        return Distance.of([self._proximity(item) for item in nearest], batch)
 
     @property
     def owners(self) -> tuple[tuple[str, str], ...]:
@@ -221,10 +221,10 @@ class Checker:
         Where two pairs are equally near, or the nearest points jump, the distance has no gradient; this is that of
         the pair found.
         """
-        found = self.distance(q, moving)
-        batch = found.distance.shape
+        nearest = self.distance(q, moving)
+        batch = nearest.distance.shape
         rows = np.broadcast_to(np.asarray(q, dtype=float), (*batch, self.model.nq)).reshape(-1, self.model.nq)
-        items = found.flat()
+        items = nearest.flat()
         out = [self._gradient(item, row) for item, row in zip(items, rows, strict=True)]
         return np.array(out).reshape(*batch, self.model.nv)
 
@@ -270,7 +270,7 @@ class Checker:
     def _moved(self, moving: Mapping[str, ArrayLike]) -> dict[int, Floats]:
         """Poses of moving obstacles by their place among the obstacles."""
         owners = [s.owner for s in self.solids[self._count :]]
-        found = {}
+        poses = {}
         for name, pose in moving.items():
             if name not in self.world:
                 raise UnknownName("obstacle", name, self.world.names)
@@ -281,8 +281,8 @@ class Checker:
                 )
             matrix = pose.matrix() if isinstance(pose, SE3) else pose
             if name in owners:  # else its mesh is missing and was skipped
-                found[owners.index(name)] = SE3.from_matrix(matrix).matrix()
-        return found
+                poses[owners.index(name)] = SE3.from_matrix(matrix).matrix()
+        return poses
 
     def _all(self, poses: Poses) -> Array:
         return np.repeat(self.mask[..., None], len(poses.centre), axis=-1)
@@ -315,8 +315,8 @@ class Checker:
         first, second, rows = np.nonzero(near)
         order = np.argsort(rows, kind="stable")  # one configuration after the other
         ask = self._narrow.collision(margin)
-        found = (index[order].tolist() for index in (rows, first, second))
-        for row, i, j in zip(*found, strict=True):
+        indices = (index[order].tolist() for index in (rows, first, second))
+        for row, i, j in zip(*indices, strict=True):
             if not out[row] and ask(poses, row, i, j):
                 out[row] = True
 

@@ -41,12 +41,14 @@ def cover(solids: Sequence[Solid], places: Sequence[SE3], tolerance: float, most
         tolerance: How far spheres should stick out of curved surfaces [m]; of flat ones twice that.
         most: How many spheres a solid may get.
     """
-    found = [pack(solid.shape, tolerance, most) or _cluster(solid, 2.0 * tolerance, most) for solid in solids]
-    centres = [place @ c for place, (c, _, _) in zip(places, found, strict=True)]
-    owner = np.repeat(np.arange(len(found)), [len(c) for c in centres])
-    c, r = np.concatenate(centres), np.concatenate([radii for _, radii, _ in found])
-    kept = _needed(solids, places, c, r, owner, tolerance)
-    return c[kept], r[kept], max(e for _, _, e in found)
+    covers = [
+        pack(solid.shape, tolerance, most) or _cluster(solid, 2.0 * tolerance, most) for solid in solids
+    ]
+    centres = [place @ c for place, (c, _, _) in zip(places, covers, strict=True)]
+    owner = np.repeat(np.arange(len(covers)), [len(c) for c in centres])
+    c, r = np.concatenate(centres), np.concatenate([radii for _, radii, _ in covers])
+    needed = _needed(solids, places, c, r, owner, tolerance)
+    return c[needed], r[needed], max(e for _, _, e in covers)
 
 
 def _needed(
@@ -56,18 +58,18 @@ def _needed(
 
     A sphere can go where each sample that stands for what it covers of its own solid is deeper than delta in another.
     """
-    kept = np.ones(len(c), dtype=bool)
+    needed = np.ones(len(c), dtype=bool)
     samples = [sample(s, T, tolerance / 4.0) for s, T in zip(solids, places, strict=True)]
     for k in np.argsort(r, kind="stable"):
         x, _, delta = samples[owner[k]]
-        own = x[((x - c[k]) ** 2).sum(axis=1) <= (r[k] + delta) ** 2]
-        kept[k] = False
-        left = np.ones(len(own), dtype=bool)
-        for centre, radius in zip(c[kept], r[kept], strict=True):
+        covered = x[((x - c[k]) ** 2).sum(axis=1) <= (r[k] + delta) ** 2]
+        needed[k] = False
+        left = np.ones(len(covered), dtype=bool)
+        for centre, radius in zip(c[needed], r[needed], strict=True):
             if radius > delta:
-                left &= ((own - centre) ** 2).sum(axis=1) > (radius - delta) ** 2
-        kept[k] = bool(left.any())
-    return kept
+                left &= ((covered - centre) ** 2).sum(axis=1) > (radius - delta) ** 2
+        needed[k] = bool(left.any())
+    return needed
 
 
 def _cluster(solid: Solid, tolerance: float, most: int) -> Cover:
@@ -99,8 +101,8 @@ def _start(x: Floats, count: int) -> Floats:
 
 def _settled(x: Floats, c: Floats) -> Floats:
     for _ in range(_ROUNDS):
-        own = _owners(x, c, np.zeros(len(c)))
-        new = np.array([_middle(x[own == k], c[k]) for k in range(len(c))])
+        owners = _owners(x, c, np.zeros(len(c)))
+        new = np.array([_middle(x[owners == k], c[k]) for k in range(len(c))])
         if np.abs(new - c).max() < 1e-4:
             break
         c = new
@@ -119,20 +121,20 @@ def _middle(x: Floats, start: Floats) -> Floats:
 
 def _owners(x: Floats, c: Floats, r: Floats) -> Array:
     """For each point the sphere it is deepest in."""
-    best, own = np.full(len(x), np.inf), np.zeros(len(x), dtype=int)
+    best, owners = np.full(len(x), np.inf), np.zeros(len(x), dtype=int)
     for k, (centre, radius) in enumerate(zip(c, r, strict=True)):
         depth = np.sqrt(((x - centre) ** 2).sum(axis=1)) - radius
         nearer = depth < best
-        best[nearer], own[nearer] = depth[nearer], k
-    return own
+        best[nearer], owners[nearer] = depth[nearer], k
+    return owners
 
 
 def _radii(x: Floats, c: Floats, delta: float) -> tuple[Floats, Floats]:
     """Spheres that hold all points with `delta` to spare; those that hold none are dropped."""
     r = np.zeros(len(c))
     for _ in range(4):  # radii decide owners, owners radii; each round leaves every point covered
-        own = _owners(x, c, r)
-        r = np.array([_farthest(x[own == k], c[k]) for k in range(len(c))])
+        owners = _owners(x, c, r)
+        r = np.array([_farthest(x[owners == k], c[k]) for k in range(len(c))])
     used = r >= 0.0
     return c[used], r[used] + delta
 

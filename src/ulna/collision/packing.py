@@ -90,10 +90,10 @@ def _cylinder(r: float, length: float, t: float, most: int) -> Cover:
     rho, centres, n = min(options, key=price)
     side, flat, R = _out_of_cylinder(r, length, rho, centres, n)
     z = length * ((np.arange(n) + 0.5) / n - 0.5)
-    spread = np.array([(x, y, h) for (x, y), h in itertools.product(centres.tolist(), z.tolist())])
+    points = np.array([(x, y, h) for (x, y), h in itertools.product(centres.tolist(), z.tolist())])
     return (
-        spread,
-        np.full(len(spread), R),
+        points,
+        np.full(len(points), R),
         max(math.hypot(side, flat) if len(centres) > 1 else max(side, flat), 0.0),
     )
 

@@ -33,7 +33,7 @@ def link_pairs(
     links = [link for link in model.links if link.collisions]
     # No joint has the number of a free flyer's parent: what it carries is no neighbour of anything.
     parents = [None if isinstance(joint.kind, FreeFlyer) else joint.parent for joint in model.joints]
-    found = []
+    pairs = []
     for k, a in enumerate(links):
         for b in links[k + 1 :]:
             if a.joint == b.joint or frozenset((a.name, b.name)) in skip:
@@ -42,8 +42,8 @@ def link_pairs(
                 b.joint >= 0 and parents[b.joint] == a.joint
             )
             if adjacent or not near:
-                found.append((a.name, b.name))
-    return tuple(found)
+                pairs.append((a.name, b.name))
+    return tuple(pairs)
 
 
 def checked_pairs(model: Model, pairs: Iterable[LinkPair]) -> tuple[LinkPair, ...]:

@@ -115,7 +115,7 @@ class Spheres:
             return cls({k: LinkSpheres(v["centres"], v["radii"], v.get("excess")) for k, v in links.items()})
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             raise FormatError(
-                f"this is no text of spheres: {error}", mend="Write one with `Spheres.to_json()`."
+                f"this is no text of spheres: {error}", fix="Write one with `Spheres.to_json()`."
             ) from error
 
     def __repr__(self) -> str:
@@ -147,12 +147,12 @@ def fit(model: Model, tolerance: float = 0.012, most: int = 12, *, missing: Miss
         by_link.setdefault(solid.owner, []).append(solid)
     sharpness = dict.fromkeys(by_link, 1)
     while True:
-        found = Spheres(
+        fitted = Spheres(
             {k: _link(model, k, v, tolerance / sharpness[k], most * sharpness[k]) for k, v in by_link.items()}
         )
-        blunt = {name for pair in _crowded(model, found) for name in pair if sharpness[name] < _SHARPEST}
+        blunt = {name for pair in _crowded(model, fitted) for name in pair if sharpness[name] < _SHARPEST}
         if not blunt:
-            return found
+            return fitted
         for name in blunt:
             sharpness[name] *= 2
 
@@ -163,13 +163,15 @@ def _link(model: Model, name: str, solids: list[Solid], tolerance: float, most: 
     places = [base @ solid.placement for solid in solids]
     parts = [[s.shape, s.vertices if isinstance(s.shape, Mesh) else None] for s in solids]
     key = cache.key("spheres", fingerprint([_VERSION, parts, places, float(tolerance), int(most)]))
-    kept = cache.read(key)
-    if kept is not None:
-        (same,) = Spheres.from_json(kept.decode()).links.values()  # of a link of any name: shapes are the key
+    stored = cache.read(key)
+    if stored is not None:
+        (same,) = Spheres.from_json(
+            stored.decode()
+        ).links.values()  # of a link of any name: shapes are the key
         return same
-    found = LinkSpheres(*cover(solids, places, float(tolerance), int(most)))
-    cache.write(key, Spheres({name: found}).to_json().encode())
-    return found
+    fitted = LinkSpheres(*cover(solids, places, float(tolerance), int(most)))
+    cache.write(key, Spheres({name: fitted}).to_json().encode())
+    return fitted
 
 
 def _crowded(model: Model, spheres: Spheres) -> list[LinkPair]:

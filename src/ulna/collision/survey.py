@@ -60,10 +60,10 @@ def survey(
     checker = Checker(model, pairs=pairs, convex=convex, missing=missing)
     q = algorithms.random(model, np.random.default_rng(seed), (int(count),))
     share = checker.touching(q, margin=margin).mean(axis=0)
-    found = dict(zip(checker.owners, share.tolist(), strict=True))
+    shares = dict(zip(checker.owners, share.tolist(), strict=True))
     return Survey(
-        tuple(pair for pair, s in found.items() if s == 1.0),
-        tuple(pair for pair, s in found.items() if s == 0.0),
-        {pair: s for pair, s in found.items() if 0.0 < s < 1.0},
+        tuple(pair for pair, s in shares.items() if s == 1.0),
+        tuple(pair for pair, s in shares.items() if s == 0.0),
+        {pair: s for pair, s in shares.items() if 0.0 < s < 1.0},
         int(count),
     )

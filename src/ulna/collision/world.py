@@ -51,14 +51,14 @@ class World:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "obstacles", tuple(self.obstacles))
-        seen: set[str] = set()
+        taken: set[str] = set()
         for obstacle in self.obstacles:
-            if obstacle.name in seen:
+            if obstacle.name in taken:
                 raise InputError(
                     f"The world has an obstacle named {obstacle.name!r} already; expected a new name. "
                     "Take the old one out with `world.remove(name)`, or move it with `world.move(name, pose)`."
                 )
-            seen.add(obstacle.name)
+            taken.add(obstacle.name)
 
     def add(
         self,
@@ -202,10 +202,10 @@ def _pose(name: str, pose: SE3 | ArrayLike | None) -> SE3:
     if pose is None:
         return SE3.identity()
     if isinstance(pose, SE3):
-        found = pose
+        checked = pose
     else:
-        found = _pose_of(name, np.asarray(pose, dtype=float))
-    matrix: Any = found.matrix()
+        checked = _pose_of(name, np.asarray(pose, dtype=float))
+    matrix: Any = checked.matrix()
     if matrix.shape != (4, 4):
         raise InputError(
             f"Obstacle {name!r}: `pose` is a batch of shape {matrix.shape[:-2]}; expected one pose."
@@ -213,4 +213,4 @@ def _pose(name: str, pose: SE3 | ArrayLike | None) -> SE3:
     if not np.isfinite(matrix).all():
         bad = tuple(int(i) for i in np.argwhere(~np.isfinite(matrix))[0])
         raise NonFiniteError(f"pose of obstacle {name!r}", bad, float(matrix[bad]))
-    return found
+    return checked

@@ -1,8 +1,8 @@
-"""Admittance: a stiff robot that gives way to measured forces as a mass on a spring would.
+"""Admittance: a stiff robot that yields to measured forces as a mass on a spring would.
 
 | symbol | meaning | shape, unit |
 |---|---|---|
-| x | how far the goal has given way: position, and rotation vector, in the goal's axes | (6,) [m, rad] |
+| x | displacement of the goal: position, and rotation vector, in the goal's axes | (6,) [m, rad] |
 | V | its rate | (6,) [m/s, rad/s] |
 | F | force and moment measured at the frame, in the goal's axes | (6,) [N, N m] |
 | M, D, K | mass, damping and stiffness along the goal's axes | (6,) |
@@ -26,7 +26,7 @@ from ulna.typing import Array, ArrayLike
 
 @final
 class Admittance:
-    """How a goal gives way to a force; see `admittance`."""
+    """How a goal yields to a force; see `admittance`."""
 
     def __init__(self) -> None:
         six = (6,)
@@ -66,9 +66,9 @@ class Admittance:
 
 @cache
 def admittance() -> Admittance:
-    """How a goal gives way to a force, the same for every robot.
+    """How a goal yields to a force, the same for every robot.
 
-    `law(T_goal, x, rate, force, mass, damping, stiffness, dt)` gives the pose to be led to (4, 4), and `x` and `rate`
+    `law(T_goal, x, rate, force, mass, damping, stiffness, dt)` returns the pose to be led to (4, 4), and `x` and `rate`
     (6,) after a step of `dt` [s]. Begin with zeros.
     """
     return Admittance()

@@ -51,7 +51,7 @@ def impedance(
 ) -> Any:
     """A spring and a damper between a frame and its goal, with gravity and Coriolis forces taken off: a kernel.
 
-    `law(q, v, T_goal, twist_goal, stiffness, damping, q_rest, stiffness_rest, damping_rest)` gives torques (nv,).
+    `law(q, v, T_goal, twist_goal, stiffness, damping, q_rest, stiffness_rest, damping_rest)` returns torques (nv,).
     `stiffness` (6,) [N/m, N m/rad] and `damping` (6,) [N s/m, N m s/rad] lie along the goal's axes; `twist_goal` (6,)
     is in world axes. The last three, (nq,), (nv,), (nv,), are a spring to a posture that the frame does not feel.
 
@@ -90,7 +90,7 @@ def operational_space(
 ) -> Any:
     """Inverse dynamics of a frame in the loop: it follows its goal like a free unit mass on a spring: a kernel.
 
-    `law(q, v, T_goal, twist_goal, acceleration_goal, kp, kd, q_rest, stiffness_rest, damping_rest)` gives torques
+    `law(q, v, T_goal, twist_goal, acceleration_goal, kp, kd, q_rest, stiffness_rest, damping_rest)` returns torques
     (nv,). `kp` (6,) [1/s^2] and `kd` (6,) [1/s] are gains of acceleration along the goal's axes; twist and acceleration
     (6,) are in world axes. The last three are as for `impedance`.
 

@@ -26,9 +26,9 @@ from ulna.typing import Array
 def joint_pd(robot: Robot, *, bounded: bool = True) -> Any:
     """A spring and a damper at each joint, with gravity taken off: a kernel.
 
-    `law(q, v, q_goal, v_goal, stiffness, damping)` gives torques (nv,) [N m or N]; `stiffness` (nv,) [N m/rad or N/m],
-    `damping` (nv,) [N m s/rad or N s/m]. It comes to rest at the goal from wherever it starts, without knowing the
-    masses but for gravity (Siciliano et al. 2009, section 8.5.1).
+    `law(q, v, q_goal, v_goal, stiffness, damping)` returns torques (nv,) [N m or N]; `stiffness` (nv,) [N m/rad or
+    N/m], `damping` (nv,) [N m s/rad or N s/m]. It comes to rest at the goal from wherever it starts, without knowing
+    the masses but for gravity (Siciliano et al. 2009, section 8.5.1).
 
     Args:
         robot: The robot.
@@ -55,8 +55,8 @@ def joint_pd(robot: Robot, *, bounded: bool = True) -> Any:
 def computed_torque(robot: Robot, *, bounded: bool = True) -> Any:
     """Inverse dynamics in the loop: each joint follows like a free mass on a spring and a damper: a kernel.
 
-    `law(q, v, q_goal, v_goal, a_goal, kp, kd)` gives torques (nv,) [N m or N]; `kp` (nv,) [1/s^2] and `kd` (nv,) [1/s]
-    are gains of acceleration: kd = 2 sqrt(kp) is critically damped at every joint (Siciliano et al. 2009, section
+    `law(q, v, q_goal, v_goal, a_goal, kp, kd)` returns torques (nv,) [N m or N]; `kp` (nv,) [1/s^2] and `kd` (nv,)
+    [1/s] are gains of acceleration: kd = 2 sqrt(kp) is critically damped at every joint (Siciliano et al. 2009, section
     8.5.2).
 
     Args:

@@ -10,7 +10,7 @@
 | eta | v <= eta (rho - rho_s) / (rho_i - rho_s) | [1/s] | eq. 15, velocity dampers of Faverjon & Tournassoud 1987 |
 | A, b | rows A v <= b, of obstacles say | (k, nv), (k,) | eq. 19 |
 
-The paper's slack is eliminated: the twist gives way, never the limits. With limits alone the quadratic program is
+The paper's slack is eliminated: the twist is reduced, never the limits. With limits alone the quadratic program is
 solved inside the kernel; rows are left to daqp.
 """
 
@@ -109,19 +109,19 @@ class Reactive:
         if not len(A) or (A @ v <= b).all():  # the optimum within the limits already keeps the rows
             return v
         below = np.full(len(b), -np.inf)
-        found = solve_rows(H, g, A, np.concatenate([lower, below]), np.concatenate([upper, b]), 0)
-        if found is None:
+        velocity = solve_rows(H, g, A, np.concatenate([lower, below]), np.concatenate([upper, b]), 0)
+        if velocity is None:
             raise InputError(
                 "No joint velocity keeps all rows within the velocity limits: an obstacle comes nearer than the arm "
                 "can give way, or two ask for opposite motions. Stop the arm, or take rows away."
             )
-        return found
+        return velocity
 
-    def _rows(self, rows: tuple[ArrayLike, ArrayLike], given: tuple[int, ...]) -> tuple[Floats, Floats]:
+    def _rows(self, rows: tuple[ArrayLike, ArrayLike], shape: tuple[int, ...]) -> tuple[Floats, Floats]:
         """A and b, checked: a row that is misread would be an obstacle that is not seen."""
         A, b, n = np.ascontiguousarray(rows[0], dtype=float), np.asarray(rows[1], dtype=float), self.robot.nv
-        if len(given) > 1:
-            raise ShapeError("q", given, f"({n},)", "With rows, ask for one configuration at a time.")
+        if len(shape) > 1:
+            raise ShapeError("q", shape, f"({n},)", "With rows, ask for one configuration at a time.")
         if A.shape[1:] != (n,) or A.ndim != 2:
             raise ShapeError("rows[0]", A.shape, f"(k, {n}), one row for each bound")
         if b.shape != (len(A),):

@@ -157,9 +157,9 @@ def _checked(row: DHRow | Sequence[float], index: int) -> DHRow:
     for symbol in ("theta", "d", "a", "alpha", "offset"):
         value = getattr(row, symbol)
         if not isinstance(value, (int, float, np.number)) or not math.isfinite(value):
-            given = excerpt(repr(value))
+            shown = excerpt(repr(value))
             raise InputError(
-                f"`{symbol}` of row {index} of the Denavit-Hartenberg table is {given}; expected a number."
+                f"`{symbol}` of row {index} of the Denavit-Hartenberg table is {shown}; expected a number."
             )
     return row
 

@@ -1,4 +1,4 @@
-"""Reads XML files safely: no entities, no network, limits on size and depth, and a mend for each refusal."""
+"""Reads XML files safely: no entities, no network, limits on size and depth, and a fix for each refusal."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
     except FormatError:  # which is a ValueError, too
         raise
     except (FileNotFoundError, NotADirectoryError):
-        raise FormatError("there is no such file.", file=str(where), mend=_neighbours(where)) from None
+        raise FormatError("there is no such file.", file=str(where), fix=_neighbours(where)) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise FormatError(f"the file cannot be read: {reason}.", file=str(where)) from None
@@ -69,7 +69,7 @@ def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) 
         raise _too_large(file)
     if not data.strip():
         raise FormatError(
-            "the file is empty.", file=file, mend=f"Expected a {kind}: <{root_tag}> ... </{root_tag}>."
+            "the file is empty.", file=file, fix=f"Expected a {kind}: <{root_tag}> ... </{root_tag}>."
         )
     data, oddity = with_plain_declaration(data)
     if oddity:
@@ -87,7 +87,7 @@ def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) 
             f"the root element is <{node.tag}>; expected <{root_tag}>.",
             file=file,
             line=node.line,
-            mend=_other_kind(node.tag, kind),
+            fix=_other_kind(node.tag, kind),
         )
     return node
 
@@ -113,11 +113,11 @@ def _parse_tree(data: bytes, file: str | None, encoding: str | None) -> Any:
         f"this is not well-formed XML: {short(message, 200).rstrip('.')}.",
         file=file,
         line=line or None,
-        mend=_mend_of_syntax(message),
+        fix=_fix_of_syntax(message),
     ) from None
 
 
-def _mend_of_syntax(message: str) -> str:
+def _fix_of_syntax(message: str) -> str:
     if "amplification" in message or "entity" in message.lower():
         return "Write the values out instead of using XML entities."
     if message.startswith(("Excessive depth", "Resource limit")) or "XML_PARSE_HUGE" in message:
@@ -166,7 +166,7 @@ def refuse_document_type(what: str, file: str | None) -> NoReturn:
         f"the document type declares {short(what, 120)}, which Ulna does not follow.",
         file=file,
         line=1,
-        mend="Remove the <!DOCTYPE ...> and write the values out, or use xacro properties.",
+        fix="Remove the <!DOCTYPE ...> and write the values out, or use xacro properties.",
     )
 
 
@@ -184,7 +184,7 @@ def _too_large(file: str | None) -> FormatError:
     return FormatError(
         f"the file is too large; expected at most {MAX_BYTES / 1e6:.0f} MB.",
         file=file,
-        mend="Meshes belong in files of their own.",
+        fix="Meshes belong in files of their own.",
     )
 
 

@@ -1,4 +1,4 @@
-"""MJCF files -> ModelBuilder -> Model: MuJoCo's own compiler reads them, what it found is told to the builder.
+"""MJCF files -> ModelBuilder -> Model: MuJoCo's own compiler reads them, the result is passed to the builder.
 
     MuJoCo                                          | here
     ------------------------------------------------|---------------------------------------------------------
@@ -77,7 +77,7 @@ def model_from_mjcf(
     except (ModelError, InputError) as error:
         if isinstance(error, (FormatError, UnknownName)):
             raise
-        raise FormatError(str(error), file=builder._told.source) from error
+        raise FormatError(str(error), file=builder._state.source) from error
 
 
 def mjcf_builder(
@@ -176,18 +176,18 @@ class _Reading:
     def _bounds(self, j: int) -> dict[str, Any]:
         """Limits and losses of a joint, as `add_joint` takes them."""
         m, drives = self._m, self._drives
-        found: dict[str, Any] = {
+        options: dict[str, Any] = {
             "damping": drives.damping(j),
             "friction": drives.friction(j),
             "armature": drives.armature(j),
         }
         if drives.scalar_joint(j):
             if m.jnt_limited[j] and self._switches.limits:
-                found["lower"], found["upper"] = (float(x) for x in m.jnt_range[j])
+                options["lower"], options["upper"] = (float(x) for x in m.jnt_range[j])
             effort = max(abs(x) for x in drives.force_range(j))
             if effort < np.inf:
-                found["effort"] = effort
-        return found
+                options["effort"] = effort
+        return options
 
     def _followed(self, j: int) -> tuple[str, float, float] | None:
         """Whom a joint follows, as `add_joint` takes it."""

@@ -54,12 +54,12 @@ def compiled(text: str, file: str | None, trusted: bool) -> tuple[Any, Any]:
         return model, SimpleNamespace(**facts)
     told, content = _answered(text, file)
     if told.get("memory"):
-        raise FormatError(f"MuJoCo needs more than {MEMORY / 2**30:.3g} GiB for it.", file=file, mend=_TRUST)
+        raise FormatError(f"MuJoCo needs more than {MEMORY / 2**30:.3g} GiB for it.", file=file, fix=_TRUST)
     if "error" in told:
         raise ValueError(told["error"])
     if told["elements"] > ELEMENTS:
         count = f"{told['elements']} bodies, joints, geoms and the like"
-        raise FormatError(f"its model has {count}; expected at most {ELEMENTS}.", file=file, mend=_TRUST)
+        raise FormatError(f"its model has {count}; expected at most {ELEMENTS}.", file=file, fix=_TRUST)
     facts = told["facts"]
     lines = {kind: {int(k): line for k, line in found.items()} for kind, found in facts["lines"].items()}
     references = {int(k): found for k, found in facts["mesh_references"].items()}
@@ -165,7 +165,7 @@ class _CompilerProcess:
         self.end()
         if late.is_set():
             raise FormatError(
-                f"MuJoCo was still compiling it after {SECONDS:g} s, and was stopped.", file=file, mend=_TRUST
+                f"MuJoCo was still compiling it after {SECONDS:g} s, and was stopped.", file=file, fix=_TRUST
             )
         code = self._process.returncode
         raise _Ended(f"was ended by signal {-code}" if code < 0 else f"failed (exit code {code})")

@@ -58,18 +58,18 @@ def _lines_of(spec: Any) -> dict[str, dict[int, int]]:
     }
     lines: dict[str, dict[int, int]] = {}
     for kind, elements in parts.items():
-        found = ((element.id, re.match(r"line (\d{1,9})", element.info)) for element in elements)
-        lines[kind] = {index: int(line[1]) for index, line in found if line and index >= 0}
+        matches = ((element.id, re.match(r"line (\d{1,9})", element.info)) for element in elements)
+        lines[kind] = {index: int(line[1]) for index, line in matches if line and index >= 0}
     return lines
 
 
 def _references_of(spec: Any) -> dict[int, tuple[list[float], list[float]]]:
-    found: dict[int, tuple[list[float], list[float]]] = {}
+    poses: dict[int, tuple[list[float], list[float]]] = {}
     for mesh in spec.meshes:
         position, turn = [float(x) for x in mesh.refpos], [float(x) for x in mesh.refquat]
         if mesh.id >= 0 and (any(position) or any(turn[1:])):
-            found[mesh.id] = position, turn
-    return found
+            poses[mesh.id] = position, turn
+    return poses
 
 
 def binary_of(model: Any) -> bytes:
@@ -100,29 +100,29 @@ def main() -> None:
     while line := requests.readline():
         request = json.loads(line)
         _limit(request["memory"], request["seconds"] + 5)
-        told, content = _answer(request, requests.read(request["size"]).decode("utf-8"))
-        replies.write(json.dumps({**told, "size": len(content)}).encode() + b"\n" + content)
+        reply, content = _answer(request, requests.read(request["size"]).decode("utf-8"))
+        replies.write(json.dumps({**reply, "size": len(content)}).encode() + b"\n" + content)
         replies.flush()
-        if told.get("memory"):
+        if reply.get("memory"):
             os._exit(0)  # no destructors: the memory is used up
         _limit(request["memory"], IDLE)
 
 
 def _answer(request: dict[str, Any], text: str) -> tuple[dict[str, Any], bytes]:
-    told: dict[str, Any] = {}
+    reply: dict[str, Any] = {}
     content = b""
     sys.path[:] = request["path"]
     try:
         os.chdir(request["folder"])  # where the files lie that a text names
-        model, told["facts"] = compile_mjcf(text, request["file"])
-        told["elements"] = sum(int(getattr(model, name)) for name in COUNTS)
-        if told["elements"] <= request["elements"]:
+        model, reply["facts"] = compile_mjcf(text, request["file"])
+        reply["elements"] = sum(int(getattr(model, name)) for name in COUNTS)
+        if reply["elements"] <= request["elements"]:
             content = binary_of(model)
     except MemoryError:
-        told = {"memory": True}
+        reply = {"memory": True}
     except Exception as error:
-        told = {"error": str(error), "memory": any(word in str(error) for word in NO_MEMORY)}
-    return told, content
+        reply = {"error": str(error), "memory": any(word in str(error) for word in NO_MEMORY)}
+    return reply, content
 
 
 def _limit(memory: int, seconds: float) -> None:

@@ -35,7 +35,7 @@ def loops_from_mjcf(
 
     Raises:
         MissingExtra: the package mujoco is not installed.
-        FormatError: the file is missing or broken; says where and what mends it.
+        FormatError: the file is missing or broken; says where and how to fix it.
     """
     m = read_mjcf(source, trusted).model
     links, _ = names_of(m)

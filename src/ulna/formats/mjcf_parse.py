@@ -59,8 +59,8 @@ def read_mjcf(source: str | os.PathLike[str], trusted: bool = False) -> Compiled
         raise
     except ValueError as error:
         raise _refusal(error, file) from error
-    spread = "<include" in written or "<attach" in written
-    lines = {} if spread else facts.lines
+    has_parts = "<include" in written or "<attach" in written
+    lines = {} if has_parts else facts.lines
     return CompiledMjcf(model, facts.mesh_folder, lines, facts.mesh_references)
 
 
@@ -75,13 +75,13 @@ def _refusal(error: Exception, file: str | None) -> FormatError:
     words = " ".join(str(error).split())
     line = re.search(r"line (\d{1,9})", words)
     words = re.sub(r"Element name '', |,? ?(id \d+, )?line \d+", " ", words).strip(" ,.")
-    mend = ""
+    fix = ""
     if "mjMINVAL" in words:
-        mend = "Give the body a geom with mass, or an <inertial>."
+        fix = "Give the body a geom with mass, or an <inertial>."
     elif "opening file" in words or "not found" in words:
-        mend = "Meshes are looked for in the compiler's `meshdir`, seen from the file."
+        fix = "Meshes are looked for in the compiler's `meshdir`, seen from the file."
     number = int(line[1]) if line and int(line[1]) > 0 else None
-    return FormatError(f"MuJoCo refuses it: {words}.", file=file, line=number, mend=mend)
+    return FormatError(f"MuJoCo refuses it: {words}.", file=file, line=number, fix=fix)
 
 
 def names_of(model: Any) -> tuple[list[str], list[str]]:
@@ -105,8 +105,8 @@ def pose_of(position: Any, wxyz: Any) -> SE3:
 
 def fresh(name: str, taken: set[str]) -> str:
     """The name, numbered if it is taken; and taken from now on."""
-    found, number = name, 2
-    while found in taken:
-        found, number = f"{name}_{number}", number + 1
-    taken.add(found)
-    return found
+    candidate, number = name, 2
+    while candidate in taken:
+        candidate, number = f"{name}_{number}", number + 1
+    taken.add(candidate)
+    return candidate

@@ -27,9 +27,9 @@ def check_sources(text: str, file: str | None) -> str:
             one of the files that it names is a pipe, a socket or a device.
     """
     folder = os.path.dirname(os.path.abspath(file)) if file else os.getcwd()
-    own = _checked_text(text if file is None else read_file(file), file)
-    waiting = [(own, file)]
-    seen = set() if file is None else {os.path.realpath(file)}
+    main_text = _checked_text(text if file is None else read_file(file), file)
+    waiting = [(main_text, file)]
+    visited = set() if file is None else {os.path.realpath(file)}
     while waiting:
         content, name = waiting.pop()
         root = lenient_tree(content.encode())
@@ -38,12 +38,12 @@ def check_sources(text: str, file: str | None) -> str:
         _refuse_special_files(root, name, folder)
         for included in _included(root, name, folder):
             place = os.path.realpath(included)
-            if place not in seen:
-                seen.add(place)
+            if place not in visited:
+                visited.add(place)
                 waiting.append((_checked_text(read_file(included), included), included))
-            if len(seen) > MOST_INCLUDES:
+            if len(visited) > MOST_INCLUDES:
                 raise FormatError(f"it includes more than {MOST_INCLUDES} files.", file=file)
-    return own
+    return main_text
 
 
 def _checked_text(data: bytes | str, file: str | None) -> str:
@@ -64,7 +64,7 @@ def _checked_text(data: bytes | str, file: str | None) -> str:
 
 
 def _not_utf8(line: int, file: str | None) -> FormatError:
-    return FormatError("the text is not UTF-8.", file=file, line=line, mend="Save the file as UTF-8.")
+    return FormatError("the text is not UTF-8.", file=file, line=line, fix="Save the file as UTF-8.")
 
 
 def _included(root: Any, file: str | None, folder: str) -> Iterator[str]:

@@ -60,7 +60,7 @@ class Node:
         """The child elements (of that name), in file order; comments and foreign namespaces are left out."""
         for element in self._element.iterchildren(tag=etree.Element):
             node = Node(element, self.file, self._namespace)
-            # A tag with a namespace of its own, declared or not, belongs to somebody else.
+            # A tag with a separate namespace, declared or not, belongs to somebody else.
             if not _is_foreign(node.tag) and (tag is None or node.tag == tag):
                 yield node
 
@@ -73,16 +73,16 @@ class Node:
 
     def child(self, tag: str) -> Node | None:
         """The child element of that name, or None; of several the first, with a warning."""
-        found = list(self.children(tag))
-        if len(found) > 1:
-            found[1].warn(f"a second <{tag}>; the first one, of line {found[0].line}, is used")
-        return found[0] if found else None
+        children = list(self.children(tag))
+        if len(children) > 1:
+            children[1].warn(f"a second <{tag}>; the first one, of line {children[0].line}, is used")
+        return children[0] if children else None
 
-    def required_child(self, tag: str, mend: str) -> Node:
+    def required_child(self, tag: str, fix: str) -> Node:
         """The child element of that name; FormatError when there is none."""
         node = self.child(tag)
         if node is None:
-            self.fail(f"<{self.tag}> has no <{tag}>.", mend)
+            self.fail(f"<{self.tag}> has no <{tag}>.", fix)
         return node
 
     def name(self, attribute: str = "name") -> str:
@@ -143,10 +143,10 @@ class Node:
         if lowered == "nan" or "nan(" in lowered:
             self.fail(f'{attribute}="{short(word)}" is not a number (nan); expected a finite number.')
         if not _NUMBER.fullmatch(word):
-            mend = "Write a decimal number such as 0.5 or 1e-3."
+            fix = "Write a decimal number such as 0.5 or 1e-3."
             if "{" in word or "$" in word:
-                mend = "This is xacro that was not expanded; name the file *.xacro, or run xacro on it first."
-            self.fail(f'{attribute}="{short(word)}" is not a number.', mend)
+                fix = "This is xacro that was not expanded; name the file *.xacro, or run xacro on it first."
+            self.fail(f'{attribute}="{short(word)}" is not a number.', fix)
         value = float(word)
         if abs(value) > MAX_NUMBER and not infinite:
             self.fail(f'{attribute}="{short(word)}" is too large to compute with (above {MAX_NUMBER:g}).')
@@ -168,9 +168,9 @@ class Node:
                 break
         return " of ".join(parts)
 
-    def fail(self, message: str, mend: str = "") -> NoReturn:
+    def fail(self, message: str, fix: str = "") -> NoReturn:
         """Raise FormatError about this element."""
-        raise FormatError(message, file=self.file, line=self.line, element=self.describe(), mend=mend)
+        raise FormatError(message, file=self.file, line=self.line, element=self.describe(), fix=fix)
 
     def warn(self, message: str) -> None:
         """Warn about this element; the file stays usable."""

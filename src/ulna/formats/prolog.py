@@ -67,25 +67,29 @@ def with_plain_declaration(data: bytes) -> tuple[bytes, str]:
     Other readers of robot files accept a declaration after blanks, a second one, and any version; the standard does
     not. Lines keep their numbers. The word is empty, and the document the same, where nothing was odd.
     """
-    found = prolog_of(data).declarations
+    declarations = prolog_of(data).declarations
     start = len(_BYTE_ORDER_MARK) if data.startswith(_BYTE_ORDER_MARK) else 0
-    if not found or (len(found) == 1 and found[0][0] == start and _VALID.fullmatch(data, *found[0])):
+    if not declarations or (
+        len(declarations) == 1 and declarations[0][0] == start and _VALID.fullmatch(data, *declarations[0])
+    ):
         return data, ""
-    first = data[slice(*found[0])]
+    first = data[slice(*declarations[0])]
     encoding = _ENCODING.search(first)
     named = b' encoding="' + encoding[1] + b'"' if encoding else b""
     blank = bytearray(data[start:])
-    for begin, end in found:
+    for begin, end in declarations:
         blank[begin - start : end - start] = _NOT_A_LINE_BREAK.sub(b" ", data[begin:end])
-    return data[:start] + b'<?xml version="1.0"' + named + b"?>" + bytes(blank), _oddity(found, start, first)
+    return data[:start] + b'<?xml version="1.0"' + named + b"?>" + bytes(blank), _oddity(
+        declarations, start, first
+    )
 
 
-def _oddity(found: tuple[tuple[int, int], ...], start: int, first: bytes) -> str:
+def _oddity(declarations: tuple[tuple[int, int], ...], start: int, first: bytes) -> str:
     version = _VERSION.search(first)
-    if found[0][0] != start:
+    if declarations[0][0] != start:
         return "the XML declaration does not begin the file"
-    if len(found) > 1:
-        return f"the file has {len(found)} XML declarations"
+    if len(declarations) > 1:
+        return f"the file has {len(declarations)} XML declarations"
     if version is None or not re.fullmatch(rb"1\.\d+", version[1]):
         said = version[1].decode("utf-8", errors="replace") if version else ""
         return f"the XML declaration has the version {excerpt(said)!r}, and there is none but 1.0 and 1.1"

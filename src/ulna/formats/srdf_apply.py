@@ -60,26 +60,26 @@ def _coordinates(joint: Joint, values: tuple[float, ...]) -> Floats | None:
 
 def _joints(model: Model, document: SrdfDocument, name: str) -> tuple[str, ...]:
     """The movable joints of a group, in the order of the model."""
-    found: set[str] = set()
-    waiting, seen = [name], {name}
+    joints: set[str] = set()
+    waiting, visited = [name], {name}
     while waiting:
         group = document.groups.get(waiting.pop())
         if group is None:
             continue
-        found.update(_own_joints(model, group))
+        joints.update(_joints_of_group(model, group))
         for inner in group.groups:
-            if inner not in seen:
-                seen.add(inner)
+            if inner not in visited:
+                visited.add(inner)
                 waiting.append(inner)
-    return tuple(joint for joint in model.joint_names if joint in found)
+    return tuple(name for name in model.joint_names if name in joints)
 
 
-def _own_joints(model: Model, group: SrdfGroup) -> set[str]:
-    found = set(group.joints)
+def _joints_of_group(model: Model, group: SrdfGroup) -> set[str]:
+    joints = set(group.joints)
     links = {link.name: link for link in model.links}
     for name in group.links:
         if name in links and links[name].parent_joint is not None:
-            found.add(str(links[name].parent_joint))
+            joints.add(str(links[name].parent_joint))
     for base, tip in group.chains:
         chain: set[str] = set()
         link = links.get(tip)
@@ -87,5 +87,5 @@ def _own_joints(model: Model, group: SrdfGroup) -> set[str]:
             chain.add(str(link.parent_joint))
             link = links.get(link.parent) if link.parent is not None else None
         if link is not None:  # else the base is no ancestor of the tip
-            found |= chain
-    return found
+            joints |= chain
+    return joints

@@ -43,7 +43,7 @@ def read_urdf(path: str | os.PathLike[str]) -> UrdfDocument:
     """The document in a URDF file.
 
     Raises:
-        FormatError: the file is missing or broken; says where and what mends it.
+        FormatError: the file is missing or broken; says where and how to fix it.
     """
     return parse_urdf(read_file(path), str(path))
 
@@ -111,9 +111,9 @@ def urdf_builder(
 def link_visuals(document: UrdfDocument, resolver: Resolver | None = None) -> dict[str, tuple[Geometry, ...]]:
     """The visual geometries of a document by link name."""
     shapes = _Shapes(document.file, resolver or Resolver(document.file))
-    found = {link.name: shapes.geometries(link.name, link.visuals) for link in document.links}
+    geometries = {link.name: shapes.geometries(link.name, link.visuals) for link in document.links}
     shapes.report()
-    return found
+    return geometries
 
 
 def inertia_of(inertial: UrdfInertial) -> Inertia:

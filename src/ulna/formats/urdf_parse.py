@@ -1,4 +1,4 @@
-"""URDF text -> UrdfDocument: every element checked, every complaint with its line and the mend."""
+"""URDF text -> UrdfDocument: every element checked, every complaint with its line and the fix."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def _refuse_xacro(root: Node) -> None:
                 file=root.file,
                 line=line,
                 element="<robot>",
-                mend="Name the file *.xacro and it is expanded on loading (extra xacro); or run xacro on it.",
+                fix="Name the file *.xacro and it is expanded on loading (extra xacro); or run xacro on it.",
             )
 
 
@@ -176,8 +176,8 @@ def _shape(geometry: Node) -> UrdfShape:
     nodes = list(geometry.children())
     known = [n for n in nodes if n.tag in SHAPES]
     if not known:
-        mend = nearest(nodes[0].tag, SHAPES, "Did you mean {}?")
-        geometry.fail(f"<geometry> holds <{nodes[0].tag}>; expected one of {', '.join(SHAPES)}.", mend)
+        fix = nearest(nodes[0].tag, SHAPES, "Did you mean {}?")
+        geometry.fail(f"<geometry> holds <{nodes[0].tag}>; expected one of {', '.join(SHAPES)}.", fix)
     if len(known) > 1:
         known[1].warn(
             "a second shape in one <geometry> is ignored; give each its own <visual> or <collision>"
@@ -205,10 +205,10 @@ def _joint(node: Node, links: dict[str, UrdfLink]) -> UrdfJoint:
     node.warn_of_strangers(_OF_JOINT)
     kind = node.name("type")
     if kind not in JOINT_KINDS:
-        mend = (
+        fix = (
             nearest(kind.lower(), JOINT_KINDS, "Did you mean {}?") or f"There are: {', '.join(JOINT_KINDS)}."
         )
-        node.fail(f"there is no joint type {kind!r}.", mend)
+        node.fail(f"there is no joint type {kind!r}.", fix)
     ends = []
     for tag in ("parent", "child"):
         end = node.required_child(tag, f'Write <{tag} link="..."/>.')

@@ -55,7 +55,7 @@ def expand_xacro(
             raise FormatError(
                 f"there is no package {name!r} for $(find {name}).",
                 file=file,
-                mend="Set ROS_PACKAGE_PATH, or pass package_dirs=[folder of the packages].",
+                fix="Set ROS_PACKAGE_PATH, or pass package_dirs=[folder of the packages].",
             )
         return folder
 
@@ -91,9 +91,9 @@ def _refusal(error: Exception, file: str) -> FormatError:
         return cause
     text = " ".join(str(error).split()).rstrip(".") or type(error).__name__
     line = re.search(r"line (\d{1,9})", text)
-    mend = ""
+    fix = ""
     if "undefined substitution argument" in text.lower():
-        mend = "Pass its value: xacro_args={'name': 'value'}."
+        fix = "Pass its value: xacro_args={'name': 'value'}."
     return FormatError(
-        f"xacro does not expand it: {text}.", file=file, line=int(line.group(1)) if line else None, mend=mend
+        f"xacro does not expand it: {text}.", file=file, line=int(line.group(1)) if line else None, fix=fix
     )

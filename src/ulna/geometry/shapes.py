@@ -18,9 +18,9 @@ from ulna.errors import InputError
 def _lengths(shape: str, name: str, values: Iterable[float], count: int) -> tuple[float, ...]:
     """`values` as `count` finite, non-negative floats; a mesh-less model file may well say 0."""
     try:
-        given = tuple(values)
-        out = tuple(float(v) for v in given)
-        if any(isinstance(v, bool | str | bytes) for v in given):
+        lengths = tuple(values)
+        out = tuple(float(v) for v in lengths)
+        if any(isinstance(v, bool | str | bytes) for v in lengths):
             raise TypeError
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{shape}: `{name}` is {values!r}; expected {count} lengths [m].") from error

@@ -124,24 +124,28 @@ def base_parameters_of(
     lengths = np.sqrt((R * R).sum(axis=0))
     least = 1e-12 * max(float(lengths.max(initial=0.0)), 1e-300)
     basis = np.zeros((R.shape[0], 0))
-    kept: list[int] = []
+    chosen: list[int] = []
     for j in range(n):
         if lengths[j] <= least:
             continue
-        rest = R[:, j] / lengths[j]
+        residual = R[:, j] / lengths[j]
         for _ in range(2):  # once more, for the rounding errors of the first time
-            rest = rest - basis @ (basis.T @ rest)
-        size = float(np.linalg.norm(rest))
+            residual = residual - basis @ (basis.T @ residual)
+        size = float(np.linalg.norm(residual))
         if size > noise:
-            kept.append(j)
-            basis = np.column_stack([basis, rest / size])
+            chosen.append(j)
+            basis = np.column_stack([basis, residual / size])
     scales = np.where(lengths > least, lengths, 1.0)
-    K = np.linalg.lstsq(R[:, kept] / scales[kept], R / scales, rcond=None)[0] if kept else np.zeros((0, n))
+    K = (
+        np.linalg.lstsq(R[:, chosen] / scales[chosen], R / scales, rcond=None)[0]
+        if chosen
+        else np.zeros((0, n))
+    )
     K[np.abs(K) < 1e3 * noise] = 0.0
-    matrix = K * scales / scales[kept][:, None]
+    matrix = K * scales / scales[chosen][:, None]
     matrix[:, lengths <= least] = 0.0
-    matrix[:, kept] = np.eye(len(kept))
-    return BaseParameters(names, tuple(kept), matrix)
+    matrix[:, chosen] = np.eye(len(chosen))
+    return BaseParameters(names, tuple(chosen), matrix)
 
 
 def parameter_names(

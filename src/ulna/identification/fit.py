@@ -92,8 +92,8 @@ def identify(
     W = extended_regressor(robot, log.q, log.v, log.a, **sought, width=width)
     known = _known(model, log, sought, width)
     y = log.tau - known
-    own = _own(model, sought)
-    p0 = own.copy()
+    nominal = _own(model, sought)
+    p0 = nominal.copy()
     if prior is not None:
         p0[: 10 * len(model.joints)] = _prior(model, prior)
     sigma = _noise(noise, model.nv)
@@ -113,7 +113,7 @@ def identify(
             sigma = np.maximum(
                 np.sqrt(((y - W @ p) ** 2).mean(axis=0)), 1e-12 + 1e-9 * np.abs(y).max(initial=0.0)
             )
-    return _result(model, log, W, known, p, own, sought, physical, sigma, count)
+    return _result(model, log, W, known, p, nominal, sought, physical, sigma, count)
 
 
 @dataclass(frozen=True)
@@ -184,10 +184,10 @@ def _sizes(model: Model, p0: Floats) -> Floats:
     bodies = np.zeros((0, 10)) if not model.joints else p0[: 10 * len(model.joints)].reshape(-1, 10)
     mass = np.abs(bodies[:, 0])
     mass = np.maximum(mass, 0.1 * mass.mean()) if mass.any() else np.ones(len(bodies))
-    spread = (
+    extent = (
         np.abs(np.trace(pseudo_inertia(bodies)[:, :3, :3], axis1=1, axis2=2)) / mass if len(bodies) else mass
     )
-    square = np.maximum(spread, 0.01)  # no smaller than a decimetre
+    square = np.maximum(extent, 0.01)  # no smaller than a decimetre
     radius = np.sqrt(square)
     out = [np.stack([mass, *[mass * radius] * 3, *[mass * square] * 6], axis=-1).ravel()]
     out.append(np.full(len(p0) - 10 * len(model.joints), np.inf))  # what is not known of drives is no prior
@@ -224,12 +224,14 @@ def _physical(
     """As `_linear`, over bodies that can exist and drives whose numbers are not negative."""
     lengths, whole = np.sqrt((R * R).sum(axis=0)), float(np.sqrt(z @ z)) or 1.0
     known = np.isinf(sizes) & (lengths == 0.0)  # drives that the log does not move keep the prior's numbers
-    seen = ~known
+    identifiable = ~known
     units = np.where(np.isinf(sizes), whole / np.where(lengths == 0.0, 1.0, lengths), sizes)
     w = np.where(np.isinf(sizes), 1e-12 * whole**2, max(ridge, 1e-10 * whole**2))
-    u, steps = minimised(Problem((R * units)[:, seen], z, w[seen], (p0 / units)[seen], count), progress)
+    u, steps = minimised(
+        Problem((R * units)[:, identifiable], z, w[identifiable], (p0 / units)[identifiable], count), progress
+    )
     p = np.maximum(p0, 0.0)
-    p[seen] = units[seen] * u
+    p[identifiable] = units[identifiable] * u
     return p, steps
 
 
@@ -239,7 +241,7 @@ def _result(
     W: Floats,
     known: Floats,
     p: Floats,
-    own: Floats,
+    nominal: Floats,
     sought: dict[str, bool],
     physical: bool,
     sigma: Floats,
@@ -252,7 +254,7 @@ def _result(
     lengths = np.sqrt((W1 * W1).sum(axis=0))
     values = np.linalg.svd(W1 / lengths, compute_uv=False) if base.count else np.ones(1)
     misfit = (((log.tau - known - W @ p) / sigma) ** 2).sum() / max(len(rows) - base.count, 1)
-    spread = np.diag(np.linalg.pinv((W1 / lengths).T @ (W1 / lengths))) if base.count else np.zeros(0)
+    variances = np.diag(np.linalg.pinv((W1 / lengths).T @ (W1 / lengths))) if base.count else np.zeros(0)
     drives, at = {}, 10 * len(model.joints)
     for name, wanted in sought.items():
         drives[name] = p[at : at + model.nv] if wanted else np.array(getattr(model, name))
@@ -264,10 +266,10 @@ def _result(
         physical=physical,
         base=base,
         base_values=base.of(p),
-        base_deviations=np.sqrt(misfit * np.maximum(spread, 0.0)) / lengths,
+        base_deviations=np.sqrt(misfit * np.maximum(variances, 0.0)) / lengths,
         condition=float(values[0] / values[-1]) if values[-1] > 0.0 else np.inf,
         measured=log.tau,
         fitted=W @ p + known,
-        before=W @ own + known,
+        before=W @ nominal + known,
         iterations=iterations,
     )

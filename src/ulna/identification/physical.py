@@ -49,7 +49,7 @@ def log_cholesky(parameters: ArrayLike) -> Floats:
     """t, (..., 10), of bodies that have volume.
 
     Raises:
-        InputError: a body cannot exist, or is flat: a point, a line or a sheet; `nearest_physical` mends that.
+        InputError: a body cannot exist, or is flat: a point, a line or a sheet; `nearest_physical` fixes that.
     """
     P = pseudo_inertia(parameters)
     try:
@@ -117,8 +117,8 @@ def _factor(t: Floats) -> Floats:
     return np.exp(t[..., 0])[..., None, None] * U
 
 
-def _ten(name: str, given: ArrayLike) -> Floats:
-    array = np.asarray(given, dtype=float)
+def _ten(name: str, parameters: ArrayLike) -> Floats:
+    array = np.asarray(parameters, dtype=float)
     if array.shape[-1:] != (10,):
         raise ShapeError(name, array.shape, "(..., 10)")
     return array

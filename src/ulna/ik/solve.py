@@ -100,15 +100,15 @@ class Solver:
         T = batched_array("T", T, core)
         batch = T.shape[: T.ndim - len(core)]
         goals = np.ascontiguousarray(T).reshape(-1, *core)
-        default_start, n = self._default_start, len(self.problem.positions)
-        q, counts = np.tile(default_start, (len(goals), 1)), np.zeros((len(goals), 2))
+        start_q, n = self._default_start, len(self.problem.positions)
+        q, counts = np.tile(start_q, (len(goals), 1)), np.zeros((len(goals), 2))
         state = np.tile(
-            np.concatenate([default_start[self.problem.positions], [0.0, 0.0, 1e300, 0.0, 0.0]]),
+            np.concatenate([start_q[self.problem.positions], [0.0, 0.0, 1e300, 0.0, 0.0]]),
             (len(goals), 1),
         )
         unmet, open_goals = np.arange(len(goals)), goals
         for _ in range(_ROUNDS):
-            state = self._batch_steps(open_goals, default_start, shift, settings, state, threads=threads)
+            state = self._batch_steps(open_goals, start_q, shift, settings, state, threads=threads)
             met = state[:, n + 3] > 0.5
             done = unmet[met]
             q[done[:, None], self.problem.positions] = state[met, :n]
@@ -116,9 +116,9 @@ class Solver:
             unmet, state, open_goals = unmet[~met], state[~met], open_goals[~met]
             if len(unmet) < _SINGLE_BELOW:
                 break
-        out = self._accept(goals, default_start, settings, q, counts, threads=threads)
+        out = self._accept(goals, start_q, settings, q, counts, threads=threads)
         if len(unmet):
-            out[unmet] = self._multi_start(open_goals, default_start, shift, settings, threads=threads)
+            out[unmet] = self._multi_start(open_goals, start_q, shift, settings, threads=threads)
         return out.reshape(*batch, -1)
 
     def _nearest(self, T: Any, raw: Floats, shift: Floats, settings: Floats, threads: int | None) -> Floats:

@@ -31,7 +31,7 @@ class Plain(dict[str, Any]):
 
 
 class Part(ABC):
-    """A theme of questions to a robot."""
+    """A group of methods of a robot."""
 
     __slots__ = ()
 

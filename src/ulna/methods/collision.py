@@ -132,13 +132,13 @@ class Collisions(Part):
         if not (world is None or isinstance(world, collision.World)):
             raise InputError(f"`world` is {world!r}; expected a World, as `World().add(...)` makes.")
         key = world and world.fingerprint, method, chosen
-        kept = self._kernels.setdefault("collision", {})
-        checker = kept.pop(key, None)
+        cache = self._kernels.setdefault("collision", {})
+        checker = cache.pop(key, None)
         if checker is None:
             checker = makers[method](self.model, world, **options)
-        kept[key] = checker
-        for old in list(kept)[:-_KEPT]:
-            kept.pop(old, None)  # another thread may have been faster
+        cache[key] = checker
+        for old in list(cache)[:-_KEPT]:
+            cache.pop(old, None)  # another thread may have been faster
         return checker
 
     def collision_spheres(self, tolerance: float = 0.012, most: int = 12) -> Spheres:

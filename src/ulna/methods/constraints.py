@@ -18,7 +18,7 @@ from ulna.model.constraint import listed
 from ulna.numeric import is_symbolic
 from ulna.typing import Array, ArrayLike
 
-Held = Sequence[Constraint] | Constraint
+AnyConstraints = Sequence[Constraint] | Constraint
 """What binds the robot: a list of constraints, or one."""
 
 _IDENTITY = np.eye(4)
@@ -26,15 +26,16 @@ _DEFAULT = Proximal()
 
 
 class Constraints(Part):
-    """How a robot moves when some of its frames are held.
+    """Motion of a robot whose frames are constrained.
 
     Constraints are a list of `ulna.model.PointContact`, `FrameContact`, `PointLoop` and `FrameLoop`. They bind m rows,
     constraint after constraint, linear part first: three for a point, six for a frame. Forces of constraints
     come in these rows: what is exerted on the first frame of each, at its origin, along the world's axes unless the
     constraint says axes="local".
 
-    `solver` is an `ulna.algorithms.Proximal`. The default gives the right acceleration also when constraints depend on
-    each other (four flat feet, a planar linkage closed in space); of all forces that do, those of least sum of squares.
+    `solver` is an `ulna.algorithms.Proximal`. The default returns the right acceleration also when constraints depend
+    on each other (four flat feet, a planar linkage closed in space); of all forces that do, those of least sum of
+    squares.
     """
 
     __slots__ = ()
@@ -44,7 +45,7 @@ class Constraints(Part):
         q: ArrayLike,
         v: ArrayLike,
         tau: ArrayLike,
-        constraints: Held,
+        constraints: AnyConstraints,
         forces: Forces = None,
         reference: Reference = "local_world_aligned",
         friction: bool | Friction = False,
@@ -60,16 +61,16 @@ class Constraints(Part):
             q: Configuration, (..., nq) [rad or m].
             v: Velocity, (..., nv) [rad/s or m/s].
             tau: Joint torques, (..., nv) [N m or N].
-            constraints: What is held.
+            constraints: The constraints.
             forces: External forces: frame name -> wrench (..., 6) [N, N m].
             reference: How those wrenches are written.
             friction: Whether friction brakes the motion.
             anchors: Where the contacts hold, one for each in their order: points (..., 3) [m] of point contacts, poses
-                (..., 4, 4); such as `robot.fk(q0, names)` gives, or `constraint_anchors`.
+                (..., 4, 4); such as `robot.fk(q0, names)` returns, or `constraint_anchors`.
             kp: Gain [1/s^2] that pulls constraints together that have drifted apart; one number, or one for each;
                 None for 0.
             kd: Gain [1/s] that brakes their drift; None for critical damping, 2 sqrt(kp), which is 0 for kp = 0.
-            solver: How the forces are found.
+            solver: The method that computes the forces.
 
         Returns:
             `a` (..., nv), `forces` (..., m), `residual` (...) and `iterations` (...). The residual is the largest entry
@@ -119,7 +120,7 @@ class Constraints(Part):
             J: Constraint Jacobian, (..., m, nv).
             drift: dJ/dt v and whatever stabilises, (..., m).
             compliance: How far forces make the constraints yield, (...) [1/kg]; None for not at all.
-            solver: How the forces are found.
+            solver: The method that computes the forces.
 
         Raises:
             ShapeError, DtypeError, NonFiniteError: If an argument cannot be what it stands for.
@@ -136,7 +137,7 @@ class Constraints(Part):
         self,
         q: ArrayLike,
         v: ArrayLike,
-        constraints: Held,
+        constraints: AnyConstraints,
         restitution: ArrayLike = 0.0,
         solver: Proximal = _DEFAULT,
     ) -> Impact:
@@ -145,9 +146,9 @@ class Constraints(Part):
         Args:
             q: Configuration, (..., nq) [rad or m].
             v: Velocity before, (..., nv) [rad/s or m/s].
-            constraints: What is held from now on.
-            restitution: What part of its velocity a constraint gives back, in [0, 1]; one number, or one for each.
-            solver: How the impulses are found.
+            constraints: The constraints from now on.
+            restitution: Coefficient of restitution of a constraint, in [0, 1]; one number, or one for each.
+            solver: The method that computes the impulses.
 
         Returns:
             `v` (..., nv), `impulses` (..., m) [N s, N m s], `residual` (...) [m/s, rad/s] and `iterations` (...).
@@ -157,51 +158,51 @@ class Constraints(Part):
 
         Reference: Featherstone 2008, section 11.7.
         """
-        given = listed(constraints)
-        options: dict[str, Any] = {"constraints": given, "solver": _solver(solver)}
+        listing = listed(constraints)
+        options: dict[str, Any] = {"constraints": listing, "solver": _solver(solver)}
         if isinstance(restitution, (int, float)) and restitution == 0.0:
             return Impact(*self._checked("impulse_dynamics", **options)(q, v))
-        back = _one_each("restitution", restitution, len(given))
+        back = _one_each("restitution", restitution, len(listing))
         if not is_symbolic(back) and not ((back >= 0.0) & (back <= 1.0)).all():
             raise InputError(f"`restitution` is {restitution}; expected numbers in [0, 1].")
         return Impact(*self._checked("impulse_dynamics", **options, elastic=True)(q, v, back))
 
-    def delassus_matrix(self, q: ArrayLike, constraints: Held) -> Any:
+    def delassus_matrix(self, q: ArrayLike, constraints: AnyConstraints) -> Any:
         """What forces do to the constraint acceleration, J M^-1 J^T, (..., m, m) [1/kg, 1/(kg m), 1/(kg m^2)]."""
         return self._checked("delassus_matrix", constraints=listed(constraints))(q)
 
-    def constraint_jacobian(self, q: ArrayLike, constraints: Held) -> Any:
+    def constraint_jacobian(self, q: ArrayLike, constraints: AnyConstraints) -> Any:
         """The matrix that makes the constraint velocity out of `v`, (..., m, nv)."""
         return self._checked("constraint_jacobian", constraints=listed(constraints))(q)
 
-    def constraint_velocity(self, q: ArrayLike, v: ArrayLike, constraints: Held) -> Any:
+    def constraint_velocity(self, q: ArrayLike, v: ArrayLike, constraints: AnyConstraints) -> Any:
         """How the first frames move as the second ones, or the world, see it, (..., m) [m/s, rad/s]."""
         return self._checked("constraint_velocity", constraints=listed(constraints))(q, v)
 
-    def constraint_bias(self, q: ArrayLike, v: ArrayLike, constraints: Held) -> Any:
+    def constraint_bias(self, q: ArrayLike, v: ArrayLike, constraints: AnyConstraints) -> Any:
         """The rate of that velocity when the joints do not accelerate, dJ/dt v, (..., m) [m/s^2, rad/s^2]."""
         return self._checked("constraint_bias", constraints=listed(constraints))(q, v)
 
     def constraint_error(
         self,
         q: ArrayLike,
-        constraints: Held,
+        constraints: AnyConstraints,
         anchors: ArrayLike | Sequence[ArrayLike] | None = None,
     ) -> Any:
         """How far the first frames are from where they are held, (..., m) [m, rad]: places, then rotation vectors.
 
         Contacts need `anchors`, as in `constrained_dynamics`; loops have none.
         """
-        told = listed(constraints)
-        contacts = [constraint for constraint in told if constraint.is_contact]
+        checked = listed(constraints)
+        contacts = [constraint for constraint in checked if constraint.is_contact]
         if contacts and anchors is None:
             raise InputError(
                 "Contacts have an error only against anchors; give anchors=robot.constraint_anchors(q0, constraints)."
             )
-        given = (_poses(anchors, contacts),) if contacts else ()
-        return self._checked("constraint_error", constraints=told)(q, *given)
+        poses = (_poses(anchors, contacts),) if contacts else ()
+        return self._checked("constraint_error", constraints=checked)(q, *poses)
 
-    def constraint_anchors(self, q: ArrayLike, constraints: Held) -> Any:
+    def constraint_anchors(self, q: ArrayLike, constraints: AnyConstraints) -> Any:
         """Where the contacts among the constraints are, as poses in the world, (..., contacts, 4, 4).
 
         Taken where contacts take hold, they are the `anchors` that keep them there.
@@ -217,12 +218,12 @@ class Constraints(Part):
         return np.stack(poses, axis=-3)
 
 
-def _solver(given: Any) -> Proximal:
-    if not isinstance(given, Proximal):
+def _solver(value: Any) -> Proximal:
+    if not isinstance(value, Proximal):
         raise InputError(
-            f"`solver` is {given!r}; expected an ulna.algorithms.Proximal, such as Proximal(mu=0.0)."
+            f"`solver` is {value!r}; expected an ulna.algorithms.Proximal, such as Proximal(mu=0.0)."
         )
-    return given
+    return value
 
 
 def _pull(constraints: Sequence[Constraint], anchors: Any, kp: Any, kd: Any) -> list[Array]:
@@ -244,16 +245,16 @@ def _pull(constraints: Sequence[Constraint], anchors: Any, kp: Any, kd: Any) -> 
     return [_poses(anchors, contacts), gains]
 
 
-def _gains(name: str, given: ArrayLike, count: int) -> Array:
-    gains = _one_each(name, given, count)
+def _gains(name: str, value: ArrayLike, count: int) -> Array:
+    gains = _one_each(name, value, count)
     if not is_symbolic(gains) and not (gains >= 0.0).all():
-        raise InputError(f"`{name}` is {given}; expected gains that are not below zero.")
+        raise InputError(f"`{name}` is {value}; expected gains that are not below zero.")
     return gains
 
 
-def _one_each(name: str, given: ArrayLike, count: int) -> Array:
+def _one_each(name: str, numbers: ArrayLike, count: int) -> Array:
     """One number for all, or one for each constraint, as (..., count)."""
-    value = batched_array(name, given, ())
+    value = batched_array(name, numbers, ())
     if value.ndim == 0:
         return np.broadcast_to(value, (count,))
     if value.shape[-1] != count:

@@ -68,5 +68,5 @@ class Regressors(Part):
         limit = np.asarray(self.model.effort_limit if effort is None else effort, dtype=float)
         free = np.isinf(limit)
         kernel = self._checked("payload_multiples", frame=frame, reference=reference)
-        found = kernel(q, load, np.where(free, np.finfo(float).max, limit))
-        return np.where(free & ~np.isnan(found), np.inf, found)
+        load_limit = kernel(q, load, np.where(free, np.finfo(float).max, limit))
+        return np.where(free & ~np.isnan(load_limit), np.inf, load_limit)

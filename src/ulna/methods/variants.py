@@ -31,7 +31,7 @@ class Variants(Part):
     ) -> Self:
         """This robot carrying another: a gripper on an arm, an arm on a base; see `ulna.model.attach`."""
         if not isinstance(other, type(self)):
-            raise InputError(f"`other` is {other!r}; expected a Robot, such as ulna.load(...) gives.")
+            raise InputError(f"`other` is {other!r}; expected a Robot, such as ulna.load(...) returns.")
         return type(self)(models.attach(self.model, other.model, frame, placement, prefix, **options))
 
     def with_tool(self, frame: str, placement: SE3 | None = None, name: str = "tool") -> Self:

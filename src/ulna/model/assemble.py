@@ -1,4 +1,4 @@
-"""From what a builder was told to a model: checks the fit, merges what is fixed, numbers what moves."""
+"""From the state of a builder to a model: checks the fit, merges what is fixed, numbers what moves."""
 
 from __future__ import annotations
 
@@ -15,41 +15,41 @@ from ulna.model.joints.axes import constant, snap_pose
 from ulna.model.model import Model
 from ulna.model.parts import Frame, Joint, Link, Mimic
 from ulna.model.positions import position
-from ulna.model.records import FrameRecord, JointRecord, LinkRecord, Told, at, wrong
+from ulna.model.records import BuilderState, FrameRecord, JointRecord, LinkRecord, at, wrong
 from ulna.model.tree import depth_first, joints_above, root_link
 from ulna.spatial import SE3, Inertia
 
 
-def assemble(told: Told) -> Model:
-    """The model made of what was told; see `ModelBuilder.build`."""
-    name, links, root_joint = told.name, told.links, told.root_joint
-    above = joints_above(name, links, told.joints)
+def assemble(state: BuilderState) -> Model:
+    """The model of a builder; see `ModelBuilder.build`."""
+    name, links, root_joint = state.name, state.links, state.root_joint
+    above = joints_above(name, links, state.joints)
     root = root_link(name, links, above)
-    if root_joint is not None and root_joint.name in told.joints:
+    if root_joint is not None and root_joint.name in state.joints:
         what = f"The root joint and another joint are both named {root_joint.name!r}"
         raise wrong(root_joint.where, f"{what}. Rename one of them.")
     order = depth_first(name, root, links, above)
     connecting = above if root_joint is None else {**above, root: root_joint}
     joints, placed = _place(order, links, connecting)
     inertias, base_inertia = aggregate(joints, placed)
-    _warn_of_inertias(told)
+    _warn_of_inertias(state)
     model = Model(
         name=name,
         joints=joints,
         links=placed,
-        frames=_frames(placed, connecting, told.frames),
+        frames=_frames(placed, connecting, state.frames),
         inertias=inertias,
         base_inertia=base_inertia,
-        gravity=checked_gravity(told.gravity),
+        gravity=checked_gravity(state.gravity),
         configurations={},
-        tool=_default_tool(joints, placed) if told.tool is None else told.tool,
-        disabled_pairs=_checked_pairs(told.disabled_pairs, links),
-        groups=_checked_groups(told.groups, {joint.name: joint for joint in connecting.values()}),
-        source=told.source,
+        tool=_default_tool(joints, placed) if state.tool is None else state.tool,
+        disabled_pairs=_checked_pairs(state.disabled_pairs, links),
+        groups=_checked_groups(state.groups, {joint.name: joint for joint in connecting.values()}),
+        source=state.source,
     )
     if model.tool not in model.frame_names:
         raise UnknownName("frame", model.tool, model.frame_names, "It is to be the tool.")
-    positions = {n: position(model, q, f"configuration {n!r}") for n, q in told.configurations.items()}
+    positions = {n: position(model, q, f"configuration {n!r}") for n, q in state.configurations.items()}
     return replace(model, configurations=positions) if positions else model
 
 
@@ -131,15 +131,15 @@ def _followed(
     followers: Iterable[JointRecord], records: Mapping[str, JointRecord]
 ) -> dict[str, tuple[str, float, float]]:
     """For each mimic joint the joint that it follows in the end, and the ratio and offset of the whole chain."""
-    found: dict[str, tuple[str, float, float]] = {}
+    resolved: dict[str, tuple[str, float, float]] = {}
     for record in followers:
-        chain = _chain(record, records, found)
+        chain = _chain(record, records, resolved)
         for link in reversed(chain):  # each follows the next one, whose own leader is known by then
             assert link.mimic is not None
             leader, ratio, shift = link.mimic
-            source, multiplier, offset = found.get(leader, (leader, 1.0, 0.0))
-            found[link.name] = (source, ratio * multiplier, ratio * offset + shift)
-    return found
+            source, multiplier, offset = resolved.get(leader, (leader, 1.0, 0.0))
+            resolved[link.name] = (source, ratio * multiplier, ratio * offset + shift)
+    return resolved
 
 
 def _chain(
@@ -180,9 +180,9 @@ def _geared(
 
 
 def _frames(
-    links: tuple[Link, ...], above: Mapping[str, JointRecord], told: Mapping[str, FrameRecord]
+    links: tuple[Link, ...], above: Mapping[str, JointRecord], added: Mapping[str, FrameRecord]
 ) -> tuple[Frame, ...]:
-    """The frames of links and joints in the order of the links, then those that were told."""
+    """The frames of links and joints in the order of the links, then those that were added."""
     identity = snap_pose(SE3.identity())
     frames: list[Frame] = []
     for link in links:
@@ -195,7 +195,7 @@ def _frames(
         frames.append(Frame(link.name, link.joint, link.placement, "link", link.name, identity))
     taken = {frame.name: frame.kind for frame in frames}
     by_name = {link.name: link for link in links}
-    for record in told.values():
+    for record in added.values():
         if record.link not in by_name:
             raise UnknownName(
                 "link", record.link, by_name, at(record.where, f"Frame {record.name!r} is to be on it.")
@@ -231,15 +231,15 @@ _SLIGHT = 1e-4
 """What share of the largest moment of all links is too little to speak of: placeholders on links without a body."""
 
 
-def _warn_of_inertias(told: Told) -> None:
+def _warn_of_inertias(state: BuilderState) -> None:
     """One warning about all inertias that no distribution of mass has."""
-    moments = {name: np.linalg.eigvalsh(link.inertia.inertia) for name, link in told.links.items()}
+    moments = {name: np.linalg.eigvalsh(link.inertia.inertia) for name, link in state.links.items()}
     slight = _SLIGHT * max((float(np.abs(m).max()) for m in moments.values()), default=0.0)
     negative: list[str] = []
     lopsided: list[tuple[float, str]] = []
     for name, (least, middle, largest) in moments.items():
-        link = told.links[name]
-        if name in told.from_models:
+        link = state.links[name]
+        if name in state.from_models:
             continue
         # Noise in the file: beside the other moments, or beside those of the mass within a micrometre.
         noise = max(1e-9 * max(abs(least), abs(largest)), 1e-12 * float(link.inertia.mass), 1e-21)
@@ -268,7 +268,7 @@ def _warn_of_inertias(told: Told) -> None:
             else "the dynamics are those of the numbers, not of a body"
         )
         warnings.warn(
-            f"Model {told.name!r} has inertias that no body has, {'; and '.join(said)}. "
+            f"Model {state.name!r} has inertias that no body has, {'; and '.join(said)}. "
             f"Kinematics are right; {trust}.",
             ModelWarning,
             stacklevel=4,

@@ -55,10 +55,10 @@ class ModelBuilder(PartsBuilder):
             locked: For joints that shall not move any more, their position (kind.nq,).
 
         Raises:
-            ModelError: a name is taken; another `prefix` mends that.
+            ModelError: a name is taken; another `prefix` fixes that.
         """
         add_model(self, model, link, placement, prefix=prefix, mount=joint, locked=locked)
-        self._told.from_models.update(prefix + name for name in model.link_names)
+        self._state.from_models.update(prefix + name for name in model.link_names)
         return self
 
     def build(self) -> Model:
@@ -68,7 +68,7 @@ class ModelBuilder(PartsBuilder):
         joint before them. Rounding noise below 1e-15 in rotations and translations is cleaned off.
 
         Raises:
-            ModelError: the parts contradict one another; the message says how to mend it.
+            ModelError: the parts contradict one another; the message says how to fix it.
             UnknownName: a name is used that nothing bears; offers the nearest one.
         """
-        return assemble(self._told)
+        return assemble(self._state)

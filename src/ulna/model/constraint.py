@@ -201,16 +201,16 @@ def listed(constraints: Any) -> tuple[Constraint, ...]:
     Raises:
         InputError: There is something else among them, or nothing.
     """
-    given = tuple(constraints) if isinstance(constraints, (list, tuple)) else (constraints,)
-    if not all(isinstance(constraint, Constraint) for constraint in given):
+    listing = tuple(constraints) if isinstance(constraints, (list, tuple)) else (constraints,)
+    if not all(isinstance(constraint, Constraint) for constraint in listing):
         raise InputError(
             f"`constraints` is {constraints!r}; expected a list of PointContact, FrameContact, PointLoop or FrameLoop."
         )
-    if not given:
+    if not listing:
         raise InputError(
             "`constraints` is empty; expected one or more. `forward_dynamics` is what nothing binds."
         )
-    return given
+    return listing
 
 
 def bonds(model: Model, constraints: Sequence[Constraint] | Constraint) -> tuple[Bond, ...]:
@@ -224,11 +224,11 @@ def bonds(model: Model, constraints: Sequence[Constraint] | Constraint) -> tuple
 
 
 def _bond(model: Model, constraint: Constraint) -> Bond:
-    found = []
+    ends = []
     for name, pose in constraint.ends():
         frame = model.frame(name)
-        found.append(End(frame.joint, frame.placement @ pose))
-    first, second = (found[0], None) if constraint.is_contact else found
+        ends.append(End(frame.joint, frame.placement @ pose))
+    first, second = (ends[0], None) if constraint.is_contact else ends
     if second is None and first.joint < 0:
         raise InputError(
             f"{constraint} holds a frame that no joint moves, so that it binds nothing; name a frame that moves."
@@ -244,13 +244,13 @@ def _at(point: tuple[float, float, float]) -> SE3:
     return SE3(np.eye(3), np.array(point))
 
 
-def _point(name: str, given: Any) -> tuple[float, ...]:
-    point = batched_array(name, given, (3,), "A point in the frame [m].")
+def _point(name: str, value: Any) -> tuple[float, ...]:
+    point = batched_array(name, value, (3,), "A point in the frame [m].")
     if point.ndim > 1:
         raise ShapeError(name, point.shape, "(3,)", "A point in the frame [m].")
     return tuple(point.tolist())
 
 
-def _check_placement(name: str, given: Any) -> None:
-    if not isinstance(given, SE3) or given.batch_shape:
-        raise InputError(f"`{name}` is {given!r}; expected one SE3, the pose in the frame.")
+def _check_placement(name: str, value: Any) -> None:
+    if not isinstance(value, SE3) or value.batch_shape:
+        raise InputError(f"`{name}` is {value!r}; expected one SE3, the pose in the frame.")

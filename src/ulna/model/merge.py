@@ -41,7 +41,7 @@ def attach(
 
     Raises:
         UnknownName: `base` has no such frame.
-        ModelError: both use a name; another `prefix` mends that.
+        ModelError: both use a name; another `prefix` fixes that.
     """
     spot = base.frame(base.tool if frame is None else frame)
     builder = ModelBuilder(base.name if name is None else name, base.source)

@@ -103,12 +103,12 @@ class Model(metaclass=Explained):
     @cached_property
     def damping(self) -> Floats:
         """Viscous friction, shape (nv,) [N s/m, N m s/rad]; that of a mimic joint adds multiplier^2 times its own."""
-        return self._felt(lambda joint: joint.damping, lambda ratio: ratio * ratio)
+        return self._reflected(lambda joint: joint.damping, lambda ratio: ratio * ratio)
 
     @cached_property
     def friction(self) -> Floats:
         """Coulomb friction, shape (nv,) [N, N m]; that of a mimic joint adds |multiplier| times its own."""
-        return self._felt(lambda joint: joint.friction, abs)
+        return self._reflected(lambda joint: joint.friction, abs)
 
     @cached_property
     def armature(self) -> Floats:
@@ -116,7 +116,7 @@ class Model(metaclass=Explained):
 
         That of a mimic joint adds multiplier^2 times its own, so that v . armature v / 2 is the energy of all drives.
         """
-        return self._felt(lambda joint: joint.armature, lambda ratio: ratio * ratio)
+        return self._reflected(lambda joint: joint.armature, lambda ratio: ratio * ratio)
 
     @cached_property
     def neutral(self) -> Floats:
@@ -131,14 +131,16 @@ class Model(metaclass=Explained):
     def _gather(self, part: Callable[[Joint], Iterable[float]]) -> Floats:
         return constant([x for joint in self.joints if joint.mimic is None for x in part(joint)])
 
-    def _felt(self, part: Callable[[Joint], tuple[float, ...]], share: Callable[[float], float]) -> Floats:
-        """What drives resist with, (nv,): that of a mimic joint does its virtual work at its source."""
-        felt = [x for joint in self.joints if joint.mimic is None for x in part(joint)]
+    def _reflected(
+        self, part: Callable[[Joint], tuple[float, ...]], share: Callable[[float], float]
+    ) -> Floats:
+        """A property of the drives reflected at the joints, (nv,): mimic joints add to their source by virtual work."""
+        totals = [x for joint in self.joints if joint.mimic is None for x in part(joint)]
         for joint in self.joints:
             if joint.mimic is not None:
-                for k, own in enumerate(part(joint), start=joint.idx_v):
-                    felt[k] = felt[k] + share(joint.mimic.multiplier) * own
-        return constant(felt)
+                for k, value in enumerate(part(joint), start=joint.idx_v):
+                    totals[k] = totals[k] + share(joint.mimic.multiplier) * value
+        return constant(totals)
 
     # names -------------------------------------------------------------------------------------------------
 

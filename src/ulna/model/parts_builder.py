@@ -24,7 +24,7 @@ from ulna.model.check import (
 )
 from ulna.model.joints import JointKind
 from ulna.model.parts import FrameKind
-from ulna.model.records import FrameRecord, JointRecord, LinkRecord, Told, wrong
+from ulna.model.records import BuilderState, FrameRecord, JointRecord, LinkRecord, wrong
 from ulna.spatial import SE3, Inertia
 from ulna.typing import ArrayLike, Floats
 
@@ -40,7 +40,7 @@ class PartsBuilder:
     """
 
     def __init__(self, name: str, source: str | None = None) -> None:
-        self._told = Told(checked_name("model", name), source)
+        self._state = BuilderState(checked_name("model", name), source)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name!r}: {len(self.link_names)} links, {len(self.joint_names)} joints>"
@@ -48,31 +48,31 @@ class PartsBuilder:
     @property
     def name(self) -> str:
         """The model's name."""
-        return self._told.name
+        return self._state.name
 
     @property
     def link_names(self) -> tuple[str, ...]:
-        """Names of the links told so far."""
-        return tuple(self._told.links)
+        """Names of the links added so far."""
+        return tuple(self._state.links)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints told so far, fixed ones included."""
-        return tuple(self._told.joints)
+        """Names of the joints added so far, fixed ones included."""
+        return tuple(self._state.joints)
 
     @property
     def frame_names(self) -> tuple[str, ...]:
-        """Names of the frames told so far, not counting those of links and joints."""
-        return tuple(self._told.frames)
+        """Names of the frames added so far, not counting those of links and joints."""
+        return tuple(self._state.frames)
 
     @property
     def gravity(self) -> Floats:
         """Acceleration of free fall in the world frame, shape (3,) [m/s^2]; (0, 0, -9.81) unless set."""
-        return np.asarray(self._told.gravity, dtype=float)
+        return np.asarray(self._state.gravity, dtype=float)
 
     @gravity.setter
     def gravity(self, gravity: ArrayLike) -> None:
-        self._told.gravity = checked_gravity(gravity)
+        self._state.gravity = checked_gravity(gravity)
 
     def add_link(
         self,
@@ -95,7 +95,7 @@ class PartsBuilder:
         Raises:
             ModelError: the name is taken, or the inertia cannot be one.
         """
-        links = self._told.links
+        links = self._state.links
         _refuse_twice("link", checked_name("link", name, where), links, where)
         links[name] = LinkRecord(
             name,
@@ -148,11 +148,11 @@ class PartsBuilder:
         Raises:
             ModelError: the name is taken, or a value cannot be used.
         """
-        _refuse_twice("joint", checked_name("joint", name, where), self._told.joints, where)
+        _refuse_twice("joint", checked_name("joint", name, where), self._state.joints, where)
         kind = checked_kind(name, kind, where)
         if checked_name(f"parent of joint {name!r}", parent, where) == child:
             raise wrong(where, f"Joint {name!r} connects link {parent!r} with itself; expected two links.")
-        self._told.joints[name] = JointRecord(
+        self._state.joints[name] = JointRecord(
             name=name,
             kind=kind,
             parent=parent,
@@ -194,7 +194,7 @@ class PartsBuilder:
         if rest.get("mimic") is not None:
             raise wrong(rest.get("where", ""), f"The root joint {name!r} is to mimic a joint; it cannot.")
         alone = PartsBuilder(self.name).add_joint(name, kind, "world", "root", placement, **rest)
-        self._told.root_joint = replace(alone._told.joints[name], parent=None, child="")
+        self._state.root_joint = replace(alone._state.joints[name], parent=None, child="")
         return self
 
     def add_frame(
@@ -218,7 +218,7 @@ class PartsBuilder:
         Raises:
             ModelError: the name is taken, or a value cannot be used.
         """
-        frames = self._told.frames
+        frames = self._state.frames
         _refuse_twice("frame", checked_name("frame", name, where), frames, where)
         if kind not in ("user", "tool"):
             raise wrong(where, f"Frame {name!r} is to be of kind {kind!r}; expected 'user' or 'tool'.")
@@ -234,7 +234,7 @@ class PartsBuilder:
         Without it, it is the leaf link with the most joints before it (mimic joints do not count), the first
         of those.
         """
-        self._told.tool = checked_name("tool", name)
+        self._state.tool = checked_name("tool", name)
         return self
 
     def add_configuration(self, name: str, q: Position) -> Self:
@@ -245,13 +245,13 @@ class PartsBuilder:
             q: The whole position (nq,), or a dictionary from joint names to positions, where the joints left
                 out stand at neutral and mimic joints may be listed but follow their source.
         """
-        self._told.configurations[checked_name("configuration", name)] = q
+        self._state.configurations[checked_name("configuration", name)] = q
         return self
 
     def disable_pair(self, link_a: str, link_b: str) -> Self:
         """Says that two links need no collision check."""
         first, second = sorted((checked_name("link", link_a), checked_name("link", link_b)))
-        self._told.disabled_pairs.add((first, second))
+        self._state.disabled_pairs.add((first, second))
         return self
 
     def add_group(self, name: str, joints: Iterable[str]) -> Self:
@@ -260,14 +260,14 @@ class PartsBuilder:
             raise ModelError(
                 f"The joints of group {name!r} are the string {joints!r}; expected a list of names."
             )
-        before = self._told.groups.get(checked_name("group", name), ())
-        self._told.groups[name] = tuple(dict.fromkeys([*before, *joints]))
+        before = self._state.groups.get(checked_name("group", name), ())
+        self._state.groups[name] = tuple(dict.fromkeys([*before, *joints]))
         return self
 
-    def require_link(self, name: str, mend: str = "") -> None:
-        """Raises UnknownName unless a link of that name was told."""
-        if name not in self._told.links:
-            raise UnknownName("link", name, self._told.links, mend)
+    def require_link(self, name: str, fix: str = "") -> None:
+        """Raises UnknownName unless a link of that name was added."""
+        if name not in self._state.links:
+            raise UnknownName("link", name, self._state.links, fix)
 
 
 def _pose(pose: SE3 | None) -> SE3:

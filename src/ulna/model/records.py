@@ -1,4 +1,4 @@
-"""What a builder has been told so far: links, joints and frames by name, not yet put together."""
+"""The state of a builder: links, joints and frames by name, not yet put together."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ class FrameRecord:
 
 
 @dataclass
-class Told:
-    """All that a builder was told."""
+class BuilderState:
+    """The parts added to a builder so far."""
 
     name: str
     source: str | None = None

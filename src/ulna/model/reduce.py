@@ -45,10 +45,10 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
         raise InputError(
             f"`joints` is {joints!r}; expected names in a list, or a dictionary from names to positions."
         )
-    told: Mapping[str, Any] = joints if isinstance(joints, Mapping) else dict.fromkeys(joints)
+    positions: Mapping[str, Any] = joints if isinstance(joints, Mapping) else dict.fromkeys(joints)
     whole = np.array(model.neutral) if q is None else position(model, q)
     locked: dict[str, Floats] = {}
-    for name, value in told.items():
+    for name, value in positions.items():
         if name not in model.joint_names:
             raise UnknownName("movable joint", name, model.joint_names, "It is to be locked.")
         joint = model.joint(name)

@@ -1,4 +1,4 @@
-"""Whether links and joints form a tree, and in which order: parents first, depth first, as told."""
+"""Whether links and joints form a tree, and in which order: parents first, depth first, in the order of addition."""
 
 from __future__ import annotations
 
@@ -48,21 +48,21 @@ def root_link(model: str, links: Mapping[str, LinkRecord], above: Mapping[str, J
 
 def _cycle(start: str, above: Mapping[str, JointRecord]) -> str:
     """The circle of links that walking up from `start` ends in, as text."""
-    seen: dict[str, int] = {}
+    visited: dict[str, int] = {}
     walk: list[str] = []
     link = start
-    while link not in seen:
-        seen[link] = len(walk)
+    while link not in visited:
+        visited[link] = len(walk)
         walk.append(link)
         link = above[link].parent or ""
-    circle = [*walk[seen[link] :], link]
+    circle = [*walk[visited[link] :], link]
     return "the joints run in a circle, " + " -> ".join(repr(name) for name in reversed(circle))
 
 
 def depth_first(
     model: str, root: str, links: Mapping[str, LinkRecord], above: Mapping[str, JointRecord]
 ) -> list[str]:
-    """The links, parents before children, siblings in the order their joints were told."""
+    """The links, parents before children, siblings in the order their joints were added."""
     below: dict[str, list[str]] = {link: [] for link in links}
     for child, joint in above.items():
         below[joint.parent or ""].append(child)

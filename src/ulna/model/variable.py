@@ -1,4 +1,4 @@
-"""The numbers of a model that can be told anew: their names and values, and the model with others in their place.
+"""Parameters of a model that can be replaced: their names and values, and the model with other values.
 
 | name | what it holds | shape | unit |
 |---|---|---|---|
@@ -13,8 +13,8 @@
 
 A frame that is off stands at T' = T Trans(d) Exp(w), where T is its pose in the model: d and w are written in its own
 axes as the model has them. The base is off by Trans(d) Exp(w) T in the axes of the world. Six numbers reach every
-error; that poses cannot tell all of them apart (a shift along the axis of a revolute joint, or a turn about it, is also
-one of the next joint) is for the estimator to see. Source: Mooring, Roth & Driels, Fundamentals of Manipulator
+error; that poses cannot distinguish all of them (a shift along the axis of a revolute joint, or a turn about it, is
+also one of the next joint) is for the estimator to see. Source: Mooring, Roth & Driels, Fundamentals of Manipulator
 Calibration (1991), chapter 2.
 """
 
@@ -51,12 +51,12 @@ _NAMES = ("base", "placement", "shift", "offset", "tool", "inertia", "gravity", 
 
 
 def parameter_names(model: Model) -> tuple[str, ...]:
-    """The names of what can be told anew: `with_parameters` and kernels take them."""
+    """Names of the parameters that `with_parameters` and kernels take."""
     return (*_NAMES, *(_OF_FRAME + frame.name for frame in model.frames if _is_added(frame)))
 
 
 def parameters(model: Model, name: str) -> Floats:
-    """The value that a parameter has in a model: told anew, it changes nothing.
+    """The value that a parameter has in a model: replacing it by this changes nothing.
 
     Args:
         model: The model.
@@ -100,16 +100,16 @@ def with_parameters(model: Model, values: Mapping[str, Any], *, check: bool = Tr
 
     Args:
         model: The model.
-        values: Parameters by name, of the shapes that `parameters` gives.
+        values: Parameters by name, of the shapes that `parameters` returns.
         check: Whether to refuse bodies that cannot exist; see `with_dynamic_parameters`.
 
     Raises:
         UnknownName: no parameter of that name.
         ShapeError, NonFiniteError, InputError, ModelError: a value cannot be what it stands for.
     """
-    told = {name: _checked(model, name, value) for name, value in values.items()}
-    for name in sorted(told, key=parameter_names(model).index):
-        value = told[name]
+    checked_values = {name: _checked(model, name, value) for name, value in values.items()}
+    for name in sorted(checked_values, key=parameter_names(model).index):
+        value = checked_values[name]
         if is_symbolic(value) or (value != parameters(model, name)).any():
             model = _changed(model, name, value, check)
     return model
@@ -144,8 +144,8 @@ def _checked(model: Model, name: str, value: Any) -> Array:
     shape = parameters(model, name).shape
     array = batched_array(name, value, shape)
     if array.shape != shape:
-        mend = "One model has one value; for a batch of models ask a kernel: robot.kernel(..., parameters=(...,))."
-        raise ShapeError(name, array.shape, str(shape), mend)
+        fix = "One model has one value; for a batch of models ask a kernel: robot.kernel(..., parameters=(...,))."
+        raise ShapeError(name, array.shape, str(shape), fix)
     return array
 
 
@@ -224,12 +224,12 @@ def _plain(kind: JointKind) -> Iterator[int]:
 def _shifted(model: Model, value: Array) -> Model:
     whole = np.zeros(model.nq, dtype=value.dtype)
     whole[list(offset_entries(model))] = value
-    own = [whole[joint.idx_q : joint.idx_q + joint.kind.nq] for joint in model.joints]
+    parts = [whole[joint.idx_q : joint.idx_q + joint.kind.nq] for joint in model.joints]
     if is_symbolic(value):
-        joints = (_Shifted(**vars(joint), zero=zero) for joint, zero in zip(model.joints, own, strict=True))
+        joints = (_Shifted(**vars(joint), zero=zero) for joint, zero in zip(model.joints, parts, strict=True))
         return replace(model, joints=tuple(joints))
     off = []
-    for joint, zero in zip(model.joints, own, strict=True):
+    for joint, zero in zip(model.joints, parts, strict=True):
         if isinstance(joint.kind, (Composite, Universal)) and zero.any():
             raise InputError(
                 f"An offset of joint {joint.name!r} ({joint.kind.describe()}) cannot be made part of a model; add it "
@@ -258,7 +258,7 @@ class _Shifted(Joint):
 @final
 @dataclass(frozen=True, eq=False)
 class _Body:
-    """A body told by its ten parameters, as an `Inertia` answers; for one trace. It never divides by its mass."""
+    """A body described by its ten parameters, as an `Inertia` answers; for one trace. It never divides by its mass."""
 
     numbers: Array
 

@@ -56,13 +56,13 @@ OWN: dict[str, Entry] = {
 
 def entries() -> tuple[Entry, ...]:
     """Every robot that can be loaded by name here and now, the first source to know a name taking it."""
-    found = dict(OWN)
+    entries_by_name = dict(OWN)
     if example_robot_data.share_folder() is not None:
         for d in example_robot_data.DESCRIPTIONS.values():
-            found.setdefault(d.name, Entry(d.name, "example-robot-data", d.urdf, d.floating))
+            entries_by_name.setdefault(d.name, Entry(d.name, "example-robot-data", d.urdf, d.floating))
     for name in robot_descriptions.names():
-        found.setdefault(name, Entry(name, "robot_descriptions", "fetched on first use"))
-    return tuple(found.values())
+        entries_by_name.setdefault(name, Entry(name, "robot_descriptions", "fetched on first use"))
+    return tuple(entries_by_name.values())
 
 
 def names() -> tuple[str, ...]:
@@ -80,10 +80,10 @@ def find(name: str) -> Entry:
         UnknownName: no source knows it; offers the nearest name.
         MissingExtra: the source that is asked for, or the only one that knows the name, is not installed.
     """
-    source, _, rest = name.rpartition(":")
+    source, _, plain_name = name.rpartition(":")
     if source and source not in SOURCES:
         raise UnknownName("source of robots", source, SOURCES)
-    plain = re.sub(r"[\s-]+", "_", rest.strip()).lower()
+    plain = re.sub(r"[\s-]+", "_", plain_name.strip()).lower()
     for candidate in SOURCES:
         if source in ("", candidate):
             entry = _find_in(candidate, plain, asked=bool(source))

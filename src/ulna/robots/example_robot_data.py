@@ -108,14 +108,14 @@ _FLOATING = """
 
 
 def _table(text: str, floating: bool) -> dict[str, Description]:
-    found = {}
+    descriptions = {}
     for line in text.strip().splitlines():
         name, urdf, srdf, posture, *_ = (*line.split(), None, None)
         assert name is not None and urdf is not None
         if srdf is not None:
             srdf = f"{urdf.split('/')[0]}/srdf/{srdf}.srdf"
-        found[name] = Description(name, urdf, srdf, floating, posture)
-    return found
+        descriptions[name] = Description(name, urdf, srdf, floating, posture)
+    return descriptions
 
 
 DESCRIPTIONS: dict[str, Description] = dict(sorted((_table(_FIXED, False) | _table(_FLOATING, True)).items()))

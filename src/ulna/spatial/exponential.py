@@ -149,14 +149,14 @@ def _derivative(v: Array, w: Array, factors: tuple[Any, Any], slopes: tuple[Any,
     turn = column(first) * v + column(first_slope * wv) * w  # of the skew part
     x, y, z = (turn[..., n] for n in range(3))
     half_slope = 0.5 * (second_slope * wv)
-    u = column(second) * v + column(half_slope) * w  # of the symmetric part, w u^T + u w^T - spread I
+    u = column(second) * v + column(half_slope) * w  # of the symmetric part, w u^T + u w^T - trace I
     p = [[w[..., i] * u[..., j] + u[..., i] * w[..., j] for j in range(3)] for i in range(3)]
-    spread = 2.0 * (second * wv + half_slope * t2)
+    trace = 2.0 * (second * wv + half_slope * t2)
     return matrix(
         [
-            [p[0][0] - spread, p[0][1] - z, p[0][2] + y],
-            [p[0][1] + z, p[1][1] - spread, p[1][2] - x],
-            [p[0][2] - y, p[1][2] + x, p[2][2] - spread],
+            [p[0][0] - trace, p[0][1] - z, p[0][2] + y],
+            [p[0][1] + z, p[1][1] - trace, p[1][2] - x],
+            [p[0][2] - y, p[1][2] + x, p[2][2] - trace],
         ]
     )
 

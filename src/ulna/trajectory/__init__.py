@@ -2,7 +2,6 @@
 
 from ulna.trajectory.base import Samples as Samples
 from ulna.trajectory.base import Trajectory as Trajectory
-from ulna.trajectory.base import concatenate as concatenate
 from ulna.trajectory.blends import blended as blended
 from ulna.trajectory.boundary import cubic as cubic
 from ulna.trajectory.boundary import quintic as quintic
@@ -12,6 +11,7 @@ from ulna.trajectory.check import Report as Report
 from ulna.trajectory.check import check as check
 from ulna.trajectory.compose import Chain as Chain
 from ulna.trajectory.compose import Retimed as Retimed
+from ulna.trajectory.compose import concatenate as concatenate
 from ulna.trajectory.files import load as load
 from ulna.trajectory.files import save as save
 from ulna.trajectory.following import follow as follow
@@ -19,6 +19,7 @@ from ulna.trajectory.limited import jerk_limited as jerk_limited
 from ulna.trajectory.lines import arc_through as arc_through
 from ulna.trajectory.lines import circle as circle
 from ulna.trajectory.lines import pose_line as pose_line
+from ulna.trajectory.picture import plot as _plot  # noqa: F401  # implements Trajectory.plot
 from ulna.trajectory.polynomial import Polynomial as Polynomial
 from ulna.trajectory.polynomial import hermite as hermite
 from ulna.trajectory.pose_splines import pose_spline as pose_spline

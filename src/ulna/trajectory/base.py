@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,6 +17,14 @@ from ulna.typing import ArrayLike, Floats
 
 END_TOLERANCE = 1e-9
 """How far beyond its ends, in parts of the duration, a time still counts as that end: what summing steps may lose."""
+
+_operations: dict[str, Callable[..., Any]] = {}
+
+
+def register_operation(name: str, function: Callable[..., Any]) -> None:
+    """Makes `function` the implementation of a method that needs modules built on this one, such as `retimed`."""
+    _operations[name] = function
+
 
 _BETWEEN = np.arange(1, 16) / 16.0  # where between two knots peaks are looked for at least
 _CLOSE = 1e-9  # how close the bound of a peak is to it, in parts of it
@@ -151,7 +160,7 @@ class Trajectory(ABC):
         """This trajectory, then the other; see `concatenate`."""
         if not isinstance(other, Trajectory):
             return NotImplemented
-        return concatenate(self, other)
+        return _operations["concatenate"](self, other)
 
     def retimed(self, law: Trajectory) -> Trajectory:
         """The same path under another law of time: the point at `t` is this one's at `law(t)`.
@@ -159,9 +168,7 @@ class Trajectory(ABC):
         Args:
             law: A trajectory of one number that runs from 0 to this duration.
         """
-        from ulna.trajectory.compose import Retimed
-
-        return Retimed.of(self, law)
+        return _operations["retimed"](self, law)
 
     def with_duration(self, duration: float) -> Trajectory:
         """The same motion, evenly slowed down or sped up to last `duration` [s]."""
@@ -184,23 +191,21 @@ class Trajectory(ABC):
             velocity: Limits of speed, one or (nv,) [rad/s or m/s].
             acceleration: Limits of acceleration [rad/s^2 or m/s^2].
             jerk: Limits of jerk [rad/s^3 or m/s^3].
-            samples: At how many times the motion is looked at, at least, before it is looked at closer near its peaks.
+            samples: At how many times the motion is evaluated, at least, before it is refined near its peaks.
         """
-        given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
-        limits = [positive(name, x, self.space.n, infinite=True) for name, x in given.items()]
+        bounds = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+        limits = [positive(name, x, self.space.n, infinite=True) for name, x in bounds.items()]
         order = 3 if np.isfinite(limits[2]).any() else 2
         peaks = self._peaks(samples, order)
         used = [float((peak / limit).max()) for peak, limit in zip(peaks, limits, strict=False)]
         factor = max(part ** (1.0 / power) for power, part in enumerate(used, start=1))
         if factor == 0.0:
-            raise InputError(
-                "No limit is finite, or nothing moves; expected a limit that says how fast to go."
-            )
+            raise InputError("No limit is finite, or nothing moves; expected a finite limit and a motion.")
         return self._stretched(factor)
 
     def instants(self, samples: int) -> Floats:
-        """Where peaks are looked for, sorted: `samples` even times, some between any two knots, and each knot with the
-        moment before it.
+        """Where peaks are searched for, sorted: `samples` even times, some between any two knots, and each knot with
+        the moment before it.
         """
         knots = self.knots
         before = np.nextafter(knots[1:], 0.0)
@@ -216,24 +221,20 @@ class Trajectory(ABC):
             return np.concatenate([rates, -rates], axis=1)
 
         rough = sizes(self.instants(2)).max(axis=0)
-        found = greatest(sizes, self.knots, samples, _CLOSE * np.maximum(rough, rough.max() * 1e-6)).bound
-        return list(found.reshape(2, order, -1).max(axis=0))
+        peaks = greatest(sizes, self.knots, samples, _CLOSE * np.maximum(rough, rough.max() * 1e-6)).bound
+        return list(peaks.reshape(2, order, -1).max(axis=0))
 
     def reversed(self) -> Trajectory:
-        """The same way back: at `t` it is where this one is at `duration - t`."""
+        """The same path backwards: at `t` it is where this one is at `duration - t`."""
         return self._stretched(-1.0)
 
     def plot(self, path: str | Path | None = None, samples: int = 500) -> Any:
         """Draws point, velocity and acceleration over time; see `ulna.trajectory.picture.plot`."""
-        from ulna.trajectory.picture import plot
-
-        return plot(self, path, samples)
+        return _operations["plot"](self, path, samples)
 
     def save(self, path: str | Path, rate: float | None = None) -> None:
         """Writes a .npz or .csv file; see `ulna.trajectory.files.save`."""
-        from ulna.trajectory.files import save
-
-        save(self, path, rate)
+        _operations["save"](self, path, rate)
 
     def __repr__(self) -> str:
         what = (
@@ -244,9 +245,7 @@ class Trajectory(ABC):
 
     def _stretched(self, factor: float) -> Trajectory:
         """Slower by `factor`; backwards when it is negative."""
-        from ulna.trajectory.compose import Retimed
-
-        return Retimed.evenly(self, factor)
+        return _operations["evenly"](self, factor)
 
     def _derivative(self, t: ArrayLike, order: int) -> Floats:
         return self._evaluate(t, order)[order]
@@ -267,22 +266,6 @@ class Trajectory(ABC):
     def _checked_at(self, t: Floats, order: int) -> tuple[Floats, ...]:
         if order > self.order:
             raise InputError(
-                f"{self!r} knows {self.order} derivatives and no jerk; joints under polynomials know it."
+                f"{self!r} has {self.order} derivatives and no jerk; polynomials of joints have it."
             )
         return self._at(t, order)
-
-
-def concatenate(*parts: Trajectory, tolerance: float = 1e-6) -> Trajectory:
-    """One trajectory after the other, which `a + b` writes shorter.
-
-    Args:
-        *parts: Trajectories of the same space.
-        tolerance: By how much the end of one and the start of the next may differ in any entry, of the point [rad or
-            m] and of the velocity [rad/s or m/s]; accelerations may jump.
-
-    Raises:
-        InputError: The spaces differ, or there is a gap; names what jumps, where, and by how much.
-    """
-    from ulna.trajectory.compose import chained
-
-    return chained(parts, tolerance)

@@ -96,12 +96,12 @@ def _row_kernel(m: int, places: int) -> Any:
         used = np.stack([a[i] * u + b[i] * (x0 + (x1 - x0) * t) for i, t in enumerate(NODES)])
         below, above = _most(TO_HALVES @ (low - used)), _most(TO_HALVES @ (used - high))
         worst, parts = 0.0, []
-        for over, room in ((below, _most(low) * -1.0), (above, _most(high * -1.0) * -1.0)):
+        for over, slack in ((below, _most(low) * -1.0), (above, _most(high * -1.0) * -1.0)):
             for j in range(m):
-                still = room[j] > 0.0
-                worst = maximum(worst, 1.0 + over[j] / where(still, room[j], limits[1][j] - limits[0][j]))
-                whole = room[j] + maximum(over[j], 0.0) * more
-                parts.append(where(still, room[j] / where(still, whole, 1.0), 1.0))
+                still = slack[j] > 0.0
+                worst = maximum(worst, 1.0 + over[j] / where(still, slack[j], limits[1][j] - limits[0][j]))
+                whole = slack[j] + maximum(over[j], 0.0) * more
+                parts.append(where(still, slack[j] / where(still, whole, 1.0), 1.0))
         return below, above, vector(*parts[:m]), vector(*parts[m:]), worst
 
     rows: dict[str, Any] = {

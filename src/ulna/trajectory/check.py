@@ -195,9 +195,9 @@ def _limits(model: Model, acceleration: Any, jerk: Any, torque: bool) -> Limits:
     limits: Limits = {"position": (model.lower_position, model.upper_position)}
     speed = np.where(model.velocity_limit > 0.0, model.velocity_limit, np.inf)
     limits["velocity"] = -speed, speed
-    for name, given in (("acceleration", acceleration), ("jerk", jerk)):
-        if given is not None:
-            bound = positive(name, given, model.nv, infinite=True)
+    for name, limit in (("acceleration", acceleration), ("jerk", jerk)):
+        if limit is not None:
+            bound = positive(name, limit, model.nv, infinite=True)
             limits[name] = -bound, bound
     if torque:
         effort = np.where(model.effort_limit > 0.0, model.effort_limit, np.inf)

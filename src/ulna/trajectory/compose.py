@@ -11,7 +11,7 @@ from typing import final
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.trajectory.base import Trajectory
+from ulna.trajectory.base import Trajectory, register_operation
 from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.space import Space, Vectors
 from ulna.typing import Floats
@@ -195,10 +195,19 @@ class Chain(Trajectory):
         return Chain.of(parts if factor > 0.0 else parts[::-1], self.kind)
 
 
-def chained(parts: Sequence[Trajectory], tolerance: float) -> Trajectory:
-    """See `ulna.trajectory.concatenate`."""
+def concatenate(*parts: Trajectory, tolerance: float = 1e-6) -> Trajectory:
+    """One trajectory after the other, which `a + b` writes shorter.
+
+    Args:
+        *parts: Trajectories of the same space.
+        tolerance: By how much the end of one and the start of the next may differ in any entry, of the point [rad or
+            m] and of the velocity [rad/s or m/s]; accelerations may jump.
+
+    Raises:
+        InputError: The spaces differ, or there is a gap; names what jumps, where, and by how much.
+    """
     if not parts:
-        raise InputError("concatenate() was given nothing; expected at least one trajectory.")
+        raise InputError("concatenate() has no argument; expected at least one trajectory.")
     for number, part in enumerate(parts):
         if not isinstance(part, Trajectory):
             raise InputError(f"Part {number} is {part!r}; expected a trajectory.")
@@ -240,3 +249,8 @@ def _no_gap(number: int, clock: float, one: Trajectory, two: Trajectory, toleran
                 f"{one.space.names[k]!r} jumps by {gap[k]:.4g}; expected at most {tolerance:g}. "
                 "Start the next where the last ends, or make a transition with quintic(...)."
             )
+
+
+register_operation("concatenate", concatenate)
+register_operation("retimed", Retimed.of)
+register_operation("evenly", Retimed.evenly)

@@ -58,17 +58,17 @@ class Rows:
     def labels(self, names: Sequence[str]) -> list[str]:
         """What each row limits, in words."""
         return [
-            f"{what} of {names[int(k)]!r}" for what, kept in self.quantities for k in np.flatnonzero(kept)
+            f"{what} of {names[int(k)]!r}" for what, finite in self.quantities for k in np.flatnonzero(finite)
         ]
 
     def of_quantity(self) -> list[tuple[str, slice]]:
         """Each quantity with its rows."""
-        found, begin = [], 0
-        for what, kept in self.quantities:
-            count = int(np.count_nonzero(kept))
-            found.append((what, slice(begin, begin + count)))
+        slices, begin = [], 0
+        for what, finite in self.quantities:
+            count = int(np.count_nonzero(finite))
+            slices.append((what, slice(begin, begin + count)))
             begin += count
-        return found
+        return slices
 
 
 @dataclass(frozen=True)
@@ -95,16 +95,16 @@ def bounds_of(name: str, value: ArrayLike | None, n: int) -> Bounds:
     """
     if value is None:
         return _unlimited(n)
-    given = np.asarray(value, dtype=float)
-    if given.shape == (2, n):
-        low, high = given
-    elif given.shape in ((), (n,)):
-        high = given if given.shape else np.full(n, float(given))
+    bound = np.asarray(value, dtype=float)
+    if bound.shape == (2, n):
+        low, high = bound
+    elif bound.shape in ((), (n,)):
+        high = bound if bound.shape else np.full(n, float(bound))
         low = -high
         if high.min() > 0.0 and high.max() < np.inf:
             return Bounds(low, high, _yes(n), True, True)
     else:
-        raise ShapeError(name, given.shape, f"one number, ({n},), or (2, {n}): least and greatest")
+        raise ShapeError(name, bound.shape, f"one number, ({n},), or (2, {n}): least and greatest")
     if high.min() > 0.0 and low.max() < 0.0:
         finite = np.isfinite(high)
         if (finite == np.isfinite(low)).all():
@@ -157,9 +157,9 @@ def _kept(what: str, arrays: tuple[Floats, Floats, Floats, Floats], limits: Boun
     """The rows whose limits are finite."""
     both = limits.both
     if not limits.all:
-        kept = limits.finite
-        a, b, low, high = (x[..., kept] for x in arrays)
-        return Rows(a, b, low, high, both[:, kept], ((what, limits.finite),))
+        finite = limits.finite
+        a, b, low, high = (x[..., finite] for x in arrays)
+        return Rows(a, b, low, high, both[:, finite], ((what, limits.finite),))
     return Rows(*arrays, both, ((what, limits.finite),))
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from ulna.errors import InputError
 from ulna.files import read_regular
 from ulna.system.storage import replacing
-from ulna.trajectory.base import Trajectory
+from ulna.trajectory.base import Trajectory, register_operation
 from ulna.trajectory.inputs import increasing
 from ulna.trajectory.polynomial import Polynomial, hermite
 from ulna.trajectory.space import Poses, Vectors
@@ -84,15 +84,15 @@ def load(path: str | Path) -> Polynomial:
 
 def _from_npz(data: bytes, source: Path) -> Polynomial:
     try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as content:
-            found: dict[str, Any] = dict(content)
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            content: dict[str, Any] = dict(archive)
     except Exception as error:  # zipfile, zlib and NumPy each raise their own kinds
         raise InputError(f"{source} is no .npz file: {error}") from None
-    if not _is_ours(found):
-        raise InputError(f"{source} holds {sorted(found)}; expected a trajectory that `save` wrote.")
-    space = Vectors(tuple(str(n) for n in found["names"]))
+    if not _is_ours(content):
+        raise InputError(f"{source} holds {sorted(content)}; expected a trajectory that `save` wrote.")
+    space = Vectors(tuple(str(n) for n in content["names"]))
     try:
-        made = Polynomial.of(found["times"], found["coefficients"], str(found["kind"][1]), space)
+        made = Polynomial.of(content["times"], content["coefficients"], str(content["kind"][1]), space)
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
     if made.coefficients.shape[2] != space.n or made.coefficients.shape[1] > _MOST_POWERS:
@@ -103,11 +103,11 @@ def _from_npz(data: bytes, source: Path) -> Polynomial:
     return made
 
 
-def _is_ours(found: dict[str, Any]) -> bool:
+def _is_ours(content: dict[str, Any]) -> bool:
     """Whether all that `save` writes is there, with the names as text."""
-    if not {"times", "coefficients", "names", "kind"} <= found.keys():
+    if not {"times", "coefficients", "names", "kind"} <= content.keys():
         return False
-    names, kind = found["names"], found["kind"]
+    names, kind = content["names"], content["kind"]
     if names.dtype.kind != "U" or names.ndim != 1 or kind.dtype.kind != "U" or kind.shape != (2,):
         return False
     return str(kind[0]) == _FORMAT
@@ -147,3 +147,6 @@ def _from_csv(data: bytes, source: Path) -> Polynomial:
     t = increasing("t", table[:, 0], len(table))
     q, v = table[:, 1 : n + 1], table[:, n + 1 : 2 * n + 1]
     return hermite(t, q, v, table[:, 2 * n + 1 :] if with_a else None, "table", Vectors(tuple(names)))
+
+
+register_operation("save", save)

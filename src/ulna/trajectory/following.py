@@ -32,7 +32,7 @@ def follow(
     Args:
         trajectory: Poses of the frame over time.
         ik: Called as `ik(T, q)`, with the goal T_world_frame (4, 4) and a guess (n,); returns a configuration
-            (n,), or a result with `.q` and `.success`, such as `lambda T, q: robot.ik(T, q0=q)` gives.
+            (n,), or a result with `.q` and `.success`, such as `lambda T, q: robot.ik(T, q0=q)` returns.
         q0: Guess for the first pose, (n,) [rad or m].
         samples: How many segments.
         jump: By how much a joint may change from one sample to the next before it counts as a jump to another branch
@@ -46,7 +46,7 @@ def follow(
     if not isinstance(samples, (int, np.integer)) or samples < 3:
         raise InputError(f"`samples` is {samples!r}; expected a count of at least 3.")
     t, T, V, _ = trajectory.sample(n=int(samples) + 1)
-    q, found = vector("q0", q0), []
+    q, configurations = vector("q0", q0), []
     for time, goal in zip(t, T, strict=True):
         answer = ik(goal, q)
         if not bool(getattr(answer, "success", True)):
@@ -56,17 +56,17 @@ def follow(
         try:
             new = vector("q", getattr(answer, "q", answer), q.size)
         except NonFiniteError:
-            raise InputError(f"Inverse kinematics gives nan at {time:.6g} s of {t[-1]:.6g} s.") from None
+            raise InputError(f"Inverse kinematics returns nan at {time:.6g} s of {t[-1]:.6g} s.") from None
         step = np.abs(new - q)
-        if found and step.max() > jump:
+        if configurations and step.max() > jump:
             k = int(np.argmax(step))
             raise InputError(
                 f"Inverse kinematics jumps at {time:.6g} s: joint {k} by {step[k]:.4g}, more than jump={jump:g}. "
                 "Ask with a nearer guess, take more samples, or look for a singular point on the path."
             )
-        found.append(new)
+        configurations.append(new)
         q = new
-    rows = np.array(found)
+    rows = np.array(configurations)
     start = None if not V[0].any() else _slope(rows[:4], t[:4])
     end = None if np.abs(V[-1]).max() < 1e-9 else _slope(rows[:-5:-1], t[:-5:-1])
     spline = cubic_spline(rows, times=t, v0=start, v1=end)

@@ -106,8 +106,8 @@ def _distinct(knots: Floats, length: float) -> Floats:
     if (knots[1:] - knots[:-1] > _SAME * length).all():
         return knots
     inner = knots[(knots > _SAME * length) & (knots < length * (1.0 - _SAME))]
-    kept = inner[np.append(True, np.diff(inner) > _SAME * length)] if inner.size else inner
-    return np.concatenate([[0.0], kept, [length]])
+    distinct = inner[np.append(True, np.diff(inner) > _SAME * length)] if inner.size else inner
+    return np.concatenate([[0.0], distinct, [length]])
 
 
 @lru_cache(maxsize=64)

@@ -116,10 +116,10 @@ def _at_node(at: Sampled, rows: Rows, node: int, rest: Any, step: float) -> Four
     At rest all factors are zero, so that nothing would be limited. The middle is half of D away: with `step` 0.5, or
     -0.5 seen from the end, its x is x + step D u.
     """
-    found = _four(rows, node)
+    four = _four(rows, node)
     if not rest.any():
-        return found
-    a, b, low, high = (np.array(part) for part in np.broadcast_arrays(*found))
+        return four
+    a, b, low, high = (np.array(part) for part in np.broadcast_arrays(*four))
     a1, b1, low1, high1 = np.broadcast_arrays(*_four(rows, 2))
     a[rest] = a1[rest] + step * at.D[rest, None] * b1[rest]
     b[rest], low[rest], high[rest] = b1[rest], low1[rest], high1[rest]
@@ -166,7 +166,7 @@ def _usual(at: Sampled, rows: Rows) -> float:
     return float(np.median(1.0 / hard))
 
 
-def held(task: Task, ground: Ground) -> str:
+def static_violation(task: Task, ground: Ground) -> str:
     """Says which limit a robot at rest exceeds most, and where; nothing where it holds still within all limits."""
     if holds_still(ground):
         return ""

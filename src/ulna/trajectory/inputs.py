@@ -88,8 +88,8 @@ def positive(name: str, value: ArrayLike, size: int, infinite: bool = False) -> 
     wrong = ~(limit > 0.0) | (np.isinf(limit) & (not infinite))
     if wrong.any():
         k = int(np.argmax(wrong))
-        mend = "np.inf leaves a joint free." if infinite else "Every entry must be finite."
-        raise InputError(f"`{name}[{k}]` is {limit[k]}; expected a limit above zero. {mend}")
+        fix = "np.inf leaves a joint free." if infinite else "Every entry must be finite."
+        raise InputError(f"`{name}[{k}]` is {limit[k]}; expected a limit above zero. {fix}")
     return limit
 
 
@@ -105,7 +105,7 @@ def not_repeating(name: str, points: Floats, gaps: Floats) -> None:
 
 def pose(name: str, value: Any) -> SE3:
     """One pose: an SE3 or a matrix (4, 4)."""
-    given = value if isinstance(value, SE3) else SE3.from_matrix(value)
-    if given.batch_shape != ():
-        raise ShapeError(name, (*given.batch_shape, 4, 4), "(4, 4), one pose")
-    return given
+    checked = value if isinstance(value, SE3) else SE3.from_matrix(value)
+    if checked.batch_shape != ():
+        raise ShapeError(name, (*checked.batch_shape, 4, 4), "(4, 4), one pose")
+    return checked

@@ -68,16 +68,16 @@ def jerk_limited(
     planner: Any = ruckig.Ruckig(n)
     try:
         planner.validate_input(task, False, True)  # the start may break limits on its way into them
-        found: Any = ruckig.Trajectory(n)
-        result = planner.calculate(task, found)
+        motion: Any = ruckig.Trajectory(n)
+        result = planner.calculate(task, motion)
     except ruckig.RuckigError as error:
         raise InputError(f"Ruckig refuses the motion: {error}") from None
     if result not in (ruckig.Result.Working, ruckig.Result.Finished):
         raise InputError(f"Ruckig finds no motion between the states: {result.name}.")
-    total = float(found.duration)
+    total = float(motion.duration)
     if total <= 0.0:
         raise InputError("Start and end are the same state; expected a motion.")
-    return _from_profiles(found.profiles[0], start, (filled("v0", v0, n), filled("a0", a0, n)), total)
+    return _from_profiles(motion.profiles[0], start, (filled("v0", v0, n), filled("a0", a0, n)), total)
 
 
 def _from_profiles(profiles: Any, q: Floats, rates: tuple[Floats, Floats], total: float) -> Polynomial:

@@ -33,7 +33,7 @@ class UnitPath(Trajectory, ABC):
 
 
 def law(lengths: Floats, duration: Any, velocity: Any, acceleration: Any, jerk: Any) -> Polynomial:
-    """The law from 0 to 1, from rest to rest, for a path that moves several things along ways of those lengths.
+    """The law from 0 to 1, from rest to rest, for a path that moves several things along paths of those lengths.
 
     With a duration alone it is a quintic; with limits, one or one for each thing, as fast as they allow:
     trapezoidal, or an S-curve where jerk is limited.
@@ -46,12 +46,12 @@ def law(lengths: Floats, duration: Any, velocity: Any, acceleration: Any, jerk: 
         return quintic(0.0, 1.0, seconds("duration", duration))
     if velocity is None or acceleration is None:
         raise InputError("Limits need both `velocity` and `acceleration`.")
-    given = {"velocity": velocity, "acceleration": acceleration} | ({} if jerk is None else {"jerk": jerk})
+    limits = {"velocity": velocity, "acceleration": acceleration} | ({} if jerk is None else {"jerk": jerk})
     moving = lengths > 0.0
     if not moving.any():
         raise InputError("Start and end are the same; expected a way to go, or a `duration` to wait.")
     shares = [
         float((positive(name, limit, lengths.size)[moving] / lengths[moving]).min())
-        for name, limit in given.items()
+        for name, limit in limits.items()
     ]
     return (trapezoidal if jerk is None else s_curve)(0.0, 1.0, *shares, duration=duration)

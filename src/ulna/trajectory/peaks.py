@@ -49,14 +49,14 @@ def greatest(f: Callable[[Floats], Floats], knots: Floats, samples: int, toleran
     value, time, settled = None, np.zeros(0), np.full(tolerance.shape, -np.inf)
     for round in range(_ROUNDS):
         t = _inside(begin, end)
-        found = f(t.reshape(-1)).reshape(*t.shape, -1)
-        flat = found.reshape(-1, found.shape[-1])
+        values = f(t.reshape(-1)).reshape(*t.shape, -1)
+        flat = values.reshape(-1, values.shape[-1])
         at = flat.argmax(axis=0)
         here, when = flat[at, np.arange(at.size)], t.reshape(-1)[at]
         if value is None:
             value, time = here, when
         value, time = np.maximum(value, here), np.where(here > value, when, time)
-        bounds = (TO_HALVES @ found).max(axis=1)
+        bounds = (TO_HALVES @ values).max(axis=1)
         open_ = (bounds > value + tolerance).any(axis=1)
         last = round == _ROUNDS - 1 or 4 * np.count_nonzero(open_) > _MOST or not open_.any()
         settled = np.maximum(settled, bounds[slice(None) if last else ~open_].max(axis=0, initial=-np.inf))

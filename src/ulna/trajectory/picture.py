@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.errors import MissingExtra
 from ulna.system.storage import save_figure
-from ulna.trajectory.base import Trajectory
+from ulna.trajectory.base import Trajectory, register_operation
 from ulna.trajectory.space import Poses
 
 
@@ -54,3 +54,6 @@ def plot(trajectory: Trajectory, path: str | Path | None = None, samples: int = 
     if path is not None:
         save_figure(figure, path)
     return figure
+
+
+register_operation("plot", plot)

@@ -177,7 +177,7 @@ def _horner(rows: int, n: int, order: int) -> Any:
     """The kernel (rows, n), () -> (n,) ...: a polynomial and its derivatives up to `order`."""
 
     def evaluate(c: Array, tau: Any) -> Any:
-        found = horner(c, tau, order)
-        return found if order else found[0]
+        values = horner(c, tau, order)
+        return values if order else values[0]
 
     return compile(evaluate, c=(rows, n), tau=()).gufunc

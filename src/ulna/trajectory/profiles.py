@@ -47,7 +47,7 @@ def trapezoidal(
         velocity: Limits of speed, one or (n,) [rad/s or m/s].
         acceleration: Limits of acceleration, one or (n,) [rad/s^2 or m/s^2].
         duration: Time it takes [s].
-        synchronise: "phase": all joints share one law, so the way is straight; "time": each by its own law,
+        synchronise: "phase": all joints share one law, so the path is straight; "time": each by its own law,
             stretched to arrive together; "none": each as fast as it can, and then it waits.
 
     Raises:
@@ -99,8 +99,8 @@ def s_curve(
     """
     start = vector("q0", q0)
     way = vector("q1", q1, start.size) - start
-    given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
-    limits = np.stack([positive(name, value, start.size) for name, value in given.items()])
+    bounds = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+    limits = np.stack([positive(name, value, start.size) for name, value in bounds.items()])
     return _under_limits(start, way, limits, _double_s, duration, synchronise, "s-curve")
 
 
@@ -194,8 +194,8 @@ def _cruising(start: Floats, way: Floats, speed: Floats, total: float) -> Polyno
 
 def _integrated(lasts: Floats, values: Floats, order: int) -> Polynomial:
     """The law from 0 to 1 whose derivative of that order is constant in each phase; phases of no length go."""
-    kept = lasts > 1e-12 * lasts.sum()
-    lasts, values = lasts[kept], values[kept]
+    nonzero = lasts > 1e-12 * lasts.sum()
+    lasts, values = lasts[nonzero], values[nonzero]
     c, state = np.zeros((lasts.size, order + 1, 1)), np.zeros(order)
     powers = np.array([1.0, 1.0, 2.0, 6.0])[: order + 1]
     for k, (h, value) in enumerate(zip(lasts, values, strict=True)):

@@ -19,7 +19,7 @@ import numpy as np
 from ulna.errors import InputError
 from ulna.trajectory.certificate import Bound, bounded, speed_use
 from ulna.trajectory.grids import halved, sampled
-from ulna.trajectory.ground import MOST, Four, Ground, Task, fitted, ground_of, held, holds_still
+from ulna.trajectory.ground import MOST, Four, Ground, Task, fitted, ground_of, holds_still, static_violation
 from ulna.trajectory.infeasible import Problem
 from ulna.trajectory.reach import controllable, fastest, reachable
 from ulna.typing import Floats
@@ -127,7 +127,7 @@ def _passes(task: Task, ground: Ground, repairs: _Repairs) -> Floats:
     lowest, highest = K.T
     empty = ~(lowest <= highest + _ROUNDING * abs(highest.max()))
     if empty.any():
-        problem.refuse_empty(K, int(np.flatnonzero(empty)[-1]), held(task, ground))
+        problem.refuse_empty(K, int(np.flatnonzero(empty)[-1]), static_violation(task, ground))
     problem.check_rate("start", first, 0, *K[0])
     return fastest(ahead, K, first * first)[: at.s.size]
 
@@ -147,8 +147,8 @@ def _lowered(ground: Ground, repairs: _Repairs, bound: Bound, speed: Floats) -> 
     less = repairs.less
     if not holds_still(ground):
         over = np.maximum(np.stack([bound.below, bound.above]), 0.0) * _MORE
-        room = np.stack([-ground.rows.low.max(axis=-2), ground.rows.high.min(axis=-2)])
-        less = less + np.where(room > 0.0, 0.0, over)
+        slack = np.stack([-ground.rows.low.max(axis=-2), ground.rows.high.min(axis=-2)])
+        less = less + np.where(slack > 0.0, 0.0, over)
     slower = repairs.speed / np.maximum(1.0 + (speed - 1.0) * _MORE, 1.0)
     return replace(
         repairs,

@@ -96,8 +96,8 @@ def time_optimal(
         scheme == "interpolation",
         plain and not strong.any,
     )
-    found = solved(task, first_grid(grid, curve))
-    return Retimed(curve, _law(found.s, found.D, found.x), "time-optimal", found.use)
+    solution = solved(task, first_grid(grid, curve))
+    return Retimed(curve, _law(solution.s, solution.D, solution.x), "time-optimal", solution.use)
 
 
 def _spline(points: ArrayLike) -> Polynomial:
@@ -108,24 +108,24 @@ def _spline(points: ArrayLike) -> Polynomial:
     return cubic_spline(q, once.times, v0=slopes[0], v1=slopes[-1])
 
 
-def _or_limit(given: ArrayLike | None, model: Any, name: str) -> ArrayLike | None:
-    """Limits that were given, or those of the model, where zero stands for none."""
-    if given is not None or model is None:
-        return given
-    limit = getattr(model, name)
-    return np.where(limit > 0.0, limit, np.inf)
+def _or_limit(limit: ArrayLike | None, model: Any, name: str) -> ArrayLike | None:
+    """Limits that were passed, or those of the model, where zero stands for none."""
+    if limit is not None or model is None:
+        return limit
+    of_model = getattr(model, name)
+    return np.where(of_model > 0.0, of_model, np.inf)
 
 
 def _rows(
     model: Any, hard: Bounds, strong: Bounds, length: float, q: Floats, tangent: Floats, curvature: Floats
 ) -> Rows:
     """The constraints of acceleration and torque at places of the path."""
-    found = []
+    parts = []
     if hard.any:
-        found.append(acceleration_rows(tangent, curvature, hard))
+        parts.append(acceleration_rows(tangent, curvature, hard))
     if strong.any:
-        found.append(torque_rows(model, q, tangent, curvature, strong, length))
-    return joined(found)
+        parts.append(torque_rows(model, q, tangent, curvature, strong, length))
+    return joined(parts)
 
 
 def _law(s: Floats, D: Floats, x: Floats) -> Polynomial:

@@ -82,8 +82,8 @@ def minimum_jerk(
         way_b, way_f = q[k] - q[k - 1], q[k + 1] - q[k]
         right[k, 0] = 60 * (way_f / hf**3 - way_b / hb**3)
         right[k, 1] = -360 * (way_f / hf**4 + way_b / hb**4)
-    found = _solved(lower, diagonal, upper, right)
-    return hermite(t, q, found[:, 0], found[:, 1], kind="minimum jerk")
+    derivatives = _solved(lower, diagonal, upper, right)
+    return hermite(t, q, derivatives[:, 0], derivatives[:, 1], kind="minimum jerk")
 
 
 def bspline(
@@ -113,13 +113,15 @@ def bspline(
         raise InputError(f"`degree` is {degree!r}; expected 3 or 5.")
     q = rows("points", points)
     total, n = seconds("duration", duration), q.shape[1]
-    rest = (degree - 1) // 2  # derivatives that are zero at the ends
+    zero_derivatives = (degree - 1) // 2  # derivatives that are zero at the ends
     if through:
         t = _when(q, times, None if times is not None else total)
-        ends = [(d, np.zeros(n)) for d in range(1, rest + 1)]
+        ends = [(d, np.zeros(n)) for d in range(1, zero_derivatives + 1)]
         spline = make_interp_spline(t, q, degree, bc_type=(ends, ends))
     else:
-        control = np.concatenate([np.repeat(q[:1], rest, axis=0), q, np.repeat(q[-1:], rest, axis=0)])
+        control = np.concatenate(
+            [np.repeat(q[:1], zero_derivatives, axis=0), q, np.repeat(q[-1:], zero_derivatives, axis=0)]
+        )
         inner = np.linspace(0.0, total, len(control) - degree + 1)
         spline = BSpline(np.concatenate([[0.0] * degree, inner, [total] * degree]), control, degree)
     knots = np.unique(spline.t)

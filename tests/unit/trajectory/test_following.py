@@ -38,7 +38,7 @@ def test_failures_name_the_time(panda: ulna.Robot) -> None:
         trajectory.follow(
             away, lambda T, q: SimpleNamespace(q=q0 + 2.0 * (next(calls) > 2) * (np.arange(7) == 2)), q0
         )
-    with pytest.raises(InputError, match="gives nan at 0 s"):
+    with pytest.raises(InputError, match="returns nan at 0 s"):
         trajectory.follow(away, lambda T, q: np.full(7, np.nan), q0)
     with pytest.raises(InputError, match="moves joints already"):
         trajectory.follow(trajectory.quintic(q0, q0, 1.0), lambda T, q: q, q0)

@@ -207,7 +207,7 @@ class ArrayCall:
                 return self._objects(array, port)
             if array.dtype.kind not in "fiub":
                 named = 'Configurations with names are arrays in robot.configurations: robot.configurations["qr"].'
-                raise DtypeError(port.name, str(array.dtype), mend=named if array.dtype.kind in "US" else "")
+                raise DtypeError(port.name, str(array.dtype), fix=named if array.dtype.kind in "US" else "")
             array = array.astype(self.dtype)
         core = len(port.shape)
         if array.ndim < core or array.shape[array.ndim - core :] != port.shape:
@@ -221,7 +221,7 @@ class ArrayCall:
             raise DtypeError(
                 port.name,
                 "dict",
-                mend="Put its values in order: np.array([q[name] for name in robot.joint_names]).",
+                fix="Put its values in order: np.array([q[name] for name in robot.joint_names]).",
             )
         odd = next((v for v in array.reshape(-1) if v is None or isinstance(v, (str, bytes))), 0)
         if odd != 0:  # NumPy would make nan of None and parse text
@@ -229,7 +229,7 @@ class ArrayCall:
         try:
             numbers = array.astype(self.dtype)
         except (TypeError, ValueError) as error:
-            raise DtypeError(port.name, "object", mend=f"NumPy says: {error}.") from None
+            raise DtypeError(port.name, "object", fix=f"NumPy says: {error}.") from None
         return self._array(numbers, port)
 
     def _batch(self, arrays: Sequence[Any]) -> tuple[int, ...]:

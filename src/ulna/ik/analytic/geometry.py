@@ -85,8 +85,8 @@ def plans(arm: Arm, free: int | None = None) -> list[Plan]:
         holds = [h for h in holds if not sliding or sliding == [h]]
     elif count != 6 or not all(turning):
         return []
-    plans = [plan for hold in holds for plan in _of_six(arm, hold)]
-    return sorted(plans, key=lambda p: (p.pair == "general", p.off > EXACT, _moves_inside(p)))
+    candidates = [plan for hold in holds for plan in _of_six(arm, hold)]
+    return sorted(candidates, key=lambda p: (p.pair == "general", p.off > EXACT, _moves_inside(p)))
 
 
 def remaining(arm: Arm, free: int | None, x: float = 0.0) -> list[Line]:
@@ -111,7 +111,7 @@ def _of_six(arm: Arm, free: int | None) -> list[Plan]:
     probes = [0.0] if free in (None, 0, len(arm.axes) - 1) else [0.3, 1.1, -2.0]
     sets = [remaining(arm, free, x) for x in probes]
     size = max(_reach(arm), 1e-9)
-    plans = []
+    candidates = []
     for first in range(4):
         triples: list[tuple[Triple, float]] = [
             ("spherical", max(_meet([*lines[first : first + 3]], size) for lines in sets)),
@@ -125,10 +125,10 @@ def _of_six(arm: Arm, free: int | None) -> list[Plan]:
                 a, b, _ = order[::-1] if reverse else order
                 if abs(a - b) != 1:
                     continue  # neighbours across the goal: their relation changes with it
-                plans.append(
+                candidates.append(
                     _with_pair(free, first, triple, reverse, off, [(s[a], s[b]) for s in sets], size)
                 )
-    return [plan for plan in plans if plan is not None]
+    return [plan for plan in candidates if plan is not None]
 
 
 def _with_pair(
