@@ -80,7 +80,7 @@ _NOTHING = 1e-14
 _IMMOVABLE = 1e-24
 """A pivot [1/kg, 1/(kg m^2)] that is not above this is that of something no force moves."""
 _PURGES = 3
-"""How often forces that no motion feels are taken off; each time all but about `mu` of them go."""
+"""How often the part of the forces in the null space is subtracted; each time all but about `mu` of them go."""
 
 
 def solve_proximal(G: Array, b: Sequence[Any], settings: Proximal) -> Solution:
@@ -111,9 +111,9 @@ def solve_proximal(G: Array, b: Sequence[Any], settings: Proximal) -> Solution:
         step = factors.solve([r * s for s in step])
         return (*(f + s for f, s in zip(forces, step, strict=True)), *step, count + 1.0, r * largest(step))
 
-    def felt(forces: Sequence[Any]) -> list[Any]:
-        unfelt = factors.solve([r * s for s in factors.solve([r * f for f in forces])])
-        return [f - s for f, s in zip(forces, unfelt, strict=True)]
+    def without_null_space(forces: Sequence[Any]) -> list[Any]:
+        null_space = factors.solve([r * s for s in factors.solve([r * f for f in forces])])
+        return [f - s for f, s in zip(forces, null_space, strict=True)]
 
     begin = (*first, *first, 1.0 + 0.0 * mean, r * largest(first))
     if settings.iterations == 1:
@@ -121,7 +121,7 @@ def solve_proximal(G: Array, b: Sequence[Any], settings: Proximal) -> Solution:
     *end, left = numeric.loop(unfinished, round_, begin, settings.iterations - 1)
     forces = numeric.loop(
         lambda *state: state[-1] > enough,
-        lambda *state: (*felt(state[:m]), state[m]),
+        lambda *state: (*without_null_space(state[:m]), state[m]),
         (*end[:m], left),
         _PURGES,
     )

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.algorithms.derivatives.inverse_dynamics import Beyond, effects, gather, states
+from ulna.algorithms.derivatives.inverse_dynamics import Subtree, effects, states, subtree_quantities
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.prepared_model import prepare
 from ulna.algorithms.multibody.tree import Step, poses
@@ -50,25 +50,25 @@ def centroidal_derivatives(model: Model, q: Array, v: Array, a: Array) -> tuple[
     prepared = prepare(model)
     tree, T = prepared.tree, poses(prepared.tree, q)
     state = states(tree, q, v, a, np.zeros(3))
-    beyond = [one for _, one in gather(model, prepared, prepared.body_moments, state, q)][::-1]
-    mass, centre, h, F = _whole(tree, T, beyond)
+    subtrees = [one for _, one in subtree_quantities(model, prepared, prepared.body_moments, state, q)][::-1]
+    mass, centre, h, F = _totals(tree, T, subtrees)
     share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
-    found = [batch_zeros((6, model.nv), q, v, a) for _ in range(4)]
-    for i, (step, pose, all_) in enumerate(zip(tree, T, beyond, strict=True)):
+    results = [batch_zeros((6, model.nv), q, v, a) for _ in range(4)]
+    for i, (step, pose, subtree) in enumerate(zip(tree, T, subtrees, strict=True)):
         about = SE3(pose.rotation, pose.translation - centre)
         for effect in effects(step, state(i)):
             s, psi = effect.s, effect.psi
-            unit = about.act(all_.body.apply(s))
+            unit = about.act(subtree.body.apply(s))
             c = unit.linear * share
-            dh = about.act(all_.body.apply(psi) + s.cross(all_.h))
-            dF = about.act(all_.coriolis(psi) + all_.body.apply(effect.chi) + s.cross(all_.F))
-            dF_dv = about.act(all_.coriolis(s) + all_.body.apply(effect.phi))
+            dh = about.act(subtree.body.apply(psi) + s.cross(subtree.h))
+            dF = about.act(subtree.coriolis(psi) + subtree.body.apply(effect.chi) + s.cross(subtree.F))
+            dF_dv = about.act(subtree.coriolis(s) + subtree.body.apply(effect.phi))
             dh = Force(dh.linear, dh.angular - cross(c, h.linear))
             dF = Force(dF.linear, dF.angular - cross(c, F.linear))
-            for matrix, column in zip(found, (dh, dF, dF_dv, unit), strict=True):
+            for matrix, column in zip(results, (dh, dF, dF_dv, unit), strict=True):
                 matrix[..., :3, effect.index] += column.linear
                 matrix[..., 3:, effect.index] += column.angular
-    dh_dq, dF_dq, dF_dv, dF_da = found
+    dh_dq, dF_dq, dF_dv, dF_da = results
     return dh_dq, dF_dq, dF_dv, dF_da
 
 
@@ -83,31 +83,31 @@ def com_velocity_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, A
     prepared = prepare(model)
     tree, T = prepared.tree, poses(prepared.tree, q)
     state = states(tree, q, v, 0.0 * v, np.zeros(3))
-    beyond = [one for _, one in gather(model, prepared, prepared.body_moments, state, q)][::-1]
-    mass = sum(all_.body.mass for step, all_ in zip(tree, beyond, strict=True) if step.parent < 0)
+    subtrees = [one for _, one in subtree_quantities(model, prepared, prepared.body_moments, state, q)][::-1]
+    mass = sum(subtree.body.mass for step, subtree in zip(tree, subtrees, strict=True) if step.parent < 0)
     share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
     by_q, by_v = batch_zeros((3, model.nv), q, v), batch_zeros((3, model.nv), q, v)
-    for i, (step, pose, all_) in enumerate(zip(tree, T, beyond, strict=True)):
+    for i, (step, pose, subtree) in enumerate(zip(tree, T, subtrees, strict=True)):
         for effect in effects(step, state(i)):
-            moved = all_.body.apply(effect.psi).linear + cross(effect.s.angular, all_.h.linear)
-            own = all_.body.apply(effect.s).linear
-            by_q[..., effect.index] += apply(pose.rotation, moved) * share
-            by_v[..., effect.index] += apply(pose.rotation, own) * share
+            change = subtree.body.apply(effect.psi).linear + cross(effect.s.angular, subtree.h.linear)
+            column = subtree.body.apply(effect.s).linear
+            by_q[..., effect.index] += apply(pose.rotation, change) * share
+            by_v[..., effect.index] += apply(pose.rotation, column) * share
     return by_q, by_v
 
 
-def _whole(
-    tree: Sequence[Step], T: Sequence[SE3], beyond: Sequence[Beyond]
+def _totals(
+    tree: Sequence[Step], T: Sequence[SE3], subtrees: Sequence[Subtree]
 ) -> tuple[Any, Array, Force, Force]:
     """Of all that moves the mass, the centre, and momentum and force about the world's origin, in the world."""
     mass: Any = 0.0
     first, h, F = np.zeros(3), Force.zero(), Force.zero()
-    for step, pose, all_ in zip(tree, T, beyond, strict=True):
+    for step, pose, subtree in zip(tree, T, subtrees, strict=True):
         if step.parent < 0:
-            seen = all_.body
-            mass = mass + seen.mass
-            first = first + apply(pose.rotation, seen.first) + pose.translation * seen.mass
-            h, F = h + pose.act(all_.h), F + pose.act(all_.F)
+            body = subtree.body
+            mass = mass + body.mass
+            first = first + apply(pose.rotation, body.first) + pose.translation * body.mass
+            h, F = h + pose.act(subtree.h), F + pose.act(subtree.F)
     if not is_symbolic(mass) and not mass:
         return mass, first, h, F
     return mass, first * (1.0 / mass), h, F

@@ -9,7 +9,7 @@
 | h = (p, n), D | their momentum, and the rate of I | Force, (3, 3) | | |
 | F_i | the force that moves them | Force | [N, N m] | sum of I A + V x* I V - external |
 | s | a column of S_i | Motion | | constant |
-| psi, chi, phi | what s does to the bodies beyond: | Motion | | psi = U x s, chi = C x s + U x psi, phi = V x s + psi |
+| psi, chi, phi | motion that s causes outward: | Motion | | psi = U x s, chi = C x s + U x psi, phi = V x s + psi |
 | B s | twice the Coriolis matrix of the bodies from i on | Force | | (2 w x p; D w + w x n) for s = (l; w) |
 | B^T s | a pure moment | (3) | | 2 p x l + D w + n x w |
 | r | column of the force at step i by a | Force | | I s |
@@ -49,7 +49,7 @@ from ulna.typing import Array
 
 
 class State(NamedTuple):
-    """Twists and accelerations at a step: before it (U, C) and beyond it (V, A), and u in the parent's axes."""
+    """Twists and accelerations at a step: before the joint (U, C), of the body (V, A); u in the parent's axes."""
 
     U: Motion
     V: Motion
@@ -58,18 +58,18 @@ class State(NamedTuple):
     u: Array
 
 
-class Beyond(NamedTuple):
-    """What is gathered of all bodies from a step outward."""
+class Subtree(NamedTuple):
+    """Inertia, momentum, rate of the second moment, and force of all bodies from a step outward."""
 
     body: MassMoments
     h: Force
     D: Array
     F: Force
 
-    def __add__(self, other: Any) -> Beyond:
-        return Beyond(self.body + other.body, self.h + other.h, self.D + other.D, self.F + other.F)
+    def __add__(self, other: Any) -> Subtree:
+        return Subtree(self.body + other.body, self.h + other.h, self.D + other.D, self.F + other.F)
 
-    def passed(self, step: Step, q: Array, u: Array) -> Beyond:
+    def to_parent(self, step: Step, q: Array, u: Array) -> Subtree:
         """The same seen from the parent, for whom the moving frame has the velocity u."""
         J, P, axis = step.transform(q), step.placement.rotation, rotation_axis(step.kind)
         body, arm = self.body, arm_of(step, J)
@@ -83,7 +83,7 @@ class Beyond(NamedTuple):
             + steiner(first, u)
             + steiner(arm, linear)
         )
-        return Beyond(
+        return Subtree(
             body.to_outer_frame(J, axis).to_outer_frame(step.placement), h, D, _inward(step, self.F, q)
         )
 
@@ -99,7 +99,7 @@ class Beyond(NamedTuple):
 
 
 class Effect(NamedTuple):
-    """A column of a step, and what it does beyond."""
+    """A column of a step, and the changes of motion it causes from the step outward."""
 
     index: int
     s: Motion
@@ -126,9 +126,9 @@ def inverse_dynamics_derivatives(
     state = states_of_moving_observers(tree, q, v, a, model.gravity)
     effects_of = cache(lambda i: effects(tree[i], state(i)))
     by_q, by_v, M = (batch_zeros((model.nv, model.nv), q, v, a, external) for _ in range(3))
-    for i, beyond in gather(model, prepared, prepared.regrouped_moments, state, q, external):
+    for i, subtree in subtree_quantities(model, prepared, prepared.regrouped_moments, state, q, external):
         for effect in effects_of(i):
-            _add_pairs(tree, state, effects_of, i, effect, beyond, q, by_q, by_v, M)
+            _add_pairs(tree, state, effects_of, i, effect, subtree, q, by_q, by_v, M)
     for k in range(model.nv):
         M[..., k, k] += model.armature[k]
     return by_q, by_v, M
@@ -140,7 +140,7 @@ def _add_pairs(
     effects_of: Callable[[int], list[Effect]],
     i: int,
     effect: Effect,
-    beyond: Beyond,
+    subtree: Subtree,
     q: Array,
     by_q: Array,
     by_v: Array,
@@ -148,14 +148,14 @@ def _add_pairs(
 ) -> None:
     """Adds the entries of a column of step i with every column of the steps it stands on."""
     k, s = effect.index, effect.s
-    r, t = beyond.body.apply(s), beyond.coriolis_transposed(s)
-    y = beyond.coriolis(s) + beyond.body.apply(effect.phi)
-    z = beyond.coriolis(effect.psi) + beyond.body.apply(effect.chi)
-    for own in effects_of(i):
-        M[..., own.index, k] += r.dot(own.s)
-        by_v[..., own.index, k] += y.dot(own.s)
-        by_q[..., own.index, k] += z.dot(own.s)
-    z = z + s.cross(beyond.F)
+    r, t = subtree.body.apply(s), subtree.coriolis_transposed(s)
+    y = subtree.coriolis(s) + subtree.body.apply(effect.phi)
+    z = subtree.coriolis(effect.psi) + subtree.body.apply(effect.chi)
+    for c in effects_of(i):
+        M[..., c.index, k] += r.dot(c.s)
+        by_v[..., c.index, k] += y.dot(c.s)
+        by_q[..., c.index, k] += z.dot(c.s)
+    z = z + s.cross(subtree.F)
     while tree[i].parent >= 0:
         r, y, z = (_inward(tree[i], force, q) for force in (r, y, z))
         t = apply(tree[i].placement.rotation, apply(tree[i].transform(q).rotation, t))
@@ -172,13 +172,13 @@ def _add_pairs(
 
 
 def effects(step: Step, state: State) -> list[Effect]:
-    """The columns of a step with what they do."""
-    found = []
+    """The columns of a step with psi, chi and phi."""
+    columns = []
     for index, s in step.columns():
         psi = state.U.cross(s)
         chi = state.C.cross(s) + state.U.cross(psi)
-        found.append(Effect(index, s, psi, chi, state.V.cross(s) + psi))
-    return found
+        columns.append(Effect(index, s, psi, chi, state.V.cross(s) + psi))
+    return columns
 
 
 def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -> Callable[[int], State]:
@@ -195,8 +195,8 @@ def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -
         before = state(step.parent) if step.parent >= 0 else None
         U = step.motion_from_parent(before.V, q) if before else zero
         C = step.motion_from_parent(before.A if before else lift, q)
-        own = step.motion(v)
-        return State(U, U + own, C, C + step.motion(a) + U.cross(own), np.zeros(3))
+        v_J = step.motion(v)
+        return State(U, U + v_J, C, C + step.motion(a) + U.cross(v_J), np.zeros(3))
 
     return state
 
@@ -207,27 +207,27 @@ def states_of_moving_observers(
     """The same, each as observed by somebody who moves on evenly with the origin of the moving frame of the step.
 
     Forces are the same to all who move evenly (Galilei), so the torques and their derivatives are, too; but half of the
-    twists is zero. The price is u, the velocity of an observer as seen by that of the parent.
+    twists is zero. In exchange u appears, the velocity of an observer relative to that of the parent.
     """
 
     @cache
     def state(i: int) -> State:
         step = tree[i]
-        J, own = step.transform(q), step.motion(v)
+        J, v_J = step.transform(q), step.motion(v)
         w, e, b = np.zeros(3), np.zeros(3), -np.asarray(gravity)
         if step.parent >= 0:
-            before = state(step.parent)
-            w, e, b = before.V.angular, before.A.angular, before.A.linear
+            parent = state(step.parent)
+            w, e, b = parent.V.angular, parent.A.angular, parent.A.linear
         R, back = step.placement.rotation, np.swapaxes(step.placement.rotation, -1, -2)
         inverse = np.swapaxes(J.rotation, -1, -2)
         arm = arm_of(step, J)
         carried = cross(w, arm)
-        u = carried + apply(R, apply(J.rotation, own.linear))
+        u = carried + apply(R, apply(J.rotation, v_J.linear))
         b = b + cross(e, arm) + cross(w, carried)
         w, e, b = (apply(inverse, apply(back, x)) for x in (w, e, b))
-        U, C = Motion(-own.linear, w), Motion(b + cross(w, own.linear), e)
-        V = Motion(np.zeros(3), w + own.angular)
-        return State(U, V, C, C + step.motion(a) + U.cross(own), u)
+        U, C = Motion(-v_J.linear, w), Motion(b + cross(w, v_J.linear), e)
+        V = Motion(np.zeros(3), w + v_J.angular)
+        return State(U, V, C, C + step.motion(a) + U.cross(v_J), u)
 
     return state
 
@@ -237,16 +237,16 @@ def arm_of(step: Step, J: SE3) -> Array:
     return step.placement.translation + apply(step.placement.rotation, J.translation)
 
 
-def gather(
+def subtree_quantities(
     model: Model,
     prepared: PreparedModel,
     bodies: Sequence[MassMoments],
     state: Callable[[int], State],
     q: Array,
     external: External = None,
-) -> Iterator[tuple[int, Beyond]]:
-    """Every step, the leaves first, with what is beyond it when each carries one of `bodies`."""
-    waiting: list[list[Beyond]] = [[] for _ in prepared.tree]
+) -> Iterator[tuple[int, Subtree]]:
+    """Every step, the leaves first, with the quantities of all bodies from it outward."""
+    children: list[list[Subtree]] = [[] for _ in prepared.tree]
     for i, step in reversed(list(enumerate(prepared.tree))):
         body, V = bodies[i], state(i).V
         h = body.apply(V)
@@ -254,13 +254,13 @@ def gather(
         if external is not None and step.is_last:
             force = external[model.joint_index(step.joint.name)]
             F = F if force is None else F - prepared.frames[i].act_inverse(force)
-        beyond = Beyond(body, h, body.rate(V), F)
-        for child in waiting[i]:
-            beyond = beyond + child
-        waiting[i].clear()
-        yield i, beyond
+        subtree = Subtree(body, h, body.rate(V), F)
+        for child in children[i]:
+            subtree = subtree + child
+        children[i].clear()
+        yield i, subtree
         if step.parent >= 0:
-            waiting[step.parent].append(beyond.passed(step, q, state(i).u))
+            children[step.parent].append(subtree.to_parent(step, q, state(i).u))
 
 
 def _inward(step: Step, force: Force, q: Array) -> Force:

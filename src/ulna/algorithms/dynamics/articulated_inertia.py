@@ -1,11 +1,11 @@
-"""The articulated-body inertia: what a body weighs while the joints beyond it give way.
+"""The articulated-body inertia: force by acceleration of a body, the joints beyond it free of torque.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | M, H, I | blocks of the symmetric matrix | (3, 3) | [kg], [kg m], [kg m^2] | f = M b + H e, n = H^T b + I e |
 | s | a column of a joint's motion subspace, in its moving frame | Motion | | |
 | u, D | u = I^A s, D = s.u + armature | Force, () | | |
-| I^a | what is left when the joint gives way | Articulated | | I^A - u u^T / D |
+| I^a | inertia across the joint, which is free of torque | Articulated | | I^A - u u^T / D |
 | R, p | pose of the frame in the outer one | SE3 | | M' = R M R^T, H' = R H R^T - M' [p] |
 | | | | | I' = R I R^T + [p] H' - (R H R^T)^T [p] |
 
@@ -44,7 +44,7 @@ class Articulated:
         return Articulated(self.M + other.M, self.H + other.H, self.I + other.I)
 
     def apply(self, motion: Motion) -> Force:
-        """The force that gives the acceleration `motion`, all joints beyond free of torque."""
+        """The force that produces the acceleration `motion`, all joints beyond free of torque."""
         b, e = motion.linear, motion.angular
         across = np.swapaxes(self.H, -1, -2)
         return Force(apply(self.M, b) + apply(self.H, e), apply(across, b) + apply(self.I, e))
@@ -73,7 +73,7 @@ class Articulated:
         return Articulated(M, H, I)
 
     def to_outer_frame(self, T: SE3, axis: int | None = None) -> Articulated:
-        """The same seen from the outer frame of T, which turns about a coordinate axis if it is told which."""
+        """The same in the outer frame of T, which turns about the coordinate axis `axis`; None for any rotation."""
         R, cross = T.rotation, skew(T.translation)
         M, H, I = (
             rotate_symmetric(R, self.M, axis),

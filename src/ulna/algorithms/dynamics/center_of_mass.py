@@ -3,10 +3,10 @@
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | m, c | mass and first moment of all bodies from a step outward, in its frame | (), (3) | [kg], [kg m] | |
-| c', c'' | rates of c as the moving frame sees it | (3) | [kg m/s], [kg m/s^2] | zero for the body itself |
-| w, e, l, k | what the joint adds: S v = (l; w), S a = (k; e) | (3) | | |
+| c', c'' | rates of c in the axes of the moving frame | (3) | [kg m/s], [kg m/s^2] | zero for the body itself |
+| w, e, l, k | motion of the joint: S v = (l; w), S a = (k; e) | (3) | | |
 | R, p | rotation and origin of the moving frame in the parent's | | [m] | P J(q) |
-| c_p | what the parent gets | (3) | [kg m] | R c + m p |
+| c_p | first moment passed to the parent | (3) | [kg m] | R c + m p |
 | c_p' | | (3) | [kg m/s] | R (c' + w x c + m l) |
 | c_p'' | | (3) | [kg m/s^2] | R (c'' + w x (2 c' + w x c) + e x c + m (k + w x l)) |
 | J | columns, in world axes | (3, nv) | [m], [1] | R_world (m l + w x c) / (mass of all), s = (l; w) |
@@ -34,15 +34,15 @@ from ulna.spatial import Motion
 from ulna.typing import Array
 
 
-class Moment(NamedTuple):
+class FirstMoment(NamedTuple):
     """c, c' and c''; mass times position, velocity and acceleration."""
 
     position: Array
     velocity: Array
     acceleration: Array
 
-    def __add__(self, other: Any) -> Moment:
-        return Moment(*(a + b for a, b in zip(self, other, strict=True)))
+    def __add__(self, other: Any) -> FirstMoment:
+        return FirstMoment(*(a + b for a, b in zip(self, other, strict=True)))
 
 
 def total_mass(model: Model, subtree: str | None = None) -> Any:
@@ -99,9 +99,9 @@ def center_of_mass_jacobian(model: Model, q: Array, subtree: str | None = None) 
     """
     prepared = prepare(model)
     tree = prepared.tree
-    masses, own = _tared(tree, _bodies(model, prepared, subtree))
+    masses, firsts = _with_child_masses(tree, _bodies(model, prepared, subtree))
     mass_of = {id(step): m for step, m in zip(tree, masses, strict=True)}
-    moments = inward(tree, own, lambda step, c: _position(step, mass_of[id(step)], c, q))
+    moments = inward(tree, firsts, lambda step, c: _position(step, mass_of[id(step)], c, q))
     J = batch_zeros((3, model.nv), q)
     for step, m, c, T in zip(tree, masses, moments, poses(tree, q), strict=True):
         for k, s in zip(step.indices, step.subspace(), strict=True):
@@ -111,7 +111,7 @@ def center_of_mass_jacobian(model: Model, q: Array, subtree: str | None = None) 
 
 def first_moment(
     model: Model, q: Array, v: Array | None = None, a: Array | None = None, subtree: str | None = None
-) -> Moment:
+) -> FirstMoment:
     """Mass times position, velocity and acceleration of the centre of mass in the world.
 
     Args:
@@ -123,30 +123,30 @@ def first_moment(
     """
     prepared = prepare(model)
     tree = prepared.tree
-    masses, own = _tared(tree, _bodies(model, prepared, subtree))
+    masses, firsts = _with_child_masses(tree, _bodies(model, prepared, subtree))
     still = np.zeros(3)
     ground = sum(
         (m * s.placement.translation for s, m in zip(tree, masses, strict=True) if s.parent < 0), still
     )
     mass_of = {id(step): m for step, m in zip(tree, masses, strict=True)}
 
-    def move(step: Step, moment: Moment) -> Moment:
+    def move(step: Step, moment: FirstMoment) -> FirstMoment:
         c, c1, c2 = moment
         m = mass_of[id(step)]
         if v is not None:
-            own = step.motion(v)
-            gain = Motion(still, still) if a is None else step.motion(a)
-            w, l = own.angular, own.linear
+            v_J = step.motion(v)
+            a_J = Motion(still, still) if a is None else step.motion(a)
+            w, l = v_J.angular, v_J.linear
             turned = cross(w, c)
-            c2 = c2 + cross(w, 2.0 * c1 + turned) + cross(gain.angular, c)
-            c2 = c2 + m * (gain.linear + cross(w, l))
+            c2 = c2 + cross(w, 2.0 * c1 + turned) + cross(a_J.angular, c)
+            c2 = c2 + m * (a_J.linear + cross(w, l))
             c1 = c1 + turned + m * l
         R, J = step.placement.rotation, step.transform(q).rotation
         rates = (apply(R, apply(J, x)) for x in (c1, c2))
-        return Moment(_position(step, m, c, q), *rates)
+        return FirstMoment(_position(step, m, c, q), *rates)
 
-    values = [Moment(c, still, still) for c in own]
-    return sum_in_world(tree, values, Moment(ground, still, still), move)
+    values = [FirstMoment(c, still, still) for c in firsts]
+    return sum_in_world(tree, values, FirstMoment(ground, still, still), move)
 
 
 def _position(step: Step, m: Any, c: Array, q: Array) -> Array:
@@ -155,14 +155,14 @@ def _position(step: Step, m: Any, c: Array, q: Array) -> Array:
     return apply(step.placement.rotation, apply(J.rotation, c) + m * J.translation)
 
 
-def _tared(tree: Sequence[Step], bodies: Sequence[MassMoments]) -> tuple[list[Any], list[Array]]:
+def _with_child_masses(tree: Sequence[Step], bodies: Sequence[MassMoments]) -> tuple[list[Any], list[Array]]:
     """The masses from every step outward; each body's first moment with its children's masses at their fixed frames."""
-    masses, own = [body.mass for body in bodies], [body.first for body in bodies]
+    masses, firsts = [body.mass for body in bodies], [body.first for body in bodies]
     for i, step in reversed(list(enumerate(tree))):
         if step.parent >= 0:
             masses[step.parent] = masses[step.parent] + masses[i]
-            own[step.parent] = own[step.parent] + masses[i] * step.placement.translation
-    return masses, own
+            firsts[step.parent] = firsts[step.parent] + masses[i] * step.placement.translation
+    return masses, firsts
 
 
 def _bodies(model: Model, prepared: PreparedModel, subtree: str | None) -> list[MassMoments]:

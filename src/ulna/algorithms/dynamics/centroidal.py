@@ -3,18 +3,18 @@
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | T_i | pose of the moving frame of step i in the world | SE3 | [m] | |
-| g | centre of mass of all that moves | (3) | [m] | see centre_of_mass.py |
+| g | centre of mass of all that moves | (3) | [m] | see center_of_mass.py |
 | G_i | T_i with its origin counted from g: (R_i, p_i - g) | SE3 | [m] | |
-| I, h, D | inertia, momentum, rate of the second moment, from step i outward | Moving | | see coriolis.py |
+| I, h, D | inertia, momentum, rate of the second moment, from step i outward | MovingBodies | | see coriolis.py |
 | A | centroidal momentum matrix; its column for s | (6, nv) | | G_i I s |
 | h_G | centroidal momentum, linear part first, in world axes | (6) | [N s, N m s] | A v |
 | dA/dt | its column for s | (6, nv) | | G_i (I (V_i x s) + dI/dt s) less (0; dg/dt x f), f = linear of A's |
 | I_G | rotational inertia about g, joints held, in world axes | (3, 3) | [kg m^2] | that about 0, less that of m in g |
-| dh_G/dt | rate of the momentum | (6) | [N, N m] | forces of rnea.py without gravity, about g; A a + dA/dt v |
+| dh_G/dt | rate of the momentum | (6) | [N, N m] | forces of inverse dynamics without gravity, about g; A a + dA/dt v |
 
 Source: Orin, Goswami & Lee, Centroidal dynamics of a humanoid robot (2013); Wensing & Orin, Improved computation of the
 humanoid centroidal dynamics (2016). The momentum is that of all that moves, and neither it nor A change when inertia
-that a joint cannot feel is given to the parent: those inertias are used. A robot without mass has no centre.
+is regrouped (see regrouped_moments.py): those inertias are used. A robot without mass has no centre.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ulna.algorithms.dynamics.center_of_mass import center_of_mass, center_of_mass_velocity
-from ulna.algorithms.dynamics.coriolis import Moving
+from ulna.algorithms.dynamics.coriolis import MovingBodies
 from ulna.algorithms.dynamics.crba import composite_moments, in_parent_frame
 from ulna.algorithms.dynamics.rnea_point_accelerations import newton_euler, point_motions
 from ulna.algorithms.multibody.batch_shapes import add_column, batch_zeros
@@ -47,9 +47,9 @@ def centroidal_matrix(model: Model, q: Array) -> Array:
     """
     prepared = prepare(model)
     tree = prepared.tree
-    beyond = composite_moments(tree, prepared.regrouped_moments, q)
+    subtrees = composite_moments(tree, prepared.regrouped_moments, q)
     A = batch_zeros((6, model.nv), q)
-    for step, body, G in zip(tree, beyond, _centred(tree, q, center_of_mass(model, q)), strict=True):
+    for step, body, G in zip(tree, subtrees, _centred(tree, q, center_of_mass(model, q)), strict=True):
         for k, s in step.columns():
             add_column(A, k, G.act(body.apply(s)))
     return A
@@ -66,16 +66,18 @@ def centroidal_matrix_dot(model: Model, q: Array, v: Array) -> Array:
     prepared = prepare(model)
     tree = prepared.tree
     V = body_velocities(tree, q, v)
-    own = [Moving.at(body, twist) for body, twist in zip(prepared.regrouped_moments, V, strict=True)]
-    beyond = inward(tree, own, lambda step, moving: moving.seen_from(step, q))
+    moving_bodies = [
+        MovingBodies.at(body, twist) for body, twist in zip(prepared.regrouped_moments, V, strict=True)
+    ]
+    subtrees = inward(tree, moving_bodies, lambda step, moving: moving.to_parent(step, q))
     drift = center_of_mass_velocity(model, q, v)
     A = batch_zeros((6, model.nv), q, v)
-    for step, all_, twist, G in zip(
-        tree, beyond, V, _centred(tree, q, center_of_mass(model, q)), strict=True
+    for step, subtree, twist, G in zip(
+        tree, subtrees, V, _centred(tree, q, center_of_mass(model, q)), strict=True
     ):
         for k, s in step.columns():
-            change = G.act(all_.body.apply(twist.cross(s)) + all_.rate(s))
-            f = apply(G.rotation, all_.body.apply(s).linear)
+            change = G.act(subtree.body.apply(twist.cross(s)) + subtree.rate(s))
+            f = apply(G.rotation, subtree.body.apply(s).linear)
             add_column(A, k, Force(change.linear, change.angular - cross(drift, f)))
     return A
 
@@ -132,8 +134,8 @@ def _centred(tree: Sequence[Step], q: Array, g: Array) -> list[SE3]:
     return [SE3(T.rotation, T.translation - g) for T in poses(tree, q)]
 
 
-def _about_centre(model: Model, tree: Sequence[Step], own: Sequence[Force], q: Array) -> Array:
-    """The sum of what bodies have in their frames, about g along the axes of the world, (..., 6)."""
-    inward_ = sum_in_world(tree, own, Force.zero(), lambda step, force: step.force_to_parent(force, q))
-    f = inward_.linear
-    return Force(f, inward_.angular - cross(center_of_mass(model, q), f)).vector()
+def _about_centre(model: Model, tree: Sequence[Step], forces: Sequence[Force], q: Array) -> Array:
+    """The sum of forces or momenta in the frames of the bodies, about g along the axes of the world, (..., 6)."""
+    total = sum_in_world(tree, forces, Force.zero(), lambda step, force: step.force_to_parent(force, q))
+    f = total.linear
+    return Force(f, total.angular - cross(center_of_mass(model, q), f)).vector()

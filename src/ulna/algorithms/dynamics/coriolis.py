@@ -13,8 +13,8 @@
 | C | Coriolis matrix | (nv, nv) | | C v + gravity = bias, dM/dt = C + C^T |
 
 Source: Echeandia & Wensing, Numerical methods to compute the Coriolis matrix and Christoffel symbols for rigid-body
-systems (2021), algorithm 1. Of the matrices C with C v given, it is the one of the symbols of the first kind, for which
-dM/dt - 2 C is skew. The frames are those of link_frames.py, and the inertias those a joint can feel.
+systems (2021), algorithm 1. Among the matrices C with the same C v it is that of the symbols of the first kind, where
+dM/dt - 2 C is skew. The frames are those of link_frames.py, and the inertias are regrouped.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from ulna.spatial import SE3, Force, Motion
 from ulna.typing import Array
 
 
-class Moving(NamedTuple):
+class MovingBodies(NamedTuple):
     """Bodies that move: their inertia I, their momentum h, and D, about the origin of a frame."""
 
     body: MassMoments
@@ -41,21 +41,21 @@ class Moving(NamedTuple):
     D: Array
 
     @classmethod
-    def at(cls, body: MassMoments, V: Motion) -> Moving:
+    def at(cls, body: MassMoments, V: Motion) -> MovingBodies:
         """A body with the twist V."""
         return cls(body, body.apply(V), body.rate(V))
 
-    def __add__(self, other: Any) -> Moving:
-        return Moving(self.body + other.body, self.h + other.h, self.D + other.D)
+    def __add__(self, other: Any) -> MovingBodies:
+        return MovingBodies(self.body + other.body, self.h + other.h, self.D + other.D)
 
-    def seen_from(self, step: Step, q: Array) -> Moving:
+    def to_parent(self, step: Step, q: Array) -> MovingBodies:
         """The same in the parent's moving frame."""
         return self.to_outer_frame(step.transform(q), rotation_axis(step.kind)).to_outer_frame(step.placement)
 
-    def to_outer_frame(self, T: SE3, axis: int | None = None) -> Moving:
-        """The same in the outer frame of T, which turns about a coordinate axis if it is told which."""
+    def to_outer_frame(self, T: SE3, axis: int | None = None) -> MovingBodies:
+        """The same in the outer frame of T, which turns about the coordinate axis `axis`; None for any rotation."""
         h = T.act(self.h)
-        return Moving(
+        return MovingBodies(
             self.body.to_outer_frame(T, axis),
             h,
             rotate_symmetric(T.rotation, self.D, axis) + steiner(T.translation, h.linear),
@@ -78,21 +78,28 @@ def coriolis_matrix(model: Model, q: Array, v: Array) -> Array:
     prepared = prepare(model)
     tree = prepared.tree
     V = body_velocities(tree, q, v)
-    own = [Moving.at(body, twist) for body, twist in zip(prepared.regrouped_moments, V, strict=True)]
-    beyond = inward(tree, own, lambda step, moving: moving.seen_from(step, q))
+    bodies = [MovingBodies.at(body, twist) for body, twist in zip(prepared.regrouped_moments, V, strict=True)]
+    subtrees = inward(tree, bodies, lambda step, moving: moving.to_parent(step, q))
     C = batch_zeros((model.nv, model.nv), q, v)
     for i, step in enumerate(tree):
         for k, s in step.columns():
-            _add_pairs(tree, V, i, k, s, beyond[i], q, C)
+            _add_pairs(tree, V, i, k, s, subtrees[i], q, C)
     return C
 
 
 def _add_pairs(
-    tree: Sequence[Step], V: Sequence[Motion], i: int, k: int, s: Motion, beyond: Moving, q: Array, C: Array
+    tree: Sequence[Step],
+    V: Sequence[Motion],
+    i: int,
+    k: int,
+    s: Motion,
+    subtree: MovingBodies,
+    q: Array,
+    C: Array,
 ) -> None:
-    """Adds what column s of step i has to do with its own step and with those that step stands on."""
-    h, body = beyond.h, beyond.body
-    half = 0.5 * apply(beyond.D, s.angular)
+    """Adds the entries of column s of step i with the columns of that step and of the steps it stands on."""
+    h, body = subtree.h, subtree.body
+    half = 0.5 * apply(subtree.D, s.angular)
     turn = 0.5 * cross(s.angular, h.angular)
     column = Force(cross(s.angular, h.linear), half + turn) + body.apply(V[i].cross(s))
     row = body.apply(s)

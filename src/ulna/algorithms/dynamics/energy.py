@@ -10,7 +10,7 @@
 | E | mechanical energy | () | [J] | T + U |
 
 Source: Featherstone 2008, eq. 2.63; Siciliano 2009, section 7.1. T is v.M v / 2 with the mass matrix of crba.py, which
-holds the armature; so E is kept by a motion without friction and torques. The inertias are those a joint can feel.
+holds the armature; so E is constant along a motion without friction and torques. The inertias are regrouped.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ class Factors:
     Attributes:
         lower: For each row of L its entries before the diagonal, by column; those that are zero are missing.
         reciprocals: 1/d.
-        pivots: d; none where they were not given.
+        pivots: d; none where they are not known.
     """
 
     def __init__(self, M: Array, floors: Sequence[Any] | None = None) -> None:
@@ -74,10 +74,10 @@ class Factors:
     def of(
         cls, lower: list[dict[int, Any]], reciprocals: Sequence[Any], pivots: Sequence[Any] = ()
     ) -> Factors:
-        """Factors that were found elsewhere."""
-        found = object.__new__(cls)
-        found.lower, found.reciprocals, found.pivots = lower, list(reciprocals), list(pivots)
-        return found
+        """Factors that are known already."""
+        factors = object.__new__(cls)
+        factors.lower, factors.reciprocals, factors.pivots = lower, list(reciprocals), list(pivots)
+        return factors
 
     def solve(self, b: Sequence[Any]) -> list[Any]:
         """x with M x = b, entry by entry."""
@@ -139,7 +139,7 @@ def is_zero(x: Any) -> bool:
 
 
 def inverse_pivot(pivot: Any, index: int) -> Any:
-    """1 / pivot, the inertia that entry `index` of v moves while what is beyond it gives way.
+    """1 / pivot, of the articulated inertia that entry `index` of v moves.
 
     Raises:
         ZeroPivot: it is zero whatever the inputs.

@@ -65,7 +65,7 @@ def joint_torque_regressor(model: Model, q: Array, v: Array | None = None, a: Ar
     inputs = [x for x in (q, v, a) if x is not None]
     tree = steps(model)
     root = cast("tuple[_Column, ...]", ())
-    subspaces = outward(tree, root, lambda step, below: _with_own(step, below, q))
+    subspaces = outward(tree, root, lambda step, below: _subspaces_up_to(step, below, q))
     Y = batch_zeros((model.nv, 10 * len(model.joints)), *inputs)
     for step, (V, A), columns in zip(tree, _motions(model, tree, q, v, a), subspaces, strict=True):
         if not step.is_last:
@@ -146,11 +146,11 @@ def potential_energy_regressor(model: Model, q: Array) -> Array:
     return out
 
 
-def _with_own(step: Step, below: tuple[_Column, ...], q: Array) -> tuple[_Column, ...]:
+def _subspaces_up_to(step: Step, below: tuple[_Column, ...], q: Array) -> tuple[_Column, ...]:
     """The columns of S of the steps up to and with `step`, in its frame, each with its place in v."""
     carried = [(row, step.motion_from_parent(S, q)) for row, S in below]
-    own = [(row, S * step.multiplier) for row, S in zip(step.indices, step.subspace(), strict=True)]
-    return (*carried, *own)
+    columns = [(row, S * step.multiplier) for row, S in zip(step.indices, step.subspace(), strict=True)]
+    return (*carried, *columns)
 
 
 def _at_rest(model: Model) -> tuple[Motion, Motion]:
@@ -165,9 +165,9 @@ def _motions(
     def advance(step: Step, before: tuple[Motion, Motion]) -> tuple[Motion, Motion]:
         V, A = before[0], step.motion_from_parent(before[1], q)
         if v is not None:
-            own = step.motion(v)
-            V = step.motion_from_parent(V, q) + own
-            A = A + V.cross(own)
+            v_J = step.motion(v)
+            V = step.motion_from_parent(V, q) + v_J
+            A = A + V.cross(v_J)
         return V, A if a is None else A + step.motion(a)
 
     return outward(tree, _at_rest(model), advance)

@@ -84,7 +84,7 @@ def measure_of(J: Array, measure: Measure = "yoshikawa", axes: Axes = "all") -> 
 def asada(J: Floats, M: Floats, axes: Axes = "all") -> Any:
     """Asada's measure: how evenly a frame accelerates in all directions, from 0 to 1, shape (...).
 
-    The ratio of the smallest to the largest eigenvalue of the inertia felt at the frame, `pinv(J)^T M pinv(J)`, in the
+    The ratio of the smallest to the largest eigenvalue of the operational-space inertia, `pinv(J)^T M pinv(J)`, in the
     rows and columns of `axes`. Asada, A geometrical representation of manipulator dynamics (1983).
 
     Args:
@@ -94,8 +94,8 @@ def asada(J: Floats, M: Floats, axes: Axes = "all") -> Any:
     """
     rows = chosen_rows(axes)
     inverse = np.linalg.pinv(J)
-    felt = np.swapaxes(inverse, -1, -2) @ M @ inverse
-    e = np.linalg.eigvalsh(felt[..., rows, :][..., :, rows])
+    inertia = np.swapaxes(inverse, -1, -2) @ M @ inverse
+    e = np.linalg.eigvalsh(inertia[..., rows, :][..., :, rows])
     return np.divide(e[..., 0], e[..., -1], out=np.zeros_like(e[..., 0]), where=e[..., -1] > 0.0).clip(
         0.0, 1.0
     )

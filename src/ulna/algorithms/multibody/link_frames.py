@@ -32,7 +32,7 @@ _EXACT = 1e-14
 _TURN_COST = {3: 0, 4: 6, 5: 12, 6: 15, 7: 18, 8: 24, 9: 30}  # operations by how many entries are not zero
 _SLIDE_COST = (0, 4, 8, 12)
 _CHOICES = (
-    8  # joints beyond from which turns and slides are taken; the cost of each is that of all joints beyond
+    8  # children from whose placements turns and slides are taken; the cost of each counts all children
 )
 
 
@@ -48,7 +48,7 @@ def choose_link_frames(model: Model) -> LinkFrames:
     """The steps of a model between moving frames whose placements have as few entries other than 0 and 1 as possible.
 
     Args:
-        model: The robot; where its placements are not numbers, its own frames are returned.
+        model: The robot; where its placements are not numbers, the frames it names are returned.
     """
     old = steps(model)
     if is_symbolic(*(x for s in old for x in (s.placement.rotation, s.placement.translation))):
@@ -66,11 +66,11 @@ def choose_link_frames(model: Model) -> LinkFrames:
         offset = 0.0
         u = _axis(kind)
         if u is not None:
-            beyond = [(C.inverse() @ old[c].placement, _axis(_aligned(old[c].kind)[0])) for c in children[i]]
+            outer = [(C.inverse() @ old[c].placement, _axis(_aligned(old[c].kind)[0])) for c in children[i]]
             if isinstance(kind, Revolute):
                 rotation, offset = _absorbed(P.rotation, u)
                 P = SE3(rotation, P.translation)
-            turn, slide = _best(P, u, beyond, may_turn=isinstance(kind, Revolute))
+            turn, slide = _best(P, u, outer, may_turn=isinstance(kind, Revolute))
             P = _clean(P @ SE3(np.eye(3), slide * u))
             offset += turn
             C = C @ SE3(_about(u, turn), slide * u)
@@ -97,32 +97,32 @@ def _axis(kind: JointKind) -> Floats | None:
 
 
 def _best(
-    P: SE3, u: Floats, beyond: Sequence[tuple[SE3, Floats | None]], may_turn: bool
+    P: SE3, u: Floats, outer: Sequence[tuple[SE3, Floats | None]], may_turn: bool
 ) -> tuple[float, float]:
-    """The turn [rad] and the slide [m] along u that leave the least to do in P and in the placements beyond."""
+    """The turn [rad] and the slide [m] along u with the fewest operations in P and in the children's placements."""
     k = int(np.abs(u).argmax())
-    chosen = beyond[:_CHOICES]
+    chosen = outer[:_CHOICES]
     turns = list(dict.fromkeys(_turns(u, chosen))) if may_turn else [0.0]
     slides = [0.0, -float(P.translation @ P.rotation @ u), *(float(p.translation @ u) for p, _ in chosen)]
     slides = list(dict.fromkeys(slides))
-    along = {slide: _count([p.translation[k] - slide * u[k] for p, _ in beyond], 1) for slide in slides}
-    own = {slide: _slide_cost(P.translation + P.rotation @ u * slide) for slide in slides}
+    along = {slide: _count([p.translation[k] - slide * u[k] for p, _ in outer], 1) for slide in slides}
+    own_cost = {slide: _slide_cost(P.translation + P.rotation @ u * slide) for slide in slides}
     costs: list[tuple[float, float, float]] = []
     for turn in turns:
-        across, rotations = _beyond(_about(u, -turn), k, beyond)
+        across, rotations = _outer_costs(_about(u, -turn), k, outer)
         for slide in slides:
             entries = int(np.take(_SLIDE_COST, across + along[slide]).sum())
-            total = own[slide] + rotations + entries + 0.5 * (turn != 0.0) + 0.1 * (slide != 0.0)
+            total = own_cost[slide] + rotations + entries + 0.5 * (turn != 0.0) + 0.1 * (slide != 0.0)
             costs.append((total, turn, slide))
-    _, turn, slide = min(costs, key=lambda found: found[0])
+    _, turn, slide = min(costs, key=lambda cost: cost[0])
     return turn, slide
 
 
-def _beyond(R: Floats, k: int, beyond: Sequence[tuple[SE3, Floats | None]]) -> tuple[Floats, int]:
-    """For placements seen from a frame turned by R^-1: entries of translations across axis k, cost of all rotations."""
-    across = _count([np.delete(R @ placement.translation, k) for placement, _ in beyond], 2)
+def _outer_costs(R: Floats, k: int, outer: Sequence[tuple[SE3, Floats | None]]) -> tuple[Floats, int]:
+    """Of placements in a frame turned by R^-1: entries of translations across axis k, cost of all rotations."""
+    across = _count([np.delete(R @ placement.translation, k) for placement, _ in outer], 2)
     total = 0
-    for placement, axis in beyond:
+    for placement, axis in outer:
         rotation = R @ placement.rotation
         rotation = rotation if axis is None else _absorbed(rotation, axis)[0]
         total += _TURN_COST[int(_count([rotation], 9)[0])]
@@ -134,12 +134,12 @@ def _count(rows: Sequence[Any], width: int) -> Any:
     return (np.abs(np.reshape(rows, (len(rows), width))) > _EXACT).sum(axis=1)
 
 
-def _turns(u: Floats, beyond: Sequence[tuple[SE3, Floats | None]]) -> Iterator[float]:
+def _turns(u: Floats, outer: Sequence[tuple[SE3, Floats | None]]) -> Iterator[float]:
     """Angles that bring a child's axis or origin into a coordinate plane."""
     yield 0.0
     k = int(np.abs(u).argmax())
     a, b = (k + 1) % 3, (k + 2) % 3
-    for placement, axis in beyond:
+    for placement, axis in outer:
         for w in (placement.translation, None if axis is None else placement.rotation @ axis):
             if w is not None and min(abs(w[a]), abs(w[b])) > _EXACT:
                 yield float(u[k] * np.arctan2(w[b], w[a]))
