@@ -1,0 +1,32 @@
+"""Solvers of inverse kinematics as objects: each answers as the robot's method of its name does, and with its own steps."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+
+
+@pytest.fixture(scope="module")
+def rtb() -> Iterator[Any]:
+    with worn("roboticstoolbox"):
+        yield importlib.import_module("roboticstoolbox")
+
+
+def test_a_solver_answers_as_the_method_of_its_name(rtb: Any) -> None:
+    panda = rtb.models.Panda()
+    goal, q0 = panda.fkine(panda.qr + 0.05), panda.qr
+    rounds = {}
+    for kind, options in (("LM", {}), ("NR", {"pinv": True}), ("GN", {"pinv": True}), ("QP", {})):
+        mine = getattr(rtb, f"IK_{kind}")(**options).solve(panda.ets(), goal, q0)
+        robots = getattr(panda, f"ikine_{kind}")(goal, q0=q0, **options)
+        assert mine.success and robots.success
+        np.testing.assert_allclose(mine.q, robots.q, atol=1e-12)
+        assert mine.iterations == robots.iterations
+        rounds[kind] = mine.q
+    assert np.abs(rounds["QP"] - rounds["LM"]).max() > 1e-9
