@@ -368,6 +368,9 @@ def test_the_fast_call_works_on_this_interpreter():
     assert compile(lambda x: x, x=()).is_fast
 
 
+@pytest.mark.skipif(
+    not layout.fast_call_works(), reason="the code of single calls is made for the fast call only"
+)
 def test_debug_output(capsys, monkeypatch):
     monkeypatch.setenv("ULNA_DEBUG", "graph,ir,asm,time")
     compile(lambda x: x * 5.5, x=())
