@@ -10,8 +10,8 @@ CHANGING = {
     "compiler/codegen/node_writer.py: Module",
     "compiler/language/drawing.py: _Box",
     "faces/for-pinocchio/pinocchio/_geometry/materials.py: GeometryNoMaterial",  # as Pinocchio has it
-    "faces/for-roboticstoolbox/roboticstoolbox/_ik.py: IKSolution",  # as the toolbox has it
-    "model/records.py: Told",
+    "faces/for-roboticstoolbox/roboticstoolbox/_ets/inverse_kinematics.py: IKSolution",  # as the toolbox has it
+    "model/records.py: BuilderState",
     "system/forks.py: _Fork",
     "viewer/page/viser_nodes.py: ViserNode",
 }

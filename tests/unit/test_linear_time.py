@@ -55,12 +55,12 @@ case("xacro refusal", lambda t: refused(ValueError(t), "f"), "line 1" * N, "line
 from ulna.geometry.meshes import _metres
 case("units", _metres, " " * N, "1" * N, "1" * N + "*", "1 *" + " " * N, " " * N + "1", "1e * meters")
 
-from ulna.viewer.mesh.mesh_cache import entry
+from ulna.viewer.mesh.mesh_cache import cache_key
 def stored(text):
     path = os.path.join(folder, "mesh.obj")
     with open(path, "w") as file:
         file.write(text)
-    entry(path)
+    cache_key(path)
 with open(os.path.join(folder, "t.png"), "w") as file:
     file.write("x" * 1_000_000)
 case("mesh_store", stored, ".png" * 20_000, ".bin " * 20_000, "\n".join("./" * k + "t.png" for k in range(100)), "'" * N)

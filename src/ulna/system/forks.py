@@ -51,7 +51,7 @@ class _Fork:
 
 
 _locks: dict[int, tuple[int, weakref.ref[Any]]] = {}
-_calls: dict[int, weakref.WeakMethod[Any]] = {}
+_calls: dict[int, tuple[weakref.ref[Any], str]] = {}
 _one_at_a_time = threading.RLock()
 _forks: list[_Fork] = []
 _imports = ImportLock()
@@ -72,8 +72,14 @@ def adopt(foreign: Any, rank: int = LIBRARY) -> None:
 
 def in_child(method: Callable[[], None]) -> None:
     """Has a method called in forked children, while its object lives."""
-    key = id(getattr(method, "__self__", method))
-    _calls[key] = weakref.WeakMethod(method, lambda _: _calls.pop(key, None))
+    owner: Any = getattr(method, "__self__", None)
+    if owner is None:
+        raise TypeError(
+            f"{method!r} is no bound method; expected a method of the object whose life it shares."
+        )
+    key = id(owner)
+    # Not a WeakMethod: its own callback prints an error where it is called while the interpreter ends.
+    _calls[key] = weakref.ref(owner, lambda _: _calls.pop(key, None)), method.__name__
 
 
 def _before() -> None:
@@ -161,10 +167,10 @@ def _after_in_child() -> None:
         renew(one)
     _imports.renew()
     _one_at_a_time.release()
-    for call in list(_calls.values()):
-        method = call()
-        if method is not None:
-            method()
+    for owned, name in list(_calls.values()):
+        owner = owned()
+        if owner is not None:
+            getattr(owner, name)()
 
 
 def renew(one: Any) -> None:
