@@ -54,9 +54,9 @@ def named(mutant: Mutant, root: Path) -> list[list[str]]:
     module = _module(mutant.path)
     inner, others = _names((root / mutant.path).read_text(), mutant.line)
     files, functions = [], []
-    compatibility = "faces" in Path(mutant.path).parts
+    compatibility = "compat" in Path(mutant.path).parts
     for file, words, tests in _test_words(root):
-        if compatibility and "faces" not in Path(file).parts:
+        if compatibility and "compat" not in Path(file).parts:
             continue
         own = Path(file).stem.removeprefix("test_").split("_")
         place = 6 * (module[-1] in own or module[-1] == "_".join(own))

@@ -9,8 +9,8 @@ SOURCE = Path(__file__).parents[2] / "src"
 CHANGING = {
     "compiler/codegen/node_writer.py: Module",
     "compiler/language/drawing.py: _Box",
-    "faces/for-pinocchio/pinocchio/_geometry/materials.py: GeometryNoMaterial",  # as Pinocchio has it
-    "faces/for-roboticstoolbox/roboticstoolbox/_ets/inverse_kinematics.py: IKSolution",  # as the toolbox has it
+    "compat/for-pinocchio/pinocchio/_geometry/materials.py: GeometryNoMaterial",  # as Pinocchio has it
+    "compat/for-roboticstoolbox/roboticstoolbox/_ets/inverse_kinematics.py: IKSolution",  # as the toolbox has it
     "model/records.py: BuilderState",
     "system/forks.py: _Fork",
     "viewer/page/viser_nodes.py: ViserNode",

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ulna.errors import InputError, UnknownName
 
-_FOLDER = Path(__file__).parents[1] / "faces"
+_FOLDER = Path(__file__).parent
 
 FOLDERS: dict[str, Path] = {
     "roboticstoolbox": _FOLDER / "for-roboticstoolbox",

@@ -1,6 +1,6 @@
 """Scripts of Swift through the face against Swift itself: two processes that take turns; with `--page`, watched in Chromium.
 
-Run: python benchmarks/face_swift.py [--page]
+Run: python benchmarks/compat_swift.py [--page]
 
 It needs swift-sim and roboticstoolbox-python, and for `--page` playwright and a Chromium.
 """

@@ -1,6 +1,6 @@
 """The Robotics Toolbox's calls through the face against the toolbox itself: two processes that take turns.
 
-Run: python benchmarks/face_roboticstoolbox.py
+Run: python benchmarks/compat_roboticstoolbox.py
 
 Each has its own Swift, without a page; where swift-sim is not installed, the loops that step it have no ratio.
 """

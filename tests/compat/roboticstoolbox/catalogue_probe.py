@@ -88,7 +88,7 @@ def weights(rtb: Any, sm: Any) -> dict[str, Any]:
         if np.linalg.cond(robot.inertia(q)) < 1e6:  # some have joints that move no mass
             asked["accel"] = lambda r: r.accel(q, qd, qdd)  # noqa: B023
         for name, ask in asked.items():
-            with contextlib.suppress(*ERRORS["faces" in rtb.__file__]):
+            with contextlib.suppress(*ERRORS["for-roboticstoolbox" in rtb.__file__]):
                 out[f"{key} {name}"] = ask(robot)
     return out
 
@@ -96,7 +96,7 @@ def weights(rtb: Any, sm: Any) -> dict[str, Any]:
 def _without_motors(robot: Any, found: Any) -> Any:
     """J and B of each joint; the toolbox counts the motor's inertia twice, which the first factor takes off."""
     joints = [link for link in robot.links if link.isjoint]
-    theirs = "faces" not in type(robot).rne.__code__.co_filename
+    theirs = "for-roboticstoolbox" not in type(robot).rne.__code__.co_filename
     twice = [link.Jm if theirs else 0.0 for link in joints]
     return np.array([[J - extra, B] for (_, (J, B)), extra in zip(found, twice, strict=True)])
 

@@ -104,7 +104,7 @@ def test_what_is_misspelt_offers_the_nearest_name(pin: Any) -> None:
 @pytest.mark.slow
 def test_the_page_of_names_is_up_to_date() -> None:
     pytest.importorskip("pinocchio")
-    script = ROOT / "benchmarks" / "face_pinocchio_names.py"
+    script = ROOT / "benchmarks" / "compat_pinocchio_names.py"
     done = subprocess.run(
         [sys.executable, str(script), "--check"], capture_output=True, text=True, check=False
     )

@@ -1,6 +1,6 @@
 """Pinocchio's calls through the face, beside real Pinocchio: each package in a Python of its own, taking turns.
 
-python benchmarks/face_pinocchio.py
+python benchmarks/compat_pinocchio.py
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("spatialmath")
 pytest.importorskip("matplotlib")
-SCRIPT = Path(__file__).parents[3] / "benchmarks" / "face_roboticstoolbox_names.py"
+SCRIPT = Path(__file__).parents[3] / "benchmarks" / "compat_roboticstoolbox_names.py"
 
 
 def test_the_table_of_names_is_up_to_date() -> None:

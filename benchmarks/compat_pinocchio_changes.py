@@ -1,6 +1,6 @@
 """A model of Pinocchio whose numbers change before every call, through the face and there; and what memory it takes.
 
-python benchmarks/face_pinocchio_changes.py
+python benchmarks/compat_pinocchio_changes.py
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Which public names of Pinocchio 4.1 the package offers, which of them tests ask of both, and what it says of the others.
 
-Run: python benchmarks/face_pinocchio_names.py [--check | --write]
+Run: python benchmarks/compat_pinocchio_names.py [--check | --write]
 
 `--write` writes docs/pinocchio_names.md; `--check` compares it, and exits with 1 where it differs. A name counts as
-asked when a script that the tests run on both packages (*asked*.py in tests/faces/pinocchio and seed1) holds `pin.name`; a
+asked when a script that the tests run on both packages (*asked*.py in tests/compat/pinocchio and seed1) holds `pin.name`; a
 member of a class, when such a script holds `.member`.
 """
 
@@ -21,7 +21,7 @@ from ulna.compat.packages import environment
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "pinocchio_names.md"
 SCRIPTS = sorted(
-    p for folder in ("pinocchio", "seed1") for p in (ROOT / "tests" / "faces" / folder).glob("*asked*.py")
+    p for folder in ("pinocchio", "seed1") for p in (ROOT / "tests" / "compat" / folder).glob("*asked*.py")
 )
 
 GROUPS = (
@@ -158,9 +158,9 @@ TOTALS = (
 )
 HEAD = """# Names of Pinocchio 4.1 that Ulna offers
 
-Written by `python benchmarks/face_pinocchio_names.py --write`, which compares `dir(pinocchio)` of both packages; a test
+Written by `python benchmarks/compat_pinocchio_names.py --write`, which compares `dir(pinocchio)` of both packages; a test
 checks that it is up to date. "Asked of both" counts the names that stand in the lines which the tests put to the package and
-to real Pinocchio (`*asked*.py` in `tests/faces/pinocchio` and `seed1`), whose answers must be equal. What is not offered raises
+to real Pinocchio (`*asked*.py` in `tests/compat/pinocchio` and `seed1`), whose answers must be equal. What is not offered raises
 AttributeError (ImportError in `from pinocchio import ...`) with the word below.
 """
 MEMBERS = """Of the chief classes and modules; asked ones are counted by name, whatever object they were asked of.
@@ -175,7 +175,7 @@ def main() -> int:
     elif "--check" not in sys.argv:
         print(found)
     elif not PAGE.is_file() or PAGE.read_text(encoding="utf-8") != found:
-        print(f"{PAGE.name} is out of date; run python benchmarks/face_pinocchio_names.py --write")
+        print(f"{PAGE.name} is out of date; run python benchmarks/compat_pinocchio_names.py --write")
         return 1
     return 0
 

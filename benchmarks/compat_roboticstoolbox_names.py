@@ -1,9 +1,9 @@
 """Which public names of the arm part of the Robotics Toolbox and its three companions the faces offer: a table for the docs.
 
-Run: python benchmarks/face_roboticstoolbox_names.py [--check | --record]
+Run: python benchmarks/compat_roboticstoolbox_names.py [--check | --record]
 
-The names stand in face_roboticstoolbox_names.json; `--record` takes them anew from the packages installed. "compared"
-counts the names that a probe of tests/faces/roboticstoolbox asks both sides for. `--check` compares with what
+The names stand in compat_roboticstoolbox_names.json; `--record` takes them anew from the packages installed. "compared"
+counts the names that a probe of tests/compat/roboticstoolbox asks both sides for. `--check` compares with what
 docs/robotics_toolbox.md says, and exits with 1 where they differ, or where a name that is not supported raises without an explanation.
 """
 
@@ -25,7 +25,7 @@ from ulna.compat.packages import FOLDERS, environment
 
 HERE = Path(__file__)
 PAGE = HERE.parents[1] / "docs" / "robotics_toolbox.md"
-PROBES = HERE.parents[1] / "tests" / "faces" / "roboticstoolbox"
+PROBES = HERE.parents[1] / "tests" / "compat" / "roboticstoolbox"
 RECORD = HERE.with_suffix(".json")
 MARKS = ("<!-- names -->", "<!-- end of names -->")
 CLASSES = {

@@ -1,6 +1,6 @@
 """`viz.display(q)` through the face, beside Pinocchio's own MeshCat and Viser visualizers, taking turns.
 
-python benchmarks/face_pinocchio_display.py        # needs pin, example-robot-data, meshcat and viser
+python benchmarks/compat_pinocchio_display.py        # needs pin, example-robot-data, meshcat and viser
 
 No browser looks: it is what a control loop pays. All have their page's server running.
 """

@@ -1,6 +1,6 @@
 """Calls of constraints through the Pinocchio face, beside real Pinocchio: each in a Python of its own, taking turns.
 
-python benchmarks/face_pinocchio_constraints.py        # needs pin and example-robot-data
+python benchmarks/compat_pinocchio_constraints.py        # needs pin and example-robot-data
 
 Solo12 stands on four points, Talos on two frames, along the world's axes.
 """
