@@ -1,0 +1,243 @@
+"""Public functions of two or more arguments say what they take, return and raise, with shapes and units.
+
+`python tests/architecture/test_docstrings.py [FILE OR FOLDER ...]` prints what is missing, in pending files, too.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+SOURCE = Path(__file__).parents[2] / "src" / "ulna"
+FILES = sorted(SOURCE.rglob("*.py"))
+PENDING = Path(__file__).parent / "docstrings_pending.txt"  # remove what you complete; add nothing
+
+ARRAYS = re.compile(r"\b(Array|ArrayLike|Floats|NDArray|ndarray)\b")
+NUMBERS = re.compile(rf"{ARRAYS.pattern}|\bfloat\b")
+SHAPE = re.compile(r"\((\.\.\.)?\)|\((\.\.\.|[\w+*/ -]+)(,\s*[\w.+*/ -]*)+\)")
+UNIT = re.compile(r"\[[^\[\]]+\]")
+PHYSICAL = frozenset(
+    ["q", "v", "tau", "dt", "duration", "timeout", "period", "mass", "gravity", "radius", "angle"]
+)
+SECTIONS = ("Args", "Returns", "Yields", "Raises")
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@cache
+def parsed(path: Path) -> ast.Module:
+    """The syntax tree of a file."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@cache
+def classes_by_name() -> dict[str, list[ast.ClassDef]]:
+    """The classes of all modules by their names."""
+    classes: dict[str, list[ast.ClassDef]] = {}
+    for path in FILES:
+        for node in parsed(path).body:
+            if isinstance(node, ast.ClassDef):
+                classes.setdefault(node.name, []).append(node)
+    return classes
+
+
+def base_names(node: ast.ClassDef) -> list[str]:
+    """The names of the bases of a class, without package and type arguments."""
+    return [ast.unparse(base).partition("[")[0].rpartition(".")[2] for base in node.bases]
+
+
+def arguments(function: Function) -> list[ast.arg]:
+    """All arguments without self or cls."""
+    a = function.args
+    every = [*a.posonlyargs, *a.args, *([a.vararg] if a.vararg else []), *a.kwonlyargs]
+    every += [a.kwarg] if a.kwarg else []
+    return [x for k, x in enumerate(every) if not (k == 0 and x.arg in ("self", "cls"))]
+
+
+def is_public(path: Path) -> bool:
+    """Whether neither the file nor a folder above it begins with an underscore."""
+    return not any(part.startswith("_") and part != "__init__.py" for part in path.relative_to(SOURCE).parts)
+
+
+def public_functions(module: ast.Module) -> Iterator[tuple[str, Function, ast.ClassDef | None]]:
+    """Name, definition and class of each public function or method of two or more arguments."""
+    todo: list[tuple[str, ast.stmt, ast.ClassDef | None]] = [("", node, None) for node in module.body]
+    while todo:
+        prefix, node, owner = todo.pop(0)
+        if isinstance(node, (ast.If, ast.Try)):
+            todo += [(prefix, child, owner) for child in [*node.body, *node.orelse]]
+        if not isinstance(node, ast.ClassDef | Function) or node.name.startswith("_"):
+            continue
+        if isinstance(node, ast.ClassDef):
+            if "Protocol" not in base_names(node):
+                todo += [(f"{prefix}{node.name}.", child, node) for child in node.body]
+        elif len(arguments(node)) >= 2 and not any(
+            re.search(r"\boverload$|\.setter$", ast.unparse(decorator)) for decorator in node.decorator_list
+        ):
+            yield prefix + node.name, node, owner
+
+
+def sections(doc: str) -> dict[str, str]:
+    """The indented text below each title such as `Args:` of a docstring."""
+    parts = re.split(rf"^({'|'.join(SECTIONS)}):[ \t]*\n(?=[ \t])", doc, flags=re.M)
+    return {
+        title: re.split(r"\n(?=\S)", text, maxsplit=1)[0]
+        for title, text in zip(parts[1::2], parts[2::2], strict=True)
+    }
+
+
+def entries(section: str) -> dict[str, str]:
+    """What a section says of each name: `name: text` or `name, name: text` at the section's own indentation."""
+    indent = section[: len(section) - len(section.lstrip())]
+    name = r"\*{0,2}[A-Za-z_][\w.]*"
+    parts = re.split(rf"^{indent}({name}(?:, {name})*):", section, flags=re.M) if indent else [""]
+    return {
+        one.strip().lstrip("*"): text
+        for names, text in zip(parts[1::2], parts[2::2], strict=True)
+        for one in names.split(",")
+    }
+
+
+def raised(function: Function) -> set[str]:
+    """The classes of exceptions that the body raises as `raise X(...)`; inner functions do not count."""
+    names: set[str] = set()
+    todo: list[ast.AST] = list(function.body)
+    while todo:
+        node = todo.pop()
+        if isinstance(node, ast.ClassDef | ast.Lambda | Function):
+            continue
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+            name = ast.unparse(node.exc.func).rpartition(".")[2]
+            names |= {name} if name[:1].isupper() else set()
+        todo += list(ast.iter_child_nodes(node))
+    return names
+
+
+def base_documents(name: str, function: Function, owner: ast.ClassDef | None) -> bool:
+    """Whether a base class has this method with the same arguments and documents them."""
+    todo, visited = base_names(owner) if owner else [], set()
+    while todo:
+        if (base := todo.pop()) in visited:
+            continue
+        visited.add(base)
+        for node in classes_by_name().get(base, []):
+            todo += base_names(node)
+            for other in node.body:
+                if isinstance(other, Function) and other.name == name.rpartition(".")[2]:
+                    same = [x.arg for x in arguments(other)] == [x.arg for x in arguments(function)]
+                    if same and "Args" in sections(ast.get_docstring(other) or ""):
+                        return True
+    return False
+
+
+def argument_complaints(function: Function, texts: dict[str, str]) -> Iterator[str]:
+    """What the entries of `Args:` lack, given the text of each."""
+    names = {x.arg: ast.unparse(x.annotation) if x.annotation else "" for x in arguments(function)}
+    for name in names.keys() - texts.keys():
+        yield f"`Args:` lacks {name}"
+    for name in texts.keys() - names.keys():
+        yield f"`Args:` names {name}, which is no argument"
+    for name in names.keys() & texts.keys():
+        if ARRAYS.search(names[name]) and not SHAPE.search(texts[name]):
+            yield f"{name} is an array and has no shape such as (n,)"
+        if name in PHYSICAL and NUMBERS.search(names[name]) and not UNIT.search(texts[name]):
+            yield f"{name} has no unit such as [m] or [-]"
+
+
+def complaints(module: ast.Module) -> list[str]:
+    """What the docstrings of a module lack: line, name of the function, and what is missing."""
+    wrong: list[str] = []
+    for name, function, owner in public_functions(module):
+        doc = ast.get_docstring(function) or ""
+        parts = sections(doc)
+        if "Args" not in parts and base_documents(name, function, owner):
+            continue
+        lacks = sorted(argument_complaints(function, entries(parts.get("Args", ""))))
+        if not doc or doc.startswith(tuple(f"{title}:" for title in SECTIONS)):
+            lacks.append("no summary")
+        result = ast.unparse(function.returns) if function.returns else ""
+        text = parts.get("Returns", parts.get("Yields", ""))
+        if result not in ("None", "NoReturn", "Never") and not text:
+            lacks.append("no `Returns:`")
+        elif ARRAYS.search(result) and not SHAPE.search(text):
+            lacks.append("`Returns:` has no shape such as (n,)")
+        for error in sorted(raised(function) - entries(parts.get("Raises", "")).keys()):
+            lacks.append(f"`Raises:` lacks {error}")
+        wrong += [f"{function.lineno} {name}: {text}" for text in lacks]
+    return wrong
+
+
+def test_public_functions_have_complete_docstrings() -> None:
+    pending = (
+        set(re.findall(r"^[^#\s]+", PENDING.read_text(encoding="utf-8"), re.M)) if PENDING.exists() else set()
+    )
+    wrong = [
+        f"{name}:{text}"
+        for path in FILES
+        if is_public(path) and (name := path.relative_to(SOURCE).as_posix()) not in pending
+        for text in complaints(parsed(path))
+    ]
+    assert not wrong
+
+
+INCOMPLETE = '''
+def f(q: Array, force: float, *names: str) -> Array:
+    """A summary.
+
+    Args:
+        q: positions.
+        forces: misspelt.
+    """
+    if force < 0:
+        raise InputError("negative")
+    return q
+
+class Base:
+    def g(self, a: int, b: int) -> int:
+        """A sum.
+
+        Args:
+            a, b: numbers.
+
+        Returns:
+            Their sum.
+        """
+
+class Derived(Joint):
+    def g(self, a: int, b: int) -> int:
+        """The same without sections."""
+
+    def _private(self, a, b): ...
+'''
+
+
+def test_the_check_notices_what_is_missing() -> None:
+    texts = [text.partition(" ")[2] for text in complaints(ast.parse(INCOMPLETE))]
+    assert texts == [
+        "f: `Args:` lacks force",
+        "f: `Args:` lacks names",
+        "f: `Args:` names forces, which is no argument",
+        "f: q has no unit such as [m] or [-]",
+        "f: q is an array and has no shape such as (n,)",
+        "f: no `Returns:`",
+        "f: `Raises:` lacks InputError",
+        "Derived.g: `Args:` lacks a",
+        "Derived.g: `Args:` lacks b",
+        "Derived.g: no `Returns:`",
+    ]
+
+
+def main(names: list[str]) -> None:
+    """Print what is missing in these files and folders, or everywhere."""
+    for path in FILES:
+        asked = not names or any(path.is_relative_to(Path(name).resolve()) for name in names)
+        for text in complaints(parsed(path)) if asked and is_public(path) else ():
+            print(f"{path.relative_to(SOURCE).as_posix()}:{text}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
