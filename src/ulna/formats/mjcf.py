@@ -71,7 +71,7 @@ def model_from_mjcf(
         MissingExtra: the package mujoco is not installed.
         FormatError: the file is missing or broken, or contradicts itself.
     """
-    builder = mjcf_builder(source, root=root, mimic=mimic, trusted=trusted)
+    builder = _mjcf_builder(source, root=root, mimic=mimic, trusted=trusted)
     try:
         return builder.build()
     except (ModelError, InputError) as error:
@@ -80,7 +80,7 @@ def model_from_mjcf(
         raise FormatError(str(error), file=builder._state.source) from error
 
 
-def mjcf_builder(
+def _mjcf_builder(
     source: str | os.PathLike[str], *, root: Root = None, mimic: bool = True, trusted: bool = False
 ) -> ModelBuilder:
     """A builder filled with what an MJCF file or text describes, for adding to it before building.

@@ -104,15 +104,18 @@ def gauss_seidel(
     """Impulses that solve the complementarity problem.
 
     Args:
-        G: Delassus matrix with what it is damped by, shape (..., m, m), its diagonal above zero.
+        G: Delassus matrix with what it is damped by, shape (..., m, m) [1/kg], its diagonal above zero.
         g: Velocities without impulses, shape (..., m) [m/s].
         kinds: What each constraint is, in the order of the rows.
-        guess: Impulses to start from, shape (..., m); None for zero.
+        guess: Impulses to start from, shape (..., m) [N s]; None for zero.
         feasible: The infeasibility that is small enough [m/s].
-        complementary: The complementarity that is small enough.
-        rounds: How many at most.
+        complementary: The complementarity that is small enough [J].
+        rounds: The largest number of rounds.
         relaxation: What part of each correction is made, above 0 and below 2.
         sliding: Whether contacts slide as Coulomb says; else the convex problem is solved.
+
+    Returns:
+        The impulses, and how accurate they are.
 
     Raises:
         InputError: The kinds have not as many rows as G.

@@ -54,14 +54,19 @@ def contact_forces(
     """The forces of contacts.
 
     Args:
-        c: Velocities of the contacts over a time step, shape (..., 3 contacts) [m/s^2], normals last.
-        frictions: The coefficient of each.
-        compliance: The diagonal of R, (3 contacts,), not below zero, the tangential ones of a contact equal.
+        c: Velocities of the contacts over a time step, shape (..., 3 contacts) [m/s^2], the normal entry of each
+            last.
+        frictions: The coefficient of friction of each contact [-].
+        compliance: The diagonal of R, shape (3 contacts,) [1/kg], not below zero, the tangential ones of a contact
+            equal.
         guess: Forces to start from, shape (..., 3 contacts) [N].
-        mu: Damping, not below zero; it and the compliance are not both zero.
-        accuracies: The residual that is small enough, and the change of forces, as a part of the largest.
-        rounds: How many at most.
+        mu: Damping, not below zero [1/kg]; it and the compliance are not both zero.
+        accuracies: The residual that is small enough, and the change of forces as a fraction of the largest [-].
+        rounds: The largest number of rounds.
         sliding: Whether contacts slide as Coulomb says; else the convex problem is solved.
+
+    Returns:
+        The forces, and how accurate they are.
     """
     m = 3 * len(frictions)
     enough, small = accuracies

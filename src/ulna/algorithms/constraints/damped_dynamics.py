@@ -2,7 +2,7 @@
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| M, h, J, G | as in constrained_dynamics.py | | | |
+| M, h, J, G | as in dynamics.py | | | |
 | g | what the constraint acceleration must be the opposite of | (m) | [m/s^2] | J a + g = 0 |
 | mu | damping | () | [1/kg] ... | |
 | b | acceleration that the forces must bring about | (m) | [m/s^2] | b = -(J M^-1 (tau - h) + g) |
@@ -87,32 +87,38 @@ def damped_dynamics(
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        tau: Joint torques, shape (..., nv) [N m or N].
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        tau: Joint torques, shape (..., nv) [N m, N].
         J: Constraint Jacobian, shape (..., m, nv).
-        g: Constraint drift, shape (..., m).
+        g: Constraint drift, shape (..., m) [m/s^2, rad/s^2].
         damped: The damping, and when the rounds end.
-        external: Forces on the bodies.
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Returns:
+        Accelerations, constraint forces, and how accurate they are.
     """
     drive = tau - bias_forces(model, q, v, external)
-    return damped_response(mass_matrix(model, q), J, drive, g, damped)
+    return _damped_response(mass_matrix(model, q), J, drive, g, damped)
 
 
 def damped_impact(model: Model, q: Array, J: Array, jump: Array, damped: Damped) -> DampedMotion:
-    """The jump of v, and impulses, under J dv + jump = 0: all in `a` and `forces`.
+    """The jump of the velocity, and impulses, under J dv + jump = 0.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         J: Constraint Jacobian, shape (..., m, nv).
-        jump: (1 + restitution) J v, shape (..., m).
+        jump: (1 + restitution) J v, shape (..., m) [m/s, rad/s].
         damped: The damping, and when the rounds end.
+
+    Returns:
+        The jump of v as `a`, the impulses as `forces`, and how accurate they are.
     """
-    return damped_response(mass_matrix(model, q), J, np.zeros(model.nv) * q[..., :1], jump, damped)
+    return _damped_response(mass_matrix(model, q), J, np.zeros(model.nv) * q[..., :1], jump, damped)
 
 
-def damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped) -> DampedMotion:
+def _damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped) -> DampedMotion:
     """M a = drive + J^T f and J a + g = 0, for matrices of numbers, symbols or traced scalars.
 
     Args:
@@ -139,9 +145,16 @@ def damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped) 
 
 
 def damped_factors(G: Array, mu: Array) -> Factors:
-    """The factors of G with mu (..., m) added to its diagonal.
+    """The factors of a Delassus matrix with damping on its diagonal.
 
     A row without damping that depends on rows after it has a reciprocal of zero.
+
+    Args:
+        G: Delassus matrix, shape (..., m, m) [1/kg].
+        mu: Damping of each row, not below zero, shape (..., m) [1/kg].
+
+    Returns:
+        The factors of G + diag(mu).
     """
     m = G.shape[-1]
     damps = [numeric.less(0.0, mu[..., i][()]) for i in range(m)]

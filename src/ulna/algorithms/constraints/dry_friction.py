@@ -30,14 +30,17 @@ ROUNDS = 500
 
 
 def velocity_after_friction(G: Array, u: Array, start: Array, h: Any, friction: Friction) -> Array:
-    """v, (..., nv).
+    """The velocity after a time step in which friction acts on the joints.
 
     Args:
-        G: Inverse mass matrix, shape (..., nv, nv).
-        u: Velocity without friction, shape (..., nv).
-        start: Velocity before the step, (..., nv), at which static friction is judged.
-        h: Duration [s], shape (...).
-        friction: The law; its width plays no part.
+        G: Inverse mass matrix, shape (..., nv, nv) [1/kg, 1/(kg m), 1/(kg m^2)].
+        u: Velocity after the step without friction, shape (..., nv) [rad/s, m/s].
+        start: Velocity before the step, shape (..., nv) [rad/s, m/s], at which static friction is judged.
+        h: Duration of the step, shape (...) [s].
+        friction: The friction of the joints; its width plays no part.
+
+    Returns:
+        Velocity, shape (..., nv) [rad/s, m/s].
     """
     nv = u.shape[-1]
     viscous, *_ = friction.numbers(nv)

@@ -3,7 +3,7 @@
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | M, h | mass matrix; torques that give no acceleration | (nv, nv), (nv) | | M = L^T D L, see mass_matrix_factors.py |
-| J, k, c, e | Jacobian, bias, velocity, error of the constraints | (m, nv), (m) | | constraints.py |
+| J, k, c, e | Jacobian, bias, velocity, error of the constraints | (m, nv), (m) | | kinematics.py |
 | g | what the constraint acceleration must be the opposite of | (m) | [m/s^2] | g = k + kd c + kp e |
 | R | compliance | () | [1/kg] | J a + g + R f = 0 |
 | f | constraint forces | (m) | [N], [N m] | M a + h = tau + J^T f |
@@ -91,13 +91,16 @@ def constrained_dynamics(
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        tau: Joint torques, shape (..., nv) [N m or N].
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        tau: Joint torques, shape (..., nv) [N m, N].
         bonds: The constraints.
-        external: Forces on the bodies.
+        external: Forces on the bodies [N, N m]; None for none.
         stabilisation: Gains against drift; None for none.
-        settings: How the forces are found.
+        settings: How the forces are computed.
+
+    Returns:
+        Accelerations, constraint forces along the axes of their constraints, residual and rounds.
     """
     J = constraint_jacobian(model, q, bonds, turned=False)
     g = constraint_bias(model, q, v, bonds, turned=False)
@@ -126,14 +129,17 @@ def forward_dynamics_with_jacobian(
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        tau: Joint torques, shape (..., nv) [N m or N].
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        tau: Joint torques, shape (..., nv) [N m, N].
         J: Constraint Jacobian, shape (..., m, nv).
-        g: Constraint drift, shape (..., m).
-        compliance: R, a number or shape (...).
-        external: Forces on the bodies.
-        settings: How the forces are found.
+        g: Constraint drift, shape (..., m) [m/s^2, rad/s^2].
+        compliance: R, a number or shape (...) [1/kg].
+        external: Forces on the bodies [N, N m]; None for none.
+        settings: How the forces are computed.
+
+    Returns:
+        Accelerations, constraint forces along the rows of J, residual and rounds.
     """
     factors = Factors(mass_matrix(model, q))
     drive = tau - bias_forces(model, q, v, external)
@@ -151,15 +157,19 @@ def impulse_dynamics(
     restitution: Array | None = None,
     settings: Proximal = Proximal(),  # noqa: B008 - frozen
 ) -> Impact:
-    """The velocity after constraints have taken hold of a moving robot at once.
+    """The velocity after constraints have started to act on a moving robot at once.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity before, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity before, shape (..., nv) [rad/s, m/s].
         bonds: The constraints.
-        restitution: What part of its velocity each constraint gives back, shape (..., constraints); None for nothing.
-        settings: How the impulses are found.
+        restitution: The fraction of its velocity that each constraint returns, shape (..., constraints) [-]; None for
+            none.
+        settings: How the impulses are computed.
+
+    Returns:
+        Velocity after the impact, impulses, residual and rounds.
     """
     J = constraint_jacobian(model, q, bonds, turned=False)
     back: Any = 0.0
@@ -175,12 +185,15 @@ def impulse_dynamics(
 
 
 def delassus_matrix(model: Model, q: Array, bonds: Sequence[Bond]) -> Array:
-    """G, shape (..., m, m): symmetric, semidefinite, singular where constraints depend on each other.
+    """The Delassus matrix J M^-1 J^T of constraints.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         bonds: The constraints.
+
+    Returns:
+        G, shape (..., m, m) [1/kg]: symmetric, semidefinite, singular where constraints depend on each other.
     """
     factors = Factors(mass_matrix(model, q))
     return delassus_of(factors, solve_transposed_columns(factors, constraint_jacobian(model, q, bonds)))
@@ -207,7 +220,15 @@ def _response(
 
 
 def solve_transposed_columns(factors: Factors, J: Array) -> list[dict[int, Any]]:
-    """Y, column by column; entries that are zero by the tree are missing."""
+    """The columns of Y = L^-T J^T.
+
+    Args:
+        factors: L and D of the mass matrix.
+        J: Constraint Jacobian, shape (..., m, nv).
+
+    Returns:
+        For each constraint the entries of its column by row; entries that are zero by the tree are missing.
+    """
     found = []
     for i in range(J.shape[-2]):
         column = factors.inward([J[..., i, k][()] for k in range(J.shape[-1])])
@@ -216,7 +237,15 @@ def solve_transposed_columns(factors: Factors, J: Array) -> list[dict[int, Any]]
 
 
 def delassus_of(factors: Factors, Y: Sequence[dict[int, Any]]) -> Array:
-    """G = Y^T D^-1 Y, of the columns that `solve_transposed_columns` gives."""
+    """The Delassus matrix G = Y^T D^-1 Y.
+
+    Args:
+        factors: L and D of the mass matrix.
+        Y: What `solve_transposed_columns` returns.
+
+    Returns:
+        G, shape (..., m, m) [1/kg].
+    """
     m = len(Y)
     G: list[list[Any]] = [[0.0] * m for _ in range(m)]
     for i, row in enumerate(Y):

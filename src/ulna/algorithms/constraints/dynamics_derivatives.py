@@ -2,11 +2,11 @@
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| a, f | accelerations; constraint forces, along the axes of the first frames | (nv), (m) | | constrained_dynamics.py |
-| J | constraint Jacobian, along the same axes | (m, nv) | | constraint_twists.py |
+| a, f | accelerations; constraint forces, along the axes of the first frames | (nv), (m) | | dynamics.py |
+| J | constraint Jacobian, along the same axes | (m, nv) | | frame_errors.py |
 | r | what is left of M a + h = tau + J^T f | (nv) | | r = ID(q, v, a) - J^T f - tau |
 | g | what is left of the constraints, with gains kp and kd, z wanted | (m) | | g = J a + k + kd c + kp e - z |
-| V, A | twist and spatial acceleration of a frame, in the axes of the first one | Motion | | velocity_derivatives.py |
+| V, A | twist and spatial acceleration of a frame, in the axes of the first one | Motion | | derivatives/velocity.py |
 | s | column of J: how the first frame turns for an observer on the second | Motion | | |
 | dX_b/dq | of what moves with the second frame, seen from the first | | | dX_b + X_b x s |
 | dc/dq | of a frame | Motion | | dV_a - (dV_b + V_b x s) |
@@ -142,14 +142,18 @@ def bound_terms(
 
     Args:
         model: The robot.
-        q: Configuration, shape (nq,).
-        v: Velocity, shape (nv,).
-        a: Acceleration, shape (nv,).
-        forces: Constraint forces, each along the axes of its constraint, shape (m,).
-        gains: kp and kd of each, shape (constraints, 2).
-        wanted: What J a + k + kd c + kp e shall be, each along the axes of its constraint, shape (m,).
+        q: Configuration, shape (nq,) [rad, m].
+        v: Velocity, shape (nv,) [rad/s, m/s].
+        a: Acceleration, shape (nv,) [rad/s^2, m/s^2].
+        forces: Constraint forces, each along the axes of its constraint, shape (m,) [N, N m].
+        gains: kp [1/s^2] and kd [1/s] of each constraint, shape (constraints, 2).
+        wanted: The required J a + k + kd c + kp e, each along the axes of its constraint, shape (m,) [m/s^2,
+            rad/s^2].
         bonds: The constraints, all with a second frame.
         impact: Whether a is a jump of v and the forces are impulses, so that gravity and v count for nothing in r.
+
+    Returns:
+        The derivatives of both residuals, and the matrices they come with.
     """
     external: list[Force | None] = [None] * len(model.joints)
     m = sum(bond.size for bond in bonds)
@@ -187,7 +191,16 @@ def bound_terms(
 
 
 def bound_response(terms: BoundTerms, mu: Any = 0.0, rounds: Any = 1) -> BoundResponse:
-    """How accelerations and forces of constrained dynamics with that damping, after those rounds, answer to changes."""
+    """How accelerations and forces of damped constrained dynamics respond to changes of the residuals.
+
+    Args:
+        terms: The derivatives of the residuals.
+        mu: Damping [1/kg].
+        rounds: The number of rounds that the solver makes.
+
+    Returns:
+        The response, and the derivatives by tau.
+    """
     m, n = terms.J.shape
     factors = Factors(terms.M)
     Y = solve_transposed_columns(factors, terms.J)

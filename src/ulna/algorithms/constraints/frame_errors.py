@@ -3,7 +3,7 @@
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | a, b | first and second frame; a frame of the world is the second one at joint -1 | | | |
-| J, c, k | Jacobian, velocity and bias of constraints.py, along the world's axes | | | k = dJ/dt v |
+| J, c, k | Jacobian, velocity and bias of kinematics.py, along the world's axes | | | k = dJ/dt v |
 | e | error of a point; of a frame | (3); (6) | [m], [rad] | p_a - p_b; log6(T_b^-1 T_a) |
 | u, w | velocity of the origin of a, its angular velocity | (3) | [m/s], [rad/s] | |
 | l, d | linear and angular part of c | (3) | | |
@@ -14,7 +14,7 @@
 | S | its Jacobian, of a frame that of its twist | (3, nv); (6, nv) | | -(J + e x W); -J |
 | z | rate of S v | (3); (6) | [m/s^2], ... | -(J a + k) - 2 w x S v - alpha x y - w x (w x y); -(J a + k') |
 
-W is how a turns, (3, nv), alpha its angular acceleration, both in its axes. A point moves as in constraints.py. With
+W is how a turns, (3, nv), alpha its angular acceleration, both in its axes. A point moves as in kinematics.py. With
 J a + k' = 0 the components of c in the axes of a stay what they are; with J a + k'' = 0 both bodies have one spatial
 acceleration. Both say the same as k where c = 0. The error of a frame is driven by its own axes: de/dt = J_r(e)^-1 c.
 Source: Featherstone 2008, sections 2.10 and 8.1; Lynch & Park, section 8.6.
@@ -62,9 +62,12 @@ def constraint_twists(model: Model, q: Array, v: Array, bonds: Sequence[Bond]) -
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
         bonds: The constraints, all with a second frame.
+
+    Returns:
+        All of them along the axes of the constraints.
     """
     J = constraint_jacobian(model, q, bonds, turned=False)
     c = apply(J, v)
@@ -105,10 +108,13 @@ def constraint_seen(model: Model, q: Array, v: Array, a: Array, bond: Bond) -> S
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
         bond: The constraint, with a second frame.
+
+    Returns:
+        Position, Jacobian, velocity and acceleration along the axes of the first frame.
     """
     twists = constraint_twists(model, q, v, [bond._replace(local=True)])
     y = -twists.error
@@ -130,7 +136,16 @@ def frame_of(end: End) -> Frame:
 
 
 def relative_log(model: Model, q: Array, bond: Bond) -> Array:
-    """log6(T_b^-1 T_a), (..., 6) [m, rad]."""
+    """The error of a frame on SE(3): log6(T_b^-1 T_a).
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+        bond: The constraint, with a second frame.
+
+    Returns:
+        The error, shape (..., 6) [m, rad].
+    """
     assert bond.second is not None, "the frame that holds it"
     T = frame_pose(model, q, frame_of(bond.second)).inverse() @ frame_pose(model, q, frame_of(bond.first))
     return np.concatenate(log_parts(T.rotation, T.translation), axis=-1)

@@ -29,11 +29,14 @@ from ulna.typing import Array
 
 
 def project(f: Array, mu: Any) -> Array:
-    """P f, shape (..., 3).
+    """The nearest force of the friction cone K.
 
     Args:
         f: Force, shape (..., 3) [N], the normal entry last.
         mu: Coefficient of friction, not below zero.
+
+    Returns:
+        P f, shape (..., 3) [N].
     """
     x, y, n = (f[..., i][()] for i in range(3))
     length = numeric.sqrt(x * x + y * y)
@@ -52,24 +55,43 @@ def project(f: Array, mu: Any) -> Array:
 
 
 def project_dual(f: Array, mu: Any) -> Array:
-    """P* f, shape (..., 3); see `project`."""
+    """The nearest vector of the dual cone K*: f + P(-f).
+
+    Args:
+        f: Vector, shape (..., 3), the normal entry last.
+        mu: Coefficient of friction, not below zero [-].
+
+    Returns:
+        P* f, shape (..., 3), in the unit of `f`.
+    """
     return f + project(-f, mu)
 
 
 def project_weighted(f: Array, mu: Any, weights: Array) -> Array:
-    """P_R f, shape (..., 3).
+    """The nearest force of the friction cone in the norm of weights R.
 
     Args:
         f: Force, shape (..., 3) [N], the normal entry last.
         mu: Coefficient of friction, not below zero.
         weights: The diagonal of R, shape (..., 3), above zero; the first two are equal.
+
+    Returns:
+        P_R f, shape (..., 3) [N].
     """
     roots = vector(*(numeric.sqrt(weights[..., i][()]) for i in range(3)))
     return project(roots * f, mu * roots[..., 0][()] / roots[..., 2][()]) / roots
 
 
 def project_radially(f: Array, mu: Any) -> Array:
-    """The force with the same normal entry, or none below zero, and no more friction than that allows, (..., 3)."""
+    """The force with the same normal entry, or none below zero, and no more friction than that allows.
+
+    Args:
+        f: Force, shape (..., 3) [N], the normal entry last.
+        mu: Coefficient of friction, not below zero [-].
+
+    Returns:
+        The force, shape (..., 3) [N].
+    """
     x, y, n = (f[..., i][()] for i in range(3))
     length, normal = numeric.sqrt(x * x + y * y), numeric.maximum(n, 0.0)
     slides = numeric.less(mu * normal, length)
@@ -78,13 +100,29 @@ def project_radially(f: Array, mu: Any) -> Array:
 
 
 def sliding_shift(v: Array, mu: Any) -> Array:
-    """What makes the velocity (..., 3) [m/s] of a contact that slides one of K*, (..., 3)."""
+    """The shift that makes the velocity of a sliding contact one of K* (De Saxce).
+
+    Args:
+        v: Velocity of the contact, shape (..., 3) [m/s], the normal entry last.
+        mu: Coefficient of friction, not below zero [-].
+
+    Returns:
+        (0, 0, mu times the tangential speed), shape (..., 3) [m/s].
+    """
     x, y = v[..., 0][()], v[..., 1][()]
     rest = 0.0 * x
     return vector(rest, rest, mu * numeric.sqrt(x * x + y * y))
 
 
 def excess(f: Array, mu: Any) -> Any:
-    """How far a force is outside K, (...): the larger of |t| - mu n and -n [N]; not above zero inside."""
+    """How far a force is outside K.
+
+    Args:
+        f: Force, shape (..., 3) [N], the normal entry last.
+        mu: Coefficient of friction, not below zero [-].
+
+    Returns:
+        The larger of |t| - mu n and -n, shape (...) [N]; not above zero inside.
+    """
     tangential = numeric.sqrt(f[..., 0] ** 2 + f[..., 1] ** 2)
     return np.asarray(numeric.maximum(tangential - mu * f[..., 2], -f[..., 2]))[()]

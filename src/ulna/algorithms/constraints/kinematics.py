@@ -59,13 +59,16 @@ class Side(NamedTuple):
 
 
 def constraint_jacobian(model: Model, q: Array, bonds: Sequence[Bond], turned: bool = True) -> Array:
-    """J, shape (..., m, nv).
+    """The Jacobian of constraints.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         bonds: The constraints.
         turned: Whether rows of "local" constraints are written along the axes of their first frame.
+
+    Returns:
+        J, shape (..., m, nv).
     """
     prepared = prepare(model)
     J = batch_zeros((sum(bond.size for bond in bonds), model.nv), q)
@@ -85,13 +88,16 @@ def constraint_jacobian(model: Model, q: Array, bonds: Sequence[Bond], turned: b
 
 
 def constraint_velocity(model: Model, q: Array, v: Array, bonds: Sequence[Bond]) -> Array:
-    """c, shape (..., m) [m/s, rad/s].
+    """The velocity of constraints.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
         bonds: The constraints.
+
+    Returns:
+        c, shape (..., m) [m/s, rad/s].
     """
     return apply(constraint_jacobian(model, q, bonds), v)
 
@@ -99,14 +105,18 @@ def constraint_velocity(model: Model, q: Array, v: Array, bonds: Sequence[Bond])
 def constraint_error(
     model: Model, q: Array, anchors: Array | None, bonds: Sequence[Bond], turned: bool = True
 ) -> Array:
-    """e, shape (..., m) [m, rad].
+    """The error of constraints: how far their frames are from where they should be.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        anchors: Where the contacts hold, in their order, as poses (..., contacts, 4, 4); a point has only a place.
+        q: Configuration, shape (..., nq) [rad, m].
+        anchors: Where the contacts hold, in their order, as poses of shape (..., contacts, 4, 4) [m]; of a point only
+            the position is read. None without contacts.
         bonds: The constraints.
         turned: Whether rows of "local" constraints are written along the axes of their first frame.
+
+    Returns:
+        e, shape (..., m) [m, rad].
     """
     prepared = prepare(model)
     inputs = (q,) if anchors is None else (q, anchors[..., 0, 0])
@@ -129,14 +139,17 @@ def constraint_error(
 
 
 def constraint_bias(model: Model, q: Array, v: Array, bonds: Sequence[Bond], turned: bool = True) -> Array:
-    """k, shape (..., m) [m/s^2, rad/s^2].
+    """The acceleration of constraints at zero joint acceleration, dJ/dt v.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
         bonds: The constraints.
         turned: Whether rows of "local" constraints are written along the axes of their first frame.
+
+    Returns:
+        k, shape (..., m) [m/s^2, rad/s^2].
     """
     prepared = prepare(model)
     moving = point_motions(prepared.tree, q, v, None, -np.asarray(model.gravity))
@@ -169,7 +182,17 @@ def constraint_bias(model: Model, q: Array, v: Array, bonds: Sequence[Bond], tur
 
 
 def along_axes(model: Model, q: Array, rows: Array, bonds: Sequence[Bond]) -> Array:
-    """Rows (..., m, n) along the world's axes, each part along the axes of its own constraint."""
+    """Rows along the world's axes, written along the axes of their constraints.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+        rows: What is rewritten, shape (..., m, n).
+        bonds: The constraints.
+
+    Returns:
+        The same rows, those of "local" constraints along the axes of their first frames, shape (..., m, n).
+    """
     if not any(bond.local for bond in bonds):
         return rows
     prepared = prepare(model)

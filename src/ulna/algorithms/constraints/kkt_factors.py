@@ -2,7 +2,7 @@
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| M, J, G | mass matrix, constraint Jacobian, Delassus matrix | | | constrained_dynamics.py |
+| M, J, G | mass matrix, constraint Jacobian, Delassus matrix | | | dynamics.py |
 | mu | damping of each constraint | (m) | [1/kg] ... | |
 | K | what binds accelerations and forces | (m + nv, m + nv) | | K = [[-mu, J], [J^T, M]] |
 | U, D | unit upper triangle; diagonal, below zero for constraints | (m + nv, m + nv), (m + nv) | | K = U diag(D) U^T |
@@ -45,12 +45,15 @@ class ConstrainedFactors(NamedTuple):
 
 
 def constrained_factors(M: Array, J: Array, mu: Array) -> ConstrainedFactors:
-    """Factors K. Entries of M and J that are the number zero cost nothing.
+    """The factors of K. Entries of M and J that are the number zero cost nothing.
 
     Args:
-        M: Mass matrix, shape (..., nv, nv).
+        M: Mass matrix, shape (..., nv, nv) [kg, kg m, kg m^2].
         J: Constraint Jacobian, shape (..., m, nv).
-        mu: Damping of each constraint, not below 0, shape (..., m).
+        mu: Damping of each constraint, not below 0, shape (..., m) [1/kg].
+
+    Returns:
+        The factors, the Delassus matrix, and whether the solution is unique.
     """
     m, n = J.shape[-2:]
     of_joints = Factors(M, [0.0] * n)
@@ -68,12 +71,15 @@ def constrained_factors(M: Array, J: Array, mu: Array) -> ConstrainedFactors:
 
 
 def constrained_motion(factors: Factors, drive: Array, g: Array) -> tuple[Array, Array]:
-    """a and f, with M a = drive + J^T f and J a + g = -mu f.
+    """Accelerations and forces with M a = drive + J^T f and J a + g = -mu f.
 
     Args:
         factors: Those of K.
-        drive: Torques less those that give no acceleration, shape (..., nv) [N m, N].
+        drive: Torques minus those that produce no acceleration, shape (..., nv) [N m, N].
         g: Constraint drift, shape (..., m) [m/s^2, rad/s^2].
+
+    Returns:
+        a, shape (..., nv) [rad/s^2, m/s^2], and f, shape (..., m) [N, N m].
     """
     m, n = g.shape[-1], drive.shape[-1]
     x = factors.solve([-g[..., i][()] for i in range(m)] + [drive[..., k][()] for k in range(n)])
@@ -81,13 +87,16 @@ def constrained_motion(factors: Factors, drive: Array, g: Array) -> tuple[Array,
 
 
 def constrained_impact(factors: Factors, J: Array, v: Array, restitution: Any) -> tuple[Array, Array]:
-    """v+ and i.
+    """Velocity and impulses of an impact.
 
     Args:
         factors: Those of K.
         J: Constraint Jacobian, shape (..., m, nv).
-        v: Velocity before, shape (..., nv).
-        restitution: What part of the velocity the constraints give back, a number.
+        v: Velocity before, shape (..., nv) [rad/s, m/s].
+        restitution: The fraction of the velocity that the constraints return, a number [-].
+
+    Returns:
+        v+, shape (..., nv) [rad/s, m/s], and the impulses, shape (..., m) [N s, N m s].
     """
     jump, impulses = constrained_motion(factors, np.zeros(v.shape), (1.0 + restitution) * apply(J, v))
     return v + jump, impulses
@@ -103,7 +112,15 @@ def joined(model: Model) -> Array:
 
 
 def moved_by(model: Model, joints: Sequence[int]) -> Array:
-    """Which velocities move some of the joints, 1, and which none of them, 0: (nv,); -1 is the world."""
+    """Which velocities move some of the joints.
+
+    Args:
+        model: The robot.
+        joints: Indices of joints; -1 is the world.
+
+    Returns:
+        1 for velocities that move some of them, 0 for the others, shape (nv,).
+    """
     out = np.zeros(model.nv)
     for joint in joints:
         for i in model.support(joint):
@@ -112,7 +129,15 @@ def moved_by(model: Model, joints: Sequence[int]) -> Array:
 
 
 def filled(M: Array, J: Array) -> Array:
-    """Where U has entries, 1, by where M and J have: (m + nv, m + nv)."""
+    """Where U has entries, by where M and J have.
+
+    Args:
+        M: Where the mass matrix has entries, shape (nv, nv): 1 or 0.
+        J: Where the Jacobian has entries, shape (m, nv): 1 or 0.
+
+    Returns:
+        1 where U has entries, 0 elsewhere, shape (m + nv, m + nv).
+    """
     m = len(J)
     out = np.block([[np.eye(m), J], [J.T, M]]) > 0.0
     for k in reversed(range(len(out))):

@@ -84,12 +84,15 @@ _PURGES = 3
 
 
 def solve_proximal(G: Array, b: Sequence[Any], settings: Proximal) -> Solution:
-    """f with G f = b, of least length where there are many, of least error where there are none.
+    """Solves G f = b: the f of least length where there are many, of least error where there are none.
 
     Args:
         G: Symmetric positive semidefinite matrix, shape (..., m, m).
         b: m numbers, or batches of numbers.
         settings: The proximal parameter, and when to stop.
+
+    Returns:
+        f with G f = b, and the number of rounds.
     """
     m = len(b)
     diagonal = [G[..., i, i] for i in range(m)]

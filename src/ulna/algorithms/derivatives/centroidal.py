@@ -2,7 +2,7 @@
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| s, psi, chi, phi, B | a column of step i and what it does | | | see inverse_dynamics_derivatives.py |
+| s, psi, chi, phi, B | a column of step i and what it does | | | see inverse_dynamics.py |
 | I, h, F | inertia, momentum and force of all bodies from step i on, without gravity | | | |
 | c, m | centre of mass of the robot, its mass | (3), () | [m], [kg] | |
 | h_G = (p, n) | momentum about c, in world axes | (6) | [N s, N m s] | |
@@ -36,16 +36,19 @@ from ulna.typing import Array
 
 
 def centroidal_derivatives(model: Model, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array, Array]:
-    """The derivatives dh/dq, dF/dq, dF/dv and dF/da of momentum and its rate, each (..., 6, nv).
+    """The derivatives of momentum and its rate.
 
-    The momentum is that about the centre of mass along the axes of the world, linear part first; the last result is
-    also its derivative by v. Bodies that no joint moves do not count.
+    The momentum is that about the centre of mass along the axes of the world, linear part first. Bodies that no joint
+    moves do not count.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
+
+    Returns:
+        dh/dq, dF/dq, dF/dv and dF/da, each of shape (..., 6, nv); the last is also dh/dv.
     """
     prepared = prepare(model)
     tree, T = prepared.tree, poses(prepared.tree, q)
@@ -73,12 +76,15 @@ def centroidal_derivatives(model: Model, q: Array, v: Array, a: Array) -> tuple[
 
 
 def com_velocity_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, Array]:
-    """The derivatives of the velocity of the centre of mass by q and by v, each (..., 3, nv), in world axes.
+    """The derivatives of the velocity of the centre of mass, in world axes.
 
     Args:
         model: The robot; a robot without mass has zeros here.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        The derivatives by q and by v, each of shape (..., 3, nv).
     """
     prepared = prepare(model)
     tree, T = prepared.tree, poses(prepared.tree, q)

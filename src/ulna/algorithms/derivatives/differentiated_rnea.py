@@ -53,7 +53,7 @@ class _Forces(NamedTuple):
         return _Forces(self.f + other.f, self.df + other.df)
 
 
-def rnea_differential(
+def _rnea_differential(
     model: Model, q: Array, v: Array, a: Array, direction: Sequence[Array], external: External = None
 ) -> Array:
     """The derivative of the torques of inverse dynamics along one direction, shape (..., nv).
@@ -98,37 +98,43 @@ def rnea_differential(
 def rnea_derivatives(
     model: Model, q: Array, v: Array, a: Array, external: External = None
 ) -> tuple[Array, Array, Array]:
-    """The derivatives of the torques by q, v and a, each (..., nv, nv), column by column; the last is the mass matrix.
+    """The derivatives of the torques of `rnea`, column by column.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
-        external: Forces on the bodies, fixed in them.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
+        external: Forces on the bodies, fixed in them [N, N m]; None for none.
+
+    Returns:
+        The derivatives by q, v and a, each of shape (..., nv, nv); the last is the mass matrix.
     """
     by_q, by_v, by_a = (batch_zeros((model.nv, model.nv), q, v, a, external) for _ in range(3))
     zero = np.zeros(model.nv)
     for k, e in enumerate(np.eye(model.nv)):
-        by_q[..., k] = rnea_differential(model, q, v, a, (e, zero, zero), external)
-        by_v[..., k] = rnea_differential(model, q, v, a, (zero, e, zero), external)
-        by_a[..., k] = rnea_differential(model, q, v, a, (zero, zero, e), external)
+        by_q[..., k] = _rnea_differential(model, q, v, a, (e, zero, zero), external)
+        by_v[..., k] = _rnea_differential(model, q, v, a, (zero, e, zero), external)
+        by_a[..., k] = _rnea_differential(model, q, v, a, (zero, zero, e), external)
     return by_q, by_v, by_a
 
 
 def aba_derivatives(
     model: Model, q: Array, v: Array, tau: Array, external: External = None
 ) -> tuple[Array, Array, Array]:
-    """The derivatives of the joint accelerations by q, v and tau, each (..., nv, nv).
+    """The derivatives of the joint accelerations of `aba`.
 
     They follow from tau = ID(q, v, FD(q, v, tau)): -M^-1 dtau/dq, -M^-1 dtau/dv and M^-1.
 
     Args:
         model: The robot, without mimic joints.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        tau: Joint torques, shape (..., nv) [N m or N].
-        external: Forces on the bodies, fixed in them.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        tau: Joint torques, shape (..., nv) [N m, N].
+        external: Forces on the bodies, fixed in them [N, N m]; None for none.
+
+    Returns:
+        The derivatives by q, v and tau, each of shape (..., nv, nv).
     """
     a = aba(model, q, v, tau, external)
     tau_q, tau_v, M = rnea_derivatives(model, q, v, a, external)

@@ -29,14 +29,17 @@ from ulna.typing import Array
 def forward_dynamics_derivatives(
     model: Model, q: Array, v: Array, tau: Array, external: External = None
 ) -> tuple[Array, Array, Array]:
-    """The derivatives of the accelerations by q, v and tau, each (..., nv, nv); the last is the inverse mass matrix.
+    """The derivatives of the joint accelerations (Carpentier & Mansard 2018, section III).
 
     Args:
         model: The robot; every motion must move some mass or have armature.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        tau: Joint torques, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        tau: Joint torques, shape (..., nv) [N m, N].
         external: As for `inverse_dynamics_derivatives`.
+
+    Returns:
+        The derivatives by q, v and tau, each of shape (..., nv, nv); the last is the inverse mass matrix.
     """
     a = by_mass_matrix(model, q, v, tau, external)
     tau_q, tau_v, M = inverse_dynamics_derivatives(model, q, v, a, external)

@@ -5,7 +5,7 @@
 | U_i, V_i | twist of the parent and of the body of step i | Motion | [m/s, rad/s] | V_i = U_i + S_i v_i |
 | C_i, A_i | acceleration of the same two, gravity taken off | Motion | | A_i = C_i + S_i a_i + U_i x S_i v_i |
 | m, c, I | inertia of all bodies from step i outward | MassMoments | | see mass_moments.py |
-| u | velocity of the observer of step i, for that of its parent | (3) | [m/s] | see states_of_moving_observers |
+| u | velocity of the observer of step i, for that of its parent | (3) | [m/s] | see _states_of_moving_observers |
 | h = (p, n), D | their momentum, and the rate of I | Force, (3, 3) | | |
 | F_i | the force that moves them | Force | [N, N m] | sum of I A + V x* I V - external |
 | s | a column of S_i | Motion | | constant |
@@ -70,7 +70,17 @@ class Subtree(NamedTuple):
         return Subtree(self.body + other.body, self.h + other.h, self.D + other.D, self.F + other.F)
 
     def to_parent(self, step: Step, q: Array, u: Array) -> Subtree:
-        """The same seen from the parent, for whom the moving frame has the velocity u."""
+        """The same as observed from the parent.
+
+        Args:
+            step: The step in whose moving frame the quantities are.
+            q: Configuration, shape (..., nq) [rad, m].
+            u: Velocity of the observer of the step relative to that of the parent, in the parent's axes, shape (...,
+                3) [m/s].
+
+        Returns:
+            The quantities about the origin of the parent's moving frame.
+        """
         J, P, axis = step.transform(q), step.placement.rotation, rotation_axis(step.kind)
         body, arm = self.body, arm_of(step, J)
         first, linear, angular = (
@@ -111,19 +121,22 @@ class Effect(NamedTuple):
 def inverse_dynamics_derivatives(
     model: Model, q: Array, v: Array, a: Array, external: External = None
 ) -> tuple[Array, Array, Array]:
-    """The derivatives of the torques by q, v and a, each (..., nv, nv); the last is the mass matrix.
+    """The derivatives of the torques of inverse dynamics.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
         external: For every joint of the model the force on its body, in its moving frame and fixed in it [N, N m], or
             None.
+
+    Returns:
+        The derivatives by q, v and a, each of shape (..., nv, nv); the last is the mass matrix.
     """
     prepared = prepare(model)
     tree = prepared.tree
-    state = states_of_moving_observers(tree, q, v, a, model.gravity)
+    state = _states_of_moving_observers(tree, q, v, a, model.gravity)
     effects_of = cache(lambda i: effects(tree[i], state(i)))
     by_q, by_v, M = (batch_zeros((model.nv, model.nv), q, v, a, external) for _ in range(3))
     for i, subtree in subtree_quantities(model, prepared, prepared.regrouped_moments, state, q, external):
@@ -172,7 +185,15 @@ def _add_pairs(
 
 
 def effects(step: Step, state: State) -> list[Effect]:
-    """The columns of a step with psi, chi and phi."""
+    """The columns of a step with psi, chi and phi.
+
+    Args:
+        step: The step.
+        state: The twists and accelerations at it.
+
+    Returns:
+        One effect a column.
+    """
     columns = []
     for index, s in step.columns():
         psi = state.U.cross(s)
@@ -182,9 +203,20 @@ def effects(step: Step, state: State) -> list[Effect]:
 
 
 def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -> Callable[[int], State]:
-    """The twists and accelerations at a step, those of free fall taken off; computed when they are asked for.
+    """The twists and accelerations at the steps, those of free fall subtracted.
 
-    A trace records in the order of asking; what is computed shortly before it is used stays in registers.
+    A trace records in the order in which states are asked for; what is computed shortly before it is used stays in
+    registers.
+
+    Args:
+        tree: The steps, parents first.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
+        gravity: Acceleration of free fall in the world, shape (3,) [m/s^2].
+
+    Returns:
+        A function that computes the state at a step, once.
     """
     zero = Motion.zero()
     lift = Motion(-np.asarray(gravity), np.zeros(3))
@@ -201,7 +233,7 @@ def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -
     return state
 
 
-def states_of_moving_observers(
+def _states_of_moving_observers(
     tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array
 ) -> Callable[[int], State]:
     """The same, each as observed by somebody who moves on evenly with the origin of the moving frame of the step.
@@ -233,7 +265,15 @@ def states_of_moving_observers(
 
 
 def arm_of(step: Step, J: SE3) -> Array:
-    """The origin of the moving frame in the parent's, for the joint transform J."""
+    """The origin of the moving frame in the parent's.
+
+    Args:
+        step: The step.
+        J: The joint transform at the configuration [m].
+
+    Returns:
+        Position, shape (..., 3) [m].
+    """
     return step.placement.translation + apply(step.placement.rotation, J.translation)
 
 
@@ -245,7 +285,19 @@ def subtree_quantities(
     q: Array,
     external: External = None,
 ) -> Iterator[tuple[int, Subtree]]:
-    """Every step, the leaves first, with the quantities of all bodies from it outward."""
+    """The quantities of all bodies from each step outward.
+
+    Args:
+        model: The robot.
+        prepared: Its optimised frames.
+        bodies: The inertia of the body of every step, in its optimised frame [kg, kg m, kg m^2].
+        state: The twists and accelerations at each step.
+        q: Configuration, shape (..., nq) [rad, m].
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Yields:
+        Every step with its quantities, the leaves first.
+    """
     children: list[list[Subtree]] = [[] for _ in prepared.tree]
     for i, step in reversed(list(enumerate(prepared.tree))):
         body, V = bodies[i], state(i).V

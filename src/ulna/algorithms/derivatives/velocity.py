@@ -37,13 +37,16 @@ from ulna.typing import Array
 
 
 def frame_velocity_derivatives(model: Model, q: Array, v: Array, frame: Frame) -> tuple[Array, Array]:
-    """The derivatives of the twist of a frame, in "local", by q and by v, each (..., 6, nv).
+    """The derivatives of the twist of a frame, in "local".
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
         frame: A frame of the model.
+
+    Returns:
+        The derivatives by q and by v, each of shape (..., 6, nv).
     """
     groups = by_step(local_columns(chain(model, frame), q, frame.placement))
     dV_dq, dV_dv = batch_zeros((6, model.nv), q, v), batch_zeros((6, model.nv), q, v)
@@ -59,14 +62,17 @@ def frame_velocity_derivatives(model: Model, q: Array, v: Array, frame: Frame) -
 def frame_acceleration_derivatives(
     model: Model, q: Array, v: Array, a: Array, frame: Frame
 ) -> tuple[Array, Array, Array]:
-    """The derivatives of the spatial acceleration of a frame, in "local", by q, v and a, each (..., 6, nv).
+    """The derivatives of the spatial acceleration of a frame, in "local".
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
         frame: A frame of the model.
+
+    Returns:
+        The derivatives by q, v and a, each of shape (..., 6, nv).
     """
     groups = by_step(local_columns(chain(model, frame), q, frame.placement))
     upto, beyond = partial_twists(groups, v)
@@ -87,20 +93,20 @@ def frame_acceleration_derivatives(
 def motion_derivatives(
     model: Model, q: Array, v: Array, a: Array, frame: Frame, reference: Reference = "local_world_aligned"
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """The derivatives of the twist and the spatial acceleration of a frame in a reference, each (..., 6, nv).
+    """The derivatives of the twist and of the spatial acceleration of a frame in a reference.
 
     In "local_world_aligned" they are those of "world", moved to the frame's origin: the origin itself is held.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
 
     Returns:
-        Of the twist by q and v; of the acceleration by q, v and a.
+        Of the twist by q and v; of the acceleration by q, v and a; each of shape (..., 6, nv).
     """
     check_reference(reference)
     V_q, J = frame_velocity_derivatives(model, q, v, frame)
@@ -122,18 +128,21 @@ def point_derivatives(
     frame: Frame,
     reference: Literal["local", "local_world_aligned"] = "local_world_aligned",
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """The derivatives of how the origin of a frame moves, as a point, each (..., 3, nv).
+    """The derivatives of how the origin of a frame moves, as a point.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
         frame: A frame of the model.
         reference: In whose axes: the frame's ("local") or the world's.
 
     Returns:
-        Of its velocity by q and v; of its acceleration by q, v and a.
+        Of its velocity by q and v; of its acceleration by q, v and a; each of shape (..., 3, nv).
+
+    Raises:
+        UnknownName: `reference` is neither "local" nor "local_world_aligned".
     """
     if reference not in ("local", "local_world_aligned"):
         raise UnknownName("reference", reference, ("local", "local_world_aligned"), "A point has no twist.")

@@ -58,14 +58,17 @@ class _Column(NamedTuple):
 def articulated_body_dynamics(
     model: Model, q: Array, v: Array, tau: Array, external: External = None
 ) -> Array:
-    """The joint accelerations, shape (..., nv) [rad/s^2 or m/s^2].
+    """The joint accelerations, by the form that is compiled; equal to `aba`.
 
     Args:
         model: The robot, without mimic joints.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        tau: Joint torques, shape (..., nv) [N m or N].
-        external: Forces on the bodies.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        tau: Joint torques, shape (..., nv) [N m, N].
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Returns:
+        Joint accelerations, shape (..., nv) [rad/s^2, m/s^2].
 
     Raises:
         InputError: The model has mimic joints; `forward_dynamics` takes them.

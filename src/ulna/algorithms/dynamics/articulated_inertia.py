@@ -50,13 +50,16 @@ class Articulated:
         return Force(apply(self.M, b) + apply(self.H, e), apply(across, b) + apply(self.I, e))
 
     def less(self, u: Force, reciprocal: Any, s: Motion, free: bool) -> Articulated:
-        """I^a.
+        """The inertia I^a across a joint that is free of torque.
 
         Args:
             u: I^A s.
             reciprocal: 1 / D.
             s: The column.
             free: Whether there is no armature; I^a s is then zero, and is made so exactly along a coordinate axis.
+
+        Returns:
+            I^A - u u^T / D.
         """
         f, n = u.linear, u.angular
         F, N = column(reciprocal) * f, column(reciprocal) * n
@@ -73,7 +76,15 @@ class Articulated:
         return Articulated(M, H, I)
 
     def to_outer_frame(self, T: SE3, axis: int | None = None) -> Articulated:
-        """The same in the outer frame of T, which turns about the coordinate axis `axis`; None for any rotation."""
+        """The same inertia in another frame.
+
+        Args:
+            T: The pose of the present frame in the outer one [m].
+            axis: The coordinate axis, 0, 1 or 2, about which T turns, which saves operations; None for any rotation.
+
+        Returns:
+            The inertia about the origin of the outer frame, in its axes.
+        """
         R, cross = T.rotation, skew(T.translation)
         M, H, I = (
             rotate_symmetric(R, self.M, axis),

@@ -46,11 +46,14 @@ class FirstMoment(NamedTuple):
 
 
 def total_mass(model: Model, subtree: str | None = None) -> Any:
-    """The mass of all that moves, or of what one joint moves [kg].
+    """The mass of all that moves, or of what one joint moves.
 
     Args:
         model: The robot.
         subtree: Name of a joint; None for all.
+
+    Returns:
+        The mass [kg].
 
     Raises:
         UnknownName: no such joint.
@@ -59,12 +62,15 @@ def total_mass(model: Model, subtree: str | None = None) -> Any:
 
 
 def center_of_mass(model: Model, q: Array, subtree: str | None = None) -> Array:
-    """Where the centre of mass is in the world, shape (..., 3) [m].
+    """Where the centre of mass is in the world.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         subtree: Name of a joint, for what it moves; None for all.
+
+    Returns:
+        Position, shape (..., 3) [m].
 
     Raises:
         UnknownName: no such joint.
@@ -74,24 +80,56 @@ def center_of_mass(model: Model, q: Array, subtree: str | None = None) -> Array:
 
 
 def center_of_mass_velocity(model: Model, q: Array, v: Array, subtree: str | None = None) -> Array:
-    """How fast the centre of mass moves in the world, shape (..., 3) [m/s]; see `center_of_mass`."""
+    """How fast the centre of mass moves in the world.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        subtree: Name of a joint, for what it moves; None for all.
+
+    Returns:
+        Velocity, shape (..., 3) [m/s].
+
+    Raises:
+        UnknownName: no such joint.
+        InputError: there is no mass.
+    """
     return _over_mass(model, subtree, first_moment(model, q, v, subtree=subtree).velocity, q, v)
 
 
 def center_of_mass_acceleration(
     model: Model, q: Array, v: Array, a: Array, subtree: str | None = None
 ) -> Array:
-    """How the centre of mass accelerates in the world, shape (..., 3) [m/s^2]; see `center_of_mass`."""
+    """How the centre of mass accelerates in the world.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
+        subtree: Name of a joint, for what it moves; None for all.
+
+    Returns:
+        Acceleration, shape (..., 3) [m/s^2].
+
+    Raises:
+        UnknownName: no such joint.
+        InputError: there is no mass.
+    """
     return _over_mass(model, subtree, first_moment(model, q, v, a, subtree).acceleration, q, v, a)
 
 
 def center_of_mass_jacobian(model: Model, q: Array, subtree: str | None = None) -> Array:
-    """J, shape (..., 3, nv): `J @ v` is the velocity of the centre of mass in the world.
+    """The Jacobian of the centre of mass: `J @ v` is its velocity in the world.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         subtree: Name of a joint, for what it moves; None for all.
+
+    Returns:
+        J, shape (..., 3, nv) [m/rad, -].
 
     Raises:
         UnknownName: no such joint.
@@ -116,10 +154,13 @@ def first_moment(
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv); None for rest.
-        a: Acceleration, shape (..., nv); None for zero.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s]; None for rest.
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2]; None for zero.
         subtree: Name of a joint, for what it moves; None for all.
+
+    Returns:
+        The three vectors, each of shape (..., 3) [kg m], [kg m/s], [kg m/s^2].
     """
     prepared = prepare(model)
     tree = prepared.tree

@@ -39,11 +39,14 @@ from ulna.typing import Array
 
 
 def centroidal_matrix(model: Model, q: Array) -> Array:
-    """A, shape (..., 6, nv): `A @ v` is the momentum about the centre of mass, in world axes, linear part first.
+    """The centroidal momentum matrix: `A @ v` is the momentum about the centre of mass, in world axes.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        A, shape (..., 6, nv), linear part first.
     """
     prepared = prepare(model)
     tree = prepared.tree
@@ -56,12 +59,15 @@ def centroidal_matrix(model: Model, q: Array) -> Array:
 
 
 def centroidal_matrix_dot(model: Model, q: Array, v: Array) -> Array:
-    """dA/dt along the velocity `v`, shape (..., 6, nv).
+    """The time derivative of the centroidal momentum matrix along a velocity.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        dA/dt, shape (..., 6, nv), linear part first.
     """
     prepared = prepare(model)
     tree = prepared.tree
@@ -83,12 +89,15 @@ def centroidal_matrix_dot(model: Model, q: Array, v: Array) -> Array:
 
 
 def centroidal_momentum(model: Model, q: Array, v: Array) -> Array:
-    """h_G, shape (..., 6) [N s, N m s], in world axes, linear part first.
+    """The momentum about the centre of mass, in world axes.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        h_G, shape (..., 6) [N s, N m s], linear part first.
     """
     prepared = prepare(model)
     V = body_velocities(prepared.tree, q, v)
@@ -97,13 +106,16 @@ def centroidal_momentum(model: Model, q: Array, v: Array) -> Array:
 
 
 def centroidal_momentum_rate(model: Model, q: Array, v: Array, a: Array) -> Array:
-    """dh_G/dt, shape (..., 6) [N, N m], in world axes, linear part first: what acts on the robot, weight included.
+    """The rate of the momentum about the centre of mass, in world axes: all that acts on the robot, weight included.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
+
+    Returns:
+        dh_G/dt, shape (..., 6) [N, N m], linear part first.
     """
     prepared = prepare(model)
     motions = point_motions(prepared.tree, q, v, a, np.zeros(3))
@@ -112,11 +124,14 @@ def centroidal_momentum_rate(model: Model, q: Array, v: Array, a: Array) -> Arra
 
 
 def centroidal_inertia(model: Model, q: Array) -> Array:
-    """I_G, shape (..., 3, 3) [kg m^2]: the rotational inertia of the robot as one rigid body, in world axes.
+    """The rotational inertia of the robot as one rigid body, about its centre of mass, in world axes.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        I_G, shape (..., 3, 3) [kg m^2].
     """
     prepared = prepare(model)
     whole = sum_in_world(

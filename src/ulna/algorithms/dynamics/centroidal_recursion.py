@@ -33,53 +33,62 @@ from ulna.typing import Array
 
 
 def momentum_about_com(model: Model, q: Array, v: Array) -> Array:
-    """h_G, shape (..., 6) [N s, N m s], in world axes, linear part first.
+    """The momentum about the centre of mass, in world axes, as the sum over the bodies.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        h_G, shape (..., 6) [N s, N m s], linear part first.
     """
     tree = steps(model)
     I, V = body_moments(model, tree), body_velocities(tree, q, v)
-    h = (X_i.act(I_i.apply(V_i)) for X_i, I_i, V_i in zip(poses_from_com(tree, I, q), I, V, strict=True))
+    h = (X_i.act(I_i.apply(V_i)) for X_i, I_i, V_i in zip(_poses_from_com(tree, I, q), I, V, strict=True))
     return sum(h, Force.zero()).vector()
 
 
 def momentum_rate_about_com(model: Model, q: Array, v: Array, a: Array) -> Array:
-    """dh_G/dt, shape (..., 6) [N, N m], in world axes, linear part first.
+    """The rate of the momentum about the centre of mass, in world axes, as the sum over the bodies.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
+
+    Returns:
+        dh_G/dt, shape (..., 6) [N, N m], linear part first.
     """
     tree = steps(model)
     I, motions = body_moments(model, tree), body_accelerations(tree, q, v, a)
     rate = Force.zero()
-    for X_i, I_i, (V_i, A_i) in zip(poses_from_com(tree, I, q), I, motions, strict=True):
+    for X_i, I_i, (V_i, A_i) in zip(_poses_from_com(tree, I, q), I, motions, strict=True):
         rate = rate + X_i.act(I_i.apply(A_i) + V_i.cross(I_i.apply(V_i)))
     return rate.vector()
 
 
 def momentum_matrix_about_com(model: Model, q: Array) -> Array:
-    """A_G, shape (..., 6, nv).
+    """The centroidal momentum matrix, column by column.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        A_G, shape (..., 6, nv), linear part first.
     """
     tree = steps(model)
     I = body_moments(model, tree)
     A_G = batch_zeros((6, model.nv), q)
-    for step, I_c, X_i in zip(tree, composite_moments(tree, I, q), poses_from_com(tree, I, q), strict=True):
+    for step, I_c, X_i in zip(tree, composite_moments(tree, I, q), _poses_from_com(tree, I, q), strict=True):
         for k, s in step.columns():
             add_column(A_G, k, X_i.act(I_c.apply(s)))
     return A_G
 
 
-def poses_from_com(tree: Sequence[Step], I: Sequence[MassMoments], q: Array) -> list[SE3]:
+def _poses_from_com(tree: Sequence[Step], I: Sequence[MassMoments], q: Array) -> list[SE3]:
     """X of every step."""
     T = poses(tree, q)
     whole = sum((I_i.to_outer_frame(T_i) for I_i, T_i in zip(I, T, strict=True)), MassMoments.zero())

@@ -42,18 +42,42 @@ class MovingBodies(NamedTuple):
 
     @classmethod
     def at(cls, body: MassMoments, V: Motion) -> MovingBodies:
-        """A body with the twist V."""
+        """The quantities of one body.
+
+        Args:
+            body: Its inertia about the origin of its frame [kg, kg m, kg m^2].
+            V: Its twist in that frame [m/s, rad/s].
+
+        Returns:
+            Inertia, momentum and rate of the second moment.
+        """
         return cls(body, body.apply(V), body.rate(V))
 
     def __add__(self, other: Any) -> MovingBodies:
         return MovingBodies(self.body + other.body, self.h + other.h, self.D + other.D)
 
     def to_parent(self, step: Step, q: Array) -> MovingBodies:
-        """The same in the parent's moving frame."""
+        """The same in the parent's moving frame.
+
+        Args:
+            step: The step in whose moving frame the quantities are.
+            q: Configuration, shape (..., nq) [rad, m].
+
+        Returns:
+            The quantities about the origin of the parent's moving frame.
+        """
         return self.to_outer_frame(step.transform(q), rotation_axis(step.kind)).to_outer_frame(step.placement)
 
     def to_outer_frame(self, T: SE3, axis: int | None = None) -> MovingBodies:
-        """The same in the outer frame of T, which turns about the coordinate axis `axis`; None for any rotation."""
+        """The same in another frame.
+
+        Args:
+            T: The pose of the present frame in the outer one [m].
+            axis: The coordinate axis, 0, 1 or 2, about which T turns, which saves operations; None for any rotation.
+
+        Returns:
+            The quantities about the origin of the outer frame, in its axes.
+        """
         h = T.act(self.h)
         return MovingBodies(
             self.body.to_outer_frame(T, axis),
@@ -68,12 +92,15 @@ class MovingBodies(NamedTuple):
 
 
 def coriolis_matrix(model: Model, q: Array, v: Array) -> Array:
-    """C, shape (..., nv, nv).
+    """The Coriolis matrix of the Christoffel symbols of the first kind: dM/dt - 2 C is skew.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        C, shape (..., nv, nv); `C @ v` are the Coriolis and centrifugal torques [N m, N].
     """
     prepared = prepare(model)
     tree = prepared.tree

@@ -34,35 +34,44 @@ from ulna.typing import Array
 
 
 def crba(model: Model, q: Array) -> Array:
-    """M in the frames and with the inertias of the model, shape (..., nv, nv).
+    """The mass matrix in the frames and with the inertias of the model (Featherstone 2008, table 6.2).
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        M, shape (..., nv, nv) [kg, kg m, kg m^2].
     """
     tree = steps(model)
     return composite_rigid_bodies(model, tree, body_moments(model, tree), q)
 
 
 def mass_matrix(model: Model, q: Array) -> Array:
-    """M, shape (..., nv, nv): symmetric, positive definite where every motion moves some mass.
+    """The mass matrix, by the form that is compiled; equal to `crba`.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        M, shape (..., nv, nv) [kg, kg m, kg m^2]: symmetric, positive definite where every motion moves some mass.
     """
     prepared = prepare(model)
     return composite_rigid_bodies(model, prepared.tree, prepared.regrouped_moments, q)
 
 
 def composite_rigid_bodies(model: Model, tree: Sequence[Step], I: Sequence[MassMoments], q: Array) -> Array:
-    """The recursion of table 6.2, shape (..., nv, nv).
+    """The recursion of table 6.2.
 
     Args:
         model: The robot.
         tree: Its steps.
-        I: The inertia of the body of every step, in its moving frame.
-        q: Configuration, shape (..., nq).
+        I: The inertia of the body of every step, in its moving frame [kg, kg m, kg m^2].
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        M with the armature, shape (..., nv, nv) [kg, kg m, kg m^2].
     """
     I_c = composite_moments(tree, I, q)
     M = batch_zeros((model.nv, model.nv), q)
@@ -73,7 +82,7 @@ def composite_rigid_bodies(model: Model, tree: Sequence[Step], I: Sequence[MassM
             for l, s_l in columns[:n]:
                 _add_symmetric(M, k, l, s_l.dot(F))
             M[..., k, k] += s.dot(F)
-            for ancestor, F_j in forces_at_ancestors(tree, i, F, q):
+            for ancestor, F_j in _forces_at_ancestors(tree, i, F, q):
                 for l, s_l in ancestor.columns():
                     _add_symmetric(M, k, l, s_l.dot(F_j))
     for k in range(model.nv):
@@ -82,11 +91,20 @@ def composite_rigid_bodies(model: Model, tree: Sequence[Step], I: Sequence[MassM
 
 
 def composite_moments(tree: Sequence[Step], I: Sequence[MassMoments], q: Array) -> list[MassMoments]:
-    """I^c of every step."""
+    """The inertia I^c of all bodies from each step outward.
+
+    Args:
+        tree: The steps, parents first.
+        I: The inertia of the body of every step, in its moving frame [kg, kg m, kg m^2].
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        I^c of every step, in its moving frame [kg, kg m, kg m^2].
+    """
     return inward(tree, I, lambda step, I_i: in_parent_frame(step, I_i, q))
 
 
-def forces_at_ancestors(tree: Sequence[Step], i: int, F: Force, q: Array) -> Iterator[tuple[Step, Force]]:
+def _forces_at_ancestors(tree: Sequence[Step], i: int, F: Force, q: Array) -> Iterator[tuple[Step, Force]]:
     """The steps that step `i` stands on, nearest first, each with a force of step `i` in its moving frame."""
     while tree[i].parent >= 0:
         F = tree[i].force_to_parent(F, q)

@@ -27,12 +27,15 @@ from ulna.typing import Array
 
 
 def kinetic_energy(model: Model, q: Array, v: Array) -> Any:
-    """T, shape (...) [J].
+    """The kinetic energy, that of the drives (armature) included.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        T, shape (...) [J].
     """
     prepared = prepare(model)
     T = 0.5 * dot(v * model.armature, v) + batch_zeros((), q, v)[()]
@@ -43,21 +46,27 @@ def kinetic_energy(model: Model, q: Array, v: Array) -> Any:
 
 
 def potential_energy(model: Model, q: Array) -> Any:
-    """U, shape (...) [J], of all that moves.
+    """The potential energy of all that moves, zero at the world's origin.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        U, shape (...) [J].
     """
     return -dot(first_moment(model, q).position, model.gravity) + batch_zeros((), q)[()]
 
 
 def mechanical_energy(model: Model, q: Array, v: Array) -> Any:
-    """E, shape (...) [J].
+    """The sum of kinetic and potential energy.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        E, shape (...) [J].
     """
     return kinetic_energy(model, q, v) + potential_energy(model, q)

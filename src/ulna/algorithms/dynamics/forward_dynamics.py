@@ -7,10 +7,11 @@
 | a | joint accelerations | (nv) | [rad/s^2] or [m/s^2] | M a = tau - h |
 | n_k | number of columns of S on the way from the world to column k, itself included | () | | |
 
-Either M is factored within the tree's zeros (factors.py), at a cost that grows as the sum of n_k^2, or articulated
-inertias are passed through the tree (aba.py), at a cost that grows as nv. Counted in traced operations the first is
-cheaper while the mean of n_k^2 is below about 30 (Panda 20: 1207 against 1299), the second beyond (Solo12 48: 2623
-against 2953; G1 on a free flyer 109: 8242 against 11503). With mimic joints only the first holds.
+Either M is factored within the tree's zeros (mass_matrix_factors.py), at a cost that grows as the sum of n_k^2, or
+articulated inertias are passed through the tree (aba_relative_accelerations.py), at a cost that grows as nv. Counted
+in traced operations the first is cheaper while the mean of n_k^2 is below about 30 (Panda 20: 1207 against 1299), the
+second beyond (Solo12 48: 2623 against 2953; G1 on a free flyer 109: 8242 against 11503). With mimic joints only the
+first holds.
 """
 
 from __future__ import annotations
@@ -29,14 +30,18 @@ _MEAN_SQUARE_DEPTH = 30.0
 
 
 def forward_dynamics(model: Model, q: Array, v: Array, tau: Array, external: External = None) -> Array:
-    """The joint accelerations, shape (..., nv) [rad/s^2 or m/s^2].
+    """The joint accelerations, by the algorithm that takes fewer operations for the model.
 
     Args:
         model: The robot; every motion must move some mass or have armature.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        tau: Joint torques, shape (..., nv) [N m or N].
-        external: Forces on the bodies, which `external.at_joints` makes of forces at frames.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        tau: Joint torques, shape (..., nv) [N m, N].
+        external: Forces on the bodies, which `external_forces.at_joints` makes of forces at frames [N, N m]; None for
+            none.
+
+    Returns:
+        Joint accelerations, shape (..., nv) [rad/s^2, m/s^2].
     """
     if prefers_mass_matrix(model):
         return by_mass_matrix(model, q, v, tau, external)
@@ -44,7 +49,18 @@ def forward_dynamics(model: Model, q: Array, v: Array, tau: Array, external: Ext
 
 
 def by_mass_matrix(model: Model, q: Array, v: Array, tau: Array, external: External = None) -> Array:
-    """The same by the factors of the mass matrix."""
+    """The joint accelerations, by the factors of the mass matrix; takes mimic joints.
+
+    Args:
+        model: The robot; every motion must move some mass or have armature.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        tau: Joint torques, shape (..., nv) [N m, N].
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Returns:
+        Joint accelerations, shape (..., nv) [rad/s^2, m/s^2].
+    """
     h = bias_forces(model, q, v, external)
     a = batch_zeros((model.nv,), q, v, tau, external)
     solution = Factors(mass_matrix(model, q)).solve([(tau - h)[..., k] for k in range(model.nv)])

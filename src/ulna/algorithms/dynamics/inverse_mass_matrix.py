@@ -21,11 +21,14 @@ from ulna.typing import Array
 
 
 def inverse_mass_matrix(model: Model, q: Array) -> Array:
-    """M^-1, shape (..., nv, nv).
+    """The inverse of the mass matrix with armature.
 
     Args:
         model: The robot; every motion must move some mass or have armature.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        M^-1, shape (..., nv, nv) [1/kg, 1/(kg m), 1/(kg m^2)].
     """
     inverse = Factors(mass_matrix(model, q)).inverse()
     return inverse if inverse.dtype == object else inverse + batch_zeros((model.nv, model.nv), q)

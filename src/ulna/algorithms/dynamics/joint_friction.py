@@ -77,12 +77,29 @@ class Friction:
 
     @classmethod
     def of(cls, model: Model, width: float = 1e-2) -> Friction:
-        """The friction a model names for its joints: `damping` and `friction`."""
+        """The friction a model names for its joints: `damping` and `friction`.
+
+        Args:
+            model: The robot.
+            width: The velocity within which Coulomb friction passes smoothly through zero [rad/s, m/s].
+
+        Returns:
+            Its viscous and Coulomb friction.
+        """
         return cls(np.array(model.damping), np.array(model.friction), width=width)
 
     @classmethod
     def of_drives(cls, model: Model, drives: Mapping[str, Drive], width: float = 1e-2) -> Friction:
-        """The friction of motors behind gears, with its two directions; of other joints what the model names."""
+        """The friction of motors behind gears, with its two directions.
+
+        Args:
+            model: The robot.
+            drives: The motor and gear of some joints, by the name of the joint.
+            width: The velocity within which Coulomb friction passes smoothly through zero [rad/s, m/s].
+
+        Returns:
+            The friction of these joints as their drives have it, of the others as the model has it.
+        """
         driven = with_drives(model, drives)
         forward, backward = np.array(driven.friction), np.array(driven.friction)
         for name, drive in drives.items():
@@ -132,11 +149,14 @@ class Friction:
 
 
 def friction_torque(v: Array, friction: Friction) -> Any:
-    """f, (..., nv) [N m, N]: what friction adds to the torques of the drives, against the motion.
+    """What friction adds to the torques of the drives, against the motion.
 
     Args:
-        v: Velocity, shape (..., nv).
-        friction: The law.
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        friction: The friction of the joints.
+
+    Returns:
+        f, shape (..., nv) [N m, N].
     """
     smooth = tanh(v / friction.width)
     return -(friction.viscous * v + friction.dry_bound(v) * smooth)

@@ -74,7 +74,16 @@ class Factors:
     def of(
         cls, lower: list[dict[int, Any]], reciprocals: Sequence[Any], pivots: Sequence[Any] = ()
     ) -> Factors:
-        """Factors that are known already."""
+        """Factors that are known already.
+
+        Args:
+            lower: For each row of L its entries before the diagonal, by column.
+            reciprocals: 1/d.
+            pivots: d; none where they are not known.
+
+        Returns:
+            The factors, of which nothing is checked.
+        """
         factors = object.__new__(cls)
         factors.lower, factors.reciprocals, factors.pivots = lower, list(reciprocals), list(pivots)
         return factors
@@ -139,7 +148,14 @@ def is_zero(x: Any) -> bool:
 
 
 def inverse_pivot(pivot: Any, index: int) -> Any:
-    """1 / pivot, of the articulated inertia that entry `index` of v moves.
+    """1 / pivot.
+
+    Args:
+        pivot: The articulated inertia that an entry of v moves, a number, batch or traced scalar.
+        index: That entry of v, for the error.
+
+    Returns:
+        The reciprocal.
 
     Raises:
         ZeroPivot: it is zero whatever the inputs.

@@ -59,38 +59,67 @@ class Task(NamedTuple):
     damping: float = 0.0
 
     def jacobian(self, model: Model, q: Array) -> Array:
-        """J, shape (..., 6, nv)."""
+        """The Jacobian of the task.
+
+        Args:
+            model: The robot.
+            q: Configuration, shape (..., nq) [rad, m].
+
+        Returns:
+            J, shape (..., 6, nv), linear part first.
+        """
         if self.representation is not None:
             return analytical_jacobian(model, q, self.frame, self.representation)
         return frame_jacobian(model, q, self.frame, self.reference)
 
     def jacobian_dot(self, model: Model, q: Array, v: Array) -> Array:
-        """dJ/dt, shape (..., 6, nv)."""
+        """The time derivative of the Jacobian of the task.
+
+        Args:
+            model: The robot.
+            q: Configuration, shape (..., nq) [rad, m].
+            v: Velocity, shape (..., nv) [rad/s, m/s].
+
+        Returns:
+            dJ/dt, shape (..., 6, nv), linear part first.
+        """
         if self.representation is not None:
             return analytical_jacobian_dot(model, q, v, self.frame, self.representation)
         return frame_jacobian_dot(model, q, v, self.frame, self.reference)
 
 
 def operational_inertia(model: Model, q: Array, task: Task) -> Array:
-    """L, shape (..., 6, 6).
+    """The operational-space inertia of a frame: L = (J M^-1 J^T + damping^2 1)^-1.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         task: What of which frame.
+
+    Returns:
+        L, shape (..., 6, 6).
+
+    Raises:
+        InputError: the frame cannot move in all six directions, and there is no damping.
     """
     mobility = _mobility(model, q, task)[0]
     return _solve(mobility, np.broadcast_to(np.eye(6), mobility.shape))
 
 
 def operational_coriolis(model: Model, q: Array, v: Array, task: Task) -> Array:
-    """C_x, shape (..., 6, 6).
+    """The Coriolis matrix in the coordinates of the task.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
         task: What of which frame.
+
+    Returns:
+        C_x, shape (..., 6, 6).
+
+    Raises:
+        InputError: the frame cannot move in all six directions, and there is no damping.
     """
     mobility, inverse = _mobility(model, q, task)
     back = np.swapaxes(inverse, -1, -2)
@@ -100,26 +129,35 @@ def operational_coriolis(model: Model, q: Array, v: Array, task: Task) -> Array:
 
 
 def operational_gravity(model: Model, q: Array, task: Task) -> Array:
-    """g_x, shape (..., 6) [N, N m].
+    """The forces at the frame that hold the robot against gravity.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         task: What of which frame.
+
+    Returns:
+        g_x, shape (..., 6) [N, N m].
+
+    Raises:
+        InputError: the frame cannot move in all six directions, and there is no damping.
     """
     mobility, inverse = _mobility(model, q, task)
     return _solve(mobility, apply(np.swapaxes(inverse, -1, -2), gravity_forces(model, q)))
 
 
 def operational_acceleration(model: Model, q: Array, v: Array, tau: Array, task: Task) -> Array:
-    """x'', shape (..., 6): how the frame accelerates under joint torques.
+    """How the frame accelerates under joint torques.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        tau: Joint torques, shape (..., nv) [N m or N].
-        task: What of which frame; its damping plays no part.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        tau: Joint torques, shape (..., nv) [N m, N].
+        task: Which motion of which frame; its damping plays no part.
+
+    Returns:
+        x'', shape (..., 6), linear part first.
     """
     a = forward_dynamics(model, q, v, tau)
     return apply(task.jacobian(model, q), a) + apply(task.jacobian_dot(model, q, v), v)

@@ -33,15 +33,20 @@ def payload_multiples(
     frame: Frame,
     reference: Reference = "local_world_aligned",
 ) -> Array:
-    """c, (..., nv): how many times `wrench` each joint can hold in the frame, standing still.
+    """How many times a wrench at a frame each joint can hold, standing still.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         wrench: What the load exerts on the frame, shape (..., 6) [N, N m], linear part first.
-        limit: Greatest torque of each joint in both directions, shape (..., nv) [N m or N]; may be inf.
+        limit: Greatest torque of each joint in both directions, shape (..., nv) [N m, N]; may be inf.
         frame: Where the load acts.
-        reference: In whose axes and about which point the wrench is written.
+        reference: In whose axes and about which point the wrench is written: "world", "local" or
+            "local_world_aligned".
+
+    Returns:
+        c, shape (..., nv) [-]; inf for joints that the load does not burden, nan for those that cannot hold the robot
+        itself.
     """
     g = gravity_forces(model, q)
     J = frame_jacobian(model, q, frame, reference)

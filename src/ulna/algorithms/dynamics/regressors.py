@@ -38,11 +38,14 @@ _Column = tuple[int, Motion]
 
 
 def body_regressor(V: Motion, A: Motion) -> Array:
-    """Y of one body, (..., 6, 10): the wrench it needs, in its frame, is `Y @ Inertia.parameters()`.
+    """The regressor of one body: the wrench it needs, in its frame, is `Y @ Inertia.parameters()`.
 
     Args:
         V: Its twist, in its frame [m/s, rad/s].
-        A: Its spatial acceleration, in its frame, that of free fall taken off [m/s^2, rad/s^2].
+        A: Its spatial acceleration, in its frame, minus that of free fall [m/s^2, rad/s^2].
+
+    Returns:
+        Y, shape (..., 6, 10), linear rows first.
     """
     a, D, M = _terms(V, A)
     zero = 0.0 * a[..., 0]
@@ -54,13 +57,16 @@ def body_regressor(V: Motion, A: Motion) -> Array:
 
 
 def joint_torque_regressor(model: Model, q: Array, v: Array | None = None, a: Array | None = None) -> Array:
-    """Y, (..., nv, 10 nbodies): the torques of inverse dynamics without armature are `Y @ p`.
+    """The regressor of inverse dynamics: the torques without armature are `Y @ p`.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv); None for rest.
-        a: Acceleration, shape (..., nv); None for zero.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s]; None for rest.
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2]; None for zero.
+
+    Returns:
+        Y, shape (..., nv, 10 nbodies).
     """
     inputs = [x for x in (q, v, a) if x is not None]
     tree = steps(model)
@@ -79,19 +85,30 @@ def joint_torque_regressor(model: Model, q: Array, v: Array | None = None, a: Ar
 
 
 def gravity_regressor(model: Model, q: Array) -> Array:
-    """Y at rest, (..., nv, 10 nbodies): the torques that hold the robot against gravity are `Y @ p`."""
+    """The regressor at rest: the torques that hold the robot against gravity are `Y @ p`.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        Y, shape (..., nv, 10 nbodies).
+    """
     return joint_torque_regressor(model, q)
 
 
 def frame_regressor(model: Model, q: Array, v: Array, a: Array, frame: Frame) -> Array:
-    """Y of a body attached to a frame, (..., 6, 10), its parameters and its wrench written in that frame.
+    """The regressor of a body attached to a frame, its parameters and its wrench written in that frame.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
         frame: A frame of the model.
+
+    Returns:
+        Y, shape (..., 6, 10), linear rows first.
     """
     tree = chain(model, frame)
     motions = _motions(model, tree, q, v, a)
@@ -101,9 +118,16 @@ def frame_regressor(model: Model, q: Array, v: Array, a: Array, frame: Frame) ->
 
 
 def static_regressor(model: Model, q: Array) -> Array:
-    """The matrix (..., 3, 4 nbodies) that makes the centre of mass in the world out of each body's m and m c [1/kg].
+    """The matrix that makes the centre of mass in the world out of each body's m and m c.
 
     It is that of all that moves; multiply by the first four parameters of each body.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        The matrix, shape (..., 3, 4 nbodies) [m/kg, 1/kg].
     """
     tree = steps(model)
     total = total_mass(model)
@@ -117,7 +141,16 @@ def static_regressor(model: Model, q: Array) -> Array:
 
 
 def kinetic_energy_regressor(model: Model, q: Array, v: Array) -> Array:
-    """The row (..., 10 nbodies) that makes the kinetic energy [J] out of p, without that of the drives."""
+    """The row that makes the kinetic energy out of p, without that of the drives.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        The row, shape (..., 10 nbodies).
+    """
     tree = steps(model)
     out = batch_zeros((10 * len(model.joints),), q, v)
     for step, (V, _) in zip(tree, _motions(model, tree, q, v, None), strict=True):
@@ -135,7 +168,15 @@ def kinetic_energy_regressor(model: Model, q: Array, v: Array) -> Array:
 
 
 def potential_energy_regressor(model: Model, q: Array) -> Array:
-    """The row (..., 10 nbodies) that makes the potential energy [J] out of p; zero at the world's origin."""
+    """The row that makes the potential energy out of p; zero at the world's origin.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        The row, shape (..., 10 nbodies).
+    """
     tree = steps(model)
     out = batch_zeros((10 * len(model.joints),), q)
     for step, T in zip(tree, poses(tree, q), strict=True):

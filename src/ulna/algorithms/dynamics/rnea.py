@@ -31,14 +31,17 @@ from ulna.typing import Array
 
 
 def rnea(model: Model, q: Array, v: Array, a: Array, external: External = None) -> Array:
-    """The joint torques that produce the acceleration `a`, shape (..., nv) [N m or N].
+    """The joint torques that produce the acceleration `a` (Featherstone 2008, table 5.1).
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv).
-        external: Forces on the bodies.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Returns:
+        Joint torques, shape (..., nv) [N m, N].
     """
     tree = steps(model)
 

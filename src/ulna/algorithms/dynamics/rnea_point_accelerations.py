@@ -57,19 +57,22 @@ class PointMotion(NamedTuple):
 def inverse_dynamics(
     model: Model, q: Array, v: Array | None, a: Array | None, external: External = None
 ) -> Array:
-    """The joint torques that produce the acceleration `a`, shape (..., nv) [N m or N].
+    """The joint torques that produce the acceleration `a`, by the form that is compiled; equal to `rnea`.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv); None for rest.
-        a: Acceleration, shape (..., nv); None for zero.
-        external: Forces on the bodies.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s]; None for rest.
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2]; None for zero.
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Returns:
+        Joint torques, shape (..., nv) [N m, N].
     """
     prepared = prepare(model)
     motions = point_motions(prepared.tree, q, v, a, -np.asarray(model.gravity))
     forces = newton_euler(prepared.regrouped_moments, motions)
-    forces = gather_forces(prepared.tree, q, subtract_external(prepared, forces, external))
+    forces = _gather_forces(prepared.tree, q, subtract_external(prepared, forces, external))
     tau = batch_zeros((model.nv,), q, v, a, external)
     for step, force in zip(prepared.tree, forces, strict=True):
         for k, s in step.columns():
@@ -78,34 +81,43 @@ def inverse_dynamics(
 
 
 def bias_forces(model: Model, q: Array, v: Array, external: External = None) -> Array:
-    """The torques at zero acceleration: Coriolis, centrifugal, gravity, minus external; (..., nv) [N m or N].
+    """The joint torques at zero acceleration: Coriolis, centrifugal, gravity, minus external.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        external: Forces on the bodies.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Returns:
+        Joint torques, shape (..., nv) [N m, N].
     """
     return inverse_dynamics(model, q, v, None, external)
 
 
 def gravity_forces(model: Model, q: Array) -> Array:
-    """The torques that hold the robot against gravity, shape (..., nv) [N m or N].
+    """The joint torques that hold the robot against gravity.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        Joint torques, shape (..., nv) [N m, N].
     """
     return inverse_dynamics(model, q, None, None)
 
 
 def static_torque(model: Model, q: Array, external: External) -> Array:
-    """The torques that hold the robot against gravity and external forces, shape (..., nv) [N m or N].
+    """The joint torques that hold the robot against gravity and external forces.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        external: Forces on the bodies.
+        q: Configuration, shape (..., nq) [rad, m].
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Returns:
+        Joint torques, shape (..., nv) [N m, N].
     """
     return inverse_dynamics(model, q, None, None, external)
 
@@ -113,21 +125,24 @@ def static_torque(model: Model, q: Array, external: External) -> Array:
 def joint_wrenches(
     model: Model, q: Array, v: Array | None, a: Array | None, external: External = None
 ) -> list[Force]:
-    """The wrench that every joint transmits to the body it moves, in its moving frame [N, N m].
+    """The wrench that every joint transmits to the body it moves.
 
     The inertias are those of the bodies, not regrouped: a bearing carries forces that no joint torque shows.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv); None for rest.
-        a: Acceleration, shape (..., nv); None for zero.
-        external: Forces on the bodies.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s]; None for rest.
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2]; None for zero.
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Returns:
+        One wrench a joint, in its moving frame, with the batch axes of the inputs [N, N m].
     """
     prepared = prepare(model)
     motions = point_motions(prepared.tree, q, v, a, -np.asarray(model.gravity))
     forces = newton_euler(prepared.body_moments, motions)
-    forces = gather_forces(prepared.tree, q, subtract_external(prepared, forces, external))
+    forces = _gather_forces(prepared.tree, q, subtract_external(prepared, forces, external))
     zero = batch_zeros((3,), q, v, a, external)
     return [
         frame.act(force) + Force(zero, zero)
@@ -143,41 +158,44 @@ def point_motions(
 
     Args:
         tree: The steps, parents first.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv); None for rest.
-        a: Acceleration, shape (..., nv); None for zero.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s]; None for rest.
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2]; None for zero.
         b_0: Acceleration of the world, minus that of gravity where it counts, shape (3,) [m/s^2].
+
+    Returns:
+        One motion a step, in its moving frame.
     """
 
     def advance(step: Step, parent: PointMotion) -> PointMotion:
         P, J = step.placement, step.transform(q)
         p = P.translation + apply(P.rotation, J.translation)
         w = e = np.zeros(3)
-        b = rotate_from_parent(step, parent.b + apply(parent.U, p), q)
+        b = _rotate_from_parent(step, parent.b + apply(parent.U, p), q)
         if v is not None:
             v_J = step.motion(v)
-            w_p = rotate_from_parent(step, parent.w, q)
+            w_p = _rotate_from_parent(step, parent.w, q)
             w = w_p + v_J.angular
-            e = rotate_from_parent(step, parent.e, q) + cross(w_p, v_J.angular)
+            e = _rotate_from_parent(step, parent.e, q) + cross(w_p, v_J.angular)
             b = b + cross(w_p + w, v_J.linear)
         elif a is not None:
-            e = rotate_from_parent(step, parent.e, q)
+            e = _rotate_from_parent(step, parent.e, q)
         if a is not None:
             a_J = step.motion(a)
             e, b = e + a_J.angular, b + a_J.linear
-        return PointMotion(w, e, b, acceleration_by_position(w, e))
+        return PointMotion(w, e, b, _acceleration_by_position(w, e))
 
     zero = np.zeros(3)
     return outward(tree, PointMotion(zero, zero, b_0, np.zeros((3, 3))), advance)
 
 
-def rotate_from_parent(step: Step, x: Array, q: Array) -> Array:
+def _rotate_from_parent(step: Step, x: Array, q: Array) -> Array:
     """x': a vector of the parent's moving frame, in the moving frame of the step."""
     in_fixed_frame = apply(np.swapaxes(step.placement.rotation, -1, -2), x)
     return apply(np.swapaxes(step.transform(q).rotation, -1, -2), in_fixed_frame)
 
 
-def acceleration_by_position(w: Array, e: Array) -> Array:
+def _acceleration_by_position(w: Array, e: Array) -> Array:
     """U, shape (..., 3, 3) [1/s^2]."""
     x, y, z = (w[..., i] for i in range(3))
     ex, ey, ez = (e[..., i] for i in range(3))
@@ -188,7 +206,15 @@ def acceleration_by_position(w: Array, e: Array) -> Array:
 
 
 def newton_euler(bodies: Sequence[MassMoments], motions: Sequence[PointMotion]) -> list[Force]:
-    """The force and moment that each motion takes, in the moving frame of its body [N, N m]."""
+    """The force and moment that each motion takes.
+
+    Args:
+        bodies: The inertia of the body of every step, in its moving frame [kg, kg m, kg m^2].
+        motions: The motion of each.
+
+    Returns:
+        One wrench a step, in its moving frame [N, N m].
+    """
     return [_newton_euler(body, motion) for body, motion in zip(bodies, motions, strict=True)]
 
 
@@ -218,13 +244,22 @@ def _newton_euler(body: MassMoments, motion: PointMotion) -> Force:
     return Force(column(body.mass) * motion.b + apply(U, body.first), moment + cross(body.first, motion.b))
 
 
-def gather_forces(tree: Sequence[Step], q: Array, forces: Sequence[Force]) -> list[Force]:
+def _gather_forces(tree: Sequence[Step], q: Array, forces: Sequence[Force]) -> list[Force]:
     """For every step the sum of the forces on the bodies from it outward, in its moving frame."""
     return inward(tree, forces, lambda step, force: step.force_to_parent(force, q))
 
 
 def subtract_external(prepared: PreparedModel, forces: Sequence[Force], external: External) -> list[Force]:
-    """The forces that joints transmit to the bodies: those of Newton and Euler less those of the surroundings."""
+    """The forces that joints transmit to the bodies: those of Newton and Euler minus those of the surroundings.
+
+    Args:
+        prepared: The optimised frames of the model.
+        forces: The force that the motion of each body takes, in the optimised frame of its step [N, N m].
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Returns:
+        One force a step, in the same frames [N, N m].
+    """
     of_joints = list(forces)
     for i, force in enumerate(forces):
         f_x = prepared.external_force(i, external)

@@ -60,21 +60,24 @@ _TURNS = {
 def analytical_jacobian(
     model: Model, q: Array, frame: Frame, representation: Representation = "rpy/xyz"
 ) -> Array:
-    """The Jacobian of a frame's position and angles, shape (..., 6, nv).
+    """The Jacobian of a frame's position and angles.
 
     The last three rows give the rates of roll, pitch, yaw; of phi, theta, psi; or of the rotation vector.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         frame: A frame of the model.
         representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
+
+    Returns:
+        Shape (..., 6, nv).
 
     Raises:
         UnknownName: no such representation.
     """
     J = frame_jacobian(model, q, frame)
-    B = rate_matrix(frame_pose(model, q, frame).rotation, representation)
+    B = _rate_matrix(frame_pose(model, q, frame).rotation, representation)
     J_a = batch_zeros((6, model.nv), q)
     J_a[..., :3, :] = J[..., :3, :]
     J_a[..., 3:, :] = B @ J[..., 3:, :]
@@ -84,29 +87,40 @@ def analytical_jacobian(
 def analytical_jacobian_dot(
     model: Model, q: Array, v: Array, frame: Frame, representation: Representation = "rpy/xyz"
 ) -> Array:
-    """The time derivative of `analytical_jacobian` along `v`, shape (..., 6, nv).
+    """The time derivative of `analytical_jacobian` along `v`.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
         frame: A frame of the model.
         representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
+
+    Returns:
+        Shape (..., 6, nv).
 
     Raises:
         UnknownName: no such representation.
     """
     J, dJ = frame_jacobian(model, q, frame), frame_jacobian_dot(model, q, v, frame)
     R, w = frame_pose(model, q, frame).rotation, frame_velocity(model, q, v, frame).angular
-    B, dB = rate_matrix(R, representation), rate_matrix_dot(R, w, representation)
+    B, dB = _rate_matrix(R, representation), _rate_matrix_dot(R, w, representation)
     result = batch_zeros((6, model.nv), q, v)
     result[..., :3, :] = dJ[..., :3, :]
     result[..., 3:, :] = B @ dJ[..., 3:, :] + dB @ J[..., 3:, :]
     return result
 
 
-def rate_matrix(R: Array, representation: Representation) -> Array:
-    """B, shape (..., 3, 3): takes an angular velocity in world axes to the rates of the angles."""
+def _rate_matrix(R: Array, representation: Representation) -> Array:
+    """The matrix that takes an angular velocity in world axes to the rates of the angles.
+
+    Args:
+        R: Rotation of the frame in the world, shape (..., 3, 3) [-].
+        representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
+
+    Returns:
+        B, shape (..., 3, 3) [-].
+    """
     if representation == "exp":
         return so3_left_jacobian_inverse(so3_log(R))
     turns = _turns(representation)
@@ -114,8 +128,17 @@ def rate_matrix(R: Array, representation: Representation) -> Array:
     return np.stack([rows[i] for i in turns.rows], axis=-2)
 
 
-def rate_matrix_dot(R: Array, w: Array, representation: Representation) -> Array:
-    """The time derivative of `rate_matrix` while R turns with the angular velocity `w` in world axes."""
+def _rate_matrix_dot(R: Array, w: Array, representation: Representation) -> Array:
+    """The time derivative of `_rate_matrix` while the frame turns.
+
+    Args:
+        R: Rotation of the frame in the world, shape (..., 3, 3) [-].
+        w: Its angular velocity in world axes, shape (..., 3) [rad/s].
+        representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
+
+    Returns:
+        dB/dt, shape (..., 3, 3) [1/s].
+    """
     if representation == "exp":
         return _inverse_left_jacobian_dot(so3_log(R), w)
     turns = _turns(representation)

@@ -27,17 +27,45 @@ from ulna.typing import Array, Floats
 
 
 def integrate(model: Model, q: Array, v: Array) -> Array:
-    """The configuration reached from `q` by moving with the velocity `v` for one second, shape (..., nq)."""
+    """The configuration reached from `q` by moving along `v` for one unit of time.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Tangent vector at `q`, in the moving frames, shape (..., nv) [rad, m].
+
+    Returns:
+        Configuration, shape (..., nq) [rad, m].
+    """
     return _join(model, (q, v), lambda joint: joint.kind.integrate(_q(joint, q), _v(joint, v)))
 
 
 def coordinate_rates(model: Model, q: Array, v: Array) -> Array:
-    """dq/dt at velocity `v`, shape (..., nq): `v` itself for plain joints, quaternion rates for ball joints ..."""
+    """The rates of the coordinates at a velocity: `v` itself for plain joints, quaternion rates for ball joints.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        dq/dt, shape (..., nq) [rad/s, m/s, 1/s].
+    """
     return _join(model, (q, v), lambda joint: joint.kind.coordinate_rates(_q(joint, q), _v(joint, v)))
 
 
 def difference(model: Model, q0: Array, q1: Array) -> Array:
-    """The velocity that leads from `q0` to `q1` in one second, the shortest way, shape (..., nv)."""
+    """The tangent vector that leads from `q0` to `q1` on the shortest path: `integrate(q0, difference(q0, q1))` is
+    q1.
+
+    Args:
+        model: The robot.
+        q0: Configuration, shape (..., nq) [rad, m].
+        q1: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        Tangent vector at `q0`, shape (..., nv) [rad, m].
+    """
     d = batch_zeros((model.nv,), q0, q1)
     for joint in _independent(model):
         d[..., _rows(joint)] = joint.kind.difference(_q(joint, q0), _q(joint, q1))
@@ -45,7 +73,17 @@ def difference(model: Model, q0: Array, q1: Array) -> Array:
 
 
 def interpolate(model: Model, q0: Array, q1: Array, t: Any) -> Array:
-    """The configuration a part `t` (...) of the way from `q0` (t = 0) to `q1` (t = 1), shape (..., nq)."""
+    """The configuration at a fraction of the shortest path from `q0` to `q1`.
+
+    Args:
+        model: The robot.
+        q0: Configuration, shape (..., nq) [rad, m].
+        q1: Configuration, shape (..., nq) [rad, m].
+        t: The fraction, shape (...) [-]: 0 at `q0`, 1 at `q1`.
+
+    Returns:
+        Configuration, shape (..., nq) [rad, m].
+    """
     inputs = (q0, q1, np.asarray(t)[..., None])
     return _join(model, inputs, lambda joint: joint.kind.interpolate(_q(joint, q0), _q(joint, q1), t))
 
@@ -56,7 +94,15 @@ def neutral(model: Model) -> Floats:
 
 
 def normalize(model: Model, q: Array) -> Array:
-    """The same pose with quaternions of unit length and free angles in (-pi, pi], shape (..., nq)."""
+    """The same pose with quaternions of unit length and free angles in (-pi, pi].
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        Configuration, shape (..., nq) [rad, m].
+    """
     return _join(model, (q,), lambda joint: joint.kind.normalize(_q(joint, q)))
 
 
@@ -67,16 +113,19 @@ def random(
     lower: Floats | None = None,
     upper: Floats | None = None,
 ) -> Floats:
-    """Configurations drawn evenly within the limits, shape (*size, nq).
+    """Configurations drawn evenly within the limits.
 
     Where there are no limits `JointKind.random` says what is drawn from.
 
     Args:
         model: The robot.
-        rng: Where randomness comes from.
+        rng: The source of random numbers.
         size: Shape of the batch.
-        lower: Lower limits, shape (nq,); None for the model's.
-        upper: Upper limits, shape (nq,); None for the model's.
+        lower: Lower limits, shape (nq,) [rad, m]; None for the model's.
+        upper: Upper limits, shape (nq,) [rad, m]; None for the model's.
+
+    Returns:
+        Configurations, shape (*size, nq) [rad, m].
     """
     low = model.lower_position if lower is None else lower
     high = model.upper_position if upper is None else upper
@@ -88,32 +137,76 @@ def random(
 
 
 def squared_distance(model: Model, q0: Array, q1: Array) -> Any:
-    """The squared length of `difference(q0, q1)`, shape (...); adds rad^2 and m^2 as they are."""
+    """The squared length of `difference(q0, q1)`; adds rad^2 and m^2 as they are.
+
+    Args:
+        model: The robot.
+        q0: Configuration, shape (..., nq) [rad, m].
+        q1: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        Shape (...) [rad^2, m^2].
+    """
     d = difference(model, q0, q1)
     return (d * d).sum(axis=-1)
 
 
 def distance(model: Model, q0: Array, q1: Array) -> Any:
-    """The length of `difference(q0, q1)`, shape (...); adds radians and metres as they are."""
+    """The length of `difference(q0, q1)`; adds rad^2 and m^2 as they are.
+
+    Args:
+        model: The robot.
+        q0: Configuration, shape (..., nq) [rad, m].
+        q1: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        Shape (...) [rad, m].
+    """
     return sqrt(squared_distance(model, q0, q1))
 
 
 def is_same(model: Model, q0: Floats, q1: Floats, tolerance: float = 1e-9) -> Any:
-    """Whether every component of `difference(q0, q1)` is at most `tolerance`, shape (...); numbers only."""
+    """Whether two configurations are equal within a tolerance; numbers only.
+
+    Args:
+        model: The robot.
+        q0: Configuration, shape (..., nq) [rad, m].
+        q1: Configuration, shape (..., nq) [rad, m].
+        tolerance: The largest component of `difference(q0, q1)` that is accepted [rad, m].
+
+    Returns:
+        Truth values, shape (...).
+    """
     return (np.abs(difference(model, q0, q1)) <= tolerance).all(axis=-1)
 
 
 def integrate_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, Array]:
-    """The derivatives of `integrate` by q and by v, each (..., nv, nv).
+    """The derivatives of `integrate` by q and by v.
 
-    Both map a change of the argument, a tangent vector, to the change of the result, a tangent vector at the
-    result.
+    Both map a change of the argument, a tangent vector, to the change of the result, a tangent vector at the result.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Tangent vector at `q`, in the moving frames, shape (..., nv) [rad, m].
+
+    Returns:
+        Two block-diagonal matrices, each of shape (..., nv, nv) [-].
     """
     return _blocks(model, (q, v), lambda joint: joint.kind.integrate_derivatives(_q(joint, q), _v(joint, v)))
 
 
 def difference_derivatives(model: Model, q0: Array, q1: Array) -> tuple[Array, Array]:
-    """The derivatives of `difference` by q0 and by q1, each along its tangent space, each (..., nv, nv)."""
+    """The derivatives of `difference` by q0 and by q1, each along its tangent space.
+
+    Args:
+        model: The robot.
+        q0: Configuration, shape (..., nq) [rad, m].
+        q1: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        Two block-diagonal matrices, each of shape (..., nv, nv) [-].
+    """
     return _blocks(
         model, (q0, q1), lambda joint: joint.kind.difference_derivatives(_q(joint, q0), _q(joint, q1))
     )

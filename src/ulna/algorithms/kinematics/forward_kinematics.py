@@ -38,7 +38,10 @@ def joint_poses(model: Model, q: Array) -> list[SE3]:
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        The poses of the joints' moving frames in the world [m], with the batch axes of `q`.
     """
     tree = steps(model)
     return [broadcast_pose(T, q) for T, step in zip(poses(tree, q), tree, strict=True) if step.is_last]
@@ -49,19 +52,25 @@ def frame_pose(model: Model, q: Array, frame: Frame) -> SE3:
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         frame: A frame of the model.
+
+    Returns:
+        The pose, with the batch axes of `q` [m].
     """
     return broadcast_pose(tip_pose(chain(model, frame), q, frame.placement), q)
 
 
 def frame_poses(model: Model, q: Array, frames: Sequence[Frame]) -> list[SE3]:
-    """T_world_frame of several frames; every joint they stand on is walked once.
+    """T_world_frame of several frames; every joint they stand on is visited once.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         frames: Frames of the model (links will do: all that is read is `joint` and `placement`).
+
+    Returns:
+        One pose a frame, with the batch axes of `q` [m].
     """
     needed = sorted({i for frame in frames if frame.joint >= 0 for i in model.support(frame.joint)})
     tree = steps(model, needed)
@@ -77,8 +86,11 @@ def joint_velocities(model: Model, q: Array, v: Array) -> list[Motion]:
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        One twist a joint, with the batch axes of `q` and `v` [m/s, rad/s].
     """
     tree = steps(model)
     velocities = body_velocities(tree, q, v)
@@ -90,9 +102,12 @@ def joint_accelerations(model: Model, q: Array, v: Array, a: Array | None) -> li
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv); None for zero.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2]; None for zero.
+
+    Returns:
+        One spatial acceleration a joint, with the batch axes of the inputs [m/s^2, rad/s^2].
     """
     tree = steps(model)
     inputs = (q, v) if a is None else (q, v, a)
@@ -103,14 +118,17 @@ def joint_accelerations(model: Model, q: Array, v: Array, a: Array | None) -> li
 def frame_velocity(
     model: Model, q: Array, v: Array, frame: Frame, reference: Reference = "local_world_aligned"
 ) -> Motion:
-    """The twist of a frame [m/s, rad/s].
+    """The twist of a frame.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
+
+    Returns:
+        The twist in `reference`, with the batch axes of `q` and `v` [m/s, rad/s].
     """
     check_reference(reference)
     tree = chain(model, frame)
@@ -137,13 +155,16 @@ def frame_acceleration(
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv); None for zero.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2]; None for zero.
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
-        classical: Whether the linear part is the acceleration of the body's point at the origin, instead of
-            the spatial one.
+        classical: Whether the linear part is the acceleration of the body's point at the origin, instead of the
+            spatial one.
+
+    Returns:
+        The acceleration in `reference`, with the batch axes of the inputs [m/s^2, rad/s^2].
     """
     check_reference(reference)
     inputs = (q, v) if a is None else (q, v, a)

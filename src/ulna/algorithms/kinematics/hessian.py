@@ -31,13 +31,16 @@ from ulna.typing import Array
 def frame_hessian(
     model: Model, q: Array, frame: Frame, reference: Reference = "local_world_aligned"
 ) -> Array:
-    """The derivative of the Jacobian of a frame by q, shape (..., nv, 6, nv): `H[k, i, j] = dJ[i, j] / dq_k`.
+    """The derivative of the Jacobian of a frame by q: `H[k, i, j] = dJ[i, j] / dq_k`.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
+
+    Returns:
+        H, shape (..., nv, 6, nv), rows linear and angular.
     """
     columns = frame_columns(chain(model, frame), q, frame.placement, reference)
     H = batch_zeros((model.nv, 6, model.nv), q)

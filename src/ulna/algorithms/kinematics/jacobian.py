@@ -43,13 +43,16 @@ class Column(NamedTuple):
 def frame_jacobian(
     model: Model, q: Array, frame: Frame, reference: Reference = "local_world_aligned"
 ) -> Array:
-    """The Jacobian of a frame, shape (..., 6, nv): `J @ v` is its twist, linear part first.
+    """The Jacobian of a frame: `J @ v` is its twist, linear part first.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
+
+    Returns:
+        J, shape (..., 6, nv), rows linear [m/rad, -] and angular [-, rad/m].
     """
     J = batch_zeros((6, model.nv), q)
     for column in frame_columns(chain(model, frame), q, frame.placement, reference):
@@ -59,14 +62,17 @@ def frame_jacobian(
 
 
 def joint_jacobians(model: Model, q: Array) -> Array:
-    """The columns of all joints in the reference "world", shape (..., 6, nv).
+    """The columns of all joints in the reference "world".
 
-    The columns of the joints that a frame stands on, the others set to zero, are its Jacobian in that
-    reference; but the columns of mimic joints are added to their source's, wherever they stand.
+    The columns of the joints that a frame stands on, the others set to zero, are its Jacobian in that reference; but
+    the columns of mimic joints are added to their source's, wherever they stand.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        J, shape (..., 6, nv).
     """
     J = batch_zeros((6, model.nv), q)
     for column in world_columns(steps(model), q):
@@ -78,14 +84,17 @@ def joint_jacobians(model: Model, q: Array) -> Array:
 def frame_jacobian_of(
     model: Model, J: Array, T_world_body: SE3, frame: Frame, reference: Reference = "local_world_aligned"
 ) -> Array:
-    """The Jacobian of a frame out of the columns of all joints, shape (..., 6, nv): no pose is computed anew.
+    """The Jacobian of a frame out of the columns of all joints; no pose is computed anew.
 
     Args:
-        model: The robot, without mimic joints: their columns are not told apart from their source's.
-        J: What `joint_jacobians` returns.
-        T_world_body: Pose of the moving frame of the frame's joint, at the same configuration.
+        model: The robot, without mimic joints: their columns are added to their source's and cannot be separated.
+        J: What `joint_jacobians` returns, shape (..., 6, nv).
+        T_world_body: Pose of the moving frame of the frame's joint, at the same configuration [m].
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
+
+    Returns:
+        J of the frame, shape (..., 6, nv).
     """
     check_reference(reference)
     carried = np.zeros(model.nv)
@@ -102,7 +111,17 @@ def frame_jacobian_of(
 
 
 def frame_columns(tree: Sequence[Step], q: Array, placement: SE3, reference: Reference) -> list[Column]:
-    """The columns of a chain, for a frame at `placement` in its last moving frame; root first."""
+    """The Jacobian of a frame on the last body of a chain, column by column.
+
+    Args:
+        tree: The steps, parents first.
+        q: Configuration, shape (..., nq) [rad, m].
+        placement: Pose of the frame in the last moving frame [m].
+        reference: "world", "local" or "local_world_aligned".
+
+    Returns:
+        The columns, root first; those of a mimic joint times its multiplier.
+    """
     check_reference(reference)
     if reference == "world":
         return world_columns(tree, q)
@@ -110,7 +129,15 @@ def frame_columns(tree: Sequence[Step], q: Array, placement: SE3, reference: Ref
 
 
 def world_columns(tree: Sequence[Step], q: Array) -> list[Column]:
-    """T_j S_j, for a chain or a whole tree."""
+    """The columns T_j S_j of a chain or of a whole tree, in the reference "world".
+
+    Args:
+        tree: The steps, parents first.
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        The columns, in the order of the steps.
+    """
     return [
         Column(order, index, T.act(S) * step.multiplier)
         for order, (step, T) in enumerate(zip(tree, poses(tree, q), strict=True))
@@ -119,7 +146,16 @@ def world_columns(tree: Sequence[Step], q: Array) -> list[Column]:
 
 
 def local_columns(tree: Sequence[Step], q: Array, placement: SE3) -> list[Column]:
-    """T_frame_j S_j, for a chain."""
+    """The columns T_frame_j S_j of a chain, in the reference "local".
+
+    Args:
+        tree: The steps, parents first.
+        q: Configuration, shape (..., nq) [rad, m].
+        placement: Pose of the frame in the last moving frame [m].
+
+    Returns:
+        The columns, root first.
+    """
     columns: list[Column] = []
     T_step_frame = placement
     for order, step in reversed(list(enumerate(tree))):
@@ -138,7 +174,16 @@ def by_step(columns: Sequence[Column]) -> list[list[Column]]:
 
 
 def aligned_columns(tree: Sequence[Step], q: Array, placement: SE3) -> list[Column]:
-    """(l_j, w_j), for a chain."""
+    """The columns (l_j, w_j) of a chain, in the reference "local_world_aligned".
+
+    Args:
+        tree: The steps, parents first.
+        q: Configuration, shape (..., nq) [rad, m].
+        placement: Pose of the frame in the last moving frame [m].
+
+    Returns:
+        The columns, root first.
+    """
     world = poses(tree, q)
     columns: list[Column] = []
     for order, (step, T) in enumerate(zip(tree, world, strict=True)):

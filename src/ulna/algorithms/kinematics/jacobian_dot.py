@@ -32,14 +32,17 @@ from ulna.typing import Array
 def frame_jacobian_dot(
     model: Model, q: Array, v: Array, frame: Frame, reference: Reference = "local_world_aligned"
 ) -> Array:
-    """The time derivative of the Jacobian of a frame along `v`, shape (..., 6, nv).
+    """The time derivative of the Jacobian of a frame along `v`.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
+
+    Returns:
+        Shape (..., 6, nv).
     """
     groups = by_step(frame_columns(chain(model, frame), q, frame.placement, reference))
     upto, beyond = partial_twists(groups, v)
@@ -53,12 +56,15 @@ def frame_jacobian_dot(
 
 
 def joint_jacobians_dot(model: Model, q: Array, v: Array) -> Array:
-    """The time derivative of `joint_jacobians` along `v`, shape (..., 6, nv).
+    """The time derivative of `joint_jacobians` along `v`.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        Shape (..., 6, nv).
     """
     tree = steps(model)
     dJ = batch_zeros((6, model.nv), q, v)
@@ -75,7 +81,15 @@ def joint_jacobians_dot(model: Model, q: Array, v: Array) -> Array:
 
 
 def partial_twists(groups: list[list[Column]], v: Array) -> tuple[list[Motion], list[Motion]]:
-    """For each step, the sum of J_k v_k over the steps up to and with it, and over the steps beyond it."""
+    """For each step, the sum of J_k v_k over the steps up to and with it, and over the steps beyond it.
+
+    Args:
+        groups: The columns of a chain, one list a step, root first.
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        The two sums, one twist a step each [m/s, rad/s].
+    """
     upto: list[Motion] = []
     beyond: list[Motion] = []
     total = Motion.zero()
@@ -90,7 +104,15 @@ def partial_twists(groups: list[list[Column]], v: Array) -> tuple[list[Motion], 
 
 
 def step_twist(group: list[Column], v: Array) -> Motion:
-    """The sum of J_k v_k over the columns of one step."""
+    """The sum of J_k v_k over the columns of one step.
+
+    Args:
+        group: The columns of the step.
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        The twist that the step adds [m/s, rad/s].
+    """
     terms = [column.motion * v[..., column.index] for column in group]
     return reduce(add, terms)
 

@@ -24,11 +24,14 @@ from ulna.typing import Array
 
 
 def jacobian_partials(J: Array, order: int) -> Array:
-    """The derivatives of that order, (n, ..., n, 6, n) with n `order` times: [l, k, :, j] is d2 J_j / dq_k dq_l.
+    """The derivatives of a serial chain's pose of some order: [l, k, :, j] is d2 J_j / dq_k dq_l.
 
     Args:
         J: The Jacobian of a serial chain, columns in order along it, "local_world_aligned", shape (6, n).
         order: Of the derivative of the pose, at least 1.
+
+    Returns:
+        The derivatives, shape (n, ..., n, 6, n) with n `order` times.
 
     Raises:
         InputError: `order` is below 1, or no whole number.

@@ -41,28 +41,44 @@ _MEASURES = ("yoshikawa", "inverse_condition", "minimum_singular_value")
 def manipulability(
     model: Model, q: Array, frame: Frame, measure: Measure = "yoshikawa", axes: Axes = "all"
 ) -> Any:
-    """How well a frame can move, shape (...); 0 where it is singular, or where `axes` are more than joints.
+    """How well a frame can move.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         frame: A frame of the model.
-        measure: "yoshikawa", the volume of the ellipsoid of velocities; "inverse_condition", from 0
-            (singular) to 1 (equally well in every direction); "minimum_singular_value", the velocity in the
-            worst direction.
-        axes: Rows of the Jacobian in local_world_aligned: "all", "trans", "rot", or six truth values for
-            x, y, z, and rotation about x, y, z.
+        measure: "yoshikawa", the volume of the ellipsoid of velocities; "inverse_condition", from 0 (singular) to 1
+            (equally well in every direction); "minimum_singular_value", the velocity in the worst direction.
+        axes: Rows of the Jacobian in local_world_aligned: "all", "trans", "rot", or six truth values for x, y, z, and
+            rotation about x, y, z.
+
+    Returns:
+        The measure, shape (...); 0 where the frame is singular, or where `axes` are more than joints.
 
     Raises:
-        TraceError: a measure other than Yoshikawa's was asked of traced or symbolic numbers; it needs
-            singular values, which have no formula. Compute it from the compiled Jacobian.
-        UnknownName, InputError: no such measure, no such axes.
+        TraceError: a measure other than Yoshikawa's is asked of traced or symbolic numbers; it needs singular values,
+            which have no formula. Compute it from the compiled Jacobian.
+        UnknownName: no such measure, no such axes.
+        InputError: no such measure, no such axes.
     """
     return measure_of(frame_jacobian(model, q, frame), measure, axes)
 
 
 def measure_of(J: Array, measure: Measure = "yoshikawa", axes: Axes = "all") -> Any:
-    """The measure of a Jacobian in local_world_aligned, shape (..., 6, nv); see `manipulability`."""
+    """The measure of manipulability of a Jacobian; see `manipulability`.
+
+    Args:
+        J: Jacobian in local_world_aligned, shape (..., 6, nv).
+        measure: "yoshikawa", "inverse_condition" or "minimum_singular_value".
+        axes: As for `manipulability`.
+
+    Returns:
+        The measure, shape (...).
+
+    Raises:
+        TraceError: the measure needs singular values of traced or symbolic numbers.
+        UnknownName: no such measure or axes.
+    """
     if measure not in _MEASURES:
         raise UnknownName("measure of manipulability", measure, _MEASURES)
     J = J[..., chosen_rows(axes), :]
@@ -82,15 +98,18 @@ def measure_of(J: Array, measure: Measure = "yoshikawa", axes: Axes = "all") -> 
 
 
 def asada(J: Floats, M: Floats, axes: Axes = "all") -> Any:
-    """Asada's measure: how evenly a frame accelerates in all directions, from 0 to 1, shape (...).
+    """Asada's measure: how evenly a frame accelerates in all directions.
 
-    The ratio of the smallest to the largest eigenvalue of the operational-space inertia, `pinv(J)^T M pinv(J)`, in the
-    rows and columns of `axes`. Asada, A geometrical representation of manipulator dynamics (1983).
+    The ratio of the smallest to the largest eigenvalue of the operational-space inertia, `pinv(J)^T M pinv(J)`, in
+    the rows and columns of `axes`. Asada, A geometrical representation of manipulator dynamics (1983).
 
     Args:
         J: Jacobian in local_world_aligned, shape (..., 6, nv).
-        M: Mass matrix, shape (..., nv, nv).
+        M: Mass matrix, shape (..., nv, nv) [kg, kg m, kg m^2].
         axes: As for `manipulability`.
+
+    Returns:
+        The measure from 0 to 1, shape (...) [-].
     """
     rows = chosen_rows(axes)
     inverse = np.linalg.pinv(J)
@@ -102,15 +121,18 @@ def asada(J: Floats, M: Floats, axes: Axes = "all") -> Any:
 
 
 def manipulability_gradient(model: Model, q: Array, frame: Frame, axes: Axes = "all") -> Array:
-    """The derivative of Yoshikawa's measure by q, shape (..., nv).
+    """The derivative of Yoshikawa's measure by q.
 
     At a singular configuration the measure has a kink and no derivative; there the result is as good as zero.
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         frame: A frame of the model.
         axes: As for `manipulability`.
+
+    Returns:
+        Shape (..., nv).
     """
     rows = chosen_rows(axes)
     columns = aligned_columns(chain(model, frame), q, frame.placement)

@@ -21,11 +21,14 @@ Input = Array | Sequence[Force | None] | None
 
 
 def batch_zeros(shape: tuple[int, ...], *inputs: Input) -> Array:
-    """Zeros of the batch of `inputs`, then of `shape`; an object array where an input holds symbols.
+    """Zeros with the batch axes of `inputs`, then `shape`.
 
     Args:
         shape: The axes of the result after those of the batch.
-        inputs: Arrays (..., n), forces on the bodies, or None.
+        *inputs: Arrays (..., n), forces on the bodies, or None.
+
+    Returns:
+        Zeros of shape (*batch, *shape); an object array (*shape,) where an input holds symbols.
     """
     arrays = list(_arrays(inputs))
     if is_symbolic(*arrays):
@@ -34,7 +37,15 @@ def batch_zeros(shape: tuple[int, ...], *inputs: Input) -> Array:
 
 
 def broadcast_pose(pose: SE3, *inputs: Input) -> SE3:
-    """`pose` with the batch axes of `inputs`, also where it does not depend on them."""
+    """`pose` with the batch axes of `inputs`, also where it does not depend on them.
+
+    Args:
+        pose: A pose, whose batch axes are among those of `inputs`.
+        *inputs: Arrays (..., n), forces on the bodies, or None.
+
+    Returns:
+        The pose with all batch axes; `pose` itself where an input holds symbols.
+    """
     arrays = list(_arrays(inputs))
     if is_symbolic(*arrays):
         return pose
@@ -43,7 +54,15 @@ def broadcast_pose(pose: SE3, *inputs: Input) -> SE3:
 
 
 def broadcast_motion(motion: Motion, *inputs: Input) -> Motion:
-    """`motion` with the batch axes of `inputs`, also where it does not depend on them."""
+    """`motion` with the batch axes of `inputs`, also where it does not depend on them.
+
+    Args:
+        motion: A twist or acceleration, whose batch axes are among those of `inputs`.
+        *inputs: Arrays (..., n), forces on the bodies, or None.
+
+    Returns:
+        The motion with all batch axes; `motion` itself where an input holds symbols.
+    """
     arrays = list(_arrays(inputs))
     if is_symbolic(*arrays):
         return motion
@@ -52,7 +71,13 @@ def broadcast_motion(motion: Motion, *inputs: Input) -> Motion:
 
 
 def add_column(matrix: Array, k: int, vector: Motion | Force) -> None:
-    """Adds a spatial vector to column k of a matrix (..., 6, n), in place."""
+    """Adds a spatial vector to a column of a matrix, in place.
+
+    Args:
+        matrix: What is added to, shape (..., 6, n).
+        k: The column.
+        vector: A twist or wrench; its linear part is added to the upper three rows.
+    """
     matrix[..., :3, k] += vector.linear
     matrix[..., 3:, k] += vector.angular
 

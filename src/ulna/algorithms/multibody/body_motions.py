@@ -22,8 +22,11 @@ def body_velocities(tree: Sequence[Step], q: Array, v: Array) -> list[Motion]:
 
     Args:
         tree: The steps, parents first.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+
+    Returns:
+        V of every step, each in its own moving frame [m/s, rad/s].
     """
     return outward(tree, Motion.zero(), lambda step, V: step.motion_from_parent(V, q) + step.motion(v))
 
@@ -35,10 +38,13 @@ def body_accelerations(
 
     Args:
         tree: The steps, parents first.
-        q: Configuration, shape (..., nq).
-        v: Velocity, shape (..., nv).
-        a: Acceleration, shape (..., nv); None for zero.
-        A_0: Acceleration of the world, minus that of gravity where it counts; None for zero.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2]; None for zero.
+        A_0: Acceleration of the world, minus that of gravity where it counts [m/s^2, rad/s^2]; None for zero.
+
+    Returns:
+        V and A of every step, each in its own moving frame [m/s, rad/s], [m/s^2, rad/s^2].
     """
 
     def advance(step: Step, parent: tuple[Motion, Motion]) -> tuple[Motion, Motion]:

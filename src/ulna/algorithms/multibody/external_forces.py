@@ -41,10 +41,13 @@ def at_joints(
 
     Args:
         model: The robot.
-        q: Configuration, shape (..., nq).
+        q: Configuration, shape (..., nq) [rad, m].
         wrenches: What the surroundings exert at each frame, shape (..., k, 6) [N, N m], force first.
         frames: k frames of the model; one may come several times.
         reference: In whose axes, and about which point, the wrenches are written.
+
+    Returns:
+        For each joint the force on its body, in its moving frame [N, N m]; None where there is none.
 
     Raises:
         UnknownName: no such reference.
@@ -66,7 +69,10 @@ def at_steps(model: Model, tree: Sequence[Step], external: External) -> list[For
     Args:
         model: The robot.
         tree: Its steps, of which the last one of every joint carries the body.
-        external: Forces on the bodies.
+        external: Forces on the bodies [N, N m]; None for none.
+
+    Returns:
+        For each step the force on its body, in its moving frame [N, N m].
     """
     forces: list[Force] = []
     for step in tree:

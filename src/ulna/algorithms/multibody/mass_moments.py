@@ -83,6 +83,9 @@ class MassMoments:
         Args:
             T: The pose of the present frame in the outer one [m].
             axis: The coordinate axis, 0, 1 or 2, about which T turns, which saves operations; None for any rotation.
+
+        Returns:
+            The moments about the origin of the outer frame, in its axes [kg, kg m, kg m^2].
         """
         p, m = T.translation, self.mass
         c = apply(T.rotation, self.first)
@@ -92,11 +95,15 @@ class MassMoments:
 
 
 def body_moments(model: Model, tree: Sequence[Step]) -> list[MassMoments]:
-    """The inertia of the body of every step, in the moving frame of its joint; zero for the inner parts of a joint.
+    """The inertia of the body of every step.
 
     Args:
         model: The robot.
         tree: Its steps, of which the last one of every joint carries the body.
+
+    Returns:
+        For each step the moments in the moving frame of its joint [kg, kg m, kg m^2]; zero for the inner parts of a
+        joint.
     """
     return [
         MassMoments.of_body(model.inertias[model.joint_index(step.joint.name)])
@@ -107,12 +114,28 @@ def body_moments(model: Model, tree: Sequence[Step]) -> list[MassMoments]:
 
 
 def in_parent_frame(step: Step, body: MassMoments, q: Array) -> MassMoments:
-    """X acting on an inertia: from the moving frame of a step to the parent's moving frame."""
+    """X acting on an inertia.
+
+    Args:
+        step: The step whose moving frame it is written in.
+        body: Mass moments about the origin of that frame [kg, kg m, kg m^2].
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        The same inertia in the moving frame of the parent [kg, kg m, kg m^2].
+    """
     return body.to_outer_frame(step.transform(q), rotation_axis(step.kind)).to_outer_frame(step.placement)
 
 
 def steiner(a: Array, b: Array) -> Array:
-    """2 (a.b) 1 - a b^T - b a^T (..., 3, 3)."""
+    """The symmetric matrix 2 (a.b) 1 - a b^T - b a^T of the parallel-axis theorem.
+
+    Args:
+        a, b: Vectors, shape (..., 3).
+
+    Returns:
+        Shape (..., 3, 3), in the product of the units of `a` and `b`.
+    """
     (a0, a1, a2), (b0, b1, b2) = ([u[..., n] for n in range(3)] for u in (a, b))
     xx, yy, zz = 2.0 * a0 * b0, 2.0 * a1 * b1, 2.0 * a2 * b2
     xy, xz, yz = -(a0 * b1 + a1 * b0), -(a0 * b2 + a2 * b0), -(a1 * b2 + a2 * b1)
@@ -120,7 +143,16 @@ def steiner(a: Array, b: Array) -> Array:
 
 
 def rotate_symmetric(R: Array, I: Array, axis: int | None = None) -> Array:
-    """R I R^T (..., 3, 3) of a symmetric I; cheaper when R turns about a coordinate axis, 0, 1 or 2."""
+    """R I R^T of a symmetric I.
+
+    Args:
+        R: Rotation, shape (..., 3, 3) [-].
+        I: Symmetric matrix, shape (..., 3, 3).
+        axis: The coordinate axis, 0, 1 or 2, about which R turns, which saves operations; None for any rotation.
+
+    Returns:
+        The rotated matrix, shape (..., 3, 3), in the unit of `I`.
+    """
     if axis is None:
         half = R @ I
         e = {(i, j): dot(half[..., i, :], R[..., j, :]) for i in range(3) for j in range(i, 3)}

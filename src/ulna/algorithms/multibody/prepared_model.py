@@ -48,7 +48,15 @@ class PreparedModel:
         return regrouped_moments(self.tree, self.body_moments)
 
     def external_force(self, i: int, external: External) -> Force | None:
-        """The force from the surroundings on the body of step `i`, in its optimised frame; None for no force."""
+        """The force from the surroundings on the body of a step.
+
+        Args:
+            i: The step.
+            external: Forces on the bodies [N, N m]; None for none.
+
+        Returns:
+            The force in the optimised frame of the step [N, N m]; None for no force.
+        """
         if external is None or not self.tree[i].is_last:
             return None
         force = external[self.model.joint_index(self.tree[i].joint.name)]

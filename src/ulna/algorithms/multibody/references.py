@@ -27,14 +27,31 @@ def check_reference(reference: str) -> None:
 
 
 def relevant_placement(placement: SE3, reference: Reference) -> SE3:
-    """The part of a frame's placement on its body that the frame's twist in `reference` depends on."""
+    """The part of a frame's placement on its body that its twist depends on.
+
+    Args:
+        placement: Pose of the frame in the moving frame of its joint [m].
+        reference: "world", "local" or "local_world_aligned".
+
+    Returns:
+        The placement, its translation alone, or the identity.
+    """
     if reference == "world":
         return SE3.identity()
     return placement if reference == "local" else SE3(np.eye(3), placement.translation)
 
 
 def in_reference(local: Motion, T_world_frame: SE3, reference: Reference) -> Motion:
-    """A twist written in the frame itself, rewritten in `reference`."""
+    """A twist written in the frame itself, rewritten in a reference.
+
+    Args:
+        local: The twist in the axes of the frame, about its origin [m/s, rad/s].
+        T_world_frame: Pose of the frame in the world [m]; only what `reference` needs of it is read.
+        reference: "world", "local" or "local_world_aligned".
+
+    Returns:
+        The same twist in `reference` [m/s, rad/s].
+    """
     if reference == "local":
         return local
     if reference == "world":

@@ -40,7 +40,10 @@ def regrouped_moments(tree: Sequence[Step], bodies: Sequence[MassMoments]) -> li
 
     Args:
         tree: The steps of a model.
-        bodies: The inertia of the body of every step, in its moving frame.
+        bodies: The inertia of the body of every step, in its moving frame [kg, kg m, kg m^2].
+
+    Returns:
+        The regrouped inertias, one a step, in the same frames [kg, kg m, kg m^2].
     """
     regrouped = list(bodies)
     for i, step in reversed(list(enumerate(tree))):

@@ -74,20 +74,52 @@ class Step:
         return self.kind.transform(position + self.offset if self.offset else position)
 
     def pose(self, T: SE3 | None, q: Array) -> SE3:
-        """T P J(q): the pose of the moving frame, where T is that of the parent's; None for the world's."""
+        """The pose of the moving frame from that of the parent.
+
+        Args:
+            T: Pose of the parent's moving frame [m]; None for the world's.
+            q: Configuration, shape (..., nq) [rad, m].
+
+        Returns:
+            T P J(q) [m].
+        """
         fixed = self.placement if T is None else T @ self.placement
         return fixed @ self.transform(q)
 
     def pose_in_parent(self, T: SE3, q: Array) -> SE3:
-        """P J(q) T: a pose T in the moving frame, seen from the parent's moving frame."""
+        """A pose in the moving frame, seen from the parent's moving frame.
+
+        Args:
+            T: A pose in the moving frame [m].
+            q: Configuration, shape (..., nq) [rad, m].
+
+        Returns:
+            P J(q) T [m].
+        """
         return self.placement @ (self.transform(q) @ T)
 
     def motion_from_parent(self, motion: Motion, q: Array) -> Motion:
-        """X^-1 acting on a twist of the parent's moving frame: the same twist in the moving frame."""
+        """X^-1 acting on a twist of the parent's moving frame.
+
+        Args:
+            motion: A twist in the parent's moving frame.
+            q: Configuration, shape (..., nq) [rad, m].
+
+        Returns:
+            The same twist in the moving frame.
+        """
         return self.transform(q).act_inverse(self.placement.act_inverse(motion))
 
     def force_to_parent(self, force: Force, q: Array) -> Force:
-        """X acting on a wrench of the moving frame: the same wrench in the parent's moving frame."""
+        """X acting on a wrench of the moving frame.
+
+        Args:
+            force: A wrench in the moving frame.
+            q: Configuration, shape (..., nq) [rad, m].
+
+        Returns:
+            The same wrench in the parent's moving frame.
+        """
         return self.placement.act(self.transform(q).act(force))
 
     def motion(self, v: Array) -> Motion:
@@ -101,11 +133,14 @@ class Step:
 
 
 def steps(model: Model, joints: Iterable[int] | None = None) -> tuple[Step, ...]:
-    """The steps of `joints`, parents first; of all joints when None.
+    """The steps of some joints, or of all.
 
     Args:
         model: The robot.
-        joints: Ascending indices; with every joint, the joints it stands on.
+        joints: Ascending indices; with every joint, the joints it stands on; None for all joints.
+
+    Returns:
+        The steps, parents first.
     """
     tree: list[Step] = []
     last_of = {-1: -1}
@@ -121,12 +156,29 @@ def steps(model: Model, joints: Iterable[int] | None = None) -> tuple[Step, ...]
 
 
 def chain(model: Model, frame: Frame) -> tuple[Step, ...]:
-    """The steps between the world and `frame`, root first: each stands on the one before it."""
+    """The steps between the world and a frame.
+
+    Args:
+        model: The robot.
+        frame: A frame of the model.
+
+    Returns:
+        The steps, root first: each stands on the one before it.
+    """
     return steps(model, model.support(frame.joint) if frame.joint >= 0 else ())
 
 
 def outward(tree: Sequence[Step], root: Value, f: Callable[[Step, Value], Value]) -> list[Value]:
-    """Values that grow from the root: value_i = f(step_i, value_p(i)), where `root` is the world's value."""
+    """Values that grow from the root: value_i = f(step_i, value_p(i)).
+
+    Args:
+        tree: The steps, parents first.
+        root: The value of the world.
+        f: Makes the value of a step from that of its parent.
+
+    Returns:
+        One value a step.
+    """
     values: list[Value] = []
     for step in tree:
         values.append(f(step, values[step.parent] if step.parent >= 0 else root))
@@ -134,7 +186,16 @@ def outward(tree: Sequence[Step], root: Value, f: Callable[[Step, Value], Value]
 
 
 def inward(tree: Sequence[Step], values: Sequence[Any], f: Callable[[Step, Any], Any]) -> list[Any]:
-    """Values summed towards the root: value_p(i) += f(step_i, value_i), the leaves first."""
+    """Values summed towards the root: value_p(i) += f(step_i, value_i), the leaves first.
+
+    Args:
+        tree: The steps, parents first.
+        values: One value a step.
+        f: Takes a step and its value to what is added to the value of its parent.
+
+    Returns:
+        The sums, one a step.
+    """
     gathered = list(values)
     for step, i in zip(reversed(tree), reversed(range(len(tree))), strict=True):
         if step.parent >= 0:
@@ -145,7 +206,17 @@ def inward(tree: Sequence[Step], values: Sequence[Any], f: Callable[[Step, Any],
 def sum_in_world(
     tree: Sequence[Step], values: Sequence[Any], world: Any, f: Callable[[Step, Any], Any]
 ) -> Any:
-    """The sum of f(step_i, value_i) over the steps on the world, after `inward`, added to `world`."""
+    """The sum of f(step_i, value_i) over the steps on the world, after `inward`, added to `world`.
+
+    Args:
+        tree: The steps, parents first.
+        values: One value a step.
+        world: What the sum is added to.
+        f: Takes a step and its value to what is added to the value of its parent, or of the world.
+
+    Returns:
+        The sum.
+    """
     for step, value in zip(tree, inward(tree, values, f), strict=True):
         if step.parent < 0:
             world = world + f(step, value)
@@ -153,13 +224,30 @@ def sum_in_world(
 
 
 def poses(tree: Sequence[Step], q: Array) -> list[SE3]:
-    """T of every step."""
+    """The pose of the moving frame of every step in the world.
+
+    Args:
+        tree: The steps, parents first.
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        T of every step [m].
+    """
     root: Any = None
     return outward(tree, root, lambda step, T: step.pose(T, q))
 
 
 def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
-    """T of the last step of a chain, times `placement`; what turns about the last axis is joined first."""
+    """The pose in the world of a frame on the last body of a chain; what turns about the last axis is joined first.
+
+    Args:
+        tree: The steps of a chain, root first.
+        q: Configuration, shape (..., nq) [rad, m].
+        placement: Pose of the frame in the moving frame of the last step [m].
+
+    Returns:
+        T of the last step, times `placement` [m].
+    """
     if not tree:
         return placement
     *before, last = tree
