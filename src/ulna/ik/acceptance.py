@@ -15,7 +15,17 @@ _ROTATION_TOLERANCE = 1e-6  # entry by entry of R^T R
 
 
 def unwound(problem: Problem, q: Array, home: Array, near: Any) -> Array:
-    """`q` with angles without limits within half a turn of 0, or with `near` of `home`."""
+    """`q` with angles without limits within half a turn of 0, or with `near` of `home`.
+
+    Args:
+        problem: The problem, whose turning joints these are.
+        q: Configuration (nq,) [rad or m].
+        home: Configuration (nq,) [rad or m].
+        near: 1 for half a turn about `home`, 0 for half a turn about 0.
+
+    Returns:
+        The same configuration with other whole turns, (nq,) [rad or m].
+    """
     out = list(q)
     for i in problem.turning:
         middle = near * home[i]
@@ -26,7 +36,20 @@ def unwound(problem: Problem, q: Array, home: Array, near: Any) -> Array:
 def acceptance(
     problem: Problem, q: Array, goals: Array, tolerances: Array, is_valid: Any, steps: Any, number: Any
 ) -> list[Any]:
-    """Status (1 met, 0 not met, -1 a goal is no rotation), steps, starting point, and the errors at `q`."""
+    """Status (1 met, 0 not met, -1 a goal is no rotation), steps, starting point, and the errors at `q`.
+
+    Args:
+        problem: The problem.
+        q: Configuration (nq,) [rad or m].
+        goals: Goals of the frames, (k, 4, 4).
+        tolerances: Those of `goal.squared_tolerances`, (2,) [m^2, rad^2].
+        is_valid: Whether the rotations of the goals are rotations.
+        steps: Number of steps taken.
+        number: Number of the starting point.
+
+    Returns:
+        [status, steps, starting point, distance [m] and angle [rad] of each frame].
+    """
     each = problem.distances(q, goals, with_rows=False)
     status = numeric.where(is_valid, numeric.where(are_met(each, tolerances), 1.0, 0.0), -1.0)
     parts = [x for d in each for x in (numeric.sqrt(d.position), d.angle)]

@@ -23,7 +23,20 @@ DEFAULT_STARTS = ("rest", "home", "ready", "qr", "half_sitting", "standing")
 def named_goals(
     T: Any, frame: Any, mask: Any, tool: str
 ) -> tuple[Any, tuple[str, ...], tuple[Any, ...] | None]:
-    """Goals, names of their frames and their masks, from the arguments `T`, `frame` and `mask` of `robot.ik`."""
+    """Goals, names of their frames and their masks, from the arguments `T`, `frame` and `mask` of `robot.ik`.
+
+    Args:
+        T: The argument `T`: poses, or a dictionary of them by frame.
+        frame: The argument `frame`: a name, several, or None.
+        mask: The argument `mask`.
+        tool: Name of the frame that stands for None.
+
+    Returns:
+        Goals, names of the frames, and a mask for each; None for whole poses.
+
+    Raises:
+        InputError: If `T` or `frame` is empty, or `frame` is given beside a dictionary.
+    """
     if isinstance(T, Mapping):
         if frame is not None:
             raise InputError(f"`T` names the frames {list(T)}, so `frame` must be None; it is {frame!r}.")
@@ -67,7 +80,7 @@ def _side_by_side(goals: Mapping[Any, Any], masks: tuple[Mask, ...] | None) -> F
     poses = []
     for (name, goal), mask in zip(goals.items(), masks or [Mask()] * len(goals), strict=True):
         array = matrix_of(goal)
-        pose = pose_of_part(f"T[{name!r}]", array, mask)
+        pose = _pose_of_part(f"T[{name!r}]", array, mask)
         poses.append(
             batched_array(f"T[{name!r}]", array if pose is None else pose, (4, 4), _advice(array.shape))
         )
@@ -103,6 +116,16 @@ def problem_of(
     **options: Any,
 ) -> Problem:
     """The problem of bringing `frames` to goals, of which `masks` count, by `joints`; see `robot.ik`.
+
+    Args:
+        model: The robot.
+        frames: Names of the frames.
+        masks: What counts of each pose; None for whole poses.
+        joints: Names of the joints that may move; None for all that carry the frames.
+        **options: Other fields of `Problem`.
+
+    Returns:
+        The problem.
 
     Raises:
         UnknownName, InputError: If there is no such frame or joint, or too few joints for what counts.
@@ -154,7 +177,7 @@ def matrix_of(T: Any) -> Any:
         raise InputError("`T` is made of rows of different lengths; expected (..., 4, 4).") from None
 
 
-def pose_of_part(name: str, T: Any, mask: Mask) -> Floats | None:
+def _pose_of_part(name: str, T: Any, mask: Mask) -> Floats | None:
     """Poses (..., 4, 4) of points (..., 3) where positions alone count, or of rotations (..., 3, 3) where these do.
 
     None where `T` is something else, or more of the pose counts.
@@ -177,17 +200,30 @@ def pose_of_part(name: str, T: Any, mask: Mask) -> Floats | None:
 
 
 def poses_of_parts(T: Any, problem: Problem) -> Floats | None:
-    """The same for the goals of all frames of a problem, (..., 4, 4), or (..., k, 4, 4) for k frames."""
+    """Poses of points or rotations that are goals of all frames of a problem, where nothing else counts.
+
+    Args:
+        T: Points (..., 3) or rotations (..., 3, 3), of one frame or (..., k, 3) and (..., k, 3, 3) of k.
+        problem: The problem.
+
+    Returns:
+        Poses (..., 4, 4), or (..., k, 4, 4) for k frames; None where `T` is something else.
+    """
     kinds = {(mask.axis is not None or any(mask.rotation), any(mask.position)) for mask in problem.masks}
     if len(kinds) > 1:  # of one frame a point counts, of another a rotation; a dictionary can express this
         return None
-    poses = pose_of_part("T", T, problem.masks[0])
+    poses = _pose_of_part("T", T, problem.masks[0])
     core = problem.shapes["T"]
     return poses if poses is not None and poses.shape[poses.ndim - len(core) :] == core else None
 
 
 def check_goal_shape(T: Any, problem: Problem) -> None:
-    """Says how to make a pose of what has the shape of a point, a rotation, or a position with angles.
+    """Raises if goals have the shape of a point, a rotation, or a position with angles, and says how to make a
+    pose.
+
+    Args:
+        T: The goals.
+        problem: The problem, which says what shape they should have.
 
     Raises:
         ShapeError: If they do not.
@@ -230,6 +266,11 @@ def raise_invalid_pose(T: Floats) -> NoReturn:
 def check_batch_axes(T: Any, q0: Any, problem: Problem) -> None:
     """Checks that the leading axes of goals and `q0` broadcast.
 
+    Args:
+        T: The goals.
+        q0: Configurations to start from, or None.
+        problem: The problem.
+
     Raises:
         ShapeError: If they do not.
     """
@@ -244,7 +285,15 @@ def check_batch_axes(T: Any, q0: Any, problem: Problem) -> None:
 
 
 def check_tolerances(position: Any, rotation: Any) -> None:
-    """Raises InputError unless tolerances are above 0."""
+    """Checks that tolerances are finite and above 0.
+
+    Args:
+        position: Tolerance of the position [m].
+        rotation: Tolerance of the rotation [rad].
+
+    Raises:
+        InputError: If they are not.
+    """
     tolerances = {
         "position_tolerance": (position, "length above 0 in metres"),
         "rotation_tolerance": (rotation, "angle above 0 in radians"),
@@ -254,16 +303,18 @@ def check_tolerances(position: Any, rotation: Any) -> None:
             raise InputError(f"`{name}` is {value!r}; expected a {expected}.")
 
 
-def check_count(name: str, value: Any, least: int = 1) -> None:
-    """Raises InputError unless `value` is a whole number, `least` or above."""
-    count(name, value, least)
-
-
 def shift_of(seed: Any, problem: Problem) -> Floats:
     """Where the sequence of starting points begins, (len(drawn),) of [0, 1).
+
+    Args:
+        seed: A whole number, 0 or more.
+        problem: The problem, whose coordinates are drawn.
+
+    Returns:
+        Numbers (d,) of [0, 1), one for each of `problem.drawn`.
 
     Raises:
         InputError: If `seed` is no whole number, 0 or more: what is drawn is drawn again.
     """
-    check_count("seed", seed, 0)
+    count("seed", seed, least=0)
     return np.random.default_rng(seed).random(len(problem.drawn))

@@ -108,7 +108,29 @@ def ik_all(
     rotation_tolerance: float = 1e-9,
     seed: int = 0,
 ) -> Branches:
-    """All configurations that put a frame at a pose; see `ulna.Robot.ik_all` for the arguments."""
+    """All configurations that put a frame at a pose; see `ulna.Robot.ik_all`.
+
+    Args:
+        model: The robot.
+        T: T_world_frame, (..., 4, 4).
+        frame: Name of the frame.
+        q0: Configuration (nq,) or (..., nq) [rad or m] whose nearest solutions come first; None for neutral.
+        joints: Names of the joints that may move; None for the last seven that move the frame.
+        free: The joint of a seven-joint arm that is held at samples; None for the one that suits best.
+        samples: Number of samples of the free joint, or the values themselves, (s,) [rad or m].
+        limits: Whether to leave out what is outside the joint limits.
+        turns: Whether to list solutions that differ by whole turns within the limits.
+        position_tolerance: Largest distance from the goal [m].
+        rotation_tolerance: Largest angle from the goal [rad].
+        seed: Seed of the random starts.
+
+    Returns:
+        The solutions of each goal, with their errors.
+
+    Raises:
+        InputError: If `T` is no pose, or an option does not fit the arm.
+        UnknownName: If there is no such frame or joint.
+    """
     goals = _goals(T)
     batch = goals.shape[:-2]
     names = None if joints is None else tuple(joints)

@@ -26,11 +26,11 @@ from typing import Any, Literal, final
 import numpy as np
 
 from ulna import algorithms, numeric
+from ulna.checks.values import count as check_count
 from ulna.compiler import Function, compile, trace
 from ulna.errors import InputError, UnknownName
 from ulna.ik.acceptance import acceptance, are_rotations, unwound
 from ulna.ik.arguments import (
-    check_count,
     check_goal_shape,
     check_tolerances,
     default_start,
@@ -76,6 +76,15 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
     Inputs: T and q0 as those of `search.multi_start`, shift (d,) of the starting points, settings as `SETTINGS` names
     them. Output as that of `search.multi_start`, with iterations of all searches in place of steps, and the number of
     searches that had failed before in place of the starting point.
+
+    Args:
+        problem: The problem.
+        method: Name of the solver, as in the table above.
+        has_null_motion: Whether the joints avoid limits and singularities with the motion that the goals leave
+            free.
+
+    Returns:
+        The traced function.
     """
     n = len(problem.positions)
 
@@ -124,7 +133,16 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
 
 
 def move(at: Errors, method: Method, damping: Any) -> Array:
-    """dq."""
+    """The step of a search, by all methods but "qp".
+
+    Args:
+        at: Errors and Jacobian at the configuration.
+        method: Name of the solver.
+        damping: lambda of the table above.
+
+    Returns:
+        dq (n,) [rad or m].
+    """
     if method in ("newton_raphson", "gauss_newton"):
         return solve_damped(at.J, at.e, _SINGULAR)
     energy = 0.5 * at.squared
@@ -134,7 +152,18 @@ def move(at: Errors, method: Method, damping: Any) -> Array:
 
 
 def bounded_move(problem: Problem, q: Array, at: Errors, damping: Any, wish: Array | None) -> Array:
-    """The step of "qp", whose objective also rewards what goes along with z."""
+    """The step of "qp", which ends within the limits; with `wish` its objective also rewards motion along z.
+
+    Args:
+        problem: The problem, with the limits.
+        q: Configuration (nq,) [rad or m].
+        at: Errors and Jacobian there.
+        damping: lambda of the table above.
+        wish: z, (n,); None for none.
+
+    Returns:
+        dq (n,) [rad or m].
+    """
     lower, upper = (
         _of_velocities(problem, bound, missing)
         for bound, missing in zip(problem.limits, (-1, 1), strict=True)

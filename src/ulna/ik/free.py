@@ -14,10 +14,11 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.checks.values import count as check_count
 from ulna.collision import Checker
 from ulna.errors import InputError
 from ulna.ik.analytic.candidates import ClosedForm, Elimination, between, source_of
-from ulna.ik.arguments import check_count, matrix_of
+from ulna.ik.arguments import matrix_of
 from ulna.ik.branches import Branches, ik_all
 from ulna.ik.result import IKSolution
 from ulna.ik.solve import Solver

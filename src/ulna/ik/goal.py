@@ -119,9 +119,22 @@ def distance(
     with_rows: bool = True,
     by_angle: bool = False,
 ) -> Distance:
-    """How far `frame` is from `goal` (4, 4) at `q` (nq,), all traced; see `Distance`.
+    """How far `frame` is from its goal, all traced; see `Distance`.
 
     With `by_angle` the weighted rotation error is as long as the angle, as most papers have it, not as its chord.
+
+    Args:
+        model: The robot.
+        q: Configuration (nq,) [rad or m].
+        frame: The frame.
+        goal: Its goal T_world_frame, (4, 4).
+        mask: What counts of the pose.
+        length: How many metres a radian counts [m].
+        with_rows: Whether to compute derivatives.
+        by_angle: Whether rotation errors are angles instead of chords.
+
+    Returns:
+        Distances, weighted errors and their derivatives.
     """
     pose = algorithms.frame_pose(model, q, frame)
     R, R_goal = pose.rotation, goal[:3, :3]
@@ -176,6 +189,13 @@ def squared_tolerances(position: float, rotation: float) -> tuple[float, float]:
     """The greatest `Distance.position` and `Distance.rotation` within tolerances [m] and [rad].
 
     An angle is within its tolerance where its chord is; half a turn and more is any turn.
+
+    Args:
+        position: Largest distance [m].
+        rotation: Largest angle [rad].
+
+    Returns:
+        Bounds [m^2] and [rad^2].
     """
     chord = 2.0 * math.sin(0.5 * rotation) if rotation < math.pi else _ANY_CHORD
     return min(position, _ANY_LENGTH) ** 2, chord**2

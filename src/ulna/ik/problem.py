@@ -139,7 +139,16 @@ class Problem:
         return T.reshape(-1, 4, 4)
 
     def distances(self, q: Array, goals: Array, with_rows: bool = True) -> list[Distance]:
-        """How far each frame is from its goal."""
+        """How far each frame is from its goal.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            goals: Goals of the frames, (k, 4, 4).
+            with_rows: Whether to compute derivatives.
+
+        Returns:
+            A `Distance` for each frame.
+        """
         return [
             distance(self.model, q, frame, goal, mask, self.length, with_rows, self.by_angle)
             for frame, goal, mask in zip(self.frames, goals, self.masks, strict=True)
@@ -157,13 +166,29 @@ class Problem:
         return np.array(out, dtype=object)
 
     def moved(self, q: Array, dq: Array) -> Array:
-        """`q` (nq,) after the step `dq` of the joints that may move."""
+        """`q` (nq,) after the step `dq` of the joints that may move.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            dq: Step (n,) [rad or m].
+
+        Returns:
+            Configuration (nq,) [rad or m].
+        """
         step = np.zeros(self.model.nv, dtype=object)
         step[self.velocities] = dq
         return algorithms.integrate(self.model, q, step)
 
     def replaced(self, q: Array, values: Any) -> Array:
-        """`q` with other positions of the joints that may move."""
+        """`q` with other positions of the joints that may move.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            values: Their positions, `len(self.positions)` of them [rad or m].
+
+        Returns:
+            Configuration (nq,) [rad or m].
+        """
         out = np.array(q, dtype=object)
         out[self.positions] = values
         return out
@@ -181,7 +206,17 @@ class Errors(NamedTuple):
 
 
 def errors(problem: Problem, q: Array, goals: Array, tolerances: Array) -> Errors:
-    """The errors at `q`; `tolerances` are `goal.squared_tolerances`."""
+    """The weighted errors of all frames and their Jacobian at `q`.
+
+    Args:
+        problem: The problem.
+        q: Configuration (nq,) [rad or m].
+        goals: Goals of the frames, (k, 4, 4).
+        tolerances: Those of `goal.squared_tolerances`, (2,) [m^2, rad^2].
+
+    Returns:
+        Errors, Jacobian, and whether all goals are met.
+    """
     each = problem.distances(q, goals)
     e = np.array([x for d in each for x in d.weighted], dtype=object)
     J = np.array([row[problem.velocities] for d in each for row in d.rows], dtype=object)
@@ -189,7 +224,15 @@ def errors(problem: Problem, q: Array, goals: Array, tolerances: Array) -> Error
 
 
 def are_met(each: Sequence[Distance], tolerances: Array) -> Any:
-    """Whether every frame is at its goal; `tolerances` as for `errors`."""
+    """Whether every frame is at its goal; `tolerances` as for `errors`.
+
+    Args:
+        each: How far each frame is from its goal.
+        tolerances: Those of `goal.squared_tolerances`, (2,) [m^2, rad^2].
+
+    Returns:
+        Truth value, traced.
+    """
     met: Any = True
     for d in each:
         met = met & (d.position <= tolerances[0]) & (d.rotation <= tolerances[1]) & d.is_near
@@ -197,7 +240,17 @@ def are_met(each: Sequence[Distance], tolerances: Array) -> Any:
 
 
 def step(problem: Problem, q: Array, at: Errors, damping: Any) -> Array:
-    """The configuration after one damped step within the limits."""
+    """The configuration after one damped step within the limits.
+
+    Args:
+        problem: The problem, with the limits.
+        q: Configuration (nq,) [rad or m].
+        at: Errors and Jacobian at `q`.
+        damping: lambda of the table above [m^2].
+
+    Returns:
+        Configuration (nq,) [rad or m].
+    """
     moved = problem.moved(q, _step(problem, q, at, damping))
     return problem.clip(problem.replaced(q, moved[problem.positions]))
 

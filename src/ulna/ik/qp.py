@@ -54,7 +54,10 @@ def solve_box(H: Array, g: Array, lower: Array, upper: Array) -> Boxed:
         H: Shape (..., n, n), symmetric positive definite.
         g: Shape (..., n).
         lower: Shape (n,) or (..., n), nowhere above `upper`.
-        upper: The same.
+        upper: Shape (n,) or (..., n).
+
+    Returns:
+        The minimiser (..., n), and whether it was found.
     """
     n = g.shape[-1]
     rows = [[H[..., i, j][()] for j in range(n)] for i in range(n)]
@@ -136,8 +139,11 @@ def solve_rows(
         g: Shape (n,).
         A: Shape (k, n).
         lower: Shape (n + k,), bounds of x, then of A x.
-        upper: The same.
+        upper: Shape (n + k,), likewise.
         equalities: How many of the rows, the last ones, are equalities.
+
+    Returns:
+        The minimiser (n,), or None.
 
     Raises:
         MissingExtra: If daqp is not installed.

@@ -74,7 +74,16 @@ class Attempt(NamedTuple):
 
     @classmethod
     def of(cls, problem: Problem, q0: Array, flat: Sequence[Any]) -> Attempt:
-        """The inverse of `flat`; what cannot change comes from `q0`."""
+        """The inverse of `flat`; what cannot change comes from `q0`.
+
+        Args:
+            problem: The problem.
+            q0: Configuration (nq,) [rad or m].
+            flat: The numbers, in the order of `flat`.
+
+        Returns:
+            The attempt.
+        """
         n = len(problem.positions)
         number, age, before, is_met, smallest = flat[2 * n :]
         q, best = problem.replaced(q0, flat[:n]), problem.replaced(q0, flat[n : 2 * n])
@@ -82,12 +91,31 @@ class Attempt(NamedTuple):
 
     @classmethod
     def first(cls, q: Array, number: Any) -> Attempt:
-        """An attempt that sets out."""
+        """An attempt before its first step.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            number: Number of the starting point.
+
+        Returns:
+            The attempt.
+        """
         return cls(q, number, 0.0, _FAR, 0.0, q, _FAR)
 
 
 def starting_point(problem: Problem, q0: Array, shift: Array, number: Any, radius: Any) -> Array:
-    """Starting point `number`: a point of the ranges, drawn towards `q0` by the fraction 1 - `radius`."""
+    """Starting point `number`: a point of the ranges, drawn towards `q0` by the fraction 1 - `radius`.
+
+    Args:
+        problem: The problem, with the ranges of the coordinates.
+        q0: Configuration (nq,) [rad or m].
+        shift: Where the sequence begins, (d,) of [0, 1).
+        number: Number of the starting point.
+        radius: 0 for `q0` itself, up to 1 for the whole ranges.
+
+    Returns:
+        Configuration (nq,) [rad or m].
+    """
     low, high = problem.range
     alpha = _golden(len(low))
     out = np.array(q0, dtype=object)
@@ -119,6 +147,20 @@ def advance(
     """One step of an attempt, or the beginning of the next one; `stride` starting points lie between the two.
 
     Where `descends` is given and holds, it is a step of a descent instead.
+
+    Args:
+        problem: The problem.
+        now: The attempt.
+        q0: Configuration (nq,) [rad or m] that starting points are drawn about.
+        goals: Goals of the frames, (k, 4, 4).
+        tolerances: Those of `goal.squared_tolerances`, (2,) [m^2, rad^2].
+        shift: Where the sequence of starting points begins, (d,).
+        near: 1 to begin near `q0` and draw from growing regions, 0 to draw from the whole ranges.
+        stride: Number of lanes that share the sequence.
+        descends: Condition under which it is a step of a descent; None for a search.
+
+    Returns:
+        The attempt after the step.
     """
     at = errors(problem, now.q, goals, tolerances)
     scale = problem.length**2
@@ -130,7 +172,7 @@ def advance(
     stalled = (now.age >= STALL_STEPS) & (at.squared > STALL_RATIO * now.before)
     over = ((now.age >= float(ATTEMPT_STEPS)) | stalled) & ~at.is_met
     following = now.number + stride
-    anew = starting_point(problem, q0, shift, following, draw_radius(following, near))
+    anew = starting_point(problem, q0, shift, following, _draw_radius(following, near))
     better = at.is_met | (at.squared < now.least)
     keeps, restarts = at.is_met, over
     age, before = numeric.where(over, 0.0, now.age + 1.0), numeric.where(over, _FAR, at.squared)
@@ -166,7 +208,16 @@ class Descent(NamedTuple):
 
 
 def descent(now: Attempt, squared: Any, scale: float) -> Descent:
-    """Marquardt's rule, where `squared` is the squared error at `now.q` [m^2]."""
+    """Marquardt's rule, where `squared` is the squared error at `now.q` [m^2].
+
+    Args:
+        now: The attempt.
+        squared: Squared error at `now.q` [m^2].
+        scale: Square of the length that a radian counts [m^2].
+
+    Returns:
+        Damping [m^2], whether to return to the best configuration, and whether the descent is over.
+    """
     again = now.before > 0.5
     nearer = (squared < now.least) & ~again
     worse = ~(squared < now.least) & ~again
@@ -176,7 +227,7 @@ def descent(now: Attempt, squared: Any, scale: float) -> Descent:
     return Descent(numeric.maximum(damping, _SMALLEST * scale), worse, over)
 
 
-def draw_radius(number: Any, near: Any) -> Any:
+def _draw_radius(number: Any, near: Any) -> Any:
     """How far from q0 starting point `number` may lie, 0 to 1: with `near` (1, else 0) growing from 0, else 1."""
     widening = numeric.minimum(number * (1.0 / (2 * LANES)), 1.0)
     return numeric.where(number < 0.5, 0.0, 1.0 - near * (1.0 - widening))
@@ -198,7 +249,9 @@ def multi_start(problem: Problem) -> Function:
         descends = settings[3] < 0.0
         home = problem.clip(q0)
         number = lane(LANES)
-        first = Attempt.first(starting_point(problem, home, shift, number, draw_radius(number, near)), number)
+        first = Attempt.first(
+            starting_point(problem, home, shift, number, _draw_radius(number, near)), number
+        )
         first = first._replace(
             age=numeric.where(descends, _FIRST * problem.length**2, 0.0),
             before=numeric.where(descends, 1.0, _FAR),

@@ -8,13 +8,13 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.checks.values import count as check_count
 from ulna.compiler import compile
 from ulna.errors import ShapeError
 from ulna.ik import search
 from ulna.ik.acceptance import acceptance_kernel
 from ulna.ik.arguments import (
     check_batch_axes,
-    check_count,
     check_goal_shape,
     check_tolerances,
     default_start,

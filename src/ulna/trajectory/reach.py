@@ -35,7 +35,7 @@ _PARALLEL = 1e-12  # a determinant below this part of its terms is none
 
 
 @lru_cache(maxsize=32)
-def bounds_kernel(n: int, both_ends: bool) -> Any:
+def _bounds_kernel(n: int, both_ends: bool) -> Any:
     """The kernel from rows of one segment and its D to backward bounds (3 m + 2,) and forward bounds (2 m,).
 
     The n rows are those at its start and, with `both_ends`, those at its end as well, m = 2 n: there x + D u stands for
@@ -80,33 +80,33 @@ def bounds_kernel(n: int, both_ends: bool) -> Any:
 
 
 @lru_cache(maxsize=32)
-def backward_kernel(m: int, steps: int) -> Any:
+def _backward_kernel(m: int, steps: int) -> Any:
     """The kernel of some steps of the backward pass: bounds, greatest x, K behind them -> K of each point."""
 
     def backward(bounds: Array, cap: Array, K: Array) -> Array:
-        found, (low, high) = [], K
+        sets, (low, high) = [], K
         for row, top in zip(bounds[::-1], cap[::-1], strict=True):
             ends = [(f * low, f * high) for f in row[:m]]
             tops = [_greater(*e) - w for e, w in zip(ends, row[m : 2 * m], strict=True)]
             bottoms = [_smaller(*e) - w for e, w in zip(ends, row[2 * m : 3 * m], strict=True)]
             low = _best(_greater, [0.0, row[3 * m], *bottoms])
             high = _best(_smaller, [top, row[3 * m + 1], *tops])
-            found.append(vector(low, high))
-        return np.stack(found[::-1])
+            sets.append(vector(low, high))
+        return np.stack(sets[::-1])
 
     return compile(backward, bounds=(steps, 3 * m + 2), cap=(steps,), K=(2,))
 
 
 @lru_cache(maxsize=32)
-def forward_kernel(m: int, steps: int) -> Any:
+def _forward_kernel(m: int, steps: int) -> Any:
     """The kernel of some steps of the forward pass: bounds, K of the next points, x before them -> x of each."""
 
     def forward(bounds: Array, K: Array, start: Array) -> Array:
-        found, x = [], start[0]
+        rates, x = [], start[0]
         for row, (low, high) in zip(bounds, K, strict=True):
             x = _greater(low, _best(_smaller, [high, *(row[:m] * x + row[m:])]))
-            found.append(x)
-        return vector(*found)
+            rates.append(x)
+        return vector(*rates)
 
     return compile(forward, bounds=(steps, 2 * m), K=(steps, 2), start=(1,))
 
@@ -123,7 +123,7 @@ def reachable(D: Floats, start: Sequence[Floats], end: Sequence[Floats] = ()) ->
     m = 2 * n if end else n
     total = -(-N // _steps(m)) * _steps(m)
     back, ahead = np.empty((total, 3 * m + 2)), np.empty((total, 2 * m))
-    bounds_kernel(n, bool(end))(D, *start, *end, out=(back[:N], ahead[:N]))
+    _bounds_kernel(n, bool(end))(D, *start, *end, out=(back[:N], ahead[:N]))
     if total > N:
         back[N:, :m], back[N:, m:-2], back[N:, -2], back[N:, -1] = 1.0, 0.0, -HUGE, HUGE
         ahead[N:, :m], ahead[N:, m:] = 1.0, 0.0
@@ -143,7 +143,7 @@ def controllable(back: Floats, cap: Floats, end: float) -> Floats:
     """
     M, m = len(back), (back.shape[1] - 2) // 3
     steps = _steps(m)
-    kernel, caps, K = backward_kernel(m, steps), np.full(M, HUGE), np.empty((M + 1, 2))
+    kernel, caps, K = _backward_kernel(m, steps), np.full(M, HUGE), np.empty((M + 1, 2))
     caps[: len(cap) - 1], K[M] = cap[:-1], end
     for k in range(M - steps, -1, -steps):
         K[k : k + steps] = kernel(back[k : k + steps], caps[k : k + steps], K[k + steps])
@@ -154,7 +154,7 @@ def fastest(ahead: Floats, K: Floats, start: float) -> Floats:
     """The greatest x of all grid points and of the padding, (M + 1,), from `start` at the first."""
     M, m = len(ahead), ahead.shape[1] // 2
     steps = _steps(m)
-    kernel, x = forward_kernel(m, steps), np.empty(M + 1)
+    kernel, x = _forward_kernel(m, steps), np.empty(M + 1)
     x[0] = start
     for k in range(0, M, steps):
         x[k + 1 : k + steps + 1] = kernel(ahead[k : k + steps], K[k + 1 : k + steps + 1], x[k : k + 1])

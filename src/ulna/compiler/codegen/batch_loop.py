@@ -17,7 +17,16 @@ _SCRATCH = 2**16  # bytes on the stack; where more would be needed, a scratch ho
 
 
 def batch_loop(f: Function, element: DType, lanes: int) -> str:
-    """IR of `void batch(ptr args, ptr dimensions, ptr steps, ptr data)`, which calls `block`."""
+    """IR of `void batch(ptr args, ptr dimensions, ptr steps, ptr data)`, which calls `block`.
+
+    Args:
+        f: The function; its ports and their shapes are all that is used of it.
+        element: Type of the array elements, "double" or "float".
+        lanes: Number of samples that `block` takes at a time.
+
+    Returns:
+        The text of the definition, without declarations.
+    """
     ports, inputs = [*f.inputs, *f.outputs], len(f.inputs)
     large = lanes * BYTES[element] * sum(p.size for p in ports) > _SCRATCH
     w = ["define void @batch(ptr %args, ptr %dims, ptr %steps, ptr %data) nounwind {", "entry:"]

@@ -98,9 +98,11 @@ def elementary_ir(op: str, lanes: int, dtype: DType) -> IRFunction:
         lanes: the number of lanes; 1 for the scalar function.
         dtype: "double" or "float".
 
+    Returns:
+        Name, text and declarations of the function.
+
     Raises:
         ValueError: for an operation that is not offered.
-
     """
     kind = Lanes(lanes, dtype)
     name = f"ulna.{op}.{kind.suffix}"

@@ -38,7 +38,15 @@ def module_text(*functions: IRFunction) -> str:
 
 
 def bits_of(value: float, dtype: DType) -> int:
-    """The bits of the float nearest to `value`, as an integer."""
+    """The bits of the float nearest to `value`, as an integer.
+
+    Args:
+        value: The number; rounded to single precision for "float".
+        dtype: "double" or "float".
+
+    Returns:
+        The bits as a signed integer of 64 or 32 bits.
+    """
     if dtype == "double":
         return struct.unpack("<q", struct.pack("<d", value))[0]
     return struct.unpack("<i", struct.pack("<f", value))[0]
@@ -147,19 +155,51 @@ class Body:
         return value if isinstance(value, str) else self.lanes.integer_constant(value)
 
     def add(self, a: str | float, b: str | float) -> str:
-        """The sum a + b."""
+        """The sum a + b.
+
+        Args:
+            a: The name of a value in all lanes, or a number.
+            b: The name of a value in all lanes, or a number.
+
+        Returns:
+            The name of the sum.
+        """
         return self.emit(f"fadd {self.lanes.real} {self._float(a)}, {self._float(b)}")
 
     def sub(self, a: str | float, b: str | float) -> str:
-        """The difference a - b."""
+        """The difference a - b.
+
+        Args:
+            a: The name of a value in all lanes, or a number.
+            b: The name of a value in all lanes, or a number.
+
+        Returns:
+            The name of the difference.
+        """
         return self.emit(f"fsub {self.lanes.real} {self._float(a)}, {self._float(b)}")
 
     def mul(self, a: str | float, b: str | float) -> str:
-        """The product a * b."""
+        """The product a * b.
+
+        Args:
+            a: The name of a value in all lanes, or a number.
+            b: The name of a value in all lanes, or a number.
+
+        Returns:
+            The name of the product.
+        """
         return self.emit(f"fmul {self.lanes.real} {self._float(a)}, {self._float(b)}")
 
     def div(self, a: str | float, b: str | float) -> str:
-        """The quotient a / b."""
+        """The quotient a / b.
+
+        Args:
+            a: The name of a value in all lanes, or a number.
+            b: The name of a value in all lanes, or a number.
+
+        Returns:
+            The name of the quotient.
+        """
         return self.emit(f"fdiv {self.lanes.real} {self._float(a)}, {self._float(b)}")
 
     def neg(self, a: str) -> str:
@@ -167,14 +207,31 @@ class Body:
         return self.emit(f"fneg {self.lanes.real} {a}")
 
     def call(self, intrinsic: str, *arguments: str | float) -> str:
-        """The floating-point intrinsic `llvm.<intrinsic>` in all lanes."""
+        """The floating-point intrinsic `llvm.<intrinsic>` in all lanes.
+
+        Args:
+            intrinsic: Name without `llvm.` and suffix, such as "sqrt".
+            *arguments: Names of values in all lanes, or numbers.
+
+        Returns:
+            The name of the result.
+        """
         real = self.lanes.real
         name = f"@llvm.{intrinsic}.{self.lanes.suffix}"
         self.declarations[f"declare {real} {name}({', '.join([real] * len(arguments))})"] = None
         return self.emit(f"call {real} {name}({', '.join(f'{real} {self._float(a)}' for a in arguments)})")
 
     def fma(self, a: str | float, b: str | float, c: str | float) -> str:
-        """The sum a * b + c, rounded once."""
+        """The sum a * b + c, rounded once.
+
+        Args:
+            a: The name of a value in all lanes, or a number.
+            b: The name of a value in all lanes, or a number.
+            c: The name of a value in all lanes, or a number.
+
+        Returns:
+            The name of the result.
+        """
         return self.call("fma", a, b, c)
 
     def fabs(self, a: str) -> str:
@@ -182,15 +239,42 @@ class Body:
         return self.call("fabs", a)
 
     def compare(self, predicate: str, a: str | float, b: str | float) -> str:
-        """Fcmp with the given predicate."""
+        """Fcmp with the given predicate.
+
+        Args:
+            predicate: A predicate of LLVM's `fcmp`, such as "ogt".
+            a: The name of a value in all lanes, or a number.
+            b: The name of a value in all lanes, or a number.
+
+        Returns:
+            The name of the truth values.
+        """
         return self.emit(f"fcmp {predicate} {self.lanes.real} {self._float(a)}, {self._float(b)}")
 
     def integer_op(self, opcode: str, a: str | int, b: str | int) -> str:
-        """An integer instruction, such as `and`, `shl`, `icmp eq`."""
+        """An integer instruction, such as `and`, `shl`, `icmp eq`.
+
+        Args:
+            opcode: The instruction, such as "and", "shl", "icmp eq".
+            a: The name of an integer value in all lanes, or an integer.
+            b: The name of an integer value in all lanes, or an integer.
+
+        Returns:
+            The name of the result.
+        """
         return self.emit(f"{opcode} {self.lanes.integer} {self._integer(a)}, {self._integer(b)}")
 
     def select(self, condition: str, a: str | float, b: str | float) -> str:
-        """A where condition, else b (floating point)."""
+        """A where condition, else b (floating point).
+
+        Args:
+            condition: The name of the truth values.
+            a: The name of a value in all lanes, or a number.
+            b: The name of a value in all lanes, or a number.
+
+        Returns:
+            The name of the result.
+        """
         lanes = self.lanes
         return self.emit(
             f"select {lanes.truth} {condition}, {lanes.real} {self._float(a)}, {lanes.real} {self._float(b)}"
@@ -205,7 +289,15 @@ class Body:
         return self.emit(f"bitcast {self.lanes.integer} {a} to {self.lanes.real}")
 
     def flip_sign(self, a: str, sign: str) -> str:
-        """The float a, negated where the top bit of the integer `sign` is set."""
+        """The float a, negated where the top bit of the integer `sign` is set.
+
+        Args:
+            a: The name of the floats.
+            sign: The name of integers of the same width.
+
+        Returns:
+            The name of the result.
+        """
         top = self.integer_op("and", sign, -(2 ** (self.lanes.bits - 1)))
         return self.from_bits(self.integer_op("xor", self.to_bits(a), top))
 
@@ -218,7 +310,16 @@ class Body:
         return self.emit(f"icmp ne {word} {packed}, 0")
 
     def polynomial(self, z: str, z2: str, coefficients: tuple[float, ...]) -> str:
-        """c0 + c1 z + c2 z^2 + ... by pairs, which halves the latency of Horner's form; z2 is z*z."""
+        """c0 + c1 z + c2 z^2 + ... by pairs, which halves the latency of Horner's form; z2 is z*z.
+
+        Args:
+            z: The name of the variable.
+            z2: The name of its square.
+            coefficients: c0, c1, c2, ...
+
+        Returns:
+            The name of the value of the polynomial.
+        """
         evens, odds = coefficients[0::2], coefficients[1::2]
         pairs: list[str | float] = [self.fma(b, z, a) for a, b in zip(evens, odds, strict=False)]
         pairs += evens[len(odds) :]

@@ -141,7 +141,16 @@ def _write_output_rows(to: Writer, f: Function, slots: dict[int, int]) -> None:
 
 
 def emit_single(f: Function, target: Target, element: DType = "double") -> str:
-    """IR of one sample: `void one(ptr in0, ..., ptr out0, ...)` on contiguous samples."""
+    """IR of one sample: `void one(ptr in0, ..., ptr out0, ...)` on contiguous samples.
+
+    Args:
+        f: The function.
+        target: The processor to write for.
+        element: Type of the array elements, "double" or "float".
+
+    Returns:
+        The text of an LLVM module.
+    """
     module = Module()
     _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target.fused_multiply_add)
     return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
@@ -153,6 +162,14 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
     `void batch(ptr args, ptr dimensions, ptr steps, ptr data)` is NumPy's PyUFuncGenericFunction. Samples with
     strides inside go through a scratch copy, one by one. Floating-point flags are cleared at the end, because
     both sides of every `where` are computed.
+
+    Args:
+        f: The function.
+        target: The processor to write for.
+        element: Type of the array elements, "double" or "float".
+
+    Returns:
+        The text of an LLVM module.
     """
     module = Module()
     lanes = 1 if f.lanes > 1 else target.lanes(element)  # or all lanes work on one sample

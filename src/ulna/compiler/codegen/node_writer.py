@@ -59,10 +59,16 @@ class Writer:
     """Writes the nodes of one graph, in order, as instructions of one layout."""
 
     def __init__(
-        self, module: Module, graph: Graph, layout: Lanes, prefix: str, contract: bool, is_race: bool = False
+        self,
+        module: Module,
+        graph: Graph,
+        layout: Lanes,
+        prefix: str,
+        contract: bool,
+        one_sample: bool = False,
     ) -> None:
         self.module, self.graph, self.layout, self.prefix = module, graph, layout, prefix
-        self.is_race = is_race  # whether all lanes work on one sample
+        self.one_sample = one_sample  # whether all lanes work on one sample
         self.contract = " contract" if contract else ""
         self.lines: list[str] = []
         self.names: dict[int, str] = {}
@@ -80,7 +86,12 @@ class Writer:
         self.lines.append("  " + line)
 
     def assign(self, index: int, text: str) -> None:
-        """Appends the instruction whose result is node `index`."""
+        """Appends the instruction whose result is node `index`.
+
+        Args:
+            index: The node.
+            text: The right side of the instruction.
+        """
         name = f"%{self.prefix}v{index}"
         self.write(f"{name} = {text}")
         self.names[index] = name
@@ -111,7 +122,7 @@ class Writer:
         elif op == Op.ANY:
             self.any_lane(index, self.names[args[0]])
         elif op == Op.LEAST:
-            self.least_lane(index, self.names[args[0]])
+            self._least_lane(index, self.names[args[0]])
         elif op == Op.LOOP:
             self.loop(index, data, args)
         elif op == Op.ITEM:
@@ -120,7 +131,15 @@ class Writer:
             self.assign(index, self.instruction(op, [self.names[a] for a in args]))
 
     def instruction(self, op: int, x: Sequence[str]) -> str:
-        """The instruction of an operation on named values."""
+        """The instruction of an operation on named values.
+
+        Args:
+            op: A member of `Op`.
+            x: Names of the operands.
+
+        Returns:
+            The right side of the instruction; what it calls is declared in the module.
+        """
         lay, word = self.layout, TABLE[op].llvm
         if op == Op.NOT:
             return f"xor {lay.truth} {x[0]}, {_truth(lay, True)}"
@@ -172,13 +191,18 @@ class Writer:
                     self.names[node] = whole
 
     def any_lane(self, index: int, condition: str) -> None:
-        """Whether the condition holds in any lane, in all lanes."""
+        """Whether the condition holds in any lane, in all lanes.
+
+        Args:
+            index: The node that holds the answer.
+            condition: The name of a truth value in each lane.
+        """
         lay, reduced = self.layout, self.fresh("any")
         self.module.declare(f"declare i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth})")
         self.write(f"{reduced} = call i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth} {condition})")
         self.names[index] = self.in_all_lanes("i1", reduced)
 
-    def least_lane(self, index: int, value: str) -> None:
+    def _least_lane(self, index: int, value: str) -> None:
         """The smallest number of all lanes, in all lanes."""
         lay, reduced = self.layout, self.fresh("least")
         name = f"@llvm.vector.reduce.fmin.{lay.suffix}"
@@ -187,7 +211,15 @@ class Writer:
         self.names[index] = self.in_all_lanes(lay.dtype, reduced)
 
     def in_all_lanes(self, element: str, value: str) -> str:
-        """A vector that holds a value in every lane."""
+        """A vector that holds a value in every lane.
+
+        Args:
+            element: LLVM type of the value, such as "double" or "i1".
+            value: The name of the value.
+
+        Returns:
+            The name of the vector.
+        """
         kind, first, everywhere = self.layout.of(element), self.fresh("one"), self.fresh("all")
         self.write(f"{first} = insertelement {kind} poison, {element} {value}, i64 0")
         zeros = f"<{self.layout.lanes} x i32> zeroinitializer"
@@ -195,7 +227,13 @@ class Writer:
         return everywhere
 
     def loop(self, index: int, loop: Loop, args: Sequence[int]) -> None:
-        """Iterates until no lane's condition holds; a lane that is done keeps its state."""
+        """Iterates until no lane's condition holds; a lane that is done keeps its state.
+
+        Args:
+            index: The LOOP node; its ITEM nodes read the final state.
+            loop: Condition and body.
+            args: Nodes of the initial state, then of the values that the loop captures.
+        """
         lay, tag = self.layout, f"{self.prefix}L{index}"
         before, head, body, after = self.block, f"{tag}.head", f"{tag}.body", f"{tag}.after"
         inner = Writer(self.module, loop.graph, lay, f"{tag}.", bool(self.contract))

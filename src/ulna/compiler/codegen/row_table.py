@@ -15,14 +15,29 @@ from ulna.compiler.language.scheduling import chunks
 
 
 def at(to: Writer, place: int | str) -> str:
-    """A pointer to a place of the scratch; a place is as wide as a value in all lanes."""
+    """A pointer to a place of the scratch; a place is as wide as a value in all lanes.
+
+    Args:
+        to: Where the instruction is written.
+        place: Number of the place, or the name of one.
+
+    Returns:
+        The pointer as an operand, with its type.
+    """
     pointer = to.fresh("z")
     to.write(f"{pointer} = getelementptr {to.layout.real}, ptr %scratch, i64 {place}")
     return f"ptr {pointer}"
 
 
 def write_rows(to: Writer, port: str, places: Sequence[int], zero: int | None) -> None:
-    """Writes all columns of `port`; column j lies in `places[j]` of the scratch, zeros in `zero`."""
+    """Writes all columns of `port`; column j lies in `places[j]` of the scratch, zeros in `zero`.
+
+    Args:
+        to: Where the instructions are written.
+        port: Name of the output.
+        places: For each column its place in the scratch, or `zero`.
+        zero: The place that holds zeros, if there is one.
+    """
     lanes, size = to.layout.lanes, len(places)
     whole = size // lanes
     if whole:

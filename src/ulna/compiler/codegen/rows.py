@@ -15,13 +15,23 @@ from ulna.compiler.language.scheduling import chunks
 
 
 def load(to: Writer, port: str, size: int, wanted: Sequence[int]) -> Iterator[tuple[int, str]]:
-    """The columns `wanted` of `size` in a row, each with its value in all lanes."""
+    """The columns `wanted` of `size` in a row, each with its value in all lanes.
+
+    Args:
+        to: Where the instructions are written.
+        port: Name of the input or output.
+        size: Number of columns of a row.
+        wanted: Which columns are read, in rising order.
+
+    Yields:
+        Pairs of a column and the name of its value in all lanes.
+    """
     if not wanted:
         return
-    if to.layout.lanes == 1 or to.is_race:
+    if to.layout.lanes == 1 or to.one_sample:
         for j in wanted:
             value = _read(to, f"%{port}", j, 1)
-            yield j, to.in_all_lanes(to.layout.dtype, value) if to.is_race else value
+            yield j, to.in_all_lanes(to.layout.dtype, value) if to.one_sample else value
         return
     rows = rows_of(to, port)
     for start, width in chunks(to.layout.lanes, size):
@@ -32,17 +42,32 @@ def load(to: Writer, port: str, size: int, wanted: Sequence[int]) -> Iterator[tu
 
 
 def store(to: Writer, port: str, start: int, values: Sequence[str]) -> None:
-    """Writes neighbouring columns, one of `chunks`, of every lane to the lane's row."""
-    if to.layout.lanes == 1 or to.is_race:
+    """Writes neighbouring columns, one of `chunks`, of every lane to the lane's row.
+
+    Args:
+        to: Where the instructions are written.
+        port: Name of the input or output.
+        start: The first column.
+        values: Names of the values of the columns in all lanes; their number is a power of two.
+    """
+    if to.layout.lanes == 1 or to.one_sample:
         for j, value in enumerate(values, start):
-            _write(to, f"%{port}", j, 1, _of_first_lane(to, value) if to.is_race else value)
+            _write(to, f"%{port}", j, 1, _of_first_lane(to, value) if to.one_sample else value)
         return
     for row, part in zip(rows_of(to, port), transposed(to, values), strict=True):
         _write(to, row, start, len(values), part)
 
 
 def rows_of(to: Writer, port: str) -> list[str]:
-    """Pointers to each lane's row."""
+    """Pointers to each lane's row.
+
+    Args:
+        to: Where the instructions are written.
+        port: Name of the input or output.
+
+    Returns:
+        One name for each lane.
+    """
     if port not in to.rows:
         rows = to.rows[port] = [f"%{port}"]
         for lane in range(1, to.layout.lanes):
@@ -99,7 +124,15 @@ def _columns(to: Writer, parts: Sequence[str], width: int) -> list[str]:
 
 
 def transposed(to: Writer, columns: Sequence[str]) -> list[str]:
-    """The inverse of `_columns`: from columns, vectors over lanes, the part of each lane's row."""
+    """The inverse of `_columns`: from columns, vectors over lanes, the part of each lane's row.
+
+    Args:
+        to: Where the instructions are written.
+        columns: Names of the columns, a power of two of them.
+
+    Returns:
+        Names of the parts, one for each lane.
+    """
     lanes, width = to.layout.lanes, len(columns)
     if width == 1:
         parts = []

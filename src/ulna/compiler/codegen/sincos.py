@@ -73,6 +73,8 @@ def sincos_ir(lanes: int, dtype: DType) -> IRFunction:
         lanes: the number of lanes; 1 for the scalar function.
         dtype: "double" or "float".
 
+    Returns:
+        Name, text and declarations of the function.
     """
     kind = Lanes(lanes, dtype)
     return reduced_function(kind, f"ulna.sincos.{kind.suffix}", _sincos, results=2)
@@ -94,7 +96,7 @@ def _sincos(body: Body, r: str, s: str, quadrant: str) -> tuple[str, ...]:
     return tuple(results)
 
 
-def reduce_near(body: Body, x: str) -> tuple[str, str, str]:
+def _reduce_near(body: Body, x: str) -> tuple[str, str, str]:
     """(r, s, k): x = k pi/2 + (r - s), |r| <= pi/4 nearly, |s| far below it, k mod 4; for |x| <= BOUND.
 
     For x = -0.0, r is -0.0 and s is +0.0, so that r - s keeps the sign. NaN gives r = NaN.
@@ -118,7 +120,16 @@ def reduce_near(body: Body, x: str) -> tuple[str, str, str]:
 
 
 def arc(body: Body, r: str, s: str) -> tuple[tuple[str, str], tuple[str, str]]:
-    """sin(r - s) as the first pair's difference, cos(r - s) as the second pair's sum; |r| <= pi/4 nearly."""
+    """sin(r - s) as the first pair's difference, cos(r - s) as the second pair's sum; |r| <= pi/4 nearly.
+
+    Args:
+        body: Where the instructions are written.
+        r: The name of the reduced argument [rad].
+        s: The name of its correction [rad].
+
+    Returns:
+        Names of the pairs (large, small) of the sine and of the cosine.
+    """
     double = body.lanes.dtype == "double"
     sin_coefficients, cos_coefficients = (SIN_F64, COS_F64) if double else (SIN_F32, COS_F32)
     z = body.mul(r, r)
@@ -179,16 +190,18 @@ def reduced_function(
         finish: writes the results from r, s and k.
         results: how many there are, 1 or 2.
 
+    Returns:
+        Name, text and declarations of the function.
     """
     real = kind.real
     returned = real if results == 1 else kind.pair
     test = Body(kind)
     far = test.any_lane(test.compare("ogt", test.fabs("%x"), BOUND[kind.dtype]))
     fast = Body(kind, "fast")
-    fast_results = finish(fast, *reduce_near(fast, "%x"))
+    fast_results = finish(fast, *_reduce_near(fast, "%x"))
     slow = Body(kind)
     mask = slow.compare("ogt", slow.fabs("%x"), BOUND[kind.dtype])
-    near = reduce_near(slow, slow.select(mask, 0.0, "%x"))
+    near = _reduce_near(slow, slow.select(mask, 0.0, "%x"))
     slow_results = finish(slow, *_reduce_far(slow, "%x", mask, near))
 
     text = [

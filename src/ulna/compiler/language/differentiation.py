@@ -21,14 +21,31 @@ Derivative = tuple[Graph, list[int]]
 
 
 def jvp(graph: Graph, results: Sequence[int]) -> Derivative:
-    """Tangents of `results`, from the inputs of `graph` and then their tangents."""
+    """Tangents of `results`, from the inputs of `graph` and then their tangents.
+
+    Args:
+        graph: The graph of the function; it stays as it is.
+        results: The nodes of its results.
+
+    Returns:
+        A new graph with the inputs of `graph` and as many tangents, and the nodes of the tangents of `results`.
+    """
     g, primals, outputs = _copy(graph, results)
     tangents = [g.input() for _ in primals]
     return g, _forward(g, dict(zip(primals, tangents, strict=True)), outputs)
 
 
 def vjp(graph: Graph, results: Sequence[int]) -> Derivative:
-    """Cotangents of the inputs of `graph`, from the inputs and then the cotangents of `results`."""
+    """Cotangents of the inputs of `graph`, from the inputs and then the cotangents of `results`.
+
+    Args:
+        graph: The graph of the function; it stays as it is.
+        results: The nodes of its results.
+
+    Returns:
+        A new graph with the inputs of `graph` and the cotangents of `results`, and the nodes of the cotangents of
+        the inputs.
+    """
     g, primals, outputs = _copy(graph, results)
     seeds = [g.input() for _ in outputs]
     return g, _reverse(g, list(zip(outputs, seeds, strict=True)), primals)
@@ -39,6 +56,15 @@ def jacobian(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
 
     Takes as many forward sweeps as `wrt` has inputs, or as many reverse sweeps as there are results, whichever is
     fewer; equal parts of the sweeps are shared by the graph.
+
+    Args:
+        graph: The graph of the function; it stays as it is.
+        results: The nodes of its results.
+        wrt: Numbers of the inputs to differentiate by.
+
+    Returns:
+        A new graph with the inputs of `graph`, and the nodes of the derivatives, `len(results) * len(wrt)` of
+        them.
     """
     g, primals, outputs = _copy(graph, results)
     chosen = [primals[k] for k in wrt]

@@ -69,6 +69,9 @@ def draw(
         results: The output nodes.
         path: A file name that ends in .svg.
 
+    Returns:
+        The text of the picture.
+
     Raises:
         InputError: If `path` has another ending.
     """

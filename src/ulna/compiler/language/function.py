@@ -186,8 +186,12 @@ def trace(
             `ulna.compiler.language.lanes`.
         **shapes: Shape of each argument in order, `q=(7,)`; `()` is a number.
 
+    Returns:
+        The traced function; calling it evaluates its graph.
+
     Raises:
         TraceError: If `f` branches on a traced value or returns something that is not numbers.
+        ValueError: If `rules` is neither "relaxed" nor "exact".
     """
     if rules not in ("relaxed", "exact"):
         raise ValueError(f"rules={rules!r}; expected 'relaxed' or 'exact'.")

@@ -118,7 +118,15 @@ class Graph:
         return index
 
     def node(self, op: int, *args: int) -> int:
-        """The node of `op` on `args`, simplified; an equal one is reused."""
+        """The node of `op` on `args`, simplified; an equal one is reused.
+
+        Args:
+            op: A member of `Op`.
+            *args: Nodes of the operands.
+
+        Returns:
+            The node.
+        """
         key = (op, *args)
         if len(args) == 2 and args[0] > args[1] and TABLE[op].commutes:
             key = (op, args[1], args[0])
@@ -130,11 +138,27 @@ class Graph:
         return index
 
     def find(self, op: int, *args: int) -> int | None:
-        """The node of `op` on `args`, if there is one already."""
+        """The node of `op` on `args`, if there is one already.
+
+        Args:
+            op: A member of `Op`.
+            *args: Nodes of the operands, in the order in which they are stored.
+
+        Returns:
+            The node, or None.
+        """
         return self._interned.get((op, *args))
 
     def loop(self, loop: Loop, args: Sequence[int]) -> list[int]:
-        """A LOOP node on the state and the captured values; returns the nodes of its results."""
+        """Appends a LOOP node.
+
+        Args:
+            loop: Condition and body.
+            args: Nodes of the initial state, then of the values that the loop captures.
+
+        Returns:
+            The nodes of the final state, `loop.size` of them.
+        """
         index = self._append(Op.LOOP, tuple(args), loop)
         return [self._append(Op.ITEM, (index,), k) for k in range(loop.size)]
 
@@ -147,7 +171,18 @@ class Graph:
         return index
 
     def capture(self, other: Graph, index: int) -> int:
-        """The node that stands here for node `index` of `other`, a graph around this one."""
+        """The node that stands here for node `index` of `other`, a graph around this one.
+
+        Args:
+            other: The graph of `parent` or of a loop further out.
+            index: A node of `other`.
+
+        Returns:
+            A constant, or an input of this graph that stands for the node.
+
+        Raises:
+            TraceError: If `other` is not around this graph: the value belongs to another trace.
+        """
         if self.parent is None:
             raise TraceError("A traced value of another trace is used here; pass it as an argument instead.")
         if other is not self.parent:

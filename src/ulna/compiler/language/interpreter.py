@@ -36,6 +36,9 @@ def evaluate(
         loop: The results of a loop on the values of its state and of what it captures.
         lane: The value of the lane's number, given the number of lanes.
         constant: The value of a number or truth value.
+
+    Returns:
+        The values in the order of `outputs`.
     """
     values: dict[int, Any] = {}
     for index in graph.live(outputs):
@@ -56,13 +59,32 @@ def evaluate(
 
 
 def interpret(graph: Graph, inputs: Sequence[Any], outputs: Sequence[int]) -> list[Any]:
-    """The values of the nodes `outputs` on floats or arrays of one shape, by NumPy."""
+    """The values of the nodes `outputs` on floats or arrays of one shape, by NumPy.
+
+    Args:
+        graph: The graph.
+        inputs: The values of the inputs: numbers or arrays (...), all of one shape.
+        outputs: The nodes to evaluate.
+
+    Returns:
+        The values in the order of `outputs`, numbers or arrays (...).
+    """
     with np.errstate(all="ignore"):
         return evaluate(graph, inputs, outputs, operation=_by_numpy, loop=_iterate, lane=_lane_numbers)
 
 
 def copy_into(target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequence[int]) -> list[int]:
-    """Rebuilds `nodes` of `source` in `target`, with the nodes `inputs` of `target` as its inputs."""
+    """Rebuilds `nodes` of `source` in `target`, with the nodes `inputs` of `target` as its inputs.
+
+    Args:
+        target: The graph to write to.
+        source: The graph to copy from.
+        nodes: Nodes of `source`.
+        inputs: For each input of `source` the node of `target` that takes its place.
+
+    Returns:
+        The nodes of `target` that equal `nodes`.
+    """
 
     def constant(value: float | bool) -> int:
         return target.truth(value) if isinstance(value, bool) else target.constant(value)
@@ -76,7 +98,16 @@ def copy_into(target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequen
 
 
 def evaluate_symbols(graph: Graph, inputs: Sequence[Any], outputs: Sequence[int]) -> list[Any]:
-    """The values of the nodes `outputs` on objects of another package, such as SymPy's expressions."""
+    """The values of the nodes `outputs` on objects of another package, such as SymPy's expressions.
+
+    Args:
+        graph: The graph.
+        inputs: The values of the inputs.
+        outputs: The nodes to evaluate.
+
+    Returns:
+        The values in the order of `outputs`.
+    """
 
     def refuse(*_: Any) -> Any:
         raise TraceError(

@@ -41,5 +41,13 @@ def least(x: Any) -> Any:
 
 
 def choose(chosen: Condition, x: Any) -> Any:
-    """The `x` of the one lane where `chosen` holds, given to all lanes."""
+    """The `x` of the one lane where `chosen` holds, in all lanes.
+
+    Args:
+        chosen: Condition that holds in exactly one lane.
+        x: Number or array (...) of traced values.
+
+    Returns:
+        Number or array (...) that is the same in all lanes.
+    """
     return least(chosen._where_(x, float("inf")))

@@ -31,7 +31,16 @@ def element_names(ports: Sequence[Port]) -> Iterator[str]:
 
 
 def prefixed(prefix: str, ports: Sequence[Port], beside: Sequence[Port] = ()) -> tuple[Port, ...]:
-    """The ports with `prefix` before their names, repeated where a port of `beside` has that name."""
+    """The ports with `prefix` before their names, repeated where a port of `beside` has that name.
+
+    Args:
+        prefix: Text before each name.
+        ports: The ports to rename.
+        beside: Ports whose names are taken.
+
+    Returns:
+        The renamed ports, of the same shapes.
+    """
     taken, renamed = {p.name for p in beside}, []
     for port in ports:
         name = prefix + port.name

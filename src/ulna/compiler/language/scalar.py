@@ -45,7 +45,7 @@ class Value:
         """The hook of numeric.loop: iterates `body` on the flat `state` while `condition`, lane by lane."""
         outer = innermost(self, *state)
         current = under_trace() or outer
-        if is_inside(current, outer):  # the state may start from values further out
+        if _is_inside(current, outer):  # the state may start from values further out
             outer = current
         inner = Graph(relaxed=outer.relaxed, parent=outer)
         variables = tuple(Scalar(inner, inner.input()) for _ in state)
@@ -304,7 +304,18 @@ def _integer_power(base: Any, exponent: int) -> Any:
 
 
 def index_in(graph: Graph, value: Any) -> int:
-    """The node of `graph` that stands for `value`: a traced value, a number or a truth value."""
+    """The node of `graph` that stands for `value`: a traced value, a number or a truth value.
+
+    Args:
+        graph: The graph that is being traced.
+        value: A traced value, a number or a truth value.
+
+    Returns:
+        The node; a value of a graph around this one is captured.
+
+    Raises:
+        TraceError: If the value is none of these, or belongs to another trace.
+    """
     if isinstance(value, Value):
         return value.index if value.graph is graph else graph.capture(value.graph, value.index)
     if isinstance(value, (bool, np.bool_)):
@@ -317,7 +328,15 @@ def index_in(graph: Graph, value: Any) -> int:
 
 
 def number_in(graph: Graph, value: Any) -> int:
-    """As `index_in`, where a number is needed: a truth value counts as 1.0 or 0.0."""
+    """As `index_in`, where a number is needed: a truth value counts as 1.0 or 0.0.
+
+    Args:
+        graph: The graph that is being traced.
+        value: A traced value, a number or a truth value.
+
+    Returns:
+        The node of the number.
+    """
     index = index_in(graph, value)
     if isinstance(value, (Condition, bool, np.bool_)):
         return graph.node(Op.SELECT, index, graph.constant(1.0), graph.constant(0.0))
@@ -328,7 +347,7 @@ def innermost(*values: Any) -> Graph:
     """The deepest graph among the traced values; numbers have none."""
     deepest: Graph | None = None
     for value in values:
-        if isinstance(value, Value) and (deepest is None or is_inside(value.graph, deepest)):
+        if isinstance(value, Value) and (deepest is None or _is_inside(value.graph, deepest)):
             deepest = value.graph
     if deepest is None:
         raise TraceError("None of the values is traced.")
@@ -336,12 +355,20 @@ def innermost(*values: Any) -> Graph:
 
 
 def meet(a: Value, b: Value) -> tuple[Graph, int, int]:
-    """Both values as nodes of the deeper one's graph."""
+    """Both values as nodes of the deeper one's graph.
+
+    Args:
+        a: A traced value.
+        b: A traced value, of the same graph or of one around it or in it.
+
+    Returns:
+        The graph, and the nodes of both values in it.
+    """
     graph = innermost(a, b)
     return graph, index_in(graph, a), index_in(graph, b)
 
 
-def is_inside(graph: Graph | None, other: Graph) -> bool:
+def _is_inside(graph: Graph | None, other: Graph) -> bool:
     """Whether `graph` is `other` or the body of a loop in it, at any depth."""
     while graph is not None:
         if graph is other:

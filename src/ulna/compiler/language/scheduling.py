@@ -40,7 +40,15 @@ Step = int | Sines | Store
 
 
 def made(graph: Graph, step: Step) -> Sequence[int]:
-    """The nodes that a step computes."""
+    """The nodes that a step computes.
+
+    Args:
+        graph: The graph that is evaluated.
+        step: A node, several sines and cosines, or a store of results.
+
+    Returns:
+        The nodes; none for a store.
+    """
     if isinstance(step, int):
         return (step,)
     if isinstance(step, Store):
@@ -50,7 +58,15 @@ def made(graph: Graph, step: Step) -> Sequence[int]:
 
 
 def used(graph: Graph, step: Step) -> Sequence[int]:
-    """The nodes that a step needs."""
+    """The nodes that a step needs.
+
+    Args:
+        graph: The graph that is evaluated.
+        step: A node, several sines and cosines, or a store of results.
+
+    Returns:
+        The nodes whose values it reads.
+    """
     if isinstance(step, int):
         return graph.args[step]
     return step.values if isinstance(step, Store) else step.arguments
@@ -65,7 +81,11 @@ def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
     Args:
         f: The function; with a loop it stays one part.
         lanes: How many samples are evaluated at once.
-        pack: For one sample, how many sines are taken at once; 1 for SIMD lanes, where a node holds as many as fit.
+        pack: For one sample, how many sines are taken at once; 1 for SIMD lanes, where a node holds as many as
+            fit.
+
+    Returns:
+        The steps of each part, in the order in which they are written.
     """
     order = list(_order(f, 1 if f.lanes > 1 else lanes, pack))
     if f.has_loops or f.lanes > 1:
@@ -98,7 +118,15 @@ def _instructions(step: Step) -> int:
 
 
 def chunks(lanes: int, size: int) -> Iterator[tuple[int, int]]:
-    """First column and number of columns of each chunk of a row; none reaches beyond the row."""
+    """First column and number of columns of each chunk of a row; none reaches beyond the row.
+
+    Args:
+        lanes: The widest chunk, a power of two.
+        size: Number of columns of a row.
+
+    Yields:
+        Pairs of a first column and a number of columns, which is a power of two.
+    """
     start = 0
     while start < size:
         width = lanes

@@ -43,7 +43,16 @@ _PLAIN: dict[int, Callable[..., float]] = {Op.ADD: operator.add, Op.SUB: operato
 
 
 def simplify(g: Graph, op: int, args: tuple[int, ...]) -> int | None:
-    """A node that equals `op` on `args` and is simpler, or None."""
+    """A node that equals `op` on `args` and is simpler, or None.
+
+    Args:
+        g: The graph, which takes new nodes.
+        op: A member of `Op`.
+        args: Nodes of the operands.
+
+    Returns:
+        The simpler node, or None where no rule applies.
+    """
     folded = _fold(g, op, args)
     if folded is not None:
         return folded

@@ -139,7 +139,7 @@ class ArrayCall:
         """Whether the fast call writes into `out` for sure."""
         targets = out if type(out) is tuple else (out,)
         return len(targets) == len(self.function.outputs) and all(
-            is_exact(target, port.shape, self.dtype)
+            _is_exact(target, port.shape, self.dtype)
             for target, port in zip(targets, self.function.outputs, strict=True)
         )
 
@@ -272,7 +272,7 @@ class ArrayCall:
         return targets[0] if f.single else tuple(targets)
 
 
-def is_exact(target: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:
+def _is_exact(target: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:
     """Whether compiled code may write an output of this shape and type into `target`."""
     return (
         type(target) is np.ndarray and target.dtype is dtype and target.shape == shape and target.flags.carray

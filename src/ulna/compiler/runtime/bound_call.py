@@ -153,7 +153,24 @@ def bind(
     otherwise: Callable[..., Any] | None,
     given: Sequence[Array] = (),
 ) -> Bound:
-    """Makes the result of `KernelBase.into`; `work` is the address of the kernel's code, where there is any."""
+    """Makes the result of `KernelBase.into`.
+
+    Args:
+        kernel: The kernel that is bound; it is kept alive.
+        array_call: The checked call of its function.
+        work: Address of the kernel's code, or None where there is no compiled code.
+        targets: Arrays that take the outputs, each contiguous and of the shape of its output (...).
+        returns: Numbers of the outputs that a call returns.
+        watch: Pairs (live array, reference copy); a call with any difference between them goes to `otherwise`.
+        otherwise: Called instead of the kernel when `watch` finds a difference.
+        given: Arrays for the last inputs, each of the shape of its input (...), which calls then leave out.
+
+    Returns:
+        The bound kernel.
+
+    Raises:
+        InputError: If an array does not fit, `returns` names no output, or `watch` comes without `otherwise`.
+    """
     chosen, inputs, pairs = (
         tuple(targets),
         tuple(given),

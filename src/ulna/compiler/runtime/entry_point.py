@@ -42,10 +42,20 @@ def entry_ir(
     unit_entries: Sequence[tuple[int, Sequence[int]]] = (),
 ) -> str:
     """IR of a single call: the scalar block, `entry`, a CPython vectorcall function around it, and `work`.
-
     `i32 work(ptr pointers)` takes pointers to all inputs, then all outputs, which may be the inputs; 0 says that it is
-    done. With `checked`, inputs that are not finite or, at `unit_entries`, not unit are refused: `entry` leaves them
-    to the general path, which raises, `work` returns 1.
+    done. With `checked`, `entry` leaves inputs that are not finite or, at `unit_entries`, not unit to the general
+    path,
+    which raises an error; `work` returns 1.
+
+    Args:
+        f: The function.
+        target: The processor to write for.
+        element: Type of the array elements, "double" or "float".
+        checked: Whether inputs are examined.
+        unit_entries: Pairs of the number of an input and of those of its entries that must be a unit vector.
+
+    Returns:
+        The text of the definitions.
     """
     size = BYTES[element]
     w: list[str] = []

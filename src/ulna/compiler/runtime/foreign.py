@@ -26,6 +26,10 @@ def is_foreign(value: Any) -> bool:
 def refuse_tables(port: Port, value: Any) -> None:
     """Refuses tables with named columns: their order need not be that of the numbers in an array.
 
+    Args:
+        port: Name and shape of the input.
+        value: What was passed.
+
     Raises:
         InputError: If the value is one.
     """
@@ -43,6 +47,10 @@ def refuse_tables(port: Port, value: Any) -> None:
 
 def refuse_lazy(f: Function, args: Sequence[Any]) -> None:
     """Says what to do with Dask arrays, of which ufuncs with core axes do not know the shapes.
+
+    Args:
+        f: The function.
+        args: What was passed for its inputs.
 
     Raises:
         InputError: If there is one among the arguments.
@@ -68,7 +76,15 @@ def shown(port: Port) -> str:
 
 
 def shape_advice(given: tuple[int, ...], port: Port) -> str:
-    """What may be wrong with a shape."""
+    """What may be wrong with a shape.
+
+    Args:
+        given: The shape of what was passed.
+        port: Name and shape of the input.
+
+    Returns:
+        A sentence, or "" where nothing is known.
+    """
     core = len(port.shape)
     if given and core and given[::-1][:core] == port.shape:
         return "It looks transposed."

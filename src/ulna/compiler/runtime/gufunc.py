@@ -71,7 +71,15 @@ _KEEP: list[Any] = []  # what CPython and NumPy keep pointers to
 
 
 def make_type(base: type, name: str) -> type | None:
-    """A subtype of `base` (which has no fields) whose instances are called through a pointer in each instance."""
+    """A subtype of `base` (which has no fields) whose instances are called through a pointer in each instance.
+
+    Args:
+        base: The base class, which has no fields.
+        name: Name of the new type.
+
+    Returns:
+        The type, or None where `fast_call_works()` is False.
+    """
     if not fast_call_works():
         return None
     members = (_MemberDef * 4)(
@@ -109,7 +117,19 @@ def _make(kind: type, words: dict[int, int]) -> Any:
 
 
 def make_kernel(kind: type, code: int, plan: Plan, slow: Callable[..., Any], element: DType) -> Any:
-    """A kernel, of a type from `make_type`, that runs `entry` at address `code`; all arguments must outlive it."""
+    """A kernel, of a type from `make_type`, that runs `entry` at address `code`.
+    All arguments must outlive it.
+
+    Args:
+        kind: The type.
+        code: Address of `entry` (see `entry_point.entry_ir`).
+        plan: Addresses and shapes for calls with `out=`.
+        slow: What a call goes to that `entry` does not take.
+        element: Type of the array elements, "double" or "float".
+
+    Returns:
+        The instance of `kind`.
+    """
     words = {
         entry_point.VECTORCALL: code,
         entry_point.SLOW: id(slow),
@@ -127,7 +147,17 @@ def make_kernel(kind: type, code: int, plan: Plan, slow: Callable[..., Any], ele
 
 
 def make_bound(kind: type, plan: Plan, slow: Callable[..., Any]) -> Any:
-    """A bound kernel, of a type from `make_type`; all arguments must outlive it."""
+    """A bound kernel, of a type from `make_type`.
+    All arguments must outlive it.
+
+    Args:
+        kind: The type.
+        plan: Addresses of code and arrays.
+        slow: What a call goes to that the compiled code does not take.
+
+    Returns:
+        The instance of `kind`.
+    """
     words = {
         entry_point.VECTORCALL: _fast_calls()["bound"],
         entry_point.SLOW: id(slow),
@@ -137,7 +167,12 @@ def make_bound(kind: type, plan: Plan, slow: Callable[..., Any]) -> Any:
 
 
 def keep(instance: Any, *needed: Any) -> None:
-    """Keeps what machine code reads through bare pointers until the instance goes, whatever its attributes become."""
+    """Keeps what machine code reads through bare pointers until the instance goes, whatever its attributes become.
+
+    Args:
+        instance: A kernel or a bound kernel.
+        *needed: The objects that must live as long as it.
+    """
     weakref.finalize(instance, _release, *needed).atexit = False
 
 
@@ -235,6 +270,15 @@ def make_ufunc(f: Function, loop: int, keep: Any, element: DType) -> np.ufunc:
     """A NumPy generalised ufunc with frozen core sizes around the inner loop at address `loop`.
 
     NumPy keeps pointers to everything passed here; `keep` and all of it live as long as the ufunc.
+
+    Args:
+        f: The function; names, text and signature of the ufunc come from it.
+        loop: Address of the inner loop (see `module.emit_batch`).
+        keep: An object that the machine code needs.
+        element: Type of the array elements, "double" or "float".
+
+    Returns:
+        The ufunc.
     """
     count = len(f.inputs) + len(f.outputs)
     functions = (ctypes.c_void_p * 1)(loop)

@@ -87,12 +87,29 @@ _machine = cache(_new_machine)
 
 
 def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
-    """Machine code of `ir`, which evaluates `f`, from the cache or from LLVM, with the addresses of `names`."""
+    """Machine code of `ir`, which evaluates `f`, from the cache or from LLVM, with the addresses of `names`.
+
+    Args:
+        f: The function, for the announcement and the optimisation.
+        ir: The text of an LLVM module.
+        names: Names of definitions in it.
+
+    Returns:
+        The loaded code; it must live as long as it is called.
+    """
     return _load(ir, names, f.has_loops, lambda: _announced(f, len(ir) / _SPEED[names[0]]))
 
 
 def load_text(ir: str, names: tuple[str, ...]) -> Code:
-    """Machine code of `ir`, which belongs to no function."""
+    """Machine code of `ir`, which belongs to no function.
+
+    Args:
+        ir: The text of an LLVM module.
+        names: Names of definitions in it.
+
+    Returns:
+        The loaded code; it must live as long as it is called.
+    """
     return _load(ir, names, has_loops=True, announced=contextlib.nullcontext)
 
 
@@ -152,6 +169,9 @@ def announced(text: str, what: str, seconds: float) -> Iterator[None]:
         text: What is printed to the error stream.
         what: What watchers receive, before and after.
         seconds: How long it will take, about [s].
+
+    Yields:
+        Nothing; the work is done inside the `with` statement.
     """
     if seconds < _ANNOUNCE_FROM:
         yield
@@ -217,6 +237,14 @@ def _inlining() -> Any:
 
 
 def assembly(f: Function, ir: str) -> str:
-    """The assembly text that `ir`, which evaluates `f`, becomes on this machine."""
+    """The assembly text that `ir`, which evaluates `f`, becomes on this machine.
+
+    Args:
+        f: The function, for the optimisation.
+        ir: The text of an LLVM module.
+
+    Returns:
+        The text of the assembly.
+    """
     with _lock:
         return _machine().emit_assembly(_optimised(ir, f.has_loops))

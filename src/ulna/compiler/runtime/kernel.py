@@ -90,17 +90,19 @@ class KernelBase:
         """A callable of the inputs that writes the outputs into arrays chosen once: where nanoseconds count.
 
         Args:
-            *targets: An array for each output, of its shape and of the kernel's type, C-contiguous and writeable. They
-                are kept alive, and may be inputs of the calls. Every call examines them, at 1 to 2 ns each:
-                one that was resized, made read-only or given another shape or type since is refused.
+            *targets: An array for each output, of its shape (...) and of the kernel's type, C-contiguous and
+                writeable. They are kept alive, and may be inputs of the calls. Every call examines them, at 1 to
+                2 ns each, and raises if one was resized, made read-only or given another shape or type since.
             returns: Numbers of the outputs of which every call returns a copy: one as it is, several in a tuple, in
                 this order. Without any, calls return None.
-            watch: Pairs of arrays of whole 8-byte words. A call works while both of each pair hold the same bits.
+            watch: Pairs of arrays (...) of whole 8-byte words. A call works while both of each pair hold the same
+                bits.
             otherwise: Called with the arguments, and its result returned, where these are not exactly arrays of the
                 right type and shape, or what is watched differs or has another shape or type than at first. Without it,
                 arguments are converted as the kernel does, and one sample is computed. It must not hold the bound
                 kernel: such a reference cycle is never freed.
-            given: Arrays that are the last inputs, read at every call as they then are; calls pass the others.
+            given: Arrays that are the last inputs (...), read at every call as they then are; calls pass the
+                others.
 
         Returns:
             A `Bound` kernel. It is called with positional arguments, holds the GIL while it works, and cannot be
@@ -110,7 +112,8 @@ class KernelBase:
             InputError: If there are not as many arrays as outputs, or they share memory, cannot be written to or
                 compared, or `watch` is given without `otherwise`.
             ShapeError: If an array has another shape than its output.
-            DtypeError: If an array has another type than the kernel. All three come at once, and from later calls.
+            DtypeError: If an array has another type than the kernel. All three come at once, and from later
+                calls.
         """
         return bound_call.bind(self, self._array_call, self._work, targets, returns, watch, otherwise, given)
 
@@ -221,7 +224,8 @@ def compile(
         f: A `Function`, or a Python function that is traced with `shapes` (see `trace`).
         dtype: The type to compute in: float64 or float32.
         checked: Whether nan or inf in an input raises NonFiniteError instead of passing through.
-        unit_entries: With `checked`, what must be unit vectors, such as quaternions: (number of input, entries), ...
+        unit_entries: With `checked`, what must be unit vectors, such as quaternions: (number of input, entries),
+            ...
         **shapes: Shape of each argument, if `f` is not traced yet.
 
     Returns:
@@ -232,6 +236,7 @@ def compile(
     Raises:
         TraceError: If `f` cannot be traced.
         DtypeError: If `dtype` is neither float64 nor float32.
+        TypeError: If `shapes` are given for a function that is traced already.
     """
     if not isinstance(f, Function):
         f = trace(f, **dict[str, Any](shapes))

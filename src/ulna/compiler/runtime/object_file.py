@@ -12,7 +12,15 @@ _SIZES = {_SYMBOLS: 24, _RELOCATIONS: 24}
 
 
 def is_sound(content: bytes, triple: str) -> bool:
-    """Whether `content` is an object file for the machine of `triple` whose parts lie within it."""
+    """Whether `content` is an object file for the machine of `triple` whose parts lie within it.
+
+    Args:
+        content: The bytes of the file.
+        triple: LLVM's target triple, such as "x86_64-unknown-linux-gnu".
+
+    Returns:
+        False for another machine, another format or a truncated file.
+    """
     machine = triple.partition("-")[0].lower()
     if "windows" in triple:
         return len(content) > 20 and struct.unpack_from("<H", content)[0] == _COFF.get(machine)

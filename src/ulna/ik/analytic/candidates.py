@@ -74,6 +74,9 @@ class Source(ABC):
             centre: Where the arm's coordinates are wanted, (m, n).
             held: Values of the free coordinate, (groups,); (1,) where there is none.
             seed: For what is drawn at random.
+
+        Returns:
+            q (m, groups, k, nq); worth (m, groups, k, 3) as in certify.py; whether all branches are among them.
         """
 
     @cached_property
@@ -89,7 +92,16 @@ class Source(ABC):
         return fk, kernels.kernel(self._model, "jacobian", frame=self._frame, reference=aligned)
 
     def refine(self, q: Floats, T: Floats, iterations: int) -> Floats:
-        """Configurations (m, nq) led nearer to goals (m, 4, 4); the free joint stays where it is."""
+        """Configurations (m, nq) led nearer to goals (m, 4, 4); the free joint stays where it is.
+
+        Args:
+            q: Configurations, (m, nq) [rad or m].
+            T: Goals, (m, 4, 4).
+            iterations: Largest number of Newton steps.
+
+        Returns:
+            The nearest configurations that were reached, (m, nq).
+        """
         fk, jacobian = self._kernels
         return refined(fk, jacobian, q, T, self._columns, iterations)
 
@@ -211,6 +223,9 @@ def source_of(
         free: Name of the joint of a seven-joint arm that is given values; None for the one that suits best.
         held: Values of the coordinates that `between` names.
 
+    Returns:
+        A closed form, elimination, or many starts.
+
     Raises:
         UnknownName: a joint does not move the frame, or `free` is none of them.
         InputError: `free` is given for an arm that is not redundant, or cannot be held.
@@ -246,7 +261,16 @@ def source_of(
 
 @lru_cache(maxsize=128)
 def between(model: Model, frame: str, joints: tuple[str, ...] | None) -> tuple[int, ...]:
-    """Places in q of the joints that are held between those of the arm: its shape depends on where."""
+    """Places in q of the joints that are held between those of the arm: its shape depends on where.
+
+    Args:
+        model: The robot.
+        frame: Name of the frame.
+        joints: Names of the joints of the arm; None for the usual ones; see `usual`.
+
+    Returns:
+        The places, from the base outwards.
+    """
     steps = chain(model, model.frame(frame))
     names = joints if joints is not None else usual(model, model.frame(frame))
     moves = [step.joint.name in names and step.kind.nq == 1 for step in steps]

@@ -26,6 +26,14 @@ def certificate(model: Model, frame: Frame, arm: Arm) -> Certificate:
     turns comes out within half a turn of it, or, if that is outside its limits and a turn more or less is not, there.
     `worth` (3,) is the distance [m] and the angle [rad] to the goal, and 1 within the limits, else 0; both are
     large for what is no pose, whatever the candidate.
+
+    Args:
+        model: The robot.
+        frame: The frame to place.
+        arm: The joints that move.
+
+    Returns:
+        The function.
     """
     places = arm.indices
     turns = periods(arm)

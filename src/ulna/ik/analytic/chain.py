@@ -91,7 +91,15 @@ class Arm:
 
 
 def movable(model: Model, frame: Frame) -> tuple[str, ...]:
-    """Names of the joints between the world and the frame that have one coordinate, from the world outwards."""
+    """Names of the joints between the world and the frame that have one coordinate, from the world outwards.
+
+    Args:
+        model: The robot.
+        frame: The frame.
+
+    Returns:
+        The names, each once.
+    """
     names = [s.joint.name for s in chain(model, frame) if s.kind.nq == s.kind.nv == 1]
     return tuple(dict.fromkeys(names))
 
@@ -100,6 +108,13 @@ def usual(model: Model, frame: Frame) -> tuple[str, ...]:
     """Names of the joints that are meant when none are named: the last seven that move the frame.
 
     Of more than seven those that turn come first, so that the finger of a gripper does not count among them.
+
+    Args:
+        model: The robot.
+        frame: The frame.
+
+    Returns:
+        At most seven names, from the world outwards.
     """
     names = movable(model, frame)
     turning = tuple(s.joint.name for s in chain(model, frame) if isinstance(s.kind, Revolute))
@@ -110,6 +125,15 @@ def usual(model: Model, frame: Frame) -> tuple[str, ...]:
 
 def arm_of(model: Model, frame: Frame, joints: Sequence[str], held: Floats) -> Arm:
     """The arm of those joints that carries the frame; joints between them are held as in `held`, (nq,).
+
+    Args:
+        model: The robot.
+        frame: The frame.
+        joints: Names of the joints that move.
+        held: Configuration of the others, (nq,).
+
+    Returns:
+        The arm.
 
     Raises:
         UnknownName: a joint does not stand between the world and the frame, or has several coordinates.

@@ -35,6 +35,15 @@ def closed_form(plan: Plan, arm: Arm, certified: Certificate, nq: int) -> Any:
     T is the goal, T_base the pose of the arm's base, both in the world; `held` (1,) the position of the joint that the
     plan holds (anything where it holds none); `branch` a row of `branch_numbers(plan)`; `base` (nq,) the other joints,
     and angles to take where any would do; `centre` (n,) where the arm's coordinates are wanted.
+
+    Args:
+        plan: The closed form.
+        arm: The arm.
+        certified: The function from `certificate`.
+        nq: Number of entries of a configuration.
+
+    Returns:
+        The kernel.
     """
     others = [axis for i, axis in enumerate(arm.axes) if i != plan.free]
 
@@ -72,8 +81,11 @@ def branch_of(plan: Plan, arm: Arm, T: SE3, held: Any, branch: Array, near: Arra
         arm: The arm.
         T: The goal in the arm's base.
         held: Own position of the joint that is held.
-        branch: A row of `branch_numbers(plan)`.
+        branch: A row of `branch_numbers(plan)`, (3,).
         near: Own positions (6,) to take where any would do.
+
+    Returns:
+        Positions (6,) [rad].
     """
     lines = remaining(arm, plan.free, held)
     G = T @ arm.end.inverse()
@@ -81,7 +93,7 @@ def branch_of(plan: Plan, arm: Arm, T: SE3, held: Any, branch: Array, near: Arra
         G = G @ arm.axes[plan.free].move(-held)
     q = solve(plan, lines, G, branch, near)
     for _ in range(1 if plan.off <= EXACT else 3):
-        q = polished(lines, G, q)
+        q = _polished(lines, G, q)
     return q
 
 
@@ -90,7 +102,7 @@ def branch_numbers(plan: Plan) -> Floats:
     return np.array(list(product(*map(range, plan.counts))), dtype=float)
 
 
-def polished(lines: list[Line], G: SE3, q: Array) -> Array:
+def _polished(lines: list[Line], G: SE3, q: Array) -> Array:
     """One Newton step (6,) towards G, where it leads nearer."""
     D, J = _state(lines, G, q)
     error = _first_order(D)

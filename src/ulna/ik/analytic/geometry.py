@@ -75,6 +75,9 @@ def plans(arm: Arm, free: int | None = None) -> list[Plan]:
     Args:
         arm: The arm; the joints that are not held must turn.
         free: Which of seven joints to hold; None for any.
+
+    Returns:
+        The plans; empty where none fits.
     """
     count = len(arm.axes)
     turning = [axis.motion == "turn" for axis in arm.axes]
@@ -90,7 +93,16 @@ def plans(arm: Arm, free: int | None = None) -> list[Plan]:
 
 
 def remaining(arm: Arm, free: int | None, x: float = 0.0) -> list[Line]:
-    """The axes of the joints that are not held, where the held one stands at `x`."""
+    """The axes of the joints that are not held, where the held one stands at `x`.
+
+    Args:
+        arm: The arm.
+        free: Index of the joint that is held; None where there is none.
+        x: Its position, before scale and offset of the coordinate [rad or m].
+
+    Returns:
+        The axes in the arm's base, from the base outwards.
+    """
     if free is None:
         return [axis.line for axis in arm.axes]
     move = arm.axes[free].move(x)

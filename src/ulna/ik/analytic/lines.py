@@ -33,26 +33,58 @@ class Line(NamedTuple):
 
 
 def turn(direction: Array, angle: Any) -> Array:
-    """exp(angle [h]x), (3, 3): Rodrigues' formula."""
+    """exp(angle [h]x), (3, 3): Rodrigues' formula.
+
+    Args:
+        direction: Unit vector h, (3,).
+        angle: Angle [rad].
+
+    Returns:
+        Rotation matrix (3, 3).
+    """
     s, c = sincos(angle)
     k = skew(direction)
     return np.eye(3) + s * k + (1.0 - c) * (k @ k)
 
 
 def turn_about(line: Line, angle: Any) -> SE3:
-    """E(angle): the motion of turning about a line."""
+    """E(angle): the motion of turning about a line.
+
+    Args:
+        line: The axis; its direction is a unit vector.
+        angle: Angle [rad].
+
+    Returns:
+        The motion.
+    """
     R = turn(line.direction, angle)
     return SE3(R, line.point - R @ line.point)
 
 
 def swing(direction: Array, v: Array) -> tuple[Array, Array, Array]:
-    """The parts of `turn(h, x) @ v` that are constant, that go with cos x, and that go with sin x."""
+    """The parts of `turn(h, x) @ v` that are constant, that go with cos x, and that go with sin x.
+
+    Args:
+        direction: Unit vector h, (3,).
+        v: Vector, (3,), in any unit [-].
+
+    Returns:
+        Three vectors (3,); the first plus cos x times the second plus sin x times the third is the turned vector.
+    """
     along = direction * dot(direction, v)
     return along, v - along, cross(direction, v)
 
 
 def across(a: Array, b: Array) -> Array:
-    """The part of `a` that is perpendicular to the unit vector `b`."""
+    """The part of `a` that is perpendicular to the unit vector `b`.
+
+    Args:
+        a: Vector, (3,).
+        b: Unit vector, (3,).
+
+    Returns:
+        Vector (3,).
+    """
     return a - b * dot(a, b)
 
 
@@ -66,7 +98,15 @@ def perpendicular(direction: Array) -> Array:
 
 
 def nearest_points(a: Line, b: Line) -> tuple[Array, Array]:
-    """The feet of the common normal of two lines that are not parallel: a point of each."""
+    """The feet of the common normal of two lines that are not parallel: a point of each.
+
+    Args:
+        a: A line.
+        b: Another line.
+
+    Returns:
+        A point (3,) of `a` and one of `b`, both (3,) [m].
+    """
     between = b.point - a.point
     normal = cross(a.direction, b.direction)
     square = dot(normal, normal)

@@ -63,6 +63,9 @@ def solve(plan: Plan, lines: list[Line], G: SE3, branch: Array, near: Array) -> 
         G: The motion to make.
         branch: Which solutions to take, (3,): numbers from 0, below `plan.counts`.
         near: Angles (6,) to take where any would do.
+
+    Returns:
+        Angles (6,) [rad].
     """
     W = lines[plan.first : plan.first + 3]
     back = G.inverse()

@@ -29,10 +29,13 @@ def refined(
     Args:
         fk: The kernel of the frame's pose.
         jacobian: That of its Jacobian, "local_world_aligned".
-        q: Configurations to set out from.
-        T: The goals.
+        q: Configurations to start from, (m, nq) [rad or m].
+        T: Goals, (m, 4, 4).
         columns: Places in q, and in v, of the coordinates that may move.
         iterations: How many steps at most.
+
+    Returns:
+        The nearest configurations, (m, nq) [rad or m].
     """
     at_q, at_v = columns
     q = q.copy()

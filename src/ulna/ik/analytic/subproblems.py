@@ -27,13 +27,34 @@ Affine = tuple[Any, Any, Any]
 
 
 def angle_between(h: Array, u: Array, w: Array, near: Any) -> Any:
-    """SP1: the angle that turns `u` to `w` about the unit vector `h`; both count across `h` only."""
+    """SP1: the angle that turns `u` to `w` about the unit vector `h`; both count across `h` only.
+
+    Args:
+        h: Unit vector, (3,).
+        u: Vector, (3,).
+        w: Vector, (3,).
+        near: The angle where `u` or `w` lies along `h` [rad].
+
+    Returns:
+        Angle [rad].
+    """
     s, c = dot(h, cross(u, w)), dot(across(u, h), w)
     return where(s * s + c * c > _NOTHING, arctan2(s, c), near)
 
 
 def two_angles(a: Any, b: Any, c: Any, sign: Any, near: Any) -> Any:
-    """SP4: the angle x with a cos x + b sin x = c, the one that `sign` (1 or -1) says."""
+    """SP4: the angle x with a cos x + b sin x = c, the one that `sign` (1 or -1) says.
+
+    Args:
+        a: Factor of the cosine.
+        b: Factor of the sine.
+        c: Right side; beyond the amplitude, the nearest angle is returned.
+        sign: 1 or -1.
+        near: The angle where a and b vanish [rad].
+
+    Returns:
+        Angle [rad].
+    """
     square = a * a + b * b
     root = sqrt(maximum(square - c * c, 0.0))
     return where(square > _NOTHING, arctan2(b, a) + sign * arctan2(root, c), near)
@@ -58,6 +79,13 @@ def four_angles(coefficients: Array, number: Any) -> Any:
 
     The roots of z^2 f(z) are found together by the iteration of Ehrlich and Aberth (Aberth 1973); those on the unit
     circle are the angles. The others lie in pairs z, 1 / conj(z), and the angle half-way between them is returned.
+
+    Args:
+        coefficients: a0, a1, b1, a2, b2 of f = a0 + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x, (5,).
+        number: Which root, 0 to 3.
+
+    Returns:
+        Angle [rad].
     """
     a0, a1, b1, a2, b2 = coefficients
     size = 1e-15 * sqrt(a0 * a0 + a1 * a1 + b1 * b1 + a2 * a2 + b2 * b2) + 1e-300

@@ -23,10 +23,13 @@ def reason(
     Args:
         program: Tasks and limits.
         problem: What it made of the sample.
-        q: Configuration, shape (nq,).
-        dt: Duration, shape () [s].
-        *inputs: What was passed.
+        q: Configuration (nq,) [rad or m].
+        dt: Duration () [s].
+        *inputs: What was passed, (...) each as `program.inputs` says.
         where: The place in the batch, for the message.
+
+    Returns:
+        The error to raise.
     """
     values = dict(zip(program.inputs, inputs, strict=True))
     if problem.status == NO_ROTATION:

@@ -77,9 +77,12 @@ class Limit(ABC):
 
         Args:
             model: The robot.
-            q: Configuration, shape (..., nq).
+            q: Configuration (..., nq) [rad or m].
             dt: Duration of the step, shape (...) [s].
-            *inputs: Values in the order of `inputs`.
+            *inputs: Values in the order of `inputs`, (...) before their shapes.
+
+        Returns:
+            Least and greatest velocities, or rows with bounds [rad/s or m/s].
 
         Raises:
             UnknownName, InputError: The limit does not fit the model.
@@ -177,7 +180,15 @@ class AccelerationLimit(Limit):
 
 
 def check_gain(gain: float, label: str) -> None:
-    """Raises InputError unless `gain` is a part of a way."""
+    """Checks that `gain` is above 0 and at most 1.
+
+    Args:
+        gain: The part of a distance that may be covered in one step [-].
+        label: Name of the limit, for the message.
+
+    Raises:
+        InputError: If it is not.
+    """
     if not 0.0 < gain <= 1.0:
         raise InputError(f"{label}: `gain` is {gain}; expected above 0, at most 1.")
 

@@ -151,23 +151,57 @@ class Program:
         )
 
     def of(self, part: Task | Limit, values: Mapping[str, Array]) -> list[Array]:
-        """The inputs of a part, in its order."""
+        """The inputs of a part, in its order.
+
+        Args:
+            part: The task or the limit.
+            values: Values of all inputs by name, (...) each.
+
+        Returns:
+            The values of its inputs, (...) each.
+        """
         return [values[name] for name in part.inputs(self.model)]
 
     def errors(self, q: Array, *inputs: Array) -> tuple[Array, ...]:
-        """The error of each task and constraint, not weighted."""
+        """The error of each task and constraint, not weighted.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            *inputs: Values of `self.inputs` in this order, each of its shape (...).
+
+        Returns:
+            e of each, (k,) [m or rad].
+        """
         values = dict(zip(self.inputs, inputs, strict=True))
         return tuple(task.rows(self.model, q, *self.of(task, values)).e for task in self.objectives)
 
     def bounds(
         self, q: Array, dt: Any, values: Mapping[str, Array]
     ) -> Iterator[tuple[Limit, Interval | Strip]]:
-        """What each limit allows."""
+        """What each limit allows.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            dt: Duration of the step [s].
+            values: Values of all inputs by name, (...) each.
+
+        Yields:
+            Each limit with the velocities that it allows.
+        """
         for limit in self.limits:
             yield limit, limit.bounds(self.model, q, dt, *self.of(limit, values))
 
     def problem(self, q: Array, dt: Any, *inputs: Array) -> Problem:
-        """The quadratic program at `q` for a step of `dt`; of one sample, or traced."""
+        """The quadratic program at `q` for a step of `dt`; of one sample, or traced.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            dt: Duration of the step [s].
+            *inputs: Values of `self.inputs` in this order, each of its shape (...).
+
+        Returns:
+            Objective, bounds, rows and status; see `Problem`.
+        """
         values = dict(zip(self.inputs, inputs, strict=True))
         bounds = [bound for _, bound in self.bounds(q, dt, values)]
         lower, upper, gap = self._box([b for b in bounds if isinstance(b, Interval)])
@@ -193,6 +227,14 @@ class Program:
         """v (nv,), the configuration after dt (nq,), and the status; traced.
 
         Rows are only looked at: where the optimum without them keeps them, it is the optimum.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            dt: Duration of the step [s].
+            *inputs: Values of `self.inputs` in this order, each of its shape (...).
+
+        Returns:
+            v (nv,) [rad/s or m/s], configuration (nq,) [rad or m], status.
         """
         problem = self.problem(q, dt, *inputs)
         n = len(self.moving)
@@ -208,11 +250,28 @@ class Program:
         return v, self.move(q, v, dt), status
 
     def move(self, q: Array, v: Array, dt: Any) -> Array:
-        """The configuration after `dt`."""
+        """The configuration after `dt`.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            v: Velocity (nv,) [rad/s or m/s].
+            dt: Duration of the step [s].
+
+        Returns:
+            Configuration (nq,) [rad or m].
+        """
         return integrate(self.model, q, v * dt)
 
     def full_velocity(self, x: Array, q: Array) -> Array:
-        """The velocity (nv,) of the whole robot: joints that may not move stand still."""
+        """The velocity (nv,) of the whole robot: joints that may not move stand still.
+
+        Args:
+            x: Velocity (n,) of the joints that may move [rad/s or m/s].
+            q: Configuration (nq,) [rad or m], for the batch axes.
+
+        Returns:
+            Velocity (nv,) [rad/s or m/s].
+        """
         v = batch_zeros((self.model.nv,), q)
         v[..., self.moving] = x
         return v

@@ -113,29 +113,62 @@ class DifferentialIK:
         """The velocity (..., nv) to move with for `dt` [rad/s or m/s].
 
         Args:
-            q: Configuration, (..., nq).
+            q: Configuration (..., nq) [rad or m].
             dt: Duration of the step [s].
             *targets: The inputs that have no default, in order; or all.
             **named: Inputs by name.
 
+        Returns:
+            Velocity (..., nv) [rad/s or m/s].
+
         Raises:
-            InfeasibleError: If limits and constraints leave no velocity at all; names them, and the sample of a batch.
+            InfeasibleError: If limits and constraints leave no velocity at all; names them, and the sample of a
+                batch.
             UnknownName, InputError: If an input is missing, unknown, or cannot be one.
             MissingExtra: If rows matter and daqp is not installed.
         """
         return self._solve(q, dt, targets, named)[0]
 
     def step(self, q: ArrayLike, dt: float, *targets: Any, **named: Any) -> Floats:
-        """The configuration (..., nq) after moving for `dt` with `velocity`; the same arguments and errors."""
+        """The configuration after moving for `dt` with `velocity`; raises what `velocity` raises.
+
+        Args:
+            q: Configuration (..., nq) [rad or m].
+            dt: Duration of the step [s].
+            *targets: The inputs that have no default, in order; or all.
+            **named: Inputs by name.
+
+        Returns:
+            Configuration (..., nq) [rad or m].
+        """
         return self._solve(q, dt, targets, named)[1]
 
     def errors(self, q: ArrayLike, *targets: Any, **named: Any) -> dict[str, Floats]:
-        """The errors of tasks and constraints at `q`, by name, not weighted: (..., k) each [m or rad]."""
+        """The errors of tasks and constraints at `q`, by name, not weighted: (..., k) each [m or rad].
+
+        Args:
+            q: Configuration (..., nq) [rad or m].
+            *targets: The inputs that have no default, in order; or all.
+            **named: Inputs by name.
+
+        Returns:
+            Errors (..., k) [m or rad] by name of the task.
+        """
         values = self._compiled("errors")(q, *self._input_values(targets, named))
         return dict(zip((task.label for task in self.program.objectives), values, strict=True))
 
     def problem(self, q: ArrayLike, dt: float, *targets: Any, **named: Any) -> Problem:
-        """The quadratic program over the velocities of the joints that may move; see `Problem`."""
+        """The quadratic program over the velocities of the joints that may move; see `Problem`.
+
+        Args:
+            q: Configuration (..., nq) [rad or m].
+            dt: Duration of the step [s].
+            *targets: The inputs that have no default, in order; or all.
+            **named: Inputs by name.
+
+        Returns:
+            Objective, bounds, rows and status, each with leading axes (...).
+        """
         return Problem(*self._compiled("problem")(q, self._seconds(dt), *self._input_values(targets, named)))
 
     def targets_at(self, q: ArrayLike) -> dict[str, Floats]:

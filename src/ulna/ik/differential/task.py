@@ -84,7 +84,15 @@ class Task(ABC):
         return {}
 
     def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
-        """The inputs with which the task is fulfilled at `q`."""
+        """The values of its inputs at which the task has no error at `q`.
+
+        Args:
+            model: The robot.
+            q: Configuration (..., nq) [rad or m].
+
+        Returns:
+            Values (...) by name of the input; empty for a task without a target.
+        """
         return {}
 
     @abstractmethod
@@ -101,13 +109,24 @@ class Task(ABC):
 
         Args:
             model: The robot.
-            q: Configuration, shape (..., nq).
-            *inputs: Values in the order of `inputs`.
+            q: Configuration (..., nq) [rad or m].
+            *inputs: Values in the order of `inputs`, (...) before their shapes.
+
+        Returns:
+            J (..., k, nv) and e (..., k) [m or rad].
         """
 
 
 def cost_of(value: Any, count: int, what: str) -> Floats:
     """A cost for each of `count` rows, from one number or as many.
+
+    Args:
+        value: One number, or `count` of them.
+        count: Number of rows.
+        what: Name of the cost, for the message.
+
+    Returns:
+        Costs (count,).
 
     Raises:
         InputError: Another shape, or a negative number, nan or inf.
