@@ -75,12 +75,15 @@ def servo(
 
     Args:
         robot: An `ulna.Robot`.
-        q: Where it starts, shape (nq,).
-        goal: Where its tool shall go, T_world_goal, shape (4, 4).
+        q: Configuration at the start, shape (nq,) [rad, m].
+        goal: Goal of the tool, T_world_goal, shape (4, 4) [m].
         gain: Gain of the servo [1/s].
         threshold: The goal counts as reached below this sum of absolute errors [m and rad].
         dt: Duration of a step [s].
         each_step: Called with the time and the configuration after each step; it may return False to stop.
+
+    Returns:
+        Whether and how the goal was reached, with a recording of the motion.
     """
     recording = Recording()
     arrived, spent = False, 0.0
@@ -113,6 +116,9 @@ def demo(
         output: File of the picture. Without a screen "ulna-demo.png" when not given; with one, none.
         port: Port of the page.
         size: Width and height of the picture [pixels].
+
+    Returns:
+        The result of `servo`.
     """
     from ulna.loading import load
     from ulna.viewer.page.browser import has_screen
@@ -150,7 +156,15 @@ def demo(
 
 
 def report(robot: Any, result: Servoing) -> str:
-    """What came of it, in a few lines."""
+    """The result in a few lines of text.
+
+    Args:
+        robot: The `ulna.Robot` that moved.
+        result: What `servo` returned.
+
+    Returns:
+        The text.
+    """
     T = np.asarray(robot.fk(result.q))
     millimetres = 1e3 * float(np.linalg.norm(T[:3, 3] - result.goal[:3, 3]))
     degrees = float(np.rad2deg(np.linalg.norm(so3_log(T[:3, :3].T @ result.goal[:3, :3]))))

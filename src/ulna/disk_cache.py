@@ -76,7 +76,12 @@ def read(name: str) -> bytes | None:
 
 
 def write(name: str, content: bytes) -> None:
-    """Keeps an entry; a failure warns once and is otherwise harmless."""
+    """Stores an entry; a failure warns once and has no further effect.
+
+    Args:
+        name: Its file name.
+        content: Its bytes.
+    """
     place = _usable()
     if place is None:
         return
@@ -124,7 +129,12 @@ def entries(place: Path) -> list[Path]:
 
 
 def prune(place: Path, limit: int = _LIMIT) -> None:
-    """Removes the entries unused for longest until the folder holds at most `limit` bytes."""
+    """Removes the entries unused for longest until the folder is small enough.
+
+    Args:
+        place: The folder.
+        limit: The largest number of bytes that stay.
+    """
     files = []
     for path in entries(place):
         with contextlib.suppress(OSError):

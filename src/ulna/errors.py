@@ -41,7 +41,15 @@ MOST_CHOICES = 2000
 
 
 def excerpt(text: str, most: int = LONGEST_ECHO) -> str:
-    """The text, or its beginning and its end with a count of what is left out, at most `most` characters."""
+    """A text, or its beginning and its end with a count of its characters.
+
+    Args:
+        text: The text.
+        most: The largest number of characters.
+
+    Returns:
+        At most that many characters.
+    """
     if len(text) <= most:
         return text
     note = f" ... ({len(text)} characters) ... "
@@ -55,10 +63,13 @@ def nearest(given: str, choices: Iterable[str], count: int = 3, cutoff: float = 
     None for a name too long to be misspelt, and where there are too many choices to compare.
 
     Args:
-        given: The name that was not found.
-        choices: The names there are.
-        count: How many names at most.
+        given: The name that is unknown.
+        choices: The valid names.
+        count: The largest number of names.
         cutoff: How similar they must be, from 0 to 1, by the measure of `difflib`.
+
+    Returns:
+        The names; none where nothing is similar.
     """
     by_folded: dict[str, list[str]] = {}
     for choice in dict.fromkeys(choices):

@@ -58,7 +58,14 @@ def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
 
 
 def read_regular(path: str | os.PathLike[str], most: int = -1) -> bytes:
-    """The content of a regular file, at most `most` bytes of it (-1 for all).
+    """The content of a regular file.
+
+    Args:
+        path: The file.
+        most: The largest number of bytes that are read; -1 for all.
+
+    Returns:
+        The bytes.
 
     Raises:
         OSError: as for `open_regular`.

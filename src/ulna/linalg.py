@@ -23,14 +23,13 @@ def orthogonalise(a: Array, noise: float = 0.0) -> tuple[Array, Array, Array, Ar
     """Splits `a = l @ q`, l unit lower triangular, rows of q orthogonal: modified Gram-Schmidt (GVL 5.2.8).
 
     Args:
-        a: (..., m, n).
-        noise: A row is left out of the further elimination, and keeps zeros below it in `l`, when no more
-        than this
-            part of its length remains because it depends on the rows above it.
+        a: Matrix, shape (..., m, n).
+        noise: A row is excluded from the further elimination, and keeps zeros below it in `l`, when at most this
+            fraction of its length remains because it depends on the rows above it [-].
 
     Returns:
-        l (..., m, m), q (..., m, n), the squared lengths of the rows of `q` (..., m), and their reciprocals
-        (..., m), zero for the rows that were left out.
+        l (..., m, m), q (..., m, n), the squared lengths of the rows of `q` (..., m), and their reciprocals (..., m),
+        zero for the rows that were excluded.
     """
     m = a.shape[-2]
     rows = [a[..., i, :] for i in range(m)]
@@ -132,8 +131,11 @@ def solve_spd(a: Array, b: Array) -> Array:
     """Solves `a @ x = b` for a symmetric positive definite `a`.
 
     Args:
-        a: (..., n, n); only its lower triangle is read when it is traced.
-        b: (..., n) or (..., n, k); a vector when it has one axis less than `a`.
+        a: Matrix, shape (..., n, n); only its lower triangle is read when it is traced.
+        b: Right-hand sides, shape (..., n) or (..., n, k); a vector when it has one axis less than `a`.
+
+    Returns:
+        x, shape (..., n) or (..., n, k) as `b`.
     """
     if not is_symbolic(a, b):
         return _lapack_solve(a, b)
@@ -158,12 +160,15 @@ def solve_spd(a: Array, b: Array) -> Array:
 def solve_damped(J: Array, b: Array, damping: Any) -> Array:
     """The x with the least |J x - b|^2 + damping |x|^2, by whichever of the two normal equations is smaller.
 
+    Source: Nakamura & Hanafusa, Inverse kinematic solutions with singularity robustness (1986), eq. 16.
+
     Args:
-        J: (m, n).
-        b: (m,).
+        J: Matrix, shape (m, n).
+        b: Right-hand side, shape (m,).
         damping: Above 0 where J may lose rank.
 
-    Source: Nakamura & Hanafusa, Inverse kinematic solutions with singularity robustness (1986), eq. 16.
+    Returns:
+        x, shape (n,).
     """
     m, n = J.shape[-2:]
     if m <= n:
@@ -178,8 +183,11 @@ def solve(a: Array, b: Array) -> Array:
     their pivots are the first entries that are not the number zero.
 
     Args:
-        a: (..., n, n).
-        b: (..., n) or (..., n, k); a vector when it has one axis less than `a`.
+        a: Matrix, shape (..., n, n).
+        b: Right-hand sides, shape (..., n) or (..., n, k); a vector when it has one axis less than `a`.
+
+    Returns:
+        x, shape (..., n) or (..., n, k) as `b`.
     """
     if not is_symbolic(a, b):
         return _lapack_solve(a, b)
@@ -221,7 +229,15 @@ def determinant(a: Array) -> Any:
 
 
 def reciprocal_above(x: Any, floor: Any) -> Any:
-    """1 / x for x > floor, else 0, elementwise."""
+    """1 / x for x > floor, else 0, elementwise.
+
+    Args:
+        x: Number or array, shape (...).
+        floor: What `x` must exceed, shape (...).
+
+    Returns:
+        Shape (...).
+    """
     above = numeric.less(floor, x)
     return numeric.where(above, 1.0 / numeric.where(above, x, 1.0), 0.0)
 

@@ -38,8 +38,8 @@ def load(
     """The robot of that name or in that file, ready to compute with.
 
     Args:
-        name_or_path: "panda", "ur5", any name that `ulna list` gives, the path of a .urdf, .xacro or MJCF
-            (.xml) file, or URDF or MJCF text (from "<").
+        name_or_path: "panda", "ur5", any name that `ulna list` gives, the path of a .urdf, .xacro or MJCF (.xml)
+            file, or URDF or MJCF text (from "<").
         root: how the base hangs in the world; see `load_model`, also for the others.
         visuals: "auto", "simple" or "cad".
         package_dirs: folders to look for packages in.
@@ -48,6 +48,9 @@ def load(
         xacro_args: values for the arguments of a .xacro file.
         trusted: for MJCF, whether MuJoCo compiles it in this process; otherwise another process does, which is ended
             after a minute, or when it needs more than 4 GiB. Other formats are read alike either way.
+
+    Returns:
+        The robot.
 
     Raises:
         InputError: what is to be loaded is neither a name nor a path nor text.
@@ -85,13 +88,13 @@ def load_model(
     """The model of that name or in that file, without compiling anything.
 
     Args:
-        name_or_path: a name of the catalogue, the path of a .urdf, .xacro or MJCF (.xml) file, or URDF or MJCF
-            text (from "<").
-        root: how the base hangs in the world: None fixed, "free_flyer", "planar", any joint kind, or "auto":
-            a free flyer for the robots of the catalogue that move about.
-        visuals: "auto", "simple" or "cad". For robots with shapes of their own (panda, ur5): the shapes, the
-            CAD meshes of example-robot-data, or the meshes where they are installed. For files, "simple"
-            draws the collision shapes of the links that have any.
+        name_or_path: a name of the catalogue, the path of a .urdf, .xacro or MJCF (.xml) file, or URDF or MJCF text
+            (from "<").
+        root: how the base hangs in the world: None fixed, "free_flyer", "planar", any joint kind, or "auto": a free
+            flyer for the robots of the catalogue that move about.
+        visuals: "auto", "simple" or "cad". For robots with shapes of their own (panda, ur5): the shapes, the CAD
+            meshes of example-robot-data, or the meshes where they are installed. For files, "simple" draws the
+            collision shapes of the links that have any.
         package_dirs: folders to look for packages in, before all others.
         srdf: a file, or its text, with groups, named configurations and disabled collision pairs; robots of
             example-robot-data bring theirs.
@@ -99,6 +102,9 @@ def load_model(
         xacro_args: values for the arguments of a .xacro file.
         trusted: for MJCF, whether MuJoCo compiles it in this process; otherwise another process does, which is ended
             after a minute, or when it needs more than 4 GiB. Other formats are read alike either way.
+
+    Returns:
+        The model.
 
     Raises:
         InputError: what is to be loaded is neither a name nor a path nor text.

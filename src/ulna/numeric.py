@@ -72,19 +72,41 @@ def matrix(rows: Any) -> Array:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Cross product of 3-vectors along the last axis."""
+    """The cross product along the last axis.
+
+    Args:
+        a, b: Vectors, shape (..., 3).
+
+    Returns:
+        a x b, shape (..., 3).
+    """
     a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
     b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
     return vector(a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0)
 
 
 def dot(a: Array, b: Array) -> Any:
-    """Inner product along the last axis."""
+    """The inner product along the last axis.
+
+    Args:
+        a, b: Vectors, shape (..., n).
+
+    Returns:
+        Shape (...).
+    """
     return (a * b).sum(axis=-1)
 
 
 def apply(m: Array, v: Array) -> Array:
-    """Matrix times vector, batched: (..., m, n) by (..., n) returns (..., m)."""
+    """Matrix times vector, with batch axes.
+
+    Args:
+        m: Matrix, shape (..., m, n).
+        v: Vector in any unit, such as [rad/s], shape (..., n).
+
+    Returns:
+        m v, shape (..., m).
+    """
     return (m @ v[..., None])[..., 0]
 
 
@@ -126,7 +148,14 @@ def tanh(x: Any) -> Any:
 
 
 def arctan2(y: Any, x: Any) -> Any:
-    """Angle of the point (x, y), in (-pi, pi]."""
+    """The angle of a point in the plane, elementwise.
+
+    Args:
+        y, x: Its coordinates, shape (...).
+
+    Returns:
+        Angle in (-pi, pi], shape (...) [rad].
+    """
     return _elementwise(_arctan2, y, x) if is_symbolic(y, x) else np.arctan2(y, x)
 
 
@@ -136,29 +165,70 @@ def ceil(x: Any) -> Any:
 
 
 def less(a: Any, b: Any) -> Any:
-    """Whether `a < b`, elementwise; on object arrays `<` itself would ask for a truth value."""
+    """Whether `a < b`, elementwise; on object arrays `<` itself would ask for a truth value.
+
+    Args:
+        a: Number or array, shape (...).
+        b: Number or array, shape (...).
+
+    Returns:
+        Truth values, shape (...).
+    """
     return _elementwise(operator.lt, a, b) if is_symbolic(a, b) else np.less(a, b)
 
 
 def where(condition: Any, a: Any, b: Any) -> Any:
-    """`a` where `condition`, else `b`; both are evaluated."""
+    """`a` where `condition`, else `b`; both are evaluated.
+
+    Args:
+        condition: Truth values, shape (...).
+        a: Number or array, shape (...).
+        b: Number or array, shape (...).
+
+    Returns:
+        Shape (...).
+    """
     if not is_symbolic(condition, a, b):
         return np.where(condition, a, b)[()]  # a number, not an array without axes, for numbers
     return _elementwise(_where, condition, a, b)
 
 
 def minimum(a: Any, b: Any) -> Any:
-    """The smaller, elementwise; nan where either is nan."""
+    """The smaller, elementwise; nan where either is nan.
+
+    Args:
+        a: Number or array, shape (...).
+        b: Number or array, shape (...).
+
+    Returns:
+        Shape (...).
+    """
     return _elementwise(_minimum, a, b) if is_symbolic(a, b) else np.minimum(a, b)
 
 
 def maximum(a: Any, b: Any) -> Any:
-    """The larger, elementwise; nan where either is nan."""
+    """The larger, elementwise; nan where either is nan.
+
+    Args:
+        a: Number or array, shape (...).
+        b: Number or array, shape (...).
+
+    Returns:
+        Shape (...).
+    """
     return _elementwise(_maximum, a, b) if is_symbolic(a, b) else np.maximum(a, b)
 
 
 def clip(x: Any, low: Any, high: Any) -> Any:
-    """`x` clipped between `low` and `high`."""
+    """A value clipped between two bounds, elementwise.
+
+    Args:
+        x: Number or array, shape (...).
+        low, high: The bounds, shape (...).
+
+    Returns:
+        Shape (...).
+    """
     return minimum(maximum(x, low), high)
 
 
@@ -252,6 +322,18 @@ def loop(condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple
 
     The state is a tuple of numbers, or of arrays of one batch shape; each element of the batch stops separately and
     then keeps its state. `body` returns a tuple of the same length. Traced, this becomes a loop in the SIMD lanes.
+
+    Args:
+        condition: Takes the numbers of the state, returns a truth value.
+        body: Takes the numbers of the state, returns the next state.
+        state: The numbers, or arrays of shape (...), to start from.
+        limit: The largest number of iterations.
+
+    Returns:
+        The last state.
+
+    Raises:
+        TraceError: the state of a traced loop holds an array.
     """
     if any(isinstance(s, np.ndarray) and s.dtype == object for s in state):
         raise TraceError(

@@ -102,19 +102,25 @@ def entries(section: str) -> dict[str, str]:
     }
 
 
-def raised(function: Function) -> set[str]:
-    """The classes of exceptions that the body raises as `raise X(...)`; inner functions do not count."""
+def raised(node: ast.AST, caught: frozenset[str] = frozenset()) -> set[str]:
+    """The classes of exceptions that a body raises as `raise X(...)` and does not catch; inner functions do not count."""
     names: set[str] = set()
-    todo: list[ast.AST] = list(function.body)
-    while todo:
-        node = todo.pop()
-        if isinstance(node, ast.ClassDef | ast.Lambda | Function):
+    if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+        name = ast.unparse(node.exc.func).rpartition(".")[2]
+        names |= {name} - caught if name[:1].isupper() else set()
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.ClassDef | ast.Lambda | Function):
             continue
-        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
-            name = ast.unparse(node.exc.func).rpartition(".")[2]
-            names |= {name} if name[:1].isupper() else set()
-        todo += list(ast.iter_child_nodes(node))
+        inside = isinstance(node, ast.Try) and child in node.body
+        names |= raised(child, caught | exceptions_caught(node) if inside else caught)
     return names
+
+
+def exceptions_caught(node: ast.Try) -> frozenset[str]:
+    """The names of the exceptions that the handlers of a try statement name."""
+    kinds = [handler.type for handler in node.handlers if handler.type is not None]
+    flat = [one for kind in kinds for one in (kind.elts if isinstance(kind, ast.Tuple) else [kind])]
+    return frozenset(ast.unparse(one).rpartition(".")[2] for one in flat)
 
 
 def base_documents(name: str, function: Function, owner: ast.ClassDef | None) -> bool:
@@ -142,7 +148,8 @@ def argument_complaints(function: Function, texts: dict[str, str]) -> Iterator[s
     for name in texts.keys() - names.keys():
         yield f"`Args:` names {name}, which is no argument"
     for name in names.keys() & texts.keys():
-        if ARRAYS.search(names[name]) and not SHAPE.search(texts[name]):
+        is_array = ARRAYS.search(names[name]) and "Callable" not in names[name]
+        if is_array and not SHAPE.search(texts[name]):
             yield f"{name} is an array and has no shape such as (n,)"
         if name in PHYSICAL and NUMBERS.search(names[name]) and not UNIT.search(texts[name]):
             yield f"{name} has no unit such as [m] or [-]"
@@ -194,7 +201,10 @@ def f(q: Array, force: float, *names: str) -> Array:
     """
     if force < 0:
         raise InputError("negative")
-    return q
+    try:
+        raise OSError("caught")
+    except OSError:
+        return q
 
 class Base:
     def g(self, a: int, b: int) -> int:

@@ -19,8 +19,17 @@ ROTATION_TOLERANCE = 1e-6
 def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
     """A copy of finite numbers, in whatever shape.
 
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+        expected: What was expected, for the message.
+
+    Returns:
+        A new array (...) in the shape of `value`.
+
     Raises:
-        InputError, NonFiniteError: They are not, or rows differ in length.
+        InputError: they are no numbers, or rows differ in length.
+        NonFiniteError: nan or inf among them.
     """
     check_not_masked(name, value)
     try:
@@ -37,10 +46,21 @@ def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
 
 
 def shaped_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Floats:
-    """As `finite`, of a shape, None for any length.
+    """A copy of finite numbers of a given shape.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+        *shape: The lengths of the axes; None for any length.
+        fix: How to correct it, for the message.
+
+    Returns:
+        A new array (...) of that shape.
 
     Raises:
-        InputError, ShapeError, NonFiniteError: They are not.
+        InputError: they are no numbers, or rows differ in length.
+        ShapeError: another shape.
+        NonFiniteError: nan or inf among them.
     """
     out = finite_array(name, value)
     if out.shape != shape and (
@@ -52,10 +72,21 @@ def shaped_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Fl
 
 
 def length_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Floats:
-    """As `numbers`, for lengths [m] that a screen can show.
+    """As `shaped_array`, for lengths that a screen can show.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed [m].
+        *shape: The lengths of the axes; None for any length.
+        fix: How to correct it, for the message.
+
+    Returns:
+        A new array (...) of that shape [m].
 
     Raises:
-        InputError, ShapeError, NonFiniteError: They are not.
+        InputError: they are no numbers, rows differ in length, or a length is above `MAX_LENGTH`.
+        ShapeError: another shape.
+        NonFiniteError: nan or inf among them.
     """
     out = shaped_array(name, value, *shape, fix=fix)
     if out.size and max(out.max(), -out.min()) > MAX_LENGTH:
@@ -66,10 +97,20 @@ def length_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Fl
 
 
 def scale_factors(name: str, value: Any, *count: int) -> Floats:
-    """Factors above zero along each axis, shape (*count, 3), from these, (3,), or one number.
+    """Factors above zero along each axis.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed, shape (*count, 3), (3,) or one number [-].
+        *count: The batch axes of the result.
+
+    Returns:
+        A new array, shape (*count, 3) [-].
 
     Raises:
-        InputError, ShapeError, NonFiniteError: They are not.
+        InputError: they are no numbers, not above zero, or above `MAX_LENGTH`.
+        ShapeError: another shape.
+        NonFiniteError: nan or inf among them.
     """
     out = finite_array(name, value, "a factor, or one along each axis")
     if out.shape not in ((), (3,), (*count, 3)):
@@ -82,12 +123,22 @@ def scale_factors(name: str, value: Any, *count: int) -> Floats:
 
 
 def batched_array(name: str, value: Any, shape: tuple[int, ...], fix: str = "") -> Array:
-    """`value` as an array (..., *shape) of finite floats, or of traced scalars or symbols.
+    """An array of finite floats, or of traced scalars or symbols, with any leading batch axes.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+        shape: The trailing axes.
+        fix: How to correct it, for the message.
+
+    Returns:
+        The array, shape (..., *shape).
 
     Raises:
         ShapeError: the trailing axes are not `shape`.
         DtypeError: not real numbers.
         NonFiniteError: nan or inf among the numbers.
+        InputError: rows differ in length.
     """
     expected = "(" + ", ".join(["...", *map(str, shape)]) + ")"
     check_not_masked(name, value)
@@ -112,15 +163,19 @@ def batched_array(name: str, value: Any, shape: tuple[int, ...], fix: str = "") 
 
 
 def checked_rotation(name: str, value: Any, project: str) -> Array:
-    """`value` as an array (..., 3, 3) of rotations.
+    """An array of rotations.
 
     Args:
-        name: what the user calls it.
-        value: the matrix or matrices.
-        project: the call that makes the nearest rotation, for the message.
+        name: The name of the argument, for the message.
+        value: The matrix or matrices, shape (..., 3, 3) [-].
+        project: The call that makes the nearest rotation, for the message.
+
+    Returns:
+        The array, shape (..., 3, 3) [-].
 
     Raises:
         InputError: not orthogonal, or a reflection; says by how much.
+        ShapeError: another shape.
     """
     r = batched_array(name, value, (3, 3))
     if r.dtype == object:

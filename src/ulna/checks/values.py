@@ -26,10 +26,21 @@ def number(
     least: float = -math.inf,
     most: float = math.inf,
 ) -> float:
-    """A finite number above `above`, from `least` to `most`.
+    """A finite number within bounds.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+        expected: What was expected, for the message.
+        above: What it must exceed.
+        least: What it must not be below.
+        most: What it must not exceed.
+
+    Returns:
+        The number.
 
     Raises:
-        InputError: It is none; it was `expected`.
+        InputError: it is no such number.
     """
     try:
         out = value if type(value) is float else real_number(value)  # the usual kind costs nothing
@@ -41,20 +52,50 @@ def number(
 
 
 def length(name: str, value: Any) -> float:
-    """A length above zero [m]."""
+    """A length above zero, at most `MAX_LENGTH`.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+
+    Returns:
+        The length [m].
+
+    Raises:
+        InputError: it is no such length.
+    """
     return number(name, value, "a length above zero [m]", above=0.0, most=MAX_LENGTH)
 
 
 def duration(name: str, value: Any) -> float:
-    """A time above zero [s]."""
+    """A time above zero.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+
+    Returns:
+        The time [s].
+
+    Raises:
+        InputError: it is no such time.
+    """
     return number(name, value, "a time above zero [s]", above=0.0)
 
 
 def step_count(span: Any, dt: Any, most: int) -> tuple[float, int]:
-    """A span of time [s], and how many steps of about `dt` [s] it has.
+    """A span of time, and how many steps it has.
+
+    Args:
+        span: The time [s].
+        dt: The step [s].
+        most: The largest number of steps.
+
+    Returns:
+        The time [s], and the number of steps of about `dt`, at least 1.
 
     Raises:
-        InputError: They are not above zero, or the steps are more than `most`.
+        InputError: the times are not above zero, or the steps are more than `most`.
     """
     whole, each = duration("duration", span), duration("dt", dt)
     if not whole / each <= most:
@@ -65,12 +106,36 @@ def step_count(span: Any, dt: Any, most: int) -> tuple[float, int]:
 
 
 def fraction(name: str, value: Any) -> float:
-    """A number from 0 to 1."""
+    """A number from 0 to 1.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+
+    Returns:
+        The number [-].
+
+    Raises:
+        InputError: it is no such number.
+    """
     return number(name, value, "a number from 0 to 1", least=0.0, most=1.0)
 
 
 def count(name: str, value: Any, least: int = 1, most: int | None = None) -> int:
-    """A whole number from `least` on, up to `most`."""
+    """A whole number within bounds.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+        least: The least.
+        most: The largest; None for no bound.
+
+    Returns:
+        The number.
+
+    Raises:
+        InputError: it is no such number.
+    """
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if not whole or value < least or (most is not None and value > most):
         span = f"{least} or more" if most is None else f"from {least} to {most}"
@@ -79,21 +144,54 @@ def count(name: str, value: Any, least: int = 1, most: int | None = None) -> int
 
 
 def flag(name: str, value: Any) -> bool:
-    """True or False; 1 and 0 serve, too."""
+    """A truth value; 1 and 0 are accepted, too.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+
+    Returns:
+        True or False.
+
+    Raises:
+        InputError: it is something else.
+    """
     if not (isinstance(value, bool | int | np.bool_ | np.integer) and value in (0, 1)):
         raise InputError(f"`{name}` is {short_repr(value)}; expected True or False.")
     return bool(value)
 
 
 def text(name: str, value: Any) -> str:
-    """Words; a number is written out."""
+    """A text; a number is converted.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+
+    Returns:
+        The text.
+
+    Raises:
+        InputError: it is something else.
+    """
     if not isinstance(value, str | int | float | np.number) or isinstance(value, bool):
         raise InputError(f"`{name}` is {short_repr(value)}; expected words (a str).")
     return str(value)
 
 
 def function(name: str, value: Any) -> Any:
-    """Something to call."""
+    """Something that can be called.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+
+    Returns:
+        The same.
+
+    Raises:
+        InputError: it cannot be called.
+    """
     if not callable(value):
         raise InputError(f"`{name}` is {short_repr(value)}; expected a function.")
     return value
@@ -102,8 +200,16 @@ def function(name: str, value: Any) -> Any:
 def one_of(kind: str, value: Any, choices: Iterable[str]) -> Any:
     """One of some names.
 
+    Args:
+        kind: What it names, for the message.
+        value: What was passed.
+        choices: The valid names.
+
+    Returns:
+        The name.
+
     Raises:
-        UnknownName: It is none of them; the nearest is offered.
+        UnknownName: it is none of them; the nearest is offered.
     """
     names = tuple(choices)
     if not (isinstance(value, str) and value in names):

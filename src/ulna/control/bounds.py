@@ -12,7 +12,15 @@ from ulna.typing import Array
 
 
 def within_effort(model: Model, tau: Array) -> Array:
-    """Torques (nv,), each kept within its effort limit."""
+    """Torques, each clipped to its effort limit.
+
+    Args:
+        model: The robot.
+        tau: Joint torques, shape (nv,) [N m, N].
+
+    Returns:
+        Joint torques, shape (nv,) [N m, N].
+    """
     limits = model.effort_limit
     return numeric.vector(
         *(
@@ -25,7 +33,15 @@ def within_effort(model: Model, tau: Array) -> Array:
 
 
 def within_speed(model: Model, v: Array) -> Array:
-    """Velocities (nv,), all slowed alike until none exceeds its limit, so that the direction stays."""
+    """Velocities, all scaled alike until none exceeds its limit, so that the direction stays.
+
+    Args:
+        model: The robot.
+        v: Joint velocities, shape (nv,) [rad/s, m/s].
+
+    Returns:
+        Joint velocities, shape (nv,) [rad/s, m/s].
+    """
     limits = model.velocity_limit
     excess: Any = 1.0
     for i in range(model.nv):

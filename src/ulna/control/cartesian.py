@@ -61,6 +61,9 @@ def impedance(
         regularisation: Bounds the inertia in the null space near singular configurations.
         bounded: Whether torques are kept within the effort limits.
 
+    Returns:
+        The kernel `law`.
+
     Raises:
         UnknownName: If there is no such frame.
         InputError: If `regularisation` is not above 0.
@@ -99,6 +102,9 @@ def operational_space(
         frame: Name; None for the tool.
         regularisation: Bounds the inertia near singular configurations.
         bounded: Whether torques are kept within the effort limits.
+
+    Returns:
+        The kernel `law`.
 
     Raises:
         UnknownName: If there is no such frame.

@@ -33,6 +33,9 @@ def joint_pd(robot: Robot, *, bounded: bool = True) -> Any:
     Args:
         robot: The robot.
         bounded: Whether torques are kept within the effort limits.
+
+    Returns:
+        The kernel `law`.
     """
     model = robot.model
 
@@ -62,6 +65,9 @@ def computed_torque(robot: Robot, *, bounded: bool = True) -> Any:
     Args:
         robot: The robot.
         bounded: Whether torques are kept within the effort limits.
+
+    Returns:
+        The kernel `law`.
     """
     model = robot.model
 

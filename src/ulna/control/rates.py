@@ -40,6 +40,9 @@ def resolved_rate(
         reference: How the twist is written: "local_world_aligned", "local" or "world".
         bounded: Whether all joints are slowed alike until none exceeds its velocity limit.
 
+    Returns:
+        The kernel `law`.
+
     Raises:
         UnknownName: If there is no such frame or reference.
     """

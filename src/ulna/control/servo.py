@@ -35,12 +35,13 @@ def p_servo(
     - "angle-axis": the difference of the positions and the rotation vector of R_goal R^T, in the axes of the world.
       The twist belongs with the Jacobian of reference "local_world_aligned".
 
+    Source: Corke, "Robotics, Vision and Control", 2023, section 15.1.
+
     Args:
         T: Where the frame is, T_world_frame, shape (..., 4, 4).
         T_goal: Where it should be, T_world_goal, shape (..., 4, 4).
-        gain: Gain [1/s], one or six of them: along x, y, z and about them.
-        threshold: The goal counts as reached when the absolute values of the error add up to less [m and
-            rad].
+        gain: Gain, one number or six, shape (6,) [1/s]: along x, y, z and about them.
+        threshold: The goal counts as reached when the absolute values of the error add up to less [m and rad].
         method: How the error is expressed: "rpy" or "angle-axis".
 
     Returns:
@@ -51,8 +52,7 @@ def p_servo(
         NonFiniteError: A pose or the gain holds nan or inf.
         InputError: What should be a pose is none: scaled, transposed, or empty. It would seem reached.
         UnknownName: There is no such method.
-
-    Source: Corke, "Robotics, Vision and Control", 2023, section 15.1.
+        DtypeError: The gain holds no numbers.
     """
     if method not in _METHODS:
         raise UnknownName("method", method, _METHODS)

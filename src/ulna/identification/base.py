@@ -86,6 +86,9 @@ def base_parameters(
         friction: Whether Coulomb friction does.
         samples: How many states; None for enough of them.
         seed: Seed of the random states.
+
+    Returns:
+        The base parameters.
     """
     model: Model = robot.model
     rng = np.random.default_rng(seed)
@@ -100,14 +103,18 @@ def base_parameters(
 def base_parameters_of(
     W: ArrayLike, names: Sequence[str] | None = None, noise: float = 1e-9
 ) -> BaseParameters:
-    """The base parameters that a stack of regressors can tell apart.
+    """The base parameters that a stack of regressors can distinguish.
 
     With logged states in place of random ones it says what that log excites.
 
     Args:
         W: Regressors one above the other, shape (rows, n).
         names: Names of the parameters; None numbers them.
-        noise: A column whose part beyond the earlier ones is less than this part of it depends on them.
+        noise: A column whose part that is independent of the earlier ones is less than this fraction of it depends on
+            them.
+
+    Returns:
+        The base parameters.
 
     Raises:
         ShapeError: `W` is not a matrix.
@@ -151,7 +158,17 @@ def base_parameters_of(
 def parameter_names(
     model: Model, *, armature: bool = False, damping: bool = False, friction: bool = False
 ) -> tuple[str, ...]:
-    """Names of the columns of `extended_regressor`."""
+    """The names of the columns of `extended_regressor`.
+
+    Args:
+        model: The robot.
+        armature: Whether the inertia of the drives counts as a parameter.
+        damping: Whether viscous friction does.
+        friction: Whether Coulomb friction does.
+
+    Returns:
+        One name a column.
+    """
     names = [f"{name}({joint.name})" for joint in model.joints for name in PARAMETERS]
     for word, wanted in (("armature", armature), ("damping", damping), ("friction", friction)):
         names += [f"{word}({name})" for name in model.velocity_names] if wanted else []
@@ -169,9 +186,22 @@ def extended_regressor(
     friction: bool = False,
     width: float = 1e-2,
 ) -> Floats:
-    """The joint torque regressor (..., nv, n) with columns for the drives.
+    """The joint torque regressor with columns for the drives.
 
     The further columns, nv each, are diagonal: the acceleration, the velocity, and its sign, smooth within `width`.
+
+    Args:
+        robot: An `ulna.Robot`.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
+        armature: Whether there are columns for the inertia of the drives.
+        damping: Whether there are columns for viscous friction.
+        friction: Whether there are columns for Coulomb friction.
+        width: Velocity within which Coulomb friction passes smoothly through zero [rad/s, m/s].
+
+    Returns:
+        The regressor, shape (..., nv, n).
     """
     Y = robot.joint_torque_regressor(q, v, a)
     eye = np.eye(robot.nv)

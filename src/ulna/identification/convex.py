@@ -78,11 +78,17 @@ class Problem:
 
 
 def minimised(problem: Problem, progress: Callable[[Progress], object] | None = None) -> tuple[Floats, int]:
-    """The u of least cost whose bodies can exist and whose drives are not negative, and the number of Newton steps.
+    """The parameters of least cost whose bodies are physically consistent and whose drives are not negative.
 
     Args:
         problem: The problem; its cost must grow in every direction.
         progress: Called after each step.
+
+    Returns:
+        u, shape (n,), and the number of Newton steps.
+
+    Raises:
+        UlnaError: the search does not end, which would be a bug.
     """
     u = _inside(problem)
     scale = float(problem.z @ problem.z) + problem.cost(u)

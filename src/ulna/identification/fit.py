@@ -54,9 +54,9 @@ def identify(
 
     Args:
         robot: An `ulna.Robot`.
-        q: Configurations, shape (rows, nq).
-        v: Velocities, shape (rows, nv).
-        a: Accelerations, shape (rows, nv).
+        q: Configurations, shape (rows, nq) [rad, m].
+        v: Velocities, shape (rows, nv) [rad/s, m/s].
+        a: Accelerations, shape (rows, nv) [rad/s^2, m/s^2].
         tau: Torques of the drives, shape (rows, nv) [N m, N].
         armature: Whether to seek the inertia of the drives.
         damping: Whether to seek viscous friction.
@@ -68,8 +68,8 @@ def identify(
         ridge: How much staying near to the prior counts: what a deviation of every parameter by its own size costs,
             beside the mean squared residual [(N m)^2]. None for nothing, or for 1e-6 of the mean squared torque where
             `physical`; there it is 1e-10 of that at least, so that one solution is the best.
-        noise: Standard deviation of each joint's torque, (nv,) [N m, N]; "auto" estimates it from the residuals of
-            a first fit; None treats all joints alike.
+        noise: Standard deviation of each joint's torque, (nv,) [N m, N]; "auto" estimates it from the residuals of a
+            first fit; None treats all joints alike.
         width: Velocity within which Coulomb friction passes smoothly through zero [rad/s, m/s].
         progress: Called with a `Progress` after each step of the iterative solver, where `physical`; its exceptions
             pass through and end the search.

@@ -94,9 +94,16 @@ def log_cholesky_jacobian(t: ArrayLike) -> Floats:
 
 
 def nearest_physical(parameters: ArrayLike, least: float = 1e-6) -> Floats:
-    """Parameters (..., 10) of bodies with volume, near the given ones.
+    """Parameters of bodies with volume, near the ones that are passed.
 
-    The eigenvalues of the pseudo-inertia are raised to at least `least` times the greatest of any body given.
+    The eigenvalues of the pseudo-inertia are raised to at least `least` times the greatest of any body.
+
+    Args:
+        parameters: Dynamic parameters of bodies, shape (..., 10) [kg, kg m, kg m^2].
+        least: That fraction [-].
+
+    Returns:
+        Parameters, shape (..., 10) [kg, kg m, kg m^2]; those that are consistent already are unchanged.
     """
     P = pseudo_inertia(parameters)
     values, vectors = np.linalg.eigh(P)

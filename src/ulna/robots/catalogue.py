@@ -118,8 +118,11 @@ def build_own(name: str, *, root: str | JointKind | None = None, visuals: str = 
     Args:
         name: one of `OWN`.
         root: how its base hangs in the world: None fixed, "free_flyer", or a joint kind.
-        visuals: "simple" shapes, "cad" meshes of example-robot-data, or "auto": meshes where they are
-            installed and can be read, else the shapes.
+        visuals: "simple" shapes, "cad" meshes of example-robot-data, or "auto": meshes where they are installed and
+            can be read, else the shapes.
+
+    Returns:
+        The model.
 
     Raises:
         UnknownName: there is no such robot, or no such word for visuals.

@@ -110,10 +110,13 @@ def panda(
     """The Panda with its hand.
 
     Args:
-        fingers: whether the fingers move (two sliding joints, the second follows the first); else they are
-            rigid, each `FINGER_OPENING` from the middle.
+        fingers: whether the fingers move (two sliding joints, the second follows the first); else they are rigid,
+            each `FINGER_OPENING` from the middle.
         visuals: geometries to draw instead of the simple shapes, by link name.
         root: how the base hangs in the world: None fixed, "free_flyer", or a joint kind.
+
+    Returns:
+        The model.
     """
     builder = ModelBuilder("panda_fingers" if fingers else "panda")
     kind = root_kind(root)

@@ -21,7 +21,16 @@ Point = Sequence[float]
 
 
 def rod(a: Point, b: Point, radius: float, material: Material | None = None) -> Geometry:
-    """A capsule whose end balls are centred at `a` and `b` [m]."""
+    """A capsule between two points.
+
+    Args:
+        a, b: Centres of its end balls [m].
+        radius: Radius [m].
+        material: How it looks; None for the default.
+
+    Returns:
+        The geometry.
+    """
     start, end = np.array(a, dtype=float), np.array(b, dtype=float)
     length = float(np.linalg.norm(end - start))
     if length == 0.0:
@@ -30,7 +39,16 @@ def rod(a: Point, b: Point, radius: float, material: Material | None = None) -> 
 
 
 def tube(a: Point, b: Point, radius: float, material: Material | None = None) -> Geometry:
-    """A cylinder from `a` to `b` [m]."""
+    """A cylinder between two points.
+
+    Args:
+        a, b: Centres of its ends [m].
+        radius: Radius [m].
+        material: How it looks; None for the default.
+
+    Returns:
+        The geometry.
+    """
     start, end = np.array(a, dtype=float), np.array(b, dtype=float)
     return Geometry("", Cylinder(radius, float(np.linalg.norm(end - start))), _between(start, end), material)
 
@@ -38,13 +56,32 @@ def tube(a: Point, b: Point, radius: float, material: Material | None = None) ->
 def block(
     centre: Point, size: Point, material: Material | None = None, rpy: Point = (0.0, 0.0, 0.0)
 ) -> Geometry:
-    """A box of that size [m]."""
+    """A box.
+
+    Args:
+        centre: Its centre [m].
+        size: Its full lengths along its axes [m].
+        material: How it looks; None for the default.
+        rpy: Roll, pitch, yaw of its axes [rad].
+
+    Returns:
+        The geometry.
+    """
     shape: Shape = Box((size[0], size[1], size[2]))
     return Geometry("", shape, pose(centre, rpy), material)
 
 
 def named(link: str, what: str, geometries: Sequence[Geometry]) -> tuple[Geometry, ...]:
-    """The same geometries with names of their own."""
+    """The same geometries with names made of their link.
+
+    Args:
+        link: The name of the link.
+        what: What they are for: "visual" or "collision".
+        geometries: The geometries.
+
+    Returns:
+        Copies, named by link, purpose and number.
+    """
     return tuple(
         Geometry(f"{link}_{what}{i}", g.shape, g.placement, g.material) for i, g in enumerate(geometries)
     )

@@ -60,6 +60,9 @@ def ur5(
     Args:
         visuals: geometries to draw instead of the simple shapes, by link name.
         root: how the base hangs in the world: None fixed, "free_flyer", or a joint kind.
+
+    Returns:
+        The model.
     """
     builder = ModelBuilder("ur5")
     kind = root_kind(root)

@@ -184,7 +184,12 @@ class Body:
             self.recording.add(t, self._q, v=self._actual_qd, **torque)
 
     def step(self, t: float, dt: float, substep: float) -> None:
-        """Advance from time `t` by `dt` [s]; under torques in steps no longer than `substep` [s].
+        """Advance the robot in time.
+
+        Args:
+            t: The time [s].
+            dt: How far [s].
+            substep: The longest step under torques [s].
 
         Raises:
             InputError: The motion diverged.
@@ -279,6 +284,12 @@ def check_body_options(
     record: bool = True,
 ) -> None:
     """Check options of a simulated robot.
+
+    Args:
+        control: "position", "velocity", "acceleration" or "torque".
+        limits: Which limits stop the robot: "none", "position" or "all".
+        friction: The friction of the joints; "model" for that of the model, None for none.
+        record: Whether rows are recorded.
 
     Raises:
         UnknownName: There is no such control, limit or friction.

@@ -57,11 +57,14 @@ def dynamic_step(
 
     Args:
         robot: The robot.
-        q: Configuration, shape (nq,).
-        v: Velocity, shape (nv,) [rad/s or m/s].
-        tau: Torques of the drives, shape (nv,) [N m or N].
+        q: Configuration, shape (nq,) [rad, m].
+        v: Velocity, shape (nv,) [rad/s, m/s].
+        tau: Torques of the drives, shape (nv,) [N m, N].
         dt: Duration [s].
         friction: As for `Plant`.
+
+    Returns:
+        Configuration, shape (nq,) [rad, m], and velocity, shape (nv,) [rad/s, m/s].
 
     Raises:
         ShapeError, NonFiniteError: An array does not fit the robot.
@@ -94,11 +97,11 @@ def simulate(
 
     Args:
         robot: The robot.
-        q: Configuration at the start, shape (nq,).
-        v: Velocity at the start, shape (nv,) [rad/s or m/s]; None for rest.
-        torque: Function of time, configuration and velocity that returns the torques of the drives (nv,) [N m or N];
-            or constant torques; None for none. "euler" asks it once a step; "rk4" and "adaptive" also in between and
-            out of order, so there it must have no memory.
+        q: Configuration at the start, shape (nq,) [rad, m].
+        v: Velocity at the start, shape (nv,) [rad/s, m/s]; None for rest.
+        torque: Function of time [s], configuration and velocity that returns the torques of the drives, shape (nv,)
+            [N m, N]; or constant torques; None for none. "euler" calls it once a step; "rk4" and "adaptive" also in
+            between and out of order, so there it must have no memory.
         duration: How long [s].
         dt: Step [s]; for "adaptive" the time between rows of the recording.
         method: "euler", "rk4" or "adaptive".

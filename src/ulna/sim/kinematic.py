@@ -52,9 +52,12 @@ def kinematic_step(robot: Any, q: ArrayLike, v: ArrayLike, dt: float) -> Floats:
 
     Args:
         robot: An `ulna.Robot`.
-        q: Configuration, shape (nq,).
-        v: Velocity, shape (nv,) [rad/s or m/s].
+        q: Configuration, shape (nq,) [rad, m].
+        v: Velocity, shape (nv,) [rad/s, m/s].
         dt: Duration [s].
+
+    Returns:
+        Configuration, shape (nq,) [rad, m].
 
     Raises:
         ShapeError: `q` or `v` does not fit the robot.
@@ -67,7 +70,17 @@ def kinematic_step(robot: Any, q: ArrayLike, v: ArrayLike, dt: float) -> Floats:
 
 
 def moved_within_limits(robot: Any, q: Floats, v: Floats, dt: float) -> Floats:
-    """As `kinematic_step`, for numbers that are known to fit."""
+    """As `kinematic_step`, without checks.
+
+    Args:
+        robot: An `ulna.Robot`.
+        q: Configuration, shape (nq,) [rad, m].
+        v: Velocity, shape (nv,) [rad/s, m/s].
+        dt: Duration [s].
+
+    Returns:
+        Configuration, shape (nq,) [rad, m].
+    """
     model = robot.model
     lower, upper = model.lower_position, model.upper_position
     if _has_vector_coordinates(model):

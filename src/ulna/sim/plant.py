@@ -62,7 +62,7 @@ class Plant:
         """Accelerations under torques and smooth friction.
 
         Args:
-            q: Configuration, shape (nq,).
+            q: Configuration, shape (nq,) [rad, m].
             v: Velocity, shape (nv,) [rad/s or m/s].
             tau: Torques, shape (nv,) [N m or N].
 
@@ -77,13 +77,13 @@ class Plant:
         """A semi-implicit step with exact friction.
 
         Args:
-            q: Configuration, shape (nq,).
+            q: Configuration, shape (nq,) [rad, m].
             v: Velocity, shape (nv,) [rad/s or m/s].
             tau: Torques, shape (nv,) [N m or N].
             dt: The step [s].
 
         Returns:
-            Configuration and velocity after the step.
+            Configuration, shape (nq,) [rad, m], and velocity, shape (nv,) [rad/s, m/s], after the step.
         """
         if self._is_bound:
             free = v + dt * self.acceleration(q, v, tau)
@@ -97,14 +97,14 @@ class Plant:
         """A Runge-Kutta step of fourth order.
 
         Args:
-            q: Configuration, shape (nq,).
+            q: Configuration, shape (nq,) [rad, m].
             v: Velocity, shape (nv,) [rad/s or m/s].
             torque: Returns the torques; called four times.
             t: The time at the start [s].
             dt: The step [s].
 
         Returns:
-            Configuration and velocity after the step.
+            Configuration, shape (nq,) [rad, m], and velocity, shape (nv,) [rad/s, m/s], after the step.
         """
         rates = [self._rates(q, np.zeros_like(v), v, torque, t)]
         for part in (0.5, 0.5, 1.0):
@@ -195,5 +195,17 @@ def _is_vector_joint(kind: Any) -> bool:
 
 
 def checked_torques(tau: ArrayLike, nv: int) -> Floats:
-    """Torques (nv,) as an array."""
+    """Joint torques as an array.
+
+    Args:
+        tau: Joint torques, shape (nv,) [N m, N].
+        nv: Their number.
+
+    Returns:
+        A new array, shape (nv,) [N m, N].
+
+    Raises:
+        ShapeError: another shape.
+        NonFiniteError: nan or inf among them.
+    """
     return shaped_array("tau", tau, nv)

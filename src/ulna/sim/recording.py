@@ -27,8 +27,8 @@ class Recording:
 
         Args:
             t: The time [s].
-            q: The configuration, shape (nq,).
-            notes: Further columns by name.
+            q: Configuration, shape (nq,) [rad, m].
+            **notes: Further columns by name.
 
         Raises:
             ShapeError: A shape differs from that of the rows before.
@@ -90,11 +90,14 @@ class Recording:
         return out
 
     def at(self, t: float, robot: Any = None) -> Floats:
-        """The configuration (nq,) at a time [s], held at both ends.
+        """The configuration at a time, held at both ends.
 
         Args:
-            t: The time.
-            robot: Interpolates on its configuration manifold; without one the last row before `t` is given.
+            t: The time [s].
+            robot: Interpolates on its configuration manifold; without one the last row before `t` is returned.
+
+        Returns:
+            Configuration, shape (nq,) [rad, m].
 
         Raises:
             InputError: Nothing was recorded.

@@ -105,7 +105,14 @@ class Simulation:
         return bodies[one_of("robot in the simulation", name, bodies)]
 
     def add(self, robot: Robot | Body, **body_options: Any) -> Body:
-        """Add a robot; the rest is as for `Body`. Its row at the present time is recorded.
+        """Add a robot. Its row at the present time is recorded.
+
+        Args:
+            robot: A robot, or a body made before.
+            **body_options: As for `Body`.
+
+        Returns:
+            The simulated robot.
 
         Raises:
             InputError: There is a robot of that name already.

@@ -26,7 +26,15 @@ _ALIGNED = 1e-28  # squared sine of the angle between two axes below which they 
 
 
 def rotation_about(axis: int, angle: Any) -> Array:
-    """The rotation matrix (..., 3, 3) about the coordinate axis 0, 1 or 2 by `angle` (...) [rad]."""
+    """The rotation about a coordinate axis.
+
+    Args:
+        axis: 0, 1 or 2 for x, y or z.
+        angle: Angle, shape (...) [rad].
+
+    Returns:
+        Rotation matrix, shape (..., 3, 3) [-].
+    """
     s, c = sincos(angle)
     if axis == 0:
         return matrix([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
@@ -36,7 +44,14 @@ def rotation_about(axis: int, angle: Any) -> Array:
 
 
 def euler_to_matrix(angles: Array, axes: str) -> Array:
-    """The rotation R_i(a1) R_j(a2) R_k(a3) (..., 3, 3) for angles (..., 3) [rad] about the axes "ijk".
+    """The rotation R_i(a1) R_j(a2) R_k(a3) by angles about the axes "ijk".
+
+    Args:
+        angles: The three angles, shape (..., 3) [rad].
+        axes: Three letters of xyz, neighbours different, such as "zyx": the turns in their order, about moving axes.
+
+    Returns:
+        Rotation matrix, shape (..., 3, 3) [-].
 
     Raises:
         InputError: `axes` is not three letters of xyz with neighbours different.
@@ -47,11 +62,18 @@ def euler_to_matrix(angles: Array, axes: str) -> Array:
 
 
 def matrix_to_euler(rotation: Array, axes: str) -> Array:
-    """The angles (..., 3) [rad] with R = R_i(a1) R_j(a2) R_k(a3) for the axes "ijk".
+    """The angles with R = R_i(a1) R_j(a2) R_k(a3) for the axes "ijk".
 
-    The second lies in [-pi/2, pi/2] for three different axes and in [0, pi] when the first and last are the
-    same, the others in (-pi, pi]. The first angle is read off the column of R that the last turn leaves
-    alone; the others follow from R_i(-a1) R, which makes them accurate at the singular poses too.
+    The second lies in [-pi/2, pi/2] for three different axes and in [0, pi] when the first and last are the same, the
+    others in (-pi, pi]. The first angle is computed from the column of R that does not depend on the last turn; the
+    others follow from R_i(-a1) R, which makes them accurate at the singular poses too.
+
+    Args:
+        rotation: Rotation matrix, shape (..., 3, 3) [-].
+        axes: Three letters of xyz, neighbours different, such as "zyx": the turns in their order, about moving axes.
+
+    Returns:
+        The three angles, shape (..., 3) [rad].
 
     Raises:
         InputError: `axes` is not three letters of xyz with neighbours different.
@@ -82,20 +104,38 @@ def matrix_to_euler(rotation: Array, axes: str) -> Array:
 
 
 def euler_rate_matrix(angles: Array, axes: str) -> Array:
-    """The matrix E (..., 3, 3) with omega_world = E @ d(angles)/dt for the axes "ijk".
+    """The matrix E with omega_world = E @ d(angles)/dt for the axes "ijk".
 
-    Its columns are the three axes as they stand in the world. In the body frame omega is R.T @ E @
-    d(angles)/dt.
+    Its columns are the three axes as they stand in the world. In the body frame omega is R.T @ E @ d(angles)/dt.
     Source: Siciliano et al., Robotics, section 3.6.
+
+    Args:
+        angles: The three angles, shape (..., 3) [rad].
+        axes: Three letters of xyz, neighbours different, such as "zyx": the turns in their order, about moving axes.
+
+    Returns:
+        E, shape (..., 3, 3) [-].
+
+    Raises:
+        InputError: `axes` is not three letters of xyz with neighbours different.
     """
     u1, u2, u3 = _turn_axes(angles, axes)
     return matrix([[u1[..., n], u2[..., n], u3[..., n]] for n in range(3)])
 
 
 def euler_rate_matrix_dot(angles: Array, rates: Array, axes: str) -> Array:
-    """The time derivative (..., 3, 3) of `euler_rate_matrix` where the angles change at `rates` (..., 3) [rad/s].
+    """The time derivative of `euler_rate_matrix`: each axis is carried along by the turns before it.
 
-    Each axis is carried along by the turns before it.
+    Args:
+        angles: The three angles, shape (..., 3) [rad].
+        rates: Their rates, shape (..., 3) [rad/s].
+        axes: Three letters of xyz, neighbours different, such as "zyx": the turns in their order, about moving axes.
+
+    Returns:
+        dE/dt, shape (..., 3, 3) [1/s].
+
+    Raises:
+        InputError: `axes` is not three letters of xyz with neighbours different.
     """
     u1, u2, u3 = _turn_axes(angles, axes)
     before2 = u1 * rates[..., :1]
@@ -105,7 +145,18 @@ def euler_rate_matrix_dot(angles: Array, rates: Array, axes: str) -> Array:
 
 
 def euler_rate_matrix_inverse(angles: Array, axes: str) -> Array:
-    """The inverse of `euler_rate_matrix` (..., 3, 3); infinite where the first and last axis line up."""
+    """The inverse of `euler_rate_matrix`; infinite where the first and last axis are parallel.
+
+    Args:
+        angles: The three angles, shape (..., 3) [rad].
+        axes: Three letters of xyz, neighbours different, such as "zyx": the turns in their order, about moving axes.
+
+    Returns:
+        E^-1, shape (..., 3, 3) [-].
+
+    Raises:
+        InputError: `axes` is not three letters of xyz with neighbours different.
+    """
     u1, u2, u3 = _turn_axes(angles, axes)
     normal = cross(u2, u3)
     det = dot(u1, normal)
@@ -140,7 +191,15 @@ def rpy_rate_matrix_inverse(rpy: Array) -> Array:
 
 
 def rpy_rate_matrix_dot(rpy: Array, rates: Array) -> Array:
-    """The time derivative (..., 3, 3) of `rpy_rate_matrix`, `rates` being those of roll, pitch, yaw [rad/s]."""
+    """The time derivative of `rpy_rate_matrix`.
+
+    Args:
+        rpy: Roll, pitch, yaw, shape (..., 3) [rad].
+        rates: Their rates, shape (..., 3) [rad/s].
+
+    Returns:
+        The derivative, shape (..., 3, 3) [1/s].
+    """
     return euler_rate_matrix_dot(rpy[..., ::-1], rates[..., ::-1], "zyx")[..., ::-1]
 
 
@@ -165,11 +224,17 @@ def eul_rate_matrix_inverse(eul: Array) -> Array:
 
 
 def angle_axis_to_matrix(angle: Any, axis: Array) -> Array:
-    """The rotation (..., 3, 3) by `angle` (...) [rad] about the unit vector `axis` (..., 3).
+    """The rotation by an angle about a unit vector.
 
-    The axis is not normalised here. Written so that a constant axis along x, y or z leaves nothing but the
-    sine and the cosine in traced code.
-    Source: Siciliano et al., Robotics, eq. (2.25).
+    The axis is not normalised here. Written so that a constant axis along x, y or z leaves nothing but the sine and
+    the cosine in traced code. Source: Siciliano et al., Robotics, eq. (2.25).
+
+    Args:
+        angle: Angle, shape (...) [rad].
+        axis: Unit vector, shape (..., 3) [-].
+
+    Returns:
+        Rotation matrix, shape (..., 3, 3) [-].
     """
     s, c = sincos(angle)
     v = 1.0 - c

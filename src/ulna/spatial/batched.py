@@ -108,7 +108,15 @@ class Batched(ABC):
 
 
 def numbers(values: Any, indent: int = 0) -> str:
-    """An array as text, with its columns aligned; lines after the first are indented."""
+    """An array as text, with its columns aligned.
+
+    Args:
+        values: The array, of any shape.
+        indent: Spaces before the lines after the first.
+
+    Returns:
+        The text.
+    """
     array = np.asarray(values)
     if array.dtype != object:
         array = array + 0.0  # makes -0.0 a plain zero
@@ -125,7 +133,15 @@ def as_array(value: Any) -> Array:
 
 
 def column(value: Any, rank: int = 1) -> Any:
-    """A number or batch of numbers (also in a list), ready to multiply arrays that have `rank` own axes."""
+    """A number or batch of numbers, ready to multiply arrays that have further axes.
+
+    Args:
+        value: A number, or a batch of numbers as an array or list, shape (...).
+        rank: The number of further axes.
+
+    Returns:
+        A batch has shape (..., 1) with `rank` ones; a number stays as it is.
+    """
     if isinstance(value, (list, tuple)):
         value = np.asarray(value)
     return value.reshape(value.shape + (1,) * rank) if isinstance(value, np.ndarray) and value.ndim else value

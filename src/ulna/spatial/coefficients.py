@@ -53,27 +53,69 @@ def first_second(t2: Any) -> tuple[Any, Any]:
 
 
 def third(t2: Any, a: Any) -> Any:
-    """C, given A."""
+    """The coefficient C = (t - sin t) / t^3.
+
+    Args:
+        t2: The squared angle [rad^2].
+        a: A of `first_second`.
+
+    Returns:
+        C, in the shape of `t2`.
+    """
     return _quotient(t2, 1.0 - a, _THIRD)
 
 
 def fourth(t2: Any, b: Any) -> Any:
-    """E, given B."""
+    """The coefficient E = (t^2 + 2 cos t - 2) / (2 t^4).
+
+    Args:
+        t2: The squared angle [rad^2].
+        b: B of `first_second`.
+
+    Returns:
+        E, in the shape of `t2`.
+    """
     return _quotient(t2, 0.5 - b, _FOURTH)
 
 
 def fifth(t2: Any, b: Any, c: Any) -> Any:
-    """F, given B and C."""
+    """The coefficient F = (2 t - 3 sin t + t cos t) / (2 t^5).
+
+    Args:
+        t2: The squared angle [rad^2].
+        b: B of `first_second`.
+        c: C of `third`.
+
+    Returns:
+        F, in the shape of `t2`.
+    """
     return _quotient(t2, 0.5 * (3.0 * c - b), _FIFTH)
 
 
 def inverse(t2: Any, half_cot: Any) -> Any:
-    """D, given (t/2) cot(t/2)."""
+    """The coefficient D = (1 - (t/2) cot(t/2)) / t^2 of the inverse left Jacobian.
+
+    Args:
+        t2: The squared angle [rad^2].
+        half_cot: (t/2) cot(t/2).
+
+    Returns:
+        D, in the shape of `t2`.
+    """
     return _quotient(t2, 1.0 - half_cot, _INVERSE)
 
 
 def inverse_slope(t2: Any, half_cot: Any, d: Any) -> Any:
-    """G, given (t/2) cot(t/2) and D."""
+    """The coefficient G = (dD/dt) / t.
+
+    Args:
+        t2: The squared angle [rad^2].
+        half_cot: (t/2) cot(t/2).
+        d: D of `inverse`.
+
+    Returns:
+        G, in the shape of `t2`.
+    """
     return _quotient(t2, 0.25 - (2.0 + half_cot) * d, _SLOPE)
 
 

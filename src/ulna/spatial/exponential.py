@@ -64,14 +64,30 @@ def so3_right_jacobian_inverse(w: Array) -> Array:
 
 
 def exp_parts(linear: Array, angular: Array) -> tuple[Array, Array]:
-    """Rotation and translation of the SE(3) exponential of a twist: exp(w) and J_l(w) v."""
+    """The exponential of a twist on SE(3): exp(w) and J_l(w) v.
+
+    Args:
+        linear: v, shape (..., 3) [m].
+        angular: w, shape (..., 3) [rad].
+
+    Returns:
+        Rotation, shape (..., 3, 3) [-], and translation, shape (..., 3) [m].
+    """
     a, b, c = _abc(dot(angular, angular))
     u = cross(angular, linear)
     return _rodrigues(angular, a, b), linear + column(b) * u + column(c) * cross(angular, u)
 
 
 def log_parts(rotation: Array, translation: Array) -> tuple[Array, Array]:
-    """Linear and angular part of the SE(3) logarithm: J_l(w)^-1 p and w."""
+    """The logarithm on SE(3): J_l(w)^-1 p and w.
+
+    Args:
+        rotation: Rotation matrix, shape (..., 3, 3) [-].
+        translation: p, shape (..., 3) [m].
+
+    Returns:
+        Linear and angular part, each of shape (..., 3) [m], [rad].
+    """
     w, half_cot = log_of_rotation(rotation)
     d = coefficients.inverse(dot(w, w), half_cot)
     u = cross(w, translation)

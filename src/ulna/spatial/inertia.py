@@ -49,10 +49,16 @@ class Inertia(Batched):
 
     @classmethod
     def from_com(cls, mass: Any, com: ArrayLike, inertia: ArrayLike) -> Inertia:
-        """From mass [kg], centre of mass [m] and rotational inertia [kg m^2] about it, checked.
+        """From mass, centre of mass and rotational inertia about it, checked.
 
-        The inertia is a symmetric matrix (..., 3, 3) or its entries (..., 6) in the order xx, xy, xz, yy, yz,
-        zz of URDF.
+        Args:
+            mass: Mass, shape (...) [kg].
+            com: Centre of mass in the frame, shape (..., 3) [m].
+            inertia: Rotational inertia about the centre of mass [kg m^2]: a symmetric matrix, shape (..., 3, 3), or
+                its entries, shape (..., 6), in the order xx, xy, xz, yy, yz, zz of URDF.
+
+        Returns:
+            The inertia.
 
         Raises:
             InputError: negative mass, an inertia that is not symmetric, wrong shapes, nan or inf.
@@ -61,7 +67,19 @@ class Inertia(Batched):
 
     @classmethod
     def from_origin(cls, mass: Any, com: ArrayLike, inertia: ArrayLike) -> Inertia:
-        """As `from_com`, with the rotational inertia about the origin of the frame instead."""
+        """As `from_com`, with the rotational inertia about the origin of the frame instead.
+
+        Args:
+            mass: Mass, shape (...) [kg].
+            com: Centre of mass in the frame, shape (..., 3) [m].
+            inertia: Rotational inertia about the origin, shape (..., 3, 3) or (..., 6) [kg m^2].
+
+        Returns:
+            The inertia.
+
+        Raises:
+            InputError: negative mass, an inertia that is not symmetric, wrong shapes, nan or inf.
+        """
         at_com = cls.from_com(mass, com, inertia)
         shift = column(at_com.mass, 2) * _steiner(at_com.com)
         return cls(at_com.mass, at_com.com, at_com.inertia - shift)
@@ -78,35 +96,85 @@ class Inertia(Batched):
 
     @classmethod
     def from_point(cls, mass: float, com: ArrayLike = (0.0, 0.0, 0.0)) -> Inertia:
-        """A point mass."""
+        """A point mass.
+
+        Args:
+            mass: Mass [kg].
+            com: Where it is in the frame, shape (3,) [m].
+
+        Returns:
+            The inertia.
+        """
         return cls.from_com(mass, com, np.zeros((3, 3)))
 
     @classmethod
     def from_sphere(cls, mass: float, radius: float) -> Inertia:
-        """A solid sphere [kg, m] centred in the frame."""
+        """A solid sphere centred in the frame.
+
+        Args:
+            mass: Mass [kg].
+            radius: Radius [m].
+
+        Returns:
+            The inertia.
+        """
         return cls._solid(mass, 0.4 * radius**2, 0.4 * radius**2, 0.4 * radius**2)
 
     @classmethod
     def from_ellipsoid(cls, mass: float, radii: ArrayLike) -> Inertia:
-        """A solid ellipsoid [kg, m] centred in the frame, with its half axes `radii` (3,) along x, y, z."""
+        """A solid ellipsoid centred in the frame.
+
+        Args:
+            mass: Mass [kg].
+            radii: Half axes along x, y, z, shape (3,) [m].
+
+        Returns:
+            The inertia.
+        """
         a, b, c = batched_array("radii", radii, (3,)) ** 2
         return cls._solid(mass, (b + c) / 5, (a + c) / 5, (a + b) / 5)
 
     @classmethod
     def from_box(cls, mass: float, size: ArrayLike) -> Inertia:
-        """A solid box [kg, m] centred in the frame, with its full `size` (3,) along x, y, z."""
+        """A solid box centred in the frame.
+
+        Args:
+            mass: Mass [kg].
+            size: Full lengths along x, y, z, shape (3,) [m].
+
+        Returns:
+            The inertia.
+        """
         a, b, c = batched_array("size", size, (3,)) ** 2
         return cls._solid(mass, (b + c) / 12, (a + c) / 12, (a + b) / 12)
 
     @classmethod
     def from_cylinder(cls, mass: float, radius: float, length: float) -> Inertia:
-        """A solid cylinder [kg, m] centred in the frame, its axis along z."""
+        """A solid cylinder centred in the frame, its axis along z.
+
+        Args:
+            mass: Mass [kg].
+            radius: Radius [m].
+            length: Length [m].
+
+        Returns:
+            The inertia.
+        """
         across = radius**2 / 4 + length**2 / 12
         return cls._solid(mass, across, across, radius**2 / 2)
 
     @classmethod
     def from_capsule(cls, mass: float, radius: float, length: float) -> Inertia:
-        """A solid capsule [kg, m], centred: a cylinder of `length` along z, and two half spheres."""
+        """A solid capsule centred in the frame: a cylinder along z, and two half spheres.
+
+        Args:
+            mass: Mass [kg].
+            radius: Radius [m].
+            length: Length of the cylinder [m].
+
+        Returns:
+            The inertia.
+        """
         cylinder, ball = length, 4 * radius / 3  # volumes over pi radius^2
         share = cylinder / (cylinder + ball)
         half_sphere = 2 * radius**2 / 5 + length**2 / 4 + 3 * length * radius / 8
@@ -115,7 +183,16 @@ class Inertia(Batched):
 
     @classmethod
     def from_cone(cls, mass: float, radius: float, length: float) -> Inertia:
-        """A solid cone [kg, m] along z, its tip at z = length/2 and its base at z = -length/2."""
+        """A solid cone along z, its tip at z = length/2 and its base at z = -length/2.
+
+        Args:
+            mass: Mass [kg].
+            radius: Radius of the base [m].
+            length: Length [m].
+
+        Returns:
+            The inertia.
+        """
         across = 3 * radius**2 / 20 + 3 * length**2 / 80
         body = cls._solid(mass, across, across, 3 * radius**2 / 10)
         return cls(body.mass, np.array([0.0, 0.0, -length / 4]), body.inertia)
@@ -188,7 +265,15 @@ class Inertia(Batched):
         return (np.asarray(self.mass) >= 0.0) & (moments[..., 0] >= -slack) & (sums >= -slack)
 
     def is_close(self, other: Inertia, tolerance: float = 1e-9) -> Any:
-        """Whether every dynamic parameter differs by at most `tolerance` (...)."""
+        """Whether two inertias have nearly the same dynamic parameters.
+
+        Args:
+            other: The other inertia.
+            tolerance: The largest difference of a parameter that is accepted [kg, kg m, kg m^2].
+
+        Returns:
+            Truth values, shape (...).
+        """
         return (np.abs(self.parameters() - other.parameters()) <= tolerance).all(axis=-1)
 
     def _moved(self, rotation: Array, translation: Array) -> Inertia:

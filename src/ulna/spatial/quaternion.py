@@ -74,7 +74,14 @@ def _multiple(r: Array) -> tuple[Any, Any, Any, Any, Any]:
 
 
 def quat_multiply(a: Array, b: Array) -> Array:
-    """The product of two quaternions xyzw: the rotation `b` followed by `a`, as for matrices."""
+    """The product of two quaternions xyzw: the rotation `b` followed by `a`, as for matrices.
+
+    Args:
+        a, b: Quaternions, shape (..., 4) [-].
+
+    Returns:
+        a b, shape (..., 4) [-].
+    """
     ax, ay, az, aw = (a[..., i] for i in range(4))
     bx, by, bz, bw = (b[..., i] for i in range(4))
     return vector(
@@ -96,7 +103,15 @@ def quat_normalize(quat: Array) -> Array:
 
 
 def quat_rotate(quat: Array, v: Array) -> Array:
-    """The vector `v` (..., 3) rotated by a unit quaternion xyzw."""
+    """A vector rotated by a unit quaternion.
+
+    Args:
+        quat: Unit quaternion xyzw, shape (..., 4) [-].
+        v: Vector in any unit, such as [m], shape (..., 3).
+
+    Returns:
+        The rotated vector, shape (..., 3), in the same unit.
+    """
     u = quat[..., :3]
     t = 2.0 * cross(u, v)
     return v + quat[..., 3:] * t + cross(u, t)
@@ -140,6 +155,14 @@ def _log(x: Any, y: Any, z: Any, w: Any) -> tuple[Array, Any]:
 
 
 def quat_slerp(a: Array, b: Array, t: Any) -> Array:
-    """The quaternion xyzw a part `t` of the shorter way from `a` to `b`, at constant rate."""
+    """The quaternion at a fraction of the shorter path from `a` to `b`, at constant rate.
+
+    Args:
+        a, b: Unit quaternions xyzw, shape (..., 4) [-].
+        t: The fraction, shape (...) [-]: 0 at `a`, 1 at `b`.
+
+    Returns:
+        Unit quaternion xyzw, shape (..., 4) [-].
+    """
     step = quat_log(quat_multiply(quat_conjugate(a), b))
     return quat_multiply(a, quat_exp(column(t) * step))

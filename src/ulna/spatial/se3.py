@@ -60,8 +60,11 @@ class SE3(Batched, metaclass=Explained):
         """From a homogeneous matrix (..., 4, 4).
 
         Args:
-            matrix: rotation and translation [m], and a last row 0, 0, 0, 1.
-            check: whether to check it; without, only the shape is looked at.
+            matrix: Rotation and translation [m], and a last row 0, 0, 0, 1, shape (..., 4, 4).
+            check: Whether its values are checked; without, only its shape is.
+
+        Returns:
+            The pose.
 
         Raises:
             InputError: wrong shape, nan or inf, not a rotation within 1e-6, or another last row.
@@ -87,7 +90,18 @@ class SE3(Batched, metaclass=Explained):
 
     @classmethod
     def from_quat_xyzw(cls, quat: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SE3:
-        """From a quaternion x, y, z, w (..., 4) of any length but zero, and a translation (..., 3) [m]."""
+        """From a quaternion and a translation.
+
+        Args:
+            quat: Quaternion x, y, z, w of any length but zero, shape (..., 4) [-].
+            translation: Translation, shape (..., 3) [m].
+
+        Returns:
+            The pose.
+
+        Raises:
+            InputError: wrong shape, nan or inf, or a quaternion of length zero.
+        """
         return cls(
             quaternion.quat_xyzw_to_matrix(checked_quat(quat)),
             batched_array("translation", translation, (3,)),
@@ -95,13 +109,35 @@ class SE3(Batched, metaclass=Explained):
 
     @classmethod
     def from_rpy(cls, rpy: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SE3:
-        """From roll, pitch, yaw (..., 3) [rad] as in URDF, and a translation (..., 3) [m]."""
+        """From roll, pitch, yaw as in URDF, and a translation.
+
+        Args:
+            rpy: Angles about the fixed axes x, y, z, shape (..., 3) [rad].
+            translation: Translation, shape (..., 3) [m].
+
+        Returns:
+            The pose.
+
+        Raises:
+            InputError: wrong shape, nan or inf.
+        """
         rotation = angles.rpy_to_matrix(batched_array("rpy", rpy, (3,)))
         return cls(rotation, batched_array("translation", translation, (3,)))
 
     @classmethod
     def from_rotation(cls, rotation: ArrayLike | SO3, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SE3:
-        """From a rotation (..., 3, 3), checked, and a translation (..., 3) [m]."""
+        """From a rotation and a translation.
+
+        Args:
+            rotation: Rotation matrix, shape (..., 3, 3) [-], checked; or an SO3.
+            translation: Translation, shape (..., 3) [m].
+
+        Returns:
+            The pose.
+
+        Raises:
+            InputError: wrong shape, nan or inf, or not a rotation within 1e-6.
+        """
         if isinstance(rotation, SO3):
             r = rotation.matrix
         else:
@@ -115,7 +151,14 @@ class SE3(Batched, metaclass=Explained):
 
     @classmethod
     def trans(cls, x: Any, y: Any, z: Any) -> SE3:
-        """The translation by x, y, z (...) [m]."""
+        """A translation.
+
+        Args:
+            x, y, z: Its components, each of shape (...) [m].
+
+        Returns:
+            The pose, with the identity as rotation.
+        """
         return cls(np.eye(3), vector(x, y, z))
 
     @classmethod
@@ -142,7 +185,16 @@ class SE3(Batched, metaclass=Explained):
 
     @classmethod
     def random(cls, rng: np.random.Generator, size: tuple[int, ...] = (), reach: float = 1.0) -> SE3:
-        """Rotations spread evenly, and translations spread evenly over a cube of +-`reach` [m]."""
+        """Rotations spread evenly, and translations spread evenly over a cube of +-`reach`.
+
+        Args:
+            rng: The source of random numbers.
+            size: Shape of the batch.
+            reach: Half the edge of the cube [m].
+
+        Returns:
+            Poses with that batch shape.
+        """
         return cls(SO3.random(rng, size).matrix, rng.uniform(-reach, reach, (*size, 3)))
 
     def __mul__(self, other: Any) -> Any:
@@ -235,10 +287,18 @@ class SE3(Batched, metaclass=Explained):
         return SO3(self.rotation)
 
     def interpolate(self, other: SE3, t: Any, straight: bool = False) -> SE3:
-        """A part `t` (...) of the way to `other`.
+        """The pose at a fraction of the path to another one.
 
-        The way is the screw motion from one to the other at constant twist; with `straight` the origin runs
-        along a straight line instead, while the rotation turns evenly.
+        The path is the screw motion from one to the other at constant twist; with `straight` the origin moves along a
+        straight line instead, while the rotation turns evenly.
+
+        Args:
+            other: The pose at t = 1.
+            t: The fraction, shape (...) [-]: 0 here, 1 at `other`.
+            straight: Whether the origin moves along a straight line.
+
+        Returns:
+            The poses.
         """
         if straight:
             s = column(t)
@@ -252,7 +312,15 @@ class SE3(Batched, metaclass=Explained):
         return sqrt(dot(d, d)), SO3(self.rotation).distance(SO3(other.rotation))
 
     def is_close(self, other: SE3, tolerance: float = 1e-9) -> Any:
-        """Whether every entry of rotation and translation [m] differs by at most `tolerance` (...)."""
+        """Whether two poses are equal within a tolerance.
+
+        Args:
+            other: The other pose.
+            tolerance: The largest difference of an entry of rotation [-] and translation [m] that is accepted.
+
+        Returns:
+            Truth values, shape (...).
+        """
         rotation = (np.abs(self.rotation - other.rotation) <= tolerance).all(axis=(-2, -1))
         return rotation & (np.abs(self.translation - other.translation) <= tolerance).all(axis=-1)
 

@@ -66,12 +66,34 @@ class SO3(Batched, metaclass=Explained):
 
     @classmethod
     def from_euler(cls, angles_: ArrayLike, axes: str) -> SO3:
-        """From three angles (..., 3) [rad] about moving axes, such as "zyx"; see `euler_to_matrix`."""
+        """From three angles about moving axes; see `euler_to_matrix`.
+
+        Args:
+            angles_: The three angles, shape (..., 3) [rad].
+            axes: Three letters of xyz, neighbours different, such as "zyx".
+
+        Returns:
+            The rotation.
+
+        Raises:
+            InputError: wrong shape, nan or inf, or `axes` is not three letters of xyz with neighbours different.
+        """
         return cls(angles.euler_to_matrix(batched_array("angles", angles_, (3,)), axes))
 
     @classmethod
     def from_angle_axis(cls, angle: Any, axis: ArrayLike) -> SO3:
-        """From an angle (...) [rad] about an axis (..., 3) of any length but zero."""
+        """From an angle about an axis.
+
+        Args:
+            angle: Angle, shape (...) [rad].
+            axis: Direction of any length but zero, shape (..., 3).
+
+        Returns:
+            The rotation.
+
+        Raises:
+            InputError: wrong shape, nan or inf, or an axis of length zero.
+        """
         axis = batched_array("axis", axis, (3,))
         length = sqrt(dot(axis, axis))
         if axis.dtype != object and np.any(length == 0.0):
@@ -100,7 +122,15 @@ class SO3(Batched, metaclass=Explained):
 
     @classmethod
     def random(cls, rng: np.random.Generator, size: tuple[int, ...] = ()) -> SO3:
-        """Rotations spread evenly over all of SO(3)."""
+        """Rotations spread evenly over all of SO(3).
+
+        Args:
+            rng: The source of random numbers.
+            size: Shape of the batch.
+
+        Returns:
+            Rotations with that batch shape.
+        """
         return cls(quaternion.quat_xyzw_to_matrix(quaternion.quat_normalize(rng.standard_normal((*size, 4)))))
 
     def log(self) -> Array:
@@ -149,7 +179,15 @@ class SO3(Batched, metaclass=Explained):
         return angles.matrix_to_angle_axis(self.matrix)
 
     def interpolate(self, other: SO3, t: Any) -> SO3:
-        """A part `t` (...) of the shortest way to `other`, at constant rate."""
+        """The rotation at a fraction of the shortest path to another one, at constant rate.
+
+        Args:
+            other: The rotation at t = 1.
+            t: The fraction, shape (...) [-]: 0 here, 1 at `other`.
+
+        Returns:
+            The rotations.
+        """
         step = exponential.so3_log(np.swapaxes(self.matrix, -1, -2) @ other.matrix)
         return SO3(self.matrix @ exponential.so3_exp(column(t) * step))
 
@@ -159,7 +197,15 @@ class SO3(Batched, metaclass=Explained):
         return sqrt(dot(w, w))
 
     def is_close(self, other: SO3, tolerance: float = 1e-9) -> Any:
-        """Whether every entry of the matrices differs by at most `tolerance` (...)."""
+        """Whether two rotations are equal within a tolerance.
+
+        Args:
+            other: The other rotation.
+            tolerance: The largest difference of an entry of the matrices that is accepted [-].
+
+        Returns:
+            Truth values, shape (...).
+        """
         return (np.abs(self.matrix - other.matrix) <= tolerance).all(axis=(-2, -1))
 
     def _dense(self) -> Array:

@@ -81,7 +81,15 @@ class SpatialVector(Batched):
         return type(self)(self.linear / s, self.angular / s)
 
     def is_close(self, other: Self, tolerance: float = 1e-9) -> Any:
-        """Whether every component differs by at most `tolerance` (...)."""
+        """Whether two vectors are equal within a tolerance.
+
+        Args:
+            other: The other vector.
+            tolerance: The largest difference of a component that is accepted, in the units of the vector.
+
+        Returns:
+            Truth values, shape (...).
+        """
         return (np.abs(self.vector() - other.vector()) <= tolerance).all(axis=-1)
 
     def _dense(self) -> Array:

@@ -65,7 +65,12 @@ def lock(rank: int = OUTER) -> threading.RLock:
 
 
 def adopt(foreign: Any, rank: int = LIBRARY) -> None:
-    """Treats a lock of another library like one from `lock`."""
+    """Treats a lock of another library like one from `lock`.
+
+    Args:
+        foreign: The lock.
+        rank: The order in which locks are taken before a fork; outer ones have the lower rank.
+    """
     key = id(foreign)
     _locks[key] = rank, weakref.ref(foreign, lambda _: _locks.pop(key, None))
 

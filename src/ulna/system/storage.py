@@ -82,7 +82,12 @@ def _remove_stale(folder: Path) -> None:
 
 
 def save_figure(figure: Any, path: Any) -> None:
-    """Writes a figure of Matplotlib to a file, whole or not at all, or to an open one."""
+    """Writes a figure of Matplotlib to a file, whole or not at all, or to an open one.
+
+    Args:
+        figure: The figure.
+        path: The path, or an open file.
+    """
     if not isinstance(path, str | os.PathLike):
         figure.savefig(path)
         return
@@ -101,7 +106,15 @@ def is_private(status: os.stat_result) -> bool:
 
 
 def read_private(path: Path, most: int = -1) -> bytes | None:
-    """The content of a regular file that only this user can change; None where there is no such file."""
+    """The content of a regular file that only this user can change.
+
+    Args:
+        path: The file.
+        most: The largest number of bytes that are read; -1 for all.
+
+    Returns:
+        The bytes; None where there is no such file.
+    """
     try:
         return _read(path, most)
     except OSError:
@@ -126,7 +139,12 @@ def _read(path: Path, most: int) -> bytes | None:
 
 
 def write_private(path: Path, content: bytes, keep: bool = False) -> None:
-    """Writes a file that only this user can read; with `keep`, one that is there already stays.
+    """Writes a file that only this user can read.
+
+    Args:
+        path: The file.
+        content: Its bytes.
+        keep: Whether a file that is there already stays.
 
     Raises:
         OSError: It cannot be written; what was there is as it was.
@@ -149,6 +167,14 @@ def secret(folders: list[Path], name: str, size: int = 32) -> bytes | None:
     """This user's random key, from the first folder that can keep it; made at first use, and anew when damaged.
 
     Processes that make it at the same time all get the one that was there first.
+
+    Args:
+        folders: Where it may be stored, in order of preference.
+        name: Its file name.
+        size: Its length in bytes.
+
+    Returns:
+        The key; None where no folder can store it.
     """
     for folder in folders:
         try:

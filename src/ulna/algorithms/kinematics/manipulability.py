@@ -58,8 +58,7 @@ def manipulability(
     Raises:
         TraceError: a measure other than Yoshikawa's is asked of traced or symbolic numbers; it needs singular values,
             which have no formula. Compute it from the compiled Jacobian.
-        UnknownName: no such measure, no such axes.
-        InputError: no such measure, no such axes.
+        UnknownName, InputError: no such measure, no such axes.
     """
     return measure_of(frame_jacobian(model, q, frame), measure, axes)
 
