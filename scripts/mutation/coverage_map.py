@@ -34,12 +34,13 @@ def build(root: Path, folder: Path, arguments: list[str], jobs: int) -> None:
         **os.environ,
         "COVERAGE_PROCESS_START": str(config),
         "MUTATION_NOTES": str(folder / "notes.jsonl"),
-        "PYTHONPATH": str(Path(__file__).resolve().parents[1]),
+        "PYTHONPATH": os.pathsep.join([str(Path(__file__).resolve().parents[1]), str(root / "src")]),
     }
     workers = ["-n", str(jobs), "--dist", "worksteal"] if jobs > 1 else []
     command = [sys.executable, "-m", "pytest", "-q", "--tb=no", "-p", "mutation.plugin", *workers, *arguments]
     subprocess.run(command, cwd=root, env=environment, check=False)
     combined = Coverage(data_file=data, config_file=str(config))
+    combined.load()  # what earlier builds found, which combining would overwrite
     combined.combine(strict=False)
     combined.save()
 

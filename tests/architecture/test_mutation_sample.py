@@ -161,3 +161,16 @@ def test_with_a_map_gaps_survive_and_all_else_is_caught(project: Path) -> None:
     assert status == 1
     assert run(project, "--count", "4", "--seed", "3")[1].splitlines() == output.splitlines()[-2:]
     assert "-        raise ValueError" in run(project, "--count", "4", "--seed", "3", "--show", "5")[1]
+
+
+@pytest.mark.slow
+def test_a_map_grows_folder_by_folder(tools: Any, project: Path) -> None:
+    (project / "tests/laws").mkdir()
+    (project / "tests/laws/test_more.py").write_text(TESTS.replace("step(1) == 3", "step(2, 3) == 5"))
+    for folder in ("tests/unit", "tests/laws"):
+        run(project, "--map", folder)
+    covered = tools["map"].CoverageMap(project, project / "out" / "mutation")
+    assert covered.of_lines("src/tiny/steps.py", 8, 8) == {
+        "tests/unit/test_steps.py::test_step",
+        "tests/laws/test_more.py::test_step",
+    }

@@ -8,7 +8,6 @@ import zlib
 
 import numpy as np
 import pytest
-import sympy
 
 from ulna.compiler import trace
 from ulna.model import (
@@ -298,6 +297,7 @@ def test_a_batch_is_a_stack_of_singles(name: str) -> None:
 @every
 def test_symbols_give_the_same_as_numbers(name: str) -> None:
     kind, q, v = samples(name, 6)
+    sympy = pytest.importorskip("sympy")
     symbols = sympy.symbols(f"q:{kind.nq} v:{kind.nv}") if kind.nq else ()
     at = np.array(symbols[: kind.nq], dtype=object)
     rate = np.array(symbols[kind.nq :], dtype=object)

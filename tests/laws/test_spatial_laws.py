@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -442,6 +441,7 @@ NESTED = ("so3_log", "se3_log", "quat", "angle axis back", "interpolate")
 
 @pytest.mark.parametrize("name", [n for n in MAPS if n not in NESTED])
 def test_symbols_pass_through(name: str) -> None:
+    sympy = pytest.importorskip("sympy")
     f, kind = MAPS[name]
     x = samples(kind)[4]
     symbols = np.array(sympy.symbols(f"x:{len(x)}"), dtype=object)
@@ -454,6 +454,7 @@ def test_symbols_pass_through(name: str) -> None:
 
 @pytest.mark.parametrize("f", [sp.so3_log, sp.matrix_to_quat_xyzw, sp.matrix_to_rpy, sp.matrix_to_eul])
 def test_a_matrix_of_symbols_passes_through(f: Any) -> None:
+    sympy = pytest.importorskip("sympy")
     symbols = np.array(sympy.symbols("r:9"), dtype=object).reshape(3, 3)
     evaluate = sympy.lambdify(list(symbols.flat), list(f(symbols)), modules="math", cse=True)
     for w in ([0.1, 2.0, 0.3], [3.0, 0.1, 0.0], [0.0, 0.0, 1e-5]):
@@ -462,6 +463,7 @@ def test_a_matrix_of_symbols_passes_through(f: Any) -> None:
 
 
 def test_the_rotation_about_x_is_what_a_book_prints() -> None:
+    sympy = pytest.importorskip("sympy")
     q = sympy.Symbol("q")
     expected = sympy.Matrix([[1, 0, 0], [0, sympy.cos(q), -sympy.sin(q)], [0, sympy.sin(q), sympy.cos(q)]])
     assert sympy.nsimplify(sympy.Matrix(SO3.rx(q).matrix)) == expected

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy
 
 from support.random_models import KINDS, random_model
 from ulna import algorithms as alg
 from ulna.model import Frame, Model
+
+sympy = pytest.importorskip("sympy")
 
 FUNCTIONS: dict[str, Callable[[Model, Frame, Any, Any], Any]] = {
     "pose": lambda m, f, q, v: alg.frame_pose(m, q, f).matrix(),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import mujoco
 import numpy as np
 import pytest
 
@@ -14,7 +13,7 @@ from support.mjcf_physics import loaded
 from support.random_mjcf import RandomMjcf
 from ulna.typing import Floats
 
-mj: Any = mujoco
+mj: Any = pytest.importorskip("mujoco")
 
 
 def numbers(values: Floats) -> str:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pinocchio
 import pytest
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -20,7 +19,7 @@ from ulna.formats.urdf_parse import parse_urdf
 from ulna.model import Model
 from ulna.robots import example_robot_data
 
-pin: Any = pinocchio
+pin: Any = pytest.importorskip("pinocchio")
 
 
 def loaded(text: str) -> tuple[Model, list[str]]:

@@ -9,8 +9,8 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
+import pytest
 
 from ulna import algorithms as alg
 from ulna.collision import link_pairs
@@ -20,7 +20,7 @@ from ulna.geometry import Box, Capsule, Cylinder, Ellipsoid, Geometry, Mesh, Pla
 from ulna.model import FreeFlyer, Model, Spherical
 from ulna.typing import Floats
 
-mj: Any = mujoco
+mj: Any = pytest.importorskip("mujoco")
 Results = dict[str, Any]
 FREE, BALL = 0, 1
 LIMIT_ROW, FRICTION_ROW, EQUALITY_ROW = 3, 1, 0

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import mpmath
 import numpy as np
 import pytest
-import sympy
 
 from ulna import linalg
 from ulna.compiler import compile, trace
@@ -79,6 +77,7 @@ def test_floats_in_batches() -> None:
 
 @pytest.mark.parametrize("n", [2, 4])
 def test_symbols_are_solved_exactly(n: int) -> None:
+    sympy = pytest.importorskip("sympy")
     x = sympy.symbols(f"x:{n}")
     a = np.array([[sympy.Integer(1) / (i + j + 1) for j in range(n)] for i in range(n)], dtype=object)
     a[0, 0] = sympy.Integer(0)  # a structural zero is stepped over
@@ -123,6 +122,7 @@ def test_pseudoinverse_of_floats_batches_and_traces(shape: tuple[int, int]) -> N
 @pytest.mark.parametrize("condition", [1.0, 1e2, 1e4, 1e6, 1e8, 1e10])
 def test_pseudoinverse_is_as_good_as_by_singular_values(condition: float) -> None:
     """Against 60 digits: the error is that of the numbers themselves, the condition times the rounding unit."""
+    mpmath = pytest.importorskip("mpmath")
     rng, kernel = np.random.default_rng(7), compile(linalg.pseudoinverse, a=(6, 7))
     for _ in range(4):
         a = of_condition(condition, 6, 7, rng)

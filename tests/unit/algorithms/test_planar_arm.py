@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import sympy
-from sympy import cos, sin
 
 from ulna import algorithms as alg
 from ulna.model import Composite, FreeFlyer, Model, ModelBuilder, Prismatic, Revolute, Spherical
@@ -71,6 +69,8 @@ def test_centripetal_acceleration(arm: Model) -> None:
 
 
 def test_symbols_give_the_formulas(arm: Model) -> None:
+    sympy = pytest.importorskip("sympy")
+    cos, sin = sympy.cos, sympy.sin
     q1, q2, v1, v2 = sympy.symbols("q1 q2 v1 v2", real=True)
     q, v = np.array([q1, q2], dtype=object), np.array([v1, v2], dtype=object)
     hand = arm.frame("hand")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -11,6 +10,7 @@ from ulna.compiler import Function, compile, trace
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.errors import UnknownName
 
+mpmath = pytest.importorskip("mpmath")
 ONE = {
     Op.NEG: (lambda x: -x, lambda x: -x),
     Op.ABS: (abs, abs),

@@ -8,7 +8,6 @@ from functools import cache
 from pathlib import Path
 
 import llvmlite.binding as llvm
-import mpmath
 import numpy as np
 import pytest
 from lane_tools import NUMPY, compiled, worst_ulp, worst_ulp_extended
@@ -16,6 +15,7 @@ from lane_tools import NUMPY, compiled, worst_ulp, worst_ulp_extended
 from ulna.compiler.codegen.ir_text import module_text
 from ulna.compiler.codegen.sincos import BOUND, sincos_ir
 
+mpmath = pytest.importorskip("mpmath")
 SHAPES = [
     (1, "double"),
     (3, "double"),

@@ -8,7 +8,6 @@ import pickle
 
 import numpy as np
 import pytest
-import sympy
 
 from ulna import numeric as nm
 from ulna.compiler import Port, compile, trace
@@ -245,6 +244,7 @@ def test_a_trace_within_a_trace_is_apart():
 
 
 def test_symbols_pass_through():
+    sympy = pytest.importorskip("sympy")
     x, y = sympy.symbols("x y", real=True)
     f = trace(
         lambda q: np.array([np.sin(q[0]) * q[1], q[0] / q[1] - 2.0, np.sqrt(q[0]) + np.cos(q[0] * 1.0)]),
@@ -267,6 +267,7 @@ def test_symbols_pass_through():
 
 
 def test_symbols_pass_through_what_is_written_with_numeric():
+    sympy = pytest.importorskip("sympy")
     x = sympy.symbols("x", real=True)
     assert nm.minimum(x, 1.0) == sympy.Min(x, 1.0)
     assert nm.where(x < 1.0, x, 2.0) == sympy.Piecewise((x, x < 1.0), (2.0, True))

@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 import pytest
 
@@ -16,7 +15,7 @@ from ulna.formats.mjcf_loops import loops_from_mjcf
 from ulna.geometry import Box, Capsule, Mesh, Plane, Sphere
 from ulna.model import FrameLoop, FreeFlyer, PointLoop, Revolute
 
-mj: Any = mujoco
+mj: Any = pytest.importorskip("mujoco")
 
 ARM = """
 <mujoco model="two_link">

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy
 
 import ulna
 from support.random_models import random_model
@@ -209,6 +208,7 @@ def test_inside_ones_own_function(robot: ulna.Robot, state) -> None:
 
 def test_symbols_pass_through() -> None:
     """Without rounds, a pendulum on a wall: what holds its tip bears the weight that its axle does not."""
+    sympy = pytest.importorskip("sympy")
     model = (
         ulna.ModelBuilder("rod").add_link("wall").add_link("rod", ulna.Inertia.from_point(2.0, (0, 0, -0.5)))
     )

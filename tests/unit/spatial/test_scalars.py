@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy
 
 from ulna import numeric
 from ulna.compiler import trace
@@ -15,6 +14,7 @@ from ulna.compiler import trace
 @pytest.mark.parametrize("name", ["sin", "cos", "sqrt"])
 def test_unary_functions_take_mixed_object_arrays(name: str) -> None:
     f = getattr(numeric, name)
+    sympy = pytest.importorskip("sympy")
     x = sympy.Symbol("x")
     result = f(np.array([x, 0.5], dtype=object))
     assert result[0] == getattr(sympy, name)(x)
@@ -40,6 +40,7 @@ def test_traced_and_plain_numbers_mix(f: Any) -> None:
 
 
 def test_cases_of_symbols() -> None:
+    sympy = pytest.importorskip("sympy")
     x = sympy.Symbol("x", real=True)
     chosen = numeric.where(numeric.less(x, 1.0), x, 2 * x)
     assert chosen.subs(x, 0.5) == 0.5

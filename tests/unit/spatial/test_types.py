@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy
 
 from ulna.errors import InputError
 from ulna.spatial import SE3, SO3, Force, Inertia, Motion
@@ -134,11 +133,15 @@ def test_text_is_aligned() -> None:
     )
 
 
-def test_text_of_batches_and_symbols() -> None:
+def test_text_of_batches() -> None:
     text = repr(SO3.rx(np.zeros(5)))
     assert text.startswith("SO3 batch of shape (5,):\n")
     assert text.endswith("\n  ... 5 in all")
     assert repr(SO3.rx(np.zeros((0,)))) == "SO3 batch of shape (0,):"
+
+
+def test_text_of_symbols() -> None:
+    sympy = pytest.importorskip("sympy")
     assert "cos(q)" in repr(SO3.rz(sympy.Symbol("q")))
 
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
 
 import ulna
 from ulna import trajectory
@@ -78,6 +77,7 @@ def test_knots_of_the_path_are_grid_points(panda: ulna.Robot) -> None:
 @pytest.mark.parametrize("grid", [7, 100, 113])
 def test_the_sets_are_those_of_linear_programs(panda: ulna.Robot, grid: int) -> None:
     """Each pass on random rows against SciPy's solver, also where grids do not fill the kernels' blocks."""
+    linprog = pytest.importorskip("scipy.optimize").linprog
     path = wander(panda, 3)
     s = np.linspace(0.0, 1.0, grid + 1)
     D = 2.0 * np.diff(s)

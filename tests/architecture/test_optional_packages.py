@@ -1,0 +1,59 @@
+"""Tests are collected on a Python that lacks any or all of the optional packages: they skip and do not fail."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+INSIDE_CMEEL = [
+    "pinocchio",
+    "coal",
+    "example_robot_data",
+]  # they lie in a folder that the metadata do not name
+TOOLS = {"ulna", "pytest", "pytest-xdist", "hypothesis", "coverage"}
+BLOCK = """
+import os, sys
+
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in os.environ["ABSENT"].split():
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Absent())
+"""
+
+
+def optional_modules() -> list[str]:
+    """The modules of the optional packages and of those that only tests need, as far as they are installed."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    extras = project["project"]["optional-dependencies"].values()
+    wanted = [text for group in (*extras, project["dependency-groups"]["test"]) for text in group]
+    packages = {_normal(re.split(r"[\\[<>=]", text)[0]) for text in wanted} - TOOLS
+    modules = importlib.metadata.packages_distributions()
+    return INSIDE_CMEEL + [name for name, owners in modules.items() if set(map(_normal, owners)) & packages]
+
+
+def _normal(name: str) -> str:
+    return name.lower().replace("_", "-")
+
+
+@pytest.mark.slow
+def test_without_the_optional_packages_every_test_file_is_collected(tmp_path: Path) -> None:
+    absent = optional_modules()
+    (tmp_path / "absent_packages.py").write_text(BLOCK)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "--collect-only", "-q", "-p", "absent_packages", "-p", "no:cacheprovider"],
+        cwd=ROOT, env=os.environ | {"ABSENT": " ".join(absent), "PYTHONPATH": str(tmp_path)},
+        capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, (
+        "\n".join(re.findall(r"^(?:ERROR|E  ) .*", done.stdout, re.MULTILINE)) or done.stderr
+    )
