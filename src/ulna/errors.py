@@ -118,6 +118,10 @@ class DtypeError(InputError, TypeError):
         super().__init__(f"{text} {fix}" if fix else text)
 
 
+FIND_NAN = "Look where it comes from, or call the bare kernel (robot.kernel(...)), which lets nan through."
+"""The advice where numbers that a kernel takes are not finite."""
+
+
 class NonFiniteError(InputError):
     """An array holds nan or inf."""
 
@@ -126,7 +130,7 @@ class NonFiniteError(InputError):
         name: str,
         index: tuple[int, ...],
         value: float,
-        fix: str = "Look where it comes from, or call the bare kernel (robot.kernel(...)), which lets nan through.",
+        fix: str = FIND_NAN,
         *,
         mend: str = "",
     ) -> None:

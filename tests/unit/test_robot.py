@@ -129,7 +129,7 @@ def test_names_that_do_not_exist_offer_the_nearest(panda: ulna.Robot, qr: np.nda
         ([1j] * 7, DtypeError, "complex128"),
         (None, DtypeError, "`q` has dtype object"),
         ([np.inf, 0, 0, 0, 0, 0, 0], NonFiniteError, r"`q\[0\]` is inf; expected finite numbers"),
-        ([[0, 1], [2]], InputError, "expected an array of numbers"),
+        ([[0, 1], [2]], InputError, r"different lengths; expected \(..., 7\)"),
     ],
 )
 def test_wrong_configurations_are_refused(

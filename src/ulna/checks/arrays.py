@@ -3,21 +3,122 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-from ulna.checks.values import MAX_LENGTH, real_number, short_repr
-from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
+from ulna.checks.values import MAX_LENGTH, short_repr
+from ulna.errors import FIND_NAN, DtypeError, InputError, NonFiniteError, ShapeError
 from ulna.numeric import check_not_masked, is_symbolic
 from ulna.typing import Array, Floats
 
 ROTATION_TOLERANCE = 1e-6
 """How far `R.T @ R` may be from the identity, entry by entry, for R to pass as a rotation."""
 
+_FLOAT = np.dtype(float)
+_NAMED = 'Configurations with names are arrays in robot.configurations: robot.configurations["qr"].'
+_IN_ORDER = "Put its values in order: np.array([q[name] for name in robot.joint_names])."
+
+
+def _never(_: object) -> bool:
+    return False
+
+
+def real_array(
+    name: str,
+    value: Any,
+    expected: str = "real numbers",
+    *,
+    shape: str = "",
+    dtype: Any = _FLOAT,
+    kinds: str = "fiub",
+    is_symbol: Callable[[Any], bool] = _never,
+) -> Array:
+    """`value` as an array of numbers, or of objects where an entry is a symbol; nan and inf pass.
+
+    Args:
+        name: What the user calls it, for messages.
+        value: An array, a number, or nested lists of numbers.
+        expected: What was expected, for messages.
+        shape: The shape that was expected, for messages.
+        dtype: The type of the numbers returned.
+        kinds: The kinds of types that are accepted, as `dtype.kind` names them.
+        is_symbol: Which objects stay as they are, such as traced scalars.
+
+    Raises:
+        DtypeError: It holds something else than real numbers.
+        InputError: Rows differ in length, or entries are masked.
+    """
+    if type(value) is not np.ndarray:
+        check_not_masked(name, value)
+        try:
+            value = np.asarray(value)
+        except ValueError as error:
+            text = f"`{name}` is made of rows of different lengths; expected {shape or expected}."
+            raise InputError(f"{text} NumPy says: {error}") from None
+    if value.dtype == dtype:
+        return value
+    if value.dtype == object:
+        return _from_objects(name, value, expected, dtype, is_symbol)
+    kind = value.dtype.kind
+    if kind not in kinds:
+        raise DtypeError(name, str(value.dtype), expected, _NAMED if kind in "US" and name[:1] == "q" else "")
+    return value.astype(dtype)
+
+
+def _from_objects(
+    name: str, array: Array, expected: str, dtype: Any, is_symbol: Callable[[Any], bool]
+) -> Array:
+    """An array of objects as numbers of `dtype`, if none of them is a symbol."""
+    if array.ndim == 0 and isinstance(array[()], Mapping):
+        raise DtypeError(name, "dict", expected, _IN_ORDER)
+    for x in array.flat:  # NumPy would make nan of None, parse text and drop imaginary parts
+        if x is None or isinstance(x, (str, bytes, complex)):
+            raise DtypeError(name, f"object and holds {short_repr(x)}", expected)
+    if any(is_symbol(x) for x in array.flat):
+        return array
+    try:
+        return array.astype(dtype)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise DtypeError(name, "object", expected, f"NumPy says: {error}.") from None
+
+
+def batched_shape(core: tuple[int, ...]) -> str:
+    """A shape with leading axes, as text."""
+    return "(" + ", ".join(["...", *map(str, core)]) + ")"
+
+
+def check_core_shape(name: str, array: Array, core: tuple[int, ...], fix: str = "") -> None:
+    """Raises ShapeError unless the last axes of an array are `core`; `fix` says how to make them so."""
+    start = array.ndim - len(core)
+    if start < 0 or array.shape[start:] != core:
+        raise ShapeError(name, array.shape, batched_shape(core), fix or _shape_advice(array.shape, core))
+
+
+def _shape_advice(shape: tuple[int, ...], core: tuple[int, ...]) -> str:
+    """What may be wrong with a shape of which the last axes should be `core`."""
+    if shape and core and shape[::-1][: len(core)] == core:
+        return "It looks transposed."
+    if len(shape) == len(core) + 1 and shape[: len(core)] == core:
+        return "The batch axis comes first: pass the transpose."
+    if len(core) == 1 and shape and shape[-1] != core[0]:
+        return f"The last axis holds the {core[0]} numbers of one sample."
+    return ""
+
+
+def check_finite(name: str, array: Floats, fix: str = FIND_NAN) -> None:
+    """Raises NonFiniteError, which names the first entry that is nan or inf, if there is one."""
+    if math.isfinite(np.vdot(array, array)):  # one cheap pass in the good case
+        return
+    bad = ~np.isfinite(array)
+    if bad.any():
+        index = tuple(int(i) for i in np.argwhere(bad)[0])
+        raise NonFiniteError(name, index, float(array[index]), fix)
+
 
 def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
-    """A copy of finite numbers, in whatever shape.
+    """A copy of finite numbers, in whatever shape; True and False are none.
 
     Args:
         name: The name of the argument, for the message.
@@ -31,17 +132,8 @@ def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
         InputError: they are no numbers, or rows differ in length.
         NonFiniteError: nan or inf among them.
     """
-    check_not_masked(name, value)
-    try:
-        raw = np.asarray(value)
-        if raw.dtype.kind not in "fiu" and raw.size:
-            raw = np.array([real_number(x) for x in np.asarray(value, dtype=object).flat]).reshape(raw.shape)
-        out = np.array(raw, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"`{name}` is {short_repr(value)}; expected {expected}.") from None
-    if not math.isfinite(np.vdot(out, out)) and not np.isfinite(out).all():  # a quick look first
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(out))[0])
-        raise NonFiniteError(name, where, float(out[where]), "Look where it comes from.")
+    out = np.array(real_array(name, value, expected, kinds="fiu"))
+    check_finite(name, out, "Look where it comes from.")
     return out
 
 
@@ -69,6 +161,18 @@ def shaped_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Fl
         wanted = str(tuple("n" if n is None else n for n in shape)).replace("'", "")
         raise ShapeError(name, out.shape, wanted if shape else "one number", fix)
     return out
+
+
+def number_or_array(name: str, value: Any, count: int) -> Floats:
+    """One number for all of `count` entries, or as many, as an array (count,); inf and nan pass.
+
+    Raises:
+        InputError, ShapeError: They are no numbers, or another count.
+    """
+    out = real_array(name, value, f"one number or ({count},)")
+    if out.shape not in ((), (count,)):
+        raise ShapeError(name, out.shape, f"one number or ({count},)")
+    return np.broadcast_to(out, (count,))
 
 
 def length_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Floats:
@@ -140,25 +244,10 @@ def batched_array(name: str, value: Any, shape: tuple[int, ...], fix: str = "") 
         NonFiniteError: nan or inf among the numbers.
         InputError: rows differ in length.
     """
-    expected = "(" + ", ".join(["...", *map(str, shape)]) + ")"
-    check_not_masked(name, value)
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        raise InputError(f"`{name}` is made of rows of different lengths; expected {expected}.") from None
-    if array.dtype == object:
-        wrong = [x for x in array.flat if isinstance(x, (str, bytes, complex, type(None)))]
-        if wrong:
-            raise DtypeError(name, type(wrong[0]).__name__)
-    elif array.dtype.kind not in "fiub":
-        raise DtypeError(name, str(array.dtype))
-    if array.dtype != object or not any(is_symbolic(x) for x in array.flat):
-        array = array.astype(float, copy=False)
-    if array.ndim < len(shape) or array.shape[array.ndim - len(shape) :] != shape:
-        raise ShapeError(name, array.shape, expected, fix)
-    if array.dtype != object and not np.isfinite(array).all():
-        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise NonFiniteError(name, index, float(array[index]))
+    array = real_array(name, value, shape=batched_shape(shape), is_symbol=is_symbolic)
+    check_core_shape(name, array, shape, fix)
+    if array.dtype != object:
+        check_finite(name, array)
     return array
 
 

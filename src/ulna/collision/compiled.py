@@ -14,13 +14,14 @@ from typing import Any, Literal, final
 
 import numpy as np
 
+from ulna.checks.arrays import batched_array
 from ulna.collision import clearance as gap
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.solids import Missing
 from ulna.collision.spheres import Spheres, fit
 from ulna.collision.world import World
 from ulna.compiler import compile, trace
-from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import InputError, UnknownName
 from ulna.model import Model
 from ulna.numeric import less, minimum, where
 from ulna.spatial import SE3
@@ -200,16 +201,7 @@ class SphereChecker:
         return np.asarray(result)
 
     def _configurations(self, q: ArrayLike) -> Floats:
-        try:
-            array = np.asarray(q, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise DtypeError("q", type(q).__name__) from error
-        if array.shape[-1:] != (self.model.nq,):
-            raise ShapeError("q", array.shape, f"(..., {self.model.nq})")
-        if not np.isfinite(array).all():
-            bad = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-            raise NonFiniteError("q", bad, float(array[bad]))
-        return array
+        return batched_array("q", q, (self.model.nq,))
 
     def _check_moving(self, poses: Mapping[str, SE3]) -> None:
         for name in poses:

@@ -11,10 +11,11 @@ import numpy as np
 
 from ulna import algorithms
 from ulna import disk_cache as cache
+from ulna.checks.arrays import finite_array
 from ulna.collision.fit import cover
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.solids import Missing, Solid, link_solids
-from ulna.errors import FormatError, InputError, NonFiniteError, ShapeError
+from ulna.errors import FormatError, InputError, ShapeError
 from ulna.geometry import Mesh
 from ulna.model import Model
 from ulna.model.content import fingerprint
@@ -43,15 +44,12 @@ class LinkSpheres:
     excess: float | None = None
 
     def __post_init__(self) -> None:
-        centres, radii = np.array(self.centres, dtype=float), np.array(self.radii, dtype=float)
+        centres, radii = finite_array("centres", self.centres), finite_array("radii", self.radii)
         if centres.ndim != 2 or centres.shape[1] != 3:
             raise ShapeError("centres", centres.shape, "(n, 3)")
         if radii.shape != (len(centres),):
             raise ShapeError("radii", radii.shape, f"({len(centres)},), one for each centre")
         for name, array in (("centres", centres), ("radii", radii)):
-            if not np.isfinite(array).all():
-                bad = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-                raise NonFiniteError(name, bad, float(array[bad]))
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         if (radii <= 0.0).any():

@@ -9,7 +9,8 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
-from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.checks.arrays import check_finite
+from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.geometry import Mesh, Shape
 from ulna.idioms import unknown_attribute
 from ulna.model import Model
@@ -210,7 +211,5 @@ def _pose(name: str, pose: SE3 | ArrayLike | None) -> SE3:
         raise InputError(
             f"Obstacle {name!r}: `pose` is a batch of shape {matrix.shape[:-2]}; expected one pose."
         )
-    if not np.isfinite(matrix).all():
-        bad = tuple(int(i) for i in np.argwhere(~np.isfinite(matrix))[0])
-        raise NonFiniteError(f"pose of obstacle {name!r}", bad, float(matrix[bad]))
+    check_finite(f"pose of obstacle {name!r}", matrix)
     return checked

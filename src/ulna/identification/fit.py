@@ -22,7 +22,8 @@ from typing import Any, Literal
 import numpy as np
 
 from ulna.algorithms.dynamics.joint_friction import Friction, friction_torque
-from ulna.errors import InputError, NonFiniteError, ShapeError
+from ulna.checks.arrays import check_finite, finite_array, number_or_array, real_array
+from ulna.errors import InputError, ShapeError
 from ulna.identification.base import base_parameters_of, extended_regressor, parameter_names
 from ulna.identification.convex import Problem, Progress, minimised
 from ulna.identification.physical import pseudo_inertia
@@ -127,15 +128,13 @@ class _Log:
 
     @classmethod
     def checked(cls, model: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike) -> _Log:
-        arrays = {n: np.asarray(x, dtype=float) for n, x in (("q", q), ("v", v), ("a", a), ("tau", tau))}
+        arrays = {n: real_array(n, x) for n, x in (("q", q), ("v", v), ("a", a), ("tau", tau))}
         rows = arrays["q"].shape[0] if arrays["q"].ndim else 0
         for name, array in arrays.items():
             expected = (rows, model.nq if name == "q" else model.nv)
             if array.shape != expected:
                 raise ShapeError(name, array.shape, f"{expected}, one row per sample")
-            if not np.isfinite(array).all():
-                where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-                raise NonFiniteError(name, where, float(array[where]))
+            check_finite(name, array)
         if rows == 0:
             raise InputError("The log has no samples; expected one at least.")
         return cls(**arrays)
@@ -160,7 +159,7 @@ def _own(model: Model, sought: dict[str, bool]) -> Floats:
 
 
 def _prior(model: Model, prior: ArrayLike) -> Floats:
-    p = np.asarray(prior, dtype=float)
+    p = finite_array("prior", prior)
     if p.size != 10 * len(model.joints):
         raise ShapeError("prior", p.shape, f"({10 * len(model.joints)},)")
     return p.reshape(-1)
@@ -171,12 +170,10 @@ def _noise(noise: Any, nv: int) -> Floats:
         return np.ones(nv)
     if isinstance(noise, str):
         raise InputError(f"`noise` is {noise!r}; expected 'auto', or a standard deviation for each joint.")
-    sigma = np.asarray(noise, dtype=float)
-    if sigma.shape not in ((), (nv,)):
-        raise ShapeError("noise", sigma.shape, f"one number or ({nv},)")
+    sigma = number_or_array("noise", noise, nv)
     if not (np.isfinite(sigma).all() and (sigma > 0.0).all()):
         raise InputError(f"`noise` is {noise}; expected finite numbers above zero.")
-    return np.broadcast_to(sigma, (nv,)).copy()
+    return sigma.copy()
 
 
 def _sizes(model: Model, p0: Floats) -> Floats:

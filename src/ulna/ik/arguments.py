@@ -7,13 +7,13 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ulna.checks.arrays import batched_array, checked_rotation
+from ulna.checks.arrays import batched_array, batched_shape, checked_rotation, real_array
 from ulna.checks.values import count
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.ik.goal import Mask, mask_of
 from ulna.ik.problem import Problem
 from ulna.model import Model
-from ulna.numeric import check_not_masked
+from ulna.numeric import is_symbolic
 from ulna.typing import Floats
 
 DEFAULT_STARTS = ("rest", "home", "ready", "qr", "half_sitting", "standing")
@@ -168,13 +168,9 @@ def matrix_of(T: Any) -> Any:
     Raises:
         InputError: If a list has rows of different lengths.
     """
-    plain = type(T) is np.ndarray
-    if not plain:
-        check_not_masked("T", T)
-    try:
-        return np.asarray(T.matrix() if hasattr(T, "matrix") else T)
-    except ValueError:
-        raise InputError("`T` is made of rows of different lengths; expected (..., 4, 4).") from None
+    return real_array(
+        "T", T.matrix() if hasattr(T, "matrix") else T, shape="(..., 4, 4)", is_symbol=is_symbolic
+    )
 
 
 def _pose_of_part(name: str, T: Any, mask: Mask) -> Floats | None:
@@ -232,7 +228,7 @@ def check_goal_shape(T: Any, problem: Problem) -> None:
     shape = np.shape(T)
     advice = _advice(shape)
     if advice and shape[len(shape) - len(core) :] != core:
-        raise ShapeError("T", shape, "(" + ", ".join(["...", *map(str, core)]) + ")", advice)
+        raise ShapeError("T", shape, batched_shape(core), advice)
 
 
 def _advice(shape: tuple[int, ...]) -> str:

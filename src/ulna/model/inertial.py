@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, ModelError, NonFiniteError, ShapeError, UnknownName
+from ulna.checks.arrays import check_finite, number_or_array, real_array
+from ulna.errors import InputError, ModelError, ShapeError, UnknownName
 from ulna.model.assemble import aggregate
 from ulna.model.check import checked_inertia
 from ulna.model.joints.axes import constant
@@ -49,14 +50,12 @@ def with_dynamic_parameters(model: Model, parameters: ArrayLike, *, check: bool 
         ShapeError, NonFiniteError: they are not ten finite numbers for each body.
         ModelError: a body cannot exist; or it has no mass, but first moments, which no model can hold.
     """
-    p = np.asarray(parameters, dtype=float)
+    p = real_array("parameters", parameters)
     count = len(model.joints)
     if p.shape not in ((10 * count,), (count, 10)):
         raise ShapeError("parameters", p.shape, f"({10 * count},): ten for each of {count} bodies")
     p = p.reshape(count, 10)
-    if not np.isfinite(p).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(p))[0])
-        raise NonFiniteError("parameters", where, float(p[where]))
+    check_finite("parameters", p)
     before = dynamic_parameters(model).reshape(count, 10)
     inertias, links = list(model.inertias), list(model.links)
     for i, joint in enumerate(model.joints):
@@ -107,12 +106,10 @@ def with_joint_dynamics(model: Model, **values: ArrayLike) -> Model:
     for name, given in values.items():
         if name not in _OF_DRIVES:
             raise UnknownName("number of the drives", name, _OF_DRIVES)
-        value = np.asarray(given, dtype=float)
-        if value.shape not in ((), (model.nv,)):
-            raise ShapeError(name, value.shape, f"one number or ({model.nv},)")
+        value = number_or_array(name, given, model.nv)
         if np.isnan(value).any() or (value < 0.0).any() or (name != "effort" and np.isinf(value).any()):
             raise InputError(f"`{name}` is {value}; expected finite numbers, none below zero.")
-        model = told_of_drives(model, name, np.broadcast_to(value, (model.nv,)))
+        model = told_of_drives(model, name, value)
     return model
 
 

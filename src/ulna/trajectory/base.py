@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
 from ulna.errors import InputError
-from ulna.trajectory.inputs import above_zero, numbers, positive, seconds
+from ulna.trajectory.inputs import above_zero, positive, seconds
 from ulna.trajectory.peaks import greatest
 from ulna.trajectory.space import Poses, Space
 from ulna.typing import ArrayLike, Floats
@@ -251,7 +252,7 @@ class Trajectory(ABC):
         return self._evaluate(t, order)[order]
 
     def _evaluate(self, t: ArrayLike, order: int) -> tuple[Floats, ...]:
-        times = numbers("t", t)
+        times = finite_array("t", t)
         flat, duration = times.reshape(-1), self.duration
         if flat.size == 0 or (flat.min() >= 0.0 and flat.max() <= duration):
             rows = self._checked_at(flat, order)

@@ -16,8 +16,9 @@ from typing import Literal
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
 from ulna.errors import InputError, UnknownName
-from ulna.trajectory.inputs import not_repeating, numbers, positive, rows, seconds
+from ulna.trajectory.inputs import not_repeating, positive, rows, seconds
 from ulna.trajectory.polynomial import Polynomial, hermite
 from ulna.typing import ArrayLike
 
@@ -74,7 +75,7 @@ def blended(
         T = np.maximum(needed, 2.0 * tau)
     else:
         assert segment_times is not None
-        T = np.atleast_1d(numbers("segment_times", segment_times))
+        T = np.atleast_1d(finite_array("segment_times", segment_times))
         if T.shape != (count,):
             raise InputError(
                 f"`segment_times` has shape {T.shape}; expected ({count},), one for each segment."

@@ -6,33 +6,16 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array, number_or_array
 from ulna.checks.values import number
-from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
-from ulna.numeric import check_not_masked
+from ulna.errors import InputError, ShapeError
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
 
 
-def numbers(name: str, value: Any) -> Floats:
-    """`value` as an array of finite floats of any shape."""
-    check_not_masked(name, value)
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind == "c":
-            raise DtypeError(name, str(array.dtype))
-        if array.dtype != float:
-            array = array.astype(float) if array.dtype.kind in "fiub" else np.array(value, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise (error if isinstance(error, DtypeError) else DtypeError(name, type(value).__name__)) from None
-    if not np.isfinite(array).all():
-        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise NonFiniteError(name, index, float(array[index]))
-    return array
-
-
 def vector(name: str, value: ArrayLike, size: int | None = None) -> Floats:
     """One point (n,) of finite floats; a single number is a point with one entry."""
-    array = numbers(name, value)
+    array = finite_array(name, value)
     array = array if array.ndim else array.reshape(1)
     if array.ndim != 1 or array.size == 0 or (size is not None and array.size != size):
         raise ShapeError(name, array.shape, "(n,), one point" if size is None else f"({size},)")
@@ -43,13 +26,13 @@ def filled(name: str, value: ArrayLike | None, size: int) -> Floats:
     """A point (size,); zeros for None, and one number fills all entries."""
     if value is None:
         return np.zeros(size)
-    array = numbers(name, value)
+    array = finite_array(name, value)
     return np.full(size, float(array)) if array.ndim == 0 else vector(name, array, size)
 
 
 def rows(name: str, value: ArrayLike, least: int = 2) -> Floats:
     """Several points (k, n) of finite floats, k at least `least`."""
-    array = numbers(name, value)
+    array = finite_array(name, value)
     array = array[:, None] if array.ndim == 1 else array
     if array.ndim != 2 or array.shape[0] < least or array.shape[1] == 0:
         raise ShapeError(name, array.shape, f"(k, n), at least {least} points in rows")
@@ -68,7 +51,7 @@ def above_zero(name: str, value: Any, expected: str) -> float:
 
 def increasing(name: str, value: ArrayLike, count: int) -> Floats:
     """Times (count,) that increase strictly [s], the first being 0."""
-    t = numbers(name, value)
+    t = finite_array(name, value)
     if t.shape != (count,):
         raise ShapeError(name, t.shape, f"({count},), one time for each way-point")
     if t[0] != 0.0:
@@ -81,10 +64,7 @@ def increasing(name: str, value: ArrayLike, count: int) -> Floats:
 
 def positive(name: str, value: ArrayLike, size: int, infinite: bool = False) -> Floats:
     """Limits above zero (size,); one number holds for all entries."""
-    try:
-        limit = np.broadcast_to(np.asarray(value, dtype=float), (size,))
-    except (TypeError, ValueError):
-        raise ShapeError(name, np.shape(value), f"one number or ({size},)") from None
+    limit = number_or_array(name, value, size)
     wrong = ~(limit > 0.0) | (np.isinf(limit) & (not infinite))
     if wrong.any():
         k = int(np.argmax(wrong))

@@ -19,10 +19,10 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
 from ulna.compiler import compile
 from ulna.errors import InputError, ShapeError
 from ulna.trajectory.base import Trajectory
-from ulna.trajectory.inputs import numbers
 from ulna.trajectory.space import Space, Vectors
 from ulna.typing import Array, Floats
 
@@ -49,7 +49,7 @@ class Polynomial(Trajectory):
         cls, times: Any, coefficients: Any, kind: str = "polynomial", space: Space | None = None
     ) -> Polynomial:
         """A polynomial trajectory of checked, copied, read-only arrays."""
-        t, c = np.array(numbers("times", times)), np.array(numbers("coefficients", coefficients))
+        t, c = finite_array("times", times), finite_array("coefficients", coefficients)
         if c.ndim != 3 or t.shape != (c.shape[0] + 1,) or 0 in c.shape:
             raise ShapeError("coefficients", c.shape, f"(k, d + 1, n) with k + 1 = {t.size} times")
         if t[0] != 0.0 or (np.diff(t) <= 0.0).any():

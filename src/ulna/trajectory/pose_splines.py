@@ -21,11 +21,12 @@ from typing import Any, Literal, final
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
 from ulna.errors import InputError, UnknownName
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3, Motion
 from ulna.trajectory.base import Trajectory
-from ulna.trajectory.inputs import numbers, seconds
+from ulna.trajectory.inputs import seconds
 from ulna.trajectory.space import Poses, Space
 from ulna.typing import ArrayLike, Floats
 
@@ -139,7 +140,7 @@ def _times_of(count: int, total: float) -> Floats:
 def _stacked(poses: Any) -> ArrayLike:
     if isinstance(poses, (list, tuple)):
         return np.stack(
-            [np.asarray(T.matrix()) if isinstance(T, SE3) else numbers("poses", T) for T in poses]
+            [np.asarray(T.matrix()) if isinstance(T, SE3) else finite_array("poses", T) for T in poses]
         )
     return poses
 

@@ -367,7 +367,7 @@ def test_batches_agree_with_single_calls(kernel):
         ([1.0, None, 2.0], np.eye(3), DtypeError, "`q` has dtype object and holds None; expected real numbers."),
         (np.array(["1", 2, 3], object), np.eye(3), DtypeError, "`q` has dtype object and holds '1'"),
         (np.array([{}, 2, 3]), np.eye(3), DtypeError, "`q` has dtype object; expected real numbers. NumPy says:"),
-        ([[1.0, 2.0, 3.0], [1.0]], np.eye(3), InputError, "`q` is ragged; expected an array of numbers, shape (..., 3)."),
+        ([[1.0, 2.0, 3.0], [1.0]], np.eye(3), InputError, "`q` is made of rows of different lengths; expected (..., 3). NumPy says:"),
         (np.array(["2020-01-01"] * 3, "M8[D]"), np.eye(3), DtypeError, "`q` has dtype datetime64[D]"),
     ],
 )  # fmt: skip

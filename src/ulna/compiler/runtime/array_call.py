@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.arrays import batched_shape, check_core_shape, check_finite, real_array
 from ulna.compiler.codegen.ir_text import DType
 from ulna.compiler.codegen.module import emit_batch
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
 from ulna.compiler.language.scalar import Value
 from ulna.compiler.runtime import entry_point, gufunc, jit
-from ulna.compiler.runtime.foreign import is_foreign, refuse_lazy, refuse_tables, shape_advice, shown
-from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
+from ulna.compiler.runtime.foreign import is_foreign, refuse_lazy, refuse_tables
+from ulna.errors import DtypeError, InputError, ShapeError
 from ulna.numeric import check_not_masked
 from ulna.system import forks
 
@@ -80,7 +81,7 @@ class ArrayCall:
             if self.checked:
                 for a, port in zip(args, f.inputs, strict=True):
                     if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others, as Dask's, may be lazy
-                        _check_finite(port.name, np.asarray(a, self.dtype))
+                        check_finite(port.name, np.asarray(a, self.dtype))
             return self._apply(args, out)
         arrays = [self._array(a, port) for a, port in zip(args, f.inputs, strict=True)]
         if any(a.dtype == object for a in arrays):
@@ -90,7 +91,7 @@ class ArrayCall:
             self._check_out(out, batch)
         if self.checked:
             for a, port in zip(arrays, f.inputs, strict=True):
-                _check_finite(port.name, a)
+                check_finite(port.name, a)
             for number, entries in self.unit:
                 _check_unit(f.inputs[number].name, arrays[number], entries)
         fast_call = self.single() if batch == () and (out is None or self._is_exact(out)) else None
@@ -195,42 +196,10 @@ class ArrayCall:
         )
 
     def _array(self, value: Any, port: Port) -> Any:
-        check_not_masked(port.name, value)
-        try:
-            array = np.asarray(value)
-        except ValueError as error:  # ragged lists
-            raise InputError(
-                f"`{port.name}` is ragged; expected an array of numbers, shape {shown(port)}. NumPy says: {error}"
-            ) from None
-        if array.dtype != self.dtype:
-            if array.dtype == object:
-                return self._objects(array, port)
-            if array.dtype.kind not in "fiub":
-                named = 'Configurations with names are arrays in robot.configurations: robot.configurations["qr"].'
-                raise DtypeError(port.name, str(array.dtype), fix=named if array.dtype.kind in "US" else "")
-            array = array.astype(self.dtype)
-        core = len(port.shape)
-        if array.ndim < core or array.shape[array.ndim - core :] != port.shape:
-            raise ShapeError(port.name, array.shape, shown(port), shape_advice(array.shape, port))
+        shape = batched_shape(port.shape)
+        array = real_array(port.name, value, shape=shape, dtype=self.dtype, is_symbol=_is_traced)
+        check_core_shape(port.name, array, port.shape)
         return array
-
-    def _objects(self, array: Any, port: Port) -> Any:
-        if any(isinstance(v, Value) for v in array.reshape(-1)):
-            return array
-        if array.ndim == 0 and isinstance(array[()], Mapping):
-            raise DtypeError(
-                port.name,
-                "dict",
-                fix="Put its values in order: np.array([q[name] for name in robot.joint_names]).",
-            )
-        odd = next((v for v in array.reshape(-1) if v is None or isinstance(v, (str, bytes))), 0)
-        if odd != 0:  # NumPy would make nan of None and parse text
-            raise DtypeError(port.name, f"object and holds {odd!r}")
-        try:
-            numbers = array.astype(self.dtype)
-        except (TypeError, ValueError) as error:
-            raise DtypeError(port.name, "object", fix=f"NumPy says: {error}.") from None
-        return self._array(numbers, port)
 
     def _batch(self, arrays: Sequence[Any]) -> tuple[int, ...]:
         ports = self.function.inputs
@@ -287,14 +256,8 @@ def _fits(batch: tuple[int, ...], target: tuple[int, ...]) -> bool:
         return False
 
 
-def _check_finite(name: str, array: Any) -> None:
-    with np.errstate(over="ignore", invalid="ignore"):
-        if np.isfinite(array.sum()):  # one cheap pass in the good case
-            return
-    bad = ~np.isfinite(array)
-    if bad.any():
-        index = tuple(int(i) for i in np.argwhere(bad)[0])
-        raise NonFiniteError(name, index, float(array[index]))
+def _is_traced(value: object) -> bool:
+    return isinstance(value, Value)
 
 
 def _check_unit(name: str, array: Any, entries: Sequence[int]) -> None:

@@ -1,4 +1,4 @@
-"""Arguments that are no NumPy arrays, and what is said of them and of wrong shapes."""
+"""Arguments that are no NumPy arrays, and what is said of them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import batched_shape
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
 from ulna.errors import InputError
@@ -40,7 +41,7 @@ def refuse_tables(port: Port, value: Any) -> None:
     if name != "DataFrame":
         advice = "Take its numbers: q.to_numpy()."
     raise InputError(
-        f"`{port.name}` is a {name} of {_library(value)}; expected an array {shown(port)}. "
+        f"`{port.name}` is a {name} of {_library(value)}; expected an array {batched_shape(port.shape)}. "
         + advice.replace("q[", f"{port.name}[").replace("q.", f"{port.name}.")
     )
 
@@ -59,7 +60,7 @@ def refuse_lazy(f: Function, args: Sequence[Any]) -> None:
         if _library(a) == "dask":
             raise InputError(
                 f"`{port.name}` is a Dask array of shape {a.shape}; "
-                f"expected a NumPy array {shown(port)}. A kernel takes Dask arrays lazily: "
+                f"expected a NumPy array {batched_shape(port.shape)}. A kernel takes Dask arrays lazily: "
                 f'robot.kernel("{f.name}").dask({port.name}), with the last axis in one chunk; or pass '
                 f"{port.name}.compute()."
             ) from None
@@ -68,28 +69,3 @@ def refuse_lazy(f: Function, args: Sequence[Any]) -> None:
 def _library(value: Any) -> str:
     """The package that the type of a value comes from."""
     return type(value).__module__.partition(".")[0]
-
-
-def shown(port: Port) -> str:
-    """A shape with leading axes, as text."""
-    return "(" + ", ".join(["...", *map(str, port.shape)]) + ")"
-
-
-def shape_advice(given: tuple[int, ...], port: Port) -> str:
-    """What may be wrong with a shape.
-
-    Args:
-        given: The shape of what was passed.
-        port: Name and shape of the input.
-
-    Returns:
-        A sentence, or "" where nothing is known.
-    """
-    core = len(port.shape)
-    if given and core and given[::-1][:core] == port.shape:
-        return "It looks transposed."
-    if len(given) == core + 1 and given[:core] == port.shape:
-        return "The batch axis comes first: pass the transpose."
-    if core == 1 and given and given[-1] != port.shape[0]:
-        return f"The last axis holds the {port.shape[0]} numbers of one sample."
-    return ""

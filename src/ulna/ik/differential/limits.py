@@ -25,7 +25,8 @@ from typing import Any, NamedTuple, final
 import numpy as np
 
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
-from ulna.errors import InputError, ShapeError
+from ulna.checks.arrays import number_or_array
+from ulna.errors import InputError
 from ulna.ik.differential.task import Shapes
 from ulna.model import Composite, JointKind, Model
 from ulna.model.joints.base import VectorKind
@@ -235,10 +236,7 @@ def _of_joints(model: Model, bound: Any, label: str) -> Floats:
             joint = model.joint(name)
             out[joint.idx_v : joint.idx_v + joint.nv] = value
     else:
-        out = np.asarray(bound, dtype=float)
-        if out.shape not in ((), (model.nv,)):
-            raise ShapeError(label, out.shape, f"one number or ({model.nv},)")
-        out = np.broadcast_to(out, (model.nv,))
+        out = number_or_array(label, bound, model.nv)
     if not (out > 0.0).all():
         raise InputError(f"{label}: {bound} holds a number that is not above 0.")
     return out

@@ -8,7 +8,8 @@ from typing import Any, Self
 import numpy as np
 
 from spatialgeometry._shape import Length, Shape, positive
-from ulna.errors import InputError, NonFiniteError, ShapeError
+from ulna.checks.arrays import finite_array
+from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
 __all__ = ["Arrow", "Axes", "Path", "Polyline"]
@@ -135,12 +136,9 @@ class Polyline(Shape):
 
     @points.setter
     def points(self, points: Any) -> None:
-        out = np.array(points, dtype=float)
+        out = finite_array("points", points)
         if out.ndim != 2 or out.shape[0] != 3:
             raise ShapeError("points", out.shape, "(3, n), a point in each column")
-        if not np.isfinite(out).all():
-            where = tuple(int(i) for i in np.argwhere(~np.isfinite(out))[0])
-            raise NonFiniteError("points", where, float(out[where]))
         self._points = out
         self.changes += 1
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from spatialgeometry._collision import CollisionShape
 from ulna import geometry
-from ulna.errors import InputError, ShapeError
+from ulna.checks.arrays import number_or_array
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 __all__ = ["Mesh"]
@@ -62,10 +63,7 @@ class Mesh(CollisionShape):
 
     @scale.setter
     def scale(self, scale: Any) -> None:
-        out = np.asarray(scale, dtype=float).reshape(-1)
-        if out.shape not in ((1,), (3,)):
-            raise ShapeError("scale", out.shape, "one number, or (3,)")
-        self._scale = np.broadcast_to(out, 3).copy()
+        self._scale = number_or_array("scale", np.squeeze(scale), 3).copy()
         self.changes += 1
 
     @property

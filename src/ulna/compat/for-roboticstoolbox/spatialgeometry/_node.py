@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, NonFiniteError, ShapeError
+from ulna.checks.arrays import finite_array
+from ulna.errors import InputError, ShapeError
 from ulna.spatial import matrix_to_quat_xyzw
 from ulna.typing import Floats
 
@@ -26,12 +27,9 @@ def matrix_of(pose: Any, name: str = "pose") -> Floats:
     value = getattr(pose, "A", pose)
     if isinstance(value, list):
         raise InputError(f"`{name}` holds {len(value)} poses; expected one. Take one of them: pose[0].")
-    out = np.array(value, dtype=float)
+    out = finite_array(name, value)
     if out.shape != (4, 4):
         raise ShapeError(name, out.shape, "(4, 4), or an SE3")
-    if not np.isfinite(out).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(out))[0])
-        raise NonFiniteError(name, where, float(out[where]))
     R = out[:3, :3]
     if np.abs(R @ R.T - np.eye(3)).max() > 1e-3 or np.linalg.det(R) < 0.0:
         raise InputError(

@@ -10,7 +10,8 @@ import numpy as np
 
 from spatialgeometry._colour import rgba
 from spatialgeometry._node import SceneNode, matrix_of
-from ulna.errors import InputError, NonFiniteError, ShapeError
+from ulna.checks.arrays import finite_array
+from ulna.errors import InputError, ShapeError
 from ulna.spatial import matrix_to_quat_xyzw
 from ulna.typing import Floats
 from ulna.viewer.colours import RGBA
@@ -99,12 +100,9 @@ class Shape(SceneNode, abc.ABC):
 
     @v.setter
     def v(self, v: Any) -> None:
-        out = np.array(v, dtype=float).reshape(-1)
+        out = finite_array("v", v).reshape(-1)
         if out.shape != (6,):
             raise ShapeError("v", np.shape(v), "(6,): linear [m/s], then angular [rad/s]")
-        if not np.isfinite(out).all():
-            where = int(np.flatnonzero(~np.isfinite(out))[0])
-            raise NonFiniteError("v", (where,), float(out[where]))
         self._v = out
 
     @property

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.checks.arrays import check_finite
+from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.spatial import matrix_to_quat_xyzw, quat_xyzw_to_matrix
 from ulna.typing import Floats
 
@@ -48,9 +49,7 @@ def pose_of(configuration: Any, name: str = "configuration") -> Floats:
     values = np.asarray([float(x) for x in np.ravel(configuration)])
     if values.shape != (7,):
         raise ShapeError(name, values.shape, "(7,): x, y, z and a quaternion")
-    if not np.isfinite(values).all():
-        where = int(np.argwhere(~np.isfinite(values))[0][0])
-        raise NonFiniteError(name, (where,), float(values[where]))
+    check_finite(name, values)
     quat = values[3:][_ORDERS[quaternion_order()]]
     length = float(np.linalg.norm(quat))
     if length < 1e-6:

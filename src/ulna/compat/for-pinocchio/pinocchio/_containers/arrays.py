@@ -6,6 +6,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from ulna.checks.arrays import real_array
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
@@ -54,10 +55,7 @@ def numbers(value: Any, name: str) -> Floats:
     Raises:
         InputError: it holds no numbers.
     """
-    try:
-        return np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"`{name}` is {value!r}; expected real numbers.") from None
+    return real_array(name, value)
 
 
 def index(value: Any, count: int, what: str, fix: str) -> int:

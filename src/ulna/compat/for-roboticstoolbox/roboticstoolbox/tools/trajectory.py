@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ulna import trajectory
+from ulna.checks.arrays import number_or_array
 from ulna.errors import InputError, MissingExtra, ShapeError
 from ulna.typing import Floats
 
@@ -239,8 +240,8 @@ def mstraj(
     if (qdmax is None) == (tsegment is None):
         raise InputError("mstraj takes `qdmax` or `tsegment`, one of them.")
     segments, n = len(points) - 1, points.shape[1]
-    blends = np.ceil(_each("tacc", tacc, segments) / dt - 1e-9) * dt
-    v = _each("qd0", 0.0 if qd0 is None else qd0, n)
+    blends = np.ceil(number_or_array("tacc", tacc, segments) / dt - 1e-9) * dt
+    v = number_or_array("qd0", 0.0 if qd0 is None else qd0, n)
     p, clock, half, duration = points[0], 0.0, 0.0, 0.0
     rows: list[Any] = []
     arrive, info = np.zeros(segments), []
@@ -249,10 +250,10 @@ def mstraj(
         corner = half if k == 0 else blend
         slowest: float = math.nan
         if tsegment is None:
-            needed = corner + np.ceil(np.abs(b - a) / _each("qdmax", qdmax, n) / dt - 1e-9) * dt
+            needed = corner + np.ceil(np.abs(b - a) / number_or_array("qdmax", qdmax, n) / dt - 1e-9) * dt
             slowest, duration = int(needed.argmax()), max(float(needed.max()), 2 * blend)
         else:
-            duration = float(_each("tsegment", tsegment, segments)[k])
+            duration = float(number_or_array("tsegment", tsegment, segments)[k])
         info.append(mstraj_info(slowest, duration, clock))
         arrive[k] = clock + duration + (half if k else 0.0)
         rate = (b - a) / duration
@@ -261,20 +262,12 @@ def mstraj(
         rows += [(a + t * rate, rate, np.zeros(n)) for t in line]
         p, v = rows[-1][0] if rows else a, rate
         clock += corner + dt * len(line)
-    rows += _corner(p, v, points[-1], _each("qdf", 0.0 if qdf is None else qdf, n), half, dt)
+    rows += _corner(p, v, points[-1], number_or_array("qdf", 0.0 if qdf is None else qdf, n), half, dt)
     q, rates, rises = (np.array(part) for part in zip(*rows, strict=True))
     out: Any = Trajectory("mstraj", dt * np.arange(len(q)), q, rates, rises, istime=True)
     out.arrive, out.via = arrive, points[1:]
     out.info = [*info, mstraj_info(None, duration, clock)]
     return out
-
-
-def _each(name: str, value: Any, count: int) -> Floats:
-    """One number for all, or as many as there are."""
-    out = np.asarray(value, dtype=float)
-    if out.shape not in ((), (count,)):
-        raise ShapeError(name, out.shape, f"a number, or ({count},)")
-    return np.broadcast_to(out, (count,))
 
 
 def _corner(a: Floats, v: Floats, b: Floats, w: Floats, duration: float, dt: float) -> list[Any]:
