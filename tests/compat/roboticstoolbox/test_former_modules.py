@@ -13,7 +13,7 @@ import numpy as np
 
 FORMER = {
     "_et": "_ets.elementary_transform", "_ets": "_ets.ets", "_link": "_links.link", "_gripper": "_links.gripper",
-    "_copies": "_mixins.copying", "_ik": "_ets.inverse_kinematics", "_robot": "_robots.robot",
+    "_copies": "_mixins.copying", "_ik": "_ets.ik_solution", "_robot": "_robots.robot",
     "_dh": "_robots.dh_links", "_planar": "_robots.planar_robot", "_poe": "_robots.poe_robot",
 }
 arm = rtb.DHRobot([rtb.RevoluteDH(a=0.3, m=1.0), rtb.PrismaticMDH(qlim=[0, 1])][:1], name="arm")

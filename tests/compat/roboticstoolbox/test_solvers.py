@@ -22,7 +22,7 @@ def test_a_solver_answers_as_the_method_of_its_name(rtb: Any) -> None:
     panda = rtb.models.Panda()
     goal, q0 = panda.fkine(panda.qr + 0.05), panda.qr
     rounds = {}
-    for kind, options in (("LM", {}), ("NR", {"pinv": True}), ("GN", {"pinv": True}), ("QP", {})):
+    for kind, options in (("LM", {}), ("NR", {"pinv": True}), ("GN", {"pinv": True}), ("QP", {"kj": 1.0})):
         mine = getattr(rtb, f"IK_{kind}")(**options).solve(panda.ets(), goal, q0)
         robots = getattr(panda, f"ikine_{kind}")(goal, q0=q0, **options)
         assert mine.success and robots.success

@@ -16,7 +16,7 @@ _MODULE_NAMES = {
     "roboticstoolbox._links.gripper": ("Gripper",),
     "roboticstoolbox._robots.robot": ("BaseRobot", "Robot", "ERobot"),
     "roboticstoolbox._robots.planar_robot": ("Robot2", "ERobot2"),
-    "roboticstoolbox._ets.inverse_kinematics": ("IKSolution",),
+    "roboticstoolbox._ets.ik_solution": ("IKSolution",),
     "roboticstoolbox._ik.solvers": ("IKSolver", "IK_LM", "IK_NR", "IK_GN", "IK_QP"),
     "roboticstoolbox._robots.dh_links": ("DHLink", "RevoluteDH", "PrismaticDH", "RevoluteMDH", "PrismaticMDH"),
     "roboticstoolbox._robots.dh_robot": ("DHRobot", "SerialLink"),

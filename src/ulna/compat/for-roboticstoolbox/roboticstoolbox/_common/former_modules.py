@@ -24,7 +24,7 @@ FORMER = {
 """The present module of each former one whose objects can be pickled."""
 FORMER_PAIRS = {"_dh": ("_robots.dh_links", "_robots.dh_robot")}
 """Former modules that are two today."""
-FORMER_CLASSES = {"_ets": ("_ets.ets", ("ETS", "ETS2")), "_ik": ("_ets.inverse_kinematics", ("IKSolution",))}
+FORMER_CLASSES = {"_ets": ("_ets.ets", ("ETS", "ETS2")), "_ik": ("_ets.ik_solution", ("IKSolution",))}
 """Classes of former modules whose names are now those of folders, with their present modules."""
 
 

@@ -13,10 +13,12 @@ import numpy as np
 from roboticstoolbox._dynamics.dynamics import vector3
 from roboticstoolbox._links.ulna_model import model_of
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
-from ulna.errors import InputError
+from ulna.errors import InputError, ShapeError
 from ulna.robot import Robot as Body
 from ulna.spatial import SE3
 from ulna.typing import Floats
+
+_NO_LOAD = 1e-10  # [N m] below which a wrench does not burden a joint
 
 
 class OperationalSpace(RobotMixin):
@@ -57,16 +59,78 @@ class OperationalSpace(RobotMixin):
     def inertia_x(
         self, q: Any = None, pinv: bool = False, representation: str = "rpy/xyz", Ji: Any = None
     ) -> Floats:
-        """The inertia felt at the end, by position and angles, (6, 6)."""
-        return self._operational_quantity(
-            "operational_inertia", (self.q if q is None else q,), representation
-        )
+        """The inertia felt at the end, by position and angles, (6, 6), or (m, 6, 6).
+
+        Args:
+            q: Configuration, (n,) or (m, n) [rad or m]; None for the robot's.
+            pinv: Whether to take the pseudoinverse of the Jacobian, which is done in any case unless n is 6.
+            representation: Of which angles.
+            Ji: The inverse of the analytical Jacobian, (n, 6); None for that at `q`.
+        """
+        at = self.q if q is None else np.asarray(q, dtype=float)
+        if Ji is None and not self._takes_pseudoinverse(pinv):
+            return self._operational_quantity("operational_inertia", (at,), representation)
+        inverse = self._inverse_jacobian(at, representation, Ji)
+        return _turned(inverse) @ self.inertia(at) @ inverse
 
     def coriolis_x(
-        self, q: Any, qd: Any, pinv: bool = False, representation: str = "rpy/xyz", **_: Any
+        self,
+        q: Any,
+        qd: Any,
+        pinv: bool = False,
+        representation: str = "rpy/xyz",
+        J: Any = None,
+        Ji: Any = None,
+        Jd: Any = None,
+        C: Any = None,
+        Mx: Any = None,
     ) -> Floats:
-        """Coriolis and centrifugal effects felt at the end, (6, 6)."""
-        return self._operational_quantity("operational_coriolis", (q, qd), representation)
+        """Coriolis and centrifugal effects felt at the end, (6, 6), or (m, 6, 6).
+
+        Args:
+            q: Configuration, (n,) or (m, n) [rad or m].
+            qd: Velocity, likewise.
+            pinv: Whether to take the pseudoinverse of the Jacobian, which is done in any case unless n is 6.
+            representation: Of which angles.
+            J: The analytical Jacobian, (6, n); None for that at `q`.
+            Ji: Its inverse, (n, 6); None for that of `J`.
+            Jd: Its derivative by time, (6, n); None for that at `q` and `qd`.
+            C: Coriolis matrix, (n, n); None for that at `q` and `qd`.
+            Mx: `inertia_x`, (6, 6); None for that at `q`.
+        """
+        at, rate = np.asarray(q, dtype=float), np.asarray(qd, dtype=float)
+        given = any(matrix is not None for matrix in (J, Ji, Jd, C, Mx))
+        if not given and not self._takes_pseudoinverse(pinv):
+            return self._operational_quantity("operational_coriolis", (at, rate), representation)
+        if at.shape != rate.shape:
+            raise ShapeError("qd", rate.shape, f"{at.shape}, as q")
+        inverse = self._inverse_jacobian(at, representation, Ji, J, pinv)
+        C = self.coriolis(at, rate) if C is None else np.asarray(C, dtype=float)
+        Mx = self.inertia_x(at, Ji=inverse) if Mx is None else np.asarray(Mx, dtype=float)
+        Jd = self._jacobian_rate(at, rate, representation) if Jd is None else np.asarray(Jd, dtype=float)
+        return _turned(inverse) @ C @ inverse - Mx @ Jd @ inverse
+
+    def _takes_pseudoinverse(self, pinv: bool) -> bool:
+        """Whether the Jacobian has only a pseudoinverse that is not of the core's formulas."""
+        return pinv or self.n < 6
+
+    def _inverse_jacobian(
+        self, q: Floats, representation: str, Ji: Any = None, J: Any = None, pinv: bool = True
+    ) -> Floats:
+        """The inverse of the analytical Jacobian, (..., n, 6), or what is given instead of it."""
+        if Ji is not None:
+            return np.asarray(Ji, dtype=float)
+        J = self.jacob0_analytical(q, representation) if J is None else J
+        matrix = np.asarray(self._finite(np.asarray(J, dtype=float), representation))
+        return np.linalg.pinv(matrix) if pinv or self.n != 6 else np.linalg.inv(matrix)
+
+    def _jacobian_rate(self, q: Floats, qd: Floats, representation: str) -> Floats:
+        """The derivative of the analytical Jacobian by time, (..., 6, n)."""
+        rows = [
+            self.jacob0_dot(a, v, representation=representation)
+            for a, v in zip(np.atleast_2d(q), np.atleast_2d(qd), strict=True)
+        ]
+        return np.array(rows).reshape(*q.shape[:-1], 6, self.n)
 
     def accel_x(
         self,
@@ -77,27 +141,61 @@ class OperationalSpace(RobotMixin):
         pinv: bool = False,
         representation: str = "rpy/xyz",
     ) -> Floats:
-        """The acceleration of position and angles of the end, moving at `xd`, under a force there, (6,)."""
-        J = self._finite(self.jacob0_analytical(q, representation), representation)
-        v = np.linalg.pinv(J) @ np.asarray(xd, dtype=float)
-        tau = J.T @ np.asarray(wrench, dtype=float) - self._friction_torques(v)
+        """The acceleration of position and angles of the end, moving at `xd`, under a force there, (6,), or (m, 6).
+
+        Args:
+            q: Configuration, (n,) or (m, n) [rad or m].
+            xd: Rates of position and angles, (6,) or (m, 6).
+            wrench: The force, (6,) or (m, 6) [N, N m].
+            gravity: Acceleration of free fall, (3,) [m/s^2]; None for the robot's.
+            pinv: Whether to take the pseudoinverse of the Jacobian, which is done in any case unless n is 6.
+            representation: Of which angles.
+        """
+        at = np.asarray(q, dtype=float)
+        J = self._finite(np.asarray(self.jacob0_analytical(at, representation)), representation)
+        inverse = self._inverse_jacobian(at, representation, None, J, pinv)
+        v = np.squeeze(inverse @ np.asarray(xd, dtype=float)[..., None], -1)
+        tau = np.squeeze(
+            _turned(J) @ np.asarray(wrench, dtype=float)[..., None], -1
+        ) - self._friction_torques(v)
         gravity_before = self._gravity
         try:
             self._gravity = gravity_before if gravity is None else vector3(gravity)
-            return self._operational_quantity("operational_acceleration", (q, v, tau), representation)
+            return self._operational_quantity("operational_acceleration", (at, v, tau), representation)
         finally:
             self._gravity = gravity_before
 
     def payload_capacity(self, q: Any, tau_m: Any, w: Any, frame: str = "base") -> Floats:
-        """How many times the wrench `w` (6,) at the end the joint torques `tau_m` (n,) can carry.
+        """How many times the wrench `w` at the end each joint can carry, (m, n).
 
-        `frame` says in whose axes the wrench is written: "base" or "ee".
+        Args:
+            q: Configuration, (n,) or (m, n) [rad or m].
+            tau_m: Greatest torques in both directions, (n,); or least and greatest torques, (2, n) [N m or N].
+            w: Wrench, (6,) [N, N m].
+            frame: In whose axes it is written, "base" or "ee".
+
+        Returns:
+            Multiples of the wrench; inf where it does not burden a joint, nan where a joint cannot even hold the robot.
         """
         if frame not in ("base", "ee"):
             raise InputError(f"`frame` is {frame!r}; expected 'base' or 'ee'.")
-        body, end = self._robot_and_end()
-        where = "local_world_aligned" if frame == "base" else "local"
-        return np.atleast_2d(body.payload_capacity(q, end, w, tau_m, where))
+        limits, wrench = np.atleast_2d(np.asarray(tau_m, dtype=float)), np.asarray(w, dtype=float)
+        if limits.shape not in ((1, self.n), (2, self.n)):
+            raise ShapeError(
+                "tau_m", np.shape(tau_m), f"({self.n},), or least and greatest torques (2, {self.n})"
+            )
+        if wrench.shape != (6,):
+            raise ShapeError("w", wrench.shape, "(6,)")
+        low, high = (-limits[0], limits[0]) if len(limits) == 1 else limits
+        at = np.atleast_2d(np.asarray(q, dtype=float))
+        hold = self.gravload(at).reshape(at.shape)
+        J = np.asarray(self.jacob0(at) if frame == "base" else self.jacobe(at)).reshape(-1, 6, self.n)
+        load = -np.squeeze(_turned(J) @ wrench[:, None], -1)
+        room = np.where(load > 0.0, high, low) - hold
+        out = np.full(load.shape, np.inf)
+        np.divide(room, load, out=out, where=np.abs(load) > _NO_LOAD)
+        out[(hold > high) | (hold < low)] = np.nan
+        return out
 
     def gravload_x(
         self,
@@ -107,13 +205,23 @@ class OperationalSpace(RobotMixin):
         representation: str = "rpy/xyz",
         Ji: Any = None,
     ) -> Floats:
-        """The force at the end that holds the robot against gravity, (6,)."""
+        """The force at the end that holds the robot against gravity, (6,), or (m, 6).
+
+        Args:
+            q: Configuration, (n,) or (m, n) [rad or m]; None for the robot's.
+            gravity: Acceleration of free fall, (3,) [m/s^2]; None for the robot's.
+            pinv: Whether to take the pseudoinverse of the Jacobian, which is done in any case unless n is 6.
+            representation: Of which angles.
+            Ji: The inverse of the analytical Jacobian, (n, 6); None for that at `q`.
+        """
+        at = self.q if q is None else np.asarray(q, dtype=float)
+        if Ji is not None or self._takes_pseudoinverse(pinv):
+            inverse = self._inverse_jacobian(at, representation, Ji)
+            return np.squeeze(_turned(inverse) @ self.gravload(at, gravity)[..., None], -1)
         gravity_before = self._gravity
         try:
             self._gravity = gravity_before if gravity is None else vector3(gravity)
-            return self._operational_quantity(
-                "operational_gravity", (self.q if q is None else q,), representation
-            )
+            return self._operational_quantity("operational_gravity", (at,), representation)
         finally:
             self._gravity = gravity_before
 
@@ -121,3 +229,7 @@ class OperationalSpace(RobotMixin):
         """A former name of `inertia_x`."""
         warnings.warn("cinertia is the former name of inertia_x", DeprecationWarning, stacklevel=2)
         return self.inertia_x(q)
+
+
+def _turned(J: Floats) -> Floats:
+    return np.swapaxes(J, -1, -2)

@@ -7,23 +7,20 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import UnknownOption, WrongType
 from roboticstoolbox._ets.elementary_transform import BaseET
 from roboticstoolbox._ets.jacobian_array import Jacobian
+from roboticstoolbox._ets.measures import axes_of, measure_name
 from ulna import algorithms
-from ulna.errors import ShapeError, UnknownName
+from ulna.algorithms.kinematics.manipulability import chosen_rows
+from ulna.errors import ShapeError
 from ulna.formats.ets import ETS as Transforms
 from ulna.model import Frame, Model
 from ulna.robot import Robot
 from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
-ANGLES = {"rpy/xyz", "rpy/zyx", "eul", "exp"}
-_MEASURES = {
-    "yoshikawa": "yoshikawa",
-    "asada": "asada",
-    "minsingular": "minimum_singular_value",
-    "invcondition": "inverse_condition",
-}
+ANGLES = ("rpy/xyz", "rpy/zyx", "eul", "exp")
 
 
 class Chain:
@@ -143,12 +140,14 @@ class Chain:
     def _jacobe(self) -> Any:
         return self.arm.kernel("jacobian", checked=True, reference="local")
 
-    def hessian0(self, q: Any) -> Floats:
-        """The Hessian in the axes of the start, (..., n, 6, n)."""
-        return self.arm.hessian(self.q(q))
+    def hessian0(self, q: Any, J0: Any = None) -> Floats:
+        """The Hessian in the axes of the start, (..., n, 6, n); from the Jacobian there if it is given."""
+        return self.arm.hessian(self.q(q)) if J0 is None else hessian_of(J0, self.n)
 
-    def hessiane(self, q: Any) -> Floats:
+    def hessiane(self, q: Any, Je: Any = None) -> Floats:
         """`hessian0` turned into the axes of the end, (..., n, 6, n); it is not the derivative of `jacobe`."""
+        if Je is not None:
+            return hessian_of(Je, self.n)
         H, R = self.hessian0(q), self.fk(q)[..., None, :3, :3]
         turned = np.swapaxes(R, -1, -2)
         return np.concatenate([turned @ H[..., :3, :], turned @ H[..., 3:, :]], axis=-2)
@@ -165,18 +164,53 @@ class Chain:
 
     def analytical(self, q: Any, representation: str) -> Floats:
         """The Jacobian of position and angles, (..., 6, n)."""
+        known_angles(representation)
         return self.arm.analytical_jacobian(self.q(q), representation).view(Jacobian)
 
     def manipulability(self, q: Any, method: str, axes: Any) -> Any:
-        """The measure of manipulability of that name, (...)."""
-        return self.arm.manipulability(self.q(q), measure_name(method), axes)
+        """The measure of manipulability of that name, (...); for axes "both" those of "trans" and of "rot"."""
+        if isinstance(axes, str) and axes == "both":
+            return tuple(self.manipulability(q, method, part) for part in ("trans", "rot"))
+        return self.arm.manipulability(self.q(q), measure_name(method), axes_of(axes))
 
     def jacobm(self, q: Any, axes: Any) -> Floats:
         """The gradient of manipulability, (n, 1)."""
-        return self.arm.manipulability_gradient(self.q(q), axes)[..., None]
+        return self.arm.manipulability_gradient(self.q(q), axes_of(axes))[..., None]
+
+    def jacobm_of(self, J: Any, H: Any, axes: Any) -> Floats:
+        """The gradient of manipulability where the Jacobian is `J` and the Hessian `H`, (n, 1); None: from `J`."""
+        matrix = jacobian_matrix(J, self.n)
+        hessian = hessian_of(matrix, self.n) if H is None else np.asarray(H, dtype=float)
+        if hessian.shape != (self.n, 6, self.n):
+            raise ShapeError("H", hessian.shape, f"({self.n}, 6, {self.n}), as hessian0 returns it")
+        chosen = axes_of(axes)
+        rows = chosen_rows(chosen)
+        part, change = matrix[rows], hessian[:, rows]
+        value = algorithms.measure_of(matrix, "yoshikawa", chosen)
+        inverse = np.linalg.inv(part @ part.T)
+        return value * np.einsum("ij,kjl,il->k", inverse, change, part)[:, None]
 
 
-def measure_name(method: str) -> Any:
-    if method not in _MEASURES:
-        raise UnknownName("measure of manipulability", method, _MEASURES)
-    return _MEASURES[method]
+def jacobian_matrix(J: Any, n: int) -> Floats:
+    """A Jacobian that was passed, (6, n).
+
+    Raises:
+        TypeError: It is no array.
+        ShapeError: It has another shape.
+    """
+    if not isinstance(J, np.ndarray):
+        raise WrongType(f"A Jacobian is {type(J).__name__}; expected a NumPy array (6, {n}).")
+    if J.shape != (6, n):
+        raise ShapeError("J", J.shape, f"(6, {n})")
+    return np.asarray(J, dtype=float)
+
+
+def hessian_of(J: Any, n: int) -> Floats:
+    """The Hessian (n, 6, n) in the axes of the Jacobian `J`, (6, n), which determines it."""
+    return algorithms.jacobian_partials(jacobian_matrix(J, n), 2)
+
+
+def known_angles(representation: str) -> None:
+    """Raises UnknownOption where there are no angles of that name."""
+    if representation not in ANGLES:
+        raise UnknownOption("representation", representation, ANGLES)

@@ -8,18 +8,21 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.poses import matrix, pose, to_planar, to_spatial
-from roboticstoolbox._ets import inverse_kinematics as _ik
 from roboticstoolbox._ets.elementary_transform import ET, ET2
+from roboticstoolbox._ets.ik_solution import IKSolution
+from roboticstoolbox._ets.inverse_kinematics import solve
 from roboticstoolbox._ets.sequence import BaseETS
+from roboticstoolbox._ets.solver_methods import ChainSolvers
+from ulna.errors import ShapeError
 from ulna.typing import Floats
 
 
-class ETS(BaseETS):
+class ETS(ChainSolvers, BaseETS):
     """A chain of transforms in space."""
 
     def eval(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Floats:
         """The pose of the end, (4, 4) or (m, 4, 4)."""
-        T = self._compiled(tool).fk(np.zeros(self.n) if q is None else q)
+        T = self._compiled(tool).fk(_given(self, q))
         return matrix(base) @ T if base is not None and include_base else T
 
     def fkine(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Any:
@@ -35,12 +38,12 @@ class ETS(BaseETS):
         return self._compiled(tool).jacobe(q)
 
     def hessian0(self, q: Any = None, J0: Any = None, tool: Any = None) -> Floats:
-        """The Hessian in the axes of the start, (n, 6, n); `J0` is not needed."""
-        return self._compiled(tool).hessian0(q)
+        """The Hessian in the axes of the start, (n, 6, n): at `q`, or where the Jacobian is `J0`, (6, n)."""
+        return self._compiled(tool).hessian0(q, J0)
 
     def hessiane(self, q: Any = None, Je: Any = None, tool: Any = None) -> Floats:
-        """The Hessian in the axes of the end, (n, 6, n); `Je` is not needed."""
-        return self._compiled(tool).hessiane(q)
+        """The Hessian in the axes of the end, (n, 6, n): at `q`, or where the Jacobian is `Je`, (6, n)."""
+        return self._compiled(tool).hessiane(q, Je)
 
     def partial_fkine0(self, q: Any, n: int) -> Floats:
         """The derivatives of the pose of order `n`, (n, ..., n, 6, n): 1 the Jacobian, 2 the Hessian, and on."""
@@ -83,31 +86,6 @@ class ETS(BaseETS):
         """A copy on which `replace` was called."""
         return self._modified_copy("replace", i, axis)
 
-    def _ik(self, kind: Any, Tep: Any, q0: Any, tool: Any, rest: dict[str, Any]) -> _ik.IKSolution:
-        shared = {n: rest.pop(n) for n in ("ilimit", "slimit", "tol", "mask", "joint_limits") if n in rest}
-        return _ik.solve(self._compiled(tool), Tep, kind, q0, **shared, **_ik.settings(rest))
-
-    def ik_LM(self, Tep: Any, q0: Any = None, tool: Any = None, **rest: Any) -> _ik.IKSolution:
-        """The joint coordinates for a pose of the end.
-
-        Settings and solvers are those of `roboticstoolbox._ets.inverse_kinematics`.
-        """
-        return self._ik("LM", Tep, q0, tool, rest)
-
-    def ik_NR(self, Tep: Any, q0: Any = None, tool: Any = None, **rest: Any) -> _ik.IKSolution:
-        """The same by Newton and Raphson's method."""
-        return self._ik("NR", Tep, q0, tool, rest)
-
-    def ik_GN(self, Tep: Any, q0: Any = None, tool: Any = None, **rest: Any) -> _ik.IKSolution:
-        """The same by Gauss and Newton's method."""
-        return self._ik("GN", Tep, q0, tool, rest)
-
-    def ikine_QP(self, Tep: Any, q0: Any = None, tool: Any = None, **rest: Any) -> _ik.IKSolution:
-        """The same by quadratic programs."""
-        return self._ik("QP", Tep, q0, tool, rest)
-
-    ikine_LM, ikine_NR, ikine_GN = ik_LM, ik_NR, ik_GN
-
 
 class ETS2(BaseETS):
     """A chain of transforms in the plane."""
@@ -116,7 +94,7 @@ class ETS2(BaseETS):
 
     def eval(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Floats:
         """The pose of the end, (3, 3) or (m, 3, 3)."""
-        T = to_planar(self._compiled(None).fk(np.zeros(self.n) if q is None else q))
+        T = to_planar(self._compiled(None).fk(_given(self, q)))
         T = T if tool is None else T @ matrix(tool, 3)
         return matrix(base, 3) @ T if base is not None and include_base else T
 
@@ -132,14 +110,37 @@ class ETS2(BaseETS):
         """The Jacobian in the axes of the end, (3, n)."""
         return self._compiled(None).jacobe(q)[..., [0, 1, 5], :]
 
-    def ikine_LM(self, Tep: Any, q0: Any = None, mask: Any = None, **rest: Any) -> _ik.IKSolution:
-        """The joint coordinates for a pose in the plane, an SE2 or (3, 3)."""
+    def ikine_LM(
+        self,
+        Tep: Any,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        seed: int | None = None,
+        k: float = 1.0,
+    ) -> IKSolution:
+        """The joint coordinates for a pose in the plane, an SE2 or (3, 3); `mask` counts x, y and the angle."""
+        weights = np.ones(3) if mask is None else np.asarray(mask, dtype=float)
+        if weights.shape != (3,):
+            raise ShapeError("mask", weights.shape, "(3,): weights of x, y and the angle")
+        x, y, turn = weights.tolist()
+        six = (x, y, 0.0, 0.0, 0.0, turn)
         T = to_spatial(matrix(Tep, 3))
-        x, y, turn = (1.0, 1.0, 1.0) if mask is None else mask
-        shared = {n: rest.pop(n) for n in ("ilimit", "slimit", "tol", "joint_limits") if n in rest}
-        return _ik.solve(
-            self._compiled(None), T, "LM", q0, mask=(x, y, 0, 0, 0, turn), **shared, **_ik.settings(rest)
-        )
+        return solve(self._compiled(None), T, "LM", q0, ilimit, slimit, tol, six, joint_limits, k, seed=seed)
+
+
+def _given(chain: BaseETS, q: Any) -> Any:
+    """The joint coordinates that were passed; a chain without joints needs none.
+
+    Raises:
+        ShapeError: There are none, but joints.
+    """
+    if q is None and chain.n:
+        raise ShapeError("q", (0,), f"({chain.n},) or (m, {chain.n}), a number for each joint of the chain")
+    return np.zeros(0) if q is None else q
 
 
 ET.sequence_class, ET2.sequence_class = ETS, ETS2

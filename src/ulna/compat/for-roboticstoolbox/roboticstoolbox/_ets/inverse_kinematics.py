@@ -3,7 +3,7 @@
 | name | solver of Ulna |
 |---|---|
 | `ik_LM`, `ikine_LM` with the default damping and nothing to do for the null space | `robot.ik` |
-| `ik_LM`, `ikine_LM` with another damping or a null motion | `robot.ik_classic`, "chan", "wampler" or "sugihara" |
+| the same with another damping or `ilimit`, or a null motion | `robot.ik_classic`, "chan", "wampler" or "sugihara" |
 | `ik_NR`, `ikine_NR`; `ik_GN`, `ikine_GN`; `ikine_QP` | "newton_raphson"; "gauss_newton"; "qp" |
 
 The toolbox's `tol` bounds E = e^T W e / 2; a solution within it counts as converged. `robot.ik` goes
@@ -13,7 +13,6 @@ on to 1e-6 m and rad.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -21,72 +20,24 @@ import numpy as np
 
 from roboticstoolbox._common.poses import matrices
 from roboticstoolbox._ets.compiled_chain import Chain
+from roboticstoolbox._ets.ik_solution import IKSolution
+from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
+Kind = Literal["LM", "NR", "GN", "QP"]
 Damping = Literal["chan", "wampler", "sugihara"]
+_STEPS = 30  # of a search, by default
+_SQUARE = 6  # joints of a chain whose Jacobian is square
 _FINE = 1e-6  # [m], [rad]
 _KINDS = {"NR": "newton_raphson", "GN": "gauss_newton", "QP": "qp"}
-
-
-@dataclass
-class IKSolution:
-    """The result of inverse kinematics: a sequence of rows of `q`, true when it converged.
-
-    Attributes:
-        q: Configuration, (n,), or (m, n) for m goals [rad or m].
-        success: Whether every goal is reached.
-        iterations: Steps of all searches.
-        searches: Number of searches.
-        residual: E of the solution.
-        reason: Why there is no solution.
-    """
-
-    q: Floats
-    success: bool
-    iterations: int = 0
-    searches: int = 0
-    residual: float = 0.0
-    reason: str = ""
-
-    def _rows(self) -> Floats:
-        return np.atleast_2d(self.q)
-
-    def __len__(self) -> int:
-        return len(self._rows())
-
-    def __iter__(self) -> Iterator[Floats]:
-        return iter(self._rows())
-
-    def __getitem__(self, index: Any) -> Floats:
-        return self._rows()[index]
-
-    def __bool__(self) -> bool:
-        return bool(self.success)
-
-    def astuple(self) -> tuple[Any, ...]:
-        """(q, success, iterations, searches, residual, reason)."""
-        return (self.q, self.success, self.iterations, self.searches, self.residual, self.reason)
-
-    def __str__(self) -> str:
-        rows = ["[" + ", ".join(f"{x:.4g}" for x in row) + "]" for row in self._rows()]
-        many = np.ndim(self.q) == 2
-        parts = [f"{len(rows)} poses" if many else f"q={rows[0]}", f"success={self.success}"]
-        if not self.success:
-            parts.append(f"reason={self.reason}")
-        if self.iterations or self.searches:
-            parts += [f"iterations={self.iterations}", f"searches={self.searches}"]
-        text = f"IKSolution: {', '.join([*parts, f'residual={self.residual:.3g}'])}"
-        return text + ("\nq=[" + ",\n ".join(rows) + "]" if many else "")
-
-    __repr__ = __str__
 
 
 def solve(
     chain: Chain,
     Tep: Any,
-    kind: Literal["LM", "NR", "GN", "QP"] = "LM",
+    kind: Kind = "LM",
     q0: Any = None,
-    ilimit: int = 30,
+    ilimit: int = _STEPS,
     slimit: int = 100,
     tol: float = 1e-6,
     mask: Any = None,
@@ -95,25 +46,113 @@ def solve(
     method: Damping = "chan",
     kq: float = 0.0,
     km: float = 0.0,
+    ps: float = 0.0,
     pi: Any = 0.3,
+    kj: float = 1.0,
+    ks: float = 1.0,
     seed: int | None = None,
+    verbose: bool = False,
+    pinv: bool = True,
 ) -> IKSolution:
-    """The solution for poses `Tep`, (4, 4) or (m, 4, 4), of the chain's end in its start."""
+    """The solution for poses `Tep`, (4, 4) or (m, 4, 4), of the chain's end in its start.
+
+    Args:
+        chain: The chain of transforms.
+        Tep: The poses.
+        kind: The solver.
+        q0: Where the first search begins, (n,), or the first searches, (k, n).
+        ilimit: Steps of a search.
+        slimit: How many searches are made.
+        tol: Greatest E that counts as reached.
+        mask: What each of the six errors counts, (6,).
+        joint_limits: Whether a solution must be within the limits.
+        k: Damping of "LM".
+        method: How "LM" is damped.
+        kq: The inverse of the gain that keeps joints from their limits in the null space; 0 for none.
+        km: The inverse of the gain of manipulability in the null space; 0 for none.
+        ps: Distance from a limit at which that gain is meant [rad or m].
+        pi: Distance from a limit at which avoiding it begins [rad or m].
+        kj: What joint speeds cost, of "QP".
+        ks: What the rest of the error costs, of "QP".
+        seed: Seed of the random starts.
+        verbose: Whether to print what the search found.
+        pinv: Whether "NR" and "GN" may take the pseudoinverse; a Jacobian that is not square has no other.
+
+    Raises:
+        InputError: An argument has the wrong shape or value.
+    """
     T = matrices(Tep)
     chain = chain if joint_limits else chain.unlimited
-    start = None if q0 is None else chain.q(q0)
-    if start is not None and start.ndim == 2:
-        start = start[0]
-    weights = None if mask is None else tuple(float(w) for w in mask)
-    if weights is None and chain.n < 6:
-        weights = (1.0,) * 6
-    first = 0 if seed is None else seed
-    if kind == "LM" and method == "chan" and k == 1.0 and not kq and not km:
+    starts = None if q0 is None else _starting_rows(q0, chain.n, slimit)
+    settings = Settings(
+        kind, ilimit, tol, _weights(mask, chain.n), k, damping_name(method), kq, km, ps, pi, kj, ks, seed
+    )
+    if not pinv and chain.n != _SQUARE:
+        result = _without_inverse(chain, T, starts, slimit)
+    elif starts is None or len(starts) == 1:
+        result = _search(chain, T, None if starts is None else starts[0], slimit, settings)
+    else:
+        result = _searches_from_rows(chain, T, starts, slimit, settings)
+    if verbose:
+        print(result.report())
+    return result
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The settings of a search, as `solve` names them."""
+
+    kind: Kind
+    ilimit: int
+    tol: float
+    weights: tuple[float, ...] | None
+    k: float
+    method: Damping
+    kq: float
+    km: float
+    ps: float
+    pi: Any
+    kj: float
+    ks: float
+    seed: int | None
+
+    @property
+    def is_default(self) -> bool:
+        """Whether `robot.ik` may solve, which has none of the settings of the classic solvers."""
+        is_chan = self.kind == "LM" and self.method == "chan" and self.k == 1.0
+        return is_chan and self.ilimit == _STEPS and not self.kq and not self.km
+
+    @property
+    def damping(self) -> float | None:
+        """The damping of Ulna's solver."""
+        return self.k if self.kind == "LM" else self.kj / self.ks if self.kind == "QP" else None
+
+    def null_motion(self) -> dict[str, float]:
+        """The gains of Ulna's solver; the toolbox's are inverses, 1/kq ((d - pi)/(pi - ps))^2 at a distance d."""
+        near = np.ravel(np.asarray(self.pi, dtype=float))
+        if (near != near[0]).any():
+            raise InputError(
+                f"`pi` is {self.pi}; expected one number: joints with different ones are not offered."
+            )
+        begin = float(near[0])
+        if not begin > self.ps:
+            raise InputError(f"`pi` is {begin} and `ps` {self.ps}; expected `pi` greater than `ps`.")
+        return {
+            "limit_gain": (begin / (begin - self.ps)) ** 2 / self.kq if self.kq else 0.0,
+            "influence": begin,
+            "manipulability_gain": 1.0 / self.km if self.km else 0.0,
+        }
+
+
+def _search(chain: Chain, T: Floats, start: Any, slimit: int, settings: Settings) -> IKSolution:
+    first = 0 if settings.seed is None else settings.seed
+    tol = settings.tol
+    if settings.is_default:
         fine = _FINE if tol >= _FINE * _FINE else math.sqrt(tol)
         result = chain.arm.ik(
             T,
             start,
-            mask=weights,
+            mask=settings.weights,
             position_tolerance=fine,
             rotation_tolerance=fine,
             seed=first,
@@ -122,46 +161,104 @@ def solve(
     else:
         result = chain.arm.ik_classic(
             T,
-            _KINDS.get(kind, method),  # type: ignore[arg-type]
+            _KINDS.get(settings.kind, settings.method),  # type: ignore[arg-type]
             start,
-            mask=weights,
-            damping=k if kind in ("LM", "QP") else None,
-            limit_gain=kq,
-            influence=float(np.max(pi)),
-            manipulability_gain=km,
-            iterations=ilimit,
+            mask=settings.weights,
+            damping=settings.damping,
+            iterations=settings.ilimit,
             searches=slimit,
             position_tolerance=math.sqrt(tol),
             rotation_tolerance=math.sqrt(tol),
             seed=first,
+            **settings.null_motion(),
         )
     q, success, iterations, restarts, position, rotation = result.figures()
     if T.ndim == 2:
         residual = 0.5 * (position * position + rotation * rotation)
         is_met = success or residual < tol
         reason = "" if is_met else result.reason
-        return IKSolution(q, is_met, iterations, restarts + 1, residual, reason)
+        searches = restarts + 1 if success else restarts
+        return IKSolution(q, is_met, iterations, searches, residual, reason)
     residuals = 0.5 * (np.square(position) + np.square(rotation))
     met = success | (residuals < tol)
     reason = "" if met.all() else f"no solution for the poses {np.flatnonzero(~met).tolist()}"
-    counts = int(iterations.sum()), int((restarts + 1).sum())
+    counts = int(iterations.sum()), int((restarts + success).sum())
     return IKSolution(q, bool(met.all()), *counts, float(residuals.max()), reason)
 
 
-_KNOWN = {"k", "method", "kq", "km", "pi", "seed"}
-_IGNORED = {"pinv", "pinv_damping", "ps", "kj", "ks", "verbose", "progress"}
+def _searches_from_rows(
+    chain: Chain, T: Floats, starts: Floats, slimit: int, settings: Settings
+) -> IKSolution:
+    """A search from each row of `starts` in turn, then from random configurations, until one reaches the pose."""
+    solutions = []
+    for goal in T.reshape(-1, 4, 4):
+        iterations = searches = 0
+        for i, start in enumerate(starts):
+            following = slimit - i if i == len(starts) - 1 else 1
+            one = _search(chain, goal, start, following, settings)
+            iterations, searches = iterations + one.iterations, searches + one.searches
+            if one.success:
+                break
+        one.iterations, one.searches = iterations, searches
+        solutions.append(one)
+    if T.ndim == 2:
+        return solutions[0]
+    missed = [i for i, one in enumerate(solutions) if not one.success]
+    return IKSolution(
+        np.array([one.q for one in solutions]),
+        not missed,
+        sum(one.iterations for one in solutions),
+        sum(one.searches for one in solutions),
+        max(one.residual for one in solutions),
+        f"no solution for the poses {missed}" if missed else "",
+    )
 
 
-def settings(options: dict[str, Any]) -> dict[str, Any]:
-    """The settings that `solve` takes among those of the toolbox.
+def _without_inverse(chain: Chain, T: Floats, starts: Floats | None, slimit: int) -> IKSolution:
+    """What a solver returns that inverts a Jacobian which is not square."""
+    q = np.zeros(chain.n) if starts is None else starts[0]
+    rows = q if T.ndim == 2 else np.tile(q, (len(T), 1))
+    reason = f"the Jacobian is 6 x {chain.n}, so that it has no inverse; pass pinv=True"
+    return IKSolution(rows, False, 0, slimit, math.inf, reason)
+
+
+def one_row(q0: Any, n: int) -> Any:
+    """`q0` of the solvers that take one start only, (n,).
 
     Raises:
-        TypeError: The toolbox has no such setting.
+        ShapeError: It is no vector of `n` numbers.
     """
-    if not options:
-        return options
-    unknown = set(options) - _KNOWN - _IGNORED
-    if unknown:
-        known = ", ".join(sorted(_KNOWN | _IGNORED))
-        raise TypeError(f"unexpected settings {', '.join(sorted(unknown))}; expected some of {known}.")
-    return {name: value for name, value in options.items() if name in _KNOWN}
+    if q0 is not None and np.shape(q0) != (n,):
+        raise ShapeError("q0", np.shape(q0), f"({n},), a number for each joint of the chain")
+    return q0
+
+
+def check_pinv_damping(pinv_damping: float) -> None:
+    """Raises InputError for a damping of the pseudoinverse, which the solvers of Newton and Gauss have not here."""
+    if pinv_damping:
+        raise InputError(
+            f"`pinv_damping` is {pinv_damping}; a damped pseudoinverse is not offered: take ik_LM(..., k=..., "
+            "method='wampler'), whose steps are those of that damping."
+        )
+
+
+def damping_name(method: Any) -> Damping:
+    """The method of "LM" by its first letters, as the toolbox reads them; Chan's for any other word."""
+    letters = str(method).lower()[:4]
+    return "sugihara" if letters == "sugi" else "wampler" if letters == "wamp" else "chan"
+
+
+def _starting_rows(q0: Any, n: int, slimit: int) -> Floats:
+    rows = np.asarray(q0, dtype=float)
+    if rows.ndim not in (1, 2) or rows.shape[-1] != n or (rows.ndim == 2 and not 0 < len(rows) <= slimit):
+        raise ShapeError("q0", rows.shape, f"({n},), or at most slimit = {slimit} rows (m, {n})")
+    return rows if rows.ndim == 2 else rows[None]
+
+
+def _weights(mask: Any, n: int) -> tuple[float, ...] | None:
+    if mask is None:
+        return (1.0,) * 6 if n < 6 else None
+    weights = np.asarray(mask, dtype=float)
+    if weights.shape != (6,):
+        raise ShapeError("mask", weights.shape, "(6,): weights of x, y, z and of rotations about them")
+    return tuple(weights.tolist())

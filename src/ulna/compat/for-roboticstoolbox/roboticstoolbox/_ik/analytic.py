@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.poses import matrices, matrix, pose
-from roboticstoolbox._ets.inverse_kinematics import IKSolution
+from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.errors import InputError, ShapeError
 from ulna.spatial import matrix_to_euler

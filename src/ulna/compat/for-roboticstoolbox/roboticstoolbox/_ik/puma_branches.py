@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.poses import matrices
-from roboticstoolbox._ets.inverse_kinematics import IKSolution
+from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._ik.analytic import wrapped
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.typing import Floats

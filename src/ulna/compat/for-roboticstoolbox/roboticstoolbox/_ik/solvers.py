@@ -11,16 +11,19 @@ Source: Haviland & Corke, Manipulator Differential Kinematics part 2 (2023), sec
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from roboticstoolbox._ets.inverse_kinematics import IKSolution, settings, solve
+from roboticstoolbox._ets.ik_solution import IKSolution
+from roboticstoolbox._ets.inverse_kinematics import Damping, Kind, damping_name, solve
 from roboticstoolbox.tools.servo import angle_axis
-from ulna.errors import InputError
+from ulna.errors import InputError, ShapeError
 from ulna.ik.classic import Method, move
 from ulna.ik.problem import Errors
 from ulna.typing import Floats
+
+_METHODS: tuple[Damping, ...] = ("chan", "sugihara", "wampler")  # by the toolbox's numbers
 
 
 class IKSolver:
@@ -30,8 +33,9 @@ class IKSolver:
         We: The mask as a matrix, (6, 6).
     """
 
-    kind: Literal["LM", "NR", "GN", "QP"] = "LM"
-    _settings: ClassVar[dict[str, Any]] = {}
+    kind: Kind = "LM"
+    kq: float = 0.0
+    km: float = 0.0
 
     if TYPE_CHECKING:
 
@@ -39,7 +43,7 @@ class IKSolver:
 
     def __init__(
         self,
-        name: str = "",
+        name: str = "IK Solver",
         ilimit: int = 30,
         slimit: int = 100,
         tol: float = 1e-6,
@@ -47,7 +51,6 @@ class IKSolver:
         joint_limits: bool = True,
         seed: int | None = None,
         verbose: bool = False,
-        **rest: Any,
     ) -> None:
         """A solver with settings.
 
@@ -59,23 +62,27 @@ class IKSolver:
             mask: What each of the six errors counts, (6,).
             joint_limits: Whether a solution must be within the limits.
             seed: Seed of the random starts.
-            verbose: Accepted and ignored.
-            **rest: Settings of the method: k and method of LM; kq, km and pi of the null space; kj and ks of QP. What
-                only tells how the toolbox computes, pinv and ps, is let pass.
+            verbose: Whether `solve` prints what the search found.
         """
-        settings(rest)
-        self.name = name or type(self).__name__
+        self.name = name
         self.ilimit, self.slimit, self.tol, self.seed = ilimit, slimit, tol, seed
         self.joint_limits, self.verbose = joint_limits, verbose
-        self.We = np.diag(np.ones(6) if mask is None else np.asarray(mask, dtype=float).ravel())
-        for key, value in ({"kq": 0.0, "km": 0.0, "ps": 0.0, "pi": 0.3} | self._settings | rest).items():
-            setattr(self, key, value)
+        weights = np.ones(6) if mask is None else np.asarray(mask, dtype=float)
+        if weights.shape != (6,):
+            raise ShapeError("mask", weights.shape, "(6,): weights of x, y, z and of rotations about them")
+        self.We = np.diag(weights)
+
+    def _set_null_motion(self, name: str, kq: float, km: float, ps: float, pi: Any) -> None:
+        """Sets the gains of the null space, and the name, which tells of them."""
+        self.kq, self.km, self.ps, self.pi = kq, km, ps, pi
+        self.name = name + (" Σ" if kq > 0.0 else "") + (" Jm" if km > 0.0 else "")
+
+    def _options(self) -> dict[str, Any]:
+        """The settings of the method, as `solve` of `_ets.inverse_kinematics` names them."""
+        return {}
 
     def solve(self, ets: Any, Tep: Any, q0: Any = None) -> IKSolution:
-        """The solution for a chain of transforms and a pose of its end."""
-        options = {
-            name: getattr(self, name) for name in ("k", "method", "kq", "km", "pi") if hasattr(self, name)
-        }
+        """The solution for a chain of transforms and a pose of its end; rows of `q0` begin one search each."""
         return solve(
             ets._compiled(None),
             Tep,
@@ -87,7 +94,8 @@ class IKSolver:
             mask=None if (self._weights == 1.0).all() else self._weights,
             joint_limits=self.joint_limits,
             seed=self.seed,
-            **options,
+            verbose=self.verbose,
+            **self._options(),
         )
 
     def error(self, Te: Any, Tep: Any) -> tuple[Floats, float]:
@@ -117,40 +125,131 @@ class IKSolver:
         return self.error(chain.fk(moved), Tep)[1], moved
 
     def _method(self, e: Floats) -> tuple[Method, float]:
-        """Ulna's name of the method, and its damping."""
-        return "newton_raphson", 0.0
+        """Ulna's name of the method, and its damping, where the error is `e`."""
+        raise InputError(f"{type(self).__name__} has no method; take IK_LM, IK_NR, IK_GN or IK_QP.")
 
 
 class IK_LM(IKSolver):
     """Levenberg and Marquardt's method, damped as Chan, Sugihara or Wampler did."""
 
-    _settings: ClassVar = {"k": 1.0, "method": "chan"}
+    def __init__(
+        self,
+        name: str = "IK Solver",
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        seed: int | None = None,
+        k: float = 1.0,
+        method: str = "chan",
+        kq: float = 0.0,
+        km: float = 0.0,
+        ps: float = 0.0,
+        pi: Any = 0.3,
+        **kwargs: Any,
+    ) -> None:
+        """The settings of `IKSolver`, damping and method, and those of the null space; `name` is derived from them."""
+        super().__init__(name, ilimit, slimit, tol, mask, joint_limits, seed, **kwargs)
+        damping = damping_name(method)
+        self.method, self.k = _METHODS.index(damping), k
+        self._set_null_motion(f"LM ({damping.capitalize()} λ={k})", kq, km, ps, pi)
+
+    @property
+    def _damping(self) -> Damping:
+        return damping_name(self.method) if isinstance(self.method, str) else _METHODS[self.method]
+
+    def _options(self) -> dict[str, Any]:
+        null = {"kq": self.kq, "km": self.km, "ps": self.ps, "pi": self.pi}
+        return {"k": self.k, "method": self._damping, **null}
 
     def _method(self, e: Floats) -> tuple[Method, float]:
-        wanted = str(self.method).lower()[:4]
-        method: Method = "sugihara" if wanted == "sugi" else "wampler" if wanted == "wamp" else "chan"
-        return method, float(self.k)
+        return self._damping, float(self.k)
 
 
-class IK_NR(IKSolver):
+class _Inverting(IKSolver):
+    """A solver that inverts the Jacobian."""
+
+    def __init__(
+        self,
+        name: str = "IK Solver",
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        seed: int | None = None,
+        pinv: bool = False,
+        kq: float = 0.0,
+        km: float = 0.0,
+        ps: float = 0.0,
+        pi: Any = 0.3,
+        **kwargs: Any,
+    ) -> None:
+        """The settings of `IKSolver`, and those of the null space; without `pinv` J must be square."""
+        super().__init__(name, ilimit, slimit, tol, mask, joint_limits, seed, **kwargs)
+        self.pinv = pinv
+        self._set_null_motion(f"{self.kind} (pinv={pinv})", kq, km, ps, pi)
+
+    def _options(self) -> dict[str, Any]:
+        return {"kq": self.kq, "km": self.km, "ps": self.ps, "pi": self.pi, "pinv": bool(self.pinv)}
+
+    def step(self, ets: Any, Tep: Any, q: Any) -> tuple[float, Floats]:
+        """One step from `q` towards a pose of the chain's end: E there, and where that is.
+
+        Raises:
+            LinAlgError: J is not square, and `pinv` is not set.
+        """
+        if not self.pinv and ets.n != 6:
+            raise np.linalg.LinAlgError(f"The Jacobian is 6 x {ets.n}, so it has no inverse; set pinv=True.")
+        return super().step(ets, Tep, q)
+
+    def _method(self, e: Floats) -> tuple[Method, float]:
+        return "newton_raphson", 0.0
+
+
+class IK_NR(_Inverting):
     """Newton and Raphson's method."""
 
     kind = "NR"
-    _settings: ClassVar = {"pinv": False}
 
 
-class IK_GN(IKSolver):
+class IK_GN(_Inverting):
     """Gauss and Newton's method."""
 
     kind = "GN"
-    _settings: ClassVar = {"pinv": False}
 
 
 class IK_QP(IKSolver):
     """Steps by quadratic programs: the least kj |dq|^2 + ks |slack|^2 / sum |e|, slack = e - J dq."""
 
     kind = "QP"
-    _settings: ClassVar = {"kj": 1.0, "ks": 1.0}
+
+    def __init__(
+        self,
+        name: str = "IK Solver",
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        seed: int | None = None,
+        kj: float = 0.01,
+        ks: float = 1.0,
+        kq: float = 0.0,
+        km: float = 0.0,
+        ps: float = 0.0,
+        pi: Any = 0.3,
+        **kwargs: Any,
+    ) -> None:
+        """The settings of `IKSolver`, what joint speeds (kj) and slack (ks) cost, and those of the null space."""
+        super().__init__(name, ilimit, slimit, tol, mask, joint_limits, seed, **kwargs)
+        self.kj, self.ks = kj, ks
+        self._set_null_motion("QP)", kq, km, ps, pi)
+
+    def _options(self) -> dict[str, Any]:
+        null = {"kq": self.kq, "km": self.km, "ps": self.ps, "pi": self.pi}
+        return {"kj": self.kj, "ks": self.ks, **null}
 
     def _method(self, e: Floats) -> tuple[Method, float]:
         return "wampler", float(self.kj) / float(self.ks) * float(np.abs(e).sum())

@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongType
 from roboticstoolbox._common.poses import matrix, pose, to_spatial
-from roboticstoolbox._ets import inverse_kinematics as _ik
-from roboticstoolbox._ets.compiled_chain import ANGLES, Chain, measure_name
+from roboticstoolbox._ets.compiled_chain import Chain, known_angles
 from roboticstoolbox._ets.ets import ETS
+from roboticstoolbox._ets.measures import axes_of, measure_name
 from roboticstoolbox._ets.sequence import limits_of
+from roboticstoolbox._kinematics.solver_methods import RobotSolvers
 from roboticstoolbox._links.gripper import Gripper
 from roboticstoolbox._links.link import Link
 from roboticstoolbox._links.link_tree import links_between
@@ -20,7 +22,7 @@ from ulna.robot import Robot as Body
 from ulna.typing import Floats
 
 
-class Kinematics:
+class Kinematics(RobotSolvers):
     """Poses, Jacobians and inverse kinematics; `end` and `start` are links, grippers or their names.
 
     Without `end` it is the tool of the gripper, or the last link; without `start` the base.
@@ -134,29 +136,42 @@ class Kinematics:
         self, q: Any, representation: str = "rpy/xyz", end: Any = None, start: Any = None, tool: Any = None
     ) -> Floats:
         """The Jacobian of position and angles, (6, n)."""
-        if representation not in ANGLES:
-            raise UnknownName("representation", representation, ANGLES)
+        known_angles(representation)
         return self._chain(end, start, tool).analytical(q, representation)
 
     def jacob0_dot(self, q: Any, qd: Any, J0: Any = None, representation: str | None = None) -> Floats:
-        """The derivative of `jacob0` (or of `jacob0_analytical`) by time, (6, n); `J0` is not needed."""
+        """The derivative of `jacob0` (or of `jacob0_analytical`) by time, (6, n).
+
+        Args:
+            q: Configuration, (n,); None where `J0` is given.
+            qd: Velocity, (n,).
+            J0: The Jacobian to take instead of that at `q`, (6, n).
+            representation: Angles of the analytical Jacobian; None for `jacob0`.
+        """
         chain = self._chain(None, None)
+        if representation is None and J0 is not None:
+            return np.tensordot(chain.q(qd), chain.hessian0(None, J0), 1)
+        if q is None:
+            raise WrongType("`q` is None; expected a configuration, or `J0` and no `representation`.")
         if representation is None:
             return chain.jacob0_dot(q, qd)
+        known_angles(representation)
         kernel = chain.arm.kernel("analytical_jacobian", representation=representation).jacobian()
         return kernel(chain.q(q)) @ chain.q(qd)
 
     def hessian0(
         self, q: Any = None, end: Any = None, start: Any = None, J0: Any = None, tool: Any = None
     ) -> Floats:
-        """The Hessian in the axes of the start, (n, 6, n); `J0` is not needed."""
-        return self._chain(end, start, tool).hessian0(self.q if q is None else q)
+        """The Hessian in the axes of the start, (n, 6, n): at `q`, or where the Jacobian is `J0`, (6, n)."""
+        at = self.q if q is None and J0 is None else q
+        return self._chain(end, start, tool).hessian0(at, J0)
 
     def hessiane(
         self, q: Any = None, end: Any = None, start: Any = None, Je: Any = None, tool: Any = None
     ) -> Floats:
-        """The Hessian in the axes of the end, (n, 6, n); `Je` is not needed."""
-        return self._chain(end, start, tool).hessiane(self.q if q is None else q)
+        """The Hessian in the axes of the end, (n, 6, n): at `q`, or where the Jacobian is `Je`, (6, n)."""
+        at = self.q if q is None and Je is None else q
+        return self._chain(end, start, tool).hessiane(at, Je)
 
     def partial_fkine0(self, q: Any, n: int = 3, end: Any = None, start: Any = None) -> Floats:
         """The derivatives of the pose of order `n` in the axes of the start, (n, ..., n, 6, n)."""
@@ -170,18 +185,30 @@ class Kinematics:
         start: Any = None,
         method: str = "yoshikawa",
         axes: Any = "all",
-        **_: Any,
     ) -> Any:
-        """A measure of the distance from singularities: "yoshikawa", "asada", "minsingular" or "invcondition"."""
+        """A measure of the distance from singularities, at `q` or of a Jacobian.
+
+        Args:
+            q: Configuration, (n,), or (m, n).
+            J: The Jacobian to take instead, (6, n).
+            end: Last link of the chain.
+            start: Its first link.
+            method: "yoshikawa", "asada", "minsingular" or "invcondition".
+            axes: "all", "trans", "rot", "both" for a pair of measures, or six truth values.
+        """
         from ulna import algorithms
 
+        if isinstance(axes, str) and axes == "both":
+            return tuple(self.manipulability(q, J, end, start, method, part) for part in ("trans", "rot"))
+        measure, rows = measure_name(method), axes_of(axes)
+        if q is None and (J is None or measure == "asada"):
+            raise InputError("Neither `q` nor `J` is given; expected one, and `q` for 'asada'.")
+        if measure == "asada":
+            matrix = np.asarray(self._chain(end, start).jacob0(q) if J is None else J, dtype=float)
+            return algorithms.asada(matrix, self.inertia(q), rows)  # type: ignore[attr-defined]
         if J is not None:
-            return algorithms.measure_of(np.asarray(J, dtype=float), measure_name(method), axes)
-        at = self.q if q is None else q
-        if method == "asada":
-            J = np.asarray(self._chain(end, start).jacob0(at))
-            return algorithms.asada(J, self.inertia(at), axes)  # type: ignore[attr-defined]
-        return self._chain(end, start).manipulability(at, method, axes)
+            return algorithms.measure_of(np.asarray(J, dtype=float), measure, rows)
+        return self._chain(end, start).manipulability(q, method, rows)
 
     def jacobm(
         self,
@@ -192,57 +219,20 @@ class Kinematics:
         start: Any = None,
         axes: Any = "all",
     ) -> Floats:
-        """The gradient of Yoshikawa's manipulability, (n, 1); `J` and `H` are not needed."""
-        return self._chain(end, start).jacobm(self.q if q is None else q, axes)
+        """The gradient of Yoshikawa's manipulability, (n, 1).
 
-    def _ik(
-        self, kind: Any, Tep: Any, end: Any, start: Any, q0: Any, tool: Any, rest: dict[str, Any]
-    ) -> _ik.IKSolution:
-        shared = {n: rest.pop(n) for n in ("ilimit", "slimit", "tol", "mask", "joint_limits") if n in rest}
-        return _ik.solve(self._chain(end, start, tool), Tep, kind, q0, **shared, **_ik.settings(rest))
-
-    def ik_LM(
-        self,
-        Tep: Any,
-        end: Any = None,
-        start: Any = None,
-        q0: Any = None,
-        ilimit: int = 30,
-        slimit: int = 100,
-        tol: float = 1e-6,
-        mask: Any = None,
-        joint_limits: bool = True,
-        k: float = 1.0,
-        method: Any = "chan",
-        tool: Any = None,
-        **rest: Any,
-    ) -> _ik.IKSolution:
-        """The configuration for a pose of `end` as seen from the base (not the world).
-
-        Settings and solvers are those of `roboticstoolbox._ets.inverse_kinematics`.
+        Args:
+            q: Configuration, (n,); None for the robot's.
+            J: The Jacobian to take instead of that at `q`, (6, n).
+            H: The Hessian to take instead, (n, 6, n); None for that of the Jacobian.
+            end: Last link of the chain.
+            start: Its first link.
+            axes: "all", "trans", "rot", or six truth values.
         """
-        chain, common = self._chain(end, start, tool), (ilimit, slimit, tol, mask, joint_limits, k, method)
-        return _ik.solve(chain, Tep, "LM", q0, *common, **_ik.settings(rest))
-
-    def ik_NR(
-        self, Tep: Any, end: Any = None, start: Any = None, q0: Any = None, tool: Any = None, **rest: Any
-    ) -> _ik.IKSolution:
-        """The same by Newton and Raphson's method."""
-        return self._ik("NR", Tep, end, start, q0, tool, rest)
-
-    def ik_GN(
-        self, Tep: Any, end: Any = None, start: Any = None, q0: Any = None, tool: Any = None, **rest: Any
-    ) -> _ik.IKSolution:
-        """The same by Gauss and Newton's method."""
-        return self._ik("GN", Tep, end, start, q0, tool, rest)
-
-    def ikine_QP(
-        self, Tep: Any, end: Any = None, start: Any = None, q0: Any = None, tool: Any = None, **rest: Any
-    ) -> _ik.IKSolution:
-        """The same by quadratic programs."""
-        return self._ik("QP", Tep, end, start, q0, tool, rest)
-
-    ikine_LM, ikine_NR, ikine_GN = ik_LM, ik_NR, ik_GN
+        chain, at = self._chain(end, start), self.q if q is None else q
+        if J is None and H is None:
+            return chain.jacobm(at, axes)
+        return chain.jacobm_of(np.asarray(chain.jacob0(at)) if J is None else J, H, axes)
 
     @property
     def qlim(self) -> Floats:

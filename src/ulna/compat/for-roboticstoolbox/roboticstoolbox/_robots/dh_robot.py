@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.poses import matrix, pose
-from roboticstoolbox._ets.compiled_chain import Chain
+from roboticstoolbox._ets.compiled_chain import Chain, known_angles
 from roboticstoolbox._ets.elementary_transform import ET
 from roboticstoolbox._ets.ets import ETS
+from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._ik.analytic import Analytic
 from roboticstoolbox._robots.dh_links import DHLink
 from roboticstoolbox._robots.dh_text import DHText
 from roboticstoolbox._robots.robot import BaseRobot, Robot
+from ulna.algorithms.kinematics.analytical_jacobian import rate_matrix
 from ulna.errors import InputError, ModelError
 from ulna.typing import Floats
 
@@ -70,8 +72,21 @@ class DHRobot(DHText, Analytic, Robot):
         end: Any = None,
         tool: Any = None,
     ) -> Floats:
-        """The Jacobian in the axes of the start, (6, n); `half` "trans" or "rot" for three rows. `T` is not needed."""
-        return _selected_rows(super().jacob0(q, end, start, tool), half)
+        """The Jacobian in the axes of the start, (6, n).
+
+        Args:
+            q: Configuration, (n,) [rad or m].
+            T: The pose of the end whose rotation to take, an SE3; None for that at `q`.
+            half: "trans" or "rot" for three of the rows.
+            start: First link of the chain.
+            end: Its last link.
+            tool: A tool beyond it.
+        """
+        if T is None:
+            return _selected_rows(super().jacob0(q, end, start, tool), half)
+        R = matrix(T)[:3, :3]
+        J = np.asarray(super().jacobe(q, end, start, tool))
+        return _selected_rows(np.concatenate([R @ J[..., :3, :], R @ J[..., 3:, :]], axis=-2), half)
 
     def jacobe(
         self, q: Any, half: str | None = None, end: Any = None, start: Any = None, tool: Any = None
@@ -82,14 +97,40 @@ class DHRobot(DHText, Analytic, Robot):
     def jacob0_analytical(
         self,
         q: Any,
-        representation: str = "rpy/xyz",
+        representation: str | None = None,
         T: Any = None,
         end: Any = None,
         start: Any = None,
         tool: Any = None,
     ) -> Floats:
-        """The Jacobian of position and angles, (6, n); `T` is not needed."""
-        return super().jacob0_analytical(q, representation, end, start, tool)
+        """The Jacobian of position and angles, (6, n).
+
+        Args:
+            q: Configuration, (n,) [rad or m].
+            representation: "rpy/xyz", "rpy/zyx", "eul" or "exp"; None for `jacob0`.
+            T: The pose of the end whose rotation to take, an SE3; None for that at `q`.
+            end: Last link of the chain.
+            start: Its first link.
+            tool: A tool beyond it.
+        """
+        if representation is None:
+            return self.jacob0(q, T, None, start, end, tool)
+        known_angles(representation)
+        if T is None:
+            return super().jacob0_analytical(q, representation, end, start, tool)
+        J = np.asarray(self.jacob0(q, T, None, start, end, tool))
+        rates: Any = rate_matrix(matrix(T)[:3, :3], representation)  # type: ignore[arg-type]
+        return np.concatenate([J[..., :3, :], rates @ J[..., 3:, :]], axis=-2)
+
+    def hessian0(
+        self, q: Any = None, J0: Any = None, start: Any = None, end: Any = None, tool: Any = None
+    ) -> Floats:
+        """The Hessian in the axes of the start, (n, 6, n): at `q`, or where the Jacobian is `J0`, (6, n)."""
+        return super().hessian0(q, end, start, J0, tool)
+
+    def ikine_LM(self, Tep: Any, q0: Any = None, **ikargs: Any) -> IKSolution:
+        """As `Robot.ikine_LM`, with `q0` as the second argument."""
+        return super().ikine_LM(Tep, q0=q0, **ikargs)
 
     def __add__(self, other: Any) -> DHRobot:
         """This arm, and after its last link that of another one, or one more link; base and tool are this one's."""

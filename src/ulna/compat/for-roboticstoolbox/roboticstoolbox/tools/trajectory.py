@@ -133,6 +133,10 @@ def jtraj(q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None) -> Traject
         qd1: Velocity at the end.
     """
     rows, is_time = _times(t)
+    if is_time and rows.min() < 0.0:
+        raise InputError(
+            f"`t` begins at {rows.min()}; expected times from 0 on: jtraj counts them from its start."
+        )
     duration = float(rows.max()) if is_time else 1.0
     at = rows if is_time else rows / (len(rows) - 1)
     q, v, a = trajectory.quintic_states(q0, qf, duration, at, qd0, qd1)
@@ -163,8 +167,10 @@ def _function(law: Any) -> Callable[[Any], Any]:
 
 
 def _one(name: str, make: Callable[[float], Any], t: Any) -> Trajectory:
+    """A law of one coordinate from the first time to the last."""
     rows, is_time = _times(t)
-    s, sd, sdd = (x[:, 0] for x in make(float(rows.max())).state(rows))
+    elapsed = rows - rows[0]
+    s, sd, sdd = (x[:, 0] for x in make(float(elapsed[-1])).state(elapsed))
     return Trajectory(name, rows, s, sd, sdd, istime=is_time)
 
 
@@ -205,9 +211,17 @@ def ctraj(T0: Any, T1: Any, t: Any = None, s: Any = None) -> Any:
 
     if (t is None) == (s is None):
         raise InputError("ctraj takes `t` or `s`, one of them.")
-    path = np.asarray(s, dtype=float) if s is not None else trapezoidal(0.0, 1.0, t).s
+    path = np.asarray(s, dtype=float) if s is not None else _path(t)
     start, end = SE3.from_matrix(matrix(T0)), SE3.from_matrix(matrix(T1))
     return pose(start.interpolate(end, path, straight=True).matrix())
+
+
+def _path(t: Any) -> Floats:
+    """The path parameter at steps, or at times as fractions of the last one."""
+    rows, is_time = _times(t)
+    if not is_time:
+        return trapezoidal(0.0, 1.0, t).s
+    return _trapezoid(0.0, 1.0, 1.0, None).state(rows / rows.max())[0][:, 0]
 
 
 def mstraj(

@@ -1,0 +1,48 @@
+"""Measures of manipulability by the toolbox's names, of a Jacobian or of a configuration."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._common.errors import UnknownOption
+from ulna.errors import ShapeError
+
+_MEASURES = {
+    "yoshi": "yoshikawa",
+    "asa": "asada",
+    "mins": "minimum_singular_value",
+    "invc": "inverse_condition",
+}
+_NAMES = ("yoshikawa", "asada", "minsingular", "invcondition")
+
+
+def measure_name(method: str) -> Any:
+    """Ulna's name of a measure; its first letters are enough, in upper or lower case.
+
+    Raises:
+        UnknownOption: There is no such measure.
+    """
+    for letters, name in _MEASURES.items():
+        if str(method).lower().startswith(letters):
+            return name
+    raise UnknownOption("measure of manipulability", method, _NAMES)
+
+
+def axes_of(axes: Any) -> Any:
+    """The axes "all", "trans" or "rot" in full, or six truth values, one for each row of the Jacobian.
+
+    Raises:
+        UnknownOption: There are no such axes.
+        ShapeError: They are not six.
+    """
+    if isinstance(axes, str):
+        for name in ("all", "trans", "rot"):
+            if axes.startswith(name):
+                return name
+        raise UnknownOption("choice of axes", axes, ("all", "trans", "rot", "both"))
+    rows = np.asarray(axes)
+    if rows.shape != (6,):
+        raise ShapeError("axes", rows.shape, "'all', 'trans', 'rot', or six truth values")
+    return [bool(row) for row in rows]

@@ -1,0 +1,247 @@
+"""Inverse kinematics of a robot, by the names and signatures of the toolbox.
+
+The settings are those of `roboticstoolbox._ets.inverse_kinematics.solve`. Without `pinv` `ikine_NR` and `ikine_GN`
+find nothing for chains whose Jacobian is not square; `ik_NR` and `ik_GN` take the pseudoinverse of such in any case.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from roboticstoolbox._ets.ik_solution import IKSolution
+from roboticstoolbox._ets.inverse_kinematics import check_pinv_damping, one_row, solve
+
+
+class RobotSolvers:
+    """Inverse kinematics of a robot."""
+
+    _chain: Any
+
+    def ik_LM(
+        self,
+        Tep: Any,
+        end: Any = None,
+        start: Any = None,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        k: float = 1.0,
+        method: Any = "chan",
+        tool: Any = None,
+    ) -> IKSolution:
+        """The configuration for a pose of `end` as seen from the base (not the world), as Levenberg and Marquardt."""
+        chain = self._chain(end, start, tool)
+        return solve(
+            chain, Tep, "LM", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits, k, method
+        )
+
+    def ik_NR(
+        self,
+        Tep: Any,
+        end: Any = None,
+        start: Any = None,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        pinv: int = True,
+        pinv_damping: float = 0.0,
+        tool: Any = None,
+    ) -> IKSolution:
+        """The same by Newton and Raphson's method."""
+        check_pinv_damping(pinv_damping)
+        chain = self._chain(end, start, tool)
+        return solve(chain, Tep, "NR", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits)
+
+    def ik_GN(
+        self,
+        Tep: Any,
+        end: Any = None,
+        start: Any = None,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        pinv: int = True,
+        pinv_damping: float = 0.0,
+        tool: Any = None,
+    ) -> IKSolution:
+        """The same by Gauss and Newton's method."""
+        check_pinv_damping(pinv_damping)
+        chain = self._chain(end, start, tool)
+        return solve(chain, Tep, "GN", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits)
+
+    def ikine_LM(
+        self,
+        Tep: Any,
+        end: Any = None,
+        start: Any = None,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        seed: int | None = None,
+        k: float = 1.0,
+        method: Any = "chan",
+        kq: float = 0.0,
+        km: float = 0.0,
+        ps: float = 0.0,
+        pi: Any = 0.3,
+        tool: Any = None,
+        **more: Any,
+    ) -> IKSolution:
+        """`ik_LM` with what the null space is for, and starts of several searches as rows of `q0`."""
+        chain = self._chain(end, start, tool)
+        return solve(
+            chain,
+            Tep,
+            "LM",
+            q0,
+            ilimit,
+            slimit,
+            tol,
+            mask,
+            joint_limits,
+            k,
+            method,
+            kq,
+            km,
+            ps,
+            pi,
+            seed=seed,
+            **more,
+        )
+
+    def ikine_NR(
+        self,
+        Tep: Any,
+        end: Any = None,
+        start: Any = None,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        seed: int | None = None,
+        pinv: bool = False,
+        kq: float = 0.0,
+        km: float = 0.0,
+        ps: float = 0.0,
+        pi: Any = 0.3,
+        tool: Any = None,
+        **more: Any,
+    ) -> IKSolution:
+        """`ik_NR` with what the null space is for, and starts of several searches as rows of `q0`."""
+        chain = self._chain(end, start, tool)
+        return solve(
+            chain,
+            Tep,
+            "NR",
+            q0,
+            ilimit,
+            slimit,
+            tol,
+            mask,
+            joint_limits,
+            kq=kq,
+            km=km,
+            ps=ps,
+            pi=pi,
+            seed=seed,
+            **more,
+            pinv=bool(pinv),
+        )
+
+    def ikine_GN(
+        self,
+        Tep: Any,
+        end: Any = None,
+        start: Any = None,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        seed: int | None = None,
+        pinv: bool = False,
+        kq: float = 0.0,
+        km: float = 0.0,
+        ps: float = 0.0,
+        pi: Any = 0.3,
+        tool: Any = None,
+        **more: Any,
+    ) -> IKSolution:
+        """`ik_GN` with what the null space is for, and starts of several searches as rows of `q0`."""
+        chain = self._chain(end, start, tool)
+        return solve(
+            chain,
+            Tep,
+            "GN",
+            q0,
+            ilimit,
+            slimit,
+            tol,
+            mask,
+            joint_limits,
+            kq=kq,
+            km=km,
+            ps=ps,
+            pi=pi,
+            seed=seed,
+            **more,
+            pinv=bool(pinv),
+        )
+
+    def ikine_QP(
+        self,
+        Tep: Any,
+        end: Any = None,
+        start: Any = None,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        seed: int | None = None,
+        kj: float = 1.0,
+        ks: float = 1.0,
+        kq: float = 0.0,
+        km: float = 0.0,
+        ps: float = 0.0,
+        pi: Any = 0.3,
+        tool: Any = None,
+        **more: Any,
+    ) -> IKSolution:
+        """The same by quadratic programs."""
+        chain = self._chain(end, start, tool)
+        return solve(
+            chain,
+            Tep,
+            "QP",
+            q0,
+            ilimit,
+            slimit,
+            tol,
+            mask,
+            joint_limits,
+            kq=kq,
+            km=km,
+            ps=ps,
+            pi=pi,
+            kj=kj,
+            ks=ks,
+            seed=seed,
+            **more,
+        )

@@ -1,0 +1,148 @@
+"""Arguments of the Robotics Toolbox package have their effect: given matrices are used, limits come in pairs."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+
+pytest.importorskip("spatialmath")
+Q = np.array([0.1, -0.4, 0.2, -2.0, 0.3, 1.9, 0.6])
+ELSEWHERE = Q + 0.2
+
+
+@pytest.fixture(scope="module")
+def rtb() -> Iterator[Any]:
+    with worn("roboticstoolbox"):
+        yield importlib.import_module("roboticstoolbox")
+
+
+@pytest.fixture(scope="module")
+def panda(rtb: Any) -> Any:
+    return rtb.models.Panda()
+
+
+@pytest.fixture(scope="module")
+def puma(rtb: Any) -> Any:
+    return rtb.models.DH.Puma560()
+
+
+def test_given_jacobians_are_used(panda: Any, puma: Any) -> None:
+    J0, Je, H = panda.jacob0(ELSEWHERE), panda.jacobe(ELSEWHERE), panda.hessian0(ELSEWHERE)
+    for arm in (panda, panda.ets()):
+        np.testing.assert_allclose(arm.hessian0(J0=J0), H, atol=1e-12)
+        np.testing.assert_allclose(arm.hessian0(Q, J0=J0), H, atol=1e-12)
+        np.testing.assert_allclose(arm.hessiane(Je=Je), panda.hessiane(ELSEWHERE), atol=1e-12)
+    np.testing.assert_allclose(puma.hessian0(None, puma.jacob0(Q[:6])), puma.hessian0(Q[:6]), atol=1e-12)
+    np.testing.assert_allclose(panda.jacobm(J=J0), panda.jacobm(ELSEWHERE), atol=1e-12)
+    np.testing.assert_allclose(
+        panda.jacobm(J=J0, axes="trans"), panda.jacobm(ELSEWHERE, axes="trans"), atol=1e-12
+    )
+    np.testing.assert_allclose(panda.jacobm(Q, H=panda.hessian0(Q)), panda.jacobm(Q), atol=1e-12)
+    rate = panda.jacob0_dot(None, Q, J0=J0)
+    np.testing.assert_allclose(rate, panda.jacob0_dot(ELSEWHERE, Q), atol=1e-12)
+    with pytest.raises(TypeError, match="`q` is None"):
+        panda.jacob0_dot(None, Q)
+    with pytest.raises(ValueError, match=r"\(6, 7\)"):
+        panda.hessian0(J0=J0[:, :5])
+
+
+def test_a_given_pose_turns_the_jacobian_of_a_dh_robot(puma: Any) -> None:
+    q = Q[:6]
+    T = puma.fkine(q + 0.3)
+    np.testing.assert_allclose(puma.jacob0(q, T)[:3], T.R @ puma.jacobe(q)[:3], atol=1e-12)
+    np.testing.assert_allclose(puma.jacob0_analytical(q), puma.jacob0(q), atol=0)
+    both = [puma.jacob0_analytical(q, "eul", puma.fkine(q)), puma.jacob0_analytical(q, "eul")]
+    np.testing.assert_allclose(*both, atol=1e-12)
+    assert np.abs(puma.jacob0_analytical(q, "eul", T) - both[0]).max() > 0.01
+
+
+def test_given_matrices_of_operational_space_are_used(puma: Any) -> None:
+    q, v = Q[:6], np.arange(6.0)
+    Ji = np.linalg.inv(puma.jacob0_analytical(q + 0.2, "rpy/xyz"))
+    np.testing.assert_allclose(puma.inertia_x(q, Ji=Ji), Ji.T @ puma.inertia(q) @ Ji, atol=1e-9)
+    np.testing.assert_allclose(puma.gravload_x(q, Ji=Ji), Ji.T @ puma.gravload(q), atol=1e-9)
+    plain = puma.coriolis_x(q, v)
+    np.testing.assert_allclose(puma.coriolis_x(q, v, pinv=True), plain, atol=1e-6)
+    eye, J = np.eye(6), np.linalg.inv(Ji)
+    for name, matrix in (("J", J), ("Ji", Ji), ("Jd", eye), ("C", eye), ("Mx", eye)):
+        assert np.abs(puma.coriolis_x(q, v, **{name: matrix}) - plain).max() > 1e-3, name
+    np.testing.assert_allclose(puma.coriolis_x(q, v, J=J), puma.coriolis_x(q, v, Ji=Ji), atol=1e-9)
+
+
+def test_two_rows_of_torques_are_a_pair_of_limits(puma: Any) -> None:
+    q, weight = np.array([0.0, 0.3, 0.2, 0.3, 0.5, 0.2]), [0.0, 0.0, -1.0, 0.0, 0.0, 0.0]
+    low, high = np.full(6, -100.0), np.full(6, 150.0)
+    pair = puma.payload_capacity(q, np.vstack([low, high]), weight)
+    assert pair.shape == (1, 6)
+    one = [puma.payload_capacity(q, limit, weight) for limit in (-low, high)]
+    load = -puma.jacob0(q).T @ weight
+    np.testing.assert_allclose(pair[0], np.where(load > 0.0, one[1][0], one[0][0]))
+    with pytest.raises(ValueError, match="least and greatest"):
+        puma.payload_capacity(q, np.ones((3, 6)), weight)
+
+
+def test_times_of_trajectories_count_from_the_first(rtb: Any) -> None:
+    from_zero = np.linspace(0.0, 2.0, 9)
+    for law in (rtb.quintic, rtb.trapezoidal):
+        expected = law(1, 2, from_zero)
+        for begin in (5.0, -1.0):
+            shifted = law(1, 2, from_zero + begin)
+            np.testing.assert_array_equal(shifted.t, from_zero + begin)
+            for name in ("q", "qd", "qdd"):
+                np.testing.assert_allclose(getattr(shifted, name), getattr(expected, name), atol=1e-12)
+            several = rtb.mtraj(law, [1, 0], [2, 3], from_zero + begin)
+            np.testing.assert_allclose(several.q[:, 0], expected.q, atol=1e-12)
+            assert several.q[-1] == pytest.approx([2, 3])
+    with pytest.raises(ValueError, match="from 0 on"):
+        rtb.jtraj([0.0], [1.0], np.linspace(-1, 1, 4))
+
+
+def test_rows_of_q0_begin_a_search_each(panda: Any) -> None:
+    goal = panda.fkine(Q)
+    far = np.array([2.5, 1.5, -2.5, -0.2, 2.5, 3.5, -2.5])
+    near = Q + 1e-3
+    one = panda.ikine_LM(goal, q0=near, slimit=2)
+    rows = panda.ikine_NR(goal, q0=np.vstack([far, near]), slimit=2, ilimit=8, pinv=True)
+    alone = panda.ikine_NR(goal, q0=far, slimit=1, ilimit=8, pinv=True)
+    assert one.success and rows.success and not alone.success
+    assert np.abs(rows.q - Q).max() < 0.01 and rows.searches == 2
+    with pytest.raises(ValueError, match="slimit"):
+        panda.ikine_LM(goal, q0=np.tile(near, (3, 1)), slimit=2)
+    with pytest.raises(ValueError, match="q0"):
+        panda.ik_LM(goal, q0=np.vstack([far, near]))
+
+
+def test_settings_of_solvers_have_their_effect(rtb: Any, panda: Any, capsys: Any) -> None:
+    goal, chain = panda.fkine(Q), panda.ets()
+    for other in ({"kj": 1e-4}, {"ks": 1e4}, {"kq": 2.0}, {"km": 10.0}):
+        mine = rtb.IK_QP(**({"kj": 1.0, "ks": 1.0} | other)).solve(chain, goal, panda.qr)
+        method = panda.ikine_QP(goal, q0=panda.qr, **other)
+        plain = panda.ikine_QP(goal, q0=panda.qr)
+        assert mine.success and np.array_equal(mine.q, method.q), other
+        assert not np.array_equal(mine.q, plain.q), other
+    assert rtb.IK_LM().name == "LM (Chan λ=1.0)"
+    assert rtb.IK_NR(pinv=True, kq=1.0, km=1.0).name == "NR (pinv=True) Σ Jm"
+    assert not capsys.readouterr().out
+    panda.ikine_LM(goal, q0=Q, verbose=True)
+    assert "reached" in capsys.readouterr().out
+    for wrong in ({"pinv_damping": 0.1}, {"mask": [1, 1, 1]}):
+        with pytest.raises(ValueError):
+            panda.ik_NR(goal, **wrong)
+    with pytest.raises(TypeError):
+        panda.ik_LM(goal, nonsense=1)
+    lost = panda.ikine_GN(goal, pinv=False)
+    assert not lost.success and "pinv=True" in lost.reason
+
+
+def test_a_chain_with_joints_needs_coordinates(rtb: Any, panda: Any) -> None:
+    with pytest.raises(ValueError, match=r"\(7,\)"):
+        panda.ets().fkine(None)
+    with pytest.raises(ValueError):
+        panda.ets().eval()
+    assert rtb.ETS(rtb.ET.tx(2)).fkine(None).t == pytest.approx([2, 0, 0])
