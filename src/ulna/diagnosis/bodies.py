@@ -33,6 +33,9 @@ def body_findings(model: Model, points: Mapping[str, Floats]) -> Iterator[Findin
     Args:
         model: The model.
         points: For names of links, points that its geometry lies within, (n, 3) in the link's frame [m].
+
+    Yields:
+        A finding for each of them.
     """
     for link in model.links:
         if link.joint >= 0:

@@ -59,21 +59,24 @@ def unknown_attribute(subject: str, name: str, there: Iterable[str]) -> Attribut
         subject: A key of `IDIOMS`.
         name: The attribute asked for.
         there: Names of the attributes that exist, for the nearest of them.
+
+    Returns:
+        The error to raise.
     """
-    found = IDIOMS[subject].get(name)
+    idiom = IDIOMS[subject].get(name)
     if name.startswith("_"):  # asked for by Python, IPython, copy or pickle, never by a user
         return AttributeError(f"The {subject} has no attribute {name!r}.")
-    if found is None:
+    if idiom is None:
         return UnknownAttribute(subject, name, [n for n in there if not n.startswith("_")])
-    return UnknownAttribute(subject, name, (), _advice(found))
+    return UnknownAttribute(subject, name, (), _advice(idiom))
 
 
-def _advice(found: Idiom) -> str:
-    text = f"Use: {found.use}."
-    if found.why:
-        return f"{found.why} {text}"
-    scripts = _SCRIPTS if found.library in (TOOLBOX, PINOCCHIO) else ""
-    known = f" (The name is known from {found.library}.{scripts})" if scripts else ""
+def _advice(idiom: Idiom) -> str:
+    text = f"Use: {idiom.use}."
+    if idiom.why:
+        return f"{idiom.why} {text}"
+    scripts = _SCRIPTS if idiom.library in (TOOLBOX, PINOCCHIO) else ""
+    known = f" (The name is known from {idiom.library}.{scripts})" if scripts else ""
     return text + known
 
 

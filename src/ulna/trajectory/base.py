@@ -23,7 +23,12 @@ _operations: dict[str, Callable[..., Any]] = {}
 
 
 def register_operation(name: str, function: Callable[..., Any]) -> None:
-    """Makes `function` the implementation of a method that needs modules built on this one, such as `retimed`."""
+    """Makes `function` the implementation of a method that needs modules built on this one, such as `retimed`.
+
+    Args:
+        name: Name of the method.
+        function: The implementation; called with the trajectory and the method's arguments.
+    """
     _operations[name] = function
 
 
@@ -133,6 +138,9 @@ class Trajectory(ABC):
 
         Returns:
             `(t, q, v, a)` or `(t, q, v, a, jerk)`, a named tuple.
+
+        Raises:
+            InputError: Both or neither of `rate` and `n`, or one that is too small.
         """
         if (rate is None) == (n is None):
             raise InputError(f"sample(rate={rate}, n={n}): expected one of both: rate=1000 or n=200.")
@@ -190,9 +198,15 @@ class Trajectory(ABC):
 
         Args:
             velocity: Limits of speed, one or (nv,) [rad/s or m/s].
-            acceleration: Limits of acceleration [rad/s^2 or m/s^2].
-            jerk: Limits of jerk [rad/s^3 or m/s^3].
+            acceleration: Limits of acceleration, one or (nv,) [rad/s^2 or m/s^2].
+            jerk: Limits of jerk, one or (nv,) [rad/s^3 or m/s^3].
             samples: At how many times the motion is evaluated, at least, before it is refined near its peaks.
+
+        Returns:
+            The stretched trajectory.
+
+        Raises:
+            InputError: No limit is finite, or nothing moves.
         """
         bounds = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
         limits = [positive(name, x, self.space.n, infinite=True) for name, x in bounds.items()]
@@ -230,11 +244,24 @@ class Trajectory(ABC):
         return self._stretched(-1.0)
 
     def plot(self, path: str | Path | None = None, samples: int = 500) -> Any:
-        """Draws point, velocity and acceleration over time; see `ulna.trajectory.picture.plot`."""
+        """Draws point, velocity and acceleration over time; see `ulna.trajectory.picture.plot`.
+
+        Args:
+            path: Name of a picture file to write; None writes nothing.
+            samples: Number of times that are drawn.
+
+        Returns:
+            The Matplotlib figure.
+        """
         return _operations["plot"](self, path, samples)
 
     def save(self, path: str | Path, rate: float | None = None) -> None:
-        """Writes a .npz or .csv file; see `ulna.trajectory.files.save`."""
+        """Writes a .npz or .csv file; see `ulna.trajectory.files.save`.
+
+        Args:
+            path: Name of the file; its ending says the format.
+            rate: Rows a second of a .csv file [1/s].
+        """
         _operations["save"](self, path, rate)
 
     def __repr__(self) -> str:

@@ -48,8 +48,12 @@ def blended(
             "half", for quintics: in half a blend that catches up with the straight line and is half as fast
             again as it, as the Robotics Toolbox's `mstraj` does.
 
+    Returns:
+        The trajectory.
+
     Raises:
         InputError: Shapes do not fit, way-points repeat, or a segment is too short for its blends; names it.
+        UnknownName: No such kind of blend or of ends.
     """
     if kind not in ("parabolic", "quintic"):
         raise UnknownName("kind of blend", kind, ("parabolic", "quintic"))

@@ -22,10 +22,13 @@ def cubic(
 
     Args:
         q0: Start, (n,) [rad or m].
-        q1: End, (n,).
+        q1: End, (n,) [rad or m].
         duration: Time it takes [s].
         v0: Velocity at the start, one or (n,) [rad/s or m/s]; None for rest.
-        v1: Velocity at the end.
+        v1: Velocity at the end, one or (n,) [rad/s or m/s]; None for rest.
+
+    Returns:
+        The trajectory.
 
     Raises:
         InputError: Shapes do not fit, nan, or a duration that is not above zero.
@@ -53,12 +56,15 @@ def quintic(
 
     Args:
         q0: Start, (n,) [rad or m].
-        q1: End, (n,).
+        q1: End, (n,) [rad or m].
         duration: Time it takes [s].
         v0: Velocity at the start, one or (n,) [rad/s or m/s]; None for rest.
-        v1: Velocity at the end.
+        v1: Velocity at the end, one or (n,) [rad/s or m/s]; None for rest.
         a0: Acceleration at the start, one or (n,) [rad/s^2 or m/s^2]; None for zero.
-        a1: Acceleration at the end.
+        a1: Acceleration at the end, one or (n,) [rad/s^2 or m/s^2]; None for zero.
+
+    Returns:
+        The trajectory.
 
     Raises:
         InputError: Shapes do not fit, nan, or a duration that is not above zero.
@@ -89,7 +95,7 @@ def quintic_states(
         duration: Time it takes [s].
         t: Times, (m,) [s].
         v0: Velocity at the start, (n,) [rad/s or m/s]; None for rest.
-        v1: Velocity at the end.
+        v1: Velocity at the end, (n,) [rad/s or m/s]; None for rest.
 
     Returns:
         Points, velocities and accelerations, (m, n) each.

@@ -50,13 +50,33 @@ class Bound:
 
 
 def bounded(rows: Any, x: Floats, D: Floats, more: float = 1.0) -> Bound:
-    """Bounds of all rows on each segment; parts of limits are for `more` times the excess."""
+    """Bounds of all rows on each segment; parts of limits are for `more` times the excess.
+
+    Args:
+        rows: Constraints at the nodes of each segment.
+        x: Squared rates at the grid points, (N + 1,) [1/s^2].
+        D: Twice the length of each segment, (N,).
+        more: Factor on the excess for `less_low` and `less_high`.
+
+    Returns:
+        The bounds; see `Bound`.
+    """
     kernel = _row_kernel(rows.a.shape[-1], rows.high.shape[-2])
     return Bound(*kernel(*rows.arrays, rows.limits, x[:-1], x[1:], D, more))
 
 
 def speed_use(tangent: Floats, low: Floats, high: Floats, x: Floats) -> Floats:
-    """Greatest squared speed in parts of the squared limit on each segment, over all joints, (N,)."""
+    """Greatest squared speed in parts of the squared limit on each segment, over all joints, (N,).
+
+    Args:
+        tangent: p' at the nodes, (N, 5, n).
+        low: Least speeds, (n,) [rad/s or m/s].
+        high: Greatest speeds, (n,) [rad/s or m/s].
+        x: Squared rates at the grid points, (N + 1,) [1/s^2].
+
+    Returns:
+        Part of the squared limit, (N,).
+    """
     return _speed_kernel(tangent.shape[-1])(tangent, low, high, x[:-1], x[1:])
 
 
@@ -66,6 +86,9 @@ def misfit(have: Sequence[Floats], want: Sequence[Floats]) -> Floats:
     Args:
         have: Values at the nodes, (N, 5, m) each.
         want: Values at the probe, (N, 1, m) each.
+
+    Returns:
+        Largest difference, (N,).
     """
     sizes = np.array([np.abs(x[:, 2]).max(axis=0) for x in have]) + 1e-300
     return _misfit_kernel(len(have), sizes.shape[1])(*have, *(x[:, 0] for x in want), sizes)

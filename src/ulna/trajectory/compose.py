@@ -41,7 +41,19 @@ class Retimed(Trajectory):
 
     @classmethod
     def of(cls, path: Trajectory, law: Trajectory, kind: str = "") -> Retimed:
-        """A path under a law, checked: the law stays between 0 and the path's length."""
+        """A path under a law, checked: the law stays between 0 and the path's length.
+
+        Args:
+            path: What is followed.
+            law: s(t), a polynomial trajectory of one number.
+            kind: What made it; "" for that of the path.
+
+        Returns:
+            The trajectory.
+
+        Raises:
+            InputError: The law is none, or leaves the path.
+        """
         if not isinstance(law, Polynomial) or law.space.n != 1:
             raise InputError(f"`law` is {law!r}; expected a polynomial trajectory of one number, s(t).")
         reach = law._at(law.instants(200), 0)[0]
@@ -54,7 +66,15 @@ class Retimed(Trajectory):
 
     @classmethod
     def evenly(cls, path: Trajectory, factor: float) -> Trajectory:
-        """A path slower by `factor`, backwards when it is negative."""
+        """A path slower by `factor`, backwards if it is negative.
+
+        Args:
+            path: What is followed.
+            factor: How many times as long it takes, not 0.
+
+        Returns:
+            The trajectory.
+        """
         if isinstance(path, Retimed):
             return cls(path.path, path.law._stretched(factor), path.kind)
         duration, start = path.duration * abs(factor), 0.0 if factor > 0.0 else path.duration
@@ -151,7 +171,15 @@ class Chain(Trajectory):
 
     @classmethod
     def of(cls, parts: Sequence[Trajectory], kind: str = "chain") -> Chain:
-        """Parts one after the other, unchecked."""
+        """Parts one after the other, unchecked.
+
+        Args:
+            parts: Trajectories of one space.
+            kind: What made it.
+
+        Returns:
+            The trajectory.
+        """
         flat = [p for part in parts for p in (part.parts if isinstance(part, Chain) else (part,))]
         starts = np.concatenate([[0.0], np.cumsum([p.duration for p in flat])])
         starts.flags.writeable = False
@@ -202,6 +230,9 @@ def concatenate(*parts: Trajectory, tolerance: float = 1e-6) -> Trajectory:
         *parts: Trajectories of the same space.
         tolerance: By how much the end of one and the start of the next may differ in any entry, of the point [rad or
             m] and of the velocity [rad/s or m/s]; accelerations may jump.
+
+    Returns:
+        One polynomial if all parts are polynomials, else a chain.
 
     Raises:
         InputError: The spaces differ, or there is a gap; names what jumps, where, and by how much.

@@ -90,8 +90,17 @@ class Bounds:
 def bounds_of(name: str, value: ArrayLike | None, n: int) -> Bounds:
     """Limits from one number, (n,) of them, or (2, n): least and greatest.
 
+    Args:
+        name: Name of the argument, for messages.
+        value: Limits, (), (n,) or (2, n); None for no limits.
+        n: Number of joints.
+
+    Returns:
+        Least and greatest values.
+
     Raises:
         InputError: Limits that do not have zero between them.
+        ShapeError: Limits of another shape.
     """
     if value is None:
         return _unlimited(n)
@@ -127,14 +136,35 @@ def _yes(n: int) -> Any:
 
 
 def acceleration_rows(tangent: Floats, curvature: Floats, limits: Bounds) -> Rows:
-    """What limits of joint acceleration say, at places (..., n) of the path."""
+    """Constraints from limits of joint acceleration: p' u + p'' x within them.
+
+    Args:
+        tangent: p' at places of the path, (..., n).
+        curvature: p'' there, (..., n).
+        limits: Limits of the joints.
+
+    Returns:
+        Rows of the joints with finite limits.
+    """
     return _kept("acceleration", (tangent, curvature, limits.low[None], limits.high[None]), limits)
 
 
 def torque_rows(
     model: Model, q: Floats, tangent: Floats, curvature: Floats, limits: Bounds, length: float = 1.0
 ) -> Rows:
-    """What limits of joint torque say, at places (..., n) of the path, whose parameter runs from 0 to `length`."""
+    """Constraints from limits of joint torque, by inverse dynamics along the path.
+
+    Args:
+        model: The robot.
+        q: Configurations at places of the path, (..., nq) [rad or m].
+        tangent: p' at places of the path, (..., n).
+        curvature: p'' there, (..., n).
+        limits: Limits of the joints.
+        length: Length of the range of the path's parameter.
+
+    Returns:
+        Rows of the joints with finite limits.
+    """
     if _SHORT < length < _LONG:
         a, b, c = _along_path(model)(q, tangent, curvature)
     else:  # by a parameter from 0 to 1: else torques that accelerate drown in the rounding of those that hold

@@ -38,6 +38,9 @@ def follow(
         jump: By how much a joint may change from one sample to the next before it counts as a jump to another branch
             [rad or m].
 
+    Returns:
+        The joint trajectory.
+
     Raises:
         InputError: Inverse kinematics fails, or jumps to another branch; names the time.
     """

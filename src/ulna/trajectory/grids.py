@@ -42,6 +42,13 @@ class Sampled:
 def sampled(path: Trajectory, s: Floats) -> Sampled:
     """The path at the nodes of each segment.
 
+    Args:
+        path: The path.
+        s: Grid points, (N + 1,).
+
+    Returns:
+        Configurations and derivatives at the five nodes of each segment.
+
     Raises:
         InputError: The path is not finite, or jumps at a grid point; says where.
     """
@@ -57,13 +64,29 @@ def sampled(path: Trajectory, s: Floats) -> Sampled:
 
 
 def at_nodes(path: Trajectory, s: Floats, nodes: Floats) -> tuple[Floats, ...]:
-    """Configuration and derivatives at nodes of each segment, (N, nodes, ...) each."""
+    """Configuration and derivatives at nodes of each segment, (N, nodes, ...) each.
+
+    Args:
+        path: The path.
+        s: Grid points, (N + 1,).
+        nodes: Places in parts of a segment, (nodes,).
+
+    Returns:
+        q, p' and p'', (N, nodes, ...) each.
+    """
     places = s[:-1, None] + (s[1:] - s[:-1])[:, None] * nodes
     return tuple(row.reshape(*places.shape, -1) for row in path._at(places.reshape(-1), 2))
 
 
 def first_grid(grid: Any, path: Trajectory) -> Floats:
     """The grid to start with: even between knots; or the given one with all knots.
+
+    Args:
+        grid: Number of segments, or grid points (N + 1,) from 0 to the path's duration.
+        path: The path.
+
+    Returns:
+        Grid points, (N + 1,), with all knots of the path among them.
 
     Raises:
         InputError: Neither a count nor a grid of this path.
@@ -84,7 +107,15 @@ def first_grid(grid: Any, path: Trajectory) -> Floats:
 
 
 def halved(s: Floats, chosen: Any) -> Floats:
-    """The grid with the chosen segments (N,) cut in halves."""
+    """The grid with the chosen segments (N,) cut in halves.
+
+    Args:
+        s: Grid points, (N + 1,).
+        chosen: Which segments, (N,) of bool.
+
+    Returns:
+        Grid points, increasing, (M + 1,).
+    """
     return np.sort(np.concatenate([s, 0.5 * (s[:-1] + s[1:])[chosen]]))
 
 
@@ -92,6 +123,14 @@ def graded(s: Floats, first: Any, last: Any) -> Floats:
     """The grid with the segments in layers that the path rests at the first or the last node of, (N,) of bool each.
 
     There the rate of s grows without bound as the motion leaves or reaches rest; layers that halve follow it.
+
+    Args:
+        s: Grid points, (N + 1,).
+        first: Segments at whose first node the path rests, (N,) of bool.
+        last: Segments at whose last node it rests, (N,) of bool.
+
+    Returns:
+        Grid points, increasing, (M + 1,).
     """
     after, before = np.flatnonzero(first), np.flatnonzero(last) + 1
     layers = [

@@ -66,7 +66,15 @@ class Ground:
 
 
 def fitted(task: Task, s: Floats) -> Ground:
-    """The task on a grid on whose segments quartics are good enough."""
+    """The task on a grid on whose segments quartics are good enough.
+
+    Args:
+        task: Path, limits and rates at the ends.
+        s: Grid points to begin with, (N + 1,).
+
+    Returns:
+        The task on a finer grid, if need be.
+    """
     at = sampled(task.path, s)
     survey = surveyed(at, task.speeds)
     if survey.slow_first.any() or survey.slow_last.any():
@@ -89,6 +97,15 @@ def fitted(task: Task, s: Floats) -> Ground:
 
 def ground_of(task: Task, at: Sampled, rows: Rows, survey: Survey | None = None) -> Ground:
     """The task on a grid, from its samples.
+
+    Args:
+        task: Path, limits and rates at the ends.
+        at: Samples of the path.
+        rows: Constraints at the same places.
+        survey: What the samples say; None to find it.
+
+    Returns:
+        The task on the grid of `at`.
 
     Raises:
         InputError: The path does not move, or jumps; says where.
@@ -167,7 +184,15 @@ def _usual(at: Sampled, rows: Rows) -> float:
 
 
 def static_violation(task: Task, ground: Ground) -> str:
-    """Says which limit a robot at rest exceeds most, and where; nothing where it holds still within all limits."""
+    """A sentence on the limit that a robot at rest exceeds most.
+
+    Args:
+        task: Path, limits and rates at the ends.
+        ground: The task on a grid.
+
+    Returns:
+        The sentence; "" where the robot can rest anywhere on the path.
+    """
     if holds_still(ground):
         return ""
     rows = ground.rows

@@ -31,7 +31,18 @@ class Problem:
     cap: Floats
 
     def check_rate(self, which: str, rate: float, k: int, low: float, high: float) -> None:
-        """Raises unless the squared rate at grid point k is between `low` and `high`."""
+        """Checks that the squared rate at grid point k is between `low` and `high`.
+
+        Args:
+            which: "start" or "end", for the message.
+            rate: Rate of the path parameter [1/s].
+            k: Number of the grid point.
+            low: Least squared rate [1/s^2].
+            high: Greatest squared rate [1/s^2].
+
+        Raises:
+            InputError: If it is not; names the limit that excludes it.
+        """
         if not 0.0 <= rate < np.inf:
             raise InputError(
                 f"`{which}_rate` is {rate}; expected a rate of the path parameter, zero or above [1/s]."
@@ -52,9 +63,16 @@ class Problem:
         )
 
     def refuse_empty(self, K: Floats, k: int, at_rest: str) -> None:
-        """Raises for grid point k, the last one whose controllable set is empty: from it the end cannot be reached.
+        """Raises for grid point k, the last one from which the end cannot be reached: its controllable set is
+        empty.
 
-        `at_rest` says which limits the robot breaks by holding still, if any.
+        Args:
+            K: Controllable sets of the grid points, (N + 1, 2) [1/s^2].
+            k: Number of the grid point.
+            at_rest: Sentence on the limits that the robot exceeds at rest; see `static_violation`.
+
+        Raises:
+            InputError: Always; names the limits that exclude each other.
         """
         reason = self._conflict(
             k, np.append(0.0, np.geomspace(1e-9, 1.0, 200)) * min(self.cap[k], 1e6), K[k + 1]

@@ -14,7 +14,19 @@ from ulna.typing import ArrayLike, Floats
 
 
 def vector(name: str, value: ArrayLike, size: int | None = None) -> Floats:
-    """One point (n,) of finite floats; a single number is a point with one entry."""
+    """One point (n,) of finite floats; a single number is a point with one entry.
+
+    Args:
+        name: Name of the argument, for messages.
+        value: A number, or numbers (n,).
+        size: What n must be; None for any.
+
+    Returns:
+        Array (n,).
+
+    Raises:
+        ShapeError: Another shape.
+    """
     array = finite_array(name, value)
     array = array if array.ndim else array.reshape(1)
     if array.ndim != 1 or array.size == 0 or (size is not None and array.size != size):
@@ -23,7 +35,16 @@ def vector(name: str, value: ArrayLike, size: int | None = None) -> Floats:
 
 
 def filled(name: str, value: ArrayLike | None, size: int) -> Floats:
-    """A point (size,); zeros for None, and one number fills all entries."""
+    """A point (size,); zeros for None, and one number fills all entries.
+
+    Args:
+        name: Name of the argument, for messages.
+        value: A number, numbers (size,), or None.
+        size: Number of entries.
+
+    Returns:
+        Array (size,).
+    """
     if value is None:
         return np.zeros(size)
     array = finite_array(name, value)
@@ -31,7 +52,19 @@ def filled(name: str, value: ArrayLike | None, size: int) -> Floats:
 
 
 def rows(name: str, value: ArrayLike, least: int = 2) -> Floats:
-    """Several points (k, n) of finite floats, k at least `least`."""
+    """Several points (k, n) of finite floats, k at least `least`.
+
+    Args:
+        name: Name of the argument, for messages.
+        value: Numbers (k, n), or (k,) for points of one entry.
+        least: Smallest number of points.
+
+    Returns:
+        Array (k, n).
+
+    Raises:
+        ShapeError: Another shape, or too few points.
+    """
     array = finite_array(name, value)
     array = array[:, None] if array.ndim == 1 else array
     if array.ndim != 2 or array.shape[0] < least or array.shape[1] == 0:
@@ -40,17 +73,47 @@ def rows(name: str, value: ArrayLike, least: int = 2) -> Floats:
 
 
 def seconds(name: str, value: Any) -> float:
-    """A duration: finite and above zero [s]."""
+    """A duration: finite and above zero [s].
+
+    Args:
+        name: Name of the argument, for messages.
+        value: What was passed [s].
+
+    Returns:
+        The duration [s].
+    """
     return above_zero(name, value, "a time above zero [s]")
 
 
 def above_zero(name: str, value: Any, expected: str) -> float:
-    """A finite number above zero."""
+    """A finite number above zero.
+
+    Args:
+        name: Name of the argument, for messages.
+        value: What was passed.
+        expected: What is expected, for the message.
+
+    Returns:
+        The number.
+    """
     return number(name, value, expected, above=0.0)
 
 
 def increasing(name: str, value: ArrayLike, count: int) -> Floats:
-    """Times (count,) that increase strictly [s], the first being 0."""
+    """Times (count,) that increase strictly [s], the first being 0.
+
+    Args:
+        name: Name of the argument, for messages.
+        value: Times, (count,) [s].
+        count: Number of times.
+
+    Returns:
+        Array (count,) [s].
+
+    Raises:
+        InputError: The first is not 0, or they do not increase.
+        ShapeError: Another number of times.
+    """
     t = finite_array(name, value)
     if t.shape != (count,):
         raise ShapeError(name, t.shape, f"({count},), one time for each way-point")
@@ -63,7 +126,21 @@ def increasing(name: str, value: ArrayLike, count: int) -> Floats:
 
 
 def positive(name: str, value: ArrayLike, size: int, infinite: bool = False) -> Floats:
-    """Limits above zero (size,); one number holds for all entries."""
+    """Limits above zero (size,); one number holds for all entries.
+
+    Args:
+        name: Name of the argument, for messages.
+        value: A number, or numbers (size,).
+        size: Number of entries.
+        infinite: Whether an entry may be inf.
+
+    Returns:
+        Array (size,).
+
+    Raises:
+        InputError: An entry is not above zero, or infinite where it must not be.
+        ShapeError: Another shape.
+    """
     limit = number_or_array(name, value, size)
     wrong = ~(limit > 0.0) | (np.isinf(limit) & (not infinite))
     if wrong.any():
@@ -74,7 +151,16 @@ def positive(name: str, value: ArrayLike, size: int, infinite: bool = False) -> 
 
 
 def not_repeating(name: str, points: Floats, gaps: Floats) -> None:
-    """Refuses way-points that repeat: `gaps` are the distances of neighbours."""
+    """Checks that neighbouring way-points differ.
+
+    Args:
+        name: Name of the argument, for messages.
+        points: Way-points in rows, (k, n).
+        gaps: Distances of neighbours, (k - 1,).
+
+    Raises:
+        InputError: A distance is zero.
+    """
     if (gaps <= 0.0).any():
         k = int(np.argmax(gaps <= 0.0))
         raise InputError(
@@ -84,7 +170,18 @@ def not_repeating(name: str, points: Floats, gaps: Floats) -> None:
 
 
 def pose(name: str, value: Any) -> SE3:
-    """One pose: an SE3 or a matrix (4, 4)."""
+    """One pose: an SE3 or a matrix (4, 4).
+
+    Args:
+        name: Name of the argument, for messages.
+        value: An SE3, or a matrix (4, 4).
+
+    Returns:
+        The pose.
+
+    Raises:
+        ShapeError: A batch of poses.
+    """
     checked = value if isinstance(value, SE3) else SE3.from_matrix(value)
     if checked.batch_shape != ():
         raise ShapeError(name, (*checked.batch_shape, 4, 4), "(4, 4), one pose")

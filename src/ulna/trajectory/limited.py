@@ -29,14 +29,17 @@ def jerk_limited(
     Args:
         q0: Position at the start, (n,) [rad or m].
         v0: Velocity there, one or (n,) [rad/s or m/s]; None for rest.
-        a0: Acceleration there [rad/s^2 or m/s^2]; None for zero.
-        q1: Position at the end.
-        v1: Velocity there; None for rest.
-        a1: Acceleration there; None for zero.
+        a0: Acceleration there, one or (n,) [rad/s^2 or m/s^2]; None for zero.
+        q1: Position at the end, (n,) [rad or m].
+        v1: Velocity there, one or (n,) [rad/s or m/s]; None for rest.
+        a1: Acceleration there, one or (n,) [rad/s^2 or m/s^2]; None for zero.
         velocity: Limits of speed, one or (n,) [rad/s or m/s].
-        acceleration: Limits of acceleration, one or (n,).
-        jerk: Limits of jerk, one or (n,).
+        acceleration: Limits of acceleration, one or (n,) [rad/s^2 or m/s^2].
+        jerk: Limits of jerk, one or (n,) [rad/s^3 or m/s^3].
         duration: Time to take where the limits would allow less [s].
+
+    Returns:
+        The trajectory.
 
     Raises:
         InputError: A state that the limits do not allow; says what Ruckig says.

@@ -112,6 +112,9 @@ def pose_line(
         acceleration: Limits of acceleration along the way, likewise [m/s^2, rad/s^2].
         jerk: Limits of jerk along the way, likewise; None for no limit.
 
+    Returns:
+        A trajectory of poses.
+
     Raises:
         InputError: Not poses, equal poses, neither a duration nor limits.
         UnknownName: No such interpolation.
@@ -157,8 +160,12 @@ def circle(
         acceleration: Limits of acceleration along the circle; see `pose_line`.
         jerk: Limits of jerk along the circle; see `pose_line`.
 
+    Returns:
+        A trajectory of poses.
+
     Raises:
         InputError: No axis, a start on the axis, an angle of zero, neither a duration nor limits.
+        UnknownName: No such `orientation`.
     """
     start, middle, direction = pose("T0", T0), vector("centre", centre, 3), vector("axis", axis, 3)
     size, radius = float(np.linalg.norm(direction)), start.translation - middle
@@ -189,6 +196,9 @@ def arc_through(T0: Any, via: ArrayLike, end: ArrayLike, duration: float, **opti
         end: The point at the end, (3,) [m].
         duration: Time it takes [s].
         **options: `orientation`.
+
+    Returns:
+        A trajectory of poses.
 
     Raises:
         InputError: The three points lie on a line.

@@ -37,6 +37,19 @@ def law(lengths: Floats, duration: Any, velocity: Any, acceleration: Any, jerk: 
 
     With a duration alone it is a quintic; with limits, one or one for each thing, as fast as they allow:
     trapezoidal, or an S-curve where jerk is limited.
+
+    Args:
+        lengths: Lengths of the paths of the things that move, (k,) [m, rad].
+        duration: Time it takes [s], or None.
+        velocity: Limits of speed, one or (k,) [m/s, rad/s], or None.
+        acceleration: Limits of acceleration, one or (k,) [m/s^2, rad/s^2], or None.
+        jerk: Limits of jerk, one or (k,) [m/s^3, rad/s^3], or None.
+
+    Returns:
+        s(t), from 0 to 1.
+
+    Raises:
+        InputError: Neither a duration nor both limits, or limits where nothing moves.
     """
     if velocity is None and acceleration is None and jerk is None:
         if duration is None:

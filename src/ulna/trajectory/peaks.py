@@ -42,6 +42,9 @@ def greatest(f: Callable[[Floats], Floats], knots: Floats, samples: int, toleran
         knots: Times between which they are smooth, increasing, (p + 1,) [s].
         samples: How many times are looked at, at least.
         tolerance: How close bounds must come to the values found, (k,).
+
+    Returns:
+        Greatest values, their times, and bounds that no value exceeds.
     """
     even = np.linspace(knots[0], knots[-1], max(samples // (len(NODES) - 1), 1) + 1)
     edges = np.unique(np.concatenate([knots, 0.5 * (knots[:-1] + knots[1:]), even]))

@@ -48,7 +48,21 @@ class Polynomial(Trajectory):
     def of(
         cls, times: Any, coefficients: Any, kind: str = "polynomial", space: Space | None = None
     ) -> Polynomial:
-        """A polynomial trajectory of checked, copied, read-only arrays."""
+        """A polynomial trajectory of checked, copied, read-only arrays.
+
+        Args:
+            times: Knots, (k + 1,) from 0 [s].
+            coefficients: By piece, power of the time since the piece's start, and joint, (k, d + 1, n).
+            kind: What made it.
+            space: What moves; None for plain numbers.
+
+        Returns:
+            The trajectory.
+
+        Raises:
+            InputError: Times that do not increase from 0.
+            ShapeError: Shapes that do not fit.
+        """
         t, c = finite_array("times", times), finite_array("coefficients", coefficients)
         if c.ndim != 3 or t.shape != (c.shape[0] + 1,) or 0 in c.shape:
             raise ShapeError("coefficients", c.shape, f"(k, d + 1, n) with k + 1 = {t.size} times")
@@ -109,11 +123,17 @@ def hermite(
 
     Args:
         times: Times, (k + 1,) [s].
-        q: Points, (k + 1, n).
-        v: Velocities there, (k + 1, n).
-        a: Accelerations there, (k + 1, n); None for cubics.
+        q: Points, (k + 1, n) [rad or m].
+        v: Velocities there, (k + 1, n) [rad/s or m/s].
+        a: Accelerations there, (k + 1, n) [rad/s^2 or m/s^2]; None for cubics.
         kind: What to call it.
         space: What moves.
+
+    Returns:
+        The trajectory.
+
+    Raises:
+        InputError: Times are so short that coefficients are not finite.
 
     Source: Biagiotti & Melchiorri 2008, eq. (2.2) and (2.6).
     """
@@ -131,7 +151,15 @@ def hermite(
 
 
 def shifted(c: Floats, h: Floats) -> Floats:
-    """Coefficients of the same pieces by the time since `h` (k,) after their starts: of tau - h."""
+    """Coefficients of the same pieces by the time since `h` after their starts.
+
+    Args:
+        c: Coefficients, (k, d + 1, n).
+        h: Time of each piece, (k,) [s].
+
+    Returns:
+        Coefficients, (k, d + 1, n).
+    """
     out = np.zeros_like(c)
     for i in range(c.shape[1]):
         for j in range(i, c.shape[1]):
@@ -140,7 +168,19 @@ def shifted(c: Floats, h: Floats) -> Floats:
 
 
 def hermite_coefficients(h: Any, q0: Array, q1: Array, v0: Array, v1: Array, *a: Array) -> Array:
-    """Coefficients of one piece of length `h` from the states at its ends, (4, n), or with accelerations (6, n)."""
+    """Coefficients of one piece of length `h` from the states at its ends, (4, n), or with accelerations (6, n).
+
+    Args:
+        h: Time that the piece takes [s].
+        q0: Point at its start, (n,) [rad or m].
+        q1: Point at its end, (n,) [rad or m].
+        v0: Velocity at its start, (n,) [rad/s or m/s].
+        v1: Velocity at its end, (n,) [rad/s or m/s].
+        *a: Accelerations at both ends, (n,) each [rad/s^2 or m/s^2], or none.
+
+    Returns:
+        Coefficients (4, n) or (6, n), by power of the time.
+    """
     way, b0, b1 = q1 - q0, v0 * h, v1 * h
     if not a:
         return np.stack([q0, v0, (3.0 * way - 2.0 * b0 - b1) / h**2, (b0 + b1 - 2.0 * way) / h**3])
@@ -153,7 +193,16 @@ def hermite_coefficients(h: Any, q0: Array, q1: Array, v0: Array, v1: Array, *a:
 
 
 def horner(c: Array, tau: Any, order: int) -> tuple[Array, ...]:
-    """The polynomial with coefficients `c` (d + 1, n) at `tau`, and its derivatives up to `order`, (n,) each."""
+    """The polynomial with coefficients `c` (d + 1, n) at `tau`, and its derivatives up to `order`, (n,) each.
+
+    Args:
+        c: Coefficients by power, (d + 1, n).
+        tau: Time since the piece's start [s].
+        order: Highest derivative.
+
+    Returns:
+        Value and derivatives, (n,) each.
+    """
 
     def derivative(k: int) -> Array:
         value = 0.0 * c[0]

@@ -91,9 +91,13 @@ def pose_spline(
         poses: Poses T_world_frame: (k, 4, 4), a list of them, or a batch of SE3; neighbours less than half a
             turn apart.
         duration: Time it takes [s].
-        interpolation: "decoupled": translations by an ordinary B-spline, rotations on SO(3); "screw": both on SE(3).
+        interpolation: "decoupled": translations by an ordinary B-spline, rotations on SO(3); "screw": both on
+            SE(3).
         through: Whether to run through all the poses, whose neighbours then must be less than about 1.5 rad apart; else
             only the first and the last are met.
+
+    Returns:
+        A trajectory of poses.
 
     Raises:
         InputError: Fewer than two poses, or neighbours too far apart to be run through.

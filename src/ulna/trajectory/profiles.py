@@ -43,12 +43,15 @@ def trapezoidal(
 
     Args:
         q0: Start, (n,) [rad or m].
-        q1: End, (n,).
+        q1: End, (n,) [rad or m].
         velocity: Limits of speed, one or (n,) [rad/s or m/s].
         acceleration: Limits of acceleration, one or (n,) [rad/s^2 or m/s^2].
         duration: Time it takes [s].
         synchronise: "phase": all joints share one law, so the path is straight; "time": each by its own law,
             stretched to arrive together; "none": each as fast as it can, and then it waits.
+
+    Returns:
+        The trajectory.
 
     Raises:
         InputError: Neither limits nor duration; limits not above zero; a duration or speed that cannot be kept.
@@ -85,12 +88,15 @@ def s_curve(
 
     Args:
         q0: Start, (n,) [rad or m].
-        q1: End, (n,).
+        q1: End, (n,) [rad or m].
         velocity: Limits of speed, one or (n,) [rad/s or m/s].
         acceleration: Limits of acceleration, one or (n,) [rad/s^2 or m/s^2].
         jerk: Limits of jerk, one or (n,) [rad/s^3 or m/s^3].
         duration: Time to take where the limits would allow less [s].
         synchronise: As for `trapezoidal`.
+
+    Returns:
+        The trajectory.
 
     Raises:
         InputError: Limits not above zero; a duration shorter than the limits allow.

@@ -117,7 +117,10 @@ def reachable(D: Floats, start: Sequence[Floats], end: Sequence[Floats] = ()) ->
     Args:
         D: Twice the length of each segment, (N,).
         start: a, b, low and high of the rows at the start of each segment, (N, n) each, finite.
-        end: The same at its end; nothing where rows hold at the starts only.
+        end: The same at its end, (N, n) each; nothing where rows hold at the starts only.
+
+    Returns:
+        Backward bounds (M, 3 m + 2) and forward bounds (M, 2 m); see `_bounds_kernel`.
     """
     n, N = start[0].shape[1], len(D)
     m = 2 * n if end else n
@@ -151,7 +154,16 @@ def controllable(back: Floats, cap: Floats, end: float) -> Floats:
 
 
 def fastest(ahead: Floats, K: Floats, start: float) -> Floats:
-    """The greatest x of all grid points and of the padding, (M + 1,), from `start` at the first."""
+    """The greatest x of all grid points and of the padding, (M + 1,), from `start` at the first.
+
+    Args:
+        ahead: Forward bounds of all segments and the padding, (M, 2 m).
+        K: Least and greatest controllable x, (M + 1, 2) [1/s^2].
+        start: x at the first grid point [1/s^2].
+
+    Returns:
+        x (M + 1,) [1/s^2].
+    """
     M, m = len(ahead), ahead.shape[1] // 2
     steps = _steps(m)
     kernel, x = _forward_kernel(m, steps), np.empty(M + 1)

@@ -69,6 +69,13 @@ class _Repairs:
 def solved(task: Task, s: Floats) -> Answer:
     """The fastest law that keeps all limits everywhere, from a first grid.
 
+    Args:
+        task: Path, limits and rates at the ends.
+        s: Grid points, (N + 1,).
+
+    Returns:
+        The law and what it uses of the limits.
+
     Raises:
         InputError: Limits exclude each other; says where and which.
     """

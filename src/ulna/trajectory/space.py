@@ -34,7 +34,15 @@ class Space(ABC):
 
     @abstractmethod
     def difference(self, a: Floats, b: Floats) -> Floats:
-        """What leads from the points `a` to the points `b`, (..., n)."""
+        """What leads from the points `a` to the points `b`, (..., n).
+
+        Args:
+            a: Points (..., *shape).
+            b: Points (..., *shape).
+
+        Returns:
+            Steps (..., n).
+        """
 
     @property
     def n(self) -> int:
@@ -123,7 +131,12 @@ def _numbered(n: int) -> Vectors:
 
 
 def require_configurations(name: str, space: Space, model: Model) -> None:
-    """Refuses what does not move the joints of a model.
+    """Checks that a trajectory moves configurations of a model.
+
+    Args:
+        name: Name of the argument, for messages.
+        space: What the trajectory moves.
+        model: The robot.
 
     Raises:
         ShapeError: If the points are no configurations.

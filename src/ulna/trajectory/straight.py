@@ -68,8 +68,11 @@ def straight(
         duration: Time it takes [s], for a quintic law.
         velocity: Limits of speed, one or (nv,) [rad/s or m/s], for a law as fast as limits allow: trapezoidal, or an
             S-curve with `jerk`.
-        acceleration: Limits of acceleration [rad/s^2 or m/s^2].
-        jerk: Limits of jerk [rad/s^3 or m/s^3]; None for no limit.
+        acceleration: Limits of acceleration, one or (nv,) [rad/s^2 or m/s^2].
+        jerk: Limits of jerk, one or (nv,) [rad/s^3 or m/s^3]; None for no limit.
+
+    Returns:
+        The trajectory.
 
     Raises:
         InputError: Shapes do not fit, quaternions that are not unit, neither duration nor limits, or equal points with
@@ -87,6 +90,12 @@ def straight_through(robot: Any, points: ArrayLike, durations: ArrayLike) -> Tra
         robot: A Robot or a Model.
         points: Configurations in rows, (k + 1, nq) [rad or m].
         durations: Time of each line, one or (k,) [s].
+
+    Returns:
+        The trajectory.
+
+    Raises:
+        InputError: Way-points repeat, or `durations` do not fit.
     """
     model = model_of(robot)
     q = rows("points", points)

@@ -56,6 +56,13 @@ def surveyed(at: Sampled, velocity: Bounds) -> Survey:
 
     Since x is linear on a segment, a node at the part w of it bounds x at the start by its own bound over 1 - w,
     and x at the end by that over w.
+
+    Args:
+        at: Samples of the path.
+        velocity: Limits of speed.
+
+    Returns:
+        Greatest squared rates, and where the path rests; see `Survey`.
     """
     kernel = _kernel(at.tangent.shape[-1])
     start, end, first, last, size = kernel(at.tangent, at.curvature, velocity.low, velocity.high)
@@ -69,6 +76,9 @@ def corners(path: Trajectory, at: Sampled, size: float) -> Any:
         path: The path.
         at: Its samples.
         size: Greatest entry of its tangent.
+
+    Returns:
+        Numbers of the grid points, (c,).
 
     Raises:
         InputError: The path itself jumps; says where.

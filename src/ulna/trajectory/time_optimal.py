@@ -48,10 +48,12 @@ def time_optimal(
             spline that leaves the first and reaches the last along the line to its neighbour.
         robot: A Robot or a Model; it gives the limits of speed and torque that are not given here.
         velocity: Limits of speed: one, (n,), or (2, n) least and greatest [rad/s or m/s].
-        acceleration: Limits of acceleration, likewise [rad/s^2 or m/s^2].
-        torque: Limits of torque, likewise [N m or N]; needs a robot. np.inf leaves torques out.
-        grid: How many segments the path is cut into, evenly between its knots; or the grid itself, increasing from 0 to
-            the path's duration. Knots are grid points in any case, and segments that are too long are halved.
+        acceleration: Limits of acceleration, likewise, (), (n,) or (2, n) [rad/s^2 or m/s^2].
+        torque: Limits of torque, likewise, (), (n,) or (2, n) [N m or N]; needs a robot. np.inf leaves torques
+            out.
+        grid: Number of segments that the path is cut into, evenly between its knots; or grid points (N + 1,),
+            increasing from 0 to the path's duration. Knots are grid points in any case, and segments that are too
+            long are halved.
         start_rate: Rate of s at the start [1/s].
         end_rate: Rate of s at the end [1/s].
         scheme: Where limits of acceleration and torque are imposed at first: "interpolation", at both ends of each
@@ -64,6 +66,7 @@ def time_optimal(
     Raises:
         InputError: No way to keep the limits; names the place on the path and the limits that exclude each other. Or a
             path that does not move, or jumps.
+        UnknownName: No such scheme.
 
     Source: Pham & Pham, A new approach to time-optimal path parameterization based on reachability analysis (2018).
     """

@@ -33,10 +33,13 @@ def cubic_spline(
 
     Args:
         points: Way-points in rows, (k + 1, n) [rad or m].
-        times: When to be there, increasing from 0 [s].
+        times: When to be there, increasing from 0, (k + 1,) [s].
         duration: Time for the whole way instead, shared out by the distances [s].
         v0: Velocity at the start, one or (n,) [rad/s or m/s]; None for rest.
-        v1: Velocity at the end.
+        v1: Velocity at the end, one or (n,) [rad/s or m/s]; None for rest.
+
+    Returns:
+        The trajectory.
 
     Raises:
         InputError: Shapes do not fit, way-points repeat without `times`, or times that do not increase.
@@ -59,8 +62,11 @@ def minimum_jerk(
 
     Args:
         points: Way-points in rows, (k + 1, n) [rad or m].
-        times: When to be there, increasing from 0 [s].
+        times: When to be there, increasing from 0, (k + 1,) [s].
         duration: Time for the whole way instead, shared out by the distances [s].
+
+    Returns:
+        The trajectory.
 
     Raises:
         InputError: Shapes do not fit, way-points repeat without `times`, or times that do not increase.
@@ -97,7 +103,11 @@ def bspline(
         duration: Time it takes [s].
         degree: Degree of the polynomials, 3 or 5: continuous acceleration, or jerk and snap as well.
         through: Whether to run through the points instead of being drawn by them.
-        times: When to be at the points with `through` [s]; None shares out the duration by the distances.
+        times: When to be at the points with `through`, (k + 1,) [s]; None shares out the duration by the
+            distances.
+
+    Returns:
+        The trajectory.
 
     Raises:
         InputError: Shapes do not fit, or a degree that is not 3 or 5.

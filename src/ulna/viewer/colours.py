@@ -98,8 +98,17 @@ def colour(value: Colour) -> RGBA:
 def colour_values(name: str, value: ArrayLike) -> Floats:
     """Numbers from 0 to 1, from such, or from integers that go up to 255.
 
+    Args:
+        name: Name of the argument, for messages.
+        value: Numbers (...) from 0 to 1, or integers from 0 to 255.
+
+    Returns:
+        Numbers (...) from 0 to 1.
+
     Raises:
         InputError, NonFiniteError: They are none.
+        InputError: They are out of range.
+        NonFiniteError: nan or inf.
     """
     out = finite_array(name, value)
     raw = np.asarray(value)

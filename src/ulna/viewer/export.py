@@ -63,6 +63,9 @@ class ExportMethods(SceneMethods, abc.ABC):
             camera: The camera; that of the viewer when not given.
             samples: Samples along each edge of a pixel; 2 is smooth, 1 quick.
 
+        Returns:
+            The picture, (height, width, 3) uint8.
+
         Raises:
             InputError: The size is out of range, or the file cannot be written.
             UnknownName: The path does not end in .png.
@@ -100,8 +103,12 @@ class ExportMethods(SceneMethods, abc.ABC):
             height: Height [pixels].
             camera: The camera; a fixed one that shows the first and the last frame when not given.
             samples: Samples along each edge of a pixel.
-            move: Brings the scene to a time [s], called before each picture; instead of `recorded`, with `duration`.
+            move: Brings the scene to a time [s], called before each picture; instead of `recorded`, with
+                `duration`.
             duration: How long it is that `move` shows [s].
+
+        Returns:
+            The path of the file.
 
         Raises:
             UnknownName: It ends neither in .mp4 nor in .gif.
@@ -144,6 +151,9 @@ class ExportMethods(SceneMethods, abc.ABC):
             recorded: What moves, as for `film`; None for the simulation's recordings, or a scene at rest.
             fps: Poses a second.
             camera: The first camera.
+
+        Returns:
+            The path of the file.
 
         Raises:
             MissingExtra: viser is not installed.

@@ -38,7 +38,12 @@ def unwatch(watcher: Watcher) -> None:
 
 
 def silent(done: int, of: int) -> None:
-    """Does nothing."""
+    """Reports nothing.
+
+    Args:
+        done: Number of parts that are done.
+        of: Number of all parts.
+    """
 
 
 @contextmanager

@@ -182,7 +182,16 @@ class RenamedModules(MetaPathFinder, Loader):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The spec of an old module; None for all others."""
+        """The spec of an old module; None for all others.
+
+        Args:
+            fullname: Name of the module.
+            path: Not used; see `importlib.abc.MetaPathFinder`.
+            target: Not used.
+
+        Returns:
+            The spec, or None.
+        """
         package, _, name = fullname.rpartition(".")
         return ModuleSpec(fullname, self) if package == _PACKAGE and name in MODULES else None
 

@@ -39,8 +39,8 @@ def show(
 
     Args:
         robot: An `ulna.Robot`.
-        q: Its configuration: an array (nq,), the name of one of `robot.configurations`, or None for the
-            first of these ("qr" where there is one).
+        q: Its configuration: an array (nq,) [rad or m], the name of one of `robot.configurations`, or None for
+            the first of these ("qr" where there is one).
         port: Port of the page; the next free one is taken when it is in use, 0 takes any.
         host: Address to listen on. Addresses other than the loopback need a token, which `url` contains.
         browser: Whether to open a browser window, where there is a screen.
@@ -49,10 +49,14 @@ def show(
         theme: "light" or "dark".
         show: What of it: "visual", "collision", "both" or "skeleton".
 
+    Returns:
+        The page, with the robot's handle.
+
     Raises:
         MissingExtra: The package viser is not installed.
         ShapeError, NonFiniteError: `q` is not a configuration of the robot.
         UnknownName: There is no configuration, theme or way to show it of that name.
+        InputError: An argument has the wrong type, or is out of range.
     """
     start = configuration(checked_robot(robot), q)
     if not (scene is None or isinstance(scene, Scene)):

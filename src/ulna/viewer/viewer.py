@@ -202,10 +202,14 @@ class Viewer(ExportMethods):
             realtime: Whether steps run in real time; None for real time where a page can be shown.
             speed: Simulated seconds per second in real time.
             substep: The longest step of dynamics [s].
-            told: `control`, `limits`, `friction`, `record` of every robot, as for `ulna.sim.Body`.
+            **body_options: `control`, `limits`, `friction`, `record` of every robot, as for `ulna.sim.Body`.
+
+        Returns:
+            The simulation.
 
         Raises:
             InputError: A number is out of range.
+            UnknownName: There is no such option.
         """
         unknown = [name for name in body_options if name not in BODY_OPTIONS]
         if unknown:
@@ -242,6 +246,9 @@ class Viewer(ExportMethods):
         Args:
             recorded: A recording of the only robot, recordings by robot, or None for those of the simulation.
             speed: Seconds of what happened per second.
+
+        Returns:
+            The time line.
 
         Raises:
             InputError: It is not clear what to play.

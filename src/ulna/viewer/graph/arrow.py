@@ -69,7 +69,19 @@ class Arrow(Handle):
 def add_arrow(
     scene: SceneGraph, name: str, vector: ArrayLike, color: Colour, radius: float, size: float = 1.0
 ) -> Arrow:
-    """Add an arrow from the origin of its group along a vector, `size` [m] for each unit of it."""
+    """Add an arrow from the origin of its group along a vector.
+
+    Args:
+        scene: The scene.
+        name: Name of the arrow.
+        vector: The vector, (3,), in the axes of the group.
+        color: Its colour.
+        radius: Radius of the shaft [m].
+        size: Length for each unit of the vector [m].
+
+    Returns:
+        The arrow, whose `vector` can be assigned to.
+    """
     shaft, tip = arrow(colour(color))
     scene.add(f"{name}/shaft", [shaft], shadow=False, through=True)  # it may well reach into the floor
     scene.add(f"{name}/tip", [tip], shadow=False, through=True)

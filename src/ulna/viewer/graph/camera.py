@@ -86,8 +86,11 @@ def camera_for(
         aspect: Width over height of the picture.
         direction: From the scene towards the camera.
         margin: How much larger than the scene the picture is.
-        also: More points to show [m], shape (n, 3).
         aside: How far to the left of the middle the scene stands, as a share of the picture's width.
+        also: More points to show [m], shape (n, 3).
+
+    Returns:
+        The camera.
     """
     points = scene.points() if also is None else np.concatenate([scene.points(), also])
     if not len(points):

@@ -97,7 +97,16 @@ class Lines(Content):
 
     @classmethod
     def through(cls, points: ArrayLike, rgba: Colour, thickness: float = 0.004) -> Lines:
-        """A line from point to point, (n, 3) [m]."""
+        """A line from point to point.
+
+        Args:
+            points: The points, (n, 3) [m].
+            rgba: Its colour.
+            thickness: How thick it is [m].
+
+        Returns:
+            The n - 1 lines.
+        """
         polyline = _read_only("points", points, None, 3)
         return cls(np.stack([polyline[:-1], polyline[1:]], axis=1), colour(rgba), thickness)
 
@@ -260,7 +269,15 @@ def _repeated_by_colour(
 
 
 def transforms(positions: ArrayLike, quat_xyzw: ArrayLike | None = None) -> Floats:
-    """Poses (n, 4, 4) from positions (n, 3) [m], and rotations as quaternions x y z w (n, 4) where given."""
+    """Poses from positions and rotations.
+
+    Args:
+        positions: Positions, (n, 3) [m].
+        quat_xyzw: Rotations as quaternions x y z w, (n, 4); None for none.
+
+    Returns:
+        Poses, (n, 4, 4).
+    """
     translations = _read_only("positions", positions, None, 3)
     out = np.tile(np.eye(4), (len(translations), 1, 1))
     out[:, :3, 3] = translations

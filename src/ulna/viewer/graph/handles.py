@@ -153,7 +153,12 @@ class PointCloud(Handle):
         self._scene.set_content(self._name, Points(old.positions, colors, old.size))
 
     def set(self, points: ArrayLike, colors: ArrayLike) -> None:
-        """Other points and their colours at once."""
+        """Replace points and their colours at once.
+
+        Args:
+            points: Positions, (n, 3) [m].
+            colors: Red, green, blue from 0 to 1, or to 255 as integers, (n, 3) or (3,).
+        """
         self._scene.set_content(
             self._name, Points(length_array("points", points, None, 3), colors, self._content().size)
         )

@@ -70,10 +70,17 @@ _IDENTITY = np.eye(3)
 def checked_pose(value: Any, name: str = "pose") -> Floats:
     """A pose (4, 4) from an array or an `SE3`.
 
+    Args:
+        value: Array (4, 4), or an `SE3`.
+        name: Name of the argument, for messages.
+
+    Returns:
+        The pose, (4, 4).
+
     Raises:
         ShapeError, NonFiniteError, InputError: It is none.
     """
-    return checked_poses(value, name, 4, 4, mend="An SE3 is accepted, too.")
+    return checked_poses(value, name, 4, 4, fix="An SE3 is accepted, too.")
 
 
 def pose_or_position(value: Any) -> Floats:
@@ -84,19 +91,28 @@ def pose_or_position(value: Any) -> Floats:
     """
     listed = isinstance(value, list | tuple) and len(value) == 3 and np.ndim(value[0]) == 0
     if not listed and getattr(value, "shape", None) != (3,):
-        return checked_poses(value, "pose", 4, 4, mend="An SE3 is accepted, too, or a position (3,).")
+        return checked_poses(value, "pose", 4, 4, fix="An SE3 is accepted, too, or a position (3,).")
     out = np.eye(4)
     out[:3, 3] = length_array("pose", value, 3)
     return out
 
 
-def checked_poses(value: Any, name: str, *shape: int | None, mend: str = "") -> Floats:
+def checked_poses(value: Any, name: str, *shape: int | None, fix: str = "") -> Floats:
     """Poses of a shape (..., 4, 4), from an array or an `SE3`.
+
+    Args:
+        value: Array (..., 4, 4), or an `SE3`.
+        name: Name of the argument, for messages.
+        *shape: Expected length of each axis; None for any.
+        fix: Advice for messages.
+
+    Returns:
+        The poses, (..., 4, 4).
 
     Raises:
         ShapeError, NonFiniteError, InputError: They are none.
     """
-    out = length_array(name, value.matrix() if hasattr(value, "matrix") else value, *shape, fix=mend)
+    out = length_array(name, value.matrix() if hasattr(value, "matrix") else value, *shape, fix=fix)
     rotations = out[..., :3, :3]
     errors = np.abs(rotations @ rotations.mT - _IDENTITY).max(axis=(-2, -1))
     errors = np.where(np.linalg.det(rotations) < 0.0, 1.0, errors)
@@ -131,7 +147,11 @@ def node_name(text: str) -> str:
 
 
 def check_uniform_scale(name: str, scale: Floats) -> None:
-    """Refuse to stretch a group.
+    """Check that a group is not stretched.
+
+    Args:
+        name: Name of the group, for the message.
+        scale: Its factors along the axes, (3,).
 
     Raises:
         InputError: Its factors along the axes differ.

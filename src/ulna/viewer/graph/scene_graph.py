@@ -108,7 +108,12 @@ class SceneGraph:
         return self._lock
 
     def defer(self, key: object, function: Callable[[], None]) -> None:
-        """Call `function`, which updates the scene, before the next snapshot; for each key only the newest function."""
+        """Call `function`, which updates the scene, before the next snapshot; for each key only the newest function.
+
+        Args:
+            key: An object that stands for what is updated.
+            function: The update.
+        """
         with self._lock:
             self._deferred[id(key)] = function
             self._motion += 1
@@ -158,6 +163,9 @@ class SceneGraph:
             shadow: Whether it casts a shadow.
             through: Whether pictures show it, translucent, in front of what occludes it.
             content: What else is there to see.
+
+        Returns:
+            The node.
 
         Raises:
             InputError: It is no name, or the group is stretched.
@@ -211,13 +219,23 @@ class SceneGraph:
             self._structure += 1
 
     def set_poses(self, poses: ArrayLike, rows: Any = slice(None)) -> None:
-        """Write poses in the nodes' groups: shape (n, 4, 4) for `rows` (a slice, or what `rows()` gave)."""
+        """Write poses T_group_node.
+
+        Args:
+            poses: Poses, (n, 4, 4).
+            rows: Which nodes: a slice, or what `rows()` returned.
+        """
         with self._lock:
             self._data["pose"][: len(self._nodes)][rows] = poses
             self._motion += 1
 
     def set_pose(self, name: str, pose: ArrayLike) -> None:
-        """Write the pose (4, 4) of one node in its group."""
+        """Write the pose T_group_node of one node.
+
+        Args:
+            name: Name of the node.
+            pose: An array (4, 4), an `SE3`, or a position (3,) [m].
+        """
         self.set_poses(pose_or_position(pose), self.row(name))
 
     def pose(self, name: str) -> Floats:
@@ -226,25 +244,49 @@ class SceneGraph:
             return self._data["pose"][self.row(name)].copy()
 
     def set_surfaces(self, name: str, surfaces: Iterable[Surface]) -> None:
-        """Replace what a node looks like; it stays where it is, in its colour, as opaque and as large."""
+        """Replace the surfaces of a node; pose, colour, opacity and scale remain.
+
+        Args:
+            name: Name of the node.
+            surfaces: The new surfaces.
+        """
         with self._lock:
             self._nodes[name] = replace(self.node(name), surfaces=tuple(surfaces))
             self._structure += 1
 
     def set_content(self, name: str, content: Content) -> None:
-        """Replace what there is to see of a node besides surfaces."""
+        """Replace the content of a node; its surfaces remain.
+
+        Args:
+            name: Name of the node.
+            content: The new content.
+        """
         with self._lock:
             self._nodes[name] = replace(self.node(name), content=content)
             self._structure += 1
 
     def appearance(self, name: str, key: str) -> Any:
-        """A node's own "scale" (3,), "visible", "opacity" or "tint" (3,)."""
+        """An appearance value of a node itself, without those of its groups.
+
+        Args:
+            name: Name of the node.
+            key: "scale", "visible", "opacity" or "tint".
+
+        Returns:
+            A number or a truth value; for "scale" and "tint" an array (3,).
+        """
         with self._lock:
             value = self._data[key][self.row(name)]
             return value.copy() if np.ndim(value) else value.item()
 
     def set_appearance(self, name: str, key: str, value: Any) -> None:
-        """Write a node's own "scale", "visible", "opacity" or "tint"; for a group, that of all in it."""
+        """Write an appearance value of a node; for a group it holds for all nodes in it.
+
+        Args:
+            name: Name of the node.
+            key: "scale", "visible", "opacity" or "tint".
+            value: The new value, of the kind that `appearance` returns.
+        """
         with self._lock:
             row = self.row(name)
             if key == "scale" and (self._parent_row[: len(self._nodes)] == row).any():
@@ -256,13 +298,32 @@ class SceneGraph:
     """Old names."""
 
     def add_axes(self, name: str, pose: ArrayLike | None = None, length: float = 0.1) -> Node:
-        """Add three arrows in red, green, blue along x, y, z; `length` in metres."""
+        """Add three arrows in red, green, blue along x, y, z.
+
+        Args:
+            name: Name of the node.
+            pose: T_group_node, (4, 4); the identity by default.
+            length: Length of an arrow [m].
+
+        Returns:
+            The node.
+        """
         return self.add(name, axes(length), pose, shadow=False, through=True)
 
     def add_path(
         self, name: str, points: ArrayLike, rgba: Colour = (0.95, 0.45, 0.10), radius: float = 0.004
     ) -> Node:
-        """Add a line through `points` (n, 3) [m]."""
+        """Add a line through points.
+
+        Args:
+            name: Name of the node.
+            points: The points, (n, 3) [m].
+            rgba: Its colour.
+            radius: Half its thickness [m].
+
+        Returns:
+            The node.
+        """
         polyline = np.asarray(points, dtype=float).reshape(-1, 3)
         return self.add(
             name, shadow=False, through=True, content=Lines.through(polyline, colour(rgba), 2 * radius)

@@ -45,6 +45,9 @@ def decimated(vertices: Floats, triangles: Array, bound: float) -> tuple[Floats,
         vertices: Positions, shape (n, 3); each once, so that triangles share them.
         triangles: Indices of vertices, shape (m, 3), none of them without area.
         bound: The distance, in units of `vertices`.
+
+    Returns:
+        Positions (k, 3) and triangles (l, 3) of the new surface; unused positions may be among them.
     """
     if not _MIN_TRIANGLES <= len(triangles) <= _MAX_TRIANGLES or not can_decimate():
         return vertices, triangles
@@ -88,9 +91,18 @@ def _collapsed(library: Any, vertices: Floats, triangles: Array, bound: float) -
 
 
 def distances(points: Floats, vertices: Floats, triangles: Array, near: Array, enough: float = 0.0) -> Floats:
-    """At most how far points (k, 3) are from a surface: a walk over it, downhill from the vertices `near` (k,).
+    """Upper bounds of the distances of points from a surface: a walk over it, downhill from a vertex near each
+    point.
 
-    Points that are found to be within `enough` walk no further.
+    Args:
+        points: The points, (k, 3).
+        vertices: Vertices of the surface, (n, 3).
+        triangles: Indices of vertices, (m, 3).
+        near: A vertex near each point, (k,).
+        enough: Distance within which a point walks no further.
+
+    Returns:
+        The bounds, (k,).
     """
     corners = triangles.reshape(-1)
     ring = np.argsort(corners, kind="stable") // 3  # triangles in the order of their vertices

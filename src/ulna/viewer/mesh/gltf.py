@@ -33,6 +33,14 @@ def glb(surfaces: Iterable[Surface], extras: dict[str, Any] | None = None, ours:
 
     For a page that is `ours` the file declares normals without data: the page computes them from shared vertices.
     There, a heavy surface without a texture comes twice, and the page shows one: `level` "few" or "all" triangles.
+
+    Args:
+        surfaces: The surfaces.
+        extras: Data of the mesh for the page; None for none.
+        ours: Whether the file is for Ulna's page.
+
+    Returns:
+        The content of the file.
     """
     views: list[dict[str, Any]] = []
     accessors: list[dict[str, Any]] = []

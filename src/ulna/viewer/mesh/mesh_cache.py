@@ -21,6 +21,13 @@ _DELIMITER = re.compile(rb"[\"'<>\r\n\t]")
 def cache_key(path: str, bound: float = 0.0) -> str:
     """The cache key of a mesh file: it changes with the content of all files that it references, and
     with how far surfaces may be from it, in its own units.
+
+    Args:
+        path: Path of the mesh file.
+        bound: How far surfaces may be from it, in its own units.
+
+    Returns:
+        The key.
     """
     content = read_regular(path)
     parts: list[str | bytes] = [_FORMAT_VERSION, f"{bound:.6g}", os.path.splitext(path)[1].lower(), content]
@@ -65,7 +72,12 @@ def read_cached(name: str) -> tuple[Surface, ...] | None:
 
 
 def write_cached(name: str, surfaces: tuple[Surface, ...]) -> None:
-    """Cache surfaces under a key; where the disk cannot be written they are read again the next time."""
+    """Cache surfaces under a key; where the disk cannot be written they are read again the next time.
+
+    Args:
+        name: The key.
+        surfaces: The surfaces.
+    """
     parts: dict[str, np.ndarray] = {"count": np.array(len(surfaces))}
     for k, s in enumerate(surfaces):
         parts |= {f"v{k}": s.vertices.astype(np.float32), f"n{k}": s.normals.astype(np.float32)}

@@ -48,6 +48,9 @@ def load_mesh(
             fast-simplification is installed: no vertex of the file is then farther than 0.3 mm from the surface, and
             none farther than a thousandth of the size of the whole. Surfaces with textures stay whole.
 
+    Returns:
+        The surfaces.
+
     Raises:
         MissingExtra: trimesh (or pycollada, for .dae) is not installed.
         InputError: The file cannot be read as a mesh.

@@ -63,6 +63,9 @@ def axes(length: float = 0.1, radius: float | None = None) -> tuple[Surface, Sur
     Args:
         length: Length of an arrow [m].
         radius: Radius of its shaft [m]; a fortieth of the length when not given.
+
+    Returns:
+        The arrows along x, y and z.
     """
     r = length / 40 if radius is None else radius
     tip = max(length - 7 * r, 0.5 * length)
@@ -83,12 +86,29 @@ def axes(length: float = 0.1, radius: float | None = None) -> tuple[Surface, Sur
 
 
 def ball(radius: float, rgba: RGBA, around: int = 24) -> Surface:
-    """A ball about the origin, `radius` in metres."""
+    """A ball about the origin.
+
+    Args:
+        radius: Its radius [m].
+        rgba: Its colour.
+        around: Facets around it.
+
+    Returns:
+        The surface.
+    """
     return _ellipsoid((radius,) * 3, rgba, around)
 
 
 def arrow(rgba: RGBA, around: int = 20) -> tuple[Surface, Surface]:
-    """The shaft and the tip of an arrow along z, each of length 1 and radius 1, from the origin up."""
+    """The shaft and the tip of an arrow along z, each of length 1 and radius 1, from the origin up.
+
+    Args:
+        rgba: Its colour.
+        around: Facets around it.
+
+    Returns:
+        Shaft and tip.
+    """
     shaft = [_straight_strip((0, 0), (1, 0)), _straight_strip((1, 0), (1, 1))]
     tip = [_straight_strip((0, 0), (1, 0)), _straight_strip((1, 0), (0, 1))]
     return _revolve(shaft, rgba, around), _revolve(tip, rgba, around)
@@ -102,6 +122,9 @@ def tube(points: ArrayLike, radius: float, rgba: RGBA, around: int = 8) -> Surfa
         radius: Radius of the tube [m].
         rgba: The colour.
         around: Facets around it.
+
+    Returns:
+        The surface; without triangles where all points coincide.
     """
     path = np.asarray(points, dtype=float).reshape(-1, 3)
     if len(path) > 1:  # one ring for every half radius of way, and one at the end

@@ -28,6 +28,18 @@ def surface_with_normals(
     from the shared indices. Triangles without area are dropped. With places `uv` (n, 2) in an `image`, vertices that
     lie at two places of it occur twice. Without, edges collapse as long as no vertex is farther than `bound` from what
     is left.
+
+    Args:
+        vertices: Corners of the triangles, (n, 3) [m]; they may repeat.
+        triangles: Indices of corners, (m, 3).
+        rgba: The colour.
+        crease: Smallest angle between normals at a sharp edge [rad].
+        uv: Places in the image, (n, 2) from 0 to 1; None without a texture.
+        image: Content of a PNG or JPEG file.
+        bound: How far decimation may move the surface [m]; 0 for no decimation.
+
+    Returns:
+        The surface.
     """
     positions, index = merged_vertices(np.asarray(vertices, dtype=float))
     uv_triangles = np.asarray(triangles, dtype=np.int64)

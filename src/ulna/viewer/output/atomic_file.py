@@ -16,6 +16,14 @@ from ulna.system.storage import replacing
 def checked_path(path: Any, what: str, suffixes: Sequence[str]) -> Path:
     """The path of a file with one of some suffixes.
 
+    Args:
+        path: What was passed.
+        what: What kind of file it is, for messages.
+        suffixes: Suffixes that it may have, such as ".png".
+
+    Returns:
+        The path.
+
     Raises:
         InputError: It is no path.
         UnknownName: It ends otherwise.
@@ -32,10 +40,17 @@ def checked_path(path: Any, what: str, suffixes: Sequence[str]) -> Path:
 
 @contextmanager
 def atomic_write(target: Path, what: str) -> Iterator[Path]:
-    """A path to write to, which becomes `target` at the end, with the folders that it needs; nothing when that fails.
+    """A temporary path to write to; it is renamed to `target` at the end, or removed if writing fails.
+
+    Args:
+        target: The path of the file; folders that are missing are made.
+        what: What kind of file it is, for messages.
+
+    Yields:
+        The temporary path.
 
     Raises:
-        InputError: It cannot be written.
+        InputError: The file cannot be written.
     """
     try:
         Path(os.path.realpath(target)).parent.mkdir(parents=True, exist_ok=True)

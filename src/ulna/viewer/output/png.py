@@ -17,11 +17,14 @@ _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 
 def write_png(path: str | os.PathLike[str], image: Array) -> Path:
-    """Write an image and return the path of the file.
+    """Write an image.
 
     Args:
         path: Where to; folders that do not exist are made.
         image: Shape (h, w, 3) for colour or (h, w, 4) with opacity, uint8.
+
+    Returns:
+        The path of the file.
 
     Raises:
         InputError: The image is not one, or the file cannot be written.

@@ -30,6 +30,9 @@ def frame_times(duration: float, fps: float, speed: float = 1.0) -> Array:
         fps: Pictures a second.
         speed: Seconds of what happened per second of film.
 
+    Returns:
+        Times (n,) [s].
+
     Raises:
         InputError: A number is out of range.
     """
@@ -65,10 +68,18 @@ def checked_video_path(path: str | os.PathLike[str]) -> Path:
 
 
 def write_video(path: str | os.PathLike[str], pictures: Iterable[Array], fps: float) -> Path:
-    """Write pictures (h, w, 3) uint8 as a film, each shown for 1 / `fps` seconds; returns the path.
+    """Write pictures as a film.
 
     A GIF counts in hundredths of a second: its pictures take turns being shown a little shorter and longer, so that
     the film as a whole keeps its time.
+
+    Args:
+        path: Path of the file, .mp4 or .gif.
+        pictures: Pictures (h, w, 3) uint8, all of one size.
+        fps: Pictures a second.
+
+    Returns:
+        The path of the file.
 
     Raises:
         UnknownName, MissingExtra: See `check_film`.
@@ -154,6 +165,13 @@ def gif_frame_durations(count: int, fps: float) -> tuple[list[int], list[int]]:
     """Which of `count` pictures a GIF holds, and how long each of them is shown [ms].
 
     Browsers show a picture that is to be shown for less than 20 ms for 100 ms: of faster films some are left out.
+
+    Args:
+        count: Number of pictures.
+        fps: Pictures a second.
+
+    Returns:
+        Numbers of the pictures, and milliseconds of each.
     """
     end_times = np.round(np.arange(1, count + 1) * 100.0 / fps).astype(int)  # in hundredths of a second
     chosen, durations, shown = [], [], 0

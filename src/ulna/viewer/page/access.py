@@ -38,6 +38,9 @@ def is_allowed(host: str | None, origin: str | None, any_host: bool = False) -> 
         host: The request's Host.
         origin: Its Origin, or None.
         any_host: Whether names other than this machine's loopback names are served, too.
+
+    Returns:
+        Whether it may.
     """
     if not host:
         return False
@@ -54,7 +57,16 @@ def is_allowed(host: str | None, origin: str | None, any_host: bool = False) -> 
 
 
 def has_token(token: str, path: str, cookies: str | None) -> bool:
-    """Whether a request carries the token, in its address or in a cookie; any does where there is no token."""
+    """Whether a request carries the token, in its address or in a cookie.
+
+    Args:
+        token: The token; "" allows every request.
+        path: The request's path with its query.
+        cookies: The request's Cookie header, or None.
+
+    Returns:
+        Whether it does.
+    """
     if not token:
         return True
     try:

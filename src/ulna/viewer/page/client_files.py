@@ -139,7 +139,15 @@ def _from_base88(text: str, alphabet: str) -> bytes:
 
 
 def response_to(client: ClientFiles | None, request: Any) -> Any:
-    """The answer of a server of `websockets` to a request; None to leave it to viser."""
+    """The response of a server of `websockets` to a request.
+
+    Args:
+        client: The files of the page; None where they are not known.
+        request: The request.
+
+    Returns:
+        The response, or None to leave it to viser.
+    """
     if client is None or request.headers.get("Upgrade"):
         return None
     file = client.file(request.path)

@@ -57,7 +57,7 @@ def add_gizmo(
         page: The page.
         name: Its name.
         pose: T_world_gizmo, shape (4, 4).
-        on_drag: Called with (T_world_gizmo, "start" | "update" | "end").
+        on_drag: Called with (T_world_gizmo (4, 4), "start" | "update" | "end").
         size: Length of its axes [m].
 
     Returns:

@@ -26,7 +26,7 @@ def write_html(
     theme: Theme = LIGHT,
     floor: float | None = None,
 ) -> Path:
-    """Write a scene as an HTML file that needs nothing else; returns the path.
+    """Write a scene as an HTML file that needs nothing else.
 
     Args:
         path: Where to.
@@ -37,6 +37,9 @@ def write_html(
         camera: The first camera.
         theme: The colours around.
         floor: Height of the floor [m]; below everything when not given.
+
+    Returns:
+        The path of the file.
 
     Raises:
         MissingExtra: viser is not installed.

@@ -43,6 +43,9 @@ def is_valid(server: Any, message: Any) -> bool:
     Args:
         server: A `viser.ViserServer`.
         message: A message of `viser._messages`, its fields of any type.
+
+    Returns:
+        False for what the controls of the page do not send.
     """
     kind = type(message).__name__
     if kind == "GuiUpdateMessage":

@@ -180,7 +180,13 @@ class Page:
             add_floor(self.server, self._theme, self.scene.floor(), self._grid)
 
     def set_theme(self, theme: Theme, floor: float | None, grid: bool = True) -> None:
-        """Change the colours around, the height of the floor [m], and whether there is one."""
+        """Change colours, lights and floor.
+
+        Args:
+            theme: The theme.
+            floor: Height of the floor [m]; None for below everything.
+            grid: Whether there is a floor.
+        """
         with self._tick_lock:
             self._theme, self._floor, self._grid = theme, floor, grid
             self._publisher.set_theme(theme)
@@ -206,7 +212,13 @@ class Page:
         self._ticks = [f for f in self._ticks if f != function]
 
     def post_event(self, key: int | None, function: Callable[[Any], None], value: Any) -> None:
-        """Have `function(value)` called on the thread of the page; of one key only the newest, of None each."""
+        """Have a function called on the thread of the page.
+
+        Args:
+            key: Of calls with the same key only the newest is made; None makes every call.
+            function: The function.
+            value: Its argument.
+        """
         with self._events_lock:
             key = -next(self._event_count) if key is None else key
             self._events.pop(key, None)  # in the order of the newest

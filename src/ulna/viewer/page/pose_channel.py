@@ -75,18 +75,32 @@ class PoseChannel:
             self._run(_hook_script(title))
 
     def send_poses(self, paths: Sequence[str], rows: Array) -> None:
-        """Send poses as rows x y z, w x y z, float32, one for each path; they replace those not sent yet."""
+        """Send poses; they replace those not sent yet.
+
+        Args:
+            paths: Paths of the nodes in the page.
+            rows: x y z [m], w x y z of each, (n, 7) float32.
+        """
         self._queue(POSES, {"names": list(paths), "p": rows})
 
     def send_appearances(self, paths: Sequence[str], rows: Array, texts: dict[str, str]) -> None:
-        """Send looks as rows: linear red, green, blue or -1, opacity, three scales; float32. All others are plain.
+        """Send appearances; they replace those not sent yet. Nodes that are not named look plain.
 
-        `texts` are the texts of labels, by path.
+        Args:
+            paths: Paths of the nodes in the page.
+            rows: Linear red, green, blue or -1, opacity, three scales of each, (n, 7) float32.
+            texts: Texts of labels by path.
         """
         self._queue(APPEARANCES, {"names": list(paths), "v": rows.reshape(-1), "words": texts})
 
     def send_appearances_to_file(self, paths: Sequence[str], rows: Array, texts: dict[str, str]) -> None:
-        """Send the same to a recording, which delivers its first messages together before it processes any."""
+        """Send appearances to a recording, which delivers its first messages together before it processes any.
+
+        Args:
+            paths: Paths of the nodes in the page.
+            rows: As for `send_appearances`, (n, 7).
+            texts: Texts of labels by path.
+        """
         updates = {"names": list(paths), "v": rows.reshape(-1).tolist(), "words": texts}
         message = {"type": "SceneNodeUpdateMessage", "name": APPEARANCES, "updates": updates}
         self._run(f"window.__viserMutable.messageQueue.push({json.dumps(message)})")

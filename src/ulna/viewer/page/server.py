@@ -36,6 +36,15 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
 
     With a token it answers clients that send it, in the address or in a cookie.
 
+    Args:
+        host: Address to listen on.
+        port: Port to listen on; 0 takes any free one.
+        title: Title of the tab.
+        token: The token; "" for none.
+
+    Returns:
+        The `viser.ViserServer`.
+
     Raises:
         MissingExtra: viser is not installed.
         InputError: The port is none.

@@ -11,7 +11,13 @@ from ulna.viewer.graph.theme import Theme
 
 
 def configure_scene(server: Any, theme: Theme, shadows: bool = True) -> None:
-    """Configure panel, lights and background of a viser server; `shadows` turns on the shadows of viser."""
+    """Configure panel, lights and background of a viser server.
+
+    Args:
+        server: The viser server.
+        theme: Colours and intensities.
+        shadows: Whether to turn on the shadows of viser.
+    """
     scene, gui = server.scene, server.gui
     gui.configure_theme(
         show_logo=False,
@@ -44,7 +50,14 @@ def configure_scene(server: Any, theme: Theme, shadows: bool = True) -> None:
 
 
 def add_floor(server: Any, theme: Theme, height: float, visible: bool = True) -> None:
-    """Lay the floor at a height [m]."""
+    """Add the floor, or replace it.
+
+    Args:
+        server: The viser server.
+        theme: Its colours.
+        height: Its height [m].
+        visible: Whether it is shown.
+    """
     server.scene.add_grid(
         "/(page)/floor",
         infinite_grid=True,
@@ -65,7 +78,12 @@ def add_floor(server: Any, theme: Theme, height: float, visible: bool = True) ->
 
 
 def set_camera(server: Any, camera: Camera) -> None:
-    """Look at the scene from a camera: in tabs that are open, and in those to come."""
+    """Move the camera of all tabs, also of those to come.
+
+    Args:
+        server: The viser server.
+        camera: The camera.
+    """
     first = server.initial_camera
     first.position, first.look_at, first.up, first.fov = camera.position, camera.target, camera.up, camera.fov
     for client in server.get_clients().values():

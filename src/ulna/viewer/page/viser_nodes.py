@@ -33,7 +33,15 @@ class ViserNode:
     appearance: tuple[Any, ...]
 
     def update_content(self, snapshot: Snapshot, i: int) -> bool:
-        """Take over what node `i` holds now, where that needs no new node of the page; whether it did."""
+        """Take over the content of a node where that needs no new node of the page.
+
+        Args:
+            snapshot: The scene.
+            i: The node's row.
+
+        Returns:
+            Whether it was possible.
+        """
         node, old = snapshot.nodes[i], self.node.content
         if (
             type(node.content) is not type(old)
@@ -101,19 +109,40 @@ def is_drawn(node: Node) -> bool:
 
 
 def appearance_of(snapshot: Snapshot, i: int) -> tuple[Any, ...]:
-    """Tint, opacity and scale of a node, to compare."""
+    """Tint, opacity and scale of a node, which can be compared.
+
+    Args:
+        snapshot: The scene.
+        i: The node's row.
+
+    Returns:
+        Three numbers of the tint, opacity, three of the scale.
+    """
     return (*snapshot.tint[i].tolist(), float(snapshot.opacity[i]), *snapshot.scales[i].tolist())
 
 
 def is_translucent(snapshot: Snapshot, i: int) -> bool:
-    """Whether what node `i` holds lets light through."""
+    """Whether the content of a node is translucent.
+
+    Args:
+        snapshot: The scene.
+        i: The node's row.
+
+    Returns:
+        Whether its opacity is below 0.999.
+    """
     return float(snapshot.opacity[i]) * getattr(snapshot.nodes[i].content, "rgba", (1.0,))[-1] < 0.999
 
 
 def appearance_rows(appearances: list[tuple[Any, ...]], flat: list[bool]) -> Any:
-    """Looks as the page takes them: linear red, green, blue or -1, opacity, three scales; float32 (n, 7).
+    """Appearances as the page takes them: linear red, green, blue or -1, opacity, three scales.
 
-    What is `flat` shows its colour as it is, whatever light falls on it.
+    Args:
+        appearances: What `appearance_of` returned for each node.
+        flat: For each node whether it shows its colour as it is, in any light.
+
+    Returns:
+        Array (n, 7) float32.
     """
     out = np.array(appearances, dtype=np.float32).reshape(-1, 7)
     has_colour, plain = out[:, 0] >= 0, np.array(flat, dtype=bool)
@@ -130,10 +159,13 @@ def add_node(
     Args:
         server: The viser server.
         path: Its path there.
-        seen: The scene.
+        snapshot: The scene.
         i: The node's row.
         baked: Whether colours, opacity and scale are made part of it, for a page that cannot change them later.
         writes: Whether the page draws labels, in any colour.
+
+    Returns:
+        The node as the page has it.
     """
     node, pose = snapshot.nodes[i], snapshot.poses[i]
     position, wxyz = position_wxyz(pose)

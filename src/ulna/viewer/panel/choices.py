@@ -11,7 +11,15 @@ from ulna.viewer.panel.controls import DisableableControl, LabelledControl
 
 
 def delegated_property(part: str, name: str) -> Any:
-    """A property that is the one of that name of a part."""
+    """A property that reads and writes a property of a part.
+
+    Args:
+        part: Name of the attribute that holds the part.
+        name: Name of the part's property.
+
+    Returns:
+        The property.
+    """
     return property(
         lambda self: getattr(getattr(self, part), name),
         lambda self, value: setattr(getattr(self, part), name, value),
@@ -167,6 +175,14 @@ class RadioBoxes:
 
 def checked_choices(label: str, options: Sequence[str], value: str | None) -> tuple[tuple[str, ...], str]:
     """Choices as words, and the one that is chosen: `value`, or the first.
+
+    Args:
+        label: Label of the control, for messages.
+        options: The choices.
+        value: The one that is chosen; None for the first.
+
+    Returns:
+        The choices, and the one that is chosen.
 
     Raises:
         InputError: There are none, or one twice.

@@ -196,5 +196,13 @@ class Folder(LabelledControl):
 
 
 def with_unit(label: str, unit: str) -> str:
-    """Words and what is measured: "force [N]"."""
+    """A label and a unit: "force [N]".
+
+    Args:
+        label: The label.
+        unit: The unit; "" for none.
+
+    Returns:
+        The text.
+    """
     return f"{label} [{text('unit', unit)}]" if text("unit", unit) else label

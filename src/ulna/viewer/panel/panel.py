@@ -264,6 +264,9 @@ class Panel(PanelBase):
             seconds: How much of the past it shows [s].
             unit: What the numbers are measured in.
             height: Height [pixels].
+
+        Returns:
+            The plot.
         """
         names, _ = checked_choices(title, series, None)
         heading, span = with_unit(text("title", title), unit), duration("seconds", seconds)
@@ -289,7 +292,16 @@ class Panel(PanelBase):
     def gizmo(
         self, name: str, pose: Floats, on_drag: Callable[[tuple[Floats, str]], None], size: float = 0.2
     ) -> Gizmo:
-        """Add a pose to drag to the scene; arguments as for `ulna.viewer.page.gizmo.add_gizmo`.
+        """Add a pose to drag to the scene; see `ulna.viewer.page.gizmo.add_gizmo`.
+
+        Args:
+            name: Its name.
+            pose: T_world_gizmo, (4, 4).
+            on_drag: Called with (T_world_gizmo (4, 4), "start" | "update" | "end").
+            size: Length of its axes [m].
+
+        Returns:
+            The gizmo.
 
         Raises:
             InputError: There is no page.

@@ -81,7 +81,7 @@ class Plot(Control):
 
         Args:
             t: The time [s]; one before that of the last row clears the plot.
-            values: A number for each line.
+            values: A number for each line, (n,).
 
         Raises:
             ShapeError: The count of numbers is not that of lines.

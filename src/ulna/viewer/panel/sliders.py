@@ -102,7 +102,15 @@ class Slider(Number):
 
 
 def check_limits(label: str, low: Any, high: Any) -> tuple[float, float]:
-    """The least and the largest value of a slider.
+    """Check the limits of a slider.
+
+    Args:
+        label: Its label, for messages.
+        low: Its least value.
+        high: Its largest value.
+
+    Returns:
+        Both as floats.
 
     Raises:
         InputError: They are not finite numbers, or `low` is not below `high`.
@@ -114,7 +122,14 @@ def check_limits(label: str, low: Any, high: Any) -> tuple[float, float]:
 
 
 def check_step(label: str, step: Any) -> float:
-    """The step of a slider.
+    """Check the step of a slider.
+
+    Args:
+        label: Its label, for messages.
+        step: The step.
+
+    Returns:
+        The step as a float.
 
     Raises:
         InputError: It is not a finite number above zero.

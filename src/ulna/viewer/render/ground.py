@@ -46,7 +46,20 @@ def ground(
     casting: Floats,
     theme: Theme,
 ) -> Array:
-    """The background and the floor with its grid and shadows, one sample a pixel; (height, width, 3) float32."""
+    """The background and the floor with its grid and shadows, one sample a pixel.
+
+    Args:
+        camera: The camera.
+        width: Width [pixels].
+        height: Height [pixels].
+        floor: Height of the floor [m].
+        shadows: Shadows of the key light.
+        casting: Triangles that darken the floor, (m, 3, 3) [m].
+        theme: Colours and intensities.
+
+    Returns:
+        Linear colours, (height, width, 3) float32.
+    """
     bare = _ground_image(camera, width, height, float(floor), theme)
     picture = bare.picture.copy()
     if not len(casting):

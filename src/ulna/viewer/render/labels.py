@@ -24,7 +24,17 @@ _MATPLOTLIB_FONT = Path("mpl-data", "fonts", "ttf", "DejaVuSans.ttf")
 
 
 def draw_labels(image: Array, camera: Camera, snapshot: Snapshot, theme: Theme) -> Array:
-    """The picture (h, w, 3) with the words of a scene over it, each where its node is."""
+    """Draw the labels of a scene over a picture, each where its node is.
+
+    Args:
+        image: The picture, (h, w, 3) uint8.
+        camera: The camera.
+        snapshot: The scene.
+        theme: Colours.
+
+    Returns:
+        The picture with labels, (h, w, 3) uint8.
+    """
     labels = [(i, node.content) for i, node in enumerate(snapshot.nodes) if isinstance(node.content, Text)]
     labels = [(i, text) for i, text in labels if snapshot.visible[i] and snapshot.opacity[i] > 0.0]
     if not labels:

@@ -61,7 +61,15 @@ class ShadowMap:
         return (x + self.half) * scale, (self.half - y) * scale, z - self.base + 1.0
 
     def light_fraction(self, points: Array, normals: Array) -> Array:
-        """The share of the key light that reaches points (n, 3) of surfaces, from 0 to 1."""
+        """The share of the key light that reaches points of surfaces.
+
+        Args:
+            points: The points, (n, 3) [m].
+            normals: Unit normals, (n, 3).
+
+        Returns:
+            Shares from 0 to 1, (n,).
+        """
         size = len(self.nearness)
         sample = 2 * self.half / size
         facing = np.clip(normals @ self.rotation[2].astype(normals.dtype), 0.0, 1.0)
@@ -98,6 +106,9 @@ def shadow_map(corners: Floats, floor: float, size: int = 1536, blur: float = 0.
         floor: Height of the floor [m].
         size: Samples along an edge of the map.
         blur: Softness of the edge of the shadow on the floor [m].
+
+    Returns:
+        The map.
     """
     towards = np.asarray(KEY_DIRECTION) / np.linalg.norm(KEY_DIRECTION)
     right = np.cross((0.0, 1.0, 0.0), towards)
@@ -133,6 +144,9 @@ def shade(albedo: Array, normals: Array, towards_eye: Array, lit: Array) -> Arra
         normals: Unit normals, turned to the eye, shape (n, 3).
         towards_eye: Unit vectors to the eye, shape (n, 3).
         lit: The share of the key light that reaches each point, shape (n,).
+
+    Returns:
+        Linear colours, (n, 3).
     """
     facing = np.clip(_dot(normals, towards_eye), 1e-3, 1.0)
     up = 0.5 + 0.5 * normals[:, 2:3]
@@ -167,7 +181,15 @@ def srgb_from_linear(linear: Array) -> Array:
 
 
 def gaussian(image: Array, sigma: float) -> Array:
-    """The image (h, w) blurred by a Gaussian of `sigma` samples; beyond the edge it is 0."""
+    """An image blurred by a Gaussian; beyond the edge it is 0.
+
+    Args:
+        image: The image, (h, w).
+        sigma: Standard deviation [samples].
+
+    Returns:
+        The blurred image, (h, w).
+    """
     reach = max(int(np.ceil(2.6 * sigma)), 1)
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
     weights = (weights / weights.sum()).astype(np.float32)
@@ -183,7 +205,16 @@ def gaussian(image: Array, sigma: float) -> Array:
 
 
 def bilinear(image: Array, x: Array, y: Array) -> Array:
-    """The image (h, w) at fractional samples, 0 beyond its edge."""
+    """An image at fractional samples, 0 beyond its edge.
+
+    Args:
+        image: The image, (h, w).
+        x: Columns, (n,).
+        y: Rows, (n,).
+
+    Returns:
+        Values, (n,).
+    """
     height, width = image.shape
     inside = (x > 0) & (y > 0) & (x < width - 1) & (y < height - 1)
     out = np.zeros(len(x), dtype=np.float32)

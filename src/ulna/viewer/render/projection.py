@@ -36,7 +36,15 @@ class Projection:
         return np.stack([x, y], axis=-1)
 
     def rays(self, column: Array, row: Array) -> Array:
-        """Directions in the world from the eye through the middle of samples, of length 1 along the view; float32."""
+        """Directions in the world from the eye through the middle of samples, of length 1 along the view.
+
+        Args:
+            column: Columns, (n,).
+            row: Rows, (n,).
+
+        Returns:
+            Directions, (n, 3) float32.
+        """
         axes = self.axes.astype(np.float32)
         x = ((column + 0.5 - self.width / 2) / self.focus).astype(np.float32)
         y = ((self.height / 2 - row - 0.5) / self.focus).astype(np.float32)

@@ -30,10 +30,15 @@ _SAME_SHADING_COSINE = 0.95  # cosine between triangles of one surface that a pi
 
 
 def check_size(width: int, height: int, samples: int) -> None:
-    """Refuse a picture that is too large, or none.
+    """Check that a picture has pixels and is not too large.
+
+    Args:
+        width: Width [pixels].
+        height: Height [pixels].
+        samples: Samples along each edge of a pixel.
 
     Raises:
-        InputError: It is.
+        InputError: It is too large, or a number is out of range.
     """
     pixels = count("width", width, 1, 16384) * count("height", height, 1, 16384)
     if pixels * count("samples", samples, 1, 4) ** 2 > _MAX_SAMPLES:

@@ -25,6 +25,9 @@ def sample_texture(image: bytes, uv: Array, density: Array) -> Array | None:
         image: The content of a PNG or JPEG file.
         uv: Where, from 0 to 1 with the origin at the lower left, repeating beyond; shape (n, 2).
         density: How much of the texture's area a pixel covers, as a share, shape (n,).
+
+    Returns:
+        Linear colours (n, 3), or None.
     """
     levels = _mip_levels(image)
     if not levels:

@@ -43,7 +43,15 @@ class Triangles:
 
 
 def world_triangles(snapshot: Snapshot, view: Projection) -> Triangles:
-    """The triangles of all that is visible in a scene, from one camera: lines are never thinner than can be drawn."""
+    """The triangles of all visible nodes in the world frame; lines are as thick as can be drawn at least.
+
+    Args:
+        snapshot: The scene.
+        view: Camera and samples of the picture.
+
+    Returns:
+        The triangles.
+    """
     parts: list[tuple[Array, ...]] = [
         (
             np.zeros((0, 3, 3)),

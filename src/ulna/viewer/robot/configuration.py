@@ -20,8 +20,8 @@ def configuration(robot: Any, q: ArrayLike | str | None) -> Floats:
 
     Args:
         robot: The robot.
-        q: An array (nq,), a name in `robot.configurations`, or None for the
-            first of "qr", "ready", "home" and all names that exists, else neutral.
+        q: Configuration (nq,) [rad or m], a name in `robot.configurations`, or None for the first of "qr",
+            "ready", "home" and all names that exists, else neutral.
 
     Returns:
         A copy, shape (nq,) [rad or m].
@@ -40,10 +40,19 @@ def configuration(robot: Any, q: ArrayLike | str | None) -> Floats:
 
 
 def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
-    """A copy of configuration `q` (nq,).
+    """A checked copy of a configuration.
+
+    Args:
+        robot: The robot.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        The copy, (nq,) [rad or m].
 
     Raises:
         ShapeError, NonFiniteError: It is none.
+        ShapeError: Another shape.
+        NonFiniteError: nan or inf.
     """
     count = robot.model.nq
     if type(q) is np.ndarray and q.dtype is _FLOAT and q.shape == (count,):  # as a loop hands it over

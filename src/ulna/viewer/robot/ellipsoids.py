@@ -53,7 +53,15 @@ def check_kind(kind: str) -> None:
 
 
 def manipulability_ellipsoid(J: Floats, kind: str = "velocity") -> tuple[Floats, Floats]:
-    """Axes as a pose (4, 4) at the origin, and half axes (3,), of the ellipsoid of a Jacobian's linear part (3, nv)."""
+    """The ellipsoid of a Jacobian's linear part.
+
+    Args:
+        J: Linear part of the Jacobian, (3, nv).
+        kind: "velocity", or "force" for its inverse.
+
+    Returns:
+        Axes as a pose (4, 4) at the origin, and half axes (3,).
+    """
     values, axes = np.linalg.eigh(J @ J.T)
     radii = np.sqrt(np.maximum(values, 0.0))
     if kind == "force":

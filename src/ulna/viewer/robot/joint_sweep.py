@@ -15,7 +15,15 @@ _RATE = 25.0  # rows a second
 
 
 def joint_sweep(robot: Any, q: Floats) -> Recording:
-    """A recording that begins and ends at configuration `q` (nq,); a robot without joints stands for a second."""
+    """A recording that begins and ends at a configuration; of a robot without joints it lasts a second.
+
+    Args:
+        robot: The robot.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        The recording.
+    """
     out, numbers, k = Recording(), slider_coordinates(robot), 0
     count = max(round(min(_JOINT_DURATION, _MAX_DURATION / max(len(numbers), 1)) * _RATE), 8)
     wave = np.sin(2 * np.pi * np.arange(count) / count)

@@ -47,7 +47,17 @@ def checked_display(show: str) -> RobotDisplay:
 def surfaces_by_link(
     robot: Any, show: RobotDisplay, rgba: RGBA | None = None, report: Report = silent, detail: Detail = "seen"
 ) -> list[tuple[Surface, ...]]:
-    """What each link looks like, in the link's frame.
+    """The surfaces of each link, in the link's frame.
+
+    Args:
+        robot: The robot.
+        show: "visual", "collision", "both" or "skeleton".
+        rgba: One colour for everything; those of the materials by default.
+        report: Called with the number of links done and of all links.
+        detail: As for `ulna.viewer.mesh.mesh_files.load_mesh`.
+
+    Returns:
+        Surfaces by link, in the order of `robot.model.links`.
 
     Raises:
         UnknownName: There is no such way to show it, or no such detail.
@@ -84,6 +94,9 @@ def link_surfaces(
         link: The link's name, for messages.
         rgba: One colour for everything; the materials' own when None.
         detail: As for `ulna.viewer.mesh.mesh_files.load_mesh`.
+
+    Returns:
+        The surfaces.
     """
     pieces: list[Surface] = []
     for geometry in geometries:

@@ -70,6 +70,7 @@ class RobotOverlays(Handle, abc.ABC):
 
         Raises:
             UnknownName: There is no such frame.
+            InputError: `frames` is neither a name nor names.
         """
         names = [frames] if isinstance(frames, str) else frames
         if isinstance(frames, str) and frames == "all":
@@ -136,6 +137,9 @@ class RobotOverlays(Handle, abc.ABC):
             size: Metres per (m/s), or per N under joint torques of length 1.
             of: "velocity" or "force".
 
+        Returns:
+            The handle of the ellipsoid.
+
         Raises:
             UnknownName: There is no such frame, or no such ellipsoid.
         """
@@ -200,6 +204,9 @@ class RobotOverlays(Handle, abc.ABC):
             color: Its colour.
             size: How long it is drawn [m/N]: 50 N half a metre long when not given.
 
+        Returns:
+            The arrow.
+
         Raises:
             UnknownName: There is no such frame.
         """
@@ -214,6 +221,9 @@ class RobotOverlays(Handle, abc.ABC):
             frame: The frame; the tool when not given.
             size: How long it is drawn [m per m/s].
             color: Its colour.
+
+        Returns:
+            The arrow.
 
         Raises:
             UnknownName: There is no such frame.

@@ -62,8 +62,8 @@ class RobotInstances:
 
     def _checked(self, q: ArrayLike) -> Floats:
         rows = len(self._q) if getattr(self, "_bases", None) is not None else None
-        mend = "One configuration in each row" + ("." if rows is None else ", as many as there are bases.")
-        return shaped_array("q", q, rows, self.robot.nq, fix=mend)
+        fix = "One configuration in each row" + ("." if rows is None else ", as many as there are bases.")
+        return shaped_array("q", q, rows, self.robot.nq, fix=fix)
 
     def _update(self) -> None:
         if self.name not in self.scene:

@@ -33,7 +33,7 @@ def stick_figure(
 
     Args:
         robot: An `ulna.Robot`.
-        q: Configuration, shape (nq,), neutral when not given; (n, nq) for many, the last one in full colour.
+        q: Configuration (nq,) [rad or m], neutral by default; (n, nq) for several, the last one in full colour.
         ax: Axes of matplotlib in three dimensions; new ones when not given.
         frames: Frames to draw as three short arrows.
         tool: Whether to draw the tool's frame.
@@ -47,6 +47,7 @@ def stick_figure(
     Raises:
         MissingExtra: matplotlib is not installed.
         ShapeError, NonFiniteError, UnknownName: An argument does not fit the robot.
+        InputError: The axes are not three-dimensional, or an option is out of range.
     """
     configurations = _configurations(checked_robot(robot), q)
     if not isinstance(frames, list | tuple) or not all(isinstance(f, str) for f in frames):

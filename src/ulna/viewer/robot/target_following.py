@@ -46,9 +46,16 @@ class TargetFollower:
         )
 
     def step(self, q: Floats, T_goal: Floats) -> FollowStep:
-        """One step from `q` (nq,) towards a configuration with the tool at T_world_goal (4, 4).
+        """One step towards a configuration with the tool at the goal.
 
         A target out of reach is followed to the nearest configuration that joints reach without a jump.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            T_goal: T_world_goal, (4, 4).
+
+        Returns:
+            The next configuration, and whether the tool comes no nearer.
         """
         if not self._joints:
             return FollowStep(q, True)

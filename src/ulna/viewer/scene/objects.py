@@ -57,7 +57,8 @@ class SceneMethods(ShapeMethods):
 
         Args:
             thing: What to add.
-            q: A robot's configuration: an array (nq,), the name of one of `robot.configurations`, or None.
+            q: A robot's configuration: an array (nq,) [rad or m], the name of one of `robot.configurations`, or
+                None.
             name: Its name.
             pose: T_group_thing, its pose in its group.
             color: One colour for all of it; that of its materials when not given.
@@ -136,6 +137,9 @@ class SceneMethods(ShapeMethods):
             detail: "full" for all triangles, "seen" simplified within an error bound: see
                 `ulna.viewer.mesh.mesh_files.load_mesh`.
 
+        Returns:
+            Its handle.
+
         Raises:
             InputError: The file cannot be read as a mesh.
             MissingExtra: trimesh is not installed.
@@ -179,6 +183,9 @@ class SceneMethods(ShapeMethods):
             pose: Where the whole stands.
             opacity: From 0 to 1.
 
+        Returns:
+            Their handle.
+
         Raises:
             InputError: Neither `poses` nor `positions` are given, or both.
         """
@@ -208,13 +215,16 @@ class SceneMethods(ShapeMethods):
 
         Args:
             robot: The robot.
-            q: Their configurations, shape (n, nq).
+            q: Their configurations, (n, nq) [rad or m].
             bases: T_group_base of each, shape (n, 4, 4).
             name: The name of their group.
             pose: Where the whole stands.
             color: One colour for all; their own when not given.
             opacity: From 0 to 1.
             show: What of them, as for `add`.
+
+        Returns:
+            Their handle.
 
         Raises:
             ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.

@@ -16,7 +16,15 @@ class ShapeMethods(AnnotationMethods):
 
     @abc.abstractmethod
     def add(self, thing: Any, **more: Any) -> Any:
-        """Add a thing; see `SceneMethods.add`."""
+        """Add an object; see `SceneMethods.add`.
+
+        Args:
+            thing: What to add.
+            **more: Arguments of `SceneMethods.add`.
+
+        Returns:
+            Its handle.
+        """
 
     def box(self, size: Sequence[float], **more: Any) -> Handle:
         """Add a box, centred at its origin.

@@ -60,7 +60,7 @@ class Saved:
         inner, end, _ = rest.partition(f"</{tag_name}>")
         if not start or not end or before.strip() != '<?xml version="1.0"?>':
             raise FormatError(
-                f"There is no element <{tag_name}> that `saveToXML` wrote.", file=str(filename), mend=_FIX
+                f"There is no element <{tag_name}> that `saveToXML` wrote.", file=str(filename), fix=_FIX
             )
         self._become(unescape(inner), filename)
 
@@ -80,7 +80,7 @@ class Saved:
         content = filename.tobytes() if hasattr(filename, "tobytes") else _read(filename)
         if not content.startswith(_SIGN):
             raise FormatError(
-                "The file does not begin as `saveToBinary` writes it.", file=str(filename), mend=_FIX
+                "The file does not begin as `saveToBinary` writes it.", file=str(filename), fix=_FIX
             )
         try:
             text = zlib.decompressobj().decompress(content[len(_SIGN) :]).decode("utf-8")
@@ -95,7 +95,7 @@ class Saved:
             name = parsed["#"]
             made = _made(parsed) if name == type(self).__name__ else None
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-            raise FormatError(f"It cannot be read: {error}.", file=file, mend=_FIX) from None
+            raise FormatError(f"It cannot be read: {error}.", file=file, fix=_FIX) from None
         if type(made) is not type(self):
             raise FormatError(f"It holds a {name}; expected a {type(self).__name__}.", file=file)
         if hasattr(self, "__setstate__"):
