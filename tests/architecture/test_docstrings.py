@@ -18,7 +18,7 @@ PENDING = Path(__file__).parent / "docstrings_pending.txt"  # remove what you co
 
 ARRAYS = re.compile(r"\b(Array|ArrayLike|Floats|NDArray|ndarray)\b")
 NUMBERS = re.compile(rf"{ARRAYS.pattern}|\bfloat\b")
-SHAPE = re.compile(r"\((\.\.\.)?\)|\((\.\.\.|[\w+*/ -]+)(,\s*[\w.+*/ -]*)+\)")
+SHAPE = re.compile(r"\((\.\.\.)?\)|\((\.\.\.|[\w.+*/ -]+)(,\s*[\w.+*/ -]*)+\)")
 UNIT = re.compile(r"\[[^\[\]]+\]")
 PHYSICAL = frozenset(
     ["q", "v", "tau", "dt", "duration", "timeout", "period", "mass", "gravity", "radius", "angle"]

@@ -210,7 +210,16 @@ def _frames(
 
 
 def aggregate(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> tuple[tuple[Inertia, ...], Inertia]:
-    """For each joint, and for the world, the inertia of the links it carries, in its moving frame."""
+    """The inertia of the bodies: of the links that each joint, and the world, carries.
+
+    Args:
+        joints: The joints of the model.
+        links: The links of the model.
+
+    Returns:
+        For each joint the inertia of its body, in its moving frame, and that of the links fixed to the world [kg, m,
+        kg m^2].
+    """
     sums: list[Inertia | None] = [None] * (len(joints) + 1)  # the last one is the world, index -1
     for link in links:
         if link.inertia.mass == 0.0 and not link.inertia.inertia.any():

@@ -43,16 +43,19 @@ class ModelBuilder(PartsBuilder):
     ) -> Self:
         """Adds all of a finished model: links, joints, frames, disabled pairs and groups.
 
-        Its configurations, gravity and tool are not taken over, because they speak of the whole model.
+        Its configurations, gravity and tool are not copied, because they concern the whole model.
 
         Args:
             model: The model.
             link: Name of the link its root is fixed to; None makes its root the root of this one.
-            placement: T_link_root, where its world frame lies on that link.
+            placement: T_link_root, where its world frame lies on that link [m]; None for the link's frame.
             prefix: Put before every name.
-            joint: Name of the new fixed joint; None makes one from the root's name. Where the model has a
-                movable root joint, that one connects it instead.
-            locked: For joints that shall not move any more, their position (kind.nq,).
+            joint: Name of the new fixed joint; None makes one from the root's name. Where the model has a movable
+                root joint, that one connects it instead.
+            locked: For joints that become fixed, their position, shape (kind.nq,) [rad, m].
+
+        Returns:
+            The builder.
 
         Raises:
             ModelError: a name is taken; another `prefix` fixes that.

@@ -24,8 +24,11 @@ def with_tool(model: Model, frame: str, placement: SE3 | None = None, name: str 
     Args:
         model: The model.
         frame: The frame that is the tool; or, with a `placement`, the frame it is placed in.
-        placement: T_frame_tool, for a tool that is no frame yet.
+        placement: T_frame_tool, for a tool that is not a frame yet [m].
         name: Name of the new frame; a tool of that name made before is replaced.
+
+    Returns:
+        A new model.
 
     Raises:
         UnknownName: no frame is named `frame`.
@@ -51,16 +54,30 @@ def with_configuration(model: Model, name: str, q: Any) -> Model:
 
     Args:
         model: The model.
-        name: Its name; a position of that name is replaced.
-        q: The position (nq,); or a dictionary from joint names to positions, the others at neutral.
+        name: Name of the position; one of that name is replaced.
+        q: The position, shape (nq,) [rad, m]; or a dictionary from joint names to positions, the others at neutral.
+
+    Returns:
+        A new model.
     """
     checked_name("configuration", name)
-    told = {**model.configurations, name: position(model, q, f"configuration {name!r}")}
-    return replace(model, configurations=told)
+    configurations = {**model.configurations, name: position(model, q, f"configuration {name!r}")}
+    return replace(model, configurations=configurations)
 
 
 def with_gravity(model: Model, gravity: ArrayLike) -> Model:
-    """The model under another acceleration of free fall (3,) in the world frame [m/s^2]."""
+    """The model under another acceleration of free fall.
+
+    Args:
+        model: The robot.
+        gravity: Acceleration of free fall in the world frame, shape (3,) [m/s^2].
+
+    Returns:
+        A new model.
+
+    Raises:
+        ModelError: it is not three finite numbers.
+    """
     return replace(model, gravity=checked_gravity(gravity))
 
 
@@ -75,14 +92,28 @@ def with_root_joint(
         model: The model.
         kind: `FreeFlyer()` for a robot that walks or flies; `Fixed()` to stand it elsewhere.
         name: Name of the joint.
-        placement: T_world_joint; None for the world's origin.
-        limits: `lower`, `upper`, `velocity` and `effort` as for `ModelBuilder.add_joint`.
+        placement: T_world_joint [m]; None for the world's origin.
+        **limits: `lower`, `upper`, `velocity` and `effort` as for `ModelBuilder.add_joint`.
+
+    Returns:
+        A new model.
     """
     return rebuilt(model, root={"kind": kind, "name": name, "placement": placement, **limits})
 
 
 def with_disabled_pairs(model: Model, pairs: Iterable[tuple[str, str]]) -> Model:
-    """The model with more pairs of links that need no collision check; UnknownName for an unknown link."""
+    """The model with more pairs of links that need no collision check.
+
+    Args:
+        model: The robot.
+        pairs: Pairs of link names.
+
+    Returns:
+        A new model.
+
+    Raises:
+        UnknownName: no link of that name.
+    """
     added = set()
     for a, b in pairs:
         first, second = sorted((model.link(a).name, model.link(b).name))

@@ -21,14 +21,38 @@ ValueOrSequence = float | Sequence[float] | np.ndarray
 
 
 def checked_name(what: str, name: object, where: str = "") -> str:
-    """`name`, if it can be one."""
+    """A name, if it can be one.
+
+    Args:
+        what: What is named, for the message.
+        name: What was passed.
+        where: The place in the file, for the message.
+
+    Returns:
+        The name.
+
+    Raises:
+        ModelError: it is not a string, or is empty.
+    """
     if not isinstance(name, str) or not name:
         raise wrong(where, f"A {what} is named {name!r}; expected a string that is not empty.")
     return name
 
 
 def checked_pose(what: str, pose: object, where: str = "") -> SE3:
-    """`pose`, if it is a single finite rigid motion; cleaned of rounding noise and read-only."""
+    """A placement, if it is a single finite rigid motion.
+
+    Args:
+        what: What is placed, for the message.
+        pose: What was passed [m].
+        where: The place in the file, for the message.
+
+    Returns:
+        The pose, without rounding noise, its arrays read-only.
+
+    Raises:
+        ModelError: it is not a single finite rigid motion.
+    """
     subject = f"The placement of {what}"
     if not isinstance(pose, SE3):
         raise wrong(
@@ -47,7 +71,19 @@ def checked_pose(what: str, pose: object, where: str = "") -> SE3:
 
 
 def checked_inertia(link: str, inertia: object, where: str = "") -> Inertia:
-    """`inertia`, if its numbers can be used; None is the inertia of nothing. Its arrays are read-only."""
+    """An inertia, if its values can be used.
+
+    Args:
+        link: The name of the link, for the message.
+        inertia: What was passed [kg, m, kg m^2]; None for a body without inertia.
+        where: The place in the file, for the message.
+
+    Returns:
+        The inertia, its arrays read-only.
+
+    Raises:
+        ModelError: it is not a single, finite, symmetric inertia, or its mass is negative.
+    """
     subject = f"The inertia of link {link!r}"
     inertia = Inertia.zero() if inertia is None else inertia
     if not isinstance(inertia, Inertia):
@@ -68,7 +104,19 @@ def checked_inertia(link: str, inertia: object, where: str = "") -> Inertia:
 
 
 def checked_geometries(what: str, items: Iterable[Geometry], where: str = "") -> tuple[Geometry, ...]:
-    """`items`, if they are geometries."""
+    """A tuple of geometries.
+
+    Args:
+        what: What they are for, for the message.
+        items: What was passed.
+        where: The place in the file, for the message.
+
+    Returns:
+        The geometries, with checked placements.
+
+    Raises:
+        ModelError: they are not geometries.
+    """
     if isinstance(items, Geometry) or not isinstance(items, Iterable):
         raise wrong(where, f"The {what} are a {type(items).__name__}; expected a list, such as [geometry].")
     out = []
@@ -82,7 +130,19 @@ def checked_geometries(what: str, items: Iterable[Geometry], where: str = "") ->
 
 
 def checked_kind(joint: str, kind: object, where: str = "") -> JointKind:
-    """`kind`, if it is one."""
+    """A joint kind.
+
+    Args:
+        joint: The name of the joint, for the message.
+        kind: What was passed.
+        where: The place in the file, for the message.
+
+    Returns:
+        The kind.
+
+    Raises:
+        ModelError: it is not a joint kind.
+    """
     subject = f"The kind of joint {joint!r}"
     if isinstance(kind, type) and issubclass(kind, JointKind):
         raise wrong(where, f"{subject} is the class {kind.__name__}; write {kind.__name__}(...).")
@@ -100,7 +160,22 @@ def checked_numbers(
     minimum: float = 0.0,
     where: str = "",
 ) -> tuple[float, ...]:
-    """`value` as `count` numbers not below `minimum`; one number serves for all, None is `default`."""
+    """As many numbers as are needed, not below a bound.
+
+    Args:
+        subject: What they are, for the message.
+        value: What was passed; one number stands for all, None for `default`.
+        count: How many numbers are needed.
+        default: What None stands for.
+        minimum: The smallest valid number.
+        where: The place in the file, for the message.
+
+    Returns:
+        The numbers.
+
+    Raises:
+        ModelError: there are not so many, or one is below `minimum` or nan.
+    """
     if value is None:
         return (default,) * count
     try:
@@ -121,7 +196,20 @@ def checked_numbers(
 def checked_limits(
     joint: str, kind: JointKind, limits: dict[str, ValueOrSequence | None], where: str = ""
 ) -> Limits:
-    """The four limits of a joint, if the lower ones lie below the upper ones."""
+    """The four limits of a joint.
+
+    Args:
+        joint: The name of the joint, for the message.
+        kind: Its kind, which has as many positions and velocities as there are numbers.
+        limits: Any of `lower`, `upper` [rad, m], `velocity` [rad/s, m/s] and `effort` [N m, N]; None for no limit.
+        where: The place in the file, for the message.
+
+    Returns:
+        The limits.
+
+    Raises:
+        ModelError: a limit cannot be used, or a lower one lies above the upper one.
+    """
     inf = math.inf
 
     def numbers(name: str, count: int, default: float, minimum: float) -> tuple[float, ...]:
@@ -144,7 +232,20 @@ def checked_limits(
 def checked_mimic(
     joint: str, mimic: object, kind: JointKind, where: str = ""
 ) -> tuple[str, float, float] | None:
-    """`mimic` as (name of the source, multiplier, offset)."""
+    """Which joint is followed, and how.
+
+    Args:
+        joint: The name of the joint, for the message.
+        mimic: What was passed: the name of the source, or name, multiplier and offset [rad, m]; None for none.
+        kind: The kind of the joint that follows.
+        where: The place in the file, for the message.
+
+    Returns:
+        Name of the source, multiplier and offset; None for none.
+
+    Raises:
+        ModelError: it is none of that, or the joint cannot follow another.
+    """
     if mimic is None:
         return None
     try:

@@ -214,11 +214,18 @@ def listed(constraints: Any) -> tuple[Constraint, ...]:
 
 
 def bonds(model: Model, constraints: Sequence[Constraint] | Constraint) -> tuple[Bond, ...]:
-    """The constraints with their frames found in a model.
+    """The constraints with their frames looked up in a model.
+
+    Args:
+        model: The robot.
+        constraints: The constraints, or one.
+
+    Returns:
+        One bond a constraint.
 
     Raises:
         UnknownName: There is no such frame.
-        InputError: What was given are no constraints; or no joint can move what one of them holds.
+        InputError: They are no constraints; or no joint can move what one of them holds.
     """
     return tuple(_bond(model, constraint) for constraint in listed(constraints))
 

@@ -27,7 +27,20 @@ def add_model(
     mount: str | None = None,
     locked: Mapping[str, Floats] | None = None,
 ) -> None:
-    """Adds all of a model to a builder; see `ModelBuilder.add_model`."""
+    """Adds all of a model to a builder; see `ModelBuilder.add_model`.
+
+    Args:
+        builder: What it is added to.
+        model: The robot.
+        onto: Name of the link its root is fixed to; None makes its root the root of this one.
+        placement: T_link_root, where its world frame lies on that link [m]; None for the link's frame.
+        prefix: Put before every name.
+        mount: Name of the new fixed joint; None makes one from the root's name.
+        locked: For joints that become fixed, their position, shape (kind.nq,) [rad, m].
+
+    Raises:
+        ModelError: a name is taken.
+    """
     if onto is not None:
         builder.require_link(onto, "The model is to be fixed to it; add it first.")
     _refuse_shared_names(builder, model, prefix)
@@ -114,7 +127,16 @@ class _Copy:
 def copy_position(
     old: Model, old_q: Floats, new: Model, new_q: Floats, prefix: str = "", leave: str | None = None
 ) -> None:
-    """Writes into `new_q` the positions that `old_q` gives to the joints both models have, `leave` excepted."""
+    """Copies the positions of the joints that two models share.
+
+    Args:
+        old: The model that is copied from.
+        old_q: Its position, shape (old.nq,) [rad, m].
+        new: The model that is copied to.
+        new_q: Its position, shape (new.nq,) [rad, m], which is written to.
+        prefix: What the names in `new` begin with.
+        leave: Name of a joint of `new` whose position stays.
+    """
     for joint in old.joints:
         name = prefix + joint.name
         if joint.mimic is None and name != leave and name in new.joint_names:

@@ -36,15 +36,18 @@ def dynamic_parameters(model: Model) -> Floats:
 def with_dynamic_parameters(model: Model, parameters: ArrayLike, *, check: bool = True) -> Model:
     """The model whose bodies have these parameters.
 
-    Of a body that changes, the link right after the joint takes all the inertia, and the links fixed to it become
-    massless: the equations of motion do not see how a body's inertia is spread over its links. A body that keeps its
-    parameters keeps its links.
+    Of a body that changes, the link right after the joint gets all the inertia, and the links fixed to it become
+    massless: the equations of motion do not depend on how a body's inertia is spread over its links. A body that
+    keeps its parameters keeps its links.
 
     Args:
         model: The model.
-        parameters: Ten parameters of each joint's body, shape (10 nbodies,) or (nbodies, 10).
-        check: Whether to refuse bodies that cannot exist: of negative mass, or with principal moments of inertia
-            that are negative or break the triangle inequality.
+        parameters: Ten parameters of each joint's body, shape (10 nbodies,) or (nbodies, 10) [kg, kg m, kg m^2].
+        check: Whether to refuse bodies that cannot exist: of negative mass, or with principal moments of inertia that
+            are negative or break the triangle inequality.
+
+    Returns:
+        A new model.
 
     Raises:
         ShapeError, NonFiniteError: they are not ten finite numbers for each body.
@@ -74,7 +77,10 @@ def with_link_inertias(model: Model, inertias: Mapping[str, Inertia]) -> Model:
 
     Args:
         model: The model.
-        inertias: For names of links, their inertia in the link's frame.
+        inertias: For names of links, their inertia in the link's frame [kg, m, kg m^2].
+
+    Returns:
+        A new model.
 
     Raises:
         UnknownName: no link of that name.
@@ -93,10 +99,13 @@ def with_joint_dynamics(model: Model, **values: ArrayLike) -> Model:
 
     Args:
         model: The model.
-        values: Any of `armature` [kg, kg m^2], `damping` (viscous) [N s/m, N m s/rad], `friction` (Coulomb) [N, N m]
-            and `effort` (the greatest, may be inf) [N, N m]: one number, or one for each entry of v, none below zero.
-            They are all that is felt there: the drives of mimic joints, which add to `model.armature`, `damping` and
-            `friction`, count as part of them and have none of their own any more.
+        **values: Any of `armature` [kg, kg m^2], `damping` (viscous) [N s/m, N m s/rad], `friction` (Coulomb) [N, N
+            m] and `effort` (the greatest, may be inf) [N, N m]: one number, or one for each entry of v, shape (nv,),
+            none below zero. They are the totals at each entry of v: what the drives of mimic joints add to
+            `model.armature`, `damping` and `friction` is part of them, and mimic joints have no values any more.
+
+    Returns:
+        A new model.
 
     Raises:
         UnknownName: another name.
@@ -109,12 +118,21 @@ def with_joint_dynamics(model: Model, **values: ArrayLike) -> Model:
         value = number_or_array(name, given, model.nv)
         if np.isnan(value).any() or (value < 0.0).any() or (name != "effort" and np.isinf(value).any()):
             raise InputError(f"`{name}` is {value}; expected finite numbers, none below zero.")
-        model = told_of_drives(model, name, value)
+        model = with_drive_values(model, name, value)
     return model
 
 
-def told_of_drives(model: Model, name: str, value: Array) -> Model:
-    """The model with the entries of v told one number of the drives, (nv,), which may be traced."""
+def with_drive_values(model: Model, name: str, value: Array) -> Model:
+    """The model with one property of its drives replaced.
+
+    Args:
+        model: The robot.
+        name: "armature", "damping", "friction" or "effort".
+        value: The totals at each entry of v, shape (nv,), which may be traced.
+
+    Returns:
+        A new model.
+    """
     joints = []
     for joint in model.joints:
         own = tuple(value[joint.idx_v : joint.idx_v + joint.kind.nv].tolist())
@@ -130,16 +148,19 @@ def told_of_drives(model: Model, name: str, value: Array) -> Model:
 def perturbed(
     model: Model, fraction: float = 0.1, seed: int | np.random.Generator | None = None, com: float = 0.0
 ) -> Model:
-    """A model like this one, with masses and inertias off at random: to test how much a controller takes.
+    """A model with random errors in masses and inertias: to test how robust a controller is.
 
     The mass of each link, and its rotational inertia about the centre of mass, are multiplied by two factors drawn
-    evenly from 1 - fraction to 1 + fraction. A body that can exist stays one.
+    evenly from 1 - fraction to 1 + fraction. A physically consistent body stays so.
 
     Args:
         model: The model.
         fraction: Greatest relative change, from 0 to below 1.
         seed: Seed or generator; the same seed gives the same model.
         com: Greatest shift of each coordinate of the links' centres of mass [m].
+
+    Returns:
+        A new model.
 
     Raises:
         InputError: `fraction` or `com` is out of range.

@@ -196,8 +196,12 @@ class Model(metaclass=Explained):
         """The frame of that name, out of `frame_names`.
 
         Args:
-            name: Its name. Where a link and a joint share one, the link's frame is meant; "joint:NAME" is the joint's.
-            kind: Its kind, with its own name.
+            name: Its name. Where a link and a joint share one, the link's frame is meant; "joint:NAME" is the
+                joint's.
+            kind: Its kind; None for any.
+
+        Returns:
+            The frame.
 
         Raises:
             UnknownName: there is none; offers the nearest one.

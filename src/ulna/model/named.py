@@ -50,7 +50,15 @@ class Named(Mapping[str, V], Generic[V]):
         return name in self._items
 
     def get(self, key: str, default: Any = None) -> Any:
-        """The value of that name, or `default`."""
+        """The value of a name, or a default.
+
+        Args:
+            key: The name.
+            default: What is returned where there is no such name.
+
+        Returns:
+            The value, or the default.
+        """
         return self._items.get(key, default)
 
     def __eq__(self, other: object) -> bool:

@@ -86,11 +86,14 @@ class PartsBuilder:
         """Adds a body.
 
         Args:
-            name: Its name, not given to another link.
-            inertia: Its inertia in the link frame; None for a body without.
+            name: Its name, which no other link has.
+            inertia: Its inertia in the link frame [kg, m, kg m^2]; None for a body without.
             visuals: What it looks like.
             collisions: What it collides with.
-            where: Place in the file.
+            where: The place in the file, for messages.
+
+        Returns:
+            The builder.
 
         Raises:
             ModelError: the name is taken, or the inertia cannot be one.
@@ -128,22 +131,24 @@ class PartsBuilder:
         """Connects two links. Limits and the like are one number, or one for each entry of q or v.
 
         Args:
-            name: Its name, not given to another joint.
+            name: Its name, which no other joint has.
             kind: What motion it allows; `Fixed()` for none.
             parent: Name of the link it is fixed to; may be added later.
             child: Name of the link it moves; may be added later.
-            placement: T_parent_joint, its place on the parent link; None for the parent's frame.
-            offset: T_joint_child, the child link's place in the moving frame; None for the moving frame
-                itself.
+            placement: T_parent_joint, its place on the parent link [m]; None for the parent's frame.
+            offset: T_joint_child, the child link's place in the moving frame [m]; None for the moving frame itself.
             lower: Smallest position [rad, m]; None for no limit.
             upper: Largest position [rad, m]; None for no limit.
             velocity: Largest speed [rad/s, m/s]; None for no limit.
             effort: Largest force or torque [N, N m]; None for no limit.
             damping: Viscous friction [N s/m, N m s/rad].
             friction: Coulomb friction [N, N m].
-            armature: Inertia of the drive seen at the joint [kg, kg m^2].
+            armature: Inertia of the drive as it acts at the joint [kg, kg m^2].
             mimic: (name of the joint to follow, multiplier, offset [rad, m]).
-            where: Place in the file.
+            where: The place in the file, for messages.
+
+        Returns:
+            The builder.
 
         Raises:
             ModelError: the name is taken, or a value cannot be used.
@@ -177,16 +182,19 @@ class PartsBuilder:
         placement: SE3 | None = None,
         **rest: Any,
     ) -> Self:
-        """Connects the root link to the world; replaces what was said before.
+        """Connects the root link to the world; replaces an earlier root joint.
 
-        Without it the root link stands still at the world's origin. `root_joint(Fixed(), placement=...)` puts
-        it elsewhere.
+        Without it the root link stands still at the world's origin. `root_joint(Fixed(), placement=...)` puts it
+        elsewhere.
 
         Args:
             kind: What motion it allows, such as `FreeFlyer()`.
-            name: Its name, not given to another joint.
-            placement: T_world_joint; None for the world's origin.
-            rest: As for `add_joint`: `offset`, limits and the like, `where`. It cannot mimic.
+            name: Its name, which no other joint has.
+            placement: T_world_joint [m]; None for the world's origin.
+            **rest: As for `add_joint`: `offset`, limits and the like, `where`. It cannot mimic.
+
+        Returns:
+            The builder.
 
         Raises:
             ModelError: a value cannot be used.
@@ -209,11 +217,14 @@ class PartsBuilder:
         """Adds a named frame to a link.
 
         Args:
-            name: Its name, not given to a link, a joint or another frame.
+            name: Its name, which no link, joint or other frame has.
             link: Name of the link it moves with.
-            placement: T_link_frame; None for the link's own frame.
+            placement: T_link_frame [m]; None for the link's own frame.
             kind: ``"user"`` or ``"tool"``.
-            where: Place in the file.
+            where: The place in the file, for messages.
+
+        Returns:
+            The builder.
 
         Raises:
             ModelError: the name is taken, or a value cannot be used.
@@ -242,20 +253,44 @@ class PartsBuilder:
 
         Args:
             name: Its name; a second position of that name replaces the first.
-            q: The whole position (nq,), or a dictionary from joint names to positions, where the joints left
-                out stand at neutral and mimic joints may be listed but follow their source.
+            q: The whole position, shape (nq,) [rad, m], or a dictionary from joint names to positions, where the
+                joints left out stand at neutral and mimic joints may be listed but follow their source.
+
+        Returns:
+            The builder.
         """
         self._state.configurations[checked_name("configuration", name)] = q
         return self
 
     def disable_pair(self, link_a: str, link_b: str) -> Self:
-        """Says that two links need no collision check."""
+        """Declares that two links need no collision check.
+
+        Args:
+            link_a, link_b: Names of the links; may be added later.
+
+        Returns:
+            The builder.
+
+        Raises:
+            ModelError: what should be a name is not a string, or is empty.
+        """
         first, second = sorted((checked_name("link", link_a), checked_name("link", link_b)))
         self._state.disabled_pairs.add((first, second))
         return self
 
     def add_group(self, name: str, joints: Iterable[str]) -> Self:
-        """Names a group of joints, or adds joints to it; those that turn out fixed are left out."""
+        """Names a group of joints, or adds joints to it; those that turn out fixed are left out.
+
+        Args:
+            name: Name of the group.
+            joints: Names of the joints; may be added later.
+
+        Returns:
+            The builder.
+
+        Raises:
+            ModelError: `joints` is a string.
+        """
         if isinstance(joints, str):
             raise ModelError(
                 f"The joints of group {name!r} are the string {joints!r}; expected a list of names."
@@ -265,7 +300,15 @@ class PartsBuilder:
         return self
 
     def require_link(self, name: str, fix: str = "") -> None:
-        """Raises UnknownName unless a link of that name was added."""
+        """Checks that a link was added.
+
+        Args:
+            name: Its name.
+            fix: How to correct it, for the message.
+
+        Raises:
+            UnknownName: there is no link of that name.
+        """
         if name not in self._state.links:
             raise UnknownName("link", name, self._state.links, fix)
 

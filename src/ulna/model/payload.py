@@ -31,10 +31,13 @@ def with_payload(
         model: The model.
         frame: The frame it is fixed to; None for the tool.
         mass: Its mass [kg].
-        com: Its centre of mass in the frame (3,) [m].
-        inertia: Its rotational inertia about the centre of mass along the frame's axes, (3, 3) or xx, xy, xz,
-            yy, yz, zz [kg m^2]; None for a point mass.
+        com: Its centre of mass in the frame, shape (3,) [m].
+        inertia: Its rotational inertia about the centre of mass along the frame's axes, shape (3, 3) or (6,): xx, xy,
+            xz, yy, yz, zz [kg m^2]; None for a point mass.
         name: Name of the link.
+
+    Returns:
+        A new model.
 
     Raises:
         UnknownName: no frame of that name.
@@ -100,7 +103,14 @@ class Drive:
 
 
 def with_drives(model: Model, drives: Mapping[str, Drive]) -> Model:
-    """The model with motors: for names of joints with one velocity, what drives them.
+    """The model with motors and gears.
+
+    Args:
+        model: The robot.
+        drives: For names of joints with one velocity, what drives them.
+
+    Returns:
+        A new model.
 
     Raises:
         UnknownName: no movable joint of that name.

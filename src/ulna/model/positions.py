@@ -14,14 +14,17 @@ from ulna.typing import Floats
 
 
 def position(model: Model, q: Any, what: str = "q", base: Floats | None = None) -> Floats:
-    """The position (nq,) of a model.
+    """The position of a model, from an array, a name, or numbers by joint name.
 
     Args:
         model: The model.
-        q: The position (nq,); or numbers by joint name, where those left out stand as in `base` and mimic
-            joints may be listed but follow their source; or the name of a configuration.
+        q: The position, shape (nq,) [rad, m]; or numbers by joint name, where those left out stand as in `base` and
+            mimic joints may be listed but follow their source; or the name of a configuration.
         what: What it is called in messages.
-        base: Where the joints left out stand; None for neutral.
+        base: Where the joints left out stand, shape (nq,) [rad, m]; None for neutral.
+
+    Returns:
+        A new array, shape (nq,) [rad, m].
 
     Raises:
         UnknownName: no joint or configuration of that name moves.
@@ -51,7 +54,20 @@ def position(model: Model, q: Any, what: str = "q", base: Floats | None = None) 
 
 
 def local_position(count: int, value: Any, what: str, each: str = "") -> Floats:
-    """`value` as `count` finite numbers."""
+    """The position of one joint.
+
+    Args:
+        count: How many numbers it has.
+        value: What was passed.
+        what: What it is, for the message.
+        each: What the numbers are, for the message.
+
+    Returns:
+        A new array, shape (count,) [rad, m].
+
+    Raises:
+        ModelError: they are not so many finite numbers.
+    """
     check_not_masked(what, value)
     try:
         out = np.array(value, dtype=float)

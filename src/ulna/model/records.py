@@ -78,10 +78,26 @@ class BuilderState:
 
 
 def at(where: str, text: str) -> str:
-    """`text`, led by the place in a file where it was said."""
+    """A message, led by the place in a file that it concerns.
+
+    Args:
+        where: The place; empty for none.
+        text: The message.
+
+    Returns:
+        Both.
+    """
     return f"{where}: {text}" if where else text
 
 
 def wrong(where: str, text: str) -> ModelError:
-    """The error that says so."""
+    """A ModelError, led by the place in a file that it concerns.
+
+    Args:
+        where: The place; empty for none.
+        text: The message.
+
+    Returns:
+        The error.
+    """
     return ModelError(at(where, text))

@@ -69,7 +69,16 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
 def rebuilt(
     model: Model, *, locked: Mapping[str, Floats] | None = None, root: Mapping[str, Any] | None = None
 ) -> Model:
-    """The model built anew, with joints locked or with another root joint (arguments of `root_joint`)."""
+    """The model built anew, with joints locked or with another root joint.
+
+    Args:
+        model: The robot.
+        locked: For joints that become fixed, their position, shape (kind.nq,) [rad, m].
+        root: Arguments of `ModelBuilder.root_joint`; None keeps the root joint.
+
+    Returns:
+        A new model.
+    """
     builder = ModelBuilder(model.name, model.source)
     builder.gravity = model.gravity
     gone = model.links[0].parent_joint

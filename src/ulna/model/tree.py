@@ -11,7 +11,20 @@ from ulna.model.records import JointRecord, LinkRecord, at, wrong
 def joints_above(
     model: str, links: Mapping[str, LinkRecord], joints: Mapping[str, JointRecord]
 ) -> dict[str, JointRecord]:
-    """For each link but the root, the joint that moves it."""
+    """For each link but the root, the joint that moves it.
+
+    Args:
+        model: Name of the model, for messages.
+        links: The links by name.
+        joints: The joints by name.
+
+    Returns:
+        The joints by the name of the link they move.
+
+    Raises:
+        UnknownName: a joint connects a link that does not exist.
+        ModelError: there is no link, or two joints move one link.
+    """
     if not links:
         raise ModelError(f"Model {model!r} has no links; expected at least one. Add it with add_link(name).")
     above: dict[str, JointRecord] = {}
@@ -33,7 +46,19 @@ def joints_above(
 
 
 def root_link(model: str, links: Mapping[str, LinkRecord], above: Mapping[str, JointRecord]) -> str:
-    """The one link that no joint moves."""
+    """The one link that no joint moves.
+
+    Args:
+        model: Name of the model, for messages.
+        links: The links by name.
+        above: For each link but the root, the joint that moves it.
+
+    Returns:
+        Its name.
+
+    Raises:
+        ModelError: there is none, or there are several.
+    """
     roots = [link for link in links if link not in above]
     if not roots:
         raise ModelError(f"Model {model!r} has no root link: {_cycle(next(iter(links)), above)}.")
@@ -62,7 +87,20 @@ def _cycle(start: str, above: Mapping[str, JointRecord]) -> str:
 def depth_first(
     model: str, root: str, links: Mapping[str, LinkRecord], above: Mapping[str, JointRecord]
 ) -> list[str]:
-    """The links, parents before children, siblings in the order their joints were added."""
+    """The links, parents before children, siblings in the order their joints were added.
+
+    Args:
+        model: Name of the model, for messages.
+        root: The link that no joint moves.
+        links: The links by name.
+        above: For each link but the root, the joint that moves it.
+
+    Returns:
+        Their names.
+
+    Raises:
+        ModelError: some links are not connected with the root.
+    """
     below: dict[str, list[str]] = {link: [] for link in links}
     for child, joint in above.items():
         below[joint.parent or ""].append(child)

@@ -31,7 +31,7 @@ from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.model.change import with_gravity, with_root_joint
 from ulna.model.inertial import (
     dynamic_parameters,
-    told_of_drives,
+    with_drive_values,
     with_dynamic_parameters,
     with_joint_dynamics,
 )
@@ -64,7 +64,7 @@ def parameters(model: Model, name: str) -> Floats:
             model, "gravity", "armature", "damping" or "friction".
 
     Returns:
-        A new array of the parameter's shape.
+        A new array (...) of the parameter's shape.
 
     Raises:
         UnknownName: no parameter of that name; offers the nearest one.
@@ -92,16 +92,19 @@ def offset_entries(model: Model) -> tuple[int, ...]:
 
 
 def with_parameters(model: Model, values: Mapping[str, Any], *, check: bool = True) -> Model:
-    """The model with other numbers, or, inside a function that is traced, with numbers that are not known yet.
+    """The model with other parameters, or, inside a function that is traced, with parameters that are not known yet.
 
     `q` keeps its meaning: limits and named configurations stay as they are, also under an "offset". A body keeps its
-    inertia in its own axes when a placement changes. A traced model is good for one trace: algorithms take it, it
+    inertia in its own axes when a placement changes. A traced model is good for one trace: algorithms accept it, it
     cannot be hashed, compared or saved.
 
     Args:
         model: The model.
         values: Parameters by name, of the shapes that `parameters` returns.
         check: Whether to refuse bodies that cannot exist; see `with_dynamic_parameters`.
+
+    Returns:
+        A new model.
 
     Raises:
         UnknownName: no parameter of that name.
@@ -133,7 +136,9 @@ def _changed(model: Model, name: str, value: Array, check: bool) -> Model:
     if name == "gravity":
         return replace(model, gravity=value) if traced else with_gravity(model, value)
     if name in _OF_DRIVES:
-        return told_of_drives(model, name, value) if traced else with_joint_dynamics(model, **{name: value})
+        return (
+            with_drive_values(model, name, value) if traced else with_joint_dynamics(model, **{name: value})
+        )
     off = _added_frame(model, name)
     D = _displacement(value)
     moved = replace(off, placement=_at(off.placement @ D), origin=_at(off.origin @ D))

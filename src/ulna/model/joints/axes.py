@@ -31,7 +31,14 @@ def snap(x: float) -> float:
 
 
 def unit_axis(axis: Iterable[float], what: str = "axis") -> Axis:
-    """`axis` scaled to length 1, its components snapped to exact 0 and 1.
+    """A vector scaled to length 1, its components snapped to exact 0 and 1.
+
+    Args:
+        axis: Three numbers.
+        what: What they are, for the message.
+
+    Returns:
+        The unit axis.
 
     Raises:
         InputError: `axis` is not 3 finite numbers, or has no length.
@@ -84,11 +91,14 @@ EYE = constant(np.eye(3))
 
 
 def rotation_about(axis: Axis, angle: Any) -> Array:
-    """The rotation matrix about a unit axis, shape (..., 3, 3).
+    """The rotation matrix about a unit axis.
 
     Args:
         axis: Unit axis.
-        angle: Angle [rad], shape (...).
+        angle: Angle, shape (...) [rad].
+
+    Returns:
+        Rotation matrix, shape (..., 3, 3) [-].
     """
     return rotation_of(axis, *sincos(angle))
 
@@ -120,7 +130,16 @@ def rotation_of(axis: Axis, s: Any, c: Any) -> Array:
 
 
 def rotate_about(axis: Axis, angle: Any, v: Axis) -> Array:
-    """The constant vector `v` turned by `angle` about `axis`, shape (..., 3)."""
+    """A constant vector turned about an axis.
+
+    Args:
+        axis: Unit axis.
+        angle: Angle, shape (...) [rad].
+        v: The vector, three numbers.
+
+    Returns:
+        The turned vector, shape (..., 3), in the same unit.
+    """
     s, c = sincos(angle)
     a, u = np.array(axis), np.array(v)
     along = np.array([snap(e) for e in a * (a @ u)])
@@ -132,7 +151,15 @@ def rotate_about(axis: Axis, angle: Any, v: Axis) -> Array:
 
 
 def scaled_axis(axis: Axis, factor: Any) -> Array:
-    """`factor * axis`, shape (..., 3), with exact zeros where the axis has them."""
+    """`factor * axis`, with exact zeros where the axis has them.
+
+    Args:
+        axis: Unit axis.
+        factor: Number or batch, shape (...).
+
+    Returns:
+        The vector, shape (..., 3).
+    """
     return vector(*(_sum(0.0, _times(component, factor)) for component in axis))
 
 

@@ -109,30 +109,78 @@ class JointKind(abc.ABC):
         """The nv columns of S, in the moving frame; constants have no batch axes."""
 
     def bias(self, q: Array, v: Array) -> Motion:
-        """(dS/dt) v, in the moving frame [m/s^2, rad/s^2]; zero where S is constant."""
+        """The velocity-dependent part of the joint's acceleration, (dS/dt) v; zero where S is constant.
+
+        Args:
+            q: Position of the joint, shape (..., nq) [rad, m].
+            v: Its velocity, shape (..., nv) [rad/s, m/s].
+
+        Returns:
+            Acceleration in the moving frame [m/s^2, rad/s^2].
+        """
         return Motion.zero()
 
     # the space of its coordinates --------------------------------------------------------------------------
 
     @abc.abstractmethod
     def integrate(self, q: Array, v: Array) -> Array:
-        """The position reached from `q` by moving with `v` for one second, shape (..., nq)."""
+        """The position reached from `q` by moving with `v` for one unit of time.
+
+        Args:
+            q: Position of the joint, shape (..., nq) [rad, m].
+            v: Its velocity times that time, shape (..., nv) [rad, m].
+
+        Returns:
+            Position, shape (..., nq) [rad, m].
+        """
 
     @abc.abstractmethod
     def difference(self, q0: Array, q1: Array) -> Array:
-        """The velocity that leads from `q0` to `q1` in one second, the shortest way, shape (..., nv)."""
+        """The velocity that leads from `q0` to `q1` in one unit of time, on the shortest path.
+
+        Args:
+            q0: Position of the joint, shape (..., nq) [rad, m].
+            q1: Position of the joint, shape (..., nq) [rad, m].
+
+        Returns:
+            Tangent vector, shape (..., nv) [rad, m].
+        """
 
     @abc.abstractmethod
     def coordinate_rates(self, q: Array, v: Array) -> Array:
-        """dq/dt at velocity `v`, shape (..., nq): the derivative of `integrate(q, t v)` by t at 0."""
+        """The rates of the coordinates: the derivative of `integrate(q, t v)` by t at 0.
+
+        Args:
+            q: Position of the joint, shape (..., nq) [rad, m].
+            v: Its velocity, shape (..., nv) [rad/s, m/s].
+
+        Returns:
+            dq/dt, shape (..., nq) [rad/s, m/s, 1/s].
+        """
 
     @abc.abstractmethod
     def integrate_derivatives(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Derivatives of `integrate` by q and by v, on the tangent spaces, each (..., nv, nv)."""
+        """The derivatives of `integrate` by q and by v, on the tangent spaces.
+
+        Args:
+            q: Position of the joint, shape (..., nq) [rad, m].
+            v: Its velocity times that time, shape (..., nv) [rad, m].
+
+        Returns:
+            Two matrices, each of shape (..., nv, nv).
+        """
 
     @abc.abstractmethod
     def difference_derivatives(self, q0: Array, q1: Array) -> tuple[Array, Array]:
-        """Derivatives of `difference` by q0 and by q1, on the tangent spaces, each (..., nv, nv)."""
+        """The derivatives of `difference` by q0 and by q1, on the tangent spaces.
+
+        Args:
+            q0: Position of the joint, shape (..., nq) [rad, m].
+            q1: Position of the joint, shape (..., nq) [rad, m].
+
+        Returns:
+            Two matrices, each of shape (..., nv, nv).
+        """
 
     @abc.abstractmethod
     def neutral(self) -> Floats:
@@ -170,12 +218,29 @@ class JointKind(abc.ABC):
         return np.stack(draws, axis=-1) if draws else np.zeros((*size, 0))
 
     def squared_distance(self, q0: Array, q1: Array) -> Any:
-        """The squared length of `difference(q0, q1)`, shape (...); adds rad^2 and m^2 as they are."""
+        """The squared length of `difference(q0, q1)`; adds rad^2 and m^2 as they are.
+
+        Args:
+            q0: Position of the joint, shape (..., nq) [rad, m].
+            q1: Position of the joint, shape (..., nq) [rad, m].
+
+        Returns:
+            Shape (...) [rad^2, m^2].
+        """
         d = self.difference(q0, q1)
         return (d * d).sum(axis=-1)
 
     def interpolate(self, q0: Array, q1: Array, t: Any) -> Array:
-        """The position (..., nq) at fraction `t` (...) of the way from `q0` (t = 0) to `q1` (t = 1)."""
+        """The position at a fraction of the path from `q0` to `q1`.
+
+        Args:
+            q0: Position of the joint, shape (..., nq) [rad, m].
+            q1: Position of the joint, shape (..., nq) [rad, m].
+            t: The fraction, shape (...) [-]: 0 at `q0`, 1 at `q1`.
+
+        Returns:
+            Position, shape (..., nq) [rad, m].
+        """
         d = self.difference(q0, q1)
         return self.integrate(q0, d * column(t))
 
@@ -220,7 +285,15 @@ class VectorKind(JointKind):
 
 
 def identity(n: int, *like: Array) -> Floats:
-    """The n by n identity, once for each element of the common batch of `like`."""
+    """The identity matrix, once for each element of a batch.
+
+    Args:
+        n: Its size.
+        *like: Arrays (..., k) whose batch axes are broadcast.
+
+    Returns:
+        Identities, shape (..., n, n).
+    """
     batch = np.broadcast_shapes(*(np.shape(x)[:-1] for x in like))
     return np.broadcast_to(np.eye(n), (*batch, n, n))
 
@@ -239,7 +312,15 @@ def unit_quaternion(quat: Array) -> Array:
 
 
 def random_quaternion(rng: np.random.Generator, size: tuple[int, ...]) -> Floats:
-    """Unit quaternions (*size, 4), evenly over all rotations: normal deviates, scaled to unit length."""
+    """Unit quaternions, evenly over all rotations: normal deviates, scaled to unit length.
+
+    Args:
+        rng: The source of random numbers.
+        size: Shape of the batch.
+
+    Returns:
+        Quaternions xyzw, shape (*size, 4) [-].
+    """
     quat = rng.standard_normal((*size, 4))
     return quat / np.sqrt((quat * quat).sum(axis=-1, keepdims=True))
 
