@@ -1,4 +1,4 @@
-"""Derive, or with `--check` verify, the constants of the elementary functions in `ulna.compiler.codegen.elementary`.
+"""Derive, or with `--check` verify, the constants of the elementary functions in `ulna.compiler.codegen.coefficients`.
 
 The fits are those of `fit_sincos`: minimax in the relative error, coefficients rounded in turn.
 """
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import mpmath
-from fit_sincos import fit, half_pi_parts, mpf, remez, report, round_to
+from fit_sincos import fit, half_pi_parts, mpf, print_or_check, remez, report, round_to
 from mpmath import mp
 
 
@@ -65,7 +65,7 @@ DEGREES = {
 
 
 def constants() -> dict[str, list[Any]]:
-    """All constants, by their names in `ulna.compiler.codegen.elementary`."""
+    """All constants, by their names in `ulna.compiler.codegen.coefficients` and the format."""
     found: dict[str, list[Any]] = {}
     log_upper = (3 - 2 * mpmath.sqrt(2)) ** 2
     functions = {
@@ -94,23 +94,9 @@ def constants() -> dict[str, list[Any]]:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Print the constants as Python source, or compare them with the committed ones."""
+    """Print the constants, or compare them with the committed ones."""
     found = constants()
-    if "--check" not in arguments:
-        for name, values in found.items():
-            print(f"{name} = (")
-            for value in values:
-                print(f'    float.fromhex("{value.hex()}"),')
-            print(")")
-        return 0
-    from ulna.compiler.codegen import elementary
-
-    wrong = [name for name, values in found.items() if tuple(getattr(elementary, name)) != tuple(values)]
-    for name in wrong:
-        print(
-            f"{name}: ulna.compiler.codegen.elementary holds {getattr(elementary, name)}, the fit gives {found[name]}"
-        )
-    return 1 if wrong else 0
+    return print_or_check(found, "--check" in arguments)
 
 
 if __name__ == "__main__":

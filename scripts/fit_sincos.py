@@ -1,4 +1,4 @@
-"""Derive, or with `--check` verify, the constants of the paired sine and cosine in `ulna.compiler.codegen.sincos`.
+"""Derive, or with `--check` verify, the constants of sine and cosine in `ulna.compiler.codegen.coefficients`.
 
 The polynomials are minimax fits of the relative error on [-pi/4, pi/4], found by the exchange algorithm of
 Remez (Muller, Elementary Functions, 3rd ed., section 3.5) in 60-digit arithmetic. The coefficients are
@@ -126,7 +126,7 @@ def half_pi_parts(bits: Sequence[int]) -> list[float]:
 
 
 def constants() -> dict[str, list[Any]]:
-    """All constants, by their names in `ulna.compiler.codegen.sincos`."""
+    """All constants, by their names in `ulna.compiler.codegen.coefficients` and the format."""
     upper = (mp.pi / 4 * (1 + mpf(2) ** -16)) ** 2
     lower = upper * mpf(10) ** -8
     found: dict[str, list[Any]] = {}
@@ -156,28 +156,29 @@ def words_of_two_over_pi(count: int) -> list[int]:
     return [(whole >> (64 * (count - 1 - k))) & (2**64 - 1) for k in range(count)]
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Print the constants as Python source, or compare them with the committed ones."""
-    found = constants()
-    if "--check" not in arguments:
+def print_or_check(found: dict[str, list[Any]], check: bool) -> int:
+    """Print the constants, or compare them with the committed ones; the status to exit with."""
+    if not check:
         for name, values in found.items():
-            print(f"{name} = (")
-            for value in values:
-                print(
-                    f'    float.fromhex("{value.hex()}"),'
-                    if isinstance(value, float)
-                    else f"    0x{value:016X},"
-                )
-            print(")")
+            print(f"{name}: {' '.join(v.hex() if isinstance(v, float) else f'0x{v:016X}' for v in values)}")
         return 0
-    from ulna.compiler.codegen import payne_hanek, sincos
-
-    committed = {name: tuple(getattr(sincos, name, ())) for name in found}
-    committed |= {name: tuple(getattr(payne_hanek, name)) for name in ("TWO_OVER_PI_BITS", "HALF_PI_PAIR")}
-    wrong = [name for name, values in found.items() if committed[name] != tuple(values)]
+    wrong = [name for name, values in found.items() if committed(name) != tuple(values)]
     for name in wrong:
-        print(f"{name}: ulna.compiler holds {committed[name]}, the fit gives {tuple(found[name])}")
+        print(f"{name}: ulna.compiler holds {committed(name)}, the fit yields {tuple(found[name])}")
     return 1 if wrong else 0
+
+
+def committed(name: str) -> tuple[Any, ...]:
+    """The constants that the compiler uses."""
+    from ulna.compiler.codegen import coefficients, payne_hanek
+
+    kind = {"F64": "double", "F32": "float"}.get(name[-3:])
+    return getattr(payne_hanek, name) if kind is None else getattr(coefficients, name[:-4])[kind]
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print the constants, or compare them with the committed ones."""
+    return print_or_check(constants(), "--check" in arguments)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ Tangent, arcsine, arccosine, two-argument arctangent, exponential and logarithm,
 branches (but for the tangent of huge arguments). Each reduces its argument to a small interval, evaluates a
 minimax polynomial there, and keeps the rounding error of the leading term, to add it back before the last
 rounding (Muller, Elementary Functions, 3rd ed.). Values at zeros, infinities and NaN are those of NumPy.
-`scripts/fit_elementary.py` derives the constants and, with `--check`, verifies them.
 """
 
 from __future__ import annotations
@@ -12,77 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import inf, nan, sqrt
 
+from ulna.compiler.codegen import coefficients
 from ulna.compiler.codegen.ir_text import Body, DType, IRFunction, Lanes, bits_of
 from ulna.compiler.codegen.sincos import ROUNDER, arc, reduced_function
-
-# fmt: off
-ASIN_F64 = (
-    float.fromhex("0x1.5555555555577p-3"), float.fromhex("0x1.333333332e131p-4"),
-    float.fromhex("0x1.6db6db7212709p-5"), float.fromhex("0x1.f1c71a94ebe18p-6"),
-    float.fromhex("0x1.6e8bdee16bbc6p-6"), float.fromhex("0x1.1c49f0417df64p-6"),
-    float.fromhex("0x1.ca1f9085f32bfp-7"), float.fromhex("0x1.75856ca7a50b6p-7"),
-    float.fromhex("0x1.613d41b37e3a2p-7"), float.fromhex("0x1.e5e9d08ad22aap-9"),
-    float.fromhex("0x1.63a052c424301p-6"), float.fromhex("-0x1.5803783018bdcp-6"),
-    float.fromhex("0x1.0b48cc1e1859p-5"),
-)
-ATAN_F64 = (
-    float.fromhex("-0x1.5555555555516p-2"), float.fromhex("0x1.999999999113bp-3"),
-    float.fromhex("-0x1.249249215da96p-3"), float.fromhex("0x1.c71c7090cb1dep-4"),
-    float.fromhex("-0x1.745cf4c7393f4p-4"), float.fromhex("0x1.3b113d7249479p-4"),
-    float.fromhex("-0x1.10f31b62c3aedp-4"), float.fromhex("0x1.dfe941e290b2ap-5"),
-    float.fromhex("-0x1.a3978d9bc4aep-5"), float.fromhex("0x1.56f4452b8a2eap-5"),
-    float.fromhex("-0x1.c18017df787ffp-6"), float.fromhex("0x1.4b8ef296f90ddp-7"),
-)
-LOG_F64 = (
-    float.fromhex("0x1.5555555555592p-1"), float.fromhex("0x1.999999997ff5dp-2"),
-    float.fromhex("0x1.24924941dbda6p-2"), float.fromhex("0x1.c71c52198d5b6p-3"),
-    float.fromhex("0x1.74663bbfa5488p-3"), float.fromhex("0x1.39a209273041dp-3"),
-    float.fromhex("0x1.2f0264fab5583p-3"),
-)
-EXP_F64 = (
-    float.fromhex("0x1.55555555555p-3"), float.fromhex("0x1.55555555531c8p-5"),
-    float.fromhex("0x1.1111111128b3cp-7"), float.fromhex("0x1.6c16c17cd961ap-10"),
-    float.fromhex("0x1.a01a011b66889p-13"), float.fromhex("0x1.a019aae082bb9p-16"),
-    float.fromhex("0x1.71df5658e3d46p-19"), float.fromhex("0x1.289fdd9f22f48p-22"),
-    float.fromhex("0x1.ad1f5a74518f8p-26"),
-)
-LN2_F64 = (
-    float.fromhex("0x1.62e42fefa4p-1"), float.fromhex("-0x1.8432a1b0e2634p-43"),
-)
-LOG2E_F64 = (
-    float.fromhex("0x1.71547652b82fep+0"),
-)
-QUARTER_PI_F64 = (
-    float.fromhex("0x1.921fb54442d18p-1"), float.fromhex("0x1.1a62633145c07p-55"),
-)
-ASIN_F32 = (
-    float.fromhex("0x1.5555c8p-3"), float.fromhex("0x1.330204p-4"),
-    float.fromhex("0x1.747bbep-5"), float.fromhex("0x1.8c3de6p-6"),
-    float.fromhex("0x1.595cd8p-5"),
-)
-ATAN_F32 = (
-    float.fromhex("-0x1.555512p-2"), float.fromhex("0x1.997b06p-3"),
-    float.fromhex("-0x1.2249a6p-3"), float.fromhex("0x1.9ff9cep-4"),
-    float.fromhex("-0x1.a3cda4p-5"),
-)
-LOG_F32 = (
-    float.fromhex("0x1.55557ap-1"), float.fromhex("0x1.995edap-2"),
-    float.fromhex("0x1.31dfe6p-2"),
-)
-EXP_F32 = (
-    float.fromhex("0x1.5554a2p-3"), float.fromhex("0x1.555688p-5"),
-    float.fromhex("0x1.123004p-7"), float.fromhex("0x1.6b6e1cp-10"),
-)
-LN2_F32 = (
-    float.fromhex("0x1.62ep-1"), float.fromhex("0x1.0bfbe8p-15"),
-)
-LOG2E_F32 = (
-    float.fromhex("0x1.715476p+0"),
-)
-QUARTER_PI_F32 = (
-    float.fromhex("0x1.921fb8p-1"), float.fromhex("-0x1.5dde98p-24"),
-)
-# fmt: on
 
 OPERATIONS = ("tan", "asin", "acos", "atan2", "exp", "log")
 """What `elementary_ir` offers."""
@@ -123,10 +54,6 @@ def elementary_ir(op: str, lanes: int, dtype: DType) -> IRFunction:
     return IRFunction(name, "\n".join(text), tuple(body.declarations))
 
 
-def _by_format(body: Body, double: tuple[float, ...], single: tuple[float, ...]) -> tuple[float, ...]:
-    return double if body.lanes.dtype == "double" else single
-
-
 def _tan(body: Body, r: str, s: str, quadrant: str) -> tuple[str, ...]:
     """Sine over cosine, or minus cosine over sine: one division, then a correction for all roundings."""
     (sine_high, sine_low), (cosine_high, cosine_low) = arc(body, r, s)
@@ -158,13 +85,13 @@ def _half_arc(body: Body, x: str) -> tuple[str, str, str]:
     twice = body.select(body.compare("oeq", twice, 0.0), 1.0, twice)
     missing = body.div(body.fma(body.neg(root), root, z), twice)
     z2 = body.mul(z, z)
-    polynomial = body.polynomial(z, z2, _by_format(body, ASIN_F64, ASIN_F32))
+    polynomial = body.polynomial(z, z2, coefficients.ASIN[body.lanes.dtype])
     p = body.fma(body.mul(t, z), polynomial, body.select(far, missing, 0.0))
     return far, t, p
 
 
 def _asin(body: Body, x: str) -> str:
-    quarter = _by_format(body, QUARTER_PI_F64, QUARTER_PI_F32)
+    quarter = coefficients.QUARTER_PI[body.lanes.dtype]
     far, t, p = _half_arc(body, x)
     # arcsin a = pi/2 - 2 arcsin sqrt((1 - a)/2).
     base = body.select(far, 2 * quarter[0], 0.0)
@@ -174,7 +101,7 @@ def _asin(body: Body, x: str) -> str:
 
 
 def _acos(body: Body, x: str) -> str:
-    quarter = _by_format(body, QUARTER_PI_F64, QUARTER_PI_F32)
+    quarter = coefficients.QUARTER_PI[body.lanes.dtype]
     far, t, p = _half_arc(body, x)
     negative = body.compare("olt", x, 0.0)
     # Near: pi/2 - arcsin x. Far: 2 arcsin sqrt((1 - a)/2), or pi less that. Multiples of pi/4: 2, 0, 4.
@@ -211,7 +138,7 @@ def _atan2(body: Body, y: str, x: str) -> str:
     remainder = body.fma(minus_t, body.select(diagonal, total_missing, 0.0), remainder)
     missing = body.mul(remainder, reciprocal)
     z = body.mul(t, t)
-    polynomial = body.polynomial(z, body.mul(z, z), _by_format(body, ATAN_F64, ATAN_F32))
+    polynomial = body.polynomial(z, body.mul(z, z), coefficients.ATAN[body.lanes.dtype])
     p = body.fma(body.mul(t, z), polynomial, body.fma(body.neg(missing), z, missing))
     # The angle is eighths * pi/4 + (t + p) or minus (t + p).
     backward = body.integer_op("icmp slt", body.to_bits(x), 0)
@@ -220,7 +147,7 @@ def _atan2(body: Body, y: str, x: str) -> str:
     eighths = body.select(backward, body.sub(4.0, eighths), eighths)
     turned = body.emit(f"xor {body.lanes.truth} {steep}, {backward}")
     factor = body.select(turned, -1.0, 1.0)
-    quarter = _by_format(body, QUARTER_PI_F64, QUARTER_PI_F32)
+    quarter = coefficients.QUARTER_PI[body.lanes.dtype]
     rest = body.fma(eighths, quarter[1], body.mul(p, factor))
     angle = _sum(body, body.mul(eighths, quarter[0]), body.mul(t, factor), rest)
     angle = body.call("copysign", angle, y)
@@ -237,8 +164,8 @@ def _sum(body: Body, base: str, t: str, p: str) -> str:
 def _exp(body: Body, x: str) -> str:
     double = body.lanes.dtype == "double"
     dtype = body.lanes.dtype
-    ln2 = _by_format(body, LN2_F64, LN2_F32)
-    (log2e,) = _by_format(body, LOG2E_F64, LOG2E_F32)
+    ln2 = coefficients.LN2[body.lanes.dtype]
+    (log2e,) = coefficients.LOG2E[body.lanes.dtype]
     # Beyond these the result is infinite or zero; NaN passes.
     lowest, highest = (-746.0, 710.0) if double else (-104.0, 89.0)
     bounded = body.select(body.compare("ogt", x, highest), highest, x)
@@ -249,7 +176,7 @@ def _exp(body: Body, x: str) -> str:
     r = body.fma(k, -ln2[1], first)
     missing = body.fma(k, -ln2[1], body.sub(first, r))
     z = body.mul(r, r)
-    tail = body.fma(r, body.polynomial(r, z, _by_format(body, EXP_F64, EXP_F32)), 0.5)
+    tail = body.fma(r, body.polynomial(r, z, coefficients.EXP[body.lanes.dtype]), 0.5)
     high = body.add(r, 1.0)
     low = body.add(body.add(body.sub(1.0, high), r), missing)
     value = body.add(high, body.fma(z, tail, low))
@@ -267,7 +194,7 @@ def _exp(body: Body, x: str) -> str:
 def _log(body: Body, x: str) -> str:
     double = body.lanes.dtype == "double"
     dtype = body.lanes.dtype
-    ln2 = _by_format(body, LN2_F64, LN2_F32)
+    ln2 = coefficients.LN2[body.lanes.dtype]
     bias, mantissa, lift, least = (1023, 52, 54, 2.0**-1022) if double else (127, 23, 25, 2.0**-126)
     positive = body.compare("ogt", x, 0.0)
     value = body.select(positive, x, 1.0)
@@ -288,7 +215,7 @@ def _log(body: Body, x: str) -> str:
     s = body.div(f, body.add(f, 2.0))
     z = body.mul(s, s)
     half = body.mul(f, 0.5)
-    inner = body.mul(z, body.polynomial(z, body.mul(z, z), _by_format(body, LOG_F64, LOG_F32)))
+    inner = body.mul(z, body.polynomial(z, body.mul(z, z), coefficients.LOG[body.lanes.dtype]))
     inner = body.fma(s, body.fma(half, f, inner), body.mul(k, ln2[1]))
     rest = body.fma(body.neg(half), f, inner)
     result = _sum(body, body.mul(k, ln2[0]), f, rest)

@@ -4,56 +4,15 @@ Method: k = round(2 x / pi); r = x - k pi/2 as an unevaluated sum of two floats,
 in the manner of Cody and Waite whose first step FMA makes exact; minimax polynomials of sin r and cos r;
 the quadrant k mod 4 swaps and negates them without a branch (Muller, Elementary Functions, 3rd ed.,
 chapters 3, 11). Arguments beyond `BOUND` leave by a branch to a function marked cold, which reduces them
-by the method of Payne and Hanek. `scripts/fit_sincos.py` derives the constants and, with `--check`,
-verifies them.
+by the method of Payne and Hanek.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from ulna.compiler.codegen import payne_hanek
+from ulna.compiler.codegen import coefficients, payne_hanek
 from ulna.compiler.codegen.ir_text import Body, DType, IRFunction, Lanes
-
-SIN_F64 = (
-    float.fromhex("-0x1.5555555555548p-3"),
-    float.fromhex("0x1.111111110f731p-7"),
-    float.fromhex("-0x1.a01a019be9659p-13"),
-    float.fromhex("0x1.71de3555b2b21p-19"),
-    float.fromhex("-0x1.ae5e4bac4a9a6p-26"),
-    float.fromhex("0x1.5d8b245959c14p-33"),
-)
-COS_F64 = (
-    float.fromhex("0x1.555555555554bp-5"),
-    float.fromhex("-0x1.6c16c16c15015p-10"),
-    float.fromhex("0x1.a01a019c8f256p-16"),
-    float.fromhex("-0x1.27e4f7f1925e0p-22"),
-    float.fromhex("0x1.1ee9dbd0ca37dp-29"),
-    float.fromhex("-0x1.8fa6861e3d552p-37"),
-)
-SIN_F32 = (
-    float.fromhex("-0x1.5555460000000p-3"),
-    float.fromhex("0x1.1107780000000p-7"),
-    float.fromhex("-0x1.99540a0000000p-13"),
-)
-COS_F32 = (
-    float.fromhex("0x1.55554a0000000p-5"),
-    float.fromhex("-0x1.6c0c280000000p-10"),
-    float.fromhex("0x1.99e80e0000000p-16"),
-)
-# pi/2 in parts. For doubles the second part is short enough for its product with any k in range to be exact.
-HALF_PI_F64 = (
-    float.fromhex("0x1.921fb54442d18p+0"),
-    float.fromhex("0x1.1a62633000000p-54"),
-    float.fromhex("0x1.45c06e0e68948p-86"),
-)
-HALF_PI_F32 = (
-    float.fromhex("0x1.921fb40000000p+0"),
-    float.fromhex("0x1.4442d20000000p-24"),
-    float.fromhex("-0x1.ee59da0000000p-50"),
-)
-TWO_OVER_PI_F64 = (float.fromhex("0x1.45f306dc9c883p-1"),)
-TWO_OVER_PI_F32 = (float.fromhex("0x1.45f3060000000p-1"),)
 
 BOUND: dict[DType, float] = {"double": 2.0**24, "float": 2.0**16}
 """The largest |x| that the branch-free path serves [rad]."""
@@ -102,13 +61,12 @@ def _reduce_near(body: Body, x: str) -> tuple[str, str, str]:
     For x = -0.0, r is -0.0 and s is +0.0, so that r - s keeps the sign. NaN gives r = NaN.
     """
     dtype = body.lanes.dtype
-    double = dtype == "double"
-    part1, part2, part3 = HALF_PI_F64 if double else HALF_PI_F32
-    (two_over_pi,) = TWO_OVER_PI_F64 if double else TWO_OVER_PI_F32
+    part1, part2, part3 = coefficients.HALF_PI[dtype]
+    (two_over_pi,) = coefficients.TWO_OVER_PI[dtype]
     shifted = body.fma(x, two_over_pi, ROUNDER[dtype])
     k = body.sub(shifted, ROUNDER[dtype])
     first = body.fma(k, -part1, x)
-    if double:
+    if dtype == "double":
         r = body.fma(k, -part2, first)
         s = body.fma(k, part3, body.fma(k, part2, body.sub(r, first)))
     else:
@@ -130,17 +88,16 @@ def arc(body: Body, r: str, s: str) -> tuple[tuple[str, str], tuple[str, str]]:
     Returns:
         Names of the pairs (large, small) of the sine and of the cosine.
     """
-    double = body.lanes.dtype == "double"
-    sin_coefficients, cos_coefficients = (SIN_F64, COS_F64) if double else (SIN_F32, COS_F32)
+    sine, cosine = coefficients.SIN[body.lanes.dtype], coefficients.COS[body.lanes.dtype]
     z = body.mul(r, r)
     z2 = body.mul(z, z)
     # w = 1 - r^2/2 rounded; cos(r - s) = w + ((1 - r^2/2 - w) + r s + r^4 C(r^2)).
     half = body.mul(r, -0.5)
     w = body.fma(half, r, 1.0)
     error = body.fma(r, s, body.fma(half, r, body.sub(1.0, w)))
-    cosine_low = body.fma(z2, body.polynomial(z, z2, cos_coefficients), error)
+    cosine_low = body.fma(z2, body.polynomial(z, z2, cosine), error)
     # sin(r - s) = r - (s cos r - r^3 S(r^2)).
-    tail = body.polynomial(z, z2, tuple(-c for c in sin_coefficients))
+    tail = body.polynomial(z, z2, tuple(-c for c in sine))
     sine_low = body.fma(body.mul(r, z), tail, body.mul(s, w))
     return (r, sine_low), (w, cosine_low)
 
