@@ -10,7 +10,7 @@ import numpy as np
 
 from ulna import spatial
 from ulna.model import Model as CoreModel
-from ulna.model.inertial import told_of_drives
+from ulna.model.inertial import with_drive_values
 from ulna.numeric import matrix
 from ulna.typing import Array
 
@@ -30,7 +30,7 @@ def with_parameters(model: CoreModel, values: Mapping[str, Array]) -> CoreModel:
     if "gravity" in values:
         model = replace(model, gravity=values["gravity"][:3])
     if "armature" in values:
-        model = told_of_drives(model, "armature", values["armature"])
+        model = with_drive_values(model, "armature", values["armature"])
     return model
 
 
