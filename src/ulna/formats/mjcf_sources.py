@@ -73,7 +73,7 @@ def _included(root: Any, file: str | None, folder: str) -> Iterator[str]:
     for element in root.iter("include"):
         name = element.get("file") or ""
         places = dict.fromkeys(os.path.join(place, name) for place in (folder, beside))
-        yield from (place for place in places if name and "\0" not in name and os.path.isfile(place))
+        yield from (place for place in places if name and os.path.isfile(place))
 
 
 def _refuse_special_files(root: Any, file: str | None, folder: str) -> None:

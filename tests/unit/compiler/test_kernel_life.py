@@ -378,3 +378,40 @@ def test_debug_output(capsys, monkeypatch):
     assert "[ulna] lambda()->(): 1 operations {'mul': 1}" in said
     assert "define ptr @entry" in said
     assert "ms in LLVM" in said or "from the cache" in said
+
+
+_NO_MEMORY = """
+import _testcapi
+import numpy as np
+from ulna.compiler import compile
+
+count = 25  # so many results are no tuple that Python keeps for its next use
+kernel = compile(lambda x: tuple(np.sin(x + k) if k % 2 else x[0] * k for k in range(count)), x=(30,))
+x = np.linspace(0.0, 1.0, 30)
+expected = kernel(x)
+bound = kernel.into(*(np.empty_like(y) for y in expected), returns=range(count))
+for call in (kernel, bound):
+    refused = 0
+    for k in range(80):
+        hold = [np.empty(30) for _ in range(60)]  # empties NumPy's store of small blocks
+        _testcapi.set_nomemory(k, k + 1)
+        try:
+            results = call(x)
+        except MemoryError:
+            refused += 1
+            continue
+        finally:
+            _testcapi.remove_mem_hooks()
+        for result, wanted in zip(results, expected, strict=True):
+            assert np.array_equal(result, wanted)
+    assert refused > count, refused
+"""
+
+
+def test_without_memory_for_a_result_a_call_raises_memory_error():
+    """Each allocation of a call fails once: of an array, of its data, of a number, of the tuple."""
+    pytest.importorskip("_testcapi")
+    child = subprocess.run(
+        [sys.executable, "-c", _NO_MEMORY], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert child.returncode == 0, f"{child.returncode}: {child.stderr}"

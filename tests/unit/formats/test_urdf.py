@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ulna.errors import FormatError, ModelWarning, UnknownName
+from ulna.formats import markup
 from ulna.formats.markup import MAX_BYTES
 from ulna.formats.root import root_kind
 from ulna.formats.urdf import model_from_urdf, read_urdf
@@ -264,6 +265,16 @@ def test_size_limit(tmp_path):
     assert str(caught.value) == (
         f"{big}: the file is too large; expected at most 67 MB. Meshes belong in files of their own."
     )
+
+
+def test_a_file_of_just_the_largest_size_is_read_to_its_end(tmp_path, monkeypatch):
+    text, file = '<robot name="r"><link name="a"/></robot>', tmp_path / "one.urdf"
+    file.write_text(text)
+    monkeypatch.setattr(markup, "MAX_BYTES", len(text))
+    assert [link.name for link in read_urdf(file).links] == ["a"]
+    file.write_text(text + " ")
+    with pytest.raises(FormatError, match="too large"):
+        read_urdf(file)
 
 
 @pytest.mark.parametrize(

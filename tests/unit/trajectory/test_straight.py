@@ -82,6 +82,14 @@ def test_mistakes_are_named(robot: Robot, ends: tuple[np.ndarray, np.ndarray]) -
     q0, q1 = ends
     with pytest.raises(InputError, match="not unit"):
         trajectory.straight(robot, q0, 1.1 * q1, duration=1.0)
+    for k in range(3, 7):  # also where the others are 0
+        doubled = q1.copy()
+        doubled[3:7] = 2.0 * np.eye(4)[k - 3]
+        name = robot.model.position_names[k]
+        with pytest.raises(
+            InputError, match=rf"`q1\[{k}\]`, '{name}', belongs to a quaternion that is not unit"
+        ):
+            trajectory.straight(robot, q0, doubled, duration=1.0)
     with pytest.raises(InputError, match="neither was given"):
         trajectory.straight(robot, q0, q1)
     with pytest.raises(InputError, match="both"):

@@ -21,11 +21,13 @@ def test_old_names_are_the_new_classes():
     for old, name in (("handles", "Cloud"), ("figure", "Figure"), ("tour", "tour"), ("pendant", "Pendant")):
         module = importlib.import_module(f"ulna.viewer.{old}")
         assert getattr(module, name).__name__ == renamed.NAMES[name]
-    held = {name: 0 for name in renamed.NAMES}
-    for old in renamed.MODULES:
+    held = dict.fromkeys(renamed.NAMES, False)
+    for old, news in renamed.MODULES.items():
         module = importlib.import_module(f"ulna.viewer.{old}")
-        for name in held:
-            held[name] += hasattr(module, name)
+        for place in (vars(importlib.import_module(f"ulna.viewer.{new}")) for new in news):
+            for name, new_name in renamed.NAMES.items():
+                if new_name in place:
+                    held[name] |= getattr(module, name) is place[new_name]
     assert all(held.values()), held
 
 

@@ -99,6 +99,8 @@ def entry_ir(
         else:  # a number leaves as a NumPy scalar, as from a ufunc
             w.append(f"  %ret{k}.p = getelementptr i8, ptr %self, i64 {RETURN}")
             w.append(f"  %ret{k}.f = load ptr, ptr %ret{k}.p\n  %ret{k} = call ptr %ret{k}.f(ptr %out{k})")
+            w.append(f"  %none{k} = icmp eq ptr %ret{k}, null")
+            w.append(f"  br i1 %none{k}, label %failed, label %number{k}\nnumber{k}:")
             results.append(f"%ret{k}")
     if f.single:
         w.append(f"  ret ptr {results[0]}")

@@ -278,10 +278,13 @@ several:
   %no.tuple = icmp eq ptr %tuple, null
   br i1 %no.tuple, label %failed, label %item
 item:
-  %r = phi i64 [ 0, %several ], [ %r.next, %item ]
+  %r = phi i64 [ 0, %several ], [ %r.next, %filled ]
   %r.at = mul nuw i64 %r, {RETURN * WORD}
   %r.source = getelementptr i8, ptr %returned, i64 %r.at
   %r.copy = call ptr @copied(ptr %plan, ptr %r.source, ptr %pointers)
+  %no.copy = icmp eq ptr %r.copy, null
+  br i1 %no.copy, label %failed, label %filled
+filled:
   %r.place = getelementptr i8, ptr %tuple, i64 {TUPLE_ITEMS}
   %r.to = getelementptr ptr, ptr %r.place, i64 %r
   store ptr %r.copy, ptr %r.to

@@ -45,7 +45,7 @@ def _append_referenced_files(
         names |= {before, before.split()[-1]}  # alone, or after a keyword
     for name in sorted(names):
         other = os.path.join(folder, os.fsdecode(name).replace("\\", "/"))
-        if "\0" not in other and os.path.isfile(other) and os.path.realpath(other) not in seen:
+        if os.path.isfile(other) and os.path.realpath(other) not in seen:
             seen.add(os.path.realpath(other))
             content = read_regular(other)
             parts += [name, content]
