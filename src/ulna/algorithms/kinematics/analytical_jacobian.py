@@ -77,7 +77,7 @@ def analytical_jacobian(
         UnknownName: no such representation.
     """
     J = frame_jacobian(model, q, frame)
-    B = _rate_matrix(frame_pose(model, q, frame).rotation, representation)
+    B = rate_matrix(frame_pose(model, q, frame).rotation, representation)
     J_a = batch_zeros((6, model.nv), q)
     J_a[..., :3, :] = J[..., :3, :]
     J_a[..., 3:, :] = B @ J[..., 3:, :]
@@ -104,14 +104,14 @@ def analytical_jacobian_dot(
     """
     J, dJ = frame_jacobian(model, q, frame), frame_jacobian_dot(model, q, v, frame)
     R, w = frame_pose(model, q, frame).rotation, frame_velocity(model, q, v, frame).angular
-    B, dB = _rate_matrix(R, representation), _rate_matrix_dot(R, w, representation)
+    B, dB = rate_matrix(R, representation), _rate_matrix_dot(R, w, representation)
     result = batch_zeros((6, model.nv), q, v)
     result[..., :3, :] = dJ[..., :3, :]
     result[..., 3:, :] = B @ dJ[..., 3:, :] + dB @ J[..., 3:, :]
     return result
 
 
-def _rate_matrix(R: Array, representation: Representation) -> Array:
+def rate_matrix(R: Array, representation: Representation) -> Array:
     """The matrix that takes an angular velocity in world axes to the rates of the angles.
 
     Args:
@@ -129,7 +129,7 @@ def _rate_matrix(R: Array, representation: Representation) -> Array:
 
 
 def _rate_matrix_dot(R: Array, w: Array, representation: Representation) -> Array:
-    """The time derivative of `_rate_matrix` while the frame turns.
+    """The time derivative of `rate_matrix` while the frame turns.
 
     Args:
         R: Rotation of the frame in the world, shape (..., 3, 3) [-].
