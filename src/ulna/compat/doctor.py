@@ -110,7 +110,15 @@ def _is_offered(name: str) -> tuple[bool, str]:
 
 
 def report(path: str | Path, findings: Sequence[Finding]) -> str:
-    """What `ulna doctor` prints."""
+    """What `ulna doctor` prints.
+
+    Args:
+        path: The script.
+        findings: The names that it uses.
+
+    Returns:
+        Lines of text.
+    """
     missing = [f for f in findings if not f.offered]
     head = f"{path}: {len(findings)} names of libraries, {len(findings) - len(missing)} offered."
     lines = [f"  line {f.line}: {f.name} is not offered. {f.hint}".rstrip() for f in missing]

@@ -46,6 +46,9 @@ def environment(libraries: Iterable[str], base: Mapping[str, str] | None = None)
     Args:
         libraries: Names of `FOLDERS`.
         base: The variables to start from; those of this process when not given.
+
+    Returns:
+        All variables, with PYTHONPATH set.
     """
     variables = dict(os.environ if base is None else base)
     rest = [p for p in variables.get("PYTHONPATH", "").split(os.pathsep) if p]

@@ -14,7 +14,7 @@ from ulna.errors import InputError
 
 
 def run(words: Sequence[str], only: Sequence[str] = ()) -> int:
-    """Runs `python words...` with compatibility packages on the path; returns its exit code.
+    """Runs `python words...` with compatibility packages on the path.
 
     The script is `__main__` of a fresh Python: arguments, tracebacks, pickling and spawned children behave as ever.
     Where the system can, this process becomes that Python, so that signals reach it and no second process waits.
@@ -23,6 +23,9 @@ def run(words: Sequence[str], only: Sequence[str] = ()) -> int:
         words: What would follow `python`: its options, then a script, `-m` and a module, `-c` and a program, or `-`;
             and arguments, which are passed on as they are.
         only: Compatibility packages to put on the path; all when empty.
+
+    Returns:
+        The exit code, where this process does not become the other one.
 
     Raises:
         InputError: If there is no such script, or an option of Python would hide the packages.

@@ -24,6 +24,9 @@ def load(name: str, display: bool = False, rootNodeName: str = "", verbose: bool
         rootNodeName: The node of the viewer it is shown at.
         verbose: Not needed.
 
+    Returns:
+        The robot with its model, geometries and start posture `q0`.
+
     Raises:
         UnknownName: There is no robot of that name; offers the nearest one.
         MissingExtra: The package example-robot-data is not installed.
@@ -46,14 +49,33 @@ def load(name: str, display: bool = False, rootNodeName: str = "", verbose: bool
 
 
 def loadUR(robot: int = 5, limited: bool = False, gripper: bool = False) -> RobotWrapper:
-    """The arm of Universal Robots of that size: 3, 5 or 10; see `load`."""
+    """An arm of Universal Robots; see `load`.
+
+    Args:
+        robot: Its size: 3, 5 or 10.
+        limited: Whether joints turn by half a turn at most, where there is such a variant.
+        gripper: Whether it carries a gripper, where there is such a variant.
+
+    Returns:
+        The robot.
+
+    Raises:
+        InputError: Both `limited` and `gripper`.
+    """
     if limited and gripper:
         raise InputError("There is no UR that is both limited and with a gripper; choose one.")
     return load(f"ur{robot}" + ("_limited" if limited else "_gripper" if gripper else ""))
 
 
 def getModelPath(subpath: str, verbose: bool = False) -> str:
-    """The folder that holds `subpath`, a path below that of all robots.
+    """The folder that holds a path below the folder of all robots.
+
+    Args:
+        subpath: The path.
+        verbose: Accepted and ignored.
+
+    Returns:
+        The folder.
 
     Raises:
         MissingExtra: The package example-robot-data is not installed.

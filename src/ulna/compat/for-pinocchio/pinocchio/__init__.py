@@ -92,7 +92,16 @@ else:
 
 
 def checkVersionAtLeast(major: int, minor: int, patch: int) -> bool:
-    """Whether the version that this package follows is at least that one."""
+    """Whether the version that this package follows is at least that one.
+
+    Args:
+        major: First number of the version.
+        minor: Second number.
+        patch: Third number.
+
+    Returns:
+        Whether it is.
+    """
     return (major, minor, patch) <= (
         PINOCCHIO_MAJOR_VERSION,
         PINOCCHIO_MINOR_VERSION,

@@ -16,19 +16,44 @@ __all__ = ["computeMinv", "decompose", "solve"]
 
 
 def decompose(model: Model, data: Data) -> Floats:
-    """The unit upper triangular factor U of `data.M` = U diag(D) U^T; after crba."""
+    """The unit upper triangular factor U of `data.M` = U diag(D) U^T; after crba.
+
+    Args:
+        model: The model.
+        data: Its data, with M from crba.
+
+    Returns:
+        U, (nv, nv).
+    """
     return _factored(model, data, anew=True).upper()
 
 
 def solve(model: Model, data: Data, v: Any) -> Floats:
-    """M^-1 v, v being (nv,) or (nv, n), with the M that was decomposed last; after crba."""
+    """M^-1 v, v being (nv,) or (nv, n), with the M that was decomposed last; after crba.
+
+    Args:
+        model: The model.
+        data: Its data, with M from crba.
+        v: Right side, (nv,) or (nv, n).
+
+    Returns:
+        M^-1 v, (nv,) or (nv, n).
+    """
     if type(v) is not np.ndarray:
         v = numbers(v, "v")
     return _factored(model, data).solve(v)
 
 
 def computeMinv(model: Model, data: Data) -> Floats:
-    """The inverse of the M that was decomposed last; kept in `data.Minv`. After crba."""
+    """The inverse of the M that was decomposed last; kept in `data.Minv`. After crba.
+
+    Args:
+        model: The model.
+        data: Its data, with M from crba.
+
+    Returns:
+        The inverse, (nv, nv).
+    """
     data._arrays["Minv"][...] = Minv = _factored(model, data).inverse_mass()
     data.mark_filled("Minv")
     return Minv

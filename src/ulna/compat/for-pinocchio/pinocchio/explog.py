@@ -67,7 +67,15 @@ def exp3(w: Any) -> Floats:
 
 
 def log3(R: Any, theta: Any = None) -> Floats:
-    """The rotation vector (3,) [rad] of a rotation matrix, or a Quaternion."""
+    """The rotation vector of a rotation.
+
+    Args:
+        R: Rotation matrix (3, 3), or a Quaternion.
+        theta: Accepted and ignored.
+
+    Returns:
+        Rotation vector (3,) [rad].
+    """
     turned = R.matrix() if isinstance(R, Quaternion) else R
     return _compiled("log3")(matrix(turned, (3, 3), "R"))
 
@@ -124,7 +132,15 @@ def Jlog6(M: Any) -> Floats:
 
 
 def Hlog3(R: Any, v: Any) -> Floats:
-    """The derivative (3, 3) of Jlog3(R) as R turns on along v (3,)."""
+    """The derivative (3, 3) of Jlog3(R) as R turns on along v (3,).
+
+    Args:
+        R: Rotation matrix (3, 3).
+        v: Direction (3,), in any unit [-].
+
+    Returns:
+        Derivative (3, 3).
+    """
     rotation = matrix(R, (3, 3), "R")
     return _bend()(log3(rotation)) @ (Jlog3(rotation) @ vector(v, 3, "v"))
 

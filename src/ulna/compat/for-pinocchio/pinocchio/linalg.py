@@ -32,6 +32,9 @@ def computeLargestEigenvector(mat: Any, max_it: int = 10, rel_tol: float = 1e-8)
         mat: The matrix (n, n).
         max_it: Not needed; the answer is exact.
         rel_tol: Not needed.
+
+    Returns:
+        Eigenvector (n,), whose length is the size of the eigenvalue.
     """
     values, vectors = np.linalg.eigh(numbers(mat, "mat"))
     along = vectors[:, -1]
@@ -44,18 +47,29 @@ def retrieveLargestEigenvalue(eigenvector: Any) -> float:
 
 
 def isOrthonormal(matrix: Any, prec: float = 1e-12) -> bool:
-    """Whether the columns of a matrix are of length 1 and orthogonal to each other, within `prec`."""
+    """Whether the columns of a matrix are of length 1 and orthogonal to each other, within `prec`.
+
+    Args:
+        matrix: The matrix (n, k).
+        prec: Largest difference between entries of its Gram matrix and the identity.
+
+    Returns:
+        Whether they are.
+    """
     columns = numbers(matrix, "matrix")
     return bool(np.abs(columns.T @ columns - np.eye(columns.shape[1])).max(initial=0.0) <= prec)
 
 
 def orthogonalization(basis: Any, vec: Floats, threshold: float = 0.0) -> None:
-    """Takes off a vector (n,), in place, what lies along the orthonormal columns (n, k) of a basis.
+    """Subtracts from a vector, in place, its components along the orthonormal columns of a basis.
 
     Args:
-        basis: Orthonormal columns.
-        vec: The array that is changed.
-        threshold: Parts not longer than that stay.
+        basis: Orthonormal columns, (n, k).
+        vec: The vector (n,), which is changed.
+        threshold: Components up to this size remain.
+
+    Raises:
+        ShapeError: The vector does not fit the basis.
     """
     columns = numbers(basis, "basis")
     if columns.ndim != 2 or _changed(vec).shape != columns.shape[:1]:
@@ -67,7 +81,12 @@ def orthogonalization(basis: Any, vec: Floats, threshold: float = 0.0) -> None:
 
 
 def orthonormalization(matrix: Floats, threshold: float = 0.0) -> None:
-    """Makes the columns of a matrix orthonormal, in place, one after the other (Gram and Schmidt)."""
+    """Makes the columns of a matrix orthonormal, in place, one after the other (Gram and Schmidt).
+
+    Args:
+        matrix: The matrix (n, k), which is changed.
+        threshold: Components up to this size remain.
+    """
     for k in range(_changed(matrix).shape[1]):
         orthogonalization(matrix[:, :k], matrix[:, k], threshold)
         matrix[:, k] /= np.linalg.norm(matrix[:, k])

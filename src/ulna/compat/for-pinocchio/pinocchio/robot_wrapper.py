@@ -64,8 +64,11 @@ class RobotWrapper(Kinematic, Viewed):
             package_dirs: One or several folders to look for packages in. None are needed when the meshes lie around
                 the file, in ROS_PACKAGE_PATH or in the installed example-robot-data.
             root_joint: How its base moves, such as JointModelFreeFlyer(); it stands still when not given.
-            more: See `buildModelsFromUrdf`.
-            named: See `buildModelsFromUrdf`.
+            *more: See `buildModelsFromUrdf`.
+            **named: See `buildModelsFromUrdf`.
+
+        Returns:
+            The robot.
 
         Raises:
             FormatError: The file is missing or broken; says where and how to fix it. A missing mesh only warns.
@@ -77,7 +80,15 @@ class RobotWrapper(Kinematic, Viewed):
     def initFromURDF(
         self, filename: Any, package_dirs: Any = None, root_joint: Any = None, *more: Any, **named: Any
     ) -> None:
-        """Makes this the robot of a URDF file; see `BuildFromURDF`."""
+        """Makes this the robot of a URDF file; see `BuildFromURDF`.
+
+        Args:
+            filename: The file.
+            package_dirs: One or several folders to look for packages in.
+            root_joint: The joint of the base, such as JointModelFreeFlyer(); fixed by default.
+            *more: See `buildModelsFromUrdf`.
+            **named: See `buildModelsFromUrdf`.
+        """
         named.pop("geometry_types", None)
         model, collision_model, visual_model = buildModelsFromUrdf(
             filename, package_dirs, root_joint, *more, **named
@@ -86,22 +97,52 @@ class RobotWrapper(Kinematic, Viewed):
 
     @staticmethod
     def BuildFromSDF(*_: Any, **__: Any) -> NoReturn:
-        """Not offered."""
+        """Not offered.
+
+        Args:
+            *_: Accepted and ignored.
+            **__: Accepted and ignored.
+
+        Raises:
+            InputError: Always: SDF files are not read.
+        """
         raise InputError("SDF files are not read. Convert the file to URDF, and use BuildFromURDF.")
 
     def initFromSDF(self, *_: Any, **__: Any) -> NoReturn:
-        """Not offered; see `BuildFromSDF`."""
+        """Not offered; see `BuildFromSDF`.
+
+        Args:
+            *_: Accepted and ignored.
+            **__: Accepted and ignored.
+        """
         RobotWrapper.BuildFromSDF()
 
     @staticmethod
     def BuildFromMJCF(filename: Any, root_joint: Any = None, *more: Any, **named: Any) -> RobotWrapper:
-        """The robot of an MJCF file; see `pinocchio.buildModelFromMJCF`."""
+        """The robot of an MJCF file; see `pinocchio.buildModelFromMJCF`.
+
+        Args:
+            filename: The file.
+            root_joint: The joint of the base; that of the file by default.
+            *more: See `buildModelsFromMJCF`.
+            **named: See `buildModelsFromMJCF`.
+
+        Returns:
+            The robot.
+        """
         robot = RobotWrapper.__new__(RobotWrapper)
         robot.initFromMJCF(filename, root_joint, *more, **named)
         return robot
 
     def initFromMJCF(self, filename: Any, root_joint: Any = None, *more: Any, **named: Any) -> None:
-        """Makes this the robot of an MJCF file; see `BuildFromMJCF`."""
+        """Makes this the robot of an MJCF file; see `BuildFromMJCF`.
+
+        Args:
+            filename: The file.
+            root_joint: The joint of the base; that of the file by default.
+            *more: See `buildModelsFromMJCF`.
+            **named: See `buildModelsFromMJCF`.
+        """
         RobotWrapper.__init__(self, *buildModelsFromMJCF(filename, root_joint, *more, **named))
 
     # sizes and names ------------------------------------------------------------------------------------
@@ -131,9 +172,15 @@ class RobotWrapper(Kinematic, Viewed):
     # the centre of mass and momenta ---------------------------------------------------------------------
 
     def com(self, q: Any = None, v: Any = None, a: Any = None) -> Any:
-        """The centre of mass (3,) [m]; with v also its velocity, with a its acceleration, in a tuple.
+        """The centre of mass, with v also its velocity, with a its acceleration.
 
-        Without q, that of the data's present state.
+        Args:
+            q: Configuration (nq,) [rad or m]; None for the state that the data holds.
+            v: Velocity (nv,) [rad/s or m/s].
+            a: Acceleration (nv,) [rad/s^2 or m/s^2].
+
+        Returns:
+            (3,) [m], or a tuple with (3,) [m/s] and (3,) [m/s^2].
         """
         if q is None:
             return center_of_mass.centerOfMass(self.model, self.data)
@@ -143,11 +190,28 @@ class RobotWrapper(Kinematic, Viewed):
         return results[0] if len(results) == 1 else results
 
     def vcom(self, q: Any, v: Any) -> Floats:
-        """The velocity of the centre of mass (3,) [m/s]."""
+        """The velocity of the centre of mass.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            v: Velocity (nv,) [rad/s or m/s].
+
+        Returns:
+            Velocity (3,) [m/s].
+        """
         return self.com(q, v)[1]
 
     def acom(self, q: Any, v: Any, a: Any) -> Floats:
-        """The acceleration of the centre of mass (3,) [m/s^2]."""
+        """The acceleration of the centre of mass.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            v: Velocity (nv,) [rad/s or m/s].
+            a: Acceleration (nv,) [rad/s^2 or m/s^2].
+
+        Returns:
+            Acceleration (3,) [m/s^2].
+        """
         return self.com(q, v, a)[2]
 
     def Jcom(self, q: Any) -> Floats:
@@ -155,7 +219,15 @@ class RobotWrapper(Kinematic, Viewed):
         return center_of_mass.jacobianCenterOfMass(self.model, self.data, q)
 
     def centroidalMomentum(self, q: Any, v: Any) -> Force:
-        """The momentum about the centre of mass."""
+        """The momentum about the centre of mass.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            v: Velocity (nv,) [rad/s or m/s].
+
+        Returns:
+            Force (6,) [kg m/s] and [kg m^2/s], in world axes.
+        """
         return center_of_mass.computeCentroidalMomentum(self.model, self.data, q, v)
 
     def centroidalMap(self, q: Any) -> Floats:
@@ -163,12 +235,29 @@ class RobotWrapper(Kinematic, Viewed):
         return center_of_mass.computeCentroidalMap(self.model, self.data, q)
 
     def centroidal(self, q: Any, v: Any) -> tuple[Any, Any, Any]:
-        """The momentum about the centre of mass, its matrix, and the inertia of the whole as one body."""
+        """The momentum about the centre of mass, its matrix, and the inertia of the whole as one body.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            v: Velocity (nv,) [rad/s or m/s].
+
+        Returns:
+            Momentum, its matrix (6, nv), and the inertia.
+        """
         center_of_mass.ccrba(self.model, self.data, q, v)
         return self.data.hg, self.data.Ag, self.data.Ig
 
     def centroidalMomentumVariation(self, q: Any, v: Any, a: Any) -> Force:
-        """The time derivative of the momentum about the centre of mass."""
+        """The time derivative of the momentum about the centre of mass.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            v: Velocity (nv,) [rad/s or m/s].
+            a: Acceleration (nv,) [rad/s^2 or m/s^2].
+
+        Returns:
+            Force (6,) [N] and [N m], in world axes.
+        """
         return center_of_mass.computeCentroidalMomentumTimeVariation(self.model, self.data, q, v, a)
 
     # dynamics -------------------------------------------------------------------------------------------
@@ -178,7 +267,15 @@ class RobotWrapper(Kinematic, Viewed):
         return dynamics.crba(self.model, self.data, q)
 
     def nle(self, q: Any, v: Any) -> Floats:
-        """Coriolis, centrifugal and gravity torques (nv,)."""
+        """Coriolis, centrifugal and gravity torques.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            v: Velocity (nv,) [rad/s or m/s].
+
+        Returns:
+            Torques (nv,) [N m or N].
+        """
         return dynamics.nonLinearEffects(self.model, self.data, q, v)
 
     bias = biais = nle
@@ -191,7 +288,15 @@ class RobotWrapper(Kinematic, Viewed):
     def buildReducedRobot(
         self, list_of_joints_to_lock: Any, reference_configuration: Any = None
     ) -> RobotWrapper:
-        """The robot with some joints, by names or indices, locked as in a configuration; the neutral one else."""
+        """The robot with some joints locked.
+
+        Args:
+            list_of_joints_to_lock: Names or indices of the joints.
+            reference_configuration: Configuration (nq,) [rad or m] in which they are locked; neutral by default.
+
+        Returns:
+            The robot.
+        """
         locked = [self.index(j) if isinstance(j, str) else self._joint(j) for j in list_of_joints_to_lock]
         q = configurations.neutral(self.model) if reference_configuration is None else reference_configuration
         geometries = [g for g in (self.visual_model, self.collision_model) if g is not None]

@@ -38,27 +38,66 @@ def _to_matrix() -> Any:
 
 
 def rotate(axis: str, angle: float) -> Floats:
-    """The rotation matrix (3, 3) about 'x', 'y' or 'z' by an angle [rad]."""
+    """The rotation matrix (3, 3) about 'x', 'y' or 'z' by an angle [rad].
+
+    Args:
+        axis: "x", "y" or "z".
+        angle: Angle [rad].
+
+    Returns:
+        Rotation matrix (3, 3).
+
+    Raises:
+        UnknownName: Another axis.
+    """
     if axis not in ("x", "y", "z"):
         raise UnknownName("axis", axis, ("x", "y", "z"))
     return np.array(spatial.rotation_about("xyz".index(axis), float(angle)))
 
 
 def computeRpyJacobian(rpy: Any, reference_frame: Any = None) -> Floats:
-    """The matrix (3, 3) from the rates of roll, pitch, yaw to the angular velocity; in the moving frame by default."""
+    """The matrix from the rates of roll, pitch and yaw to the angular velocity.
+
+    Args:
+        rpy: Roll, pitch and yaw, (3,) [rad].
+        reference_frame: LOCAL (default) for angular velocity in the moving frame, WORLD or LOCAL_WORLD_ALIGNED
+            for world axes.
+
+    Returns:
+        Matrix (3, 3).
+    """
     R = rpyToMatrix(rpy)
     in_world = np.array(spatial.rpy_rate_matrix(vector(rpy, 3, "rpy")))
     return R.T @ in_world if _is_local(reference_frame) else in_world
 
 
 def computeRpyJacobianInverse(rpy: Any, reference_frame: Any = None) -> Floats:
-    """The inverse of `computeRpyJacobian`."""
+    """The inverse of `computeRpyJacobian`.
+
+    Args:
+        rpy: Roll, pitch and yaw, (3,) [rad].
+        reference_frame: LOCAL (default) for angular velocity in the moving frame, WORLD or LOCAL_WORLD_ALIGNED
+            for world axes.
+
+    Returns:
+        Matrix (3, 3).
+    """
     inverse = np.array(spatial.rpy_rate_matrix_inverse(vector(rpy, 3, "rpy")))
     return inverse @ rpyToMatrix(rpy) if _is_local(reference_frame) else inverse
 
 
 def computeRpyJacobianTimeDerivative(rpy: Any, rpydot: Any, reference_frame: Any = None) -> Floats:
-    """The time derivative (3, 3) of `computeRpyJacobian`."""
+    """The time derivative of `computeRpyJacobian`.
+
+    Args:
+        rpy: Roll, pitch and yaw, (3,) [rad].
+        rpydot: Rates of roll, pitch and yaw, (3,) [rad/s].
+        reference_frame: LOCAL (default) for angular velocity in the moving frame, WORLD or LOCAL_WORLD_ALIGNED
+            for world axes.
+
+    Returns:
+        Matrix (3, 3) [1/s].
+    """
     angles, rates = vector(rpy, 3, "rpy"), vector(rpydot, 3, "rpydot")
     E, in_world = (
         np.array(f) for f in (spatial.rpy_rate_matrix(angles), spatial.rpy_rate_matrix_dot(angles, rates))

@@ -66,17 +66,32 @@ class StaticBuffer(StreamBuffer):
 
 
 def buffer_copy(dest: StreamBuffer, source: StreamBuffer) -> None:
-    """Replaces what is in a buffer by what is in another."""
+    """Replaces the content of a buffer by that of another.
+
+    Args:
+        dest: The buffer that is changed.
+        source: The buffer that is read.
+    """
     dest.write(source.tobytes())
 
 
 def saveToBinary(object: Any, buffer: StreamBuffer) -> None:
-    """Writes a model, its data or its geometries into a buffer."""
+    """Writes a model, its data or its geometries into a buffer.
+
+    Args:
+        object: The model, data or geometries.
+        buffer: The buffer that is written.
+    """
     _known(object).saveToBinary(buffer)
 
 
 def loadFromBinary(object: Any, buffer: StreamBuffer) -> None:
-    """Makes a model, its data or its geometries what a buffer holds."""
+    """Replaces a model, its data or its geometries by what a buffer holds.
+
+    Args:
+        object: The object that is changed.
+        buffer: The buffer that is read.
+    """
     _known(object).loadFromBinary(buffer)
 
 

@@ -29,12 +29,15 @@ def buildModelsFromUrdf(
         filename: The file.
         package_dirs: One or several folders to look for packages in; none are needed for the usual layouts.
         root_joint: The joint that the root link hangs from; fixed when not given.
-        more: `verbose` and `meshLoader` where older scripts put them; not needed.
+        *more: `verbose` and `meshLoader` where older scripts put them; not needed.
         root_joint_name: Its name.
         verbose: Not needed.
         meshLoader: Not needed.
         geometry_types: One or several of GeometryType; both, collisions first, when not given.
         mimic: Whether mimic joints follow their leader.
+
+    Returns:
+        The model, then a GeometryModel for each of `geometry_types`.
 
     Raises:
         FormatError: The file is missing or broken. A missing mesh only warns.
@@ -55,6 +58,15 @@ def createDatas(*models: Any) -> tuple[Any, ...]:
 def buildModelFromMJCFAndRootJoint(
     mjcf_filename: Any, root_joint: Any, root_joint_name: str = "root_joint"
 ) -> Any:
-    """The model of an MJCF file on a joint, without the closed loops; see `buildModelFromMJCF`."""
+    """The model of an MJCF file on a joint, without the closed loops; see `buildModelFromMJCF`.
+
+    Args:
+        mjcf_filename: The file.
+        root_joint: The joint of the root body.
+        root_joint_name: Its name.
+
+    Returns:
+        The model.
+    """
     made = buildModelFromMJCF(mjcf_filename, root_joint, root_joint_name)
     return made[0] if isinstance(made, tuple) else made

@@ -32,18 +32,41 @@ def rand(n: Any) -> Floats:
 
 
 def cross(a: Any, b: Any) -> Floats:
-    """The cross product of two 3-vectors."""
+    """The cross product of two 3-vectors.
+
+    Args:
+        a: Vector, (3,).
+        b: Vector, (3,).
+
+    Returns:
+        Vector (3,).
+    """
     return np.cross(np.ravel(a), np.ravel(b))
 
 
 def isapprox(a: Any, b: Any, epsilon: float = 1e-6) -> bool:
-    """Whether two arrays, SE3, Motions or numbers are equal within `epsilon`."""
+    """Whether two arrays, SE3, Motions or numbers are nearly equal.
+
+    Args:
+        a: The first.
+        b: The second.
+        epsilon: Tolerance relative to the second, besides 1e-8.
+
+    Returns:
+        Whether they are.
+    """
     first, second = (np.asarray(getattr(x, "np", x), dtype=float) for x in (a, b))
     return bool(np.allclose(first, second, epsilon))
 
 
 def mprint(M: Any, name: str = "ans", eps: float = 1e-15) -> None:
-    """Prints a matrix (or an SE3) as Matlab does, six columns at a time; what is below `eps` as 0."""
+    """Prints a matrix as Matlab does, six columns at a time.
+
+    Args:
+        M: Matrix (m, n), or an SE3.
+        name: Name to print.
+        eps: Entries below it are printed as 0.
+    """
     array = np.atleast_2d(np.asarray(getattr(M, "homogeneous", M), dtype=float))
     sizes = np.abs(array[array != 0.0])
     wide = sizes.size > 0 and (sizes.min() < 1e-5 or sizes.max() > 1e6 or sizes.max() / sizes.min() > 1e3)

@@ -83,7 +83,16 @@ class Client:
 
 
 def gui_client(window_name: str | None = None, *_: Any, **__: Any) -> Gui:
-    """The calls of the viewer, with a window of that name."""
+    """The calls of the viewer.
+
+    Args:
+        window_name: Name of a window to create, or None.
+        *_: Accepted and ignored.
+        **__: Accepted and ignored.
+
+    Returns:
+        The calls.
+    """
     gui = shared_gui()
     if window_name is not None:
         gui.createWindow(window_name)
@@ -91,5 +100,10 @@ def gui_client(window_name: str | None = None, *_: Any, **__: Any) -> Gui:
 
 
 def start_server(*_: Any, **__: Any) -> None:
-    """Opens the viewer, which needs no server."""
+    """Opens the viewer, which needs no server.
+
+    Args:
+        *_: Accepted and ignored.
+        **__: Accepted and ignored.
+    """
     shared_gui()

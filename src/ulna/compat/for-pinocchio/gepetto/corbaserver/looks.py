@@ -24,14 +24,33 @@ class Looks(Tree, abc.ABC):
         return Handle(self.scene, self.known(name))
 
     def setVisibility(self, nodeName: str, visibility: str) -> bool:
-        """Shows a node and all in it ("ON", "ALWAYS_ON_TOP", which is the same here) or hides it ("OFF")."""
+        """Shows or hides a node and all nodes in it.
+
+        Args:
+            nodeName: Name of the node.
+            visibility: "ON", "ALWAYS_ON_TOP" (the same here) or "OFF".
+
+        Returns:
+            True.
+
+        Raises:
+            UnknownName: Another `visibility`, or no such node.
+        """
         if visibility not in _VISIBILITIES:
             raise UnknownName("visibility", visibility, _VISIBILITIES)
         self._handle(nodeName).visible = visibility != "OFF"
         return True
 
     def setColor(self, nodeName: str, color: Sequence[float]) -> bool:
-        """Colours a node and all in it: red, green, blue, opacity from 0 to 1."""
+        """Colours a node and all nodes in it.
+
+        Args:
+            nodeName: Name of the node.
+            color: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         rgba, place = colour(color), self.known(nodeName)
         with self.scene.atomic():
             for name in self.scene.names:
@@ -41,12 +60,28 @@ class Looks(Tree, abc.ABC):
         return True
 
     def setScale(self, nodeName: str, scale: Sequence[float]) -> bool:
-        """Stretches a node along its axes; a group by one factor only."""
+        """Scales a node along its axes; a group by one factor only.
+
+        Args:
+            nodeName: Name of the node.
+            scale: Factors, (3,).
+
+        Returns:
+            True.
+        """
         self._handle(nodeName).scale = np.asarray(scale, dtype=float)
         return True
 
     def setWireFrameMode(self, nodeName: str, wireFrameMode: str) -> bool:
-        """Surfaces are drawn filled here; False, with a warning, for anything else."""
+        """Surfaces are always drawn filled; other modes warn.
+
+        Args:
+            nodeName: Name of the node.
+            wireFrameMode: "FILL", or a mode that is not offered.
+
+        Returns:
+            Whether it is "FILL".
+        """
         self.known(nodeName)
         return wireFrameMode == "FILL" or without(
             f"setWireFrameMode({nodeName!r}, {wireFrameMode!r})",
@@ -54,19 +89,43 @@ class Looks(Tree, abc.ABC):
         )
 
     def setLightingMode(self, nodeName: str, lightingMode: str) -> bool:
-        """Everything is lit here; False, with a warning, for "OFF"."""
+        """Everything is lit; "OFF" warns.
+
+        Args:
+            nodeName: Name of the node.
+            lightingMode: "ON" or "OFF".
+
+        Returns:
+            Whether it is "ON".
+        """
         self.known(nodeName)
         return lightingMode == "ON" or without(
             f"setLightingMode({nodeName!r}, {lightingMode!r})", "everything is lit."
         )
 
     def setHighlight(self, nodeName: str, state: int) -> bool:
-        """Nothing is highlighted here; False, with a warning, unless `state` is 0."""
+        """Nothing can be highlighted; states other than 0 warn.
+
+        Args:
+            nodeName: Name of the node.
+            state: The state.
+
+        Returns:
+            Whether it is 0.
+        """
         self.known(nodeName)
         return state == 0 or without(f"setHighlight({nodeName!r}, {state})", "use setColor.")
 
     def setTexture(self, nodeName: str, filename: str) -> bool:
-        """Textures come with meshes here; False, with a warning."""
+        """Not offered: textures come with meshes; warns.
+
+        Args:
+            nodeName: Name of the node.
+            filename: Accepted and ignored.
+
+        Returns:
+            False.
+        """
         self.known(nodeName)
         return without(
             f"setTexture({nodeName!r})", "addMesh draws the textures that a dae or glb file names."
@@ -82,16 +141,42 @@ class Looks(Tree, abc.ABC):
         return True
 
     def addLight(self, lightName: str, wid: str, radius: float, RGBAcolor: Sequence[float]) -> bool:
-        """The lamps are fixed here; False, with a warning."""
+        """Not offered: lights are those of the viewer's theme; warns.
+
+        Args:
+            lightName: Name of the light, for the warning.
+            wid: Accepted and ignored.
+            radius: Accepted and ignored, in any unit [-].
+            RGBAcolor: Accepted and ignored.
+
+        Returns:
+            False.
+        """
         return without(f"addLight({lightName!r})", "shared_viewer().theme says how strong the lamps are.")
 
     def setCurveMode(self, curveName: str, mode: Any) -> bool:
-        """Curves go from point to point here; False, with a warning, for other modes than 3 (GL_LINE_STRIP)."""
+        """Curves go from point to point; other modes warn.
+
+        Args:
+            curveName: Name of the curve.
+            mode: 3 (GL_LINE_STRIP), or a mode that is not offered.
+
+        Returns:
+            Whether it is 3.
+        """
         self.known(curveName)
         return mode == 3 or without(f"setCurveMode({curveName!r}, {mode})", "add a line for each piece.")
 
     def setCurveColors(self, curveName: str, color: Any) -> bool:
-        """A curve has one colour here, the mean of those given."""
+        """Colours a curve in the mean of some colours.
+
+        Args:
+            curveName: Name of the curve.
+            color: Red, green, blue, opacity from 0 to 1, (n, 4) or (4,).
+
+        Returns:
+            True.
+        """
         return self.setColor(
             curveName, np.array(color, dtype=float).reshape(-1, np.shape(color)[-1]).mean(axis=0)
         )
@@ -135,7 +220,18 @@ class Looks(Tree, abc.ABC):
         return True
 
     def callVoidProperty(self, nodeName: str, propName: str) -> bool:
-        """Calls a property that does something; no node has one here."""
+        """Calls a property; no node has one that can be called.
+
+        Args:
+            nodeName: Name of the node.
+            propName: Name of the property.
+
+        Returns:
+            Never.
+
+        Raises:
+            UnknownName: Always.
+        """
         self.known(nodeName)
         raise UnknownName("property to call", propName, ())
 

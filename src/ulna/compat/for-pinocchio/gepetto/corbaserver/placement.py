@@ -41,7 +41,14 @@ def _known(order: str) -> str:
 
 
 def pose_of(configuration: Any, name: str = "configuration") -> Floats:
-    """T_group_node (4, 4) of x, y, z [m] and a quaternion; its length plays no part.
+    """The pose T_group_node of a placement; the length of its quaternion plays no part.
+
+    Args:
+        configuration: x, y, z [m] and a quaternion, (7,).
+        name: Name of the argument, for messages.
+
+    Returns:
+        The pose, (4, 4).
 
     Raises:
         ShapeError, NonFiniteError, InputError: It is no placement.

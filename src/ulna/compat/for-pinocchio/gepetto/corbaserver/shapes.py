@@ -45,29 +45,90 @@ class Shapes(Tree, abc.ABC):
         return True
 
     def addSphere(self, sphereName: str, radius: float, RGBAcolor: Rgba) -> bool:
-        """A ball [m]; the colour is red, green, blue, opacity from 0 to 1."""
+        """Adds a sphere.
+
+        Args:
+            sphereName: Name of the node.
+            radius: Radius [m].
+            RGBAcolor: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         return self._add(sphereName, Sphere(radius), RGBAcolor)
 
     def addBox(
         self, boxName: str, boxSize1: float, boxSize2: float, boxSize3: float, RGBAcolor: Rgba
     ) -> bool:
-        """A box, centred; its edges along x, y, z [m]."""
+        """Adds a box, centred.
+
+        Args:
+            boxName: Name of the node.
+            boxSize1: Edge along x [m].
+            boxSize2: Edge along y [m].
+            boxSize3: Edge along z [m].
+            RGBAcolor: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         return self._add(boxName, Box((boxSize1, boxSize2, boxSize3)), RGBAcolor)
 
     def addCylinder(self, cylinderName: str, radius: float, height: float, RGBAcolor: Rgba) -> bool:
-        """A cylinder about z, centred [m]."""
+        """Adds a cylinder about z, centred.
+
+        Args:
+            cylinderName: Name of the node.
+            radius: Radius [m].
+            height: Height [m].
+            RGBAcolor: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         return self._add(cylinderName, Cylinder(radius, height), RGBAcolor)
 
     def addCapsule(self, name: str, radius: float, height: float, RGBAcolor: Rgba) -> bool:
-        """A cylinder about z with half a ball on either end, centred; `height` without these [m]."""
+        """Adds a cylinder about z with a half sphere on either end, centred.
+
+        Args:
+            name: Name of the node.
+            radius: Radius [m].
+            height: Height of the cylinder [m].
+            RGBAcolor: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         return self._add(name, Capsule(radius, height), RGBAcolor)
 
     def addCone(self, name: str, radius: float, height: float, RGBAcolor: Rgba) -> bool:
-        """A cone about z, its tip up, centred [m]."""
+        """Adds a cone about z, its tip up, centred.
+
+        Args:
+            name: Name of the node.
+            radius: Radius [m].
+            height: Height [m].
+            RGBAcolor: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         return self._add(name, Cone(radius, height), RGBAcolor)
 
     def resizeCapsule(self, capsuleName: str, height: float) -> bool:
-        """Makes a capsule another height [m]."""
+        """Changes the height of a capsule.
+
+        Args:
+            capsuleName: Name of the node.
+            height: Height of its cylinder [m].
+
+        Returns:
+            True.
+
+        Raises:
+            UnknownName: There is no such capsule.
+        """
         place = self.known(capsuleName)
         shape, rgba = self._made.get(place, (None, ()))
         if not isinstance(shape, Capsule):
@@ -80,7 +141,17 @@ class Shapes(Tree, abc.ABC):
         return True
 
     def addArrow(self, name: str, radius: float, length: float, RGBAcolor: Rgba) -> bool:
-        """An arrow from the node's origin along its x axis [m]."""
+        """Adds an arrow from the node's origin along its x axis.
+
+        Args:
+            name: Name of the node.
+            radius: Radius of the shaft [m].
+            length: Length [m].
+            RGBAcolor: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         place = self._new(name)
         if place in self.scene:
             self.viewer.remove(place)
@@ -90,7 +161,19 @@ class Shapes(Tree, abc.ABC):
         return True
 
     def resizeArrow(self, capsuleName: str, radius: float, length: float) -> bool:
-        """Makes an arrow another size [m]."""
+        """Changes the size of an arrow.
+
+        Args:
+            capsuleName: Name of the node.
+            radius: Radius of the shaft [m].
+            length: Length [m].
+
+        Returns:
+            True.
+
+        Raises:
+            UnknownName: There is no such arrow.
+        """
         place = self.known(capsuleName)
         arrow = f"{place}/{PARTS}arrow"
         if arrow not in self.scene:
@@ -102,7 +185,17 @@ class Shapes(Tree, abc.ABC):
         return True
 
     def addXYZaxis(self, nodeName: str, RGBAcolor: Rgba, radius: float, sizeAxis: float) -> bool:
-        """A ball with arrows in red, green, blue along x, y, z [m]."""
+        """Adds a sphere with arrows in red, green, blue along x, y, z.
+
+        Args:
+            nodeName: Name of the node.
+            RGBAcolor: Red, green, blue, opacity from 0 to 1 of the sphere.
+            radius: Radius of the sphere [m].
+            sizeAxis: Length of the arrows [m].
+
+        Returns:
+            True.
+        """
         place = self._new(nodeName)
         self.viewer.group(place).opacity = colour(RGBAcolor)[3]
         self.viewer.sphere(radius, name=f"{place}/{PARTS}ball", color=RGBAcolor[:3])
@@ -110,7 +203,15 @@ class Shapes(Tree, abc.ABC):
         return True
 
     def addLandmark(self, nodeName: str, size: float) -> bool:
-        """Shows the frame of a node [m]."""
+        """Shows the axes of a node.
+
+        Args:
+            nodeName: Name of the node.
+            size: Length of an axis [m].
+
+        Returns:
+            True.
+        """
         self.viewer.axes(size, name=f"{self.known(nodeName)}/{PARTS}landmark")
         return True
 
@@ -134,22 +235,58 @@ class Shapes(Tree, abc.ABC):
     # files ----------------------------------------------------------------------------------------------
 
     def addMesh(self, meshName: str, meshPath: str) -> bool:
-        """A mesh file: dae, stl, obj, glb ..."""
+        """Adds a mesh file: dae, stl, obj, glb ...
+
+        Args:
+            meshName: Name of the node.
+            meshPath: The file; it may begin with "file://".
+
+        Returns:
+            True.
+        """
         self.viewer.mesh(str(meshPath).removeprefix("file://"), name=self._new(meshName))
         return True
 
     def addURDF(self, robotName: str, urdfFilePath: str, packagePath: str | None = None) -> bool:
-        """The links of a robot, as nodes `robotName/link`, in its usual configuration."""
+        """Adds the visual geometries of a robot in its usual configuration, as nodes `robotName/link`.
+
+        Args:
+            robotName: Name of the group.
+            urdfFilePath: The file.
+            packagePath: Folder to look for packages in, or None.
+
+        Returns:
+            True.
+        """
         return self.addUrdfObjects(robotName, urdfFilePath, True, packagePath)
 
     def addUrdfCollision(self, robotName: str, urdfFilePath: str, packagePath: str | None = None) -> bool:
-        """What the links of a robot collide with, as nodes `robotName/link`."""
+        """Adds the collision geometries of a robot, as nodes `robotName/link`.
+
+        Args:
+            robotName: Name of the group.
+            urdfFilePath: The file.
+            packagePath: Folder to look for packages in, or None.
+
+        Returns:
+            True.
+        """
         return self.addUrdfObjects(robotName, urdfFilePath, False, packagePath)
 
     def addUrdfObjects(
         self, nodeName: str, urdfFilePath: str, visual: bool = True, packagePath: str | None = None
     ) -> bool:
-        """The links of a robot, as they look or as they collide."""
+        """Adds the links of a robot, with their visual or collision geometries.
+
+        Args:
+            nodeName: Name of the node.
+            urdfFilePath: The file.
+            visual: Whether to show the visual geometries.
+            packagePath: Folder to look for packages in, or None.
+
+        Returns:
+            True.
+        """
         import ulna
 
         robot = ulna.load(str(urdfFilePath), package_dirs=[packagePath] if packagePath else ())
@@ -159,11 +296,30 @@ class Shapes(Tree, abc.ABC):
     # lines and faces ------------------------------------------------------------------------------------
 
     def addLine(self, lineName: str, pos1: Sequence[float], pos2: Sequence[float], RGBAcolor: Rgba) -> bool:
-        """A line between two points [m]."""
+        """Adds a line between two points.
+
+        Args:
+            lineName: Name of the line.
+            pos1: The start, (3,) [m].
+            pos2: The end, (3,) [m].
+            RGBAcolor: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         return self.addCurve(lineName, [pos1, pos2], RGBAcolor)
 
     def addCurve(self, curveName: str, pos: Any, RGBAcolor: Rgba) -> bool:
-        """A line from point to point, (n, 3) [m]."""
+        """Adds a line from point to point.
+
+        Args:
+            curveName: Name of the curve.
+            pos: Points, (n, 3) [m].
+            RGBAcolor: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         points, rgba = np.array(pos, dtype=float), colour(RGBAcolor)
         place = self._new(curveName)
         self.viewer.line(points, name=place, color=rgba[:3], opacity=rgba[3], thickness=2 * _PIXEL)
@@ -177,19 +333,52 @@ class Shapes(Tree, abc.ABC):
         return place
 
     def setLineStartPoint(self, lineName: str, pos1: Sequence[float]) -> bool:
-        """Moves where a line begins [m]."""
+        """Moves the start of a line.
+
+        Args:
+            lineName: Name of the line.
+            pos1: The start, (3,) [m].
+
+        Returns:
+            True.
+        """
         return self.setCurvePoints(lineName, [pos1, self._curves[self._curve(lineName)][-1]])
 
     def setLineEndPoint(self, lineName: str, pos2: Sequence[float]) -> bool:
-        """Moves where a line ends [m]."""
+        """Moves the end of a line.
+
+        Args:
+            lineName: Name of the line.
+            pos2: The end, (3,) [m].
+
+        Returns:
+            True.
+        """
         return self.setCurvePoints(lineName, [self._curves[self._curve(lineName)][0], pos2])
 
     def setLineExtremalPoints(self, lineName: str, pos1: Sequence[float], pos2: Sequence[float]) -> bool:
-        """Moves both ends of a line [m]."""
+        """Moves both ends of a line.
+
+        Args:
+            lineName: Name of the line.
+            pos1: The start, (3,) [m].
+            pos2: The end, (3,) [m].
+
+        Returns:
+            True.
+        """
         return self.setCurvePoints(lineName, [pos1, pos2])
 
     def setCurvePoints(self, curveName: str, pos: Any) -> bool:
-        """Gives a curve other points, (n, 3) [m]."""
+        """Replaces the points of a curve.
+
+        Args:
+            curveName: Name of the curve.
+            pos: Points, (n, 3) [m].
+
+        Returns:
+            True.
+        """
         place = self._curve(curveName)
         points = np.array(pos, dtype=float)
         Polyline(self.scene, place).points = points
@@ -197,7 +386,19 @@ class Shapes(Tree, abc.ABC):
         return True
 
     def setCurvePointsSubset(self, curveName: str, first: int, count: int) -> bool:
-        """Shows some points of a curve only: `count` of them from `first` on."""
+        """Shows only some points of a curve.
+
+        Args:
+            curveName: Name of the curve.
+            first: Number of the first point.
+            count: Number of points, 2 or more.
+
+        Returns:
+            True.
+
+        Raises:
+            InputError: The curve has no such points.
+        """
         place = self._curve(curveName)
         points = self._curves[place]
         if not 0 <= first < first + count <= len(points) or count < 2:
@@ -208,20 +409,51 @@ class Shapes(Tree, abc.ABC):
         return True
 
     def setCurveLineWidth(self, curveName: str, width: float) -> bool:
-        """Makes a curve as thick as so many pixels."""
+        """Changes the thickness of a curve.
+
+        Args:
+            curveName: Name of the curve.
+            width: Thickness [pixels].
+
+        Returns:
+            True.
+        """
         place = self._curve(curveName)
         old = self.scene.node(place).content
         self.scene.set_content(place, Lines(old.segments, old.rgba, max(float(width), 0.1) * _PIXEL))
         return True
 
     def addTriangleFace(self, faceName: str, pos1: Any, pos2: Any, pos3: Any, RGBAcolor: Rgba) -> bool:
-        """A triangle that is seen from both sides [m]."""
+        """Adds a triangle that is seen from both sides.
+
+        Args:
+            faceName: Name of the node.
+            pos1: A corner, (3,) [m].
+            pos2: A corner, (3,) [m].
+            pos3: A corner, (3,) [m].
+            RGBAcolor: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         return self._add(faceName, _face([pos1, pos2, pos3]), RGBAcolor)
 
     def addSquareFace(
         self, faceName: str, pos1: Any, pos2: Any, pos3: Any, pos4: Any, RGBAcolor: Rgba
     ) -> bool:
-        """A plane face with four corners, in their order around it, that is seen from both sides [m]."""
+        """Adds a plane face with four corners, in their order around it, that is seen from both sides.
+
+        Args:
+            faceName: Name of the node.
+            pos1: A corner, (3,) [m].
+            pos2: A corner, (3,) [m].
+            pos3: A corner, (3,) [m].
+            pos4: A corner, (3,) [m].
+            RGBAcolor: Red, green, blue, opacity from 0 to 1.
+
+        Returns:
+            True.
+        """
         return self._add(faceName, _face([pos1, pos2, pos3, pos4]), RGBAcolor)
 
     # roadmaps -------------------------------------------------------------------------------------------
@@ -229,7 +461,18 @@ class Shapes(Tree, abc.ABC):
     def createRoadmap(
         self, name: str, RGBAcolorNode: Rgba, radius: float, sizeAxis: float, RGBAcolorEdge: Rgba
     ) -> bool:
-        """A group of nodes and edges with these radii and colours."""
+        """Adds an empty group for nodes and edges.
+
+        Args:
+            name: Name of the group.
+            RGBAcolorNode: Colour of the nodes.
+            radius: Radius of the nodes [m].
+            sizeAxis: Length of their axes [m].
+            RGBAcolorEdge: Colour of the edges.
+
+        Returns:
+            True.
+        """
         self._roadmaps[self._new(name)] = (RGBAcolorNode, radius, sizeAxis, RGBAcolorEdge)
         return self.createGroup(name)
 
@@ -239,7 +482,15 @@ class Shapes(Tree, abc.ABC):
         return self._roadmaps[self.at(name)]
 
     def addNodeToRoadmap(self, nameRoadmap: str, configuration: Sequence[float]) -> bool:
-        """A ball with its axes, placed by seven numbers; see `applyConfiguration`."""
+        """Adds a sphere with its axes to a roadmap.
+
+        Args:
+            nameRoadmap: Name of the roadmap.
+            configuration: x, y, z [m] and a quaternion, (7,); see `applyConfiguration`.
+
+        Returns:
+            True.
+        """
         rgba, radius, size, _ = self._roadmap(nameRoadmap)
         pose, name = pose_of(configuration), f"{nameRoadmap}/node{len(self.getGroupNodeList(nameRoadmap))}"
         self.addXYZaxis(name, rgba, radius, size)
@@ -247,7 +498,16 @@ class Shapes(Tree, abc.ABC):
         return True
 
     def addEdgeToRoadmap(self, nameRoadmap: str, posFrom: Sequence[float], posTo: Sequence[float]) -> bool:
-        """A line between two points [m]."""
+        """Adds a line between two points to a roadmap.
+
+        Args:
+            nameRoadmap: Name of the roadmap.
+            posFrom: A point, (3,) [m].
+            posTo: Another point, (3,) [m].
+
+        Returns:
+            True.
+        """
         rgba = self._roadmap(nameRoadmap)[3]
         return self.addLine(
             f"{nameRoadmap}/edge{len(self.getGroupNodeList(nameRoadmap))}", posFrom, posTo, rgba

@@ -93,7 +93,19 @@ class Tree(abc.ABC):
         return self.createGroup(sceneName)
 
     def addToGroup(self, nodeName: str, groupName: str) -> bool:
-        """Puts a node into a group, which it moves, hides and colours along with from now on; its name stays."""
+        """Moves a node into a group, whose pose, visibility and colour hold for it from now on; its name remains
+        valid.
+
+        Args:
+            nodeName: Name of the node.
+            groupName: Name of the group.
+
+        Returns:
+            True.
+
+        Raises:
+            InputError: The group is in the node, or has a node of that name.
+        """
         old, group = self.known(nodeName), self.known(groupName)
         if old == group or group.startswith(old + "/"):
             raise InputError(f"{groupName!r} is in {nodeName!r}; a node cannot be in itself.")
@@ -107,7 +119,15 @@ class Tree(abc.ABC):
         return True
 
     def removeFromGroup(self, nodeName: str, groupName: str) -> bool:
-        """Takes a node out of a group, and so out of sight, until it is added to another."""
+        """Hides a node of a group, until it is added to another.
+
+        Args:
+            nodeName: Name of the node.
+            groupName: Name of the group.
+
+        Returns:
+            Whether the node is in that group.
+        """
         if self.known(nodeName).rpartition("/")[0] != self.known(groupName):
             return False
         self.scene.set_appearance(self.known(nodeName), "visible", False)
@@ -125,7 +145,14 @@ class Tree(abc.ABC):
             self.viewer.remove(old)
 
     def deleteNode(self, nodeName: str, all: bool = True) -> bool:
-        """Removes a node, with all that is in it; False if there is none.
+        """Removes a node with all nodes in it.
+
+        Args:
+            nodeName: Name of the node.
+            all: Whether to remove nodes that contain others.
+
+        Returns:
+            Whether there was such a node.
 
         Raises:
             InputError: There are nodes in it, and `all` is False.
@@ -148,9 +175,16 @@ class Tree(abc.ABC):
     # placements -----------------------------------------------------------------------------------------
 
     def applyConfiguration(self, nodeName: str, configuration: Sequence[float]) -> bool:
-        """Places a node in its group: x, y, z [m] and a quaternion. It takes effect at `refresh`.
+        """Places a node in its group. It takes effect at `refresh`.
 
         The quaternion stands as `gepetto.corbaserver.quaternion_order` says: xyzw, unless set otherwise.
+
+        Args:
+            nodeName: Name of the node.
+            configuration: x, y, z [m] and a quaternion, (7,).
+
+        Returns:
+            True.
         """
         place = self.known(nodeName)
         self._waiting[place] = pose_of(configuration)
@@ -159,7 +193,18 @@ class Tree(abc.ABC):
     def applyConfigurations(
         self, nodeNames: Sequence[str], configurations: Iterable[Sequence[float]]
     ) -> bool:
-        """Places several nodes; see `applyConfiguration`."""
+        """Places several nodes; see `applyConfiguration`.
+
+        Args:
+            nodeNames: Names of the nodes.
+            configurations: x, y, z [m] and a quaternion of each, (n, 7).
+
+        Returns:
+            True.
+
+        Raises:
+            InputError: Not as many configurations as nodes.
+        """
         configuration_list = list(configurations)
         if len(nodeNames) != len(configuration_list):
             raise InputError(
@@ -201,7 +246,15 @@ class Tree(abc.ABC):
         return configuration_of(self._static.get(self.known(nodeName), np.eye(4)))
 
     def setStaticTransform(self, nodeName: str, configuration: Sequence[float]) -> bool:
-        """Places a node in the frame that its configuration places. It takes effect at `refresh`."""
+        """Places a node in the frame that its configuration places. It takes effect at `refresh`.
+
+        Args:
+            nodeName: Name of the node.
+            configuration: x, y, z [m] and a quaternion, (7,).
+
+        Returns:
+            True.
+        """
         place = self.known(nodeName)
         self._static[place] = pose_of(configuration)
         self._waiting.setdefault(place, self._placed.get(place, np.eye(4)))
@@ -213,7 +266,15 @@ class Tree(abc.ABC):
 
 
 def without(name: str, reason: str) -> bool:
-    """False, with a warning that a call changes nothing here: scripts go on."""
+    """Warns that a call changes nothing in this viewer, so that scripts go on.
+
+    Args:
+        name: The call.
+        reason: Why, or what to use instead.
+
+    Returns:
+        False.
+    """
     warnings.warn(f"{name} changes nothing in this viewer: {reason}", UlnaWarning, stacklevel=3)
     return False
 

@@ -43,7 +43,15 @@ class Windows(Tree, abc.ABC):
         return list(self._windows)
 
     def addSceneToWindow(self, sceneName: str, wid: str) -> bool:
-        """Shows a scene in a window; all are in the one page anyway."""
+        """Shows a scene in a window; all scenes are in one page anyway.
+
+        Args:
+            sceneName: Name of the scene.
+            wid: Name of the window.
+
+        Returns:
+            True.
+        """
         self.known(sceneName)
         self._window(wid)
         return True
@@ -54,11 +62,27 @@ class Windows(Tree, abc.ABC):
         return wid
 
     def setBackgroundColor1(self, wid: str, RGBAcolor: Sequence[float]) -> bool:
-        """Colours the sky above."""
+        """Colours the upper sky.
+
+        Args:
+            wid: Name of the window.
+            RGBAcolor: Red, green, blue, opacity from 0 to 1; the opacity is ignored.
+
+        Returns:
+            True.
+        """
         return self._dress(wid, "top", RGBAcolor)
 
     def setBackgroundColor2(self, wid: str, RGBAcolor: Sequence[float]) -> bool:
-        """Colours the sky where it meets the floor."""
+        """Colours the sky at the horizon.
+
+        Args:
+            wid: Name of the window.
+            RGBAcolor: Red, green, blue, opacity from 0 to 1; the opacity is ignored.
+
+        Returns:
+            True.
+        """
         return self._dress(wid, "horizon", RGBAcolor)
 
     def _dress(self, wid: str, what: str, rgba: Sequence[float]) -> bool:
@@ -77,7 +101,15 @@ class Windows(Tree, abc.ABC):
         return configuration_of(pose)
 
     def setCameraTransform(self, wid: str, configuration: Sequence[float]) -> bool:
-        """Places the camera by seven numbers; its axes are right, up and backwards of the picture."""
+        """Places the camera; its axes are right, up and backwards of the picture.
+
+        Args:
+            wid: Name of the window.
+            configuration: x, y, z [m] and a quaternion, (7,).
+
+        Returns:
+            True.
+        """
         self._window(wid)
         pose, old = pose_of(configuration), self.viewer.camera
         away = max(float(np.linalg.norm(np.subtract(old.position, old.target))), 0.1)
@@ -99,7 +131,18 @@ class Windows(Tree, abc.ABC):
     # pictures -------------------------------------------------------------------------------------------
 
     def captureFrame(self, wid: str, imageFilename: str) -> bool:
-        """Writes a picture (PNG), drawn without a browser."""
+        """Writes a picture, drawn without a browser.
+
+        Args:
+            wid: Name of the window.
+            imageFilename: Name of the file, .png.
+
+        Returns:
+            True.
+
+        Raises:
+            InputError: Another kind of file.
+        """
         self._window(wid)
         if Path(imageFilename).suffix.lower() != ".png":
             raise InputError(f"Pictures are written as .png here; {imageFilename!r} is none.")
@@ -107,7 +150,19 @@ class Windows(Tree, abc.ABC):
         return True
 
     def startCapture(self, wid: str, filename: str, extension: str) -> bool:
-        """Writes a picture filename_0_0.png, filename_0_1.png, ... at every `refresh` from now on."""
+        """Writes a picture filename_0_0.png, filename_0_1.png, ... at every `refresh` from now on.
+
+        Args:
+            wid: Name of the window.
+            filename: How the names begin.
+            extension: "png".
+
+        Returns:
+            True.
+
+        Raises:
+            InputError: Another kind of file.
+        """
         self._window(wid)
         if extension.lower().lstrip(".") != "png":
             raise InputError(
@@ -130,12 +185,28 @@ class Windows(Tree, abc.ABC):
             self._captured += 1
 
     def writeNodeFile(self, nodeName: str, filename: str) -> bool:
-        """Writes the scene as one HTML file that is looked at offline."""
+        """Writes the whole scene as one HTML file that can be viewed offline.
+
+        Args:
+            nodeName: Name of a node, which is checked only.
+            filename: Name of the file.
+
+        Returns:
+            True.
+        """
         self.known(nodeName)
         return self._html(filename)
 
     def writeWindowFile(self, wid: str, filename: str) -> bool:
-        """Writes the scene as one HTML file that is looked at offline."""
+        """Writes the scene as one HTML file that can be viewed offline.
+
+        Args:
+            wid: Name of the window.
+            filename: Name of the file.
+
+        Returns:
+            True.
+        """
         self._window(wid)
         return self._html(filename)
 

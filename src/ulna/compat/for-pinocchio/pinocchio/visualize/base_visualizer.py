@@ -142,6 +142,7 @@ class BaseVisualizer(MotionPictures, abc.ABC):
             color: Red, green, blue, opacity of all; their own when not given.
             collision_color: Those of the collision geometries.
             visual_color: Those of the visual geometries.
+            **_: Accepted and ignored.
         """
         gui = self.viewer.gui
         self._root = f"{self.sceneName}/{rootNodeName}".lstrip("/")
@@ -174,7 +175,19 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         return () if model is None else model.geometryObjects
 
     def getViewerNodeName(self, geometry_object: GeometryObject, geometry_type: GeometryType) -> str:
-        """The name of a geometry's node in the viewer."""
+        """The name of a geometry's node in the viewer.
+
+        Args:
+            geometry_object: The geometry.
+            geometry_type: GeometryType.VISUAL or COLLISION.
+
+        Returns:
+            The name.
+
+        Raises:
+            InputError: No model is loaded.
+            UnknownName: The model has no such geometry.
+        """
         if not self._root:
             raise InputError("No model is loaded yet. Call initViewer(loadModel=True) first.")
         names = [g.name for g in self._objects(geometry_type)]
@@ -183,7 +196,12 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         return f"{self._group(geometry_type)}/{geometry_object.name}"
 
     def addGeometryObject(self, obj: GeometryObject, color: Sequence[float] | None = None) -> None:
-        """Adds a geometry to what is shown, and to the visual model."""
+        """Adds a geometry to the visual model, and shows it.
+
+        Args:
+            obj: The geometry.
+            color: Red, green, blue, opacity; its own by default.
+        """
         if self.visual_model is None:
             self.visual_model = GeometryModel()
         self.visual_model.addGeometryObject(obj)
@@ -197,7 +215,13 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         geometry_type: GeometryType,
         color: Sequence[float] | None = None,
     ) -> None:
-        """Draws a geometry of the model anew, in its own colour or in that one."""
+        """Replaces the surfaces of a geometry of the model in the viewer.
+
+        Args:
+            geometry_object: The geometry.
+            geometry_type: GeometryType.VISUAL or COLLISION.
+            color: Red, green, blue, opacity; its own by default.
+        """
         surfaces = surfaces_of(geometry_object, color)
         self._scene.add(self.getViewerNodeName(geometry_object, geometry_type), surfaces)
         self._rows = ()
@@ -264,7 +288,12 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         self._root, self._frames = "", []
 
     def reload(self, new_geometry_object: GeometryObject, geometry_type: Any = None) -> None:
-        """Replaces the geometry of the same name."""
+        """Replaces the geometry of the same name.
+
+        Args:
+            new_geometry_object: The geometry.
+            geometry_type: GeometryType.VISUAL (default) or COLLISION.
+        """
         kind = GeometryType.VISUAL if geometry_type is None else geometry_type
         model = self._pair(kind)[0]
         model.geometryObjects.pop(place := model.getGeometryId(new_geometry_object.name))

@@ -74,7 +74,16 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
         col_top: Sequence[float] | None = None,
         col_bot: Sequence[float] | None = None,
     ) -> None:
-        """Colours the sky: "white", "gray", "black", or above and at the horizon by red, green, blue from 0 to 1."""
+        """Colours the sky.
+
+        Args:
+            preset_name: "white", "gray" or "black", where `col_top` is not passed.
+            col_top: Red, green, blue from 0 to 1 above.
+            col_bot: Red, green, blue from 0 to 1 at the horizon; `col_top` by default.
+
+        Raises:
+            UnknownName: Another preset.
+        """
         named = {"white": (1.0,) * 3, "gray": (0.9,) * 3, "grey": (0.9,) * 3, "black": (0.0,) * 3}
         if col_top is None and preset_name not in named:
             raise UnknownName("background", preset_name, named)

@@ -20,9 +20,16 @@ from ulna.viewer.mesh.vertex_normals import surface_with_normals
 
 
 def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) -> list[Surface]:
-    """The surfaces of a geometry in its own frame, in their colour or in the one passed.
+    """The surfaces of a geometry in its own frame.
 
-    A mesh file that is not there, or cannot be read, is left out, with a warning.
+    A mesh file that is missing or cannot be read is left out, with a warning.
+
+    Args:
+        geometry: The geometry.
+        color: Red, green, blue, opacity; its own by default.
+
+    Returns:
+        The surfaces.
     """
     shape = geometry.shape
     rgb = geometry.meshColor if color is None else color

@@ -21,27 +21,60 @@ class MeshcatVisualizer(CameraVisualizer):
     """Draws into a new viewer, or into the one passed to it. What is added here is placed at once, without refresh."""
 
     def addSphere(self, name: str, radius: float, color: Sequence[float] = _GREY) -> None:
-        """A ball [m]."""
+        """Adds a sphere.
+
+        Args:
+            name: Name of the node.
+            radius: Radius [m].
+            color: Red, green, blue, opacity from 0 to 1.
+        """
         self._add(name, Sphere(radius), color)
 
     def addBox(self, name: str, dims: Sequence[float], color: Sequence[float] = _GREY) -> None:
-        """A box by its edges [m]."""
+        """Adds a box.
+
+        Args:
+            name: Name of the node.
+            dims: Edges along x, y, z [m].
+            color: Red, green, blue, opacity from 0 to 1.
+        """
         x, y, z = dims
         self._add(name, Box((x, y, z)), color)
 
     def addCylinder(self, name: str, length: float, radius: float, color: Sequence[float] = _GREY) -> None:
-        """A cylinder about z [m]."""
+        """Adds a cylinder about z.
+
+        Args:
+            name: Name of the node.
+            length: Length [m].
+            radius: Radius [m].
+            color: Red, green, blue, opacity from 0 to 1.
+        """
         self._add(name, Cylinder(radius, length), color)
 
     def addEllipsoid(self, name: str, dims: Sequence[float], color: Sequence[float] = _GREY) -> None:
-        """An ellipsoid by its half axes [m]."""
+        """Adds an ellipsoid.
+
+        Args:
+            name: Name of the node.
+            dims: Half axes along x, y, z [m].
+            color: Red, green, blue, opacity from 0 to 1.
+        """
         a, b, c = dims
         self._add(name, Ellipsoid((a, b, c)), color)
 
     def addLine(
         self, name: str, point1: Any, point2: Any, linewidth: float = 2.0, color: Sequence[float] = _GREY
     ) -> None:
-        """A line between two points [m], some pixels thick."""
+        """Adds a line between two points.
+
+        Args:
+            name: Name of the node.
+            point1: The start, (3,) [m].
+            point2: The end, (3,) [m].
+            linewidth: Thickness [pixels].
+            color: Red, green, blue, opacity from 0 to 1.
+        """
         self.viewer.gui.addLine(name, point1, point2, colour(color))
         self.viewer.gui.setCurveLineWidth(name, linewidth)
 
@@ -52,7 +85,15 @@ class MeshcatVisualizer(CameraVisualizer):
         )
 
     def applyConfiguration(self, name: str, placement: Any) -> None:
-        """Places a node: an SE3, a matrix (4, 4), or x, y, z and a quaternion xyzw."""
+        """Places a node, at once.
+
+        Args:
+            name: Name of the node.
+            placement: An SE3, a matrix (4, 4), or x, y, z [m] and a quaternion xyzw, (7,).
+
+        Raises:
+            ShapeError: Another shape.
+        """
         gui = self.viewer.gui
         values = np.asarray(getattr(placement, "homogeneous", placement), dtype=float)
         if values.shape == (7,):

@@ -38,7 +38,14 @@ class MotionPictures(abc.ABC):
         axis_length: float = 0.2,
         axis_width: float = 2,
     ) -> None:
-        """Shows or hides the axes of frames: of all, or of some."""
+        """Shows or hides the axes of frames.
+
+        Args:
+            visibility: Whether to show them.
+            frame_ids: Indices of the frames; all by default.
+            axis_length: Length of an axis [m].
+            axis_width: Accepted and ignored.
+        """
         viewer = self.viewer.viewer
         for frame in self._frames:
             viewer.remove(self._frame_node(frame))
@@ -50,7 +57,13 @@ class MotionPictures(abc.ABC):
     def initializeFrames(
         self, frame_ids: Sequence[int] | None = None, axis_length: float = 0.2, axis_width: float = 2
     ) -> None:
-        """Shows the axes of frames: of all, or of some."""
+        """Shows the axes of frames.
+
+        Args:
+            frame_ids: Indices of the frames; all by default.
+            axis_length: Length of an axis [m].
+            axis_width: Accepted and ignored.
+        """
         self.displayFrames(True, frame_ids, axis_length, axis_width)
 
     def updateFrames(self) -> None:
@@ -68,7 +81,13 @@ class MotionPictures(abc.ABC):
     def drawFrameVelocities(
         self, frame_id: int, v_scale: float = 0.2, color: Sequence[float] | None = None
     ) -> None:
-        """Draws an arrow along the velocity of a frame's origin, after forwardKinematics with v."""
+        """Draws an arrow along the velocity of a frame's origin, after forwardKinematics with v.
+
+        Args:
+            frame_id: Index of the frame.
+            v_scale: Length for each m/s [s].
+            color: Red, green, blue, opacity; that of the viewer by default.
+        """
         v = getFrameVelocity(self.model, self.data, frame_id, LOCAL_WORLD_ALIGNED).linear
         start = self._frame_pose(frame_id)[:3, 3]
         name = f"{self._root}/velocities/{frame_id}"
@@ -89,7 +108,10 @@ class MotionPictures(abc.ABC):
             dt: How long each stays [s].
             callback: Called as `callback(i, **named)` after each.
             capture: Whether to return pictures of all of them.
-            named: What the callback is given besides.
+            **named: What the callback is given besides.
+
+        Returns:
+            The pictures, (h, w, 3) uint8 each; None without `capture`.
         """
         images: list[Any] = []
         wait = dt is not None and somebody_can_look() and not self.viewer.viewer.closed
@@ -115,12 +137,29 @@ class MotionPictures(abc.ABC):
         return self._film is not None
 
     def captureImage(self, w: int | None = None, h: int | None = None) -> Any:
-        """A picture (h, w, 3), uint8, drawn without a browser."""
+        """A picture of the scene, drawn without a browser.
+
+        Args:
+            w: Width [pixels]; 960 by default.
+            h: Height [pixels]; 600 by default.
+
+        Returns:
+            Array (h, w, 3) uint8.
+        """
         return self.viewer.viewer.picture(None, w or 960, h or 600)
 
     @contextmanager
     def create_video_ctx(self, filename: str, fps: float = 30, **_: Any) -> Iterator[None]:
-        """Writes what is played within to a film: .mp4 or .gif."""
+        """Writes the motions that are played inside the `with` statement to a video file.
+
+        Args:
+            filename: Name of the file, .mp4 or .gif.
+            fps: Pictures a second.
+            **_: Accepted and ignored.
+
+        Yields:
+            Nothing.
+        """
         from ulna.viewer.output.video import checked_video_path, write_video
 
         checked_video_path(filename)

@@ -11,7 +11,15 @@ _KINDS = ("DH", "ETS", "URDF")
 def catalog(
     keywords: Any = None, dof: int | None = None, mtype: str | None = None, border: str = "thin", **_: Any
 ) -> None:
-    """Prints which robots there are: all, or those with `dof` joints, or of the kind "DH", "ETS" or "URDF"."""
+    """Prints a table of the robots.
+
+    Args:
+        keywords: Text that name, manufacturer or keywords must contain; None for any.
+        dof: Number of joints; None for any.
+        mtype: "DH", "ETS" or "URDF"; None for all.
+        border: Accepted and ignored.
+        **_: Accepted and ignored.
+    """
     from roboticstoolbox._common.text_table import grid
 
     rows = []

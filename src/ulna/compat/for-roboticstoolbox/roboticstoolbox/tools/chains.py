@@ -60,6 +60,9 @@ def trchain(
         variables: Further names in the text: numbers, or functions to call.
         return_tokens: Whether to return the tokens, too, to save parsing the text again.
 
+    Returns:
+        The pose (4, 4); with `return_tokens` a tuple with the tokens.
+
     Raises:
         FormatError: The text is no chain, or an expression in it is none.
         UnknownName: It names what is not known.
@@ -78,7 +81,19 @@ def trchain2(
     variables: Mapping[str, Any] | None = None,
     return_tokens: bool = False,
 ) -> Any:
-    """The pose in the plane at the end of a chain of R, Tx, Ty, (3, 3); see `trchain`."""
+    """The pose in the plane at the end of a chain of R, Tx, Ty; see `trchain`.
+
+    Args:
+        chain: Text, or tokens that an earlier call returned.
+        q: Joint coordinates, which the text calls q1, q2 and so on [rad or m].
+        unit: Of angles, "rad" or "deg".
+        qvar: Name of the joint coordinates in the text.
+        variables: Further names in the text: numbers, or functions to call.
+        return_tokens: Whether to return the tokens, too.
+
+    Returns:
+        The pose (3, 3); with `return_tokens` a tuple with the tokens.
+    """
     T, tokens = _evaluated(chain, q, unit, qvar, variables or {}, _IN_THE_PLANE)
     return (to_planar(T), tokens) if return_tokens else to_planar(T)
 

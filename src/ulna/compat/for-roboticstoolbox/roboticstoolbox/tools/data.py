@@ -14,7 +14,12 @@ _PARAMETERS: dict[str, Any] = {"unicode": True}
 
 
 def rtb_set_param(param: str, value: Any) -> None:
-    """Stores a setting; nothing depends on it here."""
+    """Stores a setting, on which nothing depends.
+
+    Args:
+        param: Name of the setting.
+        value: Its value.
+    """
     _PARAMETERS[param] = value
 
 
@@ -30,7 +35,14 @@ def rtb_get_param(param: str) -> Any:
 
 
 def rtb_path_to_datafile(*filename: Any, local: bool = True) -> Path:
-    """The absolute path of a file: as it stands if `local` and it exists, else in the package `rtb-data`.
+    """The absolute path of a file of the user, or of the package `rtb-data`.
+
+    Args:
+        *filename: Parts of the path.
+        local: Whether a file of the user comes first.
+
+    Returns:
+        The path.
 
     Raises:
         FormatError: It is in neither place.
@@ -48,7 +60,16 @@ def rtb_path_to_datafile(*filename: Any, local: bool = True) -> Path:
 
 
 def rtb_load_data(filename: Any, handler: Callable[..., Any], **options: Any) -> Any:
-    """What `handler(path, **options)` makes of a data file of the package `rtb-data`."""
+    """Reads a data file of the package `rtb-data` by a function.
+
+    Args:
+        filename: Path of the file in the package.
+        handler: Called as `handler(path, **options)`.
+        **options: Passed to `handler`.
+
+    Returns:
+        What `handler` returned.
+    """
     return handler(rtb_path_to_datafile(filename, local=False), **options)
 
 

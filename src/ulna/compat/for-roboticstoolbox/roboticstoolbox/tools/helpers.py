@@ -18,6 +18,9 @@ def null(A: Any, atol: float = 1e-13, rtol: float = 0.0) -> Floats:
         A: The matrix, (m, n).
         atol: Singular values below it count as zero.
         rtol: So do those below it times the largest.
+
+    Returns:
+        Orthonormal columns, (n, k).
     """
     matrix = np.atleast_2d(np.asarray(A, dtype=float))
     _, s, Vt = np.linalg.svd(matrix)
@@ -43,7 +46,17 @@ def jsingu(J: Any) -> None:
 
 
 def jacobian_numerical(f: Callable[[Floats], Any], x: Any, dx: float = 1e-8, N: int = 0) -> Floats:
-    """The Jacobian of a vector function by differences, (m, n)."""
+    """The Jacobian of a vector function by forward differences.
+
+    Args:
+        f: Function of (n,) that returns (m,).
+        x: Where, (n,).
+        dx: Step.
+        N: Accepted and ignored.
+
+    Returns:
+        Jacobian (m, n).
+    """
     at = np.ravel(np.asarray(x, dtype=float))
     before = np.ravel(np.asarray(f(at), dtype=float))
     columns = [(np.ravel(np.asarray(f(at + dx * e), dtype=float)) - before) / dx for e in np.eye(at.size)]
@@ -51,7 +64,16 @@ def jacobian_numerical(f: Callable[[Floats], Any], x: Any, dx: float = 1e-8, N: 
 
 
 def hessian_numerical(J: Callable[[Floats], Any], x: Any, dx: float = 1e-8) -> Floats:
-    """The derivative of a Jacobian function by differences, (m, n, n): [:, :, i] by coordinate i."""
+    """The derivative of a Jacobian function by forward differences.
+
+    Args:
+        J: Function of (n,) that returns (m, n).
+        x: Where, (n,).
+        dx: Step.
+
+    Returns:
+        Array (m, n, n): [:, :, i] is the derivative by coordinate i.
+    """
     at = np.ravel(np.asarray(x, dtype=float))
     before = np.asarray(J(at), dtype=float)
     changes = [(np.asarray(J(at + dx * e), dtype=float) - before) / dx for e in np.eye(at.size)]

@@ -20,13 +20,24 @@ def p_servo(
         gain: One gain or six [1/s].
         threshold: Reached when the absolute errors add up to less [m and rad].
         method: "rpy": in the end's axes, for `jacobe`; "angle-axis": in the base's axes, for `jacob0`.
+
+    Returns:
+        Twist (6,) [m/s and rad/s], and whether the pose is reached.
     """
     factor = float(gain) if isinstance(gain, (int, float)) else gain
     return _servo(array(wTe), array(wTep), factor, threshold, method)
 
 
 def angle_axis(T: Any, Td: Any) -> Floats:
-    """The difference of positions and the rotation vector from one pose to another, (6,)."""
+    """The difference of positions and the rotation vector from one pose to another, in the base's axes.
+
+    Args:
+        T: Pose, an SE3 or (4, 4).
+        Td: Another pose, an SE3 or (4, 4).
+
+    Returns:
+        Vector (6,) [m and rad].
+    """
     return p_servo(T, Td, 1.0, 0.0, "angle-axis")[0]
 
 

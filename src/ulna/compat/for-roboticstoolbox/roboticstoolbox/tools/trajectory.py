@@ -65,7 +65,15 @@ class Trajectory:
     __repr__ = __str__
 
     def plot(self, block: bool = False, **_: Any) -> Any:
-        """Draws positions, velocities and accelerations over time; returns the figure."""
+        """Draws positions, velocities and accelerations over time.
+
+        Args:
+            block: Whether to wait until the window is closed.
+            **_: Accepted and ignored.
+
+        Returns:
+            The Matplotlib figure.
+        """
         plt = _pyplot("Trajectory.plot")
         rows = [("q", self.s), ("qd", self.sd), ("qdd", self.sdd)]
         rows = [(label, values) for label, values in rows if values is not None]
@@ -95,7 +103,19 @@ def _pyplot(purpose: str) -> Any:
 def xplot(
     x: Any, y: Any = None, block: bool = False, labels: Any = None, latex: bool = False, **_: Any
 ) -> Any:
-    """Draws coordinates over time, a line each; `labels` name them, "q1" and so on if not given."""
+    """Draws coordinates over time, a line each.
+
+    Args:
+        x: Times (m,); or the coordinates, where `y` is not passed.
+        y: Coordinates, (m,) or (m, n).
+        block: Whether to wait until the window is closed.
+        labels: Names of the coordinates, a list or text with spaces; "q1" and so on by default.
+        latex: Accepted and ignored.
+        **_: Accepted and ignored.
+
+    Returns:
+        The Matplotlib figure.
+    """
     plt = _pyplot("xplot")
     values = np.asarray(x if y is None else y, dtype=float)
     at = np.arange(len(values)) if y is None else np.asarray(x)
@@ -129,8 +149,14 @@ def jtraj(q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None) -> Traject
         q0: Start, (n,).
         qf: End, (n,).
         t: Times [s]; or how many points: then velocities are per duration of the whole, as those of the toolbox.
-        qd0: Velocity at the start.
-        qd1: Velocity at the end.
+        qd0: Velocity at the start, (n,); zero by default.
+        qd1: Velocity at the end, (n,); zero by default.
+
+    Returns:
+        Positions, velocities and accelerations, (m, n) each.
+
+    Raises:
+        InputError: A time is below 0.
     """
     rows, is_time = _times(t)
     if is_time and rows.min() < 0.0:
@@ -144,12 +170,33 @@ def jtraj(q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None) -> Traject
 
 
 def quintic_func(q0: float, qf: float, T: float, qd0: float = 0, qdf: float = 0) -> Callable[[Any], Any]:
-    """The quintic as a function of time that returns position, velocity, acceleration."""
+    """A quintic of one coordinate as a function of time.
+
+    Args:
+        q0: Start.
+        qf: End.
+        T: Duration [s].
+        qd0: Velocity at the start.
+        qdf: Velocity at the end.
+
+    Returns:
+        Function of times (m,) that returns position, velocity, acceleration.
+    """
     return _function(trajectory.quintic(float(q0), float(qf), float(T), float(qd0), float(qdf)))
 
 
 def trapezoidal_func(q0: float, qf: float, T: float, V: float | None = None) -> Callable[[Any], Any]:
-    """The trapezoid as a function of time that returns position, velocity, acceleration."""
+    """A trapezoid of speed of one coordinate as a function of time.
+
+    Args:
+        q0: Start.
+        qf: End.
+        T: Duration [s].
+        V: Cruising speed; None for half as fast again as the mean speed.
+
+    Returns:
+        Function of times (m,) that returns position, velocity, acceleration.
+    """
     return _function(_trapezoid(q0, qf, T, V))
 
 
@@ -175,12 +222,33 @@ def _one(name: str, make: Callable[[float], Any], t: Any) -> Trajectory:
 
 
 def quintic(q0: float, qf: float, t: Any, qd0: float = 0, qdf: float = 0) -> Trajectory:
-    """A quintic of one coordinate, at times, or at steps one second apart."""
+    """A quintic of one coordinate, at times, or at steps one second apart.
+
+    Args:
+        q0: Start.
+        qf: End.
+        t: Times (m,) [s], or the number of steps one second apart.
+        qd0: Velocity at the start.
+        qdf: Velocity at the end.
+
+    Returns:
+        Position, velocity and acceleration, (m,) each.
+    """
     return _one("quintic", lambda T: trajectory.quintic(float(q0), float(qf), T, float(qd0), float(qdf)), t)
 
 
 def trapezoidal(q0: float, qf: float, t: Any, V: float | None = None) -> Trajectory:
-    """A trapezoid of speed of one coordinate; `V` is the cruising speed."""
+    """A trapezoid of speed of one coordinate.
+
+    Args:
+        q0: Start.
+        qf: End.
+        t: Times (m,) [s], or the number of steps one second apart.
+        V: Cruising speed; None for half as fast again as the mean speed.
+
+    Returns:
+        Position, velocity and acceleration, (m,) each.
+    """
     return _one("trapezoidal", lambda T: _trapezoid(q0, qf, T, V), t)
 
 
@@ -188,7 +256,20 @@ lspb = trapezoidal
 
 
 def mtraj(tfunc: Callable[..., Trajectory], q0: Any, qf: Any, t: Any) -> Trajectory:
-    """The law `tfunc`, `quintic` or `trapezoidal`, for each coordinate."""
+    """A law of one coordinate for each coordinate.
+
+    Args:
+        tfunc: `quintic` or `trapezoidal`.
+        q0: Start, (n,).
+        qf: End, (n,).
+        t: Times (m,) [s], or the number of steps one second apart.
+
+    Returns:
+        Positions, velocities and accelerations, (m, n) each.
+
+    Raises:
+        ShapeError: `qf` has another shape than `q0`.
+    """
     start, end = np.ravel(np.asarray(q0, dtype=float)), np.ravel(np.asarray(qf, dtype=float))
     if start.shape != end.shape:
         raise ShapeError("qf", end.shape, f"({start.size},), like q0")
@@ -201,10 +282,16 @@ def ctraj(T0: Any, T1: Any, t: Any = None, s: Any = None) -> Any:
     """Poses on the straight line from one to another, turning evenly, as one SE3.
 
     Args:
-        T0: Start.
-        T1: End.
+        T0: Start, an SE3 or (4, 4).
+        T1: End, an SE3 or (4, 4).
         t: How many, or times; the path parameter follows a trapezoid of speed.
         s: The path parameter instead, from 0 to 1, (m,).
+
+    Returns:
+        Poses as one SE3 of m elements.
+
+    Raises:
+        InputError: Both `t` and `s`, or neither.
     """
     from roboticstoolbox._common.poses import matrix, pose
     from ulna.spatial import SE3
@@ -247,6 +334,12 @@ def mstraj(
         qd0: Velocity at the start, (n,).
         qdf: Velocity at the end, (n,).
         verbose: Accepted and ignored.
+
+    Returns:
+        Positions, (m, n).
+
+    Raises:
+        InputError: Both `qdmax` and `tsegment`, or neither, or times that do not fit.
     """
     points = np.atleast_2d(np.asarray(viapoints, dtype=float))
     if q0 is not None:
