@@ -27,7 +27,15 @@ from ulna.typing import Array, Floats
 
 
 def pose_kernel(model: Model, solids: Sequence[Solid]) -> Any:
-    """The kernel from a configuration (nq,) to R, p, c, h of the solids of a robot."""
+    """The kernel that places the solids of a robot, and boxes around them.
+
+    Args:
+        model: The robot.
+        solids: The solids, fixed to links or to the world.
+
+    Returns:
+        A kernel from a configuration, shape (nq,), to R, p, c, h of the solids, each with a leading axis n.
+    """
 
     def boxes(q: Array) -> tuple[Array, ...]:
         poses = algorithms.frame_poses(model, q, solids)  # type: ignore[arg-type]
@@ -43,7 +51,16 @@ def pose_kernel(model: Model, solids: Sequence[Solid]) -> Any:
 
 
 def boxes_at(solids: Sequence[Solid], rotation: Floats, translation: Floats) -> tuple[Floats, Floats]:
-    """c and h of solids at given poses (..., n, 3, 3), (..., n, 3)."""
+    """Boxes around solids, along the world's axes.
+
+    Args:
+        solids: n solids.
+        rotation: Rotations of the solids in the world, shape (..., n, 3, 3) [-].
+        translation: Positions of the solids in the world, shape (..., n, 3) [m].
+
+    Returns:
+        Centres c and half edges h, each of shape (..., n, 3) [m].
+    """
     if not solids:
         empty = np.zeros((*translation.shape[:-2], 0, 3))
         return empty, empty
@@ -65,12 +82,15 @@ def _box(solid: Solid, rotation: Array, translation: Array) -> tuple[Array, Arra
 
 
 def gaps(c: Floats, h: Floats, count: int) -> Floats:
-    """Lower bounds of the signed distances from the first `count` boxes to all boxes, (count, n, rows) [m].
+    """Lower bounds of the signed distances from the first `count` boxes to all boxes.
 
     Args:
-        c: Centres, (rows, n, 3) [m].
-        h: Half edges, (rows, n, 3) [m].
+        c: Centres, shape (rows, n, 3) [m].
+        h: Half edges, shape (rows, n, 3) [m].
         count: How many boxes belong to links.
+
+    Returns:
+        Distances, shape (count, n, rows) [m].
     """
     worst = squares = None
     for middle, half in zip(_by_axis(c), _by_axis(h), strict=True):
@@ -86,7 +106,17 @@ def gaps(c: Floats, h: Floats, count: int) -> Floats:
 
 
 def overlaps(c: Floats, h: Floats, count: int, margin: float) -> Array:
-    """Whether boxes come as near as `margin` [m] along every axis, (count, n, rows); arguments as for `gaps`."""
+    """Whether boxes come near along every axis.
+
+    Args:
+        c: Centres, shape (rows, n, 3) [m].
+        h: Half edges, shape (rows, n, 3) [m].
+        count: How many boxes belong to links.
+        margin: How near [m].
+
+    Returns:
+        Truth values, shape (count, n, rows).
+    """
     candidates = None
     for low, high in zip(_by_axis(c - h), _by_axis(c + h), strict=True):
         near = low[:count, None] <= high + margin
@@ -102,6 +132,16 @@ def _by_axis(x: Floats) -> Floats:
 
 
 def plane_gaps(c: Floats, h: Floats, rotation: Floats, translation: Floats) -> Floats:
-    """Lower bounds of the signed distances from boxes (rows, n, 3) to a solid half space, (n, rows) [m]."""
+    """Lower bounds of the signed distances from boxes to a solid half space.
+
+    Args:
+        c: Centres of the boxes, shape (rows, n, 3) [m].
+        h: Half edges, shape (rows, n, 3) [m].
+        rotation: Rotations of the half space, shape (rows, 3, 3) [-]; its normal is the third column.
+        translation: A point on its plane, shape (rows, 3) [m].
+
+    Returns:
+        Distances, shape (n, rows) [m].
+    """
     normal = rotation[..., None, :, 2]
     return (dot(normal, c - translation[..., None, :]) - dot(np.abs(normal), h)).T

@@ -61,7 +61,15 @@ class Part:
 
 
 def parts(world: World, missing: Missing = "error") -> tuple[Part, ...]:
-    """The pieces of a world's obstacles; meshes (by convex hulls), cones and ellipsoids become spheres around them."""
+    """The parts of a world's obstacles; meshes (by convex hulls), cones and ellipsoids become spheres around them.
+
+    Args:
+        world: The obstacles.
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
+
+    Returns:
+        The parts, in the order of the obstacles.
+    """
     return tuple(part for solid in obstacle_solids(world, missing) for part in _parts(solid))
 
 
@@ -88,9 +96,17 @@ def _parts(solid: Solid) -> list[Part]:
 def standing(
     model: Model, pairs: Sequence[LinkPair], missing: Missing = "error"
 ) -> list[tuple[Part, tuple[str, ...]]]:
-    """The pieces of links that never move, placed in the world, with the links that each is checked against.
+    """The parts of links that never move, placed in the world.
 
     They need no spheres: the spheres of the others are checked against their real shapes.
+
+    Args:
+        model: The robot.
+        pairs: Pairs of links.
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
+
+    Returns:
+        Each part with the names of the links that it is checked against.
     """
     partners: dict[str, list[str]] = {}
     for a, b in pairs:
@@ -109,9 +125,16 @@ def standing(
 
 
 def row(part: Part, pose: SE3) -> Floats:
-    """The numbers a formula takes of a part whose obstacle is at `pose`, T_world_obstacle (...): (..., n).
+    """The numbers that describe a placed part.
 
     Of a box R, t, h, m; of a cylinder its axis, t, radius and half length; of a plane its normal and a point.
+
+    Args:
+        part: The part.
+        pose: Pose of its obstacle, T_world_obstacle [m].
+
+    Returns:
+        The numbers, shape (..., n).
     """
     T = pose @ part.placement
     batch = T.translation.shape[:-1]
@@ -126,8 +149,16 @@ WIDTH: Mapping[Kind, int] = {"box": 16, "cylinder": 8, "plane": 6}
 
 
 def squared(kind: Kind, c: Array, numbers: Array) -> tuple[Any, Any]:
-    """The squared distance of a point from a part before rounding, and how far the part is rounded (m); no roots
-    where none are needed.
+    """The squared distance of a point from a part before rounding, and how far the part is rounded: no roots where
+    none are needed.
+
+    Args:
+        kind: Its kind: "box", "cylinder" or "plane".
+        c: The point, shape (3,) [m].
+        numbers: What `row` returns for it, shape (..., n).
+
+    Returns:
+        The squared distance [m^2], zero inside, and the radius of the rounding [m].
     """
     g = _beyond(kind, c, numbers)
     outside = [maximum(x, 0.0) for x in g]
@@ -138,7 +169,16 @@ def squared(kind: Kind, c: Array, numbers: Array) -> tuple[Any, Any]:
 
 
 def signed(kind: Kind, c: Array, numbers: Array) -> Any:
-    """The signed distance of a point from a part."""
+    """The signed distance of a point from a part.
+
+    Args:
+        kind: Its kind: "box", "cylinder" or "plane".
+        c: The point, shape (3,) [m].
+        numbers: What `row` returns for it, shape (..., n).
+
+    Returns:
+        The distance [m], negative inside.
+    """
     g = _beyond(kind, c, numbers)
     if kind == "plane":
         return g[0]
@@ -169,7 +209,16 @@ def _beyond(kind: Kind, c: Array, numbers: Array) -> list[Any]:
 
 
 def centres(model: Model, q: Array, spheres: Spheres) -> dict[str, Array]:
-    """Where the spheres are in the world at a configuration (nq,): by link, (n, 3) [m]."""
+    """Where the spheres of the links are in the world.
+
+    Args:
+        model: The robot.
+        q: Configuration, shape (nq,) [rad, m].
+        spheres: Spheres of the links.
+
+    Returns:
+        By link, the centres of its spheres, shape (n, 3) [m].
+    """
     joints = algorithms.joint_poses(model, q)
     points = {}
     for name, balls in spheres.links.items():
@@ -184,7 +233,16 @@ def centres(model: Model, q: Array, spheres: Spheres) -> dict[str, Array]:
 
 
 def self_pairs(model: Model, spheres: Spheres, pairs: Sequence[LinkPair]) -> list[tuple[str, int, str, int]]:
-    """Every two spheres of moving links that are checked against each other, as link and number, twice."""
+    """Every two spheres of moving links that are checked against each other.
+
+    Args:
+        model: The robot.
+        spheres: Spheres of the links.
+        pairs: Pairs of links.
+
+    Returns:
+        Link and number of the first, link and number of the second sphere.
+    """
     return [
         (a, i, b, j)
         for a, b in pairs
@@ -196,6 +254,14 @@ def self_pairs(model: Model, spheres: Spheres, pairs: Sequence[LinkPair]) -> lis
 
 def checked_links(model: Model, spheres: Spheres, obstacle: Obstacle) -> list[str]:
     """The links that an obstacle is checked against.
+
+    Args:
+        model: The robot.
+        spheres: Spheres of the links.
+        obstacle: The obstacle.
+
+    Returns:
+        Their names, in the order of `model.links`.
 
     Raises:
         UnknownName: If the obstacle may touch a link that the model does not have.
@@ -216,18 +282,21 @@ def sphere_clearance(
     pairs: Sequence[LinkPair] | None = None,
     smooth: float | None = None,
 ) -> Callable[[Array], Any]:
-    """The function from a configuration (nq,) to how far the robot's spheres are from everything, () [m].
+    """The function from a configuration to how far the robot's spheres are from everything.
 
-    For your own objectives and constraints: call it in what you compile, take `.jacobian()` of the kernel. The world is
-    baked in, at its own poses.
+    For your own objectives and constraints: call it in what you compile, use `.jacobian()` of the kernel. The world
+    is compiled in, at its own poses.
 
     Args:
         model: The robot.
         world: Obstacles; None for none.
         spheres: Spheres of the links; None for `fit(model)`.
         pairs: Pairs of links; None for `link_pairs(model)`, () for none.
-        smooth: A length s [m] that rounds off the minimum: -s log(sum(exp(-d / s))), which has a gradient
-            everywhere and is below the minimum by at most s log(count); None for the minimum.
+        smooth: A length s [m] that rounds off the minimum: -s log(sum(exp(-d / s))), which has a gradient everywhere
+            and is below the minimum by at most s log(count); None for the minimum.
+
+    Returns:
+        A function from a configuration, shape (nq,), to the distance, shape () [m].
     """
     balls = fit(model) if spheres is None else spheres
     chosen = link_pairs(model) if pairs is None else pairs

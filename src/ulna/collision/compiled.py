@@ -103,13 +103,16 @@ class SphereChecker:
         margin: float = 0.0,
         threads: int | None = None,
     ) -> Any:
-        """Whether any spheres come as near as `margin` [m], (...): False means free, for sure.
+        """Whether any spheres come near each other: False means free, for sure.
 
         Args:
-            q: Configuration, (..., nq) [rad or m].
-            moving: Poses of moving obstacles by name, T_world_shape (..., 4, 4).
-            margin: Not below 0 [m].
+            q: Configuration, shape (..., nq) [rad, m].
+            moving: Poses of moving obstacles by name, T_world_shape, shape (..., 4, 4) [m].
+            margin: How near, not below 0 [m].
             threads: How many threads a large batch may use.
+
+        Returns:
+            Truth values, shape (...).
 
         Raises:
             ShapeError, DtypeError, NonFiniteError: If `q` or a pose cannot be one.
@@ -128,10 +131,22 @@ class SphereChecker:
         *,
         threads: int | None = None,
     ) -> Any:
-        """How far the nearest spheres are, (...) [m]; arguments as for `collides`.
+        """How far the nearest spheres are.
 
         While it is positive, the real shapes are at least that far. Negative, it says how deep the spheres are, which
-        is not how deep the shapes are. inf where nothing is checked.
+        is not how deep the shapes are.
+
+        Args:
+            q: Configuration, shape (..., nq) [rad, m].
+            moving: Poses of moving obstacles by name, T_world_shape, shape (..., 4, 4) [m].
+            threads: How many threads a large batch may use.
+
+        Returns:
+            Distance, shape (...) [m]; inf where nothing is checked.
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If `q` or a pose cannot be one.
+            UnknownName: If `moving` names no obstacle.
         """
         return self._evaluate("signed", q, moving, np.minimum, 0.0, threads)
 

@@ -25,12 +25,15 @@ _MOST = 60_000  # points of a grid
 
 
 def sample(solid: Solid, place: SE3, step: float) -> tuple[Floats, Floats, float]:
-    """Points no farther than `delta` from any point of a solid, those of them that lie inside, and `delta`.
+    """Points no farther than `delta` from any point of a solid.
 
     Args:
-        solid: A bounded solid, taken by its convex hull.
-        place: T_common_shape; the points are in the common frame.
+        solid: A bounded solid, as its convex hull.
+        place: T_common_shape [m]; the points are in the common frame.
         step: Step of the grid [m]; made wider where it would have too many points.
+
+    Returns:
+        The points, shape (n, 3) [m], those of them that lie inside, shape (k, 3) [m], and `delta` [m].
 
     Raises:
         InputError: If the solid is a plane.

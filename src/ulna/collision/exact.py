@@ -116,13 +116,16 @@ class Checker:
         margin: float = 0.0,
         broad_phase: bool = True,
     ) -> Any:
-        """Whether anything touches, (...).
+        """Whether anything touches.
 
         Args:
-            q: Configuration, (..., nq) [rad or m].
-            moving: Poses of moving obstacles by name, T_world_shape (..., 4, 4).
+            q: Configuration, shape (..., nq) [rad, m].
+            moving: Poses of moving obstacles by name, T_world_shape, shape (..., 4, 4) [m].
             margin: Shapes that come as near as this count as touching [m]; negative lets them overlap that deep.
-            broad_phase: Whether boxes rule out pairs before coal sees them.
+            broad_phase: Whether boxes rule out pairs before coal checks them.
+
+        Returns:
+            Truth values, shape (...).
 
         Raises:
             ShapeError, DtypeError, NonFiniteError: If `q` or a pose cannot be one.
@@ -148,10 +151,13 @@ class Checker:
         """The least signed distance of all pairs, with witness points, normal and names; see `Distance`.
 
         Args:
-            q: Configuration, (..., nq) [rad or m].
-            moving: Poses of moving obstacles by name, T_world_shape (..., 4, 4).
+            q: Configuration, shape (..., nq) [rad, m].
+            moving: Poses of moving obstacles by name, T_world_shape, shape (..., 4, 4) [m].
             stop_below: The first pair this near ends the search [m]; there may be nearer ones then.
-            broad_phase: Whether boxes rule out pairs before coal sees them.
+            broad_phase: Whether boxes rule out pairs before coal checks them.
+
+        Returns:
+            The distances, with their batch shape.
         """
         enough = -np.inf if stop_below is None else _number("stop_below", stop_below)
         with self.lock:
@@ -172,7 +178,16 @@ class Checker:
     def touching(
         self, q: ArrayLike, moving: Mapping[str, ArrayLike] | None = None, *, margin: float = 0.0
     ) -> Array:
-        """Which of `owners` touch, (..., len(owners)); arguments as for `collides`."""
+        """Which of `owners` touch.
+
+        Args:
+            q: Configuration, shape (..., nq) [rad, m].
+            moving: Poses of moving obstacles by name, T_world_shape, shape (..., 4, 4) [m].
+            margin: Shapes that come as near as this count as touching [m]; negative lets them overlap that deep.
+
+        Returns:
+            Truth values, shape (..., n) with one entry for each of `owners`.
+        """
         margin = _number("margin", margin)
         column = {pair: k for k, pair in enumerate(self.owners)}
         with self.lock:
@@ -193,10 +208,21 @@ class Checker:
         *,
         within: float = np.inf,
     ) -> tuple[Proximity, ...]:
-        """Every two owners of solids that are nearer than `within` [m] at one configuration (nq,), nearest first.
+        """Every two owners of solids that are near each other at one configuration, nearest first.
 
         Two links, or a link and an obstacle, appear once, at their nearest solids, with the gradient of their
         distance: the rows that dampers of a controller need.
+
+        Args:
+            q: Configuration, shape (nq,) [rad, m].
+            moving: Poses of moving obstacles by name, T_world_shape, shape (4, 4) [m].
+            within: Only those nearer than this [m].
+
+        Returns:
+            One proximity a pair.
+
+        Raises:
+            ShapeError: `q` is a batch.
         """
         if np.ndim(q) != 1:
             raise ShapeError("q", np.shape(q), f"({self.model.nq},)", "Ask for one configuration at a time.")
@@ -216,10 +242,17 @@ class Checker:
         return tuple(self._proximity(item, np.asarray(q, dtype=float)) for item in ordered)
 
     def gradient(self, q: ArrayLike, moving: Mapping[str, ArrayLike] | None = None) -> Floats:
-        """Gradient of the least distance by the configuration's tangent, (..., nv) [m/rad or 1]; 0 without pairs.
+        """The gradient of the least distance by the configuration's tangent.
 
         Where two pairs are equally near, or the nearest points jump, the distance has no gradient; this is that of
-        the pair found.
+        one of the pairs.
+
+        Args:
+            q: Configuration, shape (..., nq) [rad, m].
+            moving: Poses of moving obstacles by name, T_world_shape, shape (..., 4, 4) [m].
+
+        Returns:
+            Gradient, shape (..., nv) [m/rad, -]; 0 without pairs.
         """
         nearest = self.distance(q, moving)
         batch = nearest.distance.shape
@@ -229,7 +262,15 @@ class Checker:
         return np.array(out).reshape(*batch, self.model.nv)
 
     def look(self, q: Floats, moving: Mapping[str, ArrayLike] | None = None) -> Look:
-        """The solids at one configuration (nq,), for algorithms that ask for pairs themselves; hold `lock`."""
+        """The solids at one configuration, for algorithms that ask for pairs themselves; hold `lock`.
+
+        Args:
+            q: Configuration, shape (nq,) [rad, m].
+            moving: Poses of moving obstacles by name, T_world_shape, shape (4, 4) [m].
+
+        Returns:
+            The placed solids.
+        """
         _, chunks = self._chunks(q, moving)
         _, poses = next(chunks)
         return Look(self._bounds(poses, True)[..., 0], poses, self._narrow)

@@ -33,13 +33,16 @@ _FEW = 4000  # points that decide where centres go; all of them decide radii
 
 
 def cover(solids: Sequence[Solid], places: Sequence[SE3], tolerance: float, most: int) -> Cover:
-    """Spheres around solids: centres (n, 3), radii (n,) [m], and e [m].
+    """Spheres around solids.
 
     Args:
-        solids: Bounded solids, each taken by its convex hull.
-        places: T_common_shape of each.
+        solids: Bounded solids, each as its convex hull.
+        places: T_common_shape of each [m].
         tolerance: How far spheres should stick out of curved surfaces [m]; of flat ones twice that.
-        most: How many spheres a solid may get.
+        most: The largest number of spheres for a solid.
+
+    Returns:
+        Centres, shape (n, 3) [m], radii, shape (n,) [m], and e [m].
     """
     covers = [
         pack(solid.shape, tolerance, most) or _cluster(solid, 2.0 * tolerance, most) for solid in solids

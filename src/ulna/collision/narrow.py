@@ -28,7 +28,18 @@ def coal() -> Any:
 
 
 def geometry_of(solid: Solid, convex: bool) -> Any:
-    """The coal geometry of a solid; meshes as their triangles, or as their convex hull."""
+    """The coal geometry of a solid.
+
+    Args:
+        solid: The solid.
+        convex: Whether a mesh becomes its convex hull; else it stays its triangles.
+
+    Returns:
+        The geometry.
+
+    Raises:
+        InputError: coal has no such shape.
+    """
     c = coal()
     match solid.shape:
         case Box(size=size):
@@ -106,7 +117,14 @@ class Look:
     _narrow: Narrow
 
     def distance(self, i: int, j: int) -> float:
-        """The signed distance of two solids [m]."""
+        """The signed distance of two solids.
+
+        Args:
+            i, j: Their numbers.
+
+        Returns:
+            The distance [m].
+        """
         return self._narrow.distance(self._poses, 0, i, j).distance
 
 
@@ -151,7 +169,17 @@ class Narrow:
         return ask
 
     def distance(self, poses: Poses, row: int, i: int, j: int, best: Found | None = None) -> Any:
-        """The distance of two solids, or `best` where that is not larger."""
+        """The distance of two solids.
+
+        Args:
+            poses: The poses of all solids.
+            row: The configuration in the batch.
+            i, j: The numbers of the two solids.
+            best: What was nearest so far; None for nothing.
+
+        Returns:
+            The distance with its points and normal, or `best` where that is not larger.
+        """
         pair = self._distances.get((i, j))
         if pair is None:
             pair = self._distances[i, j] = coal().ComputeDistance(self._geometries[i], self._geometries[j])

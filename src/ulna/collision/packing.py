@@ -45,7 +45,17 @@ _DISCS: tuple[tuple[float, list[tuple[float, float]]], ...] = (
 
 
 def pack(shape: Shape, t: float, most: int) -> Cover | None:
-    """At most `most` spheres that cover a shape, sticking out by about `t` [m]; None for one without a formula."""
+    """Spheres that cover a shape.
+
+    Args:
+        shape: The shape.
+        t: How far they stick out, about [m].
+        most: The largest number of spheres.
+
+    Returns:
+        Centres, shape (n, 3) [m], radii, shape (n,) [m], and how far they stick out [m]; None for a shape without a
+        formula.
+    """
     match shape:
         case Sphere(radius=r):
             return np.zeros((1, 3)), np.array([r]), 0.0

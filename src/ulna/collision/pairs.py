@@ -20,9 +20,12 @@ def link_pairs(
 
     Args:
         model: The robot.
-        without: More pairs to leave out.
+        without: More pairs to exclude.
         adjacent: Whether links joined by one movable joint are checked all the same.
         disabled: Whether the pairs that the model disables are checked all the same.
+
+    Returns:
+        Pairs of link names.
 
     Raises:
         UnknownName: If `without` names a link that the model does not have.
@@ -47,7 +50,14 @@ def link_pairs(
 
 
 def checked_pairs(model: Model, pairs: Iterable[LinkPair]) -> tuple[LinkPair, ...]:
-    """`pairs`, once it is sure that each is two different links of the model.
+    """Pairs of two different links of a model.
+
+    Args:
+        model: The robot.
+        pairs: The pairs of names.
+
+    Returns:
+        The same pairs.
 
     Raises:
         InputError: If an entry is not a pair of two different names.

@@ -54,7 +54,15 @@ class Distance:
 
     @classmethod
     def of(cls, items: Sequence[Proximity], batch: tuple[int, ...]) -> Distance:
-        """The distances of a batch from those of its rows."""
+        """The distances of a batch from those of its rows.
+
+        Args:
+            items: One proximity a row.
+            batch: The shape of the batch.
+
+        Returns:
+            The distances.
+        """
         return cls(
             np.array([i.distance for i in items], dtype=float).reshape(batch),
             np.array([i.points for i in items], dtype=float).reshape(*batch, 2, 3),

@@ -65,15 +65,19 @@ class Solid:
 def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
     """The collision geometry of a model's links.
 
+    Warns (ModelWarning) of links that are drawn and have no collision geometry.
+
     Args:
         model: The robot.
-        missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
 
-    Warns (ModelWarning) of links that are drawn and have no collision geometry.
+    Returns:
+        The solids, in the order of the links.
 
     Raises:
         ModelError: If no link has collision geometry, a mesh file is missing, or a plane moves.
         MissingExtra: If there are meshes and trimesh is not installed.
+        InputError: `missing` is neither "error" nor "skip".
     """
     if missing not in ("error", "skip"):
         raise InputError(f"missing={missing!r}; expected 'error' or 'skip'.")
@@ -112,7 +116,15 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
 
 
 def obstacle_solids(world: World, missing: Missing = "error") -> tuple[Solid, ...]:
-    """The obstacles of a world, in order; see `link_solids`."""
+    """The obstacles of a world; see `link_solids`.
+
+    Args:
+        world: The obstacles.
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
+
+    Returns:
+        The solids, in the order of the obstacles.
+    """
     found = (_solid(f"obstacle {o.name!r}", o.name, o.shape, -1, o.pose, missing) for o in world.obstacles)
     return tuple(solid for solid in found if solid is not None)
 

@@ -89,7 +89,16 @@ class Spheres:
         return fingerprint([[name, s.centres, s.radii] for name, s in self.links.items()])
 
     def replace(self, link: str, centres: ArrayLike, radii: ArrayLike) -> Spheres:
-        """The same with other spheres on one link: centres in its frame (n, 3), radii (n,) [m]."""
+        """The same with other spheres on one link.
+
+        Args:
+            link: Name of the link.
+            centres: Centres in its frame, shape (n, 3) [m].
+            radii: Radii, shape (n,) [m].
+
+        Returns:
+            New spheres.
+        """
         new = LinkSpheres(np.asarray(centres, dtype=float), np.asarray(radii, dtype=float))
         return Spheres({**self.links, link: new})
 
@@ -121,15 +130,18 @@ class Spheres:
 
 
 def fit(model: Model, tolerance: float = 0.012, most: int = 12, *, missing: Missing = "error") -> Spheres:
-    """Spheres that cover the collision geometry of every link; kept on disk, since finding them may take seconds.
+    """Spheres that cover the collision geometry of every link; stored on disk, since computing them may take seconds.
 
     Links whose spheres touch those of another in most configurations get finer ones, up to eight times.
 
     Args:
         model: The robot.
         tolerance: How far spheres should stick out of curved surfaces [m]; of flat ones twice that.
-        most: How many spheres one shape may get; where they do not do, `excess` is larger.
-        missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
+        most: The largest number of spheres for one shape; where they do not suffice, `excess` is larger.
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
+
+    Returns:
+        The spheres of each link.
 
     Raises:
         InputError: If tolerance or count make no sense.

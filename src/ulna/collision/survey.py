@@ -50,9 +50,15 @@ def survey(
         model: The robot.
         count: How many configurations.
         seed: A number or a `numpy.random.Generator`.
-        margin: What counts as touching [m].
-        convex: Whether meshes are taken by their convex hulls.
-        missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
+        margin: Shapes that come as near as this count as touching [m].
+        convex: Whether meshes are replaced by their convex hulls.
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
+
+    Returns:
+        Which pairs touch in every, in no and in some configurations.
+
+    Raises:
+        InputError: `count` is not a whole number from 1.
     """
     if int(count) != count or count < 1:
         raise InputError(f"`count` is {count!r}; expected 1 or more configurations.")

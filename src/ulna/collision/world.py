@@ -75,9 +75,13 @@ class World:
         Args:
             name: A new name.
             shape: A shape of `ulna.geometry`: Box, Sphere, Cylinder, Capsule, Cone, Ellipsoid, Plane, Mesh.
-            pose: T_world_shape, an SE3, a (4, 4) array, or a position (3,); None for the world's origin.
+            pose: T_world_shape [m]: an SE3, an array of shape (4, 4), or a position of shape (3,); None for the
+                world's origin.
             moving: Whether calls may give it another pose.
             touches: Names of links that may touch it.
+
+        Returns:
+            A new world.
 
         Raises:
             InputError: If the name is taken, or shape or pose cannot be one.
@@ -98,7 +102,18 @@ class World:
         return World(tuple(o for o in self.obstacles if o is not gone))
 
     def move(self, name: str, pose: SE3 | ArrayLike) -> World:
-        """The world with that obstacle at another pose, T_world_shape. Raises UnknownName with the nearest one."""
+        """The world with an obstacle at another pose.
+
+        Args:
+            name: Its name.
+            pose: T_world_shape [m]: an SE3, an array of shape (4, 4), or a position of shape (3,).
+
+        Returns:
+            A new world.
+
+        Raises:
+            UnknownName: no obstacle of that name; offers the nearest one.
+        """
         old = self[name]
         new = replace(old, pose=_pose(name, pose))
         return World(tuple(new if o is old else o for o in self.obstacles))
@@ -117,9 +132,12 @@ class World:
         Args:
             name: What its obstacles' names begin with.
             model: The other robot's model (`robot.model`).
-            q: Its configuration, (nq,); None for neutral.
-            placement: T_world_base, where its world stands in this one.
+            q: Its configuration, shape (nq,) [rad, m]; None for neutral.
+            placement: T_world_base, where its world stands in this one [m]; None for the origin.
             moving: Whether calls may move it, with `robot_poses` of its new configurations.
+
+        Returns:
+            A new world.
 
         Raises:
             InputError: If the name is taken.
@@ -168,7 +186,17 @@ class World:
 
 
 def robot_poses(name: str, model: Model, q: ArrayLike, placement: SE3 | None = None) -> Mapping[str, Floats]:
-    """Where the obstacles of a robot added as `name` stand at configurations `q` (..., nq): (..., 4, 4) by name."""
+    """Where the obstacles of a robot stand that was added to a world.
+
+    Args:
+        name: The name it was added as.
+        model: Its model.
+        q: Its configurations, shape (..., nq) [rad, m].
+        placement: T_world_base, where its world stands in this one [m]; None for the origin.
+
+    Returns:
+        Poses by name of the obstacle, shape (..., 4, 4) [m].
+    """
     links = [link for link in model.links if link.collisions]
     fk = kernels.kernel(model, "fk", checked=True, frame=tuple(link.name for link in links))
     poses = fk(np.asarray(q, dtype=float))

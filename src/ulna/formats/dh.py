@@ -68,12 +68,32 @@ class DHRow:
 
 
 def revolute(d: float = 0.0, a: float = 0.0, alpha: float = 0.0, **more: Any) -> DHRow:
-    """A row with a revolute joint: theta = q + offset. `more` are fields of DHRow."""
+    """A row with a revolute joint: theta = q + offset.
+
+    Args:
+        d: Distance along the joint's axis [m].
+        a: Distance between the axes [m].
+        alpha: Angle between the axes [rad].
+        **more: Other fields of `DHRow`.
+
+    Returns:
+        The row.
+    """
     return _row("revolute", "theta", dict(more, d=d, a=a, alpha=alpha))
 
 
 def prismatic(theta: float = 0.0, a: float = 0.0, alpha: float = 0.0, **more: Any) -> DHRow:
-    """A row with a prismatic joint: d = q + offset. `more` are fields of DHRow."""
+    """A row with a prismatic joint: d = q + offset.
+
+    Args:
+        theta: Angle about the joint's axis [rad].
+        a: Distance between the axes [m].
+        alpha: Angle between the axes [rad].
+        **more: Other fields of `DHRow`.
+
+    Returns:
+        The row.
+    """
     return _row("prismatic", "d", dict(more, theta=theta, a=a, alpha=alpha))
 
 
@@ -104,12 +124,16 @@ def model_from_dh(
     (the default tool) is the last of them, moved by `tool`.
 
     Args:
-        rows: the table; plain rows of numbers are (theta, d, a, alpha) of revolute joints, theta the offset.
+        rows: The table; plain rows of numbers are (theta [rad], d [m], a [m], alpha [rad]) of revolute joints, theta
+            the offset.
         convention: "standard" (distal) or "modified" (proximal, Craig).
         name: of the robot.
-        base: pose of the first frame in the world.
-        tool: pose of the tool in the last frame.
-        configurations: named configurations, each (n,).
+        base: Pose of the first frame in the world [m]; None for the world's origin.
+        tool: Pose of the tool in the last frame [m]; None for that frame.
+        configurations: Named configurations, each of shape (n,) [rad, m].
+
+    Returns:
+        The model.
 
     Raises:
         InputError: the table is empty or holds something that is not a finite number.

@@ -55,32 +55,80 @@ class ET:
 
     @classmethod
     def rx(cls, value: float | None = None, **joint: Any) -> ET:
-        """A turn about x by a constant [rad], or by a joint angle (joint: index, flip, limits)."""
+        """A turn about x.
+
+        Args:
+            value: A constant [rad]; None for a joint angle.
+            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
+
+        Returns:
+            The transform.
+        """
         return _make("rx", value, joint)
 
     @classmethod
     def ry(cls, value: float | None = None, **joint: Any) -> ET:
-        """A turn about y by a constant [rad], or by a joint angle (joint: index, flip, limits)."""
+        """A turn about y.
+
+        Args:
+            value: A constant [rad]; None for a joint angle.
+            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
+
+        Returns:
+            The transform.
+        """
         return _make("ry", value, joint)
 
     @classmethod
     def rz(cls, value: float | None = None, **joint: Any) -> ET:
-        """A turn about z by a constant [rad], or by a joint angle (joint: index, flip, limits)."""
+        """A turn about z.
+
+        Args:
+            value: A constant [rad]; None for a joint angle.
+            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
+
+        Returns:
+            The transform.
+        """
         return _make("rz", value, joint)
 
     @classmethod
     def tx(cls, value: float | None = None, **joint: Any) -> ET:
-        """A shift along x by a constant [m], or by a joint distance (joint: index, flip, limits)."""
+        """A shift along x.
+
+        Args:
+            value: A constant [m]; None for a joint distance.
+            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
+
+        Returns:
+            The transform.
+        """
         return _make("tx", value, joint)
 
     @classmethod
     def ty(cls, value: float | None = None, **joint: Any) -> ET:
-        """A shift along y by a constant [m], or by a joint distance (joint: index, flip, limits)."""
+        """A shift along y.
+
+        Args:
+            value: A constant [m]; None for a joint distance.
+            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
+
+        Returns:
+            The transform.
+        """
         return _make("ty", value, joint)
 
     @classmethod
     def tz(cls, value: float | None = None, **joint: Any) -> ET:
-        """A shift along z by a constant [m], or by a joint distance (joint: index, flip, limits)."""
+        """A shift along z.
+
+        Args:
+            value: A constant [m]; None for a joint distance.
+            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
+
+        Returns:
+            The transform.
+        """
         return _make("tz", value, joint)
 
     @classmethod
@@ -194,7 +242,10 @@ class ETS:
         Args:
             name: of the robot.
             joint_names: one for each moving transform; "joint1", "joint2", ... where left out.
-            configurations: named configurations, each (n,).
+            configurations: Named configurations, each of shape (n,) [rad, m].
+
+        Returns:
+            The model.
 
         Raises:
             InputError: the chain has no joint, or the indices of its joints do not rise along it.

@@ -161,7 +161,15 @@ def _refuse_entities(root: Any, file: str | None) -> None:
 
 
 def refuse_document_type(what: str, file: str | None) -> NoReturn:
-    """Raise FormatError about what the document type of a file declares."""
+    """Raise FormatError about what the document type of a file declares.
+
+    Args:
+        what: The declaration.
+        file: The file, for the message; None for text.
+
+    Raises:
+        FormatError: always.
+    """
     raise FormatError(
         f"the document type declares {short(what, 120)}, which Ulna does not follow.",
         file=file,

@@ -35,8 +35,11 @@ def compiled(text: str, file: str | None, trusted: bool) -> tuple[Any, Any]:
 
     Args:
         text: the document, where there is no file.
-        file: its file.
+        file: Its file; None for a text.
         trusted: whether to compile in this process, without limits of time, memory and size.
+
+    Returns:
+        The compiled model, and what the file says that it does not hold, as attributes.
 
     Raises:
         MissingExtra: the package mujoco is not installed.

@@ -28,6 +28,10 @@ IDLE = 30.0
 def compile_mjcf(text: str, file: str | None) -> tuple[Any, dict[str, Any]]:
     """The compiled `mujoco.MjModel` of a text, or of a file, and what it does not hold but the file says.
 
+    Args:
+        text: The document, where there is no file.
+        file: Its file; None for a text.
+
     Returns:
         The model, and "mesh_folder", the folder of the meshes as the file writes it, "lines", for each kind of
         element the lines on which its elements start, by their index in the model, and "mesh_references", the

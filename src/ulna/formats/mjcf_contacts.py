@@ -35,7 +35,15 @@ class Contacts:
 
 
 def contacts(m: Any, switches: Switches) -> Contacts:
-    """What may touch what in a compiled model."""
+    """What may touch in a compiled model.
+
+    Args:
+        m: The compiled `mujoco.MjModel`.
+        switches: What the file switches off.
+
+    Returns:
+        The geoms that may touch, and the pairs of bodies that never or only partly may.
+    """
     paired = {int(g) for ends in (m.pair_geom1, m.pair_geom2) for g in ends}
     geoms = [g for g in range(m.ngeom) if m.geom_contype[g] or m.geom_conaffinity[g] or g in paired]
     if not switches.contacts:

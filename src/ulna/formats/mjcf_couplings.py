@@ -34,7 +34,15 @@ class Couplings:
 
 
 def couplings(m: Any, equalities_on: bool = True) -> Couplings:
-    """The couplings of a compiled model, those that are active when it starts."""
+    """The couplings of a compiled model, those that are active when it starts.
+
+    Args:
+        m: The compiled `mujoco.MjModel`.
+        equalities_on: Whether the file enables equalities.
+
+    Returns:
+        Which joint follows which other one, and the equalities that this expresses.
+    """
     edges = {e: _edge(m, e) for e in range(m.neq) if _is_linear(m, e)} if equalities_on else {}
     neighbours: dict[int, list[tuple[int, int, Relation]]] = {}
     for e, (one, two, relation) in edges.items():
@@ -61,7 +69,15 @@ def couplings(m: Any, equalities_on: bool = True) -> Couplings:
 
 
 def why_left(m: Any, e: int) -> tuple[str, str, str]:
-    """The element of an equality that no mimic joint keeps, what that means, and what to do about it."""
+    """Why an equality is not expressed by a mimic joint.
+
+    Args:
+        m: The compiled `mujoco.MjModel`.
+        e: The index of the equality.
+
+    Returns:
+        Its element, what is missing from the model, and what to do about it.
+    """
     kind = int(m.eq_type[e])
     if kind in (CONNECT, WELD):
         return (

@@ -33,6 +33,9 @@ def loops_from_mjcf(
         source: a path, or text (from "<").
         trusted: whether MuJoCo compiles it in this process and without limits.
 
+    Returns:
+        The constraints.
+
     Raises:
         MissingExtra: the package mujoco is not installed.
         FormatError: the file is missing or broken; says where and how to fix it.

@@ -47,6 +47,9 @@ def read_mjcf(source: str | os.PathLike[str], trusted: bool = False) -> Compiled
         trusted: whether MuJoCo compiles in this process and without limits. Otherwise another process does, which
             takes about half a second more, and is ended after a minute or when it needs more than 4 GiB.
 
+    Returns:
+        The compiled model, with its text and file.
+
     Raises:
         MissingExtra: the package mujoco is not installed.
         FormatError: the file is missing or broken, or passes a limit; says where and how to fix it.
@@ -99,12 +102,28 @@ def names_of(model: Any) -> tuple[list[str], list[str]]:
 
 
 def pose_of(position: Any, wxyz: Any) -> SE3:
-    """A pose of MuJoCo's position [m] and quaternion (w, x, y, z)."""
+    """A pose from MuJoCo's position and quaternion.
+
+    Args:
+        position: Position, shape (3,) [m].
+        wxyz: Quaternion w, x, y, z, shape (4,) [-].
+
+    Returns:
+        The pose.
+    """
     return SE3.from_quat_xyzw(np.roll(np.asarray(wxyz), -1), np.asarray(position))
 
 
 def fresh(name: str, taken: set[str]) -> str:
-    """The name, numbered if it is taken; and taken from now on."""
+    """A name that is not taken yet.
+
+    Args:
+        name: The name that is wanted; a number is appended where it is taken.
+        taken: The names that are taken; the new one is added.
+
+    Returns:
+        The name.
+    """
     candidate, number = name, 2
     while candidate in taken:
         candidate, number = f"{name}_{number}", number + 1

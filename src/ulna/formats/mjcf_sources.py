@@ -16,15 +16,18 @@ MOST_INCLUDES = 1000
 
 
 def check_sources(text: str, file: str | None) -> str:
-    """The text of an MJCF document, which may be read: it is UTF-8 without entities, and names regular files.
+    """Check that an MJCF document may be read: it is UTF-8 without entities, and names regular files.
 
     Args:
         text: the document, where there is no file.
-        file: its file.
+        file: Its file; None for a text.
+
+    Returns:
+        The text.
 
     Raises:
-        FormatError: the file, or one that it includes, is missing, too large, not UTF-8, or declares entities; or
-            one of the files that it names is a pipe, a socket or a device.
+        FormatError: the file, or one that it includes, is missing, too large, not UTF-8, or declares entities; or one
+            of the files that it names is a pipe, a socket or a device.
     """
     folder = os.path.dirname(os.path.abspath(file)) if file else os.getcwd()
     main_text = _checked_text(text if file is None else read_file(file), file)

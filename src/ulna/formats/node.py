@@ -79,7 +79,18 @@ class Node:
         return children[0] if children else None
 
     def required_child(self, tag: str, fix: str) -> Node:
-        """The child element of that name; FormatError when there is none."""
+        """The child element of that name.
+
+        Args:
+            tag: Its name.
+            fix: How to correct the file, for the message.
+
+        Returns:
+            The element.
+
+        Raises:
+            FormatError: there is none.
+        """
         node = self.child(tag)
         if node is None:
             self.fail(f"<{self.tag}> has no <{tag}>.", fix)
@@ -97,11 +108,31 @@ class Node:
         return value
 
     def string(self, attribute: str, default: str | None = None) -> str | None:
-        """An optional attribute, stripped; an empty one counts as absent."""
+        """An optional attribute, stripped; an empty one counts as absent.
+
+        Args:
+            attribute: Its name.
+            default: What is returned where it is absent.
+
+        Returns:
+            The text, or the default.
+        """
         return (self._element.get(attribute) or "").strip() or default
 
     def number(self, attribute: str, default: float | None = None, *, infinite: bool = False) -> float:
-        """A number; required without a default; infinity passes only where it has a meaning."""
+        """An attribute that is a number.
+
+        Args:
+            attribute: Its name.
+            default: What is returned where it is absent; None where it is required.
+            infinite: Whether infinity is valid.
+
+        Returns:
+            The number.
+
+        Raises:
+            FormatError: it is required and absent, or is no such number.
+        """
         value = self._element.get(attribute)
         if value is None:
             if default is None:
@@ -115,7 +146,19 @@ class Node:
         return self._parse(attribute, words[0], infinite)
 
     def vector(self, attribute: str, count: int, default: Sequence[float] | None = None) -> tuple[float, ...]:
-        """`count` numbers separated by blanks; without a default the attribute is required."""
+        """An attribute of several numbers separated by blanks.
+
+        Args:
+            attribute: Its name.
+            count: How many numbers.
+            default: What is returned where it is absent; None where it is required.
+
+        Returns:
+            The numbers.
+
+        Raises:
+            FormatError: it is required and absent, or does not hold so many finite numbers.
+        """
         value = self._element.get(attribute)
         if value is None:
             if default is None:
@@ -169,7 +212,15 @@ class Node:
         return " of ".join(parts)
 
     def fail(self, message: str, fix: str = "") -> NoReturn:
-        """Raise FormatError about this element."""
+        """Raise FormatError about this element.
+
+        Args:
+            message: What is wrong.
+            fix: How to correct it.
+
+        Raises:
+            FormatError: always.
+        """
         raise FormatError(message, file=self.file, line=self.line, element=self.describe(), fix=fix)
 
     def warn(self, message: str) -> None:
@@ -198,11 +249,28 @@ def _is_foreign(tag: str) -> bool:
 
 
 def nearest(name: str, choices: Collection[str], words: str) -> str:
-    """`words` with the choice most like `name` for {}; "" where none is, or there are too many to look."""
+    """A hint at the valid name most like an unknown one, for messages.
+
+    Args:
+        name: The unknown name.
+        choices: The valid names.
+        words: The hint, with {} for the name.
+
+    Returns:
+        The hint; empty where no name is similar.
+    """
     near = nearest_names(name, choices, 1)
     return words.format(repr(near[0])) if near else ""
 
 
 def short(text: str, limit: int = 60) -> str:
-    """The text on one line, cut to `limit` characters, for messages."""
+    """A text on one line, shortened for messages.
+
+    Args:
+        text: The text.
+        limit: The largest number of characters.
+
+    Returns:
+        The line.
+    """
     return excerpt(" ".join(text.split()), limit)

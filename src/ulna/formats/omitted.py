@@ -38,13 +38,28 @@ class Omission:
 
 
 def place(kind: str, name: str, line: int | None) -> str:
-    """Where an omission stands, for its `places`: the kind and name of an element, and its line where that is known."""
+    """Where an omission stands, for its `places`.
+
+    Args:
+        kind: The kind of the element.
+        name: Its name; empty for none.
+        line: Its line in the file; None or 0 where that is unknown.
+
+    Returns:
+        The text.
+    """
     named = f"{kind} {short(name)!r}" if name else kind
     return f"{named} (line {line})" if line else named
 
 
 def warn_of_omissions(omissions: Sequence[Omission], file: str | None, stacklevel: int = 3) -> None:
-    """Warn (ModelWarning) once about all that a file says and a model cannot hold."""
+    """Warn (ModelWarning) once about everything in a file that a model cannot hold.
+
+    Args:
+        omissions: What is left out.
+        file: The file, for the message; None for text.
+        stacklevel: As for `warnings.warn`.
+    """
     if omissions:
         rows = "".join(f"\n- {omission}" for omission in omissions)
         warnings.warn(

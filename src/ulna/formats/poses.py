@@ -21,7 +21,15 @@ def snapped(rotation: Floats) -> Floats:
 
 
 def pose(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.0, 0.0, 0.0)) -> SE3:
-    """The pose at `xyz` [m] turned by the fixed-axis angles `rpy` [rad], R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """A pose from position and angles as URDF writes them.
+
+    Args:
+        xyz: Position [m].
+        rpy: Roll, pitch, yaw about the fixed axes [rad], R = Rz(yaw) Ry(pitch) Rx(roll).
+
+    Returns:
+        The pose.
+    """
     if not any(rpy):
         return SE3(np.eye(3), np.array(xyz, dtype=float))
     return SE3(snapped(rpy_to_matrix(np.array(rpy, dtype=float))), np.array(xyz, dtype=float))

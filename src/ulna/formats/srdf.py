@@ -85,7 +85,14 @@ def read_srdf(path: str | os.PathLike[str]) -> SrdfDocument:
 
 
 def parse_srdf(data: bytes | str, file: str | None = None) -> SrdfDocument:
-    """The document that an SRDF text describes; unknown elements are left alone.
+    """The document that an SRDF text describes; unknown elements are ignored.
+
+    Args:
+        data: The text.
+        file: Its name, for messages.
+
+    Returns:
+        The document.
 
     Raises:
         FormatError: the text is not an SRDF.

@@ -15,9 +15,16 @@ from ulna.typing import Floats
 def with_srdf(model: Model, document: SrdfDocument) -> Model:
     """The model with the groups, configurations and disabled pairs of an SRDF.
 
-    Joints and links that the model does not have are passed over: one SRDF often serves several variants of a
-    robot. Joints that a configuration does not name stay at their neutral position. A configuration that
-    names no joint of the model is left out.
+    Joints and links that the model does not have are ignored: one SRDF often serves several variants of a robot.
+    Joints that a configuration does not name stay at their neutral position. A configuration that names no joint of
+    the model is ignored.
+
+    Args:
+        model: The robot.
+        document: The SRDF.
+
+    Returns:
+        A new model.
     """
     states = {state.name: q for state in document.states if (q := _position(model, state)) is not None}
     links = set(model.link_names)

@@ -63,6 +63,9 @@ def model_from_urdf(
         mimic: whether mimic joints follow their leader; False lets each move on its own.
         resolver: finds the meshes; by default the places around the file and the ROS environment.
 
+    Returns:
+        The model.
+
     Raises:
         FormatError: the file is missing or broken, or contradicts itself.
     """
@@ -88,6 +91,15 @@ def urdf_builder(
     """A builder filled with the links and joints of a document, for adding to it before building.
 
     Warns (ModelWarning) once about all meshes that were not found.
+
+    Args:
+        document: The document.
+        root: How the root link hangs in the world: None fixed, "free_flyer", or any joint kind.
+        mimic: Whether mimic joints follow their leader; False lets each move on its own.
+        resolver: Finds the meshes; by default the places around the file and the ROS environment.
+
+    Returns:
+        The builder.
     """
     shapes = _Shapes(document.file, resolver or Resolver(document.file))
     builder = ModelBuilder(document.name, source=document.file)
@@ -109,7 +121,15 @@ def urdf_builder(
 
 
 def link_visuals(document: UrdfDocument, resolver: Resolver | None = None) -> dict[str, tuple[Geometry, ...]]:
-    """The visual geometries of a document by link name."""
+    """The visual geometries of a document.
+
+    Args:
+        document: The document.
+        resolver: Finds the meshes; by default the places around the file and the ROS environment.
+
+    Returns:
+        The geometries by link name.
+    """
     shapes = _Shapes(document.file, resolver or Resolver(document.file))
     geometries = {link.name: shapes.geometries(link.name, link.visuals) for link in document.links}
     shapes.report()

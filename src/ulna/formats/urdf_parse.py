@@ -50,6 +50,9 @@ def parse_urdf(data: bytes | str, file: str | None = None) -> UrdfDocument:
         data: the text.
         file: its name, for messages and for resolving mesh paths.
 
+    Returns:
+        The document.
+
     Raises:
         FormatError: the text is not a URDF, or it contradicts itself.
     """

@@ -13,7 +13,15 @@ ONE_NUMBER = ("revolute", "continuous", "prismatic")
 
 
 def check_mimics(joints: dict[str, UrdfJoint], nodes: dict[str, Node]) -> None:
-    """Drop, with a warning, what cannot be followed (other readers drop it silently); refuse rings."""
+    """Remove, with a warning, mimic relations that cannot be followed (other readers remove them silently).
+
+    Args:
+        joints: The joints by name, which are changed in place.
+        nodes: The elements of the joints, by name, for messages.
+
+    Raises:
+        FormatError: joints follow each other in a ring.
+    """
     for joint in list(joints.values()):
         problem = _mimic_problem(joint, joints)
         if problem:
@@ -50,7 +58,20 @@ def _mimic_problem(joint: UrdfJoint, joints: dict[str, UrdfJoint]) -> str:
 def check_tree(
     links: dict[str, UrdfLink], joints: dict[str, UrdfJoint], nodes: dict[str, Node], root: Node
 ) -> str:
-    """Check that the joints make one tree; the name of its root link."""
+    """Check that the joints make one tree.
+
+    Args:
+        links: The links by name.
+        joints: The joints by name.
+        nodes: The elements of the joints, by name, for messages.
+        root: The root element of the document, for messages.
+
+    Returns:
+        The name of the root link.
+
+    Raises:
+        FormatError: they do not.
+    """
     parent_of: dict[str, UrdfJoint] = {}
     for joint in joints.values():
         node = nodes[joint.name]

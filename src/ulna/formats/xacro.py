@@ -34,6 +34,9 @@ def expand_xacro(
         arguments: values for its xacro:arg elements.
         resolver: finds the packages of `$(find name)`; by default around the file and in the ROS environment.
 
+    Returns:
+        The URDF text.
+
     Raises:
         MissingExtra: the package xacro is not installed.
         FormatError: the file is missing, or does not expand.
