@@ -14,6 +14,9 @@ UlnaError
 ├── InfeasibleError (ValueError)     limits and constraints leave no motion at all
 ├── MissingExtra (ImportError)       an optional dependency is not installed
 ├── TraceError (TypeError)           a traced function does what cannot be traced
+├── ProcedureError (TypeError)       a procedure says what cannot be compiled: file, line, fix
+├── OutOfBounds (IndexError)         a procedure reads or writes beside an array: file, line, index
+├── DivisionByZero (ZeroDivisionError) a procedure divides an integer by zero: file, line
 ├── CompileError (RuntimeError)      LLVM refused a kernel (a bug in Ulna; please report it)
 ├── TooLargeError (RuntimeError)     a kernel would take more operations than the limit
 └── ViewerError (RuntimeError)       the viewer cannot do what was asked
@@ -247,6 +250,34 @@ class MissingExtra(UlnaError, ImportError):
 
 class TraceError(UlnaError, TypeError):
     """A traced function does what cannot be traced."""
+
+
+class ProcedureError(UlnaError, TypeError):
+    """A procedure says what cannot be compiled."""
+
+    def __init__(self, name: str, file: str, line: int, code: str, text: str, fix: str = "") -> None:
+        self.name, self.file, self.line, self.code = name, file, line, code
+        where = f"{file}:{line}, in {name}" + (f": `{excerpt(code)}`" if code else "")
+        super().__init__(f"{where}: {text}." + (f" {fix}" if fix else ""))
+
+
+class OutOfBounds(UlnaError, IndexError):
+    """A procedure reads or writes beside an array."""
+
+    def __init__(self, file: str, line: int, index: int, extent: int) -> None:
+        self.file, self.line, self.index, self.extent = file, line, index, extent
+        super().__init__(
+            f"{file}:{line}: index {index} of an axis of length {extent}; indices are 0 to {extent - 1}, and slices "
+            "lie within the axis."
+        )
+
+
+class DivisionByZero(UlnaError, ZeroDivisionError):
+    """A procedure divides an integer by zero."""
+
+    def __init__(self, file: str, line: int) -> None:
+        self.file, self.line = file, line
+        super().__init__(f"{file}:{line}: an integer is divided by zero.")
 
 
 class CompileError(UlnaError, RuntimeError):

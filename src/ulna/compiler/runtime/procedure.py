@@ -1,0 +1,251 @@
+"""Procedures: restricted Python with loops and arrays, as machine code.
+
+>>> import numpy as np
+>>> from ulna.compiler.procedures import Array1, Array2, f64, procedure
+>>> @procedure
+... def nearest(points: Array2[f64], q: Array1[f64]) -> int:
+...     best, least = -1, np.inf
+...     for i in range(len(points)):
+...         distance = 0.0
+...         for k in range(len(q)):
+...             distance += (points[i, k] - q[k]) ** 2
+...         if distance < least:
+...             best, least = i, distance
+...     return best
+>>> nearest(np.array([[0.0, 0.0], [1.0, 1.0]]), np.array([0.8, 0.9]))
+1
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, final, overload
+
+import numpy as np
+
+from ulna.compiler.codegen.procedure_types import DIVISION_BY_ZERO
+from ulna.compiler.codegen.procedures import procedure_ir, result_words
+from ulna.compiler.imperative import tree as t
+from ulna.compiler.imperative.effects import written
+from ulna.compiler.imperative.interpreter import interpret
+from ulna.compiler.imperative.program import ProgramReader
+from ulna.compiler.imperative.source import Definition
+from ulna.compiler.runtime.jit import load_text, target
+from ulna.compiler.runtime.procedure_arguments import (
+    check_count,
+    interpreted,
+    layout,
+    one_or_all,
+    python_number,
+    result_from,
+    words_of,
+)
+from ulna.errors import DivisionByZero, InputError, OutOfBounds
+
+Number_ = bool | int | float
+
+
+class Procedure(Definition):
+    """A Python function of numbers and arrays, compiled the first time it is called.
+
+    Arrays are passed as they are: they must have the annotated type and rank and be C-contiguous, and may be written
+    to. The call releases the interpreter's lock, and cannot be interrupted: a long search returns now and then and
+    goes on where it was.
+    """
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        constants: Mapping[str, Number_] | None = None,
+        contract: bool = False,
+    ) -> None:
+        super().__init__(function)
+        self.__doc__, self.__module__ = function.__doc__, function.__module__
+        self.constants, self.contract = dict(constants or {}), contract
+        unknown = [name for name in self.constants if name not in self.parameters]
+        if unknown:
+            raise InputError(
+                f"`constants` names {', '.join(unknown)}; {self.__name__} has the parameters "
+                f"{', '.join(self.parameters)}."
+            )
+        self._instances: tuple[t.Instance, ...] = ()
+        self._writes: frozenset[str] = frozenset()
+        self._entries: dict[bool, Any] = {}
+
+    def __repr__(self) -> str:
+        return f"<procedure {self.__name__}({', '.join(self.parameters)})>"
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Runs the machine code.
+
+        Args:
+            *arguments: What the parameters take, without those that are constants.
+
+        Returns:
+            Its result, a tuple of several, or None: int, float, bool, float32, or an array for lanes.
+
+        Raises:
+            ProcedureError: If the source cannot be compiled.
+            InputError: If an argument is not what the annotation says.
+            DivisionByZero: If it divides an integer by zero.
+        """
+        return self.bind(*arguments)()
+
+    def checked(self, *arguments: Any) -> Any:
+        """Runs machine code that checks every access to an array; takes and returns what a call does.
+
+        Raises:
+            OutOfBounds: If it reads or writes beside an array.
+        """
+        return self.bind(*arguments, is_checked=True)()
+
+    def interpret(self, *arguments: Any) -> Any:
+        """Runs the interpreter, the reference: takes and returns what a call does, with every access checked."""
+        instance = self.instance
+        check_count(instance, arguments)
+        values = []
+        for (name, type_), value in zip(instance.parameters, arguments, strict=True):
+            words_of(name, type_, value, name in self._writes)
+            values.append(interpreted(type_, value))
+        return one_or_all(
+            [python_number(r, v) for r, v in zip(instance.results, interpret(instance, values), strict=True)]
+        )
+
+    def bind(self, *arguments: Any, is_checked: bool = False) -> BoundProcedure:
+        """Prepares calls with the same arrays: what it returns is called without arguments.
+
+        Args:
+            *arguments: What a call takes; numbers keep their values, arrays are read and written where they lie.
+            is_checked: Whether every access to an array is checked.
+
+        Returns:
+            The bound procedure, for one thread at a time.
+        """
+        instance = self.instance
+        check_count(instance, arguments)
+        words: list[int] = []
+        held: list[Any] = []
+        for (name, type_), value in zip(instance.parameters, arguments, strict=True):
+            part, buffers = words_of(name, type_, value, name in self._writes)
+            words += part
+            held += buffers
+        return BoundProcedure(self, self._entry(is_checked), words, held)
+
+    @property
+    def instance(self) -> t.Instance:
+        """The typed tree of the procedure for calls from Python."""
+        return self.instances[-1]
+
+    @property
+    def instances(self) -> tuple[t.Instance, ...]:
+        """The typed trees of the procedure, last, and of all that it calls."""
+        if not self._instances:
+            reader = ProgramReader(self.constants)
+            self._writes = written(reader.entry(self))
+            self._instances = tuple(reader.instances.values())
+        return self._instances
+
+    def ir(self, is_checked: bool = False) -> str:
+        """The LLVM IR.
+
+        Args:
+            is_checked: Whether every access to an array is checked.
+
+        Returns:
+            The module's text.
+        """
+        return procedure_ir(self.instances, is_checked, self.contract, target().register_bytes)
+
+    def specialized(self, **constants: Number_) -> Procedure:
+        """The same procedure with further parameters as constants.
+
+        Args:
+            **constants: Their values; these parameters are no arguments of a call any more.
+
+        Returns:
+            A procedure that is compiled apart.
+        """
+        return Procedure(self.function, {**self.constants, **constants}, self.contract)
+
+    def _entry(self, is_checked: bool) -> Any:
+        if is_checked not in self._entries:
+            code = load_text(self.ir(is_checked), ("entry",))
+            function = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(
+                code.address("entry")
+            )
+            function.code = code  # type: ignore[attr-defined]  # it lives as long as the function
+            self._entries[is_checked] = function
+        return self._entries[is_checked]
+
+
+@final
+class BoundProcedure:
+    """A procedure with its arguments: calling it runs the machine code on what the arrays hold now."""
+
+    def __init__(self, procedure_: Procedure, entry: Any, words: Sequence[int], held: Sequence[Any]) -> None:
+        instance = procedure_.instance
+        self._procedure, self._entry, self._held = procedure_, entry, held
+        self._arrays = [(a, layout(a)) for a in held if isinstance(a, np.ndarray)]
+        self._first = len(words)
+        size = len(words) + sum(result_words(r) for r in instance.results)
+        self._words = np.zeros(max(size, 1), np.int64)
+        self._words[: len(words)] = words
+        self._fault = np.zeros(2, np.int64)
+        self._pointers = self._words.ctypes.data, self._fault.ctypes.data
+
+    def __call__(self) -> Any:
+        """Runs the machine code; returns and raises what a call of the procedure does."""
+        for array, before in self._arrays:
+            if layout(array) != before:
+                raise InputError(
+                    "An array was resized, made read-only or replaced in place after bind(). Bind the procedure anew."
+                )
+        status = self._entry(*self._pointers)
+        if status:
+            self._raise(status)
+        results, position = [], self._first
+        for result in self._procedure.instance.results:
+            results.append(result_from(result, self._words[position:]))
+            position += result_words(result)
+        return one_or_all(results)
+
+    def _raise(self, status: int) -> None:
+        file = self._procedure.instances[status >> 32].file
+        line = status & 0xFFFFFF
+        if status >> 24 & 0xFF == DIVISION_BY_ZERO:
+            raise DivisionByZero(file, line)
+        raise OutOfBounds(file, line, *self._fault.tolist())
+
+
+@overload
+def procedure(function: Callable[..., Any]) -> Procedure: ...
+@overload
+def procedure(
+    *, constants: Mapping[str, Number_] | None = None, contract: bool = False
+) -> Callable[[Callable[..., Any]], Procedure]: ...
+def procedure(
+    function: Callable[..., Any] | None = None,
+    *,
+    constants: Mapping[str, Number_] | None = None,
+    contract: bool = False,
+) -> Any:
+    """Makes a Python function a procedure: machine code with loops, branches and arrays.
+
+    Args:
+        function: The function; its parameters are annotated with bool, int, float, f32, f64, Array1[f32] to
+            Array3[...], Kernel, or a NamedTuple of these. Parameters of procedures that only procedures call need no
+            annotation.
+        constants: Values of parameters that are known when the code is compiled, such as the number of lanes.
+        contract: Whether a product and a sum may become one instruction that rounds once; without it results equal the
+            interpreter's bit for bit, but for elementary functions.
+
+    Returns:
+        The procedure, or with keywords alone a decorator that makes it.
+
+    Raises:
+        InputError: If a constant is not a parameter.
+    """
+    if function is None:
+        return lambda f: Procedure(f, constants, contract)
+    return Procedure(function, constants, contract)
