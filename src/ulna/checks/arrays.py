@@ -35,16 +35,19 @@ def real_array(
     kinds: str = "fiub",
     is_symbol: Callable[[Any], bool] = _never,
 ) -> Array:
-    """`value` as an array of numbers, or of objects where an entry is a symbol; nan and inf pass.
+    """An array of numbers, or of objects where an entry is a symbol; nan and inf pass.
 
     Args:
-        name: What the user calls it, for messages.
+        name: The name of the argument, for the message.
         value: An array, a number, or nested lists of numbers.
         expected: What was expected, for messages.
         shape: The shape that was expected, for messages.
         dtype: The type of the numbers returned.
         kinds: The kinds of types that are accepted, as `dtype.kind` names them.
         is_symbol: Which objects stay as they are, such as traced scalars.
+
+    Returns:
+        The array (...) of type `dtype`, or of objects; the same array where it has that type already.
 
     Raises:
         DtypeError: It holds something else than real numbers.
@@ -90,7 +93,17 @@ def batched_shape(core: tuple[int, ...]) -> str:
 
 
 def check_core_shape(name: str, array: Array, core: tuple[int, ...], fix: str = "") -> None:
-    """Raises ShapeError unless the last axes of an array are `core`; `fix` says how to make them so."""
+    """Checks the last axes of an array.
+
+    Args:
+        name: The name of the argument, for the message.
+        array: The array, shape (..., *core).
+        core: The lengths that its last axes must have.
+        fix: How to correct it, for the message; empty for advice found from the shapes.
+
+    Raises:
+        ShapeError: its last axes are not `core`.
+    """
     start = array.ndim - len(core)
     if start < 0 or array.shape[start:] != core:
         raise ShapeError(name, array.shape, batched_shape(core), fix or _shape_advice(array.shape, core))
@@ -108,7 +121,16 @@ def _shape_advice(shape: tuple[int, ...], core: tuple[int, ...]) -> str:
 
 
 def check_finite(name: str, array: Floats, fix: str = FIND_NAN) -> None:
-    """Raises NonFiniteError, which names the first entry that is nan or inf, if there is one."""
+    """Checks that no entry of an array is nan or inf.
+
+    Args:
+        name: The name of the argument, for the message.
+        array: The array, shape (...).
+        fix: How to correct it, for the message.
+
+    Raises:
+        NonFiniteError: an entry is; names the first one.
+    """
     if math.isfinite(np.vdot(array, array)):  # one cheap pass in the good case
         return
     bad = ~np.isfinite(array)
@@ -129,8 +151,9 @@ def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
         A new array (...) in the shape of `value`.
 
     Raises:
-        InputError: they are no numbers, or rows differ in length.
+        InputError: rows differ in length, or entries are masked.
         NonFiniteError: nan or inf among them.
+        DtypeError: they are no numbers.
     """
     out = np.array(real_array(name, value, expected, kinds="fiu"))
     check_finite(name, out, "Look where it comes from.")
@@ -150,9 +173,10 @@ def shaped_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Fl
         A new array (...) of that shape.
 
     Raises:
-        InputError: they are no numbers, or rows differ in length.
+        InputError: rows differ in length, or entries are masked.
         ShapeError: another shape.
         NonFiniteError: nan or inf among them.
+        DtypeError: they are no numbers.
     """
     out = finite_array(name, value)
     if out.shape != shape and (
@@ -164,10 +188,20 @@ def shaped_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Fl
 
 
 def number_or_array(name: str, value: Any, count: int) -> Floats:
-    """One number for all of `count` entries, or as many, as an array (count,); inf and nan pass.
+    """One number for all entries, or one for each; inf and nan pass.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+        count: The number of entries.
+
+    Returns:
+        A read-only array, shape (count,).
 
     Raises:
-        InputError, ShapeError: They are no numbers, or another count.
+        InputError: rows differ in length, or entries are masked.
+        ShapeError: another count.
+        DtypeError: they are no numbers.
     """
     out = real_array(name, value, f"one number or ({count},)")
     if out.shape not in ((), (count,)):
@@ -188,9 +222,10 @@ def length_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Fl
         A new array (...) of that shape [m].
 
     Raises:
-        InputError: they are no numbers, rows differ in length, or a length is above `MAX_LENGTH`.
+        InputError: rows differ in length, entries are masked, or a length is above `MAX_LENGTH`.
         ShapeError: another shape.
         NonFiniteError: nan or inf among them.
+        DtypeError: they are no numbers.
     """
     out = shaped_array(name, value, *shape, fix=fix)
     if out.size and max(out.max(), -out.min()) > MAX_LENGTH:
