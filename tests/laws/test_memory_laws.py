@@ -192,7 +192,7 @@ class Fenced:
         same(kernel(*inputs, out=outputs), expected)
         copies, bound = [x.copy() for x in inputs], kernel.into(*outputs, returns=range(len(outputs)))
         same(results(bound(*inputs)), expected)
-        same(results(kernel.into(*outputs, returns=[0], given=inputs[-1:])(*inputs[:-1])), expected[:1])
+        same(results(kernel.into(*outputs, returns=[0], last_inputs=inputs[-1:])(*inputs[:-1])), expected[:1])
         watched = [(self.array((n,)).astype(np.float64), np.zeros(n)) for n in (1, 7, 8, 19)]
         pairs = []
         for kept, _ in watched:

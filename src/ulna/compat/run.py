@@ -47,17 +47,17 @@ def split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
 
     An argument parser cannot do this: it takes `-m`, `-c` and options of the script for its own.
     """
-    own, rest = [], list(arguments)
+    options, rest = [], list(arguments)
     while rest:
-        name, given, _ = rest[0].partition("=")
+        name, value, _ = rest[0].partition("=")
         if rest[0] == "--":
-            return own, rest[1:]
+            return options, rest[1:]
         if rest[0] not in ("-h", "--help") and not (len(name) > 2 and "--only".startswith(name)):
             break
-        own.append(rest.pop(0))
-        if name not in ("-h", "--help") and not given and rest:
-            own.append(rest.pop(0))
-    return own, rest
+        options.append(rest.pop(0))
+        if name not in ("-h", "--help") and not value and rest:
+            options.append(rest.pop(0))
+    return options, rest
 
 
 def _check(words: Sequence[str]) -> None:

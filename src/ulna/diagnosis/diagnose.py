@@ -42,7 +42,7 @@ def diagnose(robot: Any, **options: Any) -> tuple[Finding, ...]:
         MissingExtra: The robot needs a package that is not installed.
     """
     model = getattr(robot, "model", robot)
-    found: list[Finding] = []
+    findings: list[Finding] = []
     if not isinstance(model, Model):
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
@@ -50,14 +50,16 @@ def diagnose(robot: Any, **options: Any) -> tuple[Finding, ...]:
                 model = load_model(robot, **options)
             except ModelError as error:
                 return (_refused(error),)
-        found += [_warned(str(w.message)) for w in said]
+        findings += [_warned(str(w.message)) for w in said]
     shapes = Shapes(model)
     bodies = list(body_findings(model, shapes.points))
     impossible = {f.subject.removeprefix("link ") for f in bodies if f.severity == "error"}
-    found = [f for f in found if not any(name in f.message and "kg m^2" in f.message for name in impossible)]
-    found += [*shapes.findings, *joint_findings(model), *bodies]
+    findings = [
+        f for f in findings if not any(name in f.message and "kg m^2" in f.message for name in impossible)
+    ]
+    findings += [*shapes.findings, *joint_findings(model), *bodies]
     lines = _lines(model.source)
-    placed = [f if f.line else dataclasses.replace(f, line=lines.get(f.subject)) for f in found]
+    placed = [f if f.line else dataclasses.replace(f, line=lines.get(f.subject)) for f in findings]
     return tuple(f for group in grouped(dict.fromkeys(placed)) for f in group)
 
 

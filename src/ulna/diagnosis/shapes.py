@@ -30,10 +30,10 @@ class Shapes:
         self._read: dict[str, tuple[Floats, Array] | None] = {}
         self.points: dict[str, Floats] = {}
         for link in model.links:
-            found = [self._points(link.name, g, "visual") for g in link.visuals]
-            found += [self._points(link.name, g, "collision") for g in link.collisions]
-            known = [points for points in found if points is not None]
-            if known and len(known) == len(found):
+            points = [self._points(link.name, g, "visual") for g in link.visuals]
+            points += [self._points(link.name, g, "collision") for g in link.collisions]
+            known = [p for p in points if p is not None]
+            if known and len(known) == len(points):
                 self.points[link.name] = np.concatenate(known)
 
     def _points(self, link: str, geometry: Geometry, role: str) -> Floats | None:

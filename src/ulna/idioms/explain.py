@@ -134,12 +134,12 @@ def check_keywords(f: F) -> F:
     names = [name for name in names if name != "self"]
 
     @functools.wraps(f)
-    def checked(*args: Any, **given: Any) -> Any:
-        for name in given:
+    def checked(*args: Any, **keywords: Any) -> Any:
+        for name in keywords:
             if name not in names:
                 known = (module_names.KEYWORDS.get(name), scene_names.KEYWORDS.get(name))
                 meant = next((other for other in known if other in names), None)
                 raise UnknownArgument(f.__name__, name, names, meant)
-        return f(*args, **given)
+        return f(*args, **keywords)
 
     return checked  # type: ignore[return-value]

@@ -339,33 +339,37 @@ def test_without_the_fast_door_everything_is_the_same(tmp_path):
     assert done.returncode == 0, done.stdout[-3000:]
 
 
-# given= -------------------------------------------------------------------------------------------------
+# last_inputs= -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("slow", [False, True])
-def test_given_inputs_are_read_as_they_are_at_the_call(kernel, targets, monkeypatch, slow):
+def test_last_inputs_are_read_as_they_are_at_the_call(kernel, targets, monkeypatch, slow):
     if slow:
         monkeypatch.setattr("ulna.compiler.runtime.bound_call._type", lambda: None)
     v = V.copy()
-    bound = kernel.into(*targets, returns=(1,), given=(v,))
+    bound = kernel.into(*targets, returns=(1,), last_inputs=(v,))
     for factor in (1.0, 3.0):
         v *= factor
         assert bound(Q) == kernel(Q, v)[1]
         assert _same(targets, kernel(Q, v))
     assert bound([0.1, -0.7, 1.3]) == kernel(Q, v)[1]  # converted
-    exact = kernel.into(*targets, given=(v,), otherwise=_refused)
+    exact = kernel.into(*targets, last_inputs=(v,), otherwise=_refused)
     assert exact(Q) is None
     assert exact(Q, V) == exact() == exact(list(Q)) == "refused"
 
 
-def test_given_inputs_are_kept_alive_and_checked(kernel, targets):
-    bound = kernel.into(*targets, returns=(1,), given=(V + 0.0,))
+def test_the_former_name_of_last_inputs(kernel, targets):
+    assert kernel.into(*targets, returns=(1,), given=(V,))(Q) == kernel(Q, V)[1]
+
+
+def test_last_inputs_are_kept_alive_and_checked(kernel, targets):
+    bound = kernel.into(*targets, returns=(1,), last_inputs=(V + 0.0,))
     gc.collect()
     assert bound(Q) == kernel(Q, V)[1]
     for wrong in (np.zeros(6)[::2], [0.0, 0.0, 0.0], np.zeros(3, np.float32)):
         with pytest.raises(InputError, match="`v`"):
-            kernel.into(*targets, given=(wrong,))
+            kernel.into(*targets, last_inputs=(wrong,))
     with pytest.raises(ShapeError):
-        kernel.into(*targets, given=(np.zeros(4),))
+        kernel.into(*targets, last_inputs=(np.zeros(4),))
     with pytest.raises(InputError, match="3 inputs"):
-        kernel.into(*targets, given=(Q, Q, V))
+        kernel.into(*targets, last_inputs=(Q, Q, V))

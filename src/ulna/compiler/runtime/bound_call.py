@@ -67,14 +67,19 @@ class _CheckedCall:
         array_call: ArrayCall,
         targets: tuple[Array, ...],
         returns: tuple[int, ...],
-        given: tuple[Array, ...],
+        last_inputs: tuple[Array, ...],
     ) -> None:
-        self.array_call, self.targets, self.returns, self.given = array_call, targets, returns, given
+        self.array_call, self.targets, self.returns, self.last_inputs = (
+            array_call,
+            targets,
+            returns,
+            last_inputs,
+        )
         self._out = targets[0] if len(targets) == 1 else targets
 
     def __call__(self, *args: Any) -> Any:
         self.check()
-        self.array_call(*args, *self.given, out=self._out)
+        self.array_call(*args, *self.last_inputs, out=self._out)
         copies = tuple(
             self.targets[k].copy() if self.targets[k].ndim else self.targets[k][()] for k in self.returns
         )
@@ -84,7 +89,7 @@ class _CheckedCall:
         """Raises where bound arrays were changed in place: resized, made read-only, given another shape or type."""
         try:
             _check_targets(self.array_call, self.targets)
-            _check_given(self.array_call, self.given)
+            _check_last_inputs(self.array_call, self.last_inputs)
         except InputError as error:
             error.args = (
                 f"{error} The array was changed after into(); restore it, or bind the kernel anew.",
@@ -94,7 +99,7 @@ class _CheckedCall:
     def fits(self, args: tuple[Any, ...]) -> bool:
         """Whether the arguments are what the fast call takes."""
         ports, dtype = self.array_call.function.inputs, self.array_call.dtype
-        ports = ports[: len(ports) - len(self.given)]
+        ports = ports[: len(ports) - len(self.last_inputs)]
         return len(args) == len(ports) and all(
             (type(a) is np.ndarray and a.dtype is dtype and a.shape == p.shape and _is_readable(a))
             or (p.shape == () and dtype == np.float64 and type(a) in (float, np.float64))
@@ -151,7 +156,7 @@ def bind(
     returns: Sequence[int],
     watch: _Pairs,
     otherwise: Callable[..., Any] | None,
-    given: Sequence[Array] = (),
+    last_inputs: Sequence[Array] = (),
 ) -> Bound:
     """Makes the result of `KernelBase.into`.
 
@@ -163,7 +168,7 @@ def bind(
         returns: Numbers of the outputs that a call returns.
         watch: Pairs (live array, reference copy); a call with any difference between them goes to `otherwise`.
         otherwise: Called instead of the kernel when `watch` finds a difference.
-        given: Arrays for the last inputs, each of the shape of its input (...), which calls then leave out.
+        last_inputs: Arrays for the last inputs, each of the shape of its input (...), which calls then leave out.
 
     Returns:
         The bound kernel.
@@ -173,12 +178,12 @@ def bind(
     """
     chosen, inputs, pairs = (
         tuple(targets),
-        tuple(given),
+        tuple(last_inputs),
         tuple((live, reference) for live, reference in watch),
     )
     numbers = tuple(int(k) for k in returns)
     _check_targets(array_call, chosen)
-    _check_given(array_call, inputs)
+    _check_last_inputs(array_call, inputs)
     _check_pairs(pairs)
     if pairs and otherwise is None:
         raise InputError("`watch` is given without `otherwise`; expected a function for when it differs.")
@@ -219,15 +224,15 @@ def _check_targets(array_call: ArrayCall, targets: tuple[Any, ...]) -> None:
             )
 
 
-def _check_given(array_call: ArrayCall, given: tuple[Any, ...]) -> None:
+def _check_last_inputs(array_call: ArrayCall, arrays: tuple[Any, ...]) -> None:
     ports, dtype = array_call.function.inputs, array_call.dtype
-    if len(given) > len(ports):
+    if len(arrays) > len(ports):
         raise InputError(
-            f"into() was given {len(given)} inputs; {array_call.function.name} has {len(ports)}."
+            f"into() was given {len(arrays)} inputs; {array_call.function.name} has {len(ports)}."
         )
-    for array, port in zip(given, ports[len(ports) - len(given) :], strict=True):
+    for array, port in zip(arrays, ports[len(ports) - len(arrays) :], strict=True):
         if type(array) is not np.ndarray or array.dtype != dtype or not _is_readable(array):
-            raise InputError(f"`given` holds no C-contiguous array of {dtype} for `{port.name}`.")
+            raise InputError(f"`last_inputs` holds no C-contiguous array of {dtype} for `{port.name}`.")
         if array.shape != port.shape:
             raise ShapeError(port.name, array.shape, str(port.shape))
 

@@ -200,9 +200,9 @@ class Plan:
         targets: Sequence[AnyArray] = (),
         watched: Sequence[tuple[AnyArray, AnyArray]] = (),
         returned: Sequence[int] = (),
-        given: Sequence[AnyArray] = (),
+        last_inputs: Sequence[AnyArray] = (),
     ) -> None:
-        self._references: list[Any] = [tuple(targets), tuple(watched), tuple(given)]
+        self._references: list[Any] = [tuple(targets), tuple(watched), tuple(last_inputs)]
         number, first = element == "double", len(f.inputs)
         inputs = [self._port(p.shape, object_layout.NUMPY_TYPE[element], number) for p in f.inputs]
         outputs = [self._port(p.shape, object_layout.NUMPY_TYPE[element]) for p in f.outputs]
@@ -211,15 +211,15 @@ class Plan:
             for live, reference in watched
         ]
         words = {
-            "inputs": first - len(given),
-            "givens": len(given),
+            "inputs": first - len(last_inputs),
+            "givens": len(last_inputs),
             "outputs": len(f.outputs),
             "work": work,
             "whole": int(not f.single),
             "ports_in": self._table(inputs),
-            "ports_given": self._table([self._array_port(x) for x in given]),
+            "ports_given": self._table([self._array_port(x) for x in last_inputs]),
             "ports_out": self._table([self._array_port(x) for x in targets] or outputs),
-            "given_arrays": self._table([[id(x) for x in given]]),
+            "given_arrays": self._table([[id(x) for x in last_inputs]]),
             "targets": self._table([[id(x) for x in targets]]),
             "watches": len(watched),
             "watched": self._table(pairs),

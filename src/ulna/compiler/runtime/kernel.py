@@ -85,6 +85,7 @@ class KernelBase:
         returns: Sequence[int] = (),
         watch: Sequence[tuple[Array, Array]] = (),
         otherwise: Callable[..., Any] | None = None,
+        last_inputs: Sequence[Array] = (),
         given: Sequence[Array] = (),
     ) -> Any:
         """A callable of the inputs that writes the outputs into arrays chosen once: where nanoseconds count.
@@ -101,8 +102,9 @@ class KernelBase:
                 right type and shape, or what is watched differs or has another shape or type than at first. Without it,
                 arguments are converted as the kernel does, and one sample is computed. It must not hold the bound
                 kernel: such a reference cycle is never freed.
-            given: Arrays that are the last inputs (...), read at every call as they then are; calls pass the
+            last_inputs: Arrays that are the last inputs (...), read at every call as they then are; calls pass the
                 others.
+            given: The former name of `last_inputs`, (...) each.
 
         Returns:
             A `Bound` kernel. It is called with positional arguments, holds the GIL while it works, and cannot be
@@ -115,7 +117,8 @@ class KernelBase:
             DtypeError: If an array has another type than the kernel. All three come at once, and from later
                 calls.
         """
-        return bound_call.bind(self, self._array_call, self._work, targets, returns, watch, otherwise, given)
+        inputs = last_inputs or given
+        return bound_call.bind(self, self._array_call, self._work, targets, returns, watch, otherwise, inputs)
 
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture; written to `path` when one is given."""

@@ -36,7 +36,7 @@ def cache_key(path: str, bound: float = 0.0) -> str:
 
 
 def _append_referenced_files(
-    folder: str, content: bytes, parts: list[str | bytes], seen: set[str], depth: int = 0
+    folder: str, content: bytes, parts: list[str | bytes], visited: set[str], depth: int = 0
 ) -> None:
     """Append what the files hold that a text file names, and those that they name; each file once."""
     names: set[bytes] = set()
@@ -45,12 +45,12 @@ def _append_referenced_files(
         names |= {before, before.split()[-1]}  # alone, or after a keyword
     for name in sorted(names):
         other = os.path.join(folder, os.fsdecode(name).replace("\\", "/"))
-        if os.path.isfile(other) and os.path.realpath(other) not in seen:
-            seen.add(os.path.realpath(other))
+        if os.path.isfile(other) and os.path.realpath(other) not in visited:
+            visited.add(os.path.realpath(other))
             content = read_regular(other)
             parts += [name, content]
             if depth == 0 and other.lower().endswith(".mtl"):
-                _append_referenced_files(folder, content, parts, seen, 1)
+                _append_referenced_files(folder, content, parts, visited, 1)
 
 
 def read_cached(name: str) -> tuple[Surface, ...] | None:

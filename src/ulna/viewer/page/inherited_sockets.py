@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
@@ -16,7 +17,7 @@ def close_inherited(servers: Iterable[Any]) -> None:
     """
     null = os.open(os.devnull, os.O_RDWR)
     try:
-        for descriptor in [found for server in servers for found in _descriptors(server)]:
+        for descriptor in itertools.chain.from_iterable(map(_descriptors, servers)):
             with suppress(OSError):
                 os.dup2(null, descriptor, inheritable=False)
     finally:

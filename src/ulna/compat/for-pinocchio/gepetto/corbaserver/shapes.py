@@ -33,8 +33,8 @@ class Shapes(Tree, abc.ABC):
 
     def _new(self, name: str) -> str:
         place = self.at(name)
-        for kept in (self._placed, self._static, self._waiting):
-            kept.pop(place, None)
+        for poses in (self._placed, self._static, self._waiting):
+            poses.pop(place, None)
         return place
 
     def _add(self, name: str, thing: Any, rgba: Rgba) -> bool:

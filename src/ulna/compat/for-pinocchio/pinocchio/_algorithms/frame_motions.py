@@ -121,7 +121,7 @@ def _motion(
         kernel = _seen_from(kind, reference)
         if place is not None and data._model is model:
             watch += [(data.mark_of(field), np.zeros(())) for field in fields]
-            data._bound_at[place] = BoundKernel(kernel, watch, given=arrays).call, place[1]
+            data._bound_at[place] = BoundKernel(kernel, watch, last_inputs=arrays).call, place[1]
         motion = kernel(*arrays)
     return Motion._of(motion)
 

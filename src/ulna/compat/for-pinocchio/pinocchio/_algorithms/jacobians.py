@@ -261,7 +261,7 @@ def _bind_dot(
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,)}
     kernel = compiled.live(compiled.compile_at_frames(("dJ", key, reference), build, **shapes))
-    step = BoundKernel(kernel, not_read(kernel, watch), given=read).call
+    step = BoundKernel(kernel, not_read(kernel, watch), last_inputs=read).call
     data._bound_at[binding_key] = step, binding_key[1]
     return step()
 

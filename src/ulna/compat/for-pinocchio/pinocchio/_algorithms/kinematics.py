@@ -108,7 +108,7 @@ def updateFramePlacements(model: Model, data: Data) -> None:
         compiled = data.attach(model)
         kernel = compiled.live(compiled.compile_at_frames("frames", _moved_frames, oMi=(model.njoints, 4, 4)))
         oMi, oMf = data._arrays["oMi"], data._arrays["oMf"]
-        step = kernel.into(oMf, watch=not_read(kernel, watch), otherwise=not_applicable, given=[oMi])
+        step = kernel.into(oMf, watch=not_read(kernel, watch), otherwise=not_applicable, last_inputs=[oMi])
         data._bound_at["frames"] = step
         step()
 
@@ -126,7 +126,7 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
         factors = data._arrays["oMi"][frame.parentJoint], frame.placement._m
         into = data._arrays["oMf"][place]
         step = se3_kernel("product").into(
-            into, returns=(0,), watch=watch, otherwise=not_applicable, given=factors
+            into, returns=(0,), watch=watch, otherwise=not_applicable, last_inputs=factors
         )
         data._bound_at["frames", frame_id] = step
         T = step()

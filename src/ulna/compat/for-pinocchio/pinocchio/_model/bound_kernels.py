@@ -27,9 +27,9 @@ class ParameterKernel:
         """Evaluates the kernel."""
         return self.kernel(*args, *self.parameters, **options)
 
-    def into(self, *targets: Floats, given: Sequence[Floats] = (), **options: Any) -> Any:
+    def into(self, *targets: Floats, last_inputs: Sequence[Floats] = (), **options: Any) -> Any:
         """The kernel bound to arrays; see `KernelBase.into`."""
-        return self.kernel.into(*targets, given=(*given, *self.parameters), **options)
+        return self.kernel.into(*targets, last_inputs=(*last_inputs, *self.parameters), **options)
 
 
 def not_read(kernel: Any, watch: list[tuple[Array, Array]]) -> list[tuple[Array, Array]]:
@@ -46,12 +46,14 @@ class BoundKernel:
         kernel: The kernel.
         watch: Pairs of an array and a copy; the kernel does not apply once they differ.
         others: Arrays for the other outputs.
-        given: Arrays that its last inputs are read from at every call.
+        last_inputs: Arrays that its last inputs are read from at every call.
     """
 
     def __init__(
-        self, kernel: Any, watch: Any = (), others: Sequence[Floats] = (), given: Sequence[Floats] = ()
+        self, kernel: Any, watch: Any = (), others: Sequence[Floats] = (), last_inputs: Sequence[Floats] = ()
     ) -> None:
         self.result: Floats = np.zeros(kernel.function.outputs[0].shape)
         targets = self.result, *others
-        self.call = kernel.into(*targets, returns=(0,), watch=watch, otherwise=not_applicable, given=given)
+        self.call = kernel.into(
+            *targets, returns=(0,), watch=watch, otherwise=not_applicable, last_inputs=last_inputs
+        )
