@@ -23,11 +23,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ulna import algorithms
 from ulna.collision.fit import cover
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.solids import Missing, Solid, link_solids, obstacle_solids
-from ulna.collision.spheres import Spheres, fit
+from ulna.collision.spheres import Spheres, fit, sphere_centres
 from ulna.collision.world import Obstacle, World
 from ulna.geometry import Box, Capsule, Cylinder, Plane, Sphere
 from ulna.model import Model
@@ -208,30 +207,6 @@ def _beyond(kind: Kind, c: Array, numbers: Array) -> list[Any]:
     return [root(across @ across) - numbers[6], abs(z) - numbers[7]]
 
 
-def centres(model: Model, q: Array, spheres: Spheres) -> dict[str, Array]:
-    """Where the spheres of the links are in the world.
-
-    Args:
-        model: The robot.
-        q: Configuration, shape (nq,) [rad, m].
-        spheres: Spheres of the links.
-
-    Returns:
-        By link, the centres of its spheres, shape (n, 3) [m].
-    """
-    joints = algorithms.joint_poses(model, q)
-    points = {}
-    for name, balls in spheres.links.items():
-        link = model.link(name)
-        local = link.placement @ balls.centres
-        if link.joint >= 0:
-            T = joints[link.joint]
-            points[name] = local @ T.rotation.T + T.translation
-        else:
-            points[name] = local
-    return points
-
-
 def self_pairs(model: Model, spheres: Spheres, pairs: Sequence[LinkPair]) -> list[tuple[str, int, str, int]]:
     """Every two spheres of moving links that are checked against each other.
 
@@ -310,7 +285,7 @@ def sphere_clearance(
         rows.append((part.kind, numbers, tuple(checked_links(model, balls, world[part.owner]))))
 
     def distances(q: Array) -> list[Any]:
-        c = centres(model, q, balls)
+        c = sphere_centres(model, q, balls)
         gaps = []
         for a, i, b, j in couples:
             v = c[a][i] - c[b][j]

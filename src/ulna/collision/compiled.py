@@ -18,10 +18,10 @@ from ulna.checks.arrays import batched_array
 from ulna.collision import clearance as gap
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.solids import Missing
-from ulna.collision.spheres import Spheres, fit
+from ulna.collision.spheres import Spheres, fit, sphere_centres
 from ulna.collision.world import World
 from ulna.compiler import compile, trace
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
 from ulna.model import Model
 from ulna.numeric import less, minimum, where
 from ulna.spatial import SE3
@@ -162,8 +162,9 @@ class SphereChecker:
         threads: int | None,
     ) -> Any:
         poses = {name: SE3.from_matrix(_matrix(T)) for name, T in (moving or {}).items()}
-        self._check_moving(poses)
-        q = self._configurations(q)
+        for name in poses:
+            self.world.moving(name)
+        q = batched_array("q", q, (self.model.nq,))
         batch = np.broadcast_shapes(q.shape[:-1], *(T.translation.shape[:-1] for T in poses.values()))
         rows = [
             (kind, links, self._rows(parts, poses) if any(name in poses for *_, name in parts) else still)
@@ -215,19 +216,6 @@ class SphereChecker:
             result = join(result, join.reduce(distances, axis=-1))
         return np.asarray(result)
 
-    def _configurations(self, q: ArrayLike) -> Floats:
-        return batched_array("q", q, (self.model.nq,))
-
-    def _check_moving(self, poses: Mapping[str, SE3]) -> None:
-        for name in poses:
-            if name not in self.world:
-                raise UnknownName("obstacle", name, self.world.names)
-            if not self.world[name].moving:
-                raise InputError(
-                    f"Obstacle {name!r} does not move, and a pose was given for it. "
-                    "Add it with moving=True, or make another world with `world.move(name, pose)`."
-                )
-
     def _grouped(self) -> list[_Group]:
         """What spheres are checked against, by formula and by the links: fixed links, and the world's obstacles."""
         groups: dict[tuple[gap.Kind, tuple[str, ...]], list[tuple[gap.Part, SE3, str]]] = {}
@@ -274,7 +262,7 @@ def _own_kernel(what: What, model: Model, spheres: Spheres, pairs: tuple[LinkPai
         )
 
     def check(q: Array, reach: Any) -> tuple[Any, Any]:
-        c = gap.centres(model, q, spheres)
+        c = sphere_centres(model, q, spheres)
         answer = _Result(what, reach)
         for a, i, b, j in couples:
             v = c[a][i] - c[b][j]

@@ -18,7 +18,7 @@ from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.result import Distance, Proximity
 from ulna.collision.solids import Missing, link_solids, obstacle_solids
 from ulna.collision.world import World
-from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.errors import InputError, ShapeError
 from ulna.geometry import Plane
 from ulna.model import Model
 from ulna.spatial import SE3
@@ -313,13 +313,7 @@ class Checker:
         owners = [s.owner for s in self.solids[self._count :]]
         poses = {}
         for name, pose in moving.items():
-            if name not in self.world:
-                raise UnknownName("obstacle", name, self.world.names)
-            if not self.world[name].moving:
-                raise InputError(
-                    f"Obstacle {name!r} does not move, and a pose was given for it. "
-                    "Add it with moving=True, or make another world with `world.move(name, pose)`."
-                )
+            self.world.moving(name)
             matrix = pose.matrix() if isinstance(pose, SE3) else pose
             if name in owners:  # else its mesh is missing and was skipped
                 poses[owners.index(name)] = SE3.from_matrix(matrix).matrix()

@@ -12,8 +12,9 @@ import numpy as np
 
 from ulna.collision.world import World
 from ulna.errors import InputError, MissingExtra, ModelError, ModelWarning
-from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Plane, Shape, Sphere
-from ulna.geometry.meshes import read_pieces
+from ulna.geometry import Capsule, Ellipsoid, Mesh, Plane, Shape, Sphere
+from ulna.geometry.meshes import merged, read_pieces
+from ulna.geometry.shapes import half_edges
 from ulna.model import Model
 from ulna.spatial import SE3
 from ulna.system.cached import cached_property
@@ -154,28 +155,14 @@ def _solid(
 @functools.lru_cache(maxsize=256)
 def _read(path: str, stamp: int) -> tuple[Floats, Array]:
     """Vertices and triangles of a file that was changed at `stamp`, read once."""
-    pieces = read_pieces(path)
-    offsets = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
-    vertices = np.concatenate([piece.vertices for piece in pieces])
-    triangles = np.concatenate([p.triangles + o for p, o in zip(pieces, offsets, strict=False)])
-    return vertices, triangles
+    return merged(read_pieces(path))
 
 
 def _half_edges(shape: Shape) -> tuple[float, float, float]:
-    match shape:
-        case Box(size=(x, y, z)):
-            return x / 2.0, y / 2.0, z / 2.0
-        case Sphere(radius=r):
-            return r, r, r
-        case Capsule(radius=r, length=h):
-            return r, r, h / 2.0 + r
-        case Cylinder(radius=r, length=h) | Cone(radius=r, length=h):
-            return r, r, h / 2.0
-        case Ellipsoid(radii=radii):
-            return radii
-        case Plane():
-            return np.inf, np.inf, np.inf
-    raise InputError(f"{shape.describe()} takes no part in collisions.")
+    half = half_edges(shape)
+    if half is None:
+        raise InputError(f"{shape.describe()} takes no part in collisions.")
+    return half
 
 
 def hull(vertices: Floats) -> tuple[Floats, Array]:

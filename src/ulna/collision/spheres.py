@@ -20,7 +20,7 @@ from ulna.geometry import Mesh
 from ulna.model import Model
 from ulna.model.content import fingerprint
 from ulna.system.cached import cached_property
-from ulna.typing import ArrayLike, Floats
+from ulna.typing import Array, ArrayLike, Floats
 
 _TRIALS = 64
 _SHARPEST = 8  # how much finer than asked for the spheres of links that pass each other closely may be
@@ -184,20 +184,37 @@ def _link(model: Model, name: str, solids: list[Solid], tolerance: float, most: 
     return fitted
 
 
+def sphere_centres(model: Model, q: Array, spheres: Spheres) -> dict[str, Array]:
+    """Where the spheres are in the world.
+
+    Args:
+        model: The robot.
+        q: Configuration, (..., nq) [rad or m].
+        spheres: The spheres on its links.
+
+    Returns:
+        By link the centres (..., n, 3) [m]; (n, 3) for a link that no joint moves.
+    """
+    joints = algorithms.joint_poses(model, q)
+    points = {}
+    for name, balls in spheres.links.items():
+        link = model.link(name)
+        points[name] = link.placement @ balls.centres
+        if link.joint >= 0:
+            T = joints[link.joint]
+            points[name] = points[name] @ np.swapaxes(T.rotation, -1, -2) + T.translation[..., None, :]
+    return points
+
+
 def _crowded(model: Model, spheres: Spheres) -> list[LinkPair]:
     """Pairs of links whose spheres touch in more than half of some configurations: links that pass each other closely,
     where blunt spheres would leave no room at all.
     """
     q = algorithms.random(model, np.random.default_rng(0), (_TRIALS,))
-    joints = algorithms.joint_poses(model, q)
-    placed = {}
-    for name, balls in spheres.links.items():
-        link = model.link(name)
-        local = link.placement @ balls.centres
-        if link.joint >= 0:
-            T = joints[link.joint]
-            local = local @ np.swapaxes(T.rotation, -1, -2) + T.translation[..., None, :]
-        placed[name] = np.broadcast_to(local, (_TRIALS, *local.shape[-2:]))
+    placed = {
+        name: np.broadcast_to(points, (_TRIALS, *points.shape[-2:]))
+        for name, points in sphere_centres(model, q, spheres).items()
+    }
     crowded = []
     for a, b in link_pairs(model):
         if model.link(a).joint < 0 or model.link(b).joint < 0 or not {a, b} <= placed.keys():

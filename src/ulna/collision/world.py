@@ -179,6 +179,21 @@ class World:
                 return obstacle
         raise UnknownName("obstacle", name, self.names)
 
+    def moving(self, name: str) -> Obstacle:
+        """The obstacle of that name, which calls may move.
+
+        Raises:
+            UnknownName: There is no such obstacle.
+            InputError: It does not move.
+        """
+        obstacle = self[name]
+        if not obstacle.moving:
+            raise InputError(
+                f"Obstacle {name!r} does not move, and a pose was given for it. "
+                "Add it with moving=True, or make another world with `world.move(name, pose)`."
+            )
+        return obstacle
+
     def __repr__(self) -> str:
         return (
             f"<world of {len(self)} obstacles: {', '.join(self.names[:8])}{' ...' if len(self) > 8 else ''}>"

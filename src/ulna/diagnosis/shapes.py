@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import importlib.util
 import itertools
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from ulna.diagnosis.finding import Finding
 from ulna.errors import InputError, MissingExtra
-from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Geometry, Mesh, Shape, Sphere
-from ulna.geometry.meshes import read_pieces
+from ulna.geometry import Geometry, Mesh
+from ulna.geometry.meshes import merged, read_pieces
+from ulna.geometry.shapes import half_edges
 from ulna.model import Model
 from ulna.typing import Array, Floats
 
@@ -58,7 +60,7 @@ class Shapes:
                 self.findings += _convexity(link, shape, *read)
         else:
             half = half_edges(shape)
-            if half is None:
+            if half is None or math.isinf(half[0]):
                 return None
             corners = np.array(list(itertools.product(*((-h, h) for h in half))))
         T = geometry.placement
@@ -89,30 +91,8 @@ class Shapes:
                         "error", "bad-mesh", subject, f"its {role} mesh: {error}", "Export the file anew."
                     )
                 )
-            if pieces:
-                offsets = np.cumsum([0, *(len(p.vertices) for p in pieces)])
-                triangles = [p.triangles + k for p, k in zip(pieces, offsets, strict=False)]
-                read = np.concatenate([p.vertices for p in pieces]), np.concatenate(triangles)
-                self._read[shape.path] = read
-            else:
-                self._read[shape.path] = None
+            self._read[shape.path] = merged(pieces) if pieces else None
         return self._read[shape.path]
-
-
-def half_edges(shape: Shape) -> tuple[float, float, float] | None:
-    """Half the edges of the box around a shape, in its frame [m]; None for what has no end."""
-    match shape:
-        case Box(size=(x, y, z)):
-            return x / 2.0, y / 2.0, z / 2.0
-        case Sphere(radius=r):
-            return r, r, r
-        case Capsule(radius=r, length=h):
-            return r, r, h / 2.0 + r
-        case Cylinder(radius=r, length=h) | Cone(radius=r, length=h):
-            return r, r, h / 2.0
-        case Ellipsoid(radii=(x, y, z)):
-            return x, y, z
-    return None
 
 
 def _convexity(link: str, shape: Mesh, vertices: Floats, triangles: Array) -> Iterator[Finding]:

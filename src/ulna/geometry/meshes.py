@@ -7,6 +7,7 @@ import math
 import os
 import re
 import warnings
+from collections.abc import Sequence
 from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
@@ -61,6 +62,13 @@ def read_pieces(path: str) -> tuple[Piece, ...]:
     if not pieces:
         raise InputError(f"The mesh file {path!r} holds no triangles.")
     return tuple(pieces)
+
+
+def merged(pieces: Sequence[Piece]) -> tuple[Floats, Array]:
+    """Vertices (n, 3) [m] and triangles (m, 3) of all parts of a mesh."""
+    offsets = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
+    triangles = [piece.triangles + offset for piece, offset in zip(pieces, offsets, strict=False)]
+    return np.concatenate([piece.vertices for piece in pieces]), np.concatenate(triangles)
 
 
 def _refuse_damage(path: str, vertices: Floats, triangles: Array) -> None:

@@ -198,3 +198,28 @@ class Mesh(Shape):
     def describe(self) -> str:
         """A few words for tables and messages."""
         return f"mesh {self.file_name or '(no file)'}" + (" (missing)" if self.missing else "")
+
+
+def half_edges(shape: Shape) -> tuple[float, float, float] | None:
+    """Half the edges of the box around a shape, in its frame [m].
+
+    Args:
+        shape: The shape.
+
+    Returns:
+        Half the edges along x, y and z, infinite for a plane; None for a mesh.
+    """
+    match shape:
+        case Box(size=(x, y, z)):
+            return x / 2.0, y / 2.0, z / 2.0
+        case Sphere(radius=r):
+            return r, r, r
+        case Capsule(radius=r, length=h):
+            return r, r, h / 2.0 + r
+        case Cylinder(radius=r, length=h) | Cone(radius=r, length=h):
+            return r, r, h / 2.0
+        case Ellipsoid(radii=(x, y, z)):
+            return x, y, z
+        case Plane():
+            return math.inf, math.inf, math.inf
+    return None

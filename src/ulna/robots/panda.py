@@ -12,10 +12,9 @@ import math
 from collections.abc import Mapping
 
 from ulna.formats.poses import pose
-from ulna.formats.root import root_kind
 from ulna.geometry import Geometry
 from ulna.model import Fixed, JointKind, Model, ModelBuilder, Prismatic, Revolute
-from ulna.robots.shapes import DARK, GREY, SILVER, WHITE, block, named, rod, tube
+from ulna.robots.shapes import DARK, GREY, SILVER, WHITE, add_root_and_links, block, rod, tube
 from ulna.spatial import Inertia
 
 _RIGHT = math.pi / 2.0
@@ -119,13 +118,7 @@ def panda(
         The model.
     """
     builder = ModelBuilder("panda_fingers" if fingers else "panda")
-    kind = root_kind(root)
-    if kind is not None:
-        builder.root_joint(kind)
-    for link, shapes in _bodies().items():
-        drawn = (visuals or {}).get(link) or named(link, "visual", shapes)
-        plain = tuple(Geometry(g.name, g.shape, g.placement) for g in named(link, "collision", shapes))
-        builder.add_link(link, inertia=_inertia(link), visuals=drawn, collisions=plain)
+    add_root_and_links(builder, root, _bodies(), _inertia, visuals)
     for i, (xyz, turn, lower, upper, velocity, effort) in enumerate(_JOINTS, 1):
         builder.add_joint(
             f"panda_joint{i}",

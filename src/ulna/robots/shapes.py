@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from ulna.formats.poses import pose, snapped
+from ulna.formats.root import root_kind
 from ulna.geometry import Box, Capsule, Cylinder, Geometry, Material, Shape, Sphere
-from ulna.spatial import SE3
+from ulna.model import JointKind, ModelBuilder
+from ulna.spatial import SE3, Inertia
 
 WHITE = Material("white", (0.93, 0.94, 0.95, 1.0))
 GREY = Material("grey", (0.36, 0.38, 0.41, 1.0))
@@ -94,3 +96,28 @@ def _between(a: np.ndarray, b: np.ndarray) -> SE3:
     x = np.cross(helper, z)
     x /= math.sqrt(float(x @ x))
     return SE3(snapped(np.stack([x, np.cross(z, x), z], axis=-1)), (a + b) / 2.0)
+
+
+def add_root_and_links(
+    builder: ModelBuilder,
+    root: str | JointKind | None,
+    bodies: Mapping[str, Sequence[Geometry]],
+    inertia: Callable[[str], Inertia | None],
+    visuals: Mapping[str, tuple[Geometry, ...]] | None,
+) -> None:
+    """Adds the joint of the root, and links that are drawn as simple shapes.
+
+    Args:
+        builder: What they are added to.
+        root: How the base hangs in the world: None fixed, "free_flyer", or a joint kind.
+        bodies: The shapes of each link, in link coordinates [m]; the links in order.
+        inertia: The inertia of a link of that name; None where it has no mass.
+        visuals: Geometries to draw instead of the simple shapes, by link name.
+    """
+    kind = root_kind(root)
+    if kind is not None:
+        builder.root_joint(kind)
+    for link, shapes in bodies.items():
+        drawn = (visuals or {}).get(link) or named(link, "visual", shapes)
+        plain = tuple(Geometry(g.name, g.shape, g.placement) for g in named(link, "collision", shapes))
+        builder.add_link(link, inertia=inertia(link), visuals=drawn, collisions=plain)

@@ -12,10 +12,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from ulna.formats.poses import pose
-from ulna.formats.root import root_kind
 from ulna.geometry import Geometry
 from ulna.model import Fixed, JointKind, Model, ModelBuilder, Revolute
-from ulna.robots.shapes import BLUE, DARK, GREY, SILVER, block, named, rod, tube
+from ulna.robots.shapes import BLUE, DARK, GREY, SILVER, add_root_and_links, block, rod, tube
 from ulna.spatial import Inertia
 
 _RIGHT = math.pi / 2.0
@@ -65,13 +64,7 @@ def ur5(
         The model.
     """
     builder = ModelBuilder("ur5")
-    kind = root_kind(root)
-    if kind is not None:
-        builder.root_joint(kind)
-    for link, shapes in _bodies().items():
-        drawn = (visuals or {}).get(link) or named(link, "visual", shapes)
-        plain = tuple(Geometry(g.name, g.shape, g.placement) for g in named(link, "collision", shapes))
-        builder.add_link(link, inertia=_inertia(link), visuals=drawn, collisions=plain)
+    add_root_and_links(builder, root, _bodies(), _inertia, visuals)
     fixed = Fixed()
     builder.add_joint("world_joint", fixed, "world", "base_link", pose())
     parent = "base_link"

@@ -9,20 +9,20 @@ from pathlib import Path
 
 def cache_folder() -> str:
     """The folder of this user's caches of Ulna, as a path that may begin with `~`."""
-    if sys.platform == "win32":
-        return os.path.join(os.environ.get("LOCALAPPDATA") or "~/AppData/Local", "ulna")
-    if sys.platform == "darwin":
-        return "~/Library/Caches/ulna"
-    return os.path.join(os.environ.get("XDG_CACHE_HOME") or "~/.cache", "ulna")
+    return _folder("ulna", "~/Library/Caches/ulna", "XDG_CACHE_HOME", "~/.cache")
 
 
 def state_folder() -> str:
     """The folder of what Ulna keeps for this user that is no cache, as a path that may begin with `~`."""
+    return _folder("ulna-state", "~/Library/Application Support/ulna", "XDG_STATE_HOME", "~/.local/state")
+
+
+def _folder(windows: str, mac: str, variable: str, fallback: str) -> str:
     if sys.platform == "win32":
-        return os.path.join(os.environ.get("LOCALAPPDATA") or "~/AppData/Local", "ulna-state")
+        return os.path.join(os.environ.get("LOCALAPPDATA") or "~/AppData/Local", windows)
     if sys.platform == "darwin":
-        return "~/Library/Application Support/ulna"
-    return os.path.join(os.environ.get("XDG_STATE_HOME") or "~/.local/state", "ulna")
+        return mac
+    return os.path.join(os.environ.get(variable) or fallback, "ulna")
 
 
 def expanded(path: str) -> Path:

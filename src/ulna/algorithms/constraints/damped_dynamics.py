@@ -23,7 +23,7 @@ from typing import Any, NamedTuple, final
 import numpy as np
 
 from ulna import numeric
-from ulna.algorithms.constraints.dynamics import delassus_of, solve_transposed_columns
+from ulna.algorithms.constraints.dynamics import constrained_response
 from ulna.algorithms.constraints.proximal_solver import largest, largest_entry
 from ulna.algorithms.dynamics.crba import mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
@@ -128,20 +128,12 @@ def _damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped)
         g: Constraint drift, shape (..., m).
         damped: The damping, and when the rounds end.
     """
-    m = J.shape[-2]
-    factors = Factors(M)
-    Y = solve_transposed_columns(factors, J)
-    y = factors.inward([drive[..., k][()] for k in range(M.shape[-1])])
-    z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
-    b = [-sum((entry * z[k] for k, entry in row.items()), g[..., i][()]) for i, row in enumerate(Y)]
-    of_forces = damped_factors(delassus_of(factors, Y), vector(*[damped.mu] * m))
-    forces, count, change = _rounds(of_forces, b, m, damped)
-    for row, force in zip(Y, forces, strict=True):
-        for k, entry in row.items():
-            y[k] = y[k] + entry * force
-    a = factors.outward(entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True))
-    left = apply(J, vector(*a)) + g
-    return DampedMotion(vector(*a), vector(*forces), count, change, largest_entry(left))
+
+    def solve(G: Array, b: list[Any]) -> tuple[Any, ...]:
+        return _rounds(damped_factors(G, vector(*[damped.mu] * len(b))), b, len(b), damped)
+
+    a, forces, (count, change) = constrained_response(Factors(M), J, drive, g, solve)
+    return DampedMotion(a, forces, count, change, largest_entry(apply(J, a) + g))
 
 
 def damped_factors(G: Array, mu: Array) -> Factors:

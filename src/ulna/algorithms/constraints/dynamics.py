@@ -20,7 +20,7 @@ Mansard, RSS 2021.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -203,20 +203,46 @@ def _response(
     factors: Factors, J: Array, drive: Array, g: Array, compliance: Any, settings: Proximal
 ) -> tuple[Array, Array, Any]:
     """a, f and the rounds, for M a = drive + J^T f and J a + g + R f = 0."""
+
+    def solve(G: Array, b: list[Any]) -> tuple[Any, ...]:
+        if not is_zero(compliance):
+            R = compliance[..., None, None] if isinstance(compliance, np.ndarray) else compliance
+            G = G + R * np.eye(len(b))
+        return solve_proximal(G, b, settings)
+
+    a, forces, (iterations,) = constrained_response(factors, J, drive, g, solve)
+    return a, forces, iterations
+
+
+def constrained_response(
+    factors: Factors,
+    J: Array,
+    drive: Array,
+    g: Array,
+    solve: Callable[[Array, list[Any]], tuple[Any, ...]],
+) -> tuple[Array, Array, tuple[Any, ...]]:
+    """The motion a and the forces f of M a = drive + J^T f and J a + g = 0.
+
+    Args:
+        factors: L and D of the mass matrix M.
+        J: Constraint Jacobian, shape (..., m, nv).
+        drive: Torques, shape (..., nv) [N m, N].
+        g: Constraint drift, shape (..., m) [m/s^2, rad/s^2].
+        solve: Solves G f = b for the Delassus matrix G; returns the entries of f and whatever else there is.
+
+    Returns:
+        a, shape (..., nv), f, shape (..., m), and what else `solve` returned.
+    """
     Y = solve_transposed_columns(factors, J)
     y = factors.inward([drive[..., k][()] for k in range(len(factors.lower))])
     z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
-    G = delassus_of(factors, Y)
-    if not is_zero(compliance):
-        R = compliance[..., None, None] if isinstance(compliance, np.ndarray) else compliance
-        G = G + R * np.eye(len(Y))
     b = [-sum((entry * z[k] for k, entry in row.items()), g[..., i][()]) for i, row in enumerate(Y)]
-    forces, iterations = solve_proximal(G, b, settings)
+    forces, *more = solve(delassus_of(factors, Y), b)
     for row, force in zip(Y, forces, strict=True):
         for k, entry in row.items():
             y[k] = y[k] + entry * force
     a = factors.outward(entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True))
-    return vector(*a), vector(*forces), iterations
+    return vector(*a), vector(*forces), tuple(more)
 
 
 def solve_transposed_columns(factors: Factors, J: Array) -> list[dict[int, Any]]:

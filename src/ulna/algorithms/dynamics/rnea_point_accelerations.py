@@ -70,9 +70,7 @@ def inverse_dynamics(
         Joint torques, shape (..., nv) [N m, N].
     """
     prepared = prepare(model)
-    motions = point_motions(prepared.tree, q, v, a, -np.asarray(model.gravity))
-    forces = newton_euler(prepared.regrouped_moments, motions)
-    forces = _gather_forces(prepared.tree, q, subtract_external(prepared, forces, external))
+    forces = _transmitted_forces(prepared, prepared.regrouped_moments, q, v, a, external)
     tau = batch_zeros((model.nv,), q, v, a, external)
     for step, force in zip(prepared.tree, forces, strict=True):
         for k, s in step.columns():
@@ -140,9 +138,7 @@ def joint_wrenches(
         One wrench a joint, in its moving frame, with the batch axes of the inputs [N, N m].
     """
     prepared = prepare(model)
-    motions = point_motions(prepared.tree, q, v, a, -np.asarray(model.gravity))
-    forces = newton_euler(prepared.body_moments, motions)
-    forces = _gather_forces(prepared.tree, q, subtract_external(prepared, forces, external))
+    forces = _transmitted_forces(prepared, prepared.body_moments, q, v, a, external)
     zero = batch_zeros((3,), q, v, a, external)
     return [
         frame.act(force) + Force(zero, zero)
@@ -244,9 +240,18 @@ def _newton_euler(body: MassMoments, motion: PointMotion) -> Force:
     return Force(column(body.mass) * motion.b + apply(U, body.first), moment + cross(body.first, motion.b))
 
 
-def _gather_forces(tree: Sequence[Step], q: Array, forces: Sequence[Force]) -> list[Force]:
+def _transmitted_forces(
+    prepared: PreparedModel,
+    bodies: Sequence[MassMoments],
+    q: Array,
+    v: Array | None,
+    a: Array | None,
+    external: External,
+) -> list[Force]:
     """For every step the sum of the forces on the bodies from it outward, in its moving frame."""
-    return inward(tree, forces, lambda step, force: step.force_to_parent(force, q))
+    motions = point_motions(prepared.tree, q, v, a, -np.asarray(prepared.model.gravity))
+    forces = subtract_external(prepared, newton_euler(bodies, motions), external)
+    return inward(prepared.tree, forces, lambda step, force: step.force_to_parent(force, q))
 
 
 def subtract_external(prepared: PreparedModel, forces: Sequence[Force], external: External) -> list[Force]:

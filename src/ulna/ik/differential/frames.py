@@ -18,9 +18,10 @@ Sastry 1994, section 2.3.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, final, get_args
+from typing import Any, ClassVar, Literal, final, get_args
 
 import numpy as np
 
@@ -49,10 +50,23 @@ class _OfFrame(Task):
 
     frame: str
     damping: float = field(default=1.0, kw_only=True)
+    _shape: ClassVar[tuple[int, ...]] = (3,)
 
     @property
     def _default_name(self) -> str:
         return self.frame
+
+    @abstractmethod
+    def _measured(self, model: Model, q: Array) -> Array:
+        """What is to become equal to the target, at a configuration."""
+
+    def inputs(self, model: Model) -> Shapes:
+        """The target."""
+        return {self.label: self._shape}
+
+    def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
+        """The target that is reached at `q` (..., nq) [rad or m]."""
+        return {self.label: self._measured(model, q)}
 
     def defaults(self, model: Model) -> Mapping[str, Any]:
         """The target that the task was made with."""
@@ -77,14 +91,11 @@ class FrameTask(_OfFrame):
     orientation_cost: ArrayLike = 1.0
     axes: Axes = "frame"
     target: Any = None
+    _shape: ClassVar[tuple[int, ...]] = (4, 4)
 
-    def inputs(self, model: Model) -> Shapes:
-        """The pose."""
-        return {self.label: (4, 4)}
-
-    def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
+    def _measured(self, model: Model, q: Array) -> Array:
         """Where the frame stands."""
-        return {self.label: frame_pose(model, q, model.frame(self.frame)).matrix()}
+        return frame_pose(model, q, model.frame(self.frame)).matrix()
 
     def costs(self, model: Model) -> Floats:
         """Three for the position, three for the orientation."""
@@ -120,19 +131,16 @@ class RelativeFrameTask(_OfFrame):
     position_cost: ArrayLike = 1.0
     orientation_cost: ArrayLike = 1.0
     target: Any = None
+    _shape: ClassVar[tuple[int, ...]] = (4, 4)
 
     @property
     def _default_name(self) -> str:
         return f"{self.frame}_in_{self.root}"
 
-    def inputs(self, model: Model) -> Shapes:
-        """The pose."""
-        return {self.label: (4, 4)}
-
-    def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
+    def _measured(self, model: Model, q: Array) -> Array:
         """Where the frame stands beside the root."""
         root, frame = self._poses(model, q)
-        return {self.label: (root.inverse() @ frame).matrix()}
+        return (root.inverse() @ frame).matrix()
 
     def costs(self, model: Model) -> Floats:
         """Three for the position, three for the orientation."""
@@ -169,13 +177,9 @@ class PositionTask(_OfFrame):
     axes: Axes = "world"
     target: Any = None
 
-    def inputs(self, model: Model) -> Shapes:
-        """The point."""
-        return {self.label: (3,)}
-
-    def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
+    def _measured(self, model: Model, q: Array) -> Array:
         """Where the origin is."""
-        return {self.label: frame_pose(model, q, model.frame(self.frame)).translation}
+        return frame_pose(model, q, model.frame(self.frame)).translation
 
     def costs(self, model: Model) -> Floats:
         """Three numbers."""
@@ -209,14 +213,11 @@ class OrientationTask(_OfFrame):
     cost: ArrayLike = 1.0
     axes: Axes = "frame"
     target: Any = None
+    _shape: ClassVar[tuple[int, ...]] = (3, 3)
 
-    def inputs(self, model: Model) -> Shapes:
-        """The rotation."""
-        return {self.label: (3, 3)}
-
-    def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
+    def _measured(self, model: Model, q: Array) -> Array:
         """How the frame is turned."""
-        return {self.label: frame_pose(model, q, model.frame(self.frame)).rotation}
+        return frame_pose(model, q, model.frame(self.frame)).rotation
 
     def costs(self, model: Model) -> Floats:
         """Three numbers."""
@@ -254,14 +255,10 @@ class AxisTask(_OfFrame):
     def _default_name(self) -> str:
         return f"{self.frame}_axis"
 
-    def inputs(self, model: Model) -> Shapes:
-        """The direction."""
-        return {self.label: (3,)}
-
-    def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
+    def _measured(self, model: Model, q: Array) -> Array:
         """Where the axis points."""
         R = frame_pose(model, q, model.frame(self.frame)).rotation
-        return {self.label: apply(R, self._unit())}
+        return apply(R, self._unit())
 
     def costs(self, model: Model) -> Floats:
         """The same for three rows."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 from ulna.checks.values import flag, text
 from ulna.errors import InputError
@@ -79,6 +79,7 @@ class LabelledControl(Control):
     """A control with words beside it."""
 
     __slots__ = ()
+    _label_attribute: ClassVar[str] = "label"
 
     @property
     def label(self) -> str:
@@ -89,7 +90,7 @@ class LabelledControl(Control):
     def label(self, label: str) -> None:
         self._check_not_removed()
         self._label = text("label", label)
-        self._set("label", self._label_text())
+        self._set(self._label_attribute, self._label_text())
 
     def _label_text(self) -> str:
         return self._label

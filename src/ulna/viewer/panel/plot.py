@@ -9,17 +9,17 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import finite_array
-from ulna.checks.values import duration, number, text
+from ulna.checks.values import duration, number
 from ulna.errors import ShapeError
 from ulna.system import forks
 from ulna.typing import ArrayLike, Floats
-from ulna.viewer.panel.controls import Control, with_unit
+from ulna.viewer.panel.controls import LabelledControl, with_unit
 
 LINE_COLOURS = ("#2563eb", "#dc2626", "#16a34a", "#d97706", "#7c3aed", "#0891b2", "#db2777", "#65a30d")
 
 
 @final
-class Plot(Control):
+class Plot(LabelledControl):
     """Lines over time in the panel. Only as many rows are kept as `seconds` hold, at most some thousands.
 
     Args:
@@ -33,6 +33,7 @@ class Plot(Control):
 
     __slots__ = ("_changed", "_drawn_at", "_lock", "_names", "_on_remove", "_rows", "_seconds", "_unit")
     _MAX_ROWS = 4000
+    _label_attribute = "title"
 
     def __init__(
         self,
@@ -65,16 +66,8 @@ class Plot(Control):
         with self._lock:
             self._seconds, self._changed = span, True
 
-    @property
-    def label(self) -> str:
-        """Its title."""
-        return self._label
-
-    @label.setter
-    def label(self, label: str) -> None:
-        self._check_not_removed()
-        self._label = text("label", label)
-        self._set("title", with_unit(self._label, self._unit))
+    def _label_text(self) -> str:
+        return with_unit(self._label, self._unit)
 
     def add(self, t: float, values: ArrayLike) -> None:
         """Append a row.

@@ -8,6 +8,7 @@ import numpy as np
 
 from roboticstoolbox._common.poses import matrix, pose
 from roboticstoolbox._links.link import Link
+from roboticstoolbox._links.link_tree import links_from
 from ulna.errors import ShapeError
 from ulna.typing import Floats
 
@@ -55,12 +56,7 @@ class Gripper:
 
     def dfs_links(self, start: Link, func: Any = None) -> list[Link]:
         """The links from `start` on, children before siblings; `func` is called with each."""
-        out = [start]
-        if func is not None:
-            func(start)
-        for child in start.children:
-            out += self.dfs_links(child, func)
-        return out
+        return links_from(start, func)
 
     def __str__(self) -> str:
         carrier = self.links[0].parent_name if self.links else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from roboticstoolbox._links.link import Link
@@ -66,3 +66,21 @@ def links_between(start: Link | None, end: Link) -> tuple[list[Link], list[Link]
     if shared == len(upward):
         return [], downward[shared - 1 :]
     return upward[shared:][::-1], downward[shared:]
+
+
+def links_from(start: Link, func: Callable[[Link], Any] | None = None) -> list[Link]:
+    """The links from `start` on, children before siblings.
+
+    Args:
+        start: The first link.
+        func: Called with each; None for nothing.
+
+    Returns:
+        The links.
+    """
+    out = [start]
+    if func is not None:
+        func(start)
+    for child in start.children:
+        out += links_from(child, func)
+    return out

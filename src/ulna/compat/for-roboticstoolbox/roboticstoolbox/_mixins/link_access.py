@@ -9,7 +9,7 @@ import numpy as np
 from roboticstoolbox._common.poses import pose
 from roboticstoolbox._links.gripper import Gripper
 from roboticstoolbox._links.link import Link
-from roboticstoolbox._links.link_tree import links_between
+from roboticstoolbox._links.link_tree import links_between, links_from
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.typing import Floats
 
@@ -110,12 +110,7 @@ class LinkAccess(RobotMixin):
 
     def dfs_links(self, start: Link, func: Any = None) -> list[Link]:
         """The links from `start` on, children before siblings; `func` is called with each."""
-        out = [start]
-        if func is not None:
-            func(start)
-        for child in start.children:
-            out += self.dfs_links(child, func)
-        return out
+        return links_from(start, func)
 
     def get_path(self, end: Any = None, start: Any = None) -> tuple[list[Link], int, Any]:
         """The links from `start` to `end`, how many they are, and the tool's pose."""

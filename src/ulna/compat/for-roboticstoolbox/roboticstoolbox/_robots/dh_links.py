@@ -59,40 +59,42 @@ class DHLink(Link):
         return f"{type(self).__name__}({', '.join(parts)})"
 
 
-class RevoluteDH(DHLink):
+class _RevoluteLink(DHLink):
+    _modified = False
+
+    def __init__(
+        self, d: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
+    ) -> None:
+        super().__init__(d=d, a=a, alpha=alpha, offset=offset, sigma=0, mdh=self._modified, **more)
+
+
+class _PrismaticLink(DHLink):
+    _modified = False
+
+    def __init__(
+        self, theta: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
+    ) -> None:
+        super().__init__(theta=theta, a=a, alpha=alpha, offset=offset, sigma=1, mdh=self._modified, **more)
+
+
+class RevoluteDH(_RevoluteLink):
     """A joint that turns, standard parameters."""
 
-    def __init__(
-        self, d: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
-    ) -> None:
-        super().__init__(d=d, a=a, alpha=alpha, offset=offset, sigma=0, mdh=False, **more)
 
-
-class PrismaticDH(DHLink):
+class PrismaticDH(_PrismaticLink):
     """A joint that slides, standard parameters."""
 
-    def __init__(
-        self, theta: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
-    ) -> None:
-        super().__init__(theta=theta, a=a, alpha=alpha, offset=offset, sigma=1, mdh=False, **more)
 
-
-class RevoluteMDH(DHLink):
+class RevoluteMDH(_RevoluteLink):
     """A joint that turns, modified parameters."""
 
-    def __init__(
-        self, d: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
-    ) -> None:
-        super().__init__(d=d, a=a, alpha=alpha, offset=offset, sigma=0, mdh=True, **more)
+    _modified = True
 
 
-class PrismaticMDH(DHLink):
+class PrismaticMDH(_PrismaticLink):
     """A joint that slides, modified parameters."""
 
-    def __init__(
-        self, theta: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
-    ) -> None:
-        super().__init__(theta=theta, a=a, alpha=alpha, offset=offset, sigma=1, mdh=True, **more)
+    _modified = True
 
 
 __all__ = ["DHLink", "PrismaticDH", "PrismaticMDH", "RevoluteDH", "RevoluteMDH"]
