@@ -90,7 +90,7 @@ def to_spatial(T: Floats) -> Floats:
     """A pose in the plane (3, 3) as one in space (4, 4); those in space as they are."""
     if T.shape == (4, 4):
         return T
-    out = np.eye(4)
+    out = np.eye(4, dtype=T.dtype)
     out[:2, :2], out[:2, 3] = T[:2, :2], T[:2, 2]
     return out
 

@@ -8,17 +8,18 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.errors import UnknownOption, WrongType
-from roboticstoolbox._ets.elementary_transform import BaseET
+from roboticstoolbox._common.symbols import has_symbols
+from roboticstoolbox._ets.base_transform import BaseET
 from roboticstoolbox._ets.jacobian_array import Jacobian
 from roboticstoolbox._ets.measures import axes_of, measure_name
+from roboticstoolbox._ets.symbolic_chain import symbolic_jacobian, symbolic_pose, to_axes_of_end
 from ulna import algorithms
 from ulna.algorithms.kinematics.manipulability import chosen_rows
-from ulna.errors import ShapeError
+from ulna.errors import InputError, ShapeError
 from ulna.formats.ets import ETS as Transforms
-from ulna.model import Frame, Model
 from ulna.robot import Robot
 from ulna.system.cached import cached_property
-from ulna.typing import Array, Floats
+from ulna.typing import Floats
 
 ANGLES = ("rpy/xyz", "rpy/zyx", "eul", "exp")
 
@@ -34,6 +35,7 @@ class Chain:
         self.transforms = tuple(et._copy() for et in transforms)
         self.jindices = np.array([et.jindex for et in self.transforms if et.isjoint], dtype=int)
         self.n = len(self.jindices)
+        self.is_symbolic = any(et._is_symbolic for et in self.transforms)
         self._in_order = bool((self.jindices == np.arange(self.n)).all())
         self._shape = (self.n,)
         self._tools: dict[bytes, Chain] = {}
@@ -42,8 +44,10 @@ class Chain:
     def arm(self) -> Robot:
         """The robot that Ulna computes with: the chain alone, its end the tool."""
         count = iter(range(self.n))
-        plain = [et._to_ulna(next(count)) if et.isjoint else et._to_ulna() for et in self.transforms]
-        return Robot(Transforms(tuple(plain)).model("chain"))
+        if self.is_symbolic:
+            raise InputError("The chain holds symbols; only poses and Jacobians are computed with them.")
+        parts = [et._parts_in_ulna(next(count) if et.isjoint else None) for et in self.transforms]
+        return Robot(Transforms(tuple(one for part in parts for one in part)).model("chain"))
 
     @cached_property
     def unlimited(self) -> Chain:
@@ -88,8 +92,8 @@ class Chain:
             return self._constant
         try:
             return self._fk(self.q(q))
-        except TypeError as error:
-            return algorithms.frame_pose(*self._symbols(q, error)).matrix()
+        except (TypeError, InputError) as error:
+            return self._symbolic(symbolic_pose, q, error)
 
     @cached_property
     def _fk(self) -> Any:
@@ -97,10 +101,7 @@ class Chain:
 
     @cached_property
     def _constant(self) -> Floats:
-        T = np.eye(4)
-        for et in self.transforms:
-            T = T @ et._to_ulna().transform().matrix()
-        return T
+        return symbolic_pose(self.transforms, ())
 
     def jacob0(self, q: Any) -> Floats:
         """The Jacobian in the axes of the start, (..., 6, n)."""
@@ -108,8 +109,8 @@ class Chain:
             return np.zeros((6, 0))
         try:
             return self._jacob0(self.q(q)).view(Jacobian)
-        except TypeError as error:
-            return algorithms.frame_jacobian(*self._symbols(q, error))
+        except (TypeError, InputError) as error:
+            return self._symbolic(symbolic_jacobian, q, error)
 
     def jacobe(self, q: Any) -> Floats:
         """The Jacobian in the axes of the end, (..., 6, n)."""
@@ -117,20 +118,31 @@ class Chain:
             return np.zeros((6, 0))
         try:
             return self._jacobe(self.q(q)).view(Jacobian)
-        except TypeError as error:
-            return algorithms.frame_jacobian(*self._symbols(q, error), reference="local")
+        except (TypeError, InputError) as error:
+            return to_axes_of_end(
+                self._symbolic(symbolic_jacobian, q, error), self._symbolic(symbolic_pose, q, error)
+            )
 
-    def _symbols(self, q: Any, error: TypeError) -> tuple[Model, Array, Frame]:
-        """Arguments of Ulna's algorithms for symbolic `q`; raises `error` where `q` holds no symbols."""
+    def _symbolic(self, compute: Any, q: Any, error: Exception) -> Floats:
+        """A product of matrices that hold symbols; raises `error` where neither the chain nor `q` does."""
         coordinates = np.asarray(q, dtype=object)
-        if not any(hasattr(x, "free_symbols") for x in coordinates.ravel()):
+        if not (self.is_symbolic or has_symbols(coordinates)):
             raise error
-        if coordinates.ndim == 1 and coordinates.size > self.jindices.max():
-            coordinates = coordinates[self.jindices]
-        if coordinates.shape != self._shape:
-            raise ShapeError("q", coordinates.shape, f"({self.n},), symbols for one configuration")
-        model = self.arm.model
-        return model, coordinates, model.frame(model.tool)
+        if coordinates.ndim <= 1:
+            return compute(self.transforms, self._along(np.atleast_1d(coordinates)))
+        rows = [compute(self.transforms, self._along(row)) for row in coordinates]
+        return np.array(rows) if len(rows) > 1 else rows[0]
+
+    def _along(self, q: Any) -> Any:
+        if self.n and q.size > self.jindices.max():
+            return q[self.jindices]
+        if q.shape != self._shape:
+            raise ShapeError(
+                "q",
+                q.shape,
+                f"({max([self.n, *(self.jindices + 1)])},) or (m, n); symbols for one configuration, or for each of m",
+            )
+        return q
 
     @cached_property
     def _jacob0(self) -> Any:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from roboticstoolbox._common.poses import matrix, pose, to_planar, to_spatial
+from roboticstoolbox._common.symbols import shortened
+from roboticstoolbox._ets.dh_split import STEPS, split_by_convention
 from roboticstoolbox._ets.elementary_transform import ET, ET2
 from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._ets.inverse_kinematics import solve
@@ -15,6 +16,8 @@ from roboticstoolbox._ets.sequence import BaseETS
 from roboticstoolbox._ets.solver_methods import ChainSolvers
 from ulna.errors import ShapeError
 from ulna.typing import Floats
+
+_FLOAT64 = np.dtype(float)
 
 
 class ETS(ChainSolvers, BaseETS):
@@ -26,8 +29,9 @@ class ETS(ChainSolvers, BaseETS):
         return matrix(base) @ T if base is not None and include_base else T
 
     def fkine(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Any:
-        """The pose of the end as an SE3."""
-        return pose(self.eval(q, base, tool, include_base))
+        """The pose of the end as an SE3; expressions of symbols are simplified."""
+        T = self.eval(q, base, tool, include_base)
+        return pose(T if T.dtype is _FLOAT64 else shortened(T))
 
     def jacob0(self, q: Any, tool: Any = None) -> Floats:
         """The Jacobian in the axes of the start, (6, n)."""
@@ -65,26 +69,20 @@ class ETS(ChainSolvers, BaseETS):
         """Writes the transform at `i` as turns and one about or along another axis.
 
         Raises:
-            ValueError: There is no such axis.
+            InputError: There is no such axis, or the transform is a whole pose.
+            WrongIndex: There is no transform at `i`.
         """
-        et = self.data[i]
-        if axis not in ("x", "y", "z"):
-            raise ValueError(f"`axis` is {axis!r}; expected 'x', 'y' or 'z'.")
-        if et.ax == axis:
-            return
-        if et.ax is None:
-            raise ValueError(f"{et} is a whole pose, which has no axis.")
-        order = "xyz"
-        step = (order.index(axis) - order.index(et.ax)) % 3
-        about = order[3 - order.index(et.ax) - order.index(axis)]
-        turn = math.pi / 2 if step == 1 else -math.pi / 2
-        other = et._copy()
-        other.axis = et.axis[0] + axis
-        self.data[i : i + 1] = [ET(f"R{about}", -turn), other, ET(f"R{about}", turn)]
+        self._replace(i, axis)
 
     def replaced(self, i: int, axis: str) -> ETS:
         """A copy on which `replace` was called."""
         return self._modified_copy("replace", i, axis)
+
+    def split(self, method: str = "last") -> list[ETS]:
+        """The chain in parts; "dh" and "mdh" are those of Denavit and Hartenberg's links, see `BaseETS.split`."""
+        if method.lower() not in STEPS:
+            return super().split(method)
+        return [type(self)(list(part)) for part in split_by_convention(self.data, method.lower())]
 
 
 class ETS2(BaseETS):
@@ -99,8 +97,9 @@ class ETS2(BaseETS):
         return matrix(base, 3) @ T if base is not None and include_base else T
 
     def fkine(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Any:
-        """The pose of the end as an SE2."""
-        return pose(self.eval(q, base, tool, include_base))
+        """The pose of the end as an SE2; expressions of symbols are simplified."""
+        T = self.eval(q, base, tool, include_base)
+        return pose(T if T.dtype is _FLOAT64 else shortened(T))
 
     def jacob0(self, q: Any) -> Floats:
         """The Jacobian in the axes of the start, (3, n): x, y, angle."""

@@ -1,59 +1,80 @@
-"""Chains of elementary transforms as lists: composed, numbered, split, and brought into other forms."""
+"""Chains of elementary transforms as lists: composed, numbered, split, and printed."""
 
 from __future__ import annotations
 
 import math
-from collections import UserList
-from collections.abc import Iterable
+from collections.abc import Iterable, MutableSequence
 from typing import Any, Self
 
 import numpy as np
 
 from roboticstoolbox._common.class_registry import registered_class
+from roboticstoolbox._common.errors import UnknownOption, WrongType
 from roboticstoolbox._common.poses import matrix
+from roboticstoolbox._ets.base_transform import BaseET
 from roboticstoolbox._ets.compiled_chain import Chain
-from roboticstoolbox._ets.elementary_transform import ET, BaseET
-from ulna.errors import UnknownName
+from roboticstoolbox._ets.elementary_transform import ET
+from roboticstoolbox._ets.rewriting import Rewriting
+from roboticstoolbox.tools.data import rtb_get_param
+from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
 
-class BaseETS(UserList):
+class BaseETS(Rewriting, MutableSequence):
     """Base class of ETS and ETS2: composition, numbering of joints, and changes of form."""
 
     _et: type[BaseET] = ET
 
     def __init__(self, arg: Any = None) -> None:
-        """From nothing, a transform, a list of them, or another chain.
+        """From nothing, a transform, a chain, or a list of these.
+
+        Joints without a number are numbered from 0, all of them, or the last one when the others are in order.
 
         Raises:
-            ValueError: Some joints have a number and some have none.
+            WrongType: Something else than transforms is in it.
+            InputError: Some joints have a number and some have none.
         """
-        super().__init__()
-        transforms = [] if arg is None else [arg] if isinstance(arg, BaseET) else list(arg)
-        for item in transforms:
-            if not isinstance(item, self._et):
-                raise TypeError(
+        self.data: list[Any] = []
+        self._auto_jindex = False
+        for item in [] if arg is None else [arg] if isinstance(arg, BaseET) else self._items(arg):
+            self.data.extend(et._copy() for et in (item.data if isinstance(item, BaseETS) else [item]))
+        self._number_joints()
+
+    def _items(self, arg: Any) -> list[Any]:
+        items = list(arg) if isinstance(arg, list | tuple | BaseETS) or hasattr(arg, "__next__") else [arg]
+        for item in items:
+            if not isinstance(item, self._et | type(self)):
+                raise WrongType(
                     f"{item!r} is no {self._et.__name__}, of which a {type(self).__name__} is made."
                 )
-        self.data = [et._copy() for et in transforms]
-        joints = [et for et in self.data if et.isjoint]
-        missing = [et.jindex is None for et in joints]
-        if any(missing) and not all(missing):
-            raise ValueError(
-                "Some joints have a `jindex` and some have none; set it for all of them or for none."
-            )
-        if all(missing):
+        return items
+
+    def _number_joints(self) -> None:
+        joints = self.joints()
+        numbers = [et.jindex for et in joints]
+        count = len(joints)
+        if count and numbers[-1] is None and numbers[:-1] == list(range(count - 1)):
+            joints[-1].jindex = count - 1
+        elif count and all(number is None for number in numbers):
             for i, et in enumerate(joints):
                 et.jindex = i
+        elif None in numbers:
+            raise InputError(
+                "Some joints have a `jindex` and some have none; set it for all of them or for none."
+            )
+        else:
+            return
+        self._auto_jindex = True
 
     @classmethod
     def _from_transforms(cls, transforms: Iterable[BaseET]) -> Self:
+        """A chain of copies of transforms, whose joints keep their numbers."""
         out = cls()
         out.data = [et._copy() for et in transforms]
         return out
 
     def _numbered(self, other: Any) -> list[BaseET]:
-        """Transforms to append: joints without a number take the next ones."""
+        """Transforms to insert: joints without a number take the next ones."""
         transforms = [other] if isinstance(other, BaseET) else list(other)
         following = max((et.jindex for et in self.data if et.isjoint), default=-1) + 1
         out = []
@@ -67,9 +88,7 @@ class BaseETS(UserList):
     def __mul__(self, other: Any) -> Any:
         if hasattr(other, "ets") and not isinstance(other, (BaseET, BaseETS)):
             other = other.ets
-        if not isinstance(other, (self._et, type(self))):
-            return NotImplemented
-        return type(self)._from_transforms([*self.data, *self._numbered(other)])
+        return type(self)([self, other]) if isinstance(other, self._et | type(self)) else NotImplemented
 
     def __rmul__(self, other: Any) -> Any:
         return type(self)(other) * self
@@ -80,20 +99,24 @@ class BaseETS(UserList):
     def __iadd__(self, other: Any) -> Any:
         return self * other
 
-    def append(self, item: Any) -> None:
-        """Adds a transform, or a chain, at the end."""
-        self.data.extend(self._numbered(item))
+    def __radd__(self, other: Any) -> Any:
+        return self if isinstance(other, int) and other == 0 else NotImplemented
 
-    def extend(self, other: Any) -> None:
-        """Adds the transforms of a chain at the end."""
-        self.append(other)
+    def insert(self, index: int, value: Any) -> None:
+        """Inserts a transform, or a chain, before the one at `index`."""
+        self.data[index:index] = self._numbered(value)
 
-    def insert(self, i: int, item: Any) -> None:
-        """Puts a transform, or a chain, before the one at `i`."""
-        self.data[i:i] = self._numbered(item)
+    def __len__(self) -> int:
+        return len(self.data)
+
+    def __setitem__(self, i: Any, value: Any) -> None:
+        self.data[i] = value
+
+    def __delitem__(self, i: Any) -> None:
+        del self.data[i]
 
     def __getitem__(self, i: Any) -> Any:
-        return type(self)._from_transforms(self.data[i]) if isinstance(i, slice) else self.data[i]
+        return type(self)(self.data[i]) if isinstance(i, slice) else self.data[i]
 
     @property
     def n(self) -> int:
@@ -135,6 +158,15 @@ class BaseETS(UserList):
             ValueError: A sliding joint has none.
         """
         return limits_of(self.joints())
+
+    @qlim.setter
+    def qlim(self, limits: Any) -> None:
+        values = np.asarray(limits, dtype=float)
+        values = values.reshape(2, 1) if values.shape == (2,) and self.n == 1 else values
+        if values.shape != (2, self.n):
+            raise ShapeError("qlim", values.shape, f"(2, {self.n})")
+        for et, pair in zip(self.joints(), values.T, strict=True):
+            et.qlim = pair
 
     def plot(self, q: Any, *arguments: Any, **options: Any) -> Any:
         """Draws the chain as a robot; see `Robot.plot`."""
@@ -182,88 +214,36 @@ class BaseETS(UserList):
         A part ends with its joint ("last"; nothing is before the first), or begins with it ("first"; nothing is after
         the last).
         """
-        if method not in ("last", "first"):
-            raise UnknownName("method of split", method, ("last", "first"))
-        parts: list[list[BaseET]] = [[], []] if method == "last" else [[]]
+        kind = method.lower()
+        if kind not in ("last", "first"):
+            raise UnknownOption("method of split", method, ("last", "first", "dh", "mdh"))
+        parts: list[list[BaseET]] = [[], []] if kind == "last" else [[]]
         for et in self.data:
-            if et.isjoint and method == "first":
+            if et.isjoint and kind == "first":
                 parts.append([])
             parts[-1].append(et)
-            if et.isjoint and method == "last":
+            if et.isjoint and kind == "last":
                 parts.append([])
-        if method == "first":
+        if kind == "first":
             parts.append([])
-        return [type(self)._from_transforms(part) for part in parts]
+        return [type(self)(part) for part in parts]
 
-    def fixjoint(self, j: int, value: float, unit: str = "rad") -> Self:
-        """The chain with the joint of number `j` held at `value`."""
-        out = []
-        for et in self.data:
-            if et.isjoint and et.jindex == j:
-                held = math.radians(value) if unit == "deg" and et.isrotation else value
-                out.append(self._et(et.axis, -held if et.isflip else held))
-                continue
-            out.append(et)
-        return type(self)._from_transforms(out)
-
-    def merge(self, i: int) -> None:
-        """Makes one constant of those at `i` and `i + 1`, which must be along the same axis.
-
-        Raises:
-            ValueError: They are not constants of one kind.
-        """
-        a, b = self.data[i], self.data[i + 1]
-        if a.axis != b.axis or a.isjoint or b.isjoint:
-            raise ValueError(f"{a} and {b} are not constants of the same kind, so they cannot be merged.")
-        one = self._constant(a.A() @ b.A()) if a._T is not None else self._et(a.axis, a.eta + b.eta)
-        self.data[i : i + 2] = [one]
-
-    def merged(self, i: int) -> Self:
-        """A copy on which `merge` was called."""
-        return self._modified_copy("merge", i)
-
-    def swap(self, i: int) -> None:
-        """Exchanges those at `i` and `i + 1`, which must commute: both along or about one axis, or both shifts.
-
-        Raises:
-            ValueError: They do not commute.
-        """
-        a, b = self.data[i], self.data[i + 1]
-        commute = (
-            a.iselementary and b.iselementary and (a.ax == b.ax or (a.istranslation and b.istranslation))
-        )
-        if not commute:
-            raise ValueError(f"{a} and {b} do not commute, so they cannot be swapped.")
-        self.data[i], self.data[i + 1] = b, a
-
-    def swapped(self, i: int) -> Self:
-        """A copy on which `swap` was called."""
-        return self._modified_copy("swap", i)
-
-    def _modified_copy(self, what: str, *arguments: Any) -> Self:
-        out = type(self)._from_transforms(self.data)
-        getattr(out, what)(*arguments)
-        return out
-
-    def to_text(self, joint: str | None = None) -> str:
-        """The chain as text; `joint` is what joints are called, "q{0}" by number."""
+    def __str__(self, q: str | None = None) -> str:
+        """The chain as text; joints are called by `q`, where {0} is their number and {1} that from 1."""
         if not self.data:
-            return f"SE{self._et._size - 1}()"
-        form = joint or ("q" if self.n == 1 else "q{0}")
+            return "SE3()"
+        form = q or ("q" if self.n == 1 else "q{0}")
         shown = []
         for et in self.data:
-            sign = "-" if et.isflip else ""
-            shown.append(et._text(sign + form.format(et.jindex)) if et.isjoint else et._text())
-        return " ⊕ ".join(shown)
-
-    def __str__(self) -> str:
-        return self.to_text()
+            name = form.format(et.jindex, (et.jindex or 0) + 1) if et.isjoint else ""
+            shown.append(et._text(f"{'-' if et.isflip else ''}{name}"))
+        return (" ⊕ " if rtb_get_param("unicode") else " * ").join(shown)
 
     def __repr__(self) -> str:
         return f"[{', '.join(map(repr, self.data))}]"
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, BaseETS) and repr(self) == repr(other)
+        return repr(self) == repr(other) if isinstance(other, BaseETS) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -272,7 +252,7 @@ class BaseETS(UserList):
         cached = self.__dict__.get("_compiled_cache")
         if cached is None or cached[0] != BaseET.edits or cached[2] != self.data:
             key = [
-                (et.axis, et.eta, et.jindex, et.isflip, et.offset, str(et.qlim), str(et._T))
+                (et.kind, et.param, et.jindex, et.isflip, et.offset, str(et.qlim), str(et._T))
                 for et in self.data
             ]
             chain = cached[1] if cached is not None and cached[3] == key else Chain(self.data)
@@ -289,6 +269,6 @@ def limits_of(joints: Iterable[BaseET]) -> Floats:
     out = []
     for et in joints:
         if et.qlim is None and not et.isrotation:
-            raise ValueError(f"The sliding joint {et} has no limits; set its `qlim`.")
+            raise InputError(f"The sliding joint {et} has no limits; set its `qlim`.")
         out.append((-math.pi, math.pi) if et.qlim is None else et.qlim)
     return np.array(out, dtype=float).reshape(-1, 2).T

@@ -99,13 +99,15 @@ def _split(link: Link, fixed_value: float | None) -> tuple[SE3, SE3, JointKind]:
     kind: JointKind = Fixed()
     side = 0
     for et in link.ets.data:
+        *shift, plain = et._parts_in_ulna(0 if et.isjoint else None)
+        for one in shift:
+            parts[side] = tidy(parts[side] @ one.transform())
         if et.isjoint and fixed_value is None:
-            x, y, z = (-x + 0.0 if et.isflip else x for x in _AXES[et.ax])
+            x, y, z = (-x + 0.0 if et.isflip else x for x in _AXES[et.ax or "z"])
             axis = (x, y, z)
             kind = Revolute(axis) if et.isrotation else Prismatic(axis)
             side = 1
             continue
-        plain = et._to_ulna(0)
         T = plain.transform(np.float64(fixed_value)) if et.isjoint else plain.transform()
         parts[side] = tidy(parts[side] @ T)
     return parts[0], parts[1], kind

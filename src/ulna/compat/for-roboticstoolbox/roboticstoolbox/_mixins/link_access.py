@@ -81,8 +81,8 @@ class LinkAccess(RobotMixin):
             for et in link.ets.data:
                 if et.istranslation:
                     step = (
-                        et.eta
-                        if et.eta is not None
+                        et.param
+                        if et.param is not None
                         else 0.0
                         if et.qlim is None
                         else float(np.abs(et.qlim).max())

@@ -105,7 +105,7 @@ class LinkGraph(RobotMixin):
             style = _END if id(link) in ends else 'shape="circle"' if id(link) in arm_links else "shape=cds"
             blue = ', fontcolor="blue"' if static and not link.isjoint else ""
             arrow = f"arrowhead={_HEADS[_letter(link) if jtype else '']}"
-            text = link.ets.to_text("q{0}")
+            text = link.ets.__str__("q{0}")
             lines.append(f"  {name} [{style}];")
             if etsbox:
                 box = _quoted(f"{link.name}_ets")

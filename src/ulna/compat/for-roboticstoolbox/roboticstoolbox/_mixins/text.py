@@ -42,7 +42,7 @@ class RobotText(RobotMixin):
             mark = "@" if id(link) in ends else ""
             joint = "" if link.jindex is None else str(link.jindex)
             rows.append(
-                [str(i), mark + link.name, joint, link.parent_name or "BASE", link.ets.to_text("q{0}")]
+                [str(i), mark + link.name, joint, link.parent_name or "BASE", link.ets.__str__("q{0}")]
             )
         header = ["link", "link", "joint", "parent", "ETS: parent to link"]
         right = [True, False, True, False, False]

@@ -12,8 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from roboticstoolbox._common.errors import UnknownOption, WrongType
 from roboticstoolbox._common.poses import to_planar
-from ulna.errors import FormatError, InputError, UnknownName, excerpt
+from roboticstoolbox._common.symbols import has_symbols, is_symbol
+from ulna.errors import FormatError, InputError, excerpt
 from ulna.formats.ets import ET
 from ulna.typing import Floats
 
@@ -22,7 +24,22 @@ _OPERATORS: dict[type, Callable[..., Any]] = {
     ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow,
     ast.UAdd: operator.pos, ast.USub: operator.neg,
 }  # fmt: skip
-_KNOWN = {"pi": math.pi, "sin": np.sin, "cos": np.cos, "tan": np.tan, "sqrt": np.sqrt}
+
+
+def _function(name: str) -> Callable[[Any], Any]:
+    """A function of numbers or of symbols."""
+
+    def apply(x: Any) -> Any:
+        if not is_symbol(x):
+            return getattr(np, name)(x)
+        import sympy
+
+        return getattr(sympy, name)(x)
+
+    return apply
+
+
+_KNOWN = {"pi": math.pi, **{name: _function(name) for name in ("sin", "cos", "tan", "sqrt")}}
 _TURNS_AND_SHIFTS = {"Rx": ET.rx, "Ry": ET.ry, "Rz": ET.rz, "Tx": ET.tx, "Ty": ET.ty, "Tz": ET.tz}
 _IN_THE_PLANE = {"R": ET.rz, "Rz": ET.rz, "Tx": ET.tx, "Ty": ET.ty}
 
@@ -65,7 +82,7 @@ def trchain(
 
     Raises:
         FormatError: The text is no chain, or an expression in it is none.
-        UnknownName: It names what is not known.
+        UnknownOption: It names what is not known.
         InputError: An argument is not what it should be.
     """
     T, tokens = _evaluated(chain, q, unit, qvar, variables or {}, _TURNS_AND_SHIFTS)
@@ -107,12 +124,14 @@ def _evaluated(
         raise InputError(f"`qvar` is {qvar!r}; expected a name such as 'q'.")
     tokens = _parsed(chain, qvar) if isinstance(chain, str) else tuple(chain)
     if not all(isinstance(token, TrChainToken) for token in tokens):
-        raise InputError("`chain` is neither text nor a sequence of TrChainToken.")
-    joints = np.ravel([] if q is None else np.asarray(q, dtype=float))
+        raise WrongType("`chain` is neither text nor a sequence of TrChainToken.")
+    joints = np.ravel([] if q is None else np.asarray(q))
+    if not has_symbols(joints):
+        joints = joints.astype(float)
     T = np.eye(4)
     for token in tokens:
         if token.op not in makers:
-            raise UnknownName("transform", token.op, makers)
+            raise UnknownOption("transform", token.op, makers)
         if token.index > len(joints):
             raise InputError(f"`q` has {len(joints)} numbers; the chain speaks of {qvar}{token.index}.")
         names = {**_KNOWN, **variables}
@@ -120,8 +139,9 @@ def _evaluated(
             names[f"{qvar}{token.index}"] = joints[token.index - 1]
         value = _value(token.arg, names)
         if unit == "deg" and token.op[0] == "R":
-            value = math.radians(value)
-        T = T @ makers[token.op](value).transform().matrix()
+            value = value * math.pi / 180
+        make = makers[token.op]
+        T = T @ (make(index=0).transform(value) if is_symbol(value) else make(value).transform()).matrix()
     return T, tokens
 
 
@@ -143,11 +163,14 @@ def _parsed(text: str, qvar: str) -> tuple[TrChainToken, ...]:
     return tuple(out)
 
 
-def _value(text: str, names: Mapping[str, Any]) -> float:
-    """The value of an arithmetic expression; nothing else is evaluated."""
+def _value(text: str, names: Mapping[str, Any]) -> Any:
+    """The value of an arithmetic expression, a number or a symbolic one; nothing else is evaluated."""
     quoted = excerpt(repr(text))
     try:
-        value = float(_evaluate(ast.parse(text.strip(), mode="eval").body, names, text))
+        value = _evaluate(ast.parse(text.strip(), mode="eval").body, names, text)
+        if is_symbol(value) and value.free_symbols:
+            return value
+        value = float(value)
     except FormatError:  # which is a ValueError, too
         raise
     except (SyntaxError, RecursionError, MemoryError):  # too deep for Python's own parser
@@ -166,7 +189,7 @@ def _evaluate(node: ast.AST, names: Mapping[str, Any], text: str) -> Any:
             return float(number)  # powers of integers may have any number of digits
         case ast.Name(id=name):
             if name not in names:
-                raise UnknownName("name in a chain", name, names)
+                raise UnknownOption("name in a chain", name, names)
             return names[name]
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
             return _OPERATORS[type(op)](inner(left), inner(right))

@@ -1,0 +1,53 @@
+"""Numbers or SymPy expressions: telling them apart, simplifying them, and printing them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+
+def is_symbol(value: Any) -> bool:
+    """Whether it is a SymPy expression."""
+    return hasattr(value, "free_symbols")
+
+
+def has_symbols(values: Any) -> bool:
+    """Whether an array, or a sequence, holds SymPy expressions."""
+    entries = np.asarray(values, dtype=object) if not isinstance(values, np.ndarray) else values
+    return entries.dtype == object and any(is_symbol(x) for x in entries.ravel())
+
+
+def is_nothing(value: Any, rotation: bool) -> bool:
+    """Whether a transform by `value` is none: exactly zero, or a symbolic angle of whole turns."""
+    if not is_symbol(value):
+        return bool(value == 0)
+    import sympy
+
+    short = sympy.simplify(value)
+    return bool(short == 0 or (rotation and sympy.simplify(short / (2 * sympy.pi)).is_integer))
+
+
+def quarter_turns(angle: Any) -> int | None:
+    """How many quarter turns an angle is, 0 to 3; None when it is no whole number of them."""
+    if is_symbol(angle):
+        import sympy
+
+        count = sympy.simplify(2 * angle / sympy.pi)
+        return int(count) % 4 if count.is_integer else None
+    turns = angle / (math.pi / 2)
+    whole = round(turns)
+    return whole % 4 if abs(turns - whole) * math.pi / 2 < 1e-9 else None
+
+
+def shortened(values: Any) -> Any:
+    """An array with its symbolic entries simplified, of numbers where none is left."""
+    if values.dtype != object:
+        return values
+    if not has_symbols(values):
+        return values.astype(float)
+    import sympy
+
+    out = np.array([sympy.simplify(x) for x in values.ravel()], dtype=object)
+    return out.reshape(values.shape)
