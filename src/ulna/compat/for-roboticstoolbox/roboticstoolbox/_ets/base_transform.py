@@ -219,7 +219,9 @@ class BaseET:
     @property
     def _is_symbolic(self) -> bool:
         """Whether its constant, its offset or its pose holds symbols."""
-        return getattr(self._T, "dtype", None) == object or is_symbol(self._param) or is_symbol(self._offset)
+        return any(map(is_symbol, (self._param, self._offset))) or getattr(
+            self._T, "dtype", None
+        ) == np.dtype(object)
 
     def A(self, q: Any = 0.0) -> Floats:
         """The matrix, (4, 4), or (3, 3) in the plane; for the joint coordinate `q` where it has one."""
