@@ -69,7 +69,7 @@ def nearest(given: str, choices: Iterable[str], count: int = 3, cutoff: float = 
         given: The name that is unknown.
         choices: The valid names.
         count: The largest number of names.
-        cutoff: How similar they must be, from 0 to 1, by the measure of `difflib`.
+        cutoff: How similar they must be, from 0 to 1, by the measure of `difflib` [-].
 
     Returns:
         The names; none where nothing is similar.

@@ -58,7 +58,7 @@ def impedance(
     Args:
         robot: The robot.
         frame: Name; None for the tool.
-        regularisation: Bounds the inertia in the null space near singular configurations.
+        regularisation: Bounds the inertia in the null space near singular configurations [kg^-1/2].
         bounded: Whether torques are kept within the effort limits.
 
     Returns:
@@ -100,7 +100,7 @@ def operational_space(
     Args:
         robot: The robot.
         frame: Name; None for the tool.
-        regularisation: Bounds the inertia near singular configurations.
+        regularisation: Bounds the inertia near singular configurations [kg^-1/2].
         bounded: Whether torques are kept within the effort limits.
 
     Returns:

@@ -124,11 +124,11 @@ class Node:
 
         Args:
             attribute: Its name.
-            default: What is returned where it is absent; None where it is required.
+            default: What is returned where it is absent [any]; None where it is required.
             infinite: Whether infinity is valid.
 
         Returns:
-            The number.
+            The number [any].
 
         Raises:
             FormatError: it is required and absent, or is no such number.

@@ -111,7 +111,7 @@ def base_parameters_of(
         W: Regressors one above the other, shape (rows, n).
         names: Names of the parameters; None numbers them.
         noise: A column whose part that is independent of the earlier ones is less than this fraction of it depends on
-            them.
+            them [-].
 
     Returns:
         The base parameters.

@@ -156,7 +156,7 @@ def advance(
         tolerances: Those of `goal.squared_tolerances`, (2,) [m^2, rad^2].
         shift: Where the sequence of starting points begins, (d,).
         near: 1 to begin near `q0` and draw from growing regions, 0 to draw from the whole ranges.
-        stride: Number of lanes that share the sequence.
+        stride: Number of lanes that share the sequence [-].
         descends: Condition under which it is a step of a descent; None for a search.
 
     Returns:

@@ -166,8 +166,8 @@ def checked_numbers(
         subject: What they are, for the message.
         value: What was passed; one number stands for all, None for `default`.
         count: How many numbers are needed.
-        default: What None stands for.
-        minimum: The smallest valid number.
+        default: What None stands for [any].
+        minimum: The smallest valid number [any].
         where: The place in the file, for the message.
 
     Returns:

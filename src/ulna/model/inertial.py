@@ -155,7 +155,7 @@ def perturbed(
 
     Args:
         model: The model.
-        fraction: Greatest relative change, from 0 to below 1.
+        fraction: Greatest relative change, from 0 to below 1 [-].
         seed: Seed or generator; the same seed gives the same model.
         com: Greatest shift of each coordinate of the links' centres of mass [m].
 

@@ -111,8 +111,8 @@ def simulate(
         every: Records each of so many steps; the start and the end are recorded anyway.
         solver: For "adaptive": a method of `scipy.integrate.solve_ivp`; None for "LSODA" with friction, which bends
             its way around stiffness, and "DOP853" without.
-        rtol: Relative error per step, for "adaptive".
-        atol: Absolute error per step, for "adaptive".
+        rtol: Relative error per step, for "adaptive" [-].
+        atol: Absolute error per step, for "adaptive" [rad, m, rad/s, m/s].
 
     Returns:
         A recording with columns t, q, v and tau.

@@ -85,7 +85,7 @@ class SpatialVector(Batched):
 
         Args:
             other: The other vector.
-            tolerance: The largest difference of a component that is accepted, in the units of the vector.
+            tolerance: The largest difference of a component that is accepted, in the units of the vector [any].
 
         Returns:
             Truth values, shape (...).

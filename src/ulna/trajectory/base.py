@@ -10,8 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna.checks.arrays import finite_array
+from ulna.checks.values import duration as checked_duration
+from ulna.checks.values import number
 from ulna.errors import InputError
-from ulna.trajectory.inputs import above_zero, positive, seconds
+from ulna.trajectory.inputs import positive
 from ulna.trajectory.peaks import greatest
 from ulna.trajectory.space import Poses, Space
 from ulna.typing import ArrayLike, Floats
@@ -145,7 +147,7 @@ class Trajectory(ABC):
         if (rate is None) == (n is None):
             raise InputError(f"sample(rate={rate}, n={n}): expected one of both: rate=1000 or n=200.")
         if rate is not None:
-            per_second = above_zero("rate", rate, "rows a second, above zero [1/s]")
+            per_second = number("rate", rate, "rows a second, above zero [1/s]", above=0.0)
             count = int(np.ceil(self.duration * per_second * (1.0 - END_TOLERANCE)))
             t = np.append(np.arange(count) / per_second, self.duration)
         else:
@@ -181,11 +183,11 @@ class Trajectory(ABC):
 
     def with_duration(self, duration: float) -> Trajectory:
         """The same motion, evenly slowed down or sped up to last `duration` [s]."""
-        return self._stretched(seconds("duration", duration) / self.duration)
+        return self._stretched(checked_duration("duration", duration) / self.duration)
 
     def slowed(self, factor: float) -> Trajectory:
         """The same motion, `factor` times as slow."""
-        return self._stretched(above_zero("factor", factor, "a factor above zero"))
+        return self._stretched(number("factor", factor, "a factor above zero", above=0.0))
 
     def within(
         self,

@@ -17,8 +17,9 @@ from typing import Literal
 import numpy as np
 
 from ulna.checks.arrays import finite_array
+from ulna.checks.values import duration as checked_duration
 from ulna.errors import InputError, UnknownName
-from ulna.trajectory.inputs import not_repeating, positive, rows, seconds
+from ulna.trajectory.inputs import not_repeating, positive, rows
 from ulna.trajectory.polynomial import Polynomial, hermite
 from ulna.typing import ArrayLike
 
@@ -63,7 +64,7 @@ def blended(
         raise InputError(
             'A parabola cannot catch up in half a blend; expected kind="quintic" or ends="whole".'
         )
-    q, tau = rows("points", points), seconds("blend", blend)
+    q, tau = rows("points", points), checked_duration("blend", blend)
     way = np.diff(q, axis=0)
     not_repeating("points", q, np.abs(way).max(axis=1))
     count = len(way)

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from ulna import numeric
+from ulna.checks.values import duration as checked_duration
 from ulna.compiler import compile
 from ulna.trajectory.base import END_TOLERANCE
-from ulna.trajectory.inputs import filled, seconds, vector
+from ulna.trajectory.inputs import filled, vector
 from ulna.trajectory.polynomial import Polynomial, hermite, hermite_coefficients, horner
 from ulna.typing import Array, ArrayLike, Floats
 
@@ -38,7 +39,9 @@ def cubic(
     start = vector("q0", q0)
     end, n = vector("q1", q1, start.size), start.size
     v = _both(("v0", v0), ("v1", v1), n)
-    return hermite(np.array([0.0, seconds("duration", duration)]), np.array([start, end]), v, kind="cubic")
+    return hermite(
+        np.array([0.0, checked_duration("duration", duration)]), np.array([start, end]), v, kind="cubic"
+    )
 
 
 def quintic(
@@ -75,7 +78,7 @@ def quintic(
     end, n = vector("q1", q1, start.size), start.size
     v = _both(("v0", v0), ("v1", v1), n)
     a = _both(("a0", a0), ("a1", a1), n)
-    times = np.array([0.0, seconds("duration", duration)])
+    times = np.array([0.0, checked_duration("duration", duration)])
     return hermite(times, np.array([start, end]), v, a, kind="quintic")
 
 
@@ -108,7 +111,7 @@ def quintic_states(
     ends, n = (start, end, first, last), start.size
     is_usual = all(x.shape == (n,) and x.dtype == np.float64 for x in ends) and at.ndim == 1
     if is_usual and n and at.size and at.dtype.kind in "fiu":
-        q, v, a = _states(n)(*ends, seconds("duration", duration), at)
+        q, v, a = _states(n)(*ends, checked_duration("duration", duration), at)
         if np.isfinite(q).all():
             return q, v, a
     return quintic(q0, q1, duration, v0, v1).state(t)  # which converts, or says what is wrong

@@ -56,7 +56,7 @@ def bounded(rows: Any, x: Floats, D: Floats, more: float = 1.0) -> Bound:
         rows: Constraints at the nodes of each segment.
         x: Squared rates at the grid points, (N + 1,) [1/s^2].
         D: Twice the length of each segment, (N,).
-        more: Factor on the excess for `less_low` and `less_high`.
+        more: Factor on the excess for `less_low` and `less_high` [-].
 
     Returns:
         The bounds; see `Bound`.

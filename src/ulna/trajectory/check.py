@@ -113,7 +113,7 @@ def check(
         acceleration: Limits of acceleration, one or (nv,) [rad/s^2 or m/s^2]; None for no check.
         jerk: Limits of jerk, one or (nv,) [rad/s^3 or m/s^3]; None for no check.
         torque: Whether to check torques.
-        tolerance: What part of a limit may be exceeded: rounding, or what a controller forgives.
+        tolerance: What part of a limit may be exceeded: rounding, or what a controller forgives [-].
         samples: How many times to begin with.
 
     Returns:

@@ -70,7 +70,7 @@ class Retimed(Trajectory):
 
         Args:
             path: What is followed.
-            factor: How many times as long it takes, not 0.
+            factor: How many times as long it takes, not 0 [-].
 
         Returns:
             The trajectory.

@@ -160,7 +160,7 @@ def torque_rows(
         tangent: p' at places of the path, (..., n).
         curvature: p'' there, (..., n).
         limits: Limits of the joints.
-        length: Length of the range of the path's parameter.
+        length: Length of the range of the path's parameter [-].
 
     Returns:
         Rows of the joints with finite limits.

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import finite_array, number_or_array
-from ulna.checks.values import number
 from ulna.errors import InputError, ShapeError
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
@@ -70,33 +69,6 @@ def rows(name: str, value: ArrayLike, least: int = 2) -> Floats:
     if array.ndim != 2 or array.shape[0] < least or array.shape[1] == 0:
         raise ShapeError(name, array.shape, f"(k, n), at least {least} points in rows")
     return array
-
-
-def seconds(name: str, value: Any) -> float:
-    """A duration: finite and above zero [s].
-
-    Args:
-        name: Name of the argument, for messages.
-        value: What was passed [s].
-
-    Returns:
-        The duration [s].
-    """
-    return above_zero(name, value, "a time above zero [s]")
-
-
-def above_zero(name: str, value: Any, expected: str) -> float:
-    """A finite number above zero.
-
-    Args:
-        name: Name of the argument, for messages.
-        value: What was passed.
-        expected: What is expected, for the message.
-
-    Returns:
-        The number.
-    """
-    return number(name, value, expected, above=0.0)
 
 
 def increasing(name: str, value: ArrayLike, count: int) -> Floats:

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.values import duration as checked_duration
 from ulna.errors import InputError, MissingExtra
-from ulna.trajectory.inputs import filled, positive, seconds, vector
+from ulna.trajectory.inputs import filled, positive, vector
 from ulna.trajectory.polynomial import Polynomial
 from ulna.typing import ArrayLike, Floats
 
@@ -67,7 +68,7 @@ def jerk_limited(
     task.max_acceleration = positive("acceleration", acceleration, n).tolist()
     task.max_jerk = positive("jerk", jerk, n).tolist()
     if duration is not None:
-        task.minimum_duration = seconds("duration", duration)
+        task.minimum_duration = checked_duration("duration", duration)
     planner: Any = ruckig.Ruckig(n)
     try:
         planner.validate_input(task, False, True)  # the start may break limits on its way into them

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.values import duration as checked_duration
 from ulna.errors import InputError
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.boundary import quintic
-from ulna.trajectory.inputs import positive, seconds
+from ulna.trajectory.inputs import positive
 from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.profiles import s_curve, trapezoidal
 from ulna.typing import Floats
@@ -56,7 +57,7 @@ def law(lengths: Floats, duration: Any, velocity: Any, acceleration: Any, jerk: 
             raise InputError(
                 "Expected a `duration`, or limits `velocity` and `acceleration`; neither was given."
             )
-        return quintic(0.0, 1.0, seconds("duration", duration))
+        return quintic(0.0, 1.0, checked_duration("duration", duration))
     if velocity is None or acceleration is None:
         raise InputError("Limits need both `velocity` and `acceleration`.")
     limits = {"velocity": velocity, "acceleration": acceleration} | ({} if jerk is None else {"jerk": jerk})

@@ -22,11 +22,11 @@ from typing import Any, Literal, final
 import numpy as np
 
 from ulna.checks.arrays import finite_array
+from ulna.checks.values import duration as checked_duration
 from ulna.errors import InputError, UnknownName
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3, Motion
 from ulna.trajectory.base import Trajectory
-from ulna.trajectory.inputs import seconds
 from ulna.trajectory.space import Poses, Space
 from ulna.typing import ArrayLike, Floats
 
@@ -110,7 +110,7 @@ def pose_spline(
         raise InputError(
             f"`poses` is a batch of shape {way.batch_shape}; expected at least two poses in a row."
         )
-    total = seconds("duration", duration)
+    total = checked_duration("duration", duration)
     spline = PoseSpline(_padded(way), total, interpolation)
     if not through or len(way) == 2:
         return spline

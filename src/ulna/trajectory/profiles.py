@@ -18,8 +18,9 @@ from typing import Literal
 
 import numpy as np
 
+from ulna.checks.values import duration as checked_duration
 from ulna.errors import InputError, UnknownName
-from ulna.trajectory.inputs import positive, seconds, vector
+from ulna.trajectory.inputs import positive, vector
 from ulna.trajectory.polynomial import Polynomial, shifted
 from ulna.typing import ArrayLike, Floats
 
@@ -66,7 +67,7 @@ def trapezoidal(
             raise InputError(
                 "Expected limits `velocity` and `acceleration`, or a `duration`; neither was given."
             )
-        total = seconds("duration", duration)
+        total = checked_duration("duration", duration)
         speed = 1.5 * np.abs(way) / total if velocity is None else positive("velocity", velocity, n)
         return _cruising(start, way, speed, total)
     if velocity is None:
@@ -154,7 +155,7 @@ def _under_limits(
             raise InputError(
                 "`q0` and `q1` are the same point; expected points that differ, or a `duration` to wait."
             )
-        return Polynomial.of([0.0, seconds("duration", duration)], start[None, None], kind)
+        return Polynomial.of([0.0, checked_duration("duration", duration)], start[None, None], kind)
     size = np.abs(way[moving])
     if synchronise == "phase":
         law = profile(1.0, (limits[:, moving] / size).min(axis=1))
@@ -169,7 +170,7 @@ def _under_limits(
     whole = _sum(start, shares, pieces, lasts, kind)
     if duration is None:
         return whole
-    wanted = seconds("duration", duration)
+    wanted = checked_duration("duration", duration)
     if wanted < lasts * (1.0 - 1e-12):
         raise InputError(f"`duration` is {wanted:g} s, but the limits take at least {lasts:.6g} s.")
     return whole._stretched(wanted / lasts)

@@ -139,7 +139,7 @@ def controllable(back: Floats, cap: Floats, end: float) -> Floats:
     Args:
         back: Backward bounds, from `reachable`, (M, 3 m + 2) with M >= N.
         cap: Greatest x of each grid point, (N + 1,).
-        end: x of the last point.
+        end: x of the last point [1/s^2].
 
     Returns:
         (M + 1, 2), of which the first N + 1 count.

@@ -75,7 +75,7 @@ def corners(path: Trajectory, at: Sampled, size: float) -> Any:
     Args:
         path: The path.
         at: Its samples.
-        size: Greatest entry of its tangent.
+        size: Greatest entry of its tangent [rad, m].
 
     Returns:
         Numbers of the grid points, (c,).

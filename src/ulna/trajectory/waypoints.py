@@ -16,8 +16,9 @@ from math import factorial
 
 import numpy as np
 
+from ulna.checks.values import duration as checked_duration
 from ulna.errors import InputError, MissingExtra
-from ulna.trajectory.inputs import filled, increasing, not_repeating, rows, seconds
+from ulna.trajectory.inputs import filled, increasing, not_repeating, rows
 from ulna.trajectory.polynomial import Polynomial, hermite
 from ulna.typing import ArrayLike, Floats
 
@@ -122,7 +123,7 @@ def bspline(
     if degree not in (3, 5):
         raise InputError(f"`degree` is {degree!r}; expected 3 or 5.")
     q = rows("points", points)
-    total, n = seconds("duration", duration), q.shape[1]
+    total, n = checked_duration("duration", duration), q.shape[1]
     zero_derivatives = (degree - 1) // 2  # derivatives that are zero at the ends
     if through:
         t = _when(q, times, None if times is not None else total)
@@ -149,7 +150,7 @@ def _when(q: Floats, times: ArrayLike | None, duration: float | None) -> Floats:
     gaps = np.linalg.norm(np.diff(q, axis=0), axis=1)
     not_repeating("points", q, gaps)
     way = np.concatenate([[0.0], np.cumsum(gaps)])
-    return seconds("duration", duration) * way / way[-1]
+    return checked_duration("duration", duration) * way / way[-1]
 
 
 def _system(k: int, b: int, n: int) -> tuple[Floats, Floats, Floats, Floats]:

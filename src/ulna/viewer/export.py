@@ -97,8 +97,8 @@ class ExportMethods(SceneMethods, abc.ABC):
         Args:
             path: The file.
             recorded: A recording of the only robot, recordings by robot, or None for those of the simulation.
-            fps: Pictures a second.
-            speed: Seconds of what happened per second of film.
+            fps: Pictures a second [1/s].
+            speed: Seconds of what happened per second of film [-].
             width: Width [pixels].
             height: Height [pixels].
             camera: The camera; a fixed one that shows the first and the last frame when not given.
@@ -149,7 +149,7 @@ class ExportMethods(SceneMethods, abc.ABC):
         Args:
             path: The file.
             recorded: What moves, as for `film`; None for the simulation's recordings, or a scene at rest.
-            fps: Poses a second.
+            fps: Poses a second [1/s].
             camera: The first camera.
 
         Returns:

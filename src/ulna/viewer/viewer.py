@@ -200,7 +200,7 @@ class Viewer(ExportMethods):
 
         Args:
             realtime: Whether steps run in real time; None for real time where a page can be shown.
-            speed: Simulated seconds per second in real time.
+            speed: Simulated seconds per second in real time [-].
             substep: The longest step of dynamics [s].
             **body_options: `control`, `limits`, `friction`, `record` of every robot, as for `ulna.sim.Body`.
 
@@ -245,7 +245,7 @@ class Viewer(ExportMethods):
 
         Args:
             recorded: A recording of the only robot, recordings by robot, or None for those of the simulation.
-            speed: Seconds of what happened per second.
+            speed: Seconds of what happened per second [-].
 
         Returns:
             The time line.

@@ -111,7 +111,7 @@ def gauss_seidel(
         feasible: The infeasibility that is small enough [m/s].
         complementary: The complementarity that is small enough [J].
         rounds: The largest number of rounds.
-        relaxation: What part of each correction is made, above 0 and below 2.
+        relaxation: What part of each correction is made, above 0 and below 2 [-].
         sliding: Whether contacts slide as Coulomb says; else the convex problem is solved.
 
     Returns:

@@ -83,10 +83,10 @@ def camera_for(
 
     Args:
         scene: The scene.
-        aspect: Width over height of the picture.
+        aspect: Width over height of the picture [-].
         direction: From the scene towards the camera.
-        margin: How much larger than the scene the picture is.
-        aside: How far to the left of the middle the scene stands, as a share of the picture's width.
+        margin: How much larger than the scene the picture is [-].
+        aside: How far to the left of the middle the scene stands, as a share of the picture's width [-].
         also: More points to show [m], shape (n, 3).
 
     Returns:

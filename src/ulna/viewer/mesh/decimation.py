@@ -44,7 +44,7 @@ def decimated(vertices: Floats, triangles: Array, bound: float) -> tuple[Floats,
     Args:
         vertices: Positions, shape (n, 3); each once, so that triangles share them.
         triangles: Indices of vertices, shape (m, 3), none of them without area.
-        bound: The distance, in units of `vertices`.
+        bound: The distance, in units of `vertices` [any].
 
     Returns:
         Positions (k, 3) and triangles (l, 3) of the new surface; unused positions may be among them.
@@ -99,7 +99,7 @@ def distances(points: Floats, vertices: Floats, triangles: Array, near: Array, e
         vertices: Vertices of the surface, (n, 3).
         triangles: Indices of vertices, (m, 3).
         near: A vertex near each point, (k,).
-        enough: Distance within which a point walks no further.
+        enough: Distance within which a point walks no further [any].
 
     Returns:
         The bounds, (k,).

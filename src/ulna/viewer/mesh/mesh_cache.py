@@ -24,7 +24,7 @@ def cache_key(path: str, bound: float = 0.0) -> str:
 
     Args:
         path: Path of the mesh file.
-        bound: How far surfaces may be from it, in its own units.
+        bound: How far surfaces may be from it, in its own units [any].
 
     Returns:
         The key.

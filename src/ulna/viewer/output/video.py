@@ -27,8 +27,8 @@ def frame_times(duration: float, fps: float, speed: float = 1.0) -> Array:
 
     Args:
         duration: How long what happened took [s].
-        fps: Pictures a second.
-        speed: Seconds of what happened per second of film.
+        fps: Pictures a second [1/s].
+        speed: Seconds of what happened per second of film [-].
 
     Returns:
         Times (n,) [s].
@@ -76,7 +76,7 @@ def write_video(path: str | os.PathLike[str], pictures: Iterable[Array], fps: fl
     Args:
         path: Path of the file, .mp4 or .gif.
         pictures: Pictures (h, w, 3) uint8, all of one size.
-        fps: Pictures a second.
+        fps: Pictures a second [1/s].
 
     Returns:
         The path of the file.
@@ -168,7 +168,7 @@ def gif_frame_durations(count: int, fps: float) -> tuple[list[int], list[int]]:
 
     Args:
         count: Number of pictures.
-        fps: Pictures a second.
+        fps: Pictures a second [1/s].
 
     Returns:
         Numbers of the pictures, and milliseconds of each.

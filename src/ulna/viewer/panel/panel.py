@@ -52,11 +52,11 @@ class Panel(PanelBase):
 
         Args:
             label: The text beside it.
-            low: The least value.
-            high: The largest value.
-            value: The first value; `low` when not given.
+            low: The least value [any].
+            high: The largest value [any].
+            value: The first value [any]; `low` when not given.
             on_change: Called with the new value when a user changes it.
-            step: From one value to the next; a thousandth of the range when not given.
+            step: From one value to the next [any]; a thousandth of the range when not given.
             unit: The unit, shown in brackets.
             hint: Text shown while the pointer is over it.
 
@@ -86,7 +86,7 @@ class Panel(PanelBase):
 
         Args:
             label: The text beside it.
-            value: The first value.
+            value: The first value [any].
             on_change: Called with the new value when a user changes it.
             unit: The unit, shown in brackets.
 

@@ -129,7 +129,7 @@ def check_step(label: str, step: Any) -> float:
         step: The step.
 
     Returns:
-        The step as a float.
+        The step [any].
 
     Raises:
         InputError: It is not a finite number above zero.

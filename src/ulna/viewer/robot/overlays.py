@@ -134,7 +134,7 @@ class RobotOverlays(Handle, abc.ABC):
 
         Args:
             frame: The frame; the tool when not given.
-            size: Metres per (m/s), or per N under joint torques of length 1.
+            size: Metres per (m/s), or per N under joint torques of length 1 [m per m/s or N].
             of: "velocity" or "force".
 
         Returns:
@@ -242,7 +242,7 @@ class RobotOverlays(Handle, abc.ABC):
         Args:
             q: The configurations, shape (n, nq) [rad or m].
             color: Their colour.
-            opacity: Above 0, at most 1.
+            opacity: Above 0, at most 1 [-].
 
         Returns:
             The handle; `q` can be assigned to.

@@ -38,7 +38,7 @@ def stick_figure(
         frames: Frames to draw as three short arrows.
         tool: Whether to draw the tool's frame.
         color: Colour of the links.
-        alpha: Opacity, from 0 to 1.
+        alpha: Opacity, from 0 to 1 [-].
         shadow: Whether to draw the figure on the floor, too.
 
     Returns:

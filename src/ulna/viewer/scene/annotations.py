@@ -56,7 +56,7 @@ class AnnotationMethods(HandleRegistry):
             length: Length of an arrow [m].
             name: Its name, with its groups; an unused one when not given.
             pose: T_group_thing, shape (4, 4), or a position (3,) [m].
-            opacity: From 0 to 1.
+            opacity: From 0 to 1 [-].
 
         Returns:
             The handle.
@@ -93,7 +93,7 @@ class AnnotationMethods(HandleRegistry):
             start: Where it begins, shape (3,) [m].
             name: Its name, with its groups; an unused one when not given.
             color: The colour; a default when not given.
-            opacity: From 0 to 1.
+            opacity: From 0 to 1 [-].
             radius: Radius of its shaft [m].
             size: Length drawn for each unit of `vector` [m]: 1 for a displacement, 0.01 for a force of some newtons.
 
@@ -133,7 +133,7 @@ class AnnotationMethods(HandleRegistry):
             name: Its name, with its groups; an unused one when not given.
             pose: T_group_thing, shape (4, 4), or a position (3,) [m].
             color: The colour; a default when not given.
-            opacity: From 0 to 1.
+            opacity: From 0 to 1 [-].
             thickness: Its thickness [m].
 
         Returns:
@@ -184,7 +184,7 @@ class AnnotationMethods(HandleRegistry):
             size: Diameter of a point [m].
             name: Its name, with its groups; an unused one when not given.
             pose: T_group_thing, shape (4, 4), or a position (3,) [m].
-            opacity: From 0 to 1.
+            opacity: From 0 to 1 [-].
 
         Returns:
             The handle; `points` and `colors` can be assigned to.
@@ -216,7 +216,7 @@ class AnnotationMethods(HandleRegistry):
             height: Height of the letters [m].
             name: Its name, with its groups; an unused one when not given.
             color: The colour; the text colour of the theme when not given.
-            opacity: From 0 to 1.
+            opacity: From 0 to 1 [-].
 
         Returns:
             The handle; `text` can be assigned to.
@@ -251,7 +251,7 @@ class AnnotationMethods(HandleRegistry):
             name: Its name, with its groups; an unused one when not given.
             pose: T_group_thing, shape (4, 4), or a position (3,) [m].
             color: The colour; a default when not given.
-            opacity: From 0 to 1.
+            opacity: From 0 to 1 [-].
 
         Returns:
             The handle.

@@ -62,7 +62,7 @@ class SceneMethods(ShapeMethods):
             name: Its name.
             pose: T_group_thing, its pose in its group.
             color: One colour for all of it; that of its materials when not given.
-            opacity: From 0 to 1.
+            opacity: From 0 to 1 [-].
             show: What of a robot: "visual", "collision", "both" or "skeleton".
             detail: "full" for all triangles of mesh files, "seen" simplified within an error bound.
 
@@ -133,7 +133,7 @@ class SceneMethods(ShapeMethods):
             name: Its name.
             pose: Where it stands.
             color: One colour for all of it; that of its materials when not given.
-            opacity: From 0 to 1.
+            opacity: From 0 to 1 [-].
             detail: "full" for all triangles, "seen" simplified within an error bound: see
                 `ulna.viewer.mesh.mesh_files.load_mesh`.
 
@@ -181,7 +181,7 @@ class SceneMethods(ShapeMethods):
             scales: A factor along each axis, (n, 3).
             name: Its name.
             pose: Where the whole stands.
-            opacity: From 0 to 1.
+            opacity: From 0 to 1 [-].
 
         Returns:
             Their handle.
@@ -220,7 +220,7 @@ class SceneMethods(ShapeMethods):
             name: The name of their group.
             pose: Where the whole stands.
             color: One colour for all; their own when not given.
-            opacity: From 0 to 1.
+            opacity: From 0 to 1 [-].
             show: What of them, as for `add`.
 
         Returns:

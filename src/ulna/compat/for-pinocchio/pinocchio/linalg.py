@@ -31,7 +31,7 @@ def computeLargestEigenvector(mat: Any, max_it: int = 10, rel_tol: float = 1e-8)
     Args:
         mat: The matrix (n, n).
         max_it: Not needed; the answer is exact.
-        rel_tol: Not needed.
+        rel_tol: Not needed [-].
 
     Returns:
         Eigenvector (n,), whose length is the size of the eigenvalue.
@@ -51,7 +51,7 @@ def isOrthonormal(matrix: Any, prec: float = 1e-12) -> bool:
 
     Args:
         matrix: The matrix (n, k).
-        prec: Largest difference between entries of its Gram matrix and the identity.
+        prec: Largest difference between entries of its Gram matrix and the identity [-].
 
     Returns:
         Whether they are.
@@ -66,7 +66,7 @@ def orthogonalization(basis: Any, vec: Floats, threshold: float = 0.0) -> None:
     Args:
         basis: Orthonormal columns, (n, k).
         vec: The vector (n,), which is changed.
-        threshold: Components up to this size remain.
+        threshold: Components up to this size remain [any].
 
     Raises:
         ShapeError: The vector does not fit the basis.
@@ -85,7 +85,7 @@ def orthonormalization(matrix: Floats, threshold: float = 0.0) -> None:
 
     Args:
         matrix: The matrix (n, k), which is changed.
-        threshold: Components up to this size remain.
+        threshold: Components up to this size remain [any].
     """
     for k in range(_changed(matrix).shape[1]):
         orthogonalization(matrix[:, :k], matrix[:, k], threshold)

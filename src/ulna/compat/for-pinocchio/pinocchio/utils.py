@@ -50,7 +50,7 @@ def isapprox(a: Any, b: Any, epsilon: float = 1e-6) -> bool:
     Args:
         a: The first.
         b: The second.
-        epsilon: Tolerance relative to the second, besides 1e-8.
+        epsilon: Tolerance relative to the second, besides 1e-8 [-].
 
     Returns:
         Whether they are.
@@ -65,7 +65,7 @@ def mprint(M: Any, name: str = "ans", eps: float = 1e-15) -> None:
     Args:
         M: Matrix (m, n), or an SE3.
         name: Name to print.
-        eps: Entries below it are printed as 0.
+        eps: Entries below it are printed as 0 [any].
     """
     array = np.atleast_2d(np.asarray(getattr(M, "homogeneous", M), dtype=float))
     sizes = np.abs(array[array != 0.0])

@@ -44,7 +44,7 @@ class MotionPictures(abc.ABC):
             visibility: Whether to show them.
             frame_ids: Indices of the frames; all by default.
             axis_length: Length of an axis [m].
-            axis_width: Accepted and ignored.
+            axis_width: Accepted and ignored [-].
         """
         viewer = self.viewer.viewer
         for frame in self._frames:
@@ -62,7 +62,7 @@ class MotionPictures(abc.ABC):
         Args:
             frame_ids: Indices of the frames; all by default.
             axis_length: Length of an axis [m].
-            axis_width: Accepted and ignored.
+            axis_width: Accepted and ignored [-].
         """
         self.displayFrames(True, frame_ids, axis_length, axis_width)
 
@@ -154,7 +154,7 @@ class MotionPictures(abc.ABC):
 
         Args:
             filename: Name of the file, .mp4 or .gif.
-            fps: Pictures a second.
+            fps: Pictures a second [1/s].
             **_: Accepted and ignored.
 
         Yields:

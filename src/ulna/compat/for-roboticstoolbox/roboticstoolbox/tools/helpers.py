@@ -16,8 +16,8 @@ def null(A: Any, atol: float = 1e-13, rtol: float = 0.0) -> Floats:
 
     Args:
         A: The matrix, (m, n).
-        atol: Singular values below it count as zero.
-        rtol: So do those below it times the largest.
+        atol: Singular values below it count as zero [any].
+        rtol: So do those below it times the largest [-].
 
     Returns:
         Orthonormal columns, (n, k).
@@ -51,7 +51,7 @@ def jacobian_numerical(f: Callable[[Floats], Any], x: Any, dx: float = 1e-8, N: 
     Args:
         f: Function of (n,) that returns (m,).
         x: Where, (n,).
-        dx: Step.
+        dx: Step [rad, m].
         N: Accepted and ignored.
 
     Returns:
@@ -69,7 +69,7 @@ def hessian_numerical(J: Callable[[Floats], Any], x: Any, dx: float = 1e-8) -> F
     Args:
         J: Function of (n,) that returns (m, n).
         x: Where, (n,).
-        dx: Step.
+        dx: Step [rad, m].
 
     Returns:
         Array (m, n, n): [:, :, i] is the derivative by coordinate i.

@@ -173,11 +173,11 @@ def quintic_func(q0: float, qf: float, T: float, qd0: float = 0, qdf: float = 0)
     """A quintic of one coordinate as a function of time.
 
     Args:
-        q0: Start.
-        qf: End.
+        q0: Start [any].
+        qf: End [any].
         T: Duration [s].
-        qd0: Velocity at the start.
-        qdf: Velocity at the end.
+        qd0: Velocity at the start [any].
+        qdf: Velocity at the end [any].
 
     Returns:
         Function of times (m,) that returns position, velocity, acceleration.
@@ -189,10 +189,10 @@ def trapezoidal_func(q0: float, qf: float, T: float, V: float | None = None) -> 
     """A trapezoid of speed of one coordinate as a function of time.
 
     Args:
-        q0: Start.
-        qf: End.
+        q0: Start [any].
+        qf: End [any].
         T: Duration [s].
-        V: Cruising speed; None for half as fast again as the mean speed.
+        V: Cruising speed [any]; None for half as fast again as the mean speed.
 
     Returns:
         Function of times (m,) that returns position, velocity, acceleration.
@@ -225,11 +225,11 @@ def quintic(q0: float, qf: float, t: Any, qd0: float = 0, qdf: float = 0) -> Tra
     """A quintic of one coordinate, at times, or at steps one second apart.
 
     Args:
-        q0: Start.
-        qf: End.
+        q0: Start [any].
+        qf: End [any].
         t: Times (m,) [s], or the number of steps one second apart.
-        qd0: Velocity at the start.
-        qdf: Velocity at the end.
+        qd0: Velocity at the start [any].
+        qdf: Velocity at the end [any].
 
     Returns:
         Position, velocity and acceleration, (m,) each.
@@ -241,10 +241,10 @@ def trapezoidal(q0: float, qf: float, t: Any, V: float | None = None) -> Traject
     """A trapezoid of speed of one coordinate.
 
     Args:
-        q0: Start.
-        qf: End.
+        q0: Start [any].
+        qf: End [any].
         t: Times (m,) [s], or the number of steps one second apart.
-        V: Cruising speed; None for half as fast again as the mean speed.
+        V: Cruising speed [any]; None for half as fast again as the mean speed.
 
     Returns:
         Position, velocity and acceleration, (m,) each.
