@@ -31,6 +31,9 @@ def install_command(extra: str, package: str) -> str:
     Args:
         extra: Name of the extra.
         package: The package that is missing; it stands alone where the metadata do not name the extra.
+
+    Returns:
+        The command.
     """
     needed = requirements(extra) or (package,)
     return "pip install " + " ".join(f"'{one}'" if re.search(r"[^\w.-]", one) else one for one in needed)

@@ -106,10 +106,10 @@ class InverseKinematics(Part):
             frame: As for `ik`.
             mask: As for `ik`.
             joints: As for `ik`.
-            damping: The method's lambda; None for 1 ("chan", "qp"), 1e-4 ("wampler", "sugihara").
+            damping: The method's lambda [-]; None for 1 ("chan", "qp"), 1e-4 ("wampler", "sugihara").
             limit_gain: How strongly joints keep away from their limits where the frame does not feel it [rad or m].
             influence: How near to a limit that begins [rad or m].
-            manipulability_gain: How strongly joints seek manipulability where the frame does not feel it.
+            manipulability_gain: How strongly joints seek manipulability in the null space of the frame [-].
             iterations: Steps of a search.
             searches: How many are made before the goal counts as out of reach.
             position_tolerance: As for `ik` [m].
