@@ -116,6 +116,12 @@ class Dynamics:
             qdd: Acceleration, likewise.
             symbolic: Not supported; raises InputError.
             gravity: Acceleration of free fall, (3,) [m/s^2]; None for the robot's.
+
+        Returns:
+            Torques (n,) or (m, n) [N m or N].
+
+        Raises:
+            InputError: `symbolic` is True.
         """
         if symbolic:
             raise InputError("symbolic=True is not offered; trace `robot.inverse_dynamics` of an ulna.Robot.")
@@ -134,19 +140,53 @@ class Dynamics:
         return self._evaluate("mass_matrix", (q,))
 
     def coriolis(self, q: Any, qd: Any) -> Floats:
-        """The matrix of Coriolis and centrifugal effects, (n, n) or (m, n, n)."""
+        """The matrix of Coriolis and centrifugal effects.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            qd: Velocity (n,) or (m, n) [rad/s or m/s].
+
+        Returns:
+            Matrix (n, n) or (m, n, n).
+        """
         return self._evaluate("coriolis_matrix", (q, qd))
 
     def gravload(self, q: Any = None, gravity: Any = None) -> Floats:
-        """The torques that hold the robot against gravity, (n,) or (m, n)."""
+        """The torques that hold the robot against gravity.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m]; None for the robot's.
+            gravity: Acceleration of free fall, (3,) [m/s^2]; None for the robot's.
+
+        Returns:
+            Torques (n,) or (m, n) [N m or N].
+        """
         return self._evaluate("gravity_forces", (self.q if q is None else q,), gravity)
 
     def itorque(self, q: Any, qdd: Any) -> Floats:
-        """The torques of inertia alone, (n,) or (m, n)."""
+        """The torques of inertia alone.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            qdd: Acceleration (n,) or (m, n) [rad/s^2 or m/s^2].
+
+        Returns:
+            Torques (n,) or (m, n) [N m or N].
+        """
         return np.squeeze(self.inertia(q) @ np.asarray(qdd, dtype=float)[..., None], axis=-1)
 
     def accel(self, q: Any, qd: Any, torque: Any, gravity: Any = None) -> Floats:
-        """The accelerations under torques and friction, (n,) or (m, n)."""
+        """The accelerations under torques and friction.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            qd: Velocity (n,) or (m, n) [rad/s or m/s].
+            torque: Torques (n,) or (m, n) [N m or N].
+            gravity: Acceleration of free fall, (3,) [m/s^2]; None for the robot's.
+
+        Returns:
+            Accelerations (n,) or (m, n) [rad/s^2 or m/s^2].
+        """
         self._current_dynamic_arrays()
         net_torque = np.asarray(torque, dtype=float) - self._friction_torques(np.asarray(qd, dtype=float))
         return self._evaluate("forward_dynamics", (q, qd, net_torque), gravity)

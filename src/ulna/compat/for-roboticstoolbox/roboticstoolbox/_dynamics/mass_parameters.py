@@ -15,7 +15,12 @@ class MassParameters(RobotMixin):
     """Masses, motors and friction."""
 
     def payload(self, m: float, p: Any = None) -> None:
-        """Attaches a point mass `m` [kg] at `p` [m] of the last link; it replaces an earlier one, 0 removes it."""
+        """Attaches a point mass to the last link; it replaces an earlier one.
+
+        Args:
+            m: The mass [kg]; 0 removes it.
+            p: Its position in the link's frame, (3,) [m]; the origin by default.
+        """
         ends = self.ee_links
         last = ends[0] if len(ends) == 1 else self._links[self.n - 1]
         before = last.__dict__.setdefault("_empty", (last.m, last.r, last.I))
@@ -27,7 +32,15 @@ class MassParameters(RobotMixin):
             last.m, last.r, last.I = float(combined.mass), combined.com, combined.inertia
 
     def nofriction(self, coulomb: bool = True, viscous: bool = False) -> Self:
-        """A copy without Coulomb friction, without viscous friction."""
+        """A copy of the robot without friction.
+
+        Args:
+            coulomb: Whether to leave out Coulomb friction.
+            viscous: Whether to leave out viscous friction.
+
+        Returns:
+            The copy.
+        """
         out = self.copy()
         for link in out._links:
             if coulomb:
@@ -63,6 +76,9 @@ class MassParameters(RobotMixin):
         Args:
             q: Configuration, (n,) [rad or m].
             qd: Velocity at which Coulomb friction counts, as Tc / qd of B, (n,); without it does not.
+
+        Returns:
+            For each motor a numerator (1,) and a denominator (2,) in s.
         """
         rates = np.zeros(self.n) if qd is None else np.asarray(qd, dtype=float)
         out = []

@@ -66,6 +66,9 @@ class OperationalSpace(RobotMixin):
             pinv: Whether to take the pseudoinverse of the Jacobian, which is done in any case unless n is 6.
             representation: Of which angles.
             Ji: The inverse of the analytical Jacobian, (n, 6); None for that at `q`.
+
+        Returns:
+            Inertia (6, 6) or (m, 6, 6).
         """
         at = self.q if q is None else np.asarray(q, dtype=float)
         if Ji is None and not self._takes_pseudoinverse(pinv):
@@ -97,6 +100,12 @@ class OperationalSpace(RobotMixin):
             Jd: Its derivative by time, (6, n); None for that at `q` and `qd`.
             C: Coriolis matrix, (n, n); None for that at `q` and `qd`.
             Mx: `inertia_x`, (6, 6); None for that at `q`.
+
+        Returns:
+            Matrix (6, 6) or (m, 6, 6).
+
+        Raises:
+            ShapeError: `q` and `qd` have different shapes.
         """
         at, rate = np.asarray(q, dtype=float), np.asarray(qd, dtype=float)
         given = any(matrix is not None for matrix in (J, Ji, Jd, C, Mx))
@@ -150,6 +159,9 @@ class OperationalSpace(RobotMixin):
             gravity: Acceleration of free fall, (3,) [m/s^2]; None for the robot's.
             pinv: Whether to take the pseudoinverse of the Jacobian, which is done in any case unless n is 6.
             representation: Of which angles.
+
+        Returns:
+            Acceleration (6,) or (m, 6).
         """
         at = np.asarray(q, dtype=float)
         J = self._finite(np.asarray(self.jacob0_analytical(at, representation)), representation)
@@ -175,7 +187,12 @@ class OperationalSpace(RobotMixin):
             frame: In whose axes it is written, "base" or "ee".
 
         Returns:
-            Multiples of the wrench; inf where it does not burden a joint, nan where a joint cannot even hold the robot.
+            Multiples of the wrench (m, n); inf where it does not burden a joint, nan where a joint cannot even
+            hold the robot.
+
+        Raises:
+            InputError: Another `frame`.
+            ShapeError: `tau_m` or `w` has another shape.
         """
         if frame not in ("base", "ee"):
             raise InputError(f"`frame` is {frame!r}; expected 'base' or 'ee'.")
@@ -213,6 +230,9 @@ class OperationalSpace(RobotMixin):
             pinv: Whether to take the pseudoinverse of the Jacobian, which is done in any case unless n is 6.
             representation: Of which angles.
             Ji: The inverse of the analytical Jacobian, (n, 6); None for that at `q`.
+
+        Returns:
+            Force (6,) or (m, 6) [N, N m].
         """
         at = self.q if q is None else np.asarray(q, dtype=float)
         if Ji is not None or self._takes_pseudoinverse(pinv):

@@ -31,9 +31,27 @@ class ForwardSimulation(RobotMixin):
         dt: float | None = None,
         progress: bool = False,
     ) -> fdyn:
-        """The motion under torques `Q(robot, t, q, qd, **Q_args)` from `q0` for `T` seconds: t, q, qd by rows.
+        """The motion under torques, by an integrator of SciPy.
 
-        `solver` is one of scipy's; its steps are the rows, or every `dt`.
+        Args:
+            T: Duration [s].
+            q0: Configuration at the start, (n,) [rad or m].
+            Q: Called as `Q(robot, t, q, qd, **Q_args)`; returns torques (n,) [N m or N]. None for no torques.
+            Q_args: Keywords for `Q`.
+            qd0: Velocity at the start, (n,) [rad/s or m/s]; None for rest.
+            solver: "RK23", "RK45", "DOP853", "Radau", "BDF" or "LSODA".
+            solver_args: Keywords for the solver.
+            dt: Time between rows [s]; None for a row at each step of the solver.
+            progress: Accepted and ignored.
+
+        Returns:
+            Times `t` (m,) [s], `q` (m, n) [rad or m], `qd` (m, n) [rad/s or m/s].
+
+        Raises:
+            MissingExtra: SciPy is not installed.
+            RuntimeError: The solver failed; says when.
+            ShapeError: `q0` has another shape.
+            UnknownName: There is no such solver.
         """
         try:
             from scipy import integrate, interpolate

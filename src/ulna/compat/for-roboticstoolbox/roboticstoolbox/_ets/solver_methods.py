@@ -29,7 +29,22 @@ class ChainSolvers:
         k: float = 1.0,
         method: Any = "chan",
     ) -> IKSolution:
-        """The joint coordinates for a pose of the end, by Levenberg and Marquardt's method."""
+        """The joint coordinates for a pose of the end, by Levenberg and Marquardt's method.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            k: Damping.
+            method: How it is damped: "chan", "wampler" or "sugihara".
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         chain = self._compiled(None)
         return solve(
             chain, Tep, "LM", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits, k, method
@@ -47,7 +62,22 @@ class ChainSolvers:
         pinv: int = True,
         pinv_damping: float = 0.0,
     ) -> IKSolution:
-        """The same by Newton and Raphson's method."""
+        """The joint coordinates for a pose of the end, by Newton and Raphson's method.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            pinv: Whether to take the pseudoinverse of the Jacobian.
+            pinv_damping: Not offered; must be 0.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         check_pinv_damping(pinv_damping)
         chain = self._compiled(None)
         return solve(chain, Tep, "NR", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits)
@@ -64,7 +94,22 @@ class ChainSolvers:
         pinv: int = True,
         pinv_damping: float = 0.0,
     ) -> IKSolution:
-        """The same by Gauss and Newton's method."""
+        """The joint coordinates for a pose of the end, by Gauss and Newton's method.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            pinv: Whether to take the pseudoinverse of the Jacobian.
+            pinv_damping: Not offered; must be 0.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         check_pinv_damping(pinv_damping)
         chain = self._compiled(None)
         return solve(chain, Tep, "GN", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits)
@@ -87,7 +132,28 @@ class ChainSolvers:
         pi: Any = 0.3,
         **more: Any,
     ) -> IKSolution:
-        """`ik_LM` with what the null space is for, and starts of several searches as rows of `q0`."""
+        """The joint coordinates for a pose of the end, by Levenberg and Marquardt's method and null-space motion.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            seed: Seed of the random starts.
+            k: Damping.
+            method: How it is damped: "chan", "wampler" or "sugihara".
+            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
+            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            ps: Distance from a limit at which that gain holds [rad or m].
+            pi: Distance from a limit at which avoiding it begins [rad or m].
+            **more: Other settings of `solve`.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         chain = self._compiled(None)
         return solve(
             chain,
@@ -126,7 +192,27 @@ class ChainSolvers:
         pi: Any = 0.3,
         **more: Any,
     ) -> IKSolution:
-        """`ik_NR` with what the null space is for, and starts of several searches as rows of `q0`."""
+        """The joint coordinates for a pose of the end, by Newton and Raphson's method and null-space motion.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            seed: Seed of the random starts.
+            pinv: Whether to take the pseudoinverse of the Jacobian.
+            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
+            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            ps: Distance from a limit at which that gain holds [rad or m].
+            pi: Distance from a limit at which avoiding it begins [rad or m].
+            **more: Other settings of `solve`.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         chain = self._compiled(None)
         return solve(
             chain,
@@ -164,7 +250,27 @@ class ChainSolvers:
         pi: Any = 0.3,
         **more: Any,
     ) -> IKSolution:
-        """`ik_GN` with what the null space is for, and starts of several searches as rows of `q0`."""
+        """The joint coordinates for a pose of the end, by Gauss and Newton's method and null-space motion.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            seed: Seed of the random starts.
+            pinv: Whether to take the pseudoinverse of the Jacobian.
+            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
+            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            ps: Distance from a limit at which that gain holds [rad or m].
+            pi: Distance from a limit at which avoiding it begins [rad or m].
+            **more: Other settings of `solve`.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         chain = self._compiled(None)
         return solve(
             chain,
@@ -203,7 +309,28 @@ class ChainSolvers:
         pi: Any = 0.3,
         **more: Any,
     ) -> IKSolution:
-        """The same by quadratic programs."""
+        """The joint coordinates for a pose of the end, by quadratic programs.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            seed: Seed of the random starts.
+            kj: Cost of joint speeds.
+            ks: Cost of the remaining error.
+            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
+            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            ps: Distance from a limit at which that gain holds [rad or m].
+            pi: Distance from a limit at which avoiding it begins [rad or m].
+            **more: Other settings of `solve`.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         chain = self._compiled(None)
         return solve(
             chain,

@@ -38,6 +38,9 @@ class AnalyticIK:
         Args:
             T: The pose of the end, an SE3 or (4, 4).
             joint_limits: Whether to leave out solutions beyond the limits.
+
+        Returns:
+            Configurations (k, n) in `q`, and why there is none.
         """
         solutions = self._branches(matrix(T), np.zeros(self.robot.n), joint_limits)
         return IKSolution(solutions.q, solutions.count > 0, reason=solutions.reason)
@@ -50,6 +53,12 @@ class AnalyticIK:
             q0: The configuration to be near to, (n,); default zeros.
             joint_limits: Whether to leave out solutions beyond the limits.
             weights: Weight of the difference of each joint, (n,); default 1.
+
+        Returns:
+            Configuration (n,), or (m, n) for m poses; nan where there is none.
+
+        Raises:
+            ShapeError: `q0` or `weights` has another shape.
         """
         goals, n = matrices(T), self.robot.n
         near = np.zeros(n) if q0 is None else np.asarray(q0, dtype=float).ravel()
@@ -76,7 +85,15 @@ class AnalyticIK:
         return IKSolution(q[0] if goals.ndim == 2 else q, not reason, residual=residual, reason=reason)
 
     def validate(self, trials: int = 100, seed: int = 1) -> float:
-        """The fraction of random configurations that are among the solutions for their poses."""
+        """Tries random configurations: whether they are among the solutions for their poses.
+
+        Args:
+            trials: Number of configurations.
+            seed: Seed of the random numbers.
+
+        Returns:
+            The fraction that is found.
+        """
         draw, count = np.random.default_rng(seed), 0
         for _ in range(trials):
             q = np.where(self._turns, draw.uniform(-math.pi, math.pi, self.robot.n), draw.uniform(0.2, 0.6))
@@ -105,11 +122,28 @@ class Analytic(RobotMixin):
     def ikine_analytic(
         self, T: Any, q0: Any = None, joint_limits: bool = True, weights: Any = None
     ) -> IKSolution:
-        """The configuration nearest to `q0` among all for a pose; see `AnalyticIK.ikine`."""
+        """The configuration nearest to `q0` among all for a pose; see `AnalyticIK.ikine`.
+
+        Args:
+            T: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            q0: The configuration to be near to, (n,) [rad or m]; zeros by default.
+            joint_limits: Whether to leave out solutions beyond the limits.
+            weights: Weight of the difference of each joint, (n,); 1 by default.
+
+        Returns:
+            Configuration (n,), or (m, n) for m poses; nan where there is none.
+        """
         return self.analytic_ik().ikine(T, q0, joint_limits, weights)
 
     def config_validate(self, config: str, allowables: Sequence[str]) -> str:
         """`config` with the first letter of each of `allowables` that has none of its letters.
+
+        Args:
+            config: Letters that choose a branch.
+            allowables: For each choice the letters that it has.
+
+        Returns:
+            One letter for each choice.
 
         Raises:
             InputError: A letter is in none of them.
@@ -130,6 +164,9 @@ class Analytic(RobotMixin):
             T: The pose of the end, or poses.
             config: Letters that choose the branch; "f" turns the wrist over.
             ikfunc: Returns three angles, offsets included, or the reason why there is no solution.
+
+        Returns:
+            Configuration (n,), or (m, n) for m poses; nan where there is none.
         """
         goals = matrices(T)
         base = np.eye(4) if self._base is None else self._base

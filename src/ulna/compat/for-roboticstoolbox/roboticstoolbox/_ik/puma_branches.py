@@ -28,6 +28,9 @@ class PumaBranches(RobotMixin):
                 it is or flipped. What is missing is "l", "u", "n".
             tol: Greatest E = e^T e / 2 that counts as reached.
 
+        Returns:
+            Configuration (n,), or (m, n) for m poses; nan where there is none.
+
         Source: Paul & Zhang, Computationally efficient kinematics for manipulators with spherical wrists (1986).
         """
         letters = set(self.config_validate(config, ("lr", "ud", "nf")))

@@ -82,7 +82,16 @@ class IKSolver:
         return {}
 
     def solve(self, ets: Any, Tep: Any, q0: Any = None) -> IKSolution:
-        """The solution for a chain of transforms and a pose of its end; rows of `q0` begin one search each."""
+        """The solution for a chain of transforms and a pose of its end.
+
+        Args:
+            ets: The chain.
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         return solve(
             ets._compiled(None),
             Tep,
@@ -99,7 +108,15 @@ class IKSolver:
         )
 
     def error(self, Te: Any, Tep: Any) -> tuple[Floats, float]:
-        """The error e from the pose `Te` to `Tep`, (6,), and E."""
+        """The error from one pose to another.
+
+        Args:
+            Te: Pose, an SE3 or (4, 4).
+            Tep: Pose to reach, an SE3 or (4, 4).
+
+        Returns:
+            e (6,) [m and rad], and E.
+        """
         e = angle_axis(Te, Tep)
         return e, float(0.5 * (self._weights * e) @ e)
 
@@ -108,7 +125,15 @@ class IKSolver:
         return np.diagonal(self.We)
 
     def step(self, ets: Any, Tep: Any, q: Any) -> tuple[float, Floats]:
-        """One step from the joint coordinates `q` towards a pose of the chain's end: E there, and where that is.
+        """One step towards a pose of the chain's end.
+
+        Args:
+            ets: The chain.
+            Tep: Pose to reach, an SE3 or (4, 4).
+            q: Joint coordinates (n,) [rad or m].
+
+        Returns:
+            E after the step, and the joint coordinates (n,) [rad or m].
 
         Raises:
             InputError: The solver moves joints in the null space, too, which only `solve` supports.

@@ -59,7 +59,16 @@ class Collision(RobotMixin):
         return [link.name for link in self.get_path(end, start)[0] if link._solids]
 
     def iscollided(self, q: Any, shape: Any, skip: bool = False) -> bool:
-        """Whether the robot touches a shape; itself, if that is given."""
+        """Whether the robot touches a shape; itself, if that is given.
+
+        Args:
+            q: Configuration (n,) [rad or m]; None for the robot's.
+            shape: A shape of spatialgeometry, or the robot itself.
+            skip: Accepted and ignored.
+
+        Returns:
+            Whether they touch.
+        """
         if shape is self:
             return self.isselfcollided(q)
         return any(
@@ -69,14 +78,32 @@ class Collision(RobotMixin):
     collided = iscollided
 
     def isselfcollided(self, q: Any = None, skip: bool = False) -> bool:
-        """Whether two links touch that are not joined."""
+        """Whether two links touch that are not joined.
+
+        Args:
+            q: Configuration (n,) [rad or m]; None for the robot's.
+            skip: Accepted and ignored.
+
+        Returns:
+            Whether they do.
+        """
         self._require_shapes()
         return bool(self._complete_robot().collides(self._complete_configuration(self.q if q is None else q)))
 
     def closest_point(
         self, q: Any, shape: Any, inf_dist: float = 1.0, skip: bool = False
     ) -> tuple[float | None, Floats | None, Floats | None]:
-        """Distance from a shape, the nearest point of the robot and that of the shape; None beyond `inf_dist`."""
+        """The points of the robot and of a shape that are nearest to each other.
+
+        Args:
+            q: Configuration (n,) [rad or m]; None for the robot's.
+            shape: A shape of spatialgeometry.
+            inf_dist: Greatest distance that counts [m].
+            skip: Accepted and ignored.
+
+        Returns:
+            Distance [m], point of the robot (3,) [m], point of the shape (3,) [m]; or None, None, None.
+        """
         near = self._nearby_links(self.q if q is None else q, shape, inf_dist)
         if not near:
             return None, None, None
@@ -94,6 +121,9 @@ class Collision(RobotMixin):
             pi: Distance at which damping begins [rad or m].
             n: How many of the joints; None for all.
             gain: Greatest speed at that distance [rad/s or m/s].
+
+        Returns:
+            A (n, n) and b (n,).
         """
         at = np.asarray(self.q if q is None else q, dtype=float)
         count = self.n if n is None else n
@@ -126,6 +156,9 @@ class Collision(RobotMixin):
             end: Last link that counts.
             start: First link that counts.
             collision_list: Not supported; raises InputError.
+
+        Returns:
+            A (k, n) and b (k,), or None and None.
         """
         _reject_collision_list(collision_list)
         near = self._nearby_links(self.q if q is None else q, shape, di, self._links_between(start, end))
@@ -167,6 +200,9 @@ class Collision(RobotMixin):
             end: Last link that counts.
             start: First link that counts.
             collision_list: Not supported; raises InputError.
+
+        Returns:
+            A (k, n) and b (k,), or None and None.
         """
         _reject_collision_list(collision_list)
         carries = hasattr(camera, "jacob0")

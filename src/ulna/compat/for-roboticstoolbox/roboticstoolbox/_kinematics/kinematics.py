@@ -90,7 +90,15 @@ class Kinematics(RobotSolvers):
         return ends[0], None
 
     def ets(self, start: Any = None, end: Any = None) -> ETS:
-        """The transforms from `start` to `end`."""
+        """The transforms from `start` to `end`.
+
+        Args:
+            start: First link of the chain, or its name; the base by default.
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+
+        Returns:
+            The chain of transforms.
+        """
         last, tool = self._default_end() if end is None else (self._link(end), None)
         upward, downward = links_between(None if start is None else self._link(start), last)
         transforms = [et.inv() for link in upward for et in reversed(link.ets.data)]
@@ -100,7 +108,18 @@ class Kinematics(RobotSolvers):
     def fkine(
         self, q: Any, end: Any = None, start: Any = None, tool: Any = None, include_base: bool = True
     ) -> Any:
-        """The pose of `end` in the world, an SE3; one for each row of a trajectory (m, n)."""
+        """The pose of `end` in the world.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+            include_base: Whether the pose of the base counts.
+
+        Returns:
+            One SE3, with m elements for (m, n).
+        """
         T = self._chain(end, start, tool).fk(q)
         return pose(self._base @ T if self._base is not None and include_base else T)
 
@@ -125,17 +144,48 @@ class Kinematics(RobotSolvers):
         return np.concatenate([np.asarray(q, dtype=float).ravel(), *gripper_positions])
 
     def jacob0(self, q: Any, end: Any = None, start: Any = None, tool: Any = None) -> Floats:
-        """The Jacobian in the axes of the start, (6, n), linear rows first; (m, 6, n) for (m, n)."""
+        """The Jacobian in the axes of the start, linear rows first.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Jacobian (6, n) or (m, 6, n).
+        """
         return self._chain(end, start, tool).jacob0(q)
 
     def jacobe(self, q: Any, end: Any = None, start: Any = None, tool: Any = None) -> Floats:
-        """The Jacobian in the axes of the end, (6, n); (m, 6, n) for (m, n)."""
+        """The Jacobian in the axes of the end, linear rows first.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Jacobian (6, n) or (m, 6, n).
+        """
         return self._chain(end, start, tool).jacobe(q)
 
     def jacob0_analytical(
         self, q: Any, representation: str = "rpy/xyz", end: Any = None, start: Any = None, tool: Any = None
     ) -> Floats:
-        """The Jacobian of position and angles, (6, n)."""
+        """The Jacobian of position and angles.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Jacobian (6, n) or (m, 6, n).
+        """
         known_angles(representation)
         return self._chain(end, start, tool).analytical(q, representation)
 
@@ -147,6 +197,13 @@ class Kinematics(RobotSolvers):
             qd: Velocity, (n,).
             J0: The Jacobian to take instead of that at `q`, (6, n).
             representation: Angles of the analytical Jacobian; None for `jacob0`.
+
+        Returns:
+            Derivative (6, n) [1/s].
+
+        Raises:
+            TypeError: `q` is needed and None.
+            WrongType: The same, as the class of the error.
         """
         chain = self._chain(None, None)
         if representation is None and J0 is not None:
@@ -162,19 +219,51 @@ class Kinematics(RobotSolvers):
     def hessian0(
         self, q: Any = None, end: Any = None, start: Any = None, J0: Any = None, tool: Any = None
     ) -> Floats:
-        """The Hessian in the axes of the start, (n, 6, n): at `q`, or where the Jacobian is `J0`, (6, n)."""
+        """The Hessian in the axes of the start: at `q`, or where the Jacobian is `J0`.
+
+        Args:
+            q: Configuration (n,) [rad or m]; None for the robot's.
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            J0: Jacobian in the axes of the start, (6, n).
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Hessian (n, 6, n).
+        """
         at = self.q if q is None and J0 is None else q
         return self._chain(end, start, tool).hessian0(at, J0)
 
     def hessiane(
         self, q: Any = None, end: Any = None, start: Any = None, Je: Any = None, tool: Any = None
     ) -> Floats:
-        """The Hessian in the axes of the end, (n, 6, n): at `q`, or where the Jacobian is `Je`, (6, n)."""
+        """The Hessian in the axes of the end: at `q`, or where the Jacobian is `Je`.
+
+        Args:
+            q: Configuration (n,) [rad or m]; None for the robot's.
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            Je: Jacobian in the axes of the end, (6, n).
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Hessian (n, 6, n).
+        """
         at = self.q if q is None and Je is None else q
         return self._chain(end, start, tool).hessiane(at, Je)
 
     def partial_fkine0(self, q: Any, n: int = 3, end: Any = None, start: Any = None) -> Floats:
-        """The derivatives of the pose of order `n` in the axes of the start, (n, ..., n, 6, n)."""
+        """A derivative of the pose in the axes of the start: 1 the Jacobian, 2 the Hessian, and so on.
+
+        Args:
+            q: Configuration (n,) [rad or m].
+            n: Order of the derivative.
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+
+        Returns:
+            Array (n, ..., n, 6, n).
+        """
         return self._chain(end, start).partial(q, n)
 
     def manipulability(
@@ -195,6 +284,12 @@ class Kinematics(RobotSolvers):
             start: Its first link.
             method: "yoshikawa", "asada", "minsingular" or "invcondition".
             axes: "all", "trans", "rot", "both" for a pair of measures, or six truth values.
+
+        Returns:
+            The measure, () or (m,); a pair of them for "both".
+
+        Raises:
+            InputError: Neither `q` nor `J`, or "asada" without `q`.
         """
         from ulna import algorithms
 
@@ -228,6 +323,9 @@ class Kinematics(RobotSolvers):
             end: Last link of the chain.
             start: Its first link.
             axes: "all", "trans", "rot", or six truth values.
+
+        Returns:
+            Gradient (n, 1).
         """
         chain, at = self._chain(end, start), self.q if q is None else q
         if J is None and H is None:

@@ -32,7 +32,25 @@ class RobotSolvers:
         method: Any = "chan",
         tool: Any = None,
     ) -> IKSolution:
-        """The configuration for a pose of `end` as seen from the base (not the world), as Levenberg and Marquardt."""
+        """The configuration for a pose of the end in the base, by Levenberg and Marquardt's method.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            k: Damping.
+            method: How it is damped: "chan", "wampler" or "sugihara".
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         chain = self._chain(end, start, tool)
         return solve(
             chain, Tep, "LM", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits, k, method
@@ -53,7 +71,25 @@ class RobotSolvers:
         pinv_damping: float = 0.0,
         tool: Any = None,
     ) -> IKSolution:
-        """The same by Newton and Raphson's method."""
+        """The configuration for a pose of the end in the base, by Newton and Raphson's method.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            pinv: Whether to take the pseudoinverse of the Jacobian.
+            pinv_damping: Not offered; must be 0.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         check_pinv_damping(pinv_damping)
         chain = self._chain(end, start, tool)
         return solve(chain, Tep, "NR", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits)
@@ -73,7 +109,25 @@ class RobotSolvers:
         pinv_damping: float = 0.0,
         tool: Any = None,
     ) -> IKSolution:
-        """The same by Gauss and Newton's method."""
+        """The configuration for a pose of the end in the base, by Gauss and Newton's method.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            pinv: Whether to take the pseudoinverse of the Jacobian.
+            pinv_damping: Not offered; must be 0.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         check_pinv_damping(pinv_damping)
         chain = self._chain(end, start, tool)
         return solve(chain, Tep, "GN", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits)
@@ -99,7 +153,32 @@ class RobotSolvers:
         tool: Any = None,
         **more: Any,
     ) -> IKSolution:
-        """`ik_LM` with what the null space is for, and starts of several searches as rows of `q0`."""
+        """The configuration for a pose of the end in the base, by Levenberg and Marquardt's method and null-space
+        motion.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            seed: Seed of the random starts.
+            k: Damping.
+            method: How it is damped: "chan", "wampler" or "sugihara".
+            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
+            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            ps: Distance from a limit at which that gain holds [rad or m].
+            pi: Distance from a limit at which avoiding it begins [rad or m].
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+            **more: Other settings of `solve`.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         chain = self._chain(end, start, tool)
         return solve(
             chain,
@@ -141,7 +220,31 @@ class RobotSolvers:
         tool: Any = None,
         **more: Any,
     ) -> IKSolution:
-        """`ik_NR` with what the null space is for, and starts of several searches as rows of `q0`."""
+        """The configuration for a pose of the end in the base, by Newton and Raphson's method and null-space
+        motion.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            seed: Seed of the random starts.
+            pinv: Whether to take the pseudoinverse of the Jacobian.
+            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
+            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            ps: Distance from a limit at which that gain holds [rad or m].
+            pi: Distance from a limit at which avoiding it begins [rad or m].
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+            **more: Other settings of `solve`.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         chain = self._chain(end, start, tool)
         return solve(
             chain,
@@ -182,7 +285,30 @@ class RobotSolvers:
         tool: Any = None,
         **more: Any,
     ) -> IKSolution:
-        """`ik_GN` with what the null space is for, and starts of several searches as rows of `q0`."""
+        """The configuration for a pose of the end in the base, by Gauss and Newton's method and null-space motion.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            seed: Seed of the random starts.
+            pinv: Whether to take the pseudoinverse of the Jacobian.
+            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
+            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            ps: Distance from a limit at which that gain holds [rad or m].
+            pi: Distance from a limit at which avoiding it begins [rad or m].
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+            **more: Other settings of `solve`.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         chain = self._chain(end, start, tool)
         return solve(
             chain,
@@ -224,7 +350,31 @@ class RobotSolvers:
         tool: Any = None,
         **more: Any,
     ) -> IKSolution:
-        """The same by quadratic programs."""
+        """The configuration for a pose of the end in the base, by quadratic programs.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            seed: Seed of the random starts.
+            kj: Cost of joint speeds.
+            ks: Cost of the remaining error.
+            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
+            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            ps: Distance from a limit at which that gain holds [rad or m].
+            pi: Distance from a limit at which avoiding it begins [rad or m].
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+            **more: Other settings of `solve`.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         chain = self._chain(end, start, tool)
         return solve(
             chain,

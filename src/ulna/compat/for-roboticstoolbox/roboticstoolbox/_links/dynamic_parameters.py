@@ -91,7 +91,15 @@ class DynamicParameters:
         return any(bool(x) for x in numbers)
 
     def friction(self, qd: float, coulomb: bool = True) -> float:
-        """The torque of friction at the joint's speed `qd`; against it."""
+        """The torque of friction, against the motion.
+
+        Args:
+            qd: Speed of the joint [rad/s or m/s].
+            coulomb: Whether Coulomb friction counts.
+
+        Returns:
+            Torque [N m or N].
+        """
         gear = abs(self.G)
         tau = self.B * gear * gear * qd
         if coulomb and qd:
@@ -99,7 +107,15 @@ class DynamicParameters:
         return -tau
 
     def nofriction(self, coulomb: bool = True, viscous: bool = False) -> Self:
-        """A copy without Coulomb friction, without viscous friction."""
+        """A copy of the link without friction.
+
+        Args:
+            coulomb: Whether to leave out Coulomb friction.
+            viscous: Whether to leave out viscous friction.
+
+        Returns:
+            The copy.
+        """
         out = self.copy()
         if coulomb:
             out.Tc = [0.0, 0.0]

@@ -55,7 +55,15 @@ class Gripper:
             robot._discard_compiled()
 
     def dfs_links(self, start: Link, func: Any = None) -> list[Link]:
-        """The links from `start` on, children before siblings; `func` is called with each."""
+        """The links from one on, children before siblings.
+
+        Args:
+            start: The first link.
+            func: Called with each link; None for nothing.
+
+        Returns:
+            The links.
+        """
         return links_from(start, func)
 
     def __str__(self) -> str:

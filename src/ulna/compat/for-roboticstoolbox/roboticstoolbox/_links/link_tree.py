@@ -12,6 +12,10 @@ from ulna.errors import ModelError, UnknownName
 def connect(links: Sequence[Link], robot: Any) -> None:
     """Sets the names, the robot, the parents and the children of links.
 
+    Args:
+        links: The links.
+        robot: The robot that they belong to.
+
     Raises:
         ModelError: Two links share a name.
         UnknownName: A parent does not exist.
@@ -55,6 +59,13 @@ def links_between(start: Link | None, end: Link) -> tuple[list[Link], list[Link]
     """The path from `start` (the base for None) to `end`: links that it ascends, then links that it descends.
 
     As in the toolbox a descending path from a link includes the transforms of that link, an ascending path does not.
+
+    Args:
+        start: A link; None for the base.
+        end: Another link.
+
+    Returns:
+        Links that the path ascends, and links that it descends.
     """
     downward = path_from_root(end)
     if start is None:

@@ -99,13 +99,30 @@ class LinkNode(Node):
     def closest_point(
         self, shape: Any, inf_dist: float = 1.0, skip: bool = False
     ) -> tuple[float | None, Floats | None, Floats | None]:
-        """Distance from a shape, the nearest point of the link and that of the shape; None beyond `inf_dist`."""
+        """The points of the link and of a shape that are nearest to each other.
+
+        Args:
+            shape: A shape of spatialgeometry.
+            inf_dist: Greatest distance that counts [m].
+            skip: Accepted and ignored.
+
+        Returns:
+            Distance [m], point of the link (3,) [m], point of the shape (3,) [m]; or None, None, None.
+        """
         for pair in self._within(shape, inf_dist):
             return pair.distance, pair.points[0], pair.points[1]
         return None, None, None
 
     def iscollided(self, shape: Any, skip: bool = False) -> bool:
-        """Whether it touches a shape, at the robot's `q`."""
+        """Whether it touches a shape, at the robot's `q`.
+
+        Args:
+            shape: A shape of spatialgeometry.
+            skip: Accepted and ignored.
+
+        Returns:
+            Whether they touch.
+        """
         return any(pair.distance <= 0.0 for pair in self._within(shape, 0.01))
 
     collided = iscollided

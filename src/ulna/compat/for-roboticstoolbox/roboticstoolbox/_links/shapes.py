@@ -31,7 +31,15 @@ def _solid(shape: Any) -> Shape:
 
 
 def geometry(shape: Any, name: str) -> Geometry:
-    """A shape of a link, with its pose in the link."""
+    """A shape of a link, with its pose in the link.
+
+    Args:
+        shape: A shape of Ulna or of spatialgeometry.
+        name: Name of the result.
+
+    Returns:
+        The geometry.
+    """
     if isinstance(shape, Geometry):
         return shape
     solid, T = (_solid(shape), SE3.from_matrix(shape.T)) if _hangs_on_link(shape) else obstacle(shape)
@@ -44,6 +52,13 @@ def as_shapes(shapes: list[Any], link: Any) -> list[Any]:
     """The same list, with shapes of a model converted to shapes of spatialgeometry attached to the link.
 
     Meshes without a file are not converted.
+
+    Args:
+        shapes: Shapes of Ulna or of spatialgeometry; the list is changed.
+        link: The link.
+
+    Returns:
+        The list.
     """
     for i, item in enumerate(shapes):
         if isinstance(item, Geometry):
@@ -52,7 +67,15 @@ def as_shapes(shapes: list[Any], link: Any) -> list[Any]:
 
 
 def carried(shapes: list[Any], link: Any) -> list[Any]:
-    """Shapes as parts of a link: their poses are relative to it, and they are not nodes of its tree."""
+    """Shapes as parts of a link: their poses are relative to it, and they are not nodes of its tree.
+
+    Args:
+        shapes: The shapes.
+        link: The link.
+
+    Returns:
+        The list.
+    """
     for shape in shapes:
         if getattr(shape, "_parent", link) is None:
             shape._parent = link

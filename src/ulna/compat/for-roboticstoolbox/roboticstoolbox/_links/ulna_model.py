@@ -35,8 +35,12 @@ def model_of(
         grippers: What it carries.
         gravity: Acceleration of free fall in the world, (3,) [m/s^2].
         base: Where it stands in the world, (4, 4).
-        moving: Whether joints of grippers are joints of the model, after those of the arm; else they are fixed at `q`.
+        moving: Whether joints of grippers are joints of the model, after those of the arm; else they are fixed at
+            `q`.
         disabled: Pairs of links whose shapes may touch.
+
+    Returns:
+        The model.
 
     Raises:
         ModelError: The joints of one branch are not numbered one after the other.

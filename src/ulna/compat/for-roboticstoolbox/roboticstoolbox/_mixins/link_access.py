@@ -109,11 +109,27 @@ class LinkAccess(RobotMixin):
         return np.array(limits, dtype=float).reshape(-1, 2).T
 
     def dfs_links(self, start: Link, func: Any = None) -> list[Link]:
-        """The links from `start` on, children before siblings; `func` is called with each."""
+        """The links from one on, children before siblings.
+
+        Args:
+            start: The first link.
+            func: Called with each link; None for nothing.
+
+        Returns:
+            The links.
+        """
         return links_from(start, func)
 
     def get_path(self, end: Any = None, start: Any = None) -> tuple[list[Link], int, Any]:
-        """The links from `start` to `end`, how many they are, and the tool's pose."""
+        """The links from one to another.
+
+        Args:
+            end: Last link of the chain, a gripper, or a name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+
+        Returns:
+            The links, their number, and the pose of the tool.
+        """
         last, tool = self._default_end() if end is None else (self._link(end), None)
         upward, downward = links_between(None if start is None else self._link(start), last)
         path = [*upward, *downward]

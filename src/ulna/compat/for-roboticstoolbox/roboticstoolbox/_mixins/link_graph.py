@@ -42,6 +42,9 @@ class LinkGraph(RobotMixin):
             filename: A path or a stream to write to.
             **options: Those of `dotfile`, for "dot".
 
+        Returns:
+            The text.
+
         Raises:
             InputError: There is no such format.
         """
@@ -67,6 +70,13 @@ class LinkGraph(RobotMixin):
 
     def showgraph(self, display_graph: bool = True, **options: Any) -> str | None:
         """Opens a picture of the tree of links in the browser, or returns its path: a PDF by Graphviz.
+
+        Args:
+            display_graph: Whether to open the picture.
+            **options: Those of `dotfile`.
+
+        Returns:
+            Path of the picture; None where it was opened.
 
         Raises:
             InputError: Graphviz is not installed.

@@ -75,11 +75,22 @@ class State(RobotMixin):
         return self._configs
 
     def addconfiguration(self, name: str, q: Any) -> None:
-        """Names a configuration, in `configs` alone."""
+        """Stores a named configuration in `configs`.
+
+        Args:
+            name: Its name.
+            q: The configuration (n,) [rad or m].
+        """
         self._configs[name] = self._state(name, q)
 
     def addconfiguration_attr(self, name: str, q: Any, unit: str = "rad") -> None:
-        """Names a configuration, as an attribute too; `unit` "deg" converts angles."""
+        """Stores a named configuration in `configs` and as an attribute.
+
+        Args:
+            name: Its name.
+            q: The configuration (n,).
+            unit: Of angles in `q`, "rad" or "deg".
+        """
         values = self._state(name, q)
         self._configs[name] = self.toradians(values) if unit == "deg" else values
         setattr(self, name, self._configs[name])
@@ -102,6 +113,9 @@ class State(RobotMixin):
             qd0: Velocity at the start.
             qd1: Velocity at the end.
             **options: Those of inverse kinematics, for poses.
+
+        Returns:
+            The trajectory.
         """
         from roboticstoolbox.tools.trajectory import jtraj
 

@@ -42,13 +42,29 @@ class Ellipsoids(RobotMixin):
             unit: Of angles in `q`, "rad" or "deg".
             centre: Where it is drawn, "ee" for the end.
             scale: What its half axes are multiplied by.
+            **_: Accepted and ignored.
+
+        Returns:
+            The ellipsoid.
         """
         return self._ellipsoid(q, "velocity", opt, scale, centre, unit)
 
     def fellipse(
         self, q: Any, opt: str = "trans", unit: str = "rad", centre: Any = "ee", scale: float = 0.1, **_: Any
     ) -> Ellipse:
-        """The ellipsoid of the forces that joint torques of one produce; see `vellipse`."""
+        """The ellipsoid of the forces that joint torques of one produce; see `vellipse`.
+
+        Args:
+            q: Configuration (n,).
+            opt: "trans" for linear velocities or forces, "rot" for angular velocities or moments.
+            unit: Of angles in `q`, "rad" or "deg".
+            centre: Where it is drawn, "ee" for the end.
+            scale: Factor of its half axes.
+            **_: Accepted and ignored.
+
+        Returns:
+            The ellipsoid.
+        """
         return self._ellipsoid(q, "force", opt, scale, centre, unit)
 
     def _ellipsoid(
@@ -69,7 +85,17 @@ class Ellipsoids(RobotMixin):
         return Ellipse(axes[:3, :3], scale * radii, middle)
 
     def plot_ellipse(self, ellipse: Ellipse, block: bool = True, limits: Any = None, **_: Any) -> PyPlot:
-        """Draws an ellipsoid."""
+        """Draws an ellipsoid.
+
+        Args:
+            ellipse: The ellipsoid.
+            block: Whether to wait until the window is closed.
+            limits: Of the picture, x, y, z from and to [m].
+            **_: Accepted and ignored.
+
+        Returns:
+            The figure.
+        """
         env = PyPlot(None, limits)
         env.ax.plot_wireframe(*ellipse.points, color="#e08a1e", lw=0.5)
         if block:
@@ -79,13 +105,35 @@ class Ellipsoids(RobotMixin):
     def plot_vellipse(
         self, q: Any, block: bool = True, opt: str = "trans", limits: Any = None, **_: Any
     ) -> PyPlot:
-        """Draws the robot with its ellipsoid of velocities."""
+        """Draws the robot with its ellipsoid of velocities.
+
+        Args:
+            q: Configuration (n,).
+            block: Whether to wait until the window is closed.
+            opt: "trans" for linear velocities or forces, "rot" for angular velocities or moments.
+            limits: Of the picture, x, y, z from and to [m].
+            **_: Accepted and ignored.
+
+        Returns:
+            The figure.
+        """
         return self._plot_with_ellipsoid(q, "velocity", opt, block, limits)
 
     def plot_fellipse(
         self, q: Any, block: bool = True, opt: str = "trans", limits: Any = None, **_: Any
     ) -> PyPlot:
-        """Draws the robot with its ellipsoid of forces."""
+        """Draws the robot with its ellipsoid of forces.
+
+        Args:
+            q: Configuration (n,).
+            block: Whether to wait until the window is closed.
+            opt: "trans" for linear velocities or forces, "rot" for angular velocities or moments.
+            limits: Of the picture, x, y, z from and to [m].
+            **_: Accepted and ignored.
+
+        Returns:
+            The figure.
+        """
         return self._plot_with_ellipsoid(q, "force", opt, block, limits)
 
     def _plot_with_ellipsoid(self, q: Any, kind: str, opt: str, block: bool, limits: Any) -> PyPlot:

@@ -67,6 +67,10 @@ class PyPlot:
             name: The window's name.
             limits: Of the picture, x, y, z from and to [m].
             view: "xy", "xz" or "yz" to look at that plane; None for a corner.
+            **_: Accepted and ignored.
+
+        Raises:
+            UnknownName: Another `view`.
         """
         self._name = name or self._name
         self._set_limits(limits)
@@ -88,7 +92,15 @@ class PyPlot:
         return self.ax.figure
 
     def add(self, ob: Any, readonly: bool = False, **_: Any) -> int:
-        """Adds a robot, or an ellipsoid; returns its number.
+        """Adds a robot, or an ellipsoid.
+
+        Args:
+            ob: The robot or ellipsoid.
+            readonly: Whether a robot is shown only, never moved.
+            **_: Accepted and ignored.
+
+        Returns:
+            Its number.
 
         Raises:
             InputError: It is neither.
@@ -124,7 +136,14 @@ class PyPlot:
         self._show(robots, title, [ob.points for ob in self._objects.values() if hasattr(ob, "points")])
 
     def show(self, robot: Any, q: Floats, title: str = "", ellipses: Any = ()) -> None:
-        """Draws one robot."""
+        """Draws one robot.
+
+        Args:
+            robot: The robot.
+            q: Configuration (n,) [rad or m].
+            title: Title of the figure.
+            ellipses: Ellipsoids to draw.
+        """
         self._show([(robot, q)], title, ellipses)
 
     def _show(self, robots: Any, title: str, ellipses: Any) -> None:

@@ -79,6 +79,9 @@ class Plotting(RobotMixin):
 
         Returns:
             The figure or environment; it has `hold()` and `close()`.
+
+        Raises:
+            ShapeError: `q` has another shape.
         """
         rows = np.atleast_2d(np.asarray(q, dtype=float))
         if rows.shape[-1] != self.n or rows.ndim != 2:

@@ -38,9 +38,13 @@ class Teaching(RobotMixin):
             fellipse: Whether to draw the ellipsoid of forces, in matplotlib.
             backend: "pyplot" or "swift"; None for what `plot` takes.
             view: "xy", "xz" or "yz" to look at that plane, in matplotlib.
+            **_: Accepted and ignored.
 
         Returns:
             The figure or environment; `sliders` are the sliders.
+
+        Raises:
+            ShapeError: `q` has another shape.
         """
         at = np.array(self.q if q is None else q, dtype=float)
         if at.shape != (self.n,):

@@ -41,7 +41,15 @@ class DHRobot(DHText, Analytic, Robot):
         super().__init__(dh_links, **more)
 
     def ets(self, start: Any = None, end: Any = None) -> ETS:
-        """The transforms from `start` to `end`; of the whole arm with base and tool."""
+        """The transforms from `start` to `end`; of the whole arm with base and tool.
+
+        Args:
+            start: First link of the chain, or its name; the base by default.
+            end: Last link of the chain, or its name; the tool by default.
+
+        Returns:
+            The chain of transforms.
+        """
         inner = super().ets(start, end)
         before = [ET("SE3", T=self._base)] if start is None and self._base is not None else []
         after = [ET("SE3", T=self._tool)] if end is None and self._tool is not None else []
@@ -57,7 +65,18 @@ class DHRobot(DHText, Analytic, Robot):
     def fkine(
         self, q: Any, end: Any = None, start: Any = None, tool: Any = None, include_base: bool = True
     ) -> Any:
-        """The pose of `end` in the world, an SE3; one for each row of a trajectory (m, n)."""
+        """The pose of `end` in the world.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            end: Last link of the chain, or its name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+            include_base: Whether the pose of the base counts.
+
+        Returns:
+            One SE3, with m elements for (m, n).
+        """
         T = self._chain(end, start, tool).fk(q)
         if not include_base and self._base is not None:
             T = np.linalg.inv(self._base) @ T
@@ -81,6 +100,9 @@ class DHRobot(DHText, Analytic, Robot):
             start: First link of the chain.
             end: Its last link.
             tool: A tool beyond it.
+
+        Returns:
+            Jacobian (6, n), or (3, n) for `half`.
         """
         if T is None:
             return _selected_rows(super().jacob0(q, end, start, tool), half)
@@ -91,7 +113,18 @@ class DHRobot(DHText, Analytic, Robot):
     def jacobe(
         self, q: Any, half: str | None = None, end: Any = None, start: Any = None, tool: Any = None
     ) -> Floats:
-        """The Jacobian in the axes of the end, (6, n); `half` is "trans" or "rot" for three rows."""
+        """The Jacobian in the axes of the end.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            half: "trans" or "rot" for three of the rows.
+            end: Last link of the chain, or its name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Jacobian (6, n), or (3, n) for `half`.
+        """
         return _selected_rows(super().jacobe(q, end, start, tool), half)
 
     def jacob0_analytical(
@@ -112,6 +145,9 @@ class DHRobot(DHText, Analytic, Robot):
             end: Last link of the chain.
             start: Its first link.
             tool: A tool beyond it.
+
+        Returns:
+            Jacobian (6, n).
         """
         if representation is None:
             return self.jacob0(q, T, None, start, end, tool)
@@ -125,11 +161,31 @@ class DHRobot(DHText, Analytic, Robot):
     def hessian0(
         self, q: Any = None, J0: Any = None, start: Any = None, end: Any = None, tool: Any = None
     ) -> Floats:
-        """The Hessian in the axes of the start, (n, 6, n): at `q`, or where the Jacobian is `J0`, (6, n)."""
+        """The Hessian in the axes of the start: at `q`, or where the Jacobian is `J0`.
+
+        Args:
+            q: Configuration (n,) [rad or m]; None for the robot's.
+            J0: Jacobian in the axes of the start, (6, n).
+            start: First link of the chain, or its name; the base by default.
+            end: Last link of the chain, or its name; the tool by default.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Hessian (n, 6, n).
+        """
         return super().hessian0(q, end, start, J0, tool)
 
     def ikine_LM(self, Tep: Any, q0: Any = None, **ikargs: Any) -> IKSolution:
-        """As `Robot.ikine_LM`, with `q0` as the second argument."""
+        """As `Robot.ikine_LM`, with `q0` as the second argument.
+
+        Args:
+            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            **ikargs: Other arguments of `Robot.ikine_LM`.
+
+        Returns:
+            Joint coordinates (n,) or (m, n), success, and figures of the search.
+        """
         return super().ikine_LM(Tep, q0=q0, **ikargs)
 
     def __add__(self, other: Any) -> DHRobot:
@@ -173,7 +229,15 @@ class DHRobot(DHText, Analytic, Robot):
         return np.array([link.r for link in self._links]).T
 
     def A(self, j: Any, q: Any = None) -> Any:
-        """The pose of link `j`, or of link j[1] seen from before link j[0]; base and tool do not count."""
+        """The pose of a link, or of one link seen from before another; base and tool do not count.
+
+        Args:
+            j: Number of the link, or first and last number.
+            q: Configuration (n,) [rad or m]; None for the robot's.
+
+        Returns:
+            One SE3.
+        """
         at = self.q if q is None else np.asarray(q, dtype=float)
         first, last = (0, j) if np.ndim(j) == 0 else (j[0], j[1])
         T = np.eye(4)
@@ -182,7 +246,15 @@ class DHRobot(DHText, Analytic, Robot):
         return pose(T)
 
     def fkine_path(self, q: Any, old: Any = None) -> Any:
-        """Poses of the base, of all links, and of the tool."""
+        """Poses of the base and of all links in the world.
+
+        Args:
+            q: Configuration (n,) [rad or m].
+            old: Accepted and ignored.
+
+        Returns:
+            One SE3 with n + 1 elements: the base, then all links, without the tool.
+        """
         return self.fkine_all(q)
 
     def isspherical(self) -> bool:
@@ -213,6 +285,12 @@ class DHRobot(DHText, Analytic, Robot):
             gravity: Acceleration of free fall, (3,); None for the robot's.
             fext: A wrench that the last link exerts, in the axes of its frame, (6,) [N, N m].
             base_wrench: Not supported; raises InputError.
+
+        Returns:
+            Torques (n,) or (m, n) [N m or N].
+
+        Raises:
+            InputError: `base_wrench` is True.
         """
         if base_wrench:
             raise InputError(

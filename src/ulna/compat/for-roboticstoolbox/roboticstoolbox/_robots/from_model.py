@@ -19,7 +19,15 @@ _LETTERS = "xyz"
 
 
 def read_model(path: Any, **options: Any) -> tuple[Model, str]:
-    """The model in a file, or of a name of the catalogue, and where it was read from."""
+    """The model in a file, or of a name of the catalogue, and where it was read from.
+
+    Args:
+        path: Path of the file, or a name of the catalogue.
+        **options: Other arguments of `ulna.load_model`.
+
+    Returns:
+        The model, and the path as text.
+    """
     return load_model(path, mimic=False, **options), str(Path(path))
 
 
@@ -40,8 +48,12 @@ def from_model(
         gripper_link: First link of the gripper.
         tool: The gripper's tool, (4, 4).
         leave_out: Links not to take.
-        carriers: Links to put between a link and all that comes after it, as firsts of grippers: by name, the link.
+        carriers: Links to put between a link and all that comes after it, as firsts of grippers: by name, the
+            link.
         **more: Arguments of the robot.
+
+    Returns:
+        The robot.
     """
     links: list[Link] = []
     by_name: dict[str, Link] = {}

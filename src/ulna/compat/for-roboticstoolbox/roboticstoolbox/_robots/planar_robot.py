@@ -19,7 +19,17 @@ class Robot2(BaseRobot):
     _size = 3
 
     def fkine(self, q: Any, end: Any = None, start: Any = None, **_: Any) -> Any:
-        """The pose of `end` as an SE2."""
+        """The pose of `end` in the world.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            end: Last link of the chain, or its name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            **_: Accepted and ignored.
+
+        Returns:
+            One SE2, with m elements for (m, n).
+        """
         T = to_planar(self._chain(end, start).fk(q))
         T = T if self._base is None else self._base @ T
         return pose(T if self._tool is None else T @ self._tool)
@@ -31,15 +41,43 @@ class Robot2(BaseRobot):
         return self._chains[key]
 
     def ets(self, start: Any = None, end: Any = None) -> Any:
-        """The transforms from `start` to `end`."""
+        """The transforms from `start` to `end`.
+
+        Args:
+            start: First link of the chain, or its name; the base by default.
+            end: Last link of the chain, or its name; the tool by default.
+
+        Returns:
+            The chain of transforms.
+        """
         return ETS2._from_transforms(super().ets(start, end).data)
 
     def jacob0(self, q: Any, end: Any = None, start: Any = None, **_: Any) -> Floats:
-        """The Jacobian in the axes of the start, (3, n)."""
+        """The Jacobian in the axes of the start: x, y and the angle.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            end: Last link of the chain, or its name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            **_: Accepted and ignored.
+
+        Returns:
+            Jacobian (3, n).
+        """
         return self._chain(end, start).jacob0(q)[..., [0, 1, 5], :]
 
     def jacobe(self, q: Any, end: Any = None, start: Any = None, **_: Any) -> Floats:
-        """The Jacobian in the axes of the end, (3, n)."""
+        """The Jacobian in the axes of the end: x, y and the angle.
+
+        Args:
+            q: Configuration (n,) or (m, n) [rad or m].
+            end: Last link of the chain, or its name; the tool by default.
+            start: First link of the chain, or its name; the base by default.
+            **_: Accepted and ignored.
+
+        Returns:
+            Jacobian (3, n).
+        """
         return self._chain(end, start).jacobe(q)[..., [0, 1, 5], :]
 
 

@@ -166,7 +166,16 @@ class BaseRobot(
 
     @classmethod
     def URDF(cls, file: str, gripper: int | str | None = None, manufacturer: str = "") -> Self:
-        """The robot in a URDF or xacro file; `gripper` is the first link of its gripper, or the number of that."""
+        """The robot in a URDF or xacro file.
+
+        Args:
+            file: Path of the file.
+            gripper: First link of the gripper, or its number; None for no gripper.
+            manufacturer: Name of the maker.
+
+        Returns:
+            The robot.
+        """
         from roboticstoolbox._robots.from_model import from_model, read_model
 
         model, path = read_model(file)
