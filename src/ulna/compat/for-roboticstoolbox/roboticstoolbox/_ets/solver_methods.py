@@ -33,7 +33,7 @@ class ChainSolvers:
 
         Args:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -66,7 +66,7 @@ class ChainSolvers:
 
         Args:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -98,7 +98,7 @@ class ChainSolvers:
 
         Args:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -136,7 +136,7 @@ class ChainSolvers:
 
         Args:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -196,7 +196,7 @@ class ChainSolvers:
 
         Args:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -254,7 +254,7 @@ class ChainSolvers:
 
         Args:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -313,7 +313,7 @@ class ChainSolvers:
 
         Args:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.

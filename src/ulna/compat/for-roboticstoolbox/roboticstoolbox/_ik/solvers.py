@@ -87,7 +87,7 @@ class IKSolver:
         Args:
             ets: The chain.
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.

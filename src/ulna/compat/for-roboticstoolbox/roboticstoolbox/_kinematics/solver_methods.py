@@ -38,7 +38,7 @@ class RobotSolvers:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
             end: Last link of the chain, a gripper, or a name; the tool by default.
             start: First link of the chain, or its name; the base by default.
-            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -77,7 +77,7 @@ class RobotSolvers:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
             end: Last link of the chain, a gripper, or a name; the tool by default.
             start: First link of the chain, or its name; the base by default.
-            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -115,7 +115,7 @@ class RobotSolvers:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
             end: Last link of the chain, a gripper, or a name; the tool by default.
             start: First link of the chain, or its name; the base by default.
-            q0: Where the search begins, (n,) [rad or m]; None draws it at random.
+            q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -160,7 +160,7 @@ class RobotSolvers:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
             end: Last link of the chain, a gripper, or a name; the tool by default.
             start: First link of the chain, or its name; the base by default.
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -227,7 +227,7 @@ class RobotSolvers:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
             end: Last link of the chain, a gripper, or a name; the tool by default.
             start: First link of the chain, or its name; the base by default.
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -291,7 +291,7 @@ class RobotSolvers:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
             end: Last link of the chain, a gripper, or a name; the tool by default.
             start: First link of the chain, or its name; the base by default.
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.
@@ -356,7 +356,7 @@ class RobotSolvers:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
             end: Last link of the chain, a gripper, or a name; the tool by default.
             start: First link of the chain, or its name; the base by default.
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
             tol: Greatest E = e^T W e / 2 that counts as reached.

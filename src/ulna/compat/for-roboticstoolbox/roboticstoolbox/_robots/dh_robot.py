@@ -180,7 +180,7 @@ class DHRobot(DHText, Analytic, Robot):
 
         Args:
             Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None draws it at random.
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             **ikargs: Other arguments of `Robot.ikine_LM`.
 
         Returns:
