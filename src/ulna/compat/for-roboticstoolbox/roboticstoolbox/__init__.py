@@ -23,8 +23,9 @@ _MODULE_NAMES = {
     "roboticstoolbox._robots.poe_robot": ("PoELink", "PoERevolute", "PoEPrismatic", "PoERobot"),
     "roboticstoolbox.tools.trajectory": (
         "Trajectory", "jtraj", "ctraj", "mtraj", "mstraj", "quintic", "quintic_func", "trapezoidal",
-        "trapezoidal_func", "lspb", "xplot",
+        "trapezoidal_func", "lspb",
     ),
+    "roboticstoolbox._plot.curves": ("xplot",),
     "roboticstoolbox.tools.servo": ("p_servo", "angle_axis", "angle_axis_python"),
     "roboticstoolbox.tools.chains": ("TrChainToken", "trchain", "trchain2"),
     "roboticstoolbox.tools.data": (

@@ -4,6 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from roboticstoolbox._common.errors import UnknownOption
+
+_THIN = "─│┌┬┐├┼┤└┴┘"
+_BORDERS = {
+    "thin": _THIN,
+    "thick": "━┃┏┳┓┣╋┫┗┻┛",
+    "double": "═║╔╦╗╠╬╣╚╩╝",
+    "round": "─│╭┬╮├┼┤╰┴╯",
+    "ascii": "-|+++++++++",
+}
+
+
+def bordered(text: str, border: str) -> str:
+    """A table with another border: "thin", "thick", "double", "round" or "ascii".
+
+    Raises:
+        UnknownOption: There is no such border.
+    """
+    if border not in _BORDERS:
+        raise UnknownOption("border", border, _BORDERS)
+    return text.translate(str.maketrans(_THIN, _BORDERS[border]))
+
 
 def grid(
     header: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[bool], ragged: bool = False

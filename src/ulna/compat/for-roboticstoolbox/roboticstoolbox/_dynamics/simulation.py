@@ -42,7 +42,7 @@ class ForwardSimulation(RobotMixin):
             solver: "RK23", "RK45", "DOP853", "Radau", "BDF" or "LSODA".
             solver_args: Keywords for the solver.
             dt: Time between rows [s]; None for a row at each step of the solver.
-            progress: Accepted and ignored.
+            progress: Whether to print the time reached.
 
         Returns:
             Times `t` (m,) [s], `q` (m, n) [rad or m], `qd` (m, n) [rad/s or m/s].
@@ -76,6 +76,8 @@ class ForwardSimulation(RobotMixin):
         times, states = [0.0], [stepper.y]
         while stepper.status == "running":
             message = stepper.step()
+            if progress:
+                print(f"\r{stepper.t:.4g} of {T:.4g} s", end="" if stepper.status == "running" else "\n")
             if stepper.status == "failed":
                 raise RuntimeError(f"fdyn: {solver} failed at t = {stepper.t:.4g} s: {message}")
             times.append(stepper.t)

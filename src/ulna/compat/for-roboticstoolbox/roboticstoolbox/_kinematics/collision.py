@@ -64,15 +64,16 @@ class Collision(RobotMixin):
         Args:
             q: Configuration (n,) [rad or m]; None for the robot's.
             shape: A shape of spatialgeometry, or the robot itself.
-            skip: Accepted and ignored.
+            skip: Whether to leave links where they are, at the robot's configuration, whatever `q` is.
 
         Returns:
             Whether they touch.
         """
         if shape is self:
-            return self.isselfcollided(q)
+            return self.isselfcollided(q, skip)
         return any(
-            pair.distance <= 0.0 for pair in self._nearby_links(self.q if q is None else q, shape, 0.01)
+            pair.distance <= 0.0
+            for pair in self._nearby_links(self.q if q is None or skip else q, shape, 0.01)
         )
 
     collided = iscollided
@@ -82,13 +83,15 @@ class Collision(RobotMixin):
 
         Args:
             q: Configuration (n,) [rad or m]; None for the robot's.
-            skip: Accepted and ignored.
+            skip: Whether to leave links where they are, at the robot's configuration, whatever `q` is.
 
         Returns:
             Whether they do.
         """
         self._require_shapes()
-        return bool(self._complete_robot().collides(self._complete_configuration(self.q if q is None else q)))
+        return bool(
+            self._complete_robot().collides(self._complete_configuration(self.q if q is None or skip else q))
+        )
 
     def closest_point(
         self, q: Any, shape: Any, inf_dist: float = 1.0, skip: bool = False
@@ -99,12 +102,12 @@ class Collision(RobotMixin):
             q: Configuration (n,) [rad or m]; None for the robot's.
             shape: A shape of spatialgeometry.
             inf_dist: Greatest distance that counts [m].
-            skip: Accepted and ignored.
+            skip: Whether to leave links where they are, at the robot's configuration, whatever `q` is.
 
         Returns:
             Distance [m], point of the robot (3,) [m], point of the shape (3,) [m]; or None, None, None.
         """
-        near = self._nearby_links(self.q if q is None else q, shape, inf_dist)
+        near = self._nearby_links(self.q if q is None or skip else q, shape, inf_dist)
         if not near:
             return None, None, None
         best = min(near, key=lambda pair: pair.distance)

@@ -104,7 +104,7 @@ class LinkNode(Node):
         Args:
             shape: A shape of spatialgeometry.
             inf_dist: Greatest distance that counts [m].
-            skip: Accepted and ignored.
+            skip: Plays no part: links are always where the robot's configuration puts them.
 
         Returns:
             Distance [m], point of the link (3,) [m], point of the shape (3,) [m]; or None, None, None.
@@ -118,7 +118,7 @@ class LinkNode(Node):
 
         Args:
             shape: A shape of spatialgeometry.
-            skip: Accepted and ignored.
+            skip: Plays no part: links are always where the robot's configuration puts them.
 
         Returns:
             Whether they touch.

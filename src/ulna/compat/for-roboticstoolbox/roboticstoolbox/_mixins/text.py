@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from roboticstoolbox._common.text_table import grid
+from roboticstoolbox._common.text_table import bordered, grid
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 
 
@@ -68,4 +68,4 @@ class RobotText(RobotMixin):
         ]
         header = ["name", *(f"q{j}" for j in range(self.n))]
         columns = [True] + [False] * self.n
-        return "\n" + grid(header, rows, columns, ragged=True)
+        return "\n" + bordered(grid(header, rows, columns, ragged=True), border)

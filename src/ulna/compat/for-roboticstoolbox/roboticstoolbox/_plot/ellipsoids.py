@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongType
 from roboticstoolbox._common.poses import to_spatial
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from roboticstoolbox._plot.figure import PyPlot, pyplot
@@ -32,7 +33,13 @@ class Ellipsoids(RobotMixin):
     """Ellipsoids, and colours of links."""
 
     def vellipse(
-        self, q: Any, opt: str = "trans", unit: str = "rad", centre: Any = "ee", scale: float = 0.1, **_: Any
+        self,
+        q: Any,
+        opt: str = "trans",
+        unit: str = "rad",
+        centre: Any = "ee",
+        scale: float = 0.1,
+        add: bool = True,
     ) -> Ellipse:
         """The ellipsoid of the velocities that joint rates of one produce, in the axes of the world.
 
@@ -42,7 +49,7 @@ class Ellipsoids(RobotMixin):
             unit: Of angles in `q`, "rad" or "deg".
             centre: Where it is drawn, "ee" for the end.
             scale: What its half axes are multiplied by.
-            **_: Accepted and ignored.
+            add: Plays no part: an ellipsoid is drawn by what it is passed to, such as `env.add`.
 
         Returns:
             The ellipsoid.
@@ -50,7 +57,13 @@ class Ellipsoids(RobotMixin):
         return self._ellipsoid(q, "velocity", opt, scale, centre, unit)
 
     def fellipse(
-        self, q: Any, opt: str = "trans", unit: str = "rad", centre: Any = "ee", scale: float = 0.1, **_: Any
+        self,
+        q: Any,
+        opt: str = "trans",
+        unit: str = "rad",
+        centre: Any = "ee",
+        add: bool = True,
+        scale: float = 0.1,
     ) -> Ellipse:
         """The ellipsoid of the forces that joint torques of one produce; see `vellipse`.
 
@@ -60,7 +73,7 @@ class Ellipsoids(RobotMixin):
             unit: Of angles in `q`, "rad" or "deg".
             centre: Where it is drawn, "ee" for the end.
             scale: Factor of its half axes.
-            **_: Accepted and ignored.
+            add: Plays no part: an ellipsoid is drawn by what it is passed to, such as `env.add`.
 
         Returns:
             The ellipsoid.
@@ -84,18 +97,37 @@ class Ellipsoids(RobotMixin):
         middle = end[:3, 3] if isinstance(centre, str) else np.asarray(centre, dtype=float)
         return Ellipse(axes[:3, :3], scale * radii, middle)
 
-    def plot_ellipse(self, ellipse: Ellipse, block: bool = True, limits: Any = None, **_: Any) -> PyPlot:
+    def plot_ellipse(
+        self,
+        ellipse: Ellipse,
+        block: bool = True,
+        limits: Any = None,
+        jointaxes: bool = True,
+        eeframe: bool = True,
+        shadow: bool = True,
+        name: bool = True,
+    ) -> PyPlot:
         """Draws an ellipsoid.
 
         Args:
-            ellipse: The ellipsoid.
+            ellipse: What `vellipse` or `fellipse` returned.
             block: Whether to wait until the window is closed.
             limits: Of the picture, x, y, z from and to [m].
-            **_: Accepted and ignored.
+            jointaxes: How the toolbox draws a robot beside it, likewise `eeframe`, `shadow` and `name`; none is drawn.
+            eeframe: See `jointaxes`.
+            shadow: See `jointaxes`.
+            name: See `jointaxes`.
 
         Returns:
             The figure.
+
+        Raises:
+            WrongType: It is no ellipsoid.
         """
+        if not isinstance(ellipse, Ellipse):
+            raise WrongType(
+                f"`ellipse` is {type(ellipse).__name__}; expected what vellipse or fellipse returned."
+            )
         env = PyPlot(None, limits)
         env.ax.plot_wireframe(*ellipse.points, color="#e08a1e", lw=0.5)
         if block:
@@ -103,43 +135,60 @@ class Ellipsoids(RobotMixin):
         return env
 
     def plot_vellipse(
-        self, q: Any, block: bool = True, opt: str = "trans", limits: Any = None, **_: Any
+        self,
+        q: Any,
+        block: bool = True,
+        vellipse: Ellipse | None = None,
+        limits: Any = None,
+        opt: str = "trans",
+        centre: Any = "ee",
+        jointaxes: bool = True,
+        eeframe: bool = True,
+        shadow: bool = True,
+        name: bool = True,
     ) -> PyPlot:
         """Draws the robot with its ellipsoid of velocities.
 
         Args:
-            q: Configuration (n,).
+            q: Configuration, (n,); None for the robot's.
             block: Whether to wait until the window is closed.
-            opt: "trans" for linear velocities or forces, "rot" for angular velocities or moments.
+            vellipse: The ellipsoid to draw instead of that at `q`.
             limits: Of the picture, x, y, z from and to [m].
-            **_: Accepted and ignored.
+            opt: "trans" for linear velocities, "rot" for angular ones.
+            centre: Where the ellipsoid is drawn, "ee" for the end.
+            jointaxes: How the toolbox draws the robot, likewise `eeframe`, `shadow` and `name`; Ulna draws sticks.
+            eeframe: See `jointaxes`.
+            shadow: See `jointaxes`.
+            name: See `jointaxes`.
 
         Returns:
             The figure.
         """
-        return self._plot_with_ellipsoid(q, "velocity", opt, block, limits)
+        return self._plot_with_ellipsoid(q, "velocity", opt, block, limits, vellipse, centre)
 
     def plot_fellipse(
-        self, q: Any, block: bool = True, opt: str = "trans", limits: Any = None, **_: Any
+        self,
+        q: Any,
+        block: bool = True,
+        fellipse: Ellipse | None = None,
+        limits: Any = None,
+        opt: str = "trans",
+        centre: Any = "ee",
+        jointaxes: bool = True,
+        eeframe: bool = True,
+        shadow: bool = True,
+        name: bool = True,
     ) -> PyPlot:
-        """Draws the robot with its ellipsoid of forces.
+        """Draws the robot with its ellipsoid of forces; see `plot_vellipse`."""
+        return self._plot_with_ellipsoid(q, "force", opt, block, limits, fellipse, centre)
 
-        Args:
-            q: Configuration (n,).
-            block: Whether to wait until the window is closed.
-            opt: "trans" for linear velocities or forces, "rot" for angular velocities or moments.
-            limits: Of the picture, x, y, z from and to [m].
-            **_: Accepted and ignored.
-
-        Returns:
-            The figure.
-        """
-        return self._plot_with_ellipsoid(q, "force", opt, block, limits)
-
-    def _plot_with_ellipsoid(self, q: Any, kind: str, opt: str, block: bool, limits: Any) -> PyPlot:
+    def _plot_with_ellipsoid(
+        self, q: Any, kind: str, opt: str, block: bool, limits: Any, ellipse: Any, centre: Any
+    ) -> PyPlot:
         at = self.q if q is None else np.asarray(q, dtype=float)
+        drawn = self._ellipsoid(at, kind, opt, 0.1, centre) if ellipse is None else ellipse
         env = PyPlot(None, limits)
-        env.show(self, at, self.name, [self._ellipsoid(at, kind, opt, 0.1).points])
+        env.show(self, at, self.name, [drawn.points])
         if block:
             env.hold()
         return env

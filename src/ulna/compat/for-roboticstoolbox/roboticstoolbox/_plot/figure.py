@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, MissingExtra, UnknownName
+from ulna.errors import InputError, MissingExtra, UlnaWarning, UnknownName
 from ulna.typing import Array, Floats
 
 _VIEWS = {"xy": (90, -90), "xz": (0, -90), "yz": (0, 0)}
@@ -31,6 +33,13 @@ def has_window() -> bool:
 
     backend = str(matplotlib.get_backend()).lower()
     return backend not in ("agg", "pdf", "svg", "ps", "cairo", "template") and "inline" not in backend
+
+
+def _warn_of_options(function: str, options: Iterable[str]) -> None:
+    """Says which options of the toolbox's pictures play no part."""
+    if options:
+        text = f"{function} draws Ulna's picture, without the options {', '.join(options)} of the toolbox's."
+        warnings.warn(text, UlnaWarning, stacklevel=3)
 
 
 class PyPlot:
@@ -60,18 +69,21 @@ class PyPlot:
             bounds = np.asarray(limits, dtype=float).ravel()
             self.limits = np.tile(bounds, 3) if bounds.size == 2 else bounds
 
-    def launch(self, name: str | None = None, limits: Any = None, view: str | None = None, **_: Any) -> None:
+    def launch(
+        self, name: str | None = None, limits: Any = None, view: str | None = None, **options: Any
+    ) -> None:
         """Opens the figure.
 
         Args:
             name: The window's name.
             limits: Of the picture, x, y, z from and to [m].
             view: "xy", "xz" or "yz" to look at that plane; None for a corner.
-            **_: Accepted and ignored.
+            **options: How the toolbox opens it; a warning says that pictures are Ulna's.
 
         Raises:
             UnknownName: Another `view`.
         """
+        _warn_of_options("launch", options)
         self._name = name or self._name
         self._set_limits(limits)
         if view is not None:
@@ -91,13 +103,13 @@ class PyPlot:
         """The figure."""
         return self.ax.figure
 
-    def add(self, ob: Any, readonly: bool = False, **_: Any) -> int:
+    def add(self, ob: Any, readonly: bool = False, **options: Any) -> int:
         """Adds a robot, or an ellipsoid.
 
         Args:
             ob: The robot or ellipsoid.
             readonly: Whether a robot is shown only, never moved.
-            **_: Accepted and ignored.
+            **options: How the toolbox draws it; a warning says that pictures are Ulna's.
 
         Returns:
             Its number.
@@ -109,6 +121,7 @@ class PyPlot:
             raise InputError(
                 f"{ob!r} cannot be drawn here; robots and ellipsoids can, shapes by swift.Swift()."
             )
+        _warn_of_options("add", options)
         number = max(self._objects, default=-1) + 1
         self._objects[number] = ob
         if readonly:
@@ -205,11 +218,13 @@ class PyPlot:
 class PyPlot2(PyPlot):
     """The same for robots in the plane, looked at from above."""
 
-    def launch(self, name: str | None = None, limits: Any = None, view: str | None = None, **_: Any) -> None:
+    def launch(
+        self, name: str | None = None, limits: Any = None, view: str | None = None, **options: Any
+    ) -> None:
         """Opens the figure; see `PyPlot.launch`. Four limits are x and y from and to."""
         if limits is not None and np.size(limits) == 4:
             limits = [*np.ravel(limits), -1.0, 1.0]
-        super().launch(name, limits, view or "xy")
+        super().launch(name, limits, view or "xy", **options)
 
 
 __all__ = ["PyPlot", "PyPlot2"]

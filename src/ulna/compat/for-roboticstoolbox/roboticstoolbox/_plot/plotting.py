@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import warnings
 from collections.abc import Iterator
 from typing import Any, ClassVar
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from roboticstoolbox._plot.figure import PyPlot, PyPlot2, has_window
-from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.errors import InputError, ShapeError, UlnaWarning, UnknownName
 from ulna.typing import Array, Floats
 
 _BACKENDS = ("pyplot", "pyplot2", "swift")
@@ -54,6 +55,7 @@ class Plotting(RobotMixin):
         fig: str | None = None,
         movie: str | None = None,
         loop: bool = False,
+        notebook: bool | None = None,
         ax: Any = None,
         env: Any = None,
         view: str | None = None,
@@ -75,7 +77,8 @@ class Plotting(RobotMixin):
             ax: Axes to draw into.
             env: What an earlier call returned, to draw into it again.
             view: "xy", "xz" or "yz" to look at that plane; in matplotlib.
-            **options: Accepted and ignored.
+            notebook: Whether to draw as in a notebook; only None and what is the case are offered.
+            **options: How the toolbox draws; a warning says that pictures are Ulna's.
 
         Returns:
             The figure or environment; it has `hold()` and `close()`.
@@ -83,6 +86,10 @@ class Plotting(RobotMixin):
         Raises:
             ShapeError: `q` has another shape.
         """
+        if options or notebook:
+            names = ", ".join([*options, *(["notebook"] if notebook else [])])
+            text = f"plot draws Ulna's picture of the robot, without the options {names} of the toolbox's."
+            warnings.warn(text, UlnaWarning, stacklevel=2)
         rows = np.atleast_2d(np.asarray(q, dtype=float))
         if rows.shape[-1] != self.n or rows.ndim != 2:
             raise ShapeError("q", np.shape(q), f"({self.n},) or (m, {self.n})")

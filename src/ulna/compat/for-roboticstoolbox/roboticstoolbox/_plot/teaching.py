@@ -26,7 +26,6 @@ class Teaching(RobotMixin):
         fellipse: bool = False,
         backend: str | None = None,
         view: str | None = None,
-        **_: Any,
     ) -> Any:
         """Shows the robot with a slider for each joint; `robot.q` follows them.
 
@@ -38,7 +37,6 @@ class Teaching(RobotMixin):
             fellipse: Whether to draw the ellipsoid of forces, in matplotlib.
             backend: "pyplot" or "swift"; None for what `plot` takes.
             view: "xy", "xz" or "yz" to look at that plane, in matplotlib.
-            **_: Accepted and ignored.
 
         Returns:
             The figure or environment; `sliders` are the sliders.

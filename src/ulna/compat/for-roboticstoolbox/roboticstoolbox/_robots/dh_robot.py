@@ -25,7 +25,14 @@ class DHRobot(DHText, Analytic, Robot):
     """A serial arm of DH links; its base and its tool are part of its transforms."""
 
     def __init__(self, links: Any, meshdir: Any = None, **more: Any) -> None:
-        """`links` are DH links of one convention, or a DH robot; `more` are arguments of `Robot`."""
+        """`links` are DH links of one convention, or a DH robot; `more` are arguments of `Robot`.
+
+        Raises:
+            ModelError: The links are no DH links, or of both conventions.
+            InputError: `meshdir` is given.
+        """
+        if meshdir is not None:
+            raise InputError(f"`meshdir` is {meshdir!r}; meshes are set as `geometry` of the links here.")
         dh_links = [link.copy() for link in links._links] if isinstance(links, BaseRobot) else list(links)
         if not dh_links:
             raise ModelError("A DHRobot has at least one link; `links` is empty.")
@@ -250,7 +257,7 @@ class DHRobot(DHText, Analytic, Robot):
 
         Args:
             q: Configuration (n,) [rad or m].
-            old: Accepted and ignored.
+            old: Plays no part, as in the toolbox.
 
         Returns:
             One SE3 with n + 1 elements: the base, then all links, without the tool.

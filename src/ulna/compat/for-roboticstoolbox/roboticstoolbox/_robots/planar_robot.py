@@ -18,14 +18,13 @@ class Robot2(BaseRobot):
     _link_class = Link2
     _size = 3
 
-    def fkine(self, q: Any, end: Any = None, start: Any = None, **_: Any) -> Any:
+    def fkine(self, q: Any, end: Any = None, start: Any = None) -> Any:
         """The pose of `end` in the world.
 
         Args:
             q: Configuration (n,) or (m, n) [rad or m].
             end: Last link of the chain, or its name; the tool by default.
             start: First link of the chain, or its name; the base by default.
-            **_: Accepted and ignored.
 
         Returns:
             One SE2, with m elements for (m, n).
@@ -52,28 +51,26 @@ class Robot2(BaseRobot):
         """
         return ETS2._from_transforms(super().ets(start, end).data)
 
-    def jacob0(self, q: Any, end: Any = None, start: Any = None, **_: Any) -> Floats:
+    def jacob0(self, q: Any, start: Any = None, end: Any = None) -> Floats:
         """The Jacobian in the axes of the start: x, y and the angle.
 
         Args:
             q: Configuration (n,) or (m, n) [rad or m].
-            end: Last link of the chain, or its name; the tool by default.
             start: First link of the chain, or its name; the base by default.
-            **_: Accepted and ignored.
+            end: Last link of the chain, or its name; the tool by default.
 
         Returns:
             Jacobian (3, n).
         """
         return self._chain(end, start).jacob0(q)[..., [0, 1, 5], :]
 
-    def jacobe(self, q: Any, end: Any = None, start: Any = None, **_: Any) -> Floats:
+    def jacobe(self, q: Any, start: Any = None, end: Any = None) -> Floats:
         """The Jacobian in the axes of the end: x, y and the angle.
 
         Args:
             q: Configuration (n,) or (m, n) [rad or m].
-            end: Last link of the chain, or its name; the tool by default.
             start: First link of the chain, or its name; the base by default.
-            **_: Accepted and ignored.
+            end: Last link of the chain, or its name; the tool by default.
 
         Returns:
             Jacobian (3, n).

@@ -98,7 +98,7 @@ class BaseRobot(
             keywords: Keywords for the catalogue.
             symbolic: Not supported; raises InputError.
             configs: Named configurations.
-            check_jindex: Accepted and ignored.
+            check_jindex: Plays no part: joints are numbered in any case.
             urdf_string: What it was read from.
             urdf_filepath: Where it was read from.
         """

@@ -3,40 +3,68 @@
 from __future__ import annotations
 
 import importlib
+import warnings
 from typing import Any
 
 _KINDS = ("DH", "ETS", "URDF")
 
 
 def catalog(
-    keywords: Any = None, dof: int | None = None, mtype: str | None = None, border: str = "thin", **_: Any
+    keywords: Any = None,
+    dof: int | None = None,
+    mtype: str | None = None,
+    sorton: str | None = None,
+    border: str = "thin",
 ) -> None:
     """Prints a table of the robots.
 
     Args:
-        keywords: Text that name, manufacturer or keywords must contain; None for any.
+        keywords: Words of which name, manufacturer or keywords contain one; None for all.
         dof: Number of joints; None for any.
         mtype: "DH", "ETS" or "URDF"; None for all.
-        border: Accepted and ignored.
-        **_: Accepted and ignored.
-    """
-    from roboticstoolbox._common.text_table import grid
+        sorton: What rows are sorted by: "name", "manufacturer" or "dof"; None for the kinds in turn.
+        border: "thin", "thick", "double", "round" or "ascii".
 
+    Raises:
+        UnknownOption: There is no such kind, column or border.
+    """
+    from roboticstoolbox._common.errors import UnknownOption
+    from roboticstoolbox._common.text_table import bordered, grid
+
+    if mtype is not None and mtype not in _KINDS:
+        raise UnknownOption("kind of model", mtype, _KINDS)
+    columns: dict[str, Any] = {"name": 1, "manufacturer": 2, "dof": 4}
+    if sorton is not None and sorton.lower() not in columns:
+        raise UnknownOption("column", sorton, columns)
+    words = (keywords,) if isinstance(keywords, str) else tuple(keywords or ())
     rows = []
     for kind in _KINDS if mtype is None else (mtype,):
         module = importlib.import_module(f"roboticstoolbox.models.{kind}")
         for name in sorted(n for n in module.__all__ if n != "URDFRobot" and _is_here(kind, n)):
             robot = getattr(module, name)()
             text = " ".join([name, robot.name, robot.manufacturer, *robot.keywords]).lower()
-            if dof not in (None, robot.n) or (keywords and str(keywords).lower() not in text):
+            if dof not in (None, robot.n) or (words and not any(word.lower() in text for word in words)):
                 continue
-            yes = "X" if robot.hasdynamics else ""
-            rows.append([name, robot.manufacturer, kind, str(robot.n), robot.structure, yes])
-    header = ["class", "manufacturer", "type", "DoF", "structure", "dynamics"]
-    print(grid(header, rows, [False, False, False, True, False, False]) if rows else "no such robots")
+            yes = "Y" if robot.hasdynamics else ""
+            rows.append([name, robot.name, robot.manufacturer, kind, str(robot.n), robot.structure, yes])
+    if sorton is not None:
+        column = columns[sorton.lower()]
+        rows.sort(key=lambda row: int(row[column]) if sorton.lower() == "dof" else row[column].lower())
+    header = ["class", "robot name", "manufacturer", "model type", "DoF", "structure", "dynamics"]
+    table = grid(header, rows, [False] * 7) if rows else "no such robots"
+    print(bordered(table, border))
 
 
-list = catalog
+def list(
+    keywords: Any = None,
+    dof: int | None = None,
+    mtype: str | None = None,
+    sorton: str | None = None,
+    border: str = "thin",
+) -> None:
+    """The former name of `catalog`."""
+    warnings.warn("models.list is the former name of models.catalog", FutureWarning, stacklevel=2)
+    catalog(keywords, dof, mtype, sorton, border)
 
 
 def _is_here(kind: str, name: str) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 
@@ -46,21 +47,35 @@ def jsingu(J: Any) -> None:
 
 
 def jacobian_numerical(f: Callable[[Floats], Any], x: Any, dx: float = 1e-8, N: int = 0) -> Floats:
-    """The Jacobian of a vector function by forward differences.
+    """The Jacobian of a function by forward differences.
 
     Args:
-        f: Function of (n,) that returns (m,).
+        f: Function of (n,) that returns (m,), or with `N` a pose, (N + 1, N + 1).
         x: Where, (n,).
-        dx: Step [rad, m].
-        N: Accepted and ignored.
+        dx: Step.
+        N: 0; for poses 3, or 2 in the plane: rows are then those of velocities and of angular velocities.
 
     Returns:
         Jacobian (m, n).
+
+    Raises:
+        InputError: `N` is another number.
     """
+    if N not in (0, 2, 3):
+        raise InputError(f"`N` is {N}; expected 0, or 2 or 3 for poses in the plane or in space.")
     at = np.ravel(np.asarray(x, dtype=float))
-    before = np.ravel(np.asarray(f(at), dtype=float))
-    columns = [(np.ravel(np.asarray(f(at + dx * e), dtype=float)) - before) / dx for e in np.eye(at.size)]
-    return np.column_stack(columns)
+    before = np.asarray(f(at), dtype=float)
+    changes = [(np.asarray(f(at + dx * e), dtype=float) - before) / dx for e in np.eye(at.size)]
+    if not N:
+        return np.column_stack([np.ravel(change) for change in changes])
+    spins = [change[:N, :N] @ before[:N, :N].T for change in changes]
+    return np.column_stack([np.r_[c[:N, N], _axial(spin)] for c, spin in zip(changes, spins, strict=True)])
+
+
+def _axial(spin: Floats) -> Floats:
+    """The vector of a skew-symmetric matrix."""
+    skew = 0.5 * (spin - spin.T)
+    return np.array([skew[1, 0]]) if len(skew) == 2 else np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
 
 
 def hessian_numerical(J: Callable[[Floats], Any], x: Any, dx: float = 1e-8) -> Floats:

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._plot.curves import plot_trajectory, xplot
 from ulna import trajectory
 from ulna.checks.arrays import number_or_array
-from ulna.errors import InputError, MissingExtra, ShapeError
+from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
 mstraj_info = namedtuple("mstraj_info", ["slowest", "segtime", "clock"])
@@ -64,70 +65,22 @@ class Trajectory:
 
     __repr__ = __str__
 
-    def plot(self, block: bool = False, **_: Any) -> Any:
+    def plot(self, block: bool = False, plotargs: Any = None, textargs: Any = None) -> Any:
         """Draws positions, velocities and accelerations over time.
 
         Args:
             block: Whether to wait until the window is closed.
-            **_: Accepted and ignored.
+            plotargs: Options of matplotlib's `plot`, a dict.
+            textargs: Options of the labels, a dict.
 
         Returns:
             The Matplotlib figure.
         """
-        plt = _pyplot("Trajectory.plot")
-        rows = [("q", self.s), ("qd", self.sd), ("qdd", self.sdd)]
-        rows = [(label, values) for label, values in rows if values is not None]
-        figure, axes = plt.subplots(len(rows), sharex=True, squeeze=False)
-        for axis, (label, values) in zip(axes[:, 0], rows, strict=True):
-            axis.plot(self.t, values)
-            axis.set_ylabel(label)
-            axis.grid(True)
-        axes[-1, 0].set_xlabel("t [s]" if self.istime else "step")
-        if block:
-            plt.show(block=True)
-        return figure
+        return plot_trajectory(self, block, plotargs, textargs)
 
     def qplot(self, **options: Any) -> Any:
         """Draws positions over time; see `xplot`."""
         return xplot(self.t, self.s, **options)
-
-
-def _pyplot(purpose: str) -> Any:
-    try:
-        import matplotlib.pyplot as plt
-    except ImportError:
-        raise MissingExtra("matplotlib", "toolbox", purpose) from None
-    return plt
-
-
-def xplot(
-    x: Any, y: Any = None, block: bool = False, labels: Any = None, latex: bool = False, **_: Any
-) -> Any:
-    """Draws coordinates over time, a line each.
-
-    Args:
-        x: Times (m,); or the coordinates, where `y` is not passed.
-        y: Coordinates, (m,) or (m, n).
-        block: Whether to wait until the window is closed.
-        labels: Names of the coordinates, a list or text with spaces; "q1" and so on by default.
-        latex: Accepted and ignored.
-        **_: Accepted and ignored.
-
-    Returns:
-        The Matplotlib figure.
-    """
-    plt = _pyplot("xplot")
-    values = np.asarray(x if y is None else y, dtype=float)
-    at = np.arange(len(values)) if y is None else np.asarray(x)
-    names = labels.split() if isinstance(labels, str) else labels
-    figure, axis = plt.subplots()
-    for i, column in enumerate(np.atleast_2d(values.T)):
-        axis.plot(at, column, label=names[i] if names else f"q{i + 1}")
-    axis.legend()
-    axis.grid(True)
-    if block:
-        plt.show(block=True)
-    return figure
 
 
 def _times(t: Any) -> tuple[Any, bool]:
@@ -333,7 +286,7 @@ def mstraj(
         q0: Start, (n,).
         qd0: Velocity at the start, (n,).
         qdf: Velocity at the end, (n,).
-        verbose: Accepted and ignored.
+        verbose: Whether to print each segment.
 
     Returns:
         Positions, (m, n).
@@ -364,6 +317,8 @@ def mstraj(
         info.append(mstraj_info(slowest, duration, clock))
         arrive[k] = clock + duration + (half if k else 0.0)
         rate = (b - a) / duration
+        if verbose:
+            print(f"segment {k}: from {a} to {b} in {duration:.6g} s, slowest axis {slowest}")
         rows += _corner(p, v, a + half * rate, rate, corner, dt)
         line = np.arange(round(half / dt) + 1, round((duration - half) / dt) + 1) * dt
         rows += [(a + t * rate, rate, np.zeros(n)) for t in line]

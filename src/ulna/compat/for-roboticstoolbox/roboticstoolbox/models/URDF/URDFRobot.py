@@ -23,7 +23,6 @@ class URDFRobot(Robot):
         gripper_link_name: str | Sequence[str] | None = None,
         patch: Any = None,
         extra_packages: dict[str, str] | None = None,
-        **more: Any,
     ) -> None:
         """A robot from a file, or from the catalogue.
 
@@ -34,7 +33,6 @@ class URDFRobot(Robot):
             gripper_link_name: Its name, or names of which the first that there is counts.
             patch: Not supported; raises InputError.
             extra_packages: Folders of packages, by name.
-            **more: Accepted and ignored.
 
         Raises:
             InputError: `patch` is given.

@@ -15,7 +15,7 @@ import numpy as np
 from roboticstoolbox._robots.from_model import from_model, read_model
 from roboticstoolbox._robots.robot import Robot
 from roboticstoolbox.models.URDF.URDFRobot import URDFRobot
-from ulna.errors import ModelError
+from ulna.errors import InputError, ModelError
 
 _UP = (math.pi, 0.0, 0.0, 0.0, math.pi / 2, 0.0)
 _READY = (0.0, -0.3, 0.0, -2.2, 0.0, 2.0, math.pi / 4)
@@ -92,6 +92,8 @@ def described_class(name: str, module: str) -> type:
     description = ROBOTS[name]
 
     def init(self: Any, variant: str = "A") -> None:
+        if variant != "A":
+            raise InputError(f"`variant` is {variant!r}; there is one description of {name}, variant 'A'.")
         model, path = read_model(description.name)
         gripper = next((link for link in description.grippers if link in model.link_names), None)
         if description.grippers and gripper is None:

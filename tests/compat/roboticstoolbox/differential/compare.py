@@ -1,0 +1,77 @@
+"""Compares results of calls of both packages: values, types, printed text, warnings and classes of exceptions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+NEAR = 1e-9
+BY_DIFFERENCES = 1e-4  # of what the toolbox computes by differences
+CLASSES = (
+    "ValueError",
+    "TypeError",
+    "IndexError",
+    "KeyError",
+    "AttributeError",
+    "ZeroDivisionError",
+    "LinAlgError",
+)
+
+
+def difference(ours: dict[str, Any], theirs: dict[str, Any], near: float = NEAR) -> str | None:
+    """How two results differ, in a few words; None where they are equal.
+
+    An exception equals another if it is also of the class that the toolbox raises; one of Ulna's stands for any that
+    tells of no check (AttributeError, TypeError and the like from within the toolbox).
+    """
+    if theirs["error"] or ours["error"]:
+        return _errors_differ(ours, theirs)
+    if not _same(ours["value"], theirs["value"], near):
+        return "value"
+    if not _same_text(ours["text"], theirs["text"]):
+        return "text"
+    return "warnings" if set(theirs["warnings"]) - set(ours["warnings"]) else None
+
+
+def _errors_differ(ours: dict[str, Any], theirs: dict[str, Any]) -> str | None:
+    if not ours["error"]:
+        return f"no error for {theirs['error'][0]}"
+    if not theirs["error"]:
+        return f"{ours['error'][0]} for a result"
+    if theirs["error"][0] in ours["error"][:-1]:
+        return None
+    return f"{ours['error'][0]} for {theirs['error'][0]}"
+
+
+def _same_text(ours: str, theirs: str) -> bool:
+    return [line.rstrip() for line in ours.splitlines()] == [line.rstrip() for line in theirs.splitlines()]
+
+
+def _same(ours: Any, theirs: Any, near: float) -> bool:
+    """Whether plain data is equal: numbers nearly, types by name."""
+    if isinstance(theirs, str) and isinstance(ours, str):
+        return _same_text(ours, theirs)
+    if isinstance(theirs, (np.ndarray, float)) or isinstance(ours, (np.ndarray, float)):
+        return _same_numbers(ours, theirs, near)
+    if isinstance(theirs, (tuple, list)):
+        if not isinstance(ours, type(theirs)) or len(ours) != len(theirs):
+            return False
+        return all(_same(a, b, near) for a, b in zip(ours, theirs, strict=True))
+    if isinstance(theirs, dict):
+        if not isinstance(ours, dict) or set(ours) != set(theirs):
+            return False
+        return all(_same(ours[key], theirs[key], near) for key in theirs)
+    return bool(ours == theirs)
+
+
+def _same_numbers(ours: Any, theirs: Any, near: float) -> bool:
+    try:
+        a, b = np.asarray(ours, dtype=float), np.asarray(theirs, dtype=float)
+    except (TypeError, ValueError):
+        return False
+    if a.shape != b.shape:
+        return False
+    finite = np.abs(b[np.isfinite(b)])
+    size = max(1.0, float(finite.max(initial=0.0)))
+    return bool(np.allclose(a, b, rtol=near, atol=near * size, equal_nan=True))
