@@ -86,7 +86,15 @@ class Arrow(Shape):
 
     @classmethod
     def FromTo(cls, start: Any, end: Any, **kwargs: Any) -> Self:
-        """An arrow from one point to another, (3,) each [m].
+        """An arrow from one point to another.
+
+        Args:
+            start: The start, (3,) [m].
+            end: The end, (3,) [m].
+            **kwargs: Other arguments of `Arrow`.
+
+        Returns:
+            The arrow.
 
         Raises:
             InputError: They are one point.

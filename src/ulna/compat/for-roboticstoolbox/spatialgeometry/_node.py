@@ -19,7 +19,14 @@ _ORIGIN.setflags(write=False)
 
 
 def matrix_of(pose: Any, name: str = "pose") -> Floats:
-    """A read-only pose (4, 4) from an array or an SE3 of one pose.
+    """A pose as a read-only matrix.
+
+    Args:
+        pose: An array (4, 4), or an SE3 of one pose.
+        name: Name of the argument, for messages.
+
+    Returns:
+        The pose, (4, 4).
 
     Raises:
         ShapeError, NonFiniteError, InputError: It is none.
@@ -209,12 +216,22 @@ class Members(MutableSequence):
             child.scene_parent = None
 
     def insert(self, index: int, value: Any) -> None:
-        """Put a frame in before the member of that index."""
+        """Inserts a frame before the member of an index.
+
+        Args:
+            index: The index.
+            value: The frame.
+        """
         self.attach(self._fit(value))
         self._children.insert(index, self._children.pop())
 
     def sort(self, *, key: Callable[[Any], Any], reverse: bool = False) -> None:
-        """Put the members in order by a function of each."""
+        """Sorts the members by a function of each.
+
+        Args:
+            key: The function.
+            reverse: Whether greater values come first.
+        """
         self._children.sort(key=key, reverse=reverse)
 
     def __repr__(self) -> str:

@@ -56,7 +56,12 @@ class Shape(SceneNode, abc.ABC):
         super().__init__(**kwargs if at is None else {"pose": at, **kwargs})
 
     def draw(self, viewer: Any, name: str) -> None:
-        """Add it to an `ulna.Viewer` under a name, at the origin; `dress` gives it its colour."""
+        """Add it to an `ulna.Viewer` under a name, at the origin; `dress` gives it its colour.
+
+        Args:
+            viewer: The viewer.
+            name: Name of the node.
+        """
         self._draw(viewer, name)
         self.dress(viewer[name])
 
@@ -181,7 +186,15 @@ def box_corners(bounds: Floats) -> Floats:
 
 
 def positive(name: str, value: Any, least: float = 0.0) -> float:
-    """A finite number, at least `least`.
+    """A finite number that is not too small.
+
+    Args:
+        name: Name of the argument, for messages.
+        value: What was passed.
+        least: Smallest value.
+
+    Returns:
+        The number.
 
     Raises:
         InputError: It is none.

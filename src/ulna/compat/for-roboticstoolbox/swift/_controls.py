@@ -35,6 +35,10 @@ class Controls:
     def add(self, element: SwiftElement, name: str | None) -> None:
         """Put a control into the panel.
 
+        Args:
+            element: The control.
+            name: Its name among the values that callbacks receive, or None.
+
         Raises:
             InputError: It is there already, or one of its name.
             ViewerError: There is no panel.

@@ -85,7 +85,13 @@ class SwiftElement(abc.ABC):
         return None
 
     def show(self, panel: Any, number: int, notice: Notice) -> None:
-        """Put it into a panel of `ulna.Viewer`."""
+        """Adds the control to a panel of `ulna.Viewer`.
+
+        Args:
+            panel: The panel.
+            number: The control's number.
+            notice: Called when the control changes.
+        """
         self._panel, self._notice = panel, notice
         self._controls = self._build(panel)
         self.id = number

@@ -75,6 +75,9 @@ class Contents(LaunchedEnvironment):
             callback: Called before each step with the time and the values of named controls; returns the new `q`.
             name: A name, for `env[name]`.
 
+        Returns:
+            Its handle.
+
         Raises:
             InputError: An opacity is out of range.
         """
@@ -104,18 +107,25 @@ class Contents(LaunchedEnvironment):
             callback: As for `add_robot`.
             readonly: Whether it is shown only, never moved.
             name: A name, for `env[name]`.
+
+        Returns:
+            Its handle.
         """
         return self._register(
             PartsHandle(self.viewer, fk, parts, q0, readonly, **self._item_options(name, callback))
         )
 
     def add_shape(self, shape: Any, callback: Callback | None = None, name: str | None = None) -> int:
-        """Add a shape; returns its number. One that is there already keeps its number.
+        """Add a shape; one that is there already keeps its number.
 
         Args:
             shape: The shape.
-            callback: Called before each step with the time and the values of named controls; returns the new pose.
+            callback: Called before each step with the time and the values of named controls; returns the new
+                pose.
             name: A name, for `env[name]`.
+
+        Returns:
+            Its number.
         """
         for item in self._items.values():
             if item.thing is shape:
@@ -124,6 +134,13 @@ class Contents(LaunchedEnvironment):
 
     def add_ui(self, element: SwiftElement, name: str | None = None) -> SwiftElement:
         """Add a control to the panel.
+
+        Args:
+            element: The control.
+            name: Its name among the values that callbacks receive, or None.
+
+        Returns:
+            The control.
 
         Raises:
             InputError: It is there already.

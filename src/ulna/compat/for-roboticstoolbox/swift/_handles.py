@@ -118,7 +118,13 @@ class PartsHandle(AssemblyHandle):
         return self
 
     def advance(self, t: float, dt: float, values: dict[str, Any]) -> None:
-        """Move the joint coordinates on."""
+        """Advances the joint coordinates by one step.
+
+        Args:
+            t: Time at the end of the step [s].
+            dt: Length of the step [s].
+            values: Values of named controls.
+        """
         if self._moves(t, values):
             self.q = np.asarray(self.q) + dt * np.asarray(self.qd)
 

@@ -85,9 +85,10 @@ class LaunchedEnvironment:
             ground_pattern: The floor always has its grid.
             ground_pattern_width: See `ground_pattern`.
             lights: The lamps are those of the viewer's theme.
-            timeout: How long the page may be closed before `hold` ends is up to the viewer: 3 s, as a reload takes.
+            timeout: Accepted and ignored [s]: `hold` ends when the page has been closed for 3 s, as a reload
+                takes.
             browser_timeout: A page whose script has ended says so, and stays open.
-            kwargs: `comms` of Swift 1, which means nothing here.
+            **kwargs: `comms` of Swift 1, which means nothing here.
 
         Raises:
             MissingExtra: There is to be a page, and viser is not installed.

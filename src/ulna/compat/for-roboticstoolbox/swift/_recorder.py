@@ -44,7 +44,13 @@ class Recorder:
         self._rows: list[tuple[dict[Any, Any], dict[str, Any]]] = []
 
     def record_row(self, t: float, figures: list[Any], names: list[str]) -> None:
-        """Note where robots and shapes are at a time [s]."""
+        """Records where robots and shapes are.
+
+        Args:
+            t: Time [s].
+            figures: Handles of the robots.
+            names: Names of the other nodes.
+        """
         scene = self._viewer.scene
         poses = {name: scene.pose(name) for name in names}
         poses |= {figure.name: scene.pose(figure.name) for figure in figures}

@@ -79,7 +79,16 @@ class RobotHandle(AssemblyHandle):
         return pose_of(getattr(self.robot, "base", np.eye(4)))
 
     def advance(self, t: float, dt: float, values: dict[str, Any]) -> None:
-        """Move it on: joints turn and slide, so that moving is adding."""
+        """Advances the robot by one step, within its limits.
+
+        Args:
+            t: Time at the end of the step [s].
+            dt: Length of the step [s].
+            values: Values of named controls.
+
+        Raises:
+            InputError: `q` or `qd` is not as many finite numbers as there are joints.
+        """
         self._moved = None
         if self._moves(t, values):
             q, qd = self._joints(), np.asarray(self._state.qd, dtype=float)

@@ -42,7 +42,13 @@ class Item(abc.ABC):
 
     @abc.abstractmethod
     def advance(self, t: float, dt: float, values: dict[str, Any]) -> None:
-        """Move it on by `dt` [s], to the time `t`."""
+        """Advances the object by one step.
+
+        Args:
+            t: Time at the end of the step [s].
+            dt: Length of the step [s].
+            values: Values of named controls.
+        """
 
     @abc.abstractmethod
     def show(self) -> None:
@@ -72,7 +78,13 @@ class ShapeHandle(Item):
         return self._shape
 
     def advance(self, t: float, dt: float, values: dict[str, Any]) -> None:
-        """Move it on."""
+        """Advances the shape by one step.
+
+        Args:
+            t: Time at the end of the step [s].
+            dt: Length of the step [s].
+            values: Values of named controls.
+        """
         shape = self._shape
         if self.callback is not None:
             shape.T = self.callback(t, values)

@@ -51,7 +51,13 @@ class Swift(Contents):
             self._record()
 
     def run(self, duration: float | None = None, dt: float = 0.05, timeout: float | None = None) -> None:
-        """Step for some time [s], or until the page is closed; at once to an end where there is none to close."""
+        """Steps for some time, or until the page is closed; returns at once where there is no page to close.
+
+        Args:
+            duration: Simulated time [s]; None for until the page is closed.
+            dt: Length of a step [s].
+            timeout: How long the page may have no browser before it counts as closed [s]; 3 by default.
+        """
         if duration is None and not self._watched():
             self._print_once("so it does not run without an end; give it a duration.")
             return
@@ -73,7 +79,14 @@ class Swift(Contents):
                 return
 
     def hold(self, duration: float | None = None, timeout: float | None = None) -> None:
-        """Keep the page open until it is closed or Ctrl-C, or for some time [s]. Where nobody can look it returns."""
+        """Keeps the page open until it is closed, Ctrl-C, or for some time.
+
+        It returns at once where nobody can look.
+
+        Args:
+            duration: How long [s]; None for until it is closed.
+            timeout: Accepted and ignored [s].
+        """
         viewer = self.viewer
         self.process_events()
         if not self._watched():
@@ -103,7 +116,12 @@ class Swift(Contents):
         self._controls.handle(events)
 
     def set_camera_pose(self, position: Any, look_at: Any) -> None:
-        """Look from a place at a place, (3,) each [m]."""
+        """Moves the camera.
+
+        Args:
+            position: Where it is, (3,) [m].
+            look_at: Where it looks, (3,) [m].
+        """
         at, to = (
             np.reshape(finite_array(n, p), -1) for n, p in (("position", position), ("look_at", look_at))
         )

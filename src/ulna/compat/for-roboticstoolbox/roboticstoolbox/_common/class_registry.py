@@ -9,7 +9,12 @@ _LOADERS: dict[str, Callable[[], Any]] = {}
 
 
 def register_class(name: str, load: Callable[[], Any]) -> None:
-    """Registers the function that returns a class; it is called when the class is needed first."""
+    """Registers the function that returns a class; it is called when the class is needed first.
+
+    Args:
+        name: Name of the class.
+        load: Returns the class.
+    """
     _LOADERS[name] = load
 
 

@@ -18,7 +18,12 @@ class _AliasModule(ModuleType):
 
 
 def add_module_aliases(package: str, names: Iterable[str]) -> None:
-    """Makes modules of these names importable from a package."""
+    """Makes modules of these names importable from a package.
+
+    Args:
+        package: Name of the package.
+        names: Names of the modules.
+    """
     for name in names:
         place = f"{package}.{name}"
         sys.modules.setdefault(place, _AliasModule(place, f"Names of `roboticstoolbox`, as {place}."))
@@ -26,6 +31,13 @@ def add_module_aliases(package: str, names: Iterable[str]) -> None:
 
 def public_name(place: str, name: str) -> Any:
     """The object of that name in `roboticstoolbox`.
+
+    Args:
+        place: Name of the module, for the message.
+        name: Name of the object.
+
+    Returns:
+        The object.
 
     Raises:
         AttributeError: There is no such name.

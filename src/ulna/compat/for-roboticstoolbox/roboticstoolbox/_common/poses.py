@@ -46,6 +46,13 @@ def array(T: Any) -> Floats:
 def matrix(T: Any, size: int = 4) -> Floats:
     """The homogeneous matrix (size, size) of a pose object or an array.
 
+    Args:
+        T: A pose object, or an array (size, size).
+        size: 4 in space, 3 in the plane.
+
+    Returns:
+        Matrix (size, size).
+
     Raises:
         ShapeError: It is neither.
     """
@@ -78,7 +85,15 @@ def describe(T: Floats) -> str:
 
 
 def along(z: Floats, point: Any) -> Floats:
-    """A frame at `point` whose z axis is `z`, (4, 4)."""
+    """A frame at a point with a given z axis.
+
+    Args:
+        z: Unit vector (3,).
+        point: Point (3,) [m].
+
+    Returns:
+        Pose (4, 4).
+    """
     x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
     x /= np.linalg.norm(x)
     T = np.eye(4)

@@ -20,7 +20,15 @@ def has_symbols(values: Any) -> bool:
 
 
 def is_nothing(value: Any, rotation: bool) -> bool:
-    """Whether a transform by `value` is none: exactly zero, or a symbolic angle of whole turns."""
+    """Whether a transform is the identity: its value is exactly zero, or a symbolic angle of whole turns.
+
+    Args:
+        value: A number or an expression [rad or m].
+        rotation: Whether it turns.
+
+    Returns:
+        Whether it is.
+    """
     if not is_symbol(value):
         return bool(value == 0)
     import sympy

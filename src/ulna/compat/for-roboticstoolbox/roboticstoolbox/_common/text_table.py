@@ -30,9 +30,18 @@ def bordered(text: str, border: str) -> str:
 def grid(
     header: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[bool], ragged: bool = False
 ) -> str:
-    """Rows under a header in box-drawing characters; an empty header leaves its line out.
+    """Rows under a header in box-drawing characters.
 
     `ragged` columns are shifted so that their longest entry stands at the left under a title at the left.
+
+    Args:
+        header: Titles of the columns; empty for no line of titles.
+        rows: Rows of cells.
+        right: For each column whether cells stand at the right.
+        ragged: Whether columns are shifted as above.
+
+    Returns:
+        The text of the table.
     """
     widths = [max(len(r[i]) for r in ([header, *rows] if header else rows)) for i in range(len(rows[0]))]
 

@@ -153,11 +153,27 @@ class Chain:
         return self.arm.kernel("jacobian", checked=True, reference="local")
 
     def hessian0(self, q: Any, J0: Any = None) -> Floats:
-        """The Hessian in the axes of the start, (..., n, 6, n); from the Jacobian there if it is given."""
+        """The Hessian in the axes of the start, of the Jacobian `J0` if it is passed.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            J0: Jacobian in the axes of the start, (6, n).
+
+        Returns:
+            Hessian (..., n, 6, n).
+        """
         return self.arm.hessian(self.q(q)) if J0 is None else hessian_of(J0, self.n)
 
     def hessiane(self, q: Any, Je: Any = None) -> Floats:
-        """`hessian0` turned into the axes of the end, (..., n, 6, n); it is not the derivative of `jacobe`."""
+        """`hessian0` turned into the axes of the end, (..., n, 6, n); it is not the derivative of `jacobe`.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            Je: Jacobian in the axes of the end, (6, n).
+
+        Returns:
+            Hessian (..., n, 6, n).
+        """
         if Je is not None:
             return hessian_of(Je, self.n)
         H, R = self.hessian0(q), self.fk(q)[..., None, :3, :3]
@@ -165,32 +181,85 @@ class Chain:
         return np.concatenate([turned @ H[..., :3, :], turned @ H[..., 3:, :]], axis=-2)
 
     def partial(self, q: Any, order: int) -> Floats:
-        """The derivatives of the pose of that order in the axes of the start, (n, ..., n, 6, n)."""
+        """A derivative of the pose in the axes of the start: 1 the Jacobian, 2 the Hessian, and so on.
+
+        Args:
+            q: Joint coordinates (n,) [rad or m].
+            order: Order of the derivative.
+
+        Returns:
+            Array (n, ..., n, 6, n).
+        """
         from ulna.algorithms import jacobian_partials
 
         return jacobian_partials(np.asarray(self.jacob0(q)), order)
 
     def jacob0_dot(self, q: Any, qd: Any) -> Floats:
-        """The derivative of the Jacobian in the axes of the start by time, (..., 6, n)."""
+        """The time derivative of the Jacobian in the axes of the start.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            qd: Velocities (n,) or (m, n) [rad/s or m/s].
+
+        Returns:
+            Derivative (..., 6, n) [1/s].
+        """
         return self.arm.jacobian_dot(self.q(q), self.q(qd))
 
     def analytical(self, q: Any, representation: str) -> Floats:
-        """The Jacobian of position and angles, (..., 6, n)."""
+        """The Jacobian of position and angles.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
+
+        Returns:
+            Jacobian (..., 6, n).
+        """
         known_angles(representation)
         return self.arm.analytical_jacobian(self.q(q), representation).view(Jacobian)
 
     def manipulability(self, q: Any, method: str, axes: Any) -> Any:
-        """The measure of manipulability of that name, (...); for axes "both" those of "trans" and of "rot"."""
+        """A measure of the distance from singularities.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            method: "yoshikawa", "asada", "minsingular" or "invcondition".
+            axes: "all", "trans", "rot", "both" for a pair of measures, or six truth values.
+
+        Returns:
+            The measure (...); a pair of them for "both".
+        """
         if isinstance(axes, str) and axes == "both":
             return tuple(self.manipulability(q, method, part) for part in ("trans", "rot"))
         return self.arm.manipulability(self.q(q), measure_name(method), axes_of(axes))
 
     def jacobm(self, q: Any, axes: Any) -> Floats:
-        """The gradient of manipulability, (n, 1)."""
+        """The gradient of manipulability.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            axes: "all", "trans", "rot", or six truth values.
+
+        Returns:
+            Gradient (n, 1).
+        """
         return self.arm.manipulability_gradient(self.q(q), axes_of(axes))[..., None]
 
     def jacobm_of(self, J: Any, H: Any, axes: Any) -> Floats:
-        """The gradient of manipulability where the Jacobian is `J` and the Hessian `H`, (n, 1); None: from `J`."""
+        """The gradient of manipulability of a Jacobian and its Hessian.
+
+        Args:
+            J: Jacobian (6, n).
+            H: Hessian (n, 6, n); None for that of `J`.
+            axes: "all", "trans", "rot", or six truth values.
+
+        Returns:
+            Gradient (n, 1).
+
+        Raises:
+            ShapeError: `J` or `H` has another shape.
+        """
         matrix = jacobian_matrix(J, self.n)
         hessian = hessian_of(matrix, self.n) if H is None else np.asarray(H, dtype=float)
         if hessian.shape != (self.n, 6, self.n):
@@ -204,11 +273,19 @@ class Chain:
 
 
 def jacobian_matrix(J: Any, n: int) -> Floats:
-    """A Jacobian that was passed, (6, n).
+    """A Jacobian that was passed, checked.
+
+    Args:
+        J: The Jacobian.
+        n: Number of joints.
+
+    Returns:
+        Jacobian (6, n).
 
     Raises:
         TypeError: It is no array.
         ShapeError: It has another shape.
+        WrongType: The same, as the class of the error.
     """
     if not isinstance(J, np.ndarray):
         raise WrongType(f"A Jacobian is {type(J).__name__}; expected a NumPy array (6, {n}).")
@@ -218,7 +295,15 @@ def jacobian_matrix(J: Any, n: int) -> Floats:
 
 
 def hessian_of(J: Any, n: int) -> Floats:
-    """The Hessian (n, 6, n) in the axes of the Jacobian `J`, (6, n), which determines it."""
+    """The Hessian of a Jacobian, which determines it.
+
+    Args:
+        J: Jacobian (6, n).
+        n: Number of joints.
+
+    Returns:
+        Hessian (n, 6, n) in the axes of the Jacobian.
+    """
     return algorithms.jacobian_partials(jacobian_matrix(J, n), 2)
 
 

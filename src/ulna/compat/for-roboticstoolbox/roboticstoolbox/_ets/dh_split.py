@@ -20,7 +20,11 @@ def split_by_convention(transforms: Sequence[Any], convention: str) -> list[Sequ
 
     Args:
         transforms: Those of a chain.
-        convention: "dh": what does not fit before the first link is apart; "mdh": what does not fit after the last.
+        convention: "dh": what does not fit before the first link is apart; "mdh": what does not fit after the
+            last.
+
+    Returns:
+        The parts, in the order of the chain.
 
     Raises:
         InputError: The transforms between two joints are no such links, or there are no joints.

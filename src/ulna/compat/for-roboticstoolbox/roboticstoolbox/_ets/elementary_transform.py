@@ -38,7 +38,15 @@ class ET(BaseET):
 
     @classmethod
     def SE3(cls, T: Any, **joint: Any) -> ET:
-        """A constant pose: an SE3 or a matrix (4, 4)."""
+        """A constant pose.
+
+        Args:
+            T: An SE3, or a matrix (4, 4).
+            **joint: Other arguments of `ET`.
+
+        Returns:
+            The transform.
+        """
         return cls("SE3", T=_pose_matrix(T, 4), **joint)
 
 
@@ -51,7 +59,15 @@ class ET2(BaseET):
 
     @classmethod
     def SE2(cls, T: Any, **joint: Any) -> ET2:
-        """A constant pose: an SE2 or a matrix (3, 3)."""
+        """A constant pose.
+
+        Args:
+            T: An SE2, or a matrix (3, 3).
+            **joint: Other arguments of `ET2`.
+
+        Returns:
+            The transform.
+        """
         return cls("SE2", T=_pose_matrix(T, 3), **joint)
 
     def A(self, q: Any = 0.0) -> Floats:

@@ -24,49 +24,141 @@ class ETS(ChainSolvers, BaseETS):
     """A chain of transforms in space."""
 
     def eval(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Floats:
-        """The pose of the end, (4, 4) or (m, 4, 4)."""
+        """The pose of the end as a matrix.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            base: Pose of the start in the world, an SE3 or (4, 4); None for the identity.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+            include_base: Whether `base` counts.
+
+        Returns:
+            Pose (4, 4) or (m, 4, 4).
+        """
         T = self._compiled(tool).fk(_given(self, q))
         return matrix(base) @ T if base is not None and include_base else T
 
     def fkine(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Any:
-        """The pose of the end as an SE3; expressions of symbols are simplified."""
+        """The pose of the end as an SE3; expressions of symbols are simplified.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            base: Pose of the start in the world, an SE3 or (4, 4); None for the identity.
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+            include_base: Whether `base` counts.
+
+        Returns:
+            One SE3, with m elements for (m, n).
+        """
         T = self.eval(q, base, tool, include_base)
         return pose(T if T.dtype is _FLOAT64 else shortened(T))
 
     def jacob0(self, q: Any, tool: Any = None) -> Floats:
-        """The Jacobian in the axes of the start, (6, n)."""
+        """The Jacobian in the axes of the start, linear rows first.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Jacobian (6, n) or (m, 6, n).
+        """
         return self._compiled(tool).jacob0(q)
 
     def jacobe(self, q: Any, tool: Any = None) -> Floats:
-        """The Jacobian in the axes of the end, (6, n)."""
+        """The Jacobian in the axes of the end, linear rows first.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Jacobian (6, n) or (m, 6, n).
+        """
         return self._compiled(tool).jacobe(q)
 
     def hessian0(self, q: Any = None, J0: Any = None, tool: Any = None) -> Floats:
-        """The Hessian in the axes of the start, (n, 6, n): at `q`, or where the Jacobian is `J0`, (6, n)."""
+        """The Hessian in the axes of the start: at `q`, or where the Jacobian is `J0`.
+
+        Args:
+            q: Joint coordinates (n,) [rad or m].
+            J0: Jacobian in the axes of the start, (6, n).
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Hessian (n, 6, n).
+        """
         return self._compiled(tool).hessian0(q, J0)
 
     def hessiane(self, q: Any = None, Je: Any = None, tool: Any = None) -> Floats:
-        """The Hessian in the axes of the end, (n, 6, n): at `q`, or where the Jacobian is `Je`, (6, n)."""
+        """The Hessian in the axes of the end: at `q`, or where the Jacobian is `Je`.
+
+        Args:
+            q: Joint coordinates (n,) [rad or m].
+            Je: Jacobian in the axes of the end, (6, n).
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Hessian (n, 6, n).
+        """
         return self._compiled(tool).hessiane(q, Je)
 
     def partial_fkine0(self, q: Any, n: int) -> Floats:
-        """The derivatives of the pose of order `n`, (n, ..., n, 6, n): 1 the Jacobian, 2 the Hessian, and on."""
+        """A derivative of the pose in the axes of the start: 1 the Jacobian, 2 the Hessian, and so on.
+
+        Args:
+            q: Joint coordinates (n,) [rad or m].
+            n: Order of the derivative.
+
+        Returns:
+            Array (n, ..., n, 6, n).
+        """
         return self._compiled(None).partial(q, n)
 
     def jacob0_analytical(self, q: Any, representation: str = "rpy/xyz", tool: Any = None) -> Floats:
-        """The Jacobian of position and angles, (6, n)."""
+        """The Jacobian of position and angles.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
+            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
+
+        Returns:
+            Jacobian (6, n) or (m, 6, n).
+        """
         return self._compiled(tool).analytical(q, representation)
 
     def manipulability(self, q: Any, method: str = "yoshikawa", axes: Any = "all") -> Any:
-        """A measure of the distance from singularities."""
+        """A measure of the distance from singularities.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            method: "yoshikawa", "asada", "minsingular" or "invcondition".
+            axes: "all", "trans", "rot", "both" for a pair of measures, or six truth values.
+
+        Returns:
+            The measure, () or (m,); a pair of them for "both".
+        """
         return self._compiled(None).manipulability(q, method, axes)
 
     def jacobm(self, q: Any, axes: Any = "all") -> Floats:
-        """The gradient of manipulability, (n, 1)."""
+        """The gradient of manipulability.
+
+        Args:
+            q: Joint coordinates (n,) [rad or m].
+            axes: "all", "trans", "rot", or six truth values.
+
+        Returns:
+            Gradient (n, 1).
+        """
         return self._compiled(None).jacobm(q, axes)
 
     def replace(self, i: int, axis: str) -> None:
         """Writes the transform at `i` as turns and one about or along another axis.
+
+        Args:
+            i: Which transform.
+            axis: "x", "y" or "z".
 
         Raises:
             InputError: There is no such axis, or the transform is a whole pose.
@@ -75,7 +167,15 @@ class ETS(ChainSolvers, BaseETS):
         self._replace(i, axis)
 
     def replaced(self, i: int, axis: str) -> ETS:
-        """A copy on which `replace` was called."""
+        """A copy on which `replace` was called.
+
+        Args:
+            i: Which transform.
+            axis: "x", "y" or "z".
+
+        Returns:
+            The copy.
+        """
         return self._modified_copy("replace", i, axis)
 
     def split(self, method: str = "last") -> list[ETS]:
@@ -91,13 +191,33 @@ class ETS2(BaseETS):
     _et = ET2
 
     def eval(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Floats:
-        """The pose of the end, (3, 3) or (m, 3, 3)."""
+        """The pose of the end as a matrix.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            base: Pose of the start in the world, an SE2 or (3, 3); None for the identity.
+            tool: Pose of a tool beyond the end, an SE2 or (3, 3).
+            include_base: Whether `base` counts.
+
+        Returns:
+            Pose (3, 3) or (m, 3, 3).
+        """
         T = to_planar(self._compiled(None).fk(_given(self, q)))
         T = T if tool is None else T @ matrix(tool, 3)
         return matrix(base, 3) @ T if base is not None and include_base else T
 
     def fkine(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Any:
-        """The pose of the end as an SE2; expressions of symbols are simplified."""
+        """The pose of the end as an SE2; expressions of symbols are simplified.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            base: Pose of the start in the world, an SE2 or (3, 3); None for the identity.
+            tool: Pose of a tool beyond the end, an SE2 or (3, 3).
+            include_base: Whether `base` counts.
+
+        Returns:
+            One SE2, with m elements for (m, n).
+        """
         T = self.eval(q, base, tool, include_base)
         return pose(T if T.dtype is _FLOAT64 else shortened(T))
 
@@ -121,7 +241,25 @@ class ETS2(BaseETS):
         seed: int | None = None,
         k: float = 1.0,
     ) -> IKSolution:
-        """The joint coordinates for a pose in the plane, an SE2 or (3, 3); `mask` counts x, y and the angle."""
+        """The joint coordinates for a pose in the plane.
+
+        Args:
+            Tep: Pose of the end, an SE2 or (3, 3).
+            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
+            ilimit: Greatest number of steps of a search.
+            slimit: Greatest number of searches.
+            tol: Greatest E = e^T W e / 2 that counts as reached.
+            mask: Weights of the errors of x, y and the angle, (3,); 1 by default.
+            joint_limits: Whether a solution must be within the limits.
+            seed: Seed of the random starts.
+            k: Damping.
+
+        Returns:
+            Joint coordinates (n,), success, and figures of the search.
+
+        Raises:
+            ShapeError: `mask` has another shape.
+        """
         weights = np.ones(3) if mask is None else np.asarray(mask, dtype=float)
         if weights.shape != (3,):
             raise ShapeError("mask", weights.shape, "(3,): weights of x, y and the angle")

@@ -78,6 +78,9 @@ def solve(
         verbose: Whether to print what the search found.
         pinv: Whether "NR" and "GN" may take the pseudoinverse; a Jacobian that is not square has no other.
 
+    Returns:
+        Joint coordinates (n,) or (m, n), success, and figures of the search.
+
     Raises:
         InputError: An argument has the wrong shape or value.
     """
@@ -224,6 +227,13 @@ def _without_inverse(chain: Chain, T: Floats, starts: Floats | None, slimit: int
 
 def one_row(q0: Any, n: int) -> Any:
     """`q0` of the solvers that take one start only, (n,).
+
+    Args:
+        q0: What was passed, or None.
+        n: Number of joints.
+
+    Returns:
+        `q0`, (n,), or None.
 
     Raises:
         ShapeError: It is no vector of `n` numbers.

@@ -44,7 +44,15 @@ def shown_name(text: str) -> str:
 
 
 def shown_offset(offset: Any, rotation: bool) -> str:
-    """The offset of a joint as it is printed after its name: " + 30°", " - a", or nothing."""
+    """The offset of a joint as it is printed after its name: " + 30°", " - a", or nothing.
+
+    Args:
+        offset: The offset [rad or m], a number or a symbol.
+        rotation: Whether the joint turns, so that it is printed in degrees.
+
+    Returns:
+        The text.
+    """
     if is_symbol(offset):
         text = str(offset)
         return f" - {text[1:]}" if text.startswith("-") else f" + {text}"
@@ -55,7 +63,15 @@ def shown_offset(offset: Any, rotation: bool) -> str:
 
 
 def current_name(param: Any, eta: Any) -> Any:
-    """The constant, by its name `param` or by its former name `eta`."""
+    """The constant, by its name `param` or by its former name `eta`.
+
+    Args:
+        param: The value of `param`.
+        eta: The value of `eta`; None where it was not passed.
+
+    Returns:
+        The one that was passed.
+    """
     if eta is None:
         return param
     warnings.warn("`eta` is the former name of the argument `param`", DeprecationWarning, stacklevel=3)

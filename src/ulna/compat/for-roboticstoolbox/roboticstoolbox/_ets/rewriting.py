@@ -18,7 +18,16 @@ _LETTERS = "xyz"
 
 
 def axis_image(about: str, quarters: int, axis: str) -> tuple[str, int]:
-    """The axis, and the direction along it, onto which quarter turns about another axis carry an axis."""
+    """The axis, and the direction along it, onto which quarter turns about another axis carry an axis.
+
+    Args:
+        about: Axis of the turns, "x", "y" or "z".
+        quarters: Number of quarter turns.
+        axis: The axis that is turned.
+
+    Returns:
+        The axis that it becomes, and 1 or -1.
+    """
     if about == axis:
         return axis, 1
     i, j = _LETTERS.index(about), _LETTERS.index(axis)
@@ -30,7 +39,16 @@ def axis_image(about: str, quarters: int, axis: str) -> tuple[str, int]:
 
 
 def carried_across(et: Any, about: str, quarters: int) -> Any:
-    """R B R^-1 of a transform B and quarter turns R about an axis."""
+    """R B R^-1 of a transform B and quarter turns R about an axis.
+
+    Args:
+        et: The transform B.
+        about: Axis of the turns, "x", "y" or "z".
+        quarters: Number of quarter turns.
+
+    Returns:
+        The transform R B R^-1.
+    """
     letter, sign = axis_image(about, quarters, et.ax)
     out = et._copy()
     out._kind = et.kind[0] + letter
@@ -147,6 +165,9 @@ class Rewriting:
             j: Which of its joints, from 0 along the chain.
             value: Its coordinate [rad or m].
             unit: Of the value, "rad" or "deg"; a sliding joint takes no degrees.
+
+        Returns:
+            The new chain.
 
         Raises:
             InputError: There is no such joint, or the unit is none for it.

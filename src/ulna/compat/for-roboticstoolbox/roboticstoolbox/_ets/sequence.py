@@ -103,7 +103,12 @@ class BaseETS(Rewriting, MutableSequence):
         return self if isinstance(other, int) and other == 0 else NotImplemented
 
     def insert(self, index: int, value: Any) -> None:
-        """Inserts a transform, or a chain, before the one at `index`."""
+        """Inserts a transform, or a chain, before the one at `index`.
+
+        Args:
+            index: Place of the transform that comes after it.
+            value: The transform or chain.
+        """
         self.data[index:index] = self._numbered(value)
 
     def __len__(self) -> int:
@@ -169,11 +174,28 @@ class BaseETS(Rewriting, MutableSequence):
             et.qlim = pair
 
     def plot(self, q: Any, *arguments: Any, **options: Any) -> Any:
-        """Draws the chain as a robot; see `Robot.plot`."""
+        """Draws the chain as a robot; see `Robot.plot`.
+
+        Args:
+            q: Joint coordinates (n,) or (m, n) [rad or m].
+            *arguments: Other arguments of `Robot.plot`.
+            **options: Keywords of `Robot.plot`.
+
+        Returns:
+            The figure or environment.
+        """
         return self._robot().plot(q, *arguments, **options)
 
     def teach(self, *arguments: Any, **options: Any) -> Any:
-        """A slider for each joint beside the chain; see `Robot.teach`."""
+        """A slider for each joint beside the chain; see `Robot.teach`.
+
+        Args:
+            *arguments: Arguments of `Robot.teach`.
+            **options: Keywords of `Robot.teach`.
+
+        Returns:
+            The figure or environment.
+        """
         return self._robot().teach(*arguments, **options)
 
     def _robot(self) -> Any:

@@ -22,7 +22,15 @@ from ulna.typing import Floats
 
 
 def symbolic_pose(transforms: Sequence[BaseET], q: Any) -> Floats:
-    """The pose of the end, (4, 4); `q` are the coordinates of the joints along the chain."""
+    """The pose of the end, by products of matrices.
+
+    Args:
+        transforms: The transforms of the chain.
+        q: Coordinates of the joints along the chain, n numbers or symbols [rad or m].
+
+    Returns:
+        Pose (4, 4) of numbers or expressions.
+    """
     T, coordinates = None, list(q)
     for et in reversed(transforms):
         A = to_spatial(et.A(coordinates.pop()) if et.isjoint else et.A())
@@ -31,7 +39,15 @@ def symbolic_pose(transforms: Sequence[BaseET], q: Any) -> Floats:
 
 
 def symbolic_jacobian(transforms: Sequence[BaseET], q: Any) -> Floats:
-    """The Jacobian in the axes of the start, (6, n), linear rows first."""
+    """The Jacobian in the axes of the start, linear rows first.
+
+    Args:
+        transforms: The transforms of the chain.
+        q: Coordinates of the joints along the chain, n numbers or symbols [rad or m].
+
+    Returns:
+        Jacobian (6, n) of numbers or expressions.
+    """
     end = symbolic_pose(transforms, q)
     U, columns, coordinates = np.eye(4), [], iter(q)
     for et in transforms:
@@ -45,7 +61,15 @@ def symbolic_jacobian(transforms: Sequence[BaseET], q: Any) -> Floats:
 
 
 def to_axes_of_end(J: Floats, T: Floats) -> Floats:
-    """A Jacobian (6, n) turned from the axes of the start into those of the end at `T`."""
+    """A Jacobian turned from the axes of the start into those of the end.
+
+    Args:
+        J: Jacobian in the axes of the start, (6, n).
+        T: Pose of the end, (4, 4).
+
+    Returns:
+        Jacobian (6, n).
+    """
     R = T[:3, :3].T
     return _numbers_if_possible(np.vstack([R @ J[:3], R @ J[3:]]))
 

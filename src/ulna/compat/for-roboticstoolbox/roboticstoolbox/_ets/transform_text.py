@@ -11,7 +11,15 @@ from roboticstoolbox._ets.joint_descriptor import shown_offset
 
 
 def transform_text(et: Any, q: str = "q") -> str:
-    """A transform as text; `q` is what a joint without a name is called."""
+    """A transform as text.
+
+    Args:
+        et: The transform.
+        q: Name of a joint that has none.
+
+    Returns:
+        The text.
+    """
     if et._T is not None:
         return describe(et._T)
     if et.isjoint:

@@ -73,7 +73,13 @@ def _links(entry: dict[str, Any]) -> list[Link]:
 
 
 def fill(robot: BaseRobot, source: str, name: str) -> None:
-    """Makes `robot` that of an entry of "ets" or "urdf"."""
+    """Initialises a robot from an entry of a table.
+
+    Args:
+        robot: The robot, which is changed.
+        source: "ets" or "urdf".
+        name: Name of the entry.
+    """
     entry = table(source)[name]
     links = _links(entry)
     grippers = dict(entry.get("grippers", ()))
@@ -90,7 +96,16 @@ def _name(robot: BaseRobot, entry: dict[str, Any]) -> None:
 
 
 def dh_class(name: str, module: str, *more: type) -> type:
-    """The class of an entry of "dh", with the methods of `more`."""
+    """The class of an entry of "dh".
+
+    Args:
+        name: Name of the entry.
+        module: Name of the module that the class is in.
+        *more: Further base classes.
+
+    Returns:
+        The class.
+    """
     entry = table("dh")[name]
 
     def init(self: Any, N: int | None = None, a: float | None = None, **options: Any) -> None:
@@ -112,7 +127,17 @@ def dh_class(name: str, module: str, *more: type) -> type:
 
 
 def tree_class(source: str, name: str, base: type, module: str) -> type:
-    """The class of an entry of "ets" or "urdf"."""
+    """The class of an entry of "ets" or "urdf".
+
+    Args:
+        source: "ets" or "urdf".
+        name: Name of the entry.
+        base: Base class.
+        module: Name of the module that the class is in.
+
+    Returns:
+        The class.
+    """
 
     def init(self: Any) -> None:
         fill(self, source, name)

@@ -88,7 +88,15 @@ def is_here(name: str) -> bool:
 
 
 def described_class(name: str, module: str) -> type:
-    """The class of a robot."""
+    """The class of a robot.
+
+    Args:
+        name: Key of `ROBOTS`.
+        module: Name of the module that the class is in.
+
+    Returns:
+        The class.
+    """
     description = ROBOTS[name]
 
     def init(self: Any, variant: str = "A") -> None:
