@@ -10,7 +10,7 @@ CHANGING = {
     "compiler/codegen/node_writer.py: Module",
     "compiler/language/drawing.py: _Box",
     "compat/for-pinocchio/pinocchio/_geometry/materials.py: GeometryNoMaterial",  # as Pinocchio has it
-    "compat/for-roboticstoolbox/roboticstoolbox/_ets/inverse_kinematics.py: IKSolution",  # as the toolbox has it
+    "compat/for-roboticstoolbox/roboticstoolbox/_ets/ik_solution.py: IKSolution",  # as the toolbox has it
     "model/records.py: BuilderState",
     "system/forks.py: _Fork",
     "viewer/page/viser_nodes.py: ViserNode",

@@ -7,7 +7,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ulna.checks.arrays import batched_array, batched_shape, checked_rotation, real_array
+from ulna.checks.arrays import batched_array, batched_shape, real_array
+from ulna.checks.rotations import checked_rotation
 from ulna.checks.values import count
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.ik.goal import Mask, mask_of

@@ -10,11 +10,11 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.checks.masked import check_not_masked
 from ulna.errors import InputError, ShapeError
 from ulna.ik.analytic.candidates import Source, between, source_of
 from ulna.ik.analytic.sift import Sift
 from ulna.model import Model
-from ulna.numeric import check_not_masked
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
 

@@ -10,9 +10,9 @@ import numpy as np
 from ulna import algorithms
 from ulna.algorithms import Friction
 from ulna.algorithms.multibody.references import Reference
+from ulna.checks.masked import check_not_masked
 from ulna.errors import ShapeError
 from ulna.methods.base import Part
-from ulna.numeric import check_not_masked
 from ulna.typing import Array, ArrayLike
 
 Forces = Mapping[str, ArrayLike] | None

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.masked import check_not_masked
 from ulna.errors import ModelError, UnknownName, excerpt
 from ulna.model.model import Model
-from ulna.numeric import check_not_masked
 from ulna.typing import Floats
 
 

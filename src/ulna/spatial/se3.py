@@ -7,7 +7,8 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar, final, overload
 
 import numpy as np
 
-from ulna.checks.arrays import ROTATION_TOLERANCE, batched_array, checked_rotation
+from ulna.checks.arrays import batched_array
+from ulna.checks.rotations import ROTATION_TOLERANCE, checked_rotation
 from ulna.errors import InputError, ShapeError, UnknownOperation
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, is_symbolic, skew, sqrt, vector

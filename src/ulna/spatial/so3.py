@@ -7,7 +7,8 @@ from typing import Any, ClassVar, final
 
 import numpy as np
 
-from ulna.checks.arrays import batched_array, checked_rotation
+from ulna.checks.arrays import batched_array
+from ulna.checks.rotations import checked_rotation
 from ulna.errors import InputError, ShapeError, UnknownOperation
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, sqrt

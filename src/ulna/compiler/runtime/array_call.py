@@ -8,6 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import batched_shape, check_core_shape, check_finite, real_array
+from ulna.checks.masked import check_not_masked
 from ulna.compiler.codegen.ir_text import DType
 from ulna.compiler.codegen.module import emit_batch
 from ulna.compiler.language.function import Function
@@ -16,7 +17,6 @@ from ulna.compiler.language.scalar import Value
 from ulna.compiler.runtime import entry_point, gufunc, jit
 from ulna.compiler.runtime.foreign import is_foreign, refuse_lazy, refuse_tables
 from ulna.errors import DtypeError, InputError, ShapeError
-from ulna.numeric import check_not_masked
 from ulna.system import forks
 
 Unit = tuple[tuple[int, tuple[int, ...]], ...]

@@ -11,9 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, TraceError
-from ulna.typing import Array
-
 
 def is_symbolic(*values: Any) -> bool:
     """Whether any value is a traced scalar, a symbol, or an object array of them."""
@@ -28,93 +25,6 @@ def _is_symbolic(value: Any) -> bool:
     if isinstance(value, (list, tuple)):
         return any(_is_symbolic(v) for v in value)
     return True
-
-
-def check_not_masked(name: str, value: Any) -> None:
-    """Refuse a masked array, or a list with one, that masks any entry: its numbers would be used as if they counted.
-
-    Args:
-        name: What the user calls it.
-        value: Whatever was given.
-
-    Raises:
-        InputError: Entries of it are masked.
-    """
-    for part in value if isinstance(value, (list, tuple)) else (value,):
-        if (
-            isinstance(part, np.ndarray)
-            and type(part) is not np.ndarray
-            and isinstance(part, np.ma.MaskedArray)
-        ):
-            count = int(np.ma.count_masked(part))
-            if count:
-                raise InputError(
-                    f"`{name}` is a masked array with {count} masked {'entry' if count == 1 else 'entries'}; expected "
-                    "numbers only. Fill them with `.filled(number)`, or select the rows without any: "
-                    "x[~np.ma.getmaskarray(x).any(axis=-1)].data."
-                )
-
-
-def vector(*components: Any) -> Array:
-    """The array whose last axis holds `components` (scalars, or batches of one shape)."""
-    if is_symbolic(*components):
-        components = tuple(np.broadcast_arrays(*(np.asarray(c, dtype=object) for c in components)))
-        return np.stack(components, axis=-1)
-    if all(isinstance(c, (float, int)) for c in components):
-        return np.array(components, dtype=float)
-    return np.stack(np.broadcast_arrays(*components), axis=-1).astype(float, copy=False)
-
-
-def matrix(rows: Any) -> Array:
-    """The array whose last two axes hold `rows` (a nested sequence of scalars or batches)."""
-    flat = vector(*(entry for row in rows for entry in row))
-    return flat.reshape(*flat.shape[:-1], len(rows), len(rows[0]))
-
-
-def cross(a: Array, b: Array) -> Array:
-    """The cross product along the last axis.
-
-    Args:
-        a, b: Vectors, shape (..., 3).
-
-    Returns:
-        a x b, shape (..., 3).
-    """
-    a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
-    b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
-    return vector(a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0)
-
-
-def dot(a: Array, b: Array) -> Any:
-    """The inner product along the last axis.
-
-    Args:
-        a, b: Vectors, shape (..., n).
-
-    Returns:
-        Shape (...).
-    """
-    return (a * b).sum(axis=-1)
-
-
-def apply(m: Array, v: Array) -> Array:
-    """Matrix times vector, with batch axes.
-
-    Args:
-        m: Matrix, shape (..., m, n).
-        v: Vector in any unit, such as [rad/s], shape (..., n).
-
-    Returns:
-        m v, shape (..., m).
-    """
-    return (m @ v[..., None])[..., 0]
-
-
-def skew(v: Array) -> Array:
-    """The matrix of the cross product with `v`: `skew(v) @ u == cross(v, u)`."""
-    x, y, z = v[..., 0], v[..., 1], v[..., 2]
-    o = 0.0 * x if not is_symbolic(v) else 0.0
-    return matrix([[o, -z, y], [z, o, -x], [-y, x, o]])
 
 
 def sincos(x: Any) -> tuple[Any, Any]:
@@ -315,56 +225,3 @@ def _extremum(hook: str, symbolic: str, a: Any, b: Any) -> Any:
     import sympy
 
     return getattr(sympy, symbolic)(a, b)
-
-
-def loop(condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple[Any, ...]:
-    """Iterates `state = body(*state)` while `condition(*state)`, at most `limit` times.
-
-    The state is a tuple of numbers, or of arrays of one batch shape; each element of the batch stops separately and
-    then keeps its state. `body` returns a tuple of the same length. Traced, this becomes a loop in the SIMD lanes.
-
-    Args:
-        condition: Takes the numbers of the state, returns a truth value.
-        body: Takes the numbers of the state, returns the next state.
-        state: The numbers, or arrays of shape (...), to start from.
-        limit: The largest number of iterations.
-
-    Returns:
-        The last state.
-
-    Raises:
-        TraceError: the state of a traced loop holds an array.
-    """
-    if any(isinstance(s, np.ndarray) and s.dtype == object for s in state):
-        raise TraceError(
-            "The state of a traced loop holds an array; expected numbers. Unpack it: loop(..., state=(*q, x), ...), "
-            "with a body and a condition that take that many numbers."
-        )
-    traced = next((s for s in state if hasattr(s, "_loop_")), None)
-    if traced is not None:
-        return traced._loop_(condition, body, state, limit)
-    values = [np.asarray(s, dtype=float)[()] for s in np.broadcast_arrays(*state)]
-    active = np.ones(np.shape(values[0]), dtype=bool)
-    for _ in range(limit):
-        holds = condition(*values)
-        if is_symbolic(holds):  # the state starts from numbers, and the values around the loop are traced
-            return _loop_hook(holds)(condition, body, state, limit)
-        active = active & holds
-        if not active.any():
-            break
-        following = body(*values)
-        traced = next((v for v in following if is_symbolic(v)), None)
-        if traced is not None:
-            return _loop_hook(traced)(condition, body, state, limit)
-        values = [np.where(active, new, old)[()] for new, old in zip(following, values, strict=True)]
-    return tuple(values)
-
-
-def _loop_hook(traced: Any) -> Any:
-    value = traced.reshape(-1)[0] if isinstance(traced, np.ndarray) else traced
-    hook = getattr(value, "_loop_", None)
-    if hook is None:
-        raise TypeError(
-            f"A loop cannot run on values of type {type(value).__name__}; pass numbers or traced scalars."
-        )
-    return hook
