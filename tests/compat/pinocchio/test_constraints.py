@@ -83,7 +83,7 @@ def test_constraints_are_checked_when_they_are_made(pin: Any) -> None:
     ):
         with pytest.raises(InputError, match=word):
             pin.RigidConstraintModel(*wrong)
-    with pytest.raises(InputError, match="no joint3_id"):
+    with pytest.raises(InputError, match="joint3_id"):
         pin.RigidConstraintModel(point, model, 3, joint3_id=2)
     with pytest.raises(AttributeError):
         pin.RigidConstraintModel(point, model, 3).corrector = 1.0
@@ -163,7 +163,7 @@ def test_arguments_of_dynamics_with_a_jacobian(pin: Any) -> None:
         pin.forwardDynamics(model, data, v, J, drift, -1.0)
     with pytest.raises(InputError, match="not finite"):
         pin.forwardDynamics(model, data, v, np.full((3, 6), np.nan), drift)
-    with pytest.raises(InputError, match="forwardDynamics takes"):
+    with pytest.raises(InputError, match="expected forwardDynamics"):
         pin.forwardDynamics(model, data, v, J)
     model.addJoint(6, pin.JointModelRX(), pin.SE3.Identity(), "more")
     with pytest.raises(InputError, match="createData"):

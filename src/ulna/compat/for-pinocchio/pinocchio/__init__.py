@@ -38,6 +38,7 @@ from pinocchio._constraints.joint_constraints import *
 from pinocchio._constraints.proximal_settings import *
 from pinocchio._constraints.rigid_constraint import *
 from pinocchio._constraints.rigid_constraint_model import *
+from pinocchio._containers.arguments import checked_functions
 from pinocchio._containers.arrays import StdVec as StdVec
 from pinocchio._containers.enums import *
 from pinocchio._data.data import Data as Data
@@ -68,6 +69,7 @@ from pinocchio._spatial.symmetric3 import Symmetric3 as Symmetric3
 from pinocchio.explog import *
 
 register_former_modules()
+globals().update(checked_functions(globals()))
 PINOCCHIO_MAJOR_VERSION, PINOCCHIO_MINOR_VERSION, PINOCCHIO_PATCH_VERSION = 4, 1, 0
 WITH_CPPAD = WITH_SDFORMAT = WITH_OPENMP = False
 WITH_URDFDOM = WITH_COLLISION = WITH_HPP_FCL = WITH_HPP_FCL_BINDINGS = True
@@ -78,6 +80,7 @@ __version__ = "4.1.0"
 if TYPE_CHECKING:  # a checker shall see what is misspelt
     from pinocchio._package.lazy_exports import *
 else:
+    del checked_functions
 
     def __getattr__(name: str) -> Any:
         if name in lazy_names():

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from pinocchio._constraints.factorization import Factorization, kernels_for, no_factors_error
+from pinocchio._containers.arguments import checked
 from pinocchio._containers.arrays import numbers
+from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from ulna.typing import Floats
@@ -15,6 +17,8 @@ from ulna.typing import Floats
 __all__ = ["computeMinv", "decompose", "solve"]
 
 
+@by_name("Model Data", "model data")
+@checked
 def decompose(model: Model, data: Data) -> Floats:
     """The unit upper triangular factor U of `data.M` = U diag(D) U^T; after crba.
 
@@ -28,6 +32,8 @@ def decompose(model: Model, data: Data) -> Floats:
     return _factored(model, data, anew=True).upper()
 
 
+@by_name("Model Data v", "model data v")
+@checked
 def solve(model: Model, data: Data, v: Any) -> Floats:
     """M^-1 v, v being (nv,) or (nv, n), with the M that was decomposed last; after crba.
 
@@ -44,6 +50,8 @@ def solve(model: Model, data: Data, v: Any) -> Floats:
     return _factored(model, data).solve(v)
 
 
+@by_name("Model Data", "model data")
+@checked
 def computeMinv(model: Model, data: Data) -> Floats:
     """The inverse of the M that was decomposed last; kept in `data.Minv`. After crba.
 

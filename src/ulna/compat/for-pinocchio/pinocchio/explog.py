@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError, is_number
 from pinocchio._containers.arrays import matrix, numbers, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import Motion
@@ -66,18 +67,23 @@ def exp3(w: Any) -> Floats:
     return _compiled("exp3")(vector(w, 3, "w"))
 
 
+@by_name("R theta", "quat theta")
 def log3(R: Any, theta: Any = None) -> Floats:
-    """The rotation vector of a rotation.
+    """The rotation vector (3,) [rad] of a rotation matrix, or of a quaternion (Quaternion, or xyzw).
 
     Args:
-        R: Rotation matrix (3, 3), or a Quaternion.
-        theta: Accepted and ignored.
-
-    Returns:
-        Rotation vector (3,) [rad].
+        R: The rotation.
+        theta: An array of one entry that takes the angle [rad]; a number is ignored, as there.
     """
-    turned = R.matrix() if isinstance(R, Quaternion) else R
-    return _compiled("log3")(matrix(turned, (3, 3), "R"))
+    turned = R.matrix() if isinstance(R, Quaternion) else numbers(R, "R")
+    if turned.shape in ((4,), (4, 1)):
+        turned = Quaternion(turned).matrix()
+    turn = _compiled("log3")(matrix(turned, (3, 3), "R"))
+    if isinstance(theta, np.ndarray):
+        theta[...] = np.linalg.norm(turn)
+    elif theta is not None and not is_number(theta):
+        raise ArgumentError(f"`theta` is {theta!r}; expected an array of one entry.")
+    return turn
 
 
 def exp3_quat(w: Any) -> Floats:
@@ -104,6 +110,7 @@ def log6(M: Any) -> Motion:
     return out
 
 
+@by_name("q", "xyzquat")
 def log6_quat(xyzquat: Any) -> Motion:
     """The Motion that leads to a position and quaternion xyzw (7,) in one second."""
     values = vector(xyzquat, 7, "xyzquat")

@@ -9,11 +9,10 @@ import numpy as np
 from pinocchio._algorithms import center_of_mass, configurations, dynamics, model_editing
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._model.model import Model
-from pinocchio._parsers.mjcf import buildModelsFromMJCF
 from pinocchio._robot_wrapper.kinematics import Kinematic
 from pinocchio._robot_wrapper.viewer import Viewed
 from pinocchio._spatial.motion_force import Force
-from pinocchio.shortcuts import buildModelsFromUrdf, createDatas
+from pinocchio.shortcuts import buildModelsFromMJCF, buildModelsFromUrdf, createDatas
 from ulna.errors import InputError, UnknownName
 from ulna.typing import Floats
 
@@ -50,50 +49,25 @@ class RobotWrapper(Kinematic, Viewed):
         """The neutral configuration (nq,)."""
 
     @staticmethod
-    def BuildFromURDF(
-        filename: Any,
-        package_dirs: Any = None,
-        root_joint: Any = None,
-        *more: Any,
-        **named: Any,
-    ) -> RobotWrapper:
+    def BuildFromURDF(filename: Any, *args: Any, **kwargs: Any) -> RobotWrapper:
         """The robot of a URDF file.
 
         Args:
             filename: The file.
-            package_dirs: One or several folders to look for packages in. None are needed when the meshes lie around
-                the file, in ROS_PACKAGE_PATH or in the installed example-robot-data.
-            root_joint: How its base moves, such as JointModelFreeFlyer(); it stands still when not given.
-            *more: See `buildModelsFromUrdf`.
-            **named: See `buildModelsFromUrdf`.
-
-        Returns:
-            The robot.
+            args: See `buildModelsFromUrdf`: folders of packages, a root joint such as JointModelFreeFlyer(), ...
+            kwargs: The same by their names.
 
         Raises:
             FormatError: The file is missing or broken; says where and how to fix it. A missing mesh only warns.
         """
         robot = RobotWrapper.__new__(RobotWrapper)
-        robot.initFromURDF(filename, package_dirs, root_joint, *more, **named)
+        robot.initFromURDF(filename, *args, **kwargs)
         return robot
 
-    def initFromURDF(
-        self, filename: Any, package_dirs: Any = None, root_joint: Any = None, *more: Any, **named: Any
-    ) -> None:
-        """Makes this the robot of a URDF file; see `BuildFromURDF`.
-
-        Args:
-            filename: The file.
-            package_dirs: One or several folders to look for packages in.
-            root_joint: The joint of the base, such as JointModelFreeFlyer(); fixed by default.
-            *more: See `buildModelsFromUrdf`.
-            **named: See `buildModelsFromUrdf`.
-        """
-        named.pop("geometry_types", None)
-        model, collision_model, visual_model = buildModelsFromUrdf(
-            filename, package_dirs, root_joint, *more, **named
-        )
-        RobotWrapper.__init__(self, model, collision_model, visual_model)
+    def initFromURDF(self, filename: Any, *args: Any, **kwargs: Any) -> None:
+        """Makes this the robot of a URDF file; see `BuildFromURDF`."""
+        models = buildModelsFromUrdf(filename, *args, **kwargs)
+        RobotWrapper.__init__(self, *_robot_of(models, 3))
 
     @staticmethod
     def BuildFromSDF(*_: Any, **__: Any) -> NoReturn:
@@ -118,32 +92,16 @@ class RobotWrapper(Kinematic, Viewed):
         RobotWrapper.BuildFromSDF()
 
     @staticmethod
-    def BuildFromMJCF(filename: Any, root_joint: Any = None, *more: Any, **named: Any) -> RobotWrapper:
-        """The robot of an MJCF file; see `pinocchio.buildModelFromMJCF`.
-
-        Args:
-            filename: The file.
-            root_joint: The joint of the base; that of the file by default.
-            *more: See `buildModelsFromMJCF`.
-            **named: See `buildModelsFromMJCF`.
-
-        Returns:
-            The robot.
-        """
+    def BuildFromMJCF(filename: Any, *args: Any, **kwargs: Any) -> RobotWrapper:
+        """The robot of an MJCF file; see `pinocchio.buildModelsFromMJCF`."""
         robot = RobotWrapper.__new__(RobotWrapper)
-        robot.initFromMJCF(filename, root_joint, *more, **named)
+        robot.initFromMJCF(filename, *args, **kwargs)
         return robot
 
-    def initFromMJCF(self, filename: Any, root_joint: Any = None, *more: Any, **named: Any) -> None:
-        """Makes this the robot of an MJCF file; see `BuildFromMJCF`.
-
-        Args:
-            filename: The file.
-            root_joint: The joint of the base; that of the file by default.
-            *more: See `buildModelsFromMJCF`.
-            **named: See `buildModelsFromMJCF`.
-        """
-        RobotWrapper.__init__(self, *buildModelsFromMJCF(filename, root_joint, *more, **named))
+    def initFromMJCF(self, filename: Any, *args: Any, **kwargs: Any) -> None:
+        """Makes this the robot of an MJCF file; see `BuildFromMJCF`."""
+        model, constraints, *geometries = _robot_of(buildModelsFromMJCF(filename, *args, **kwargs), 4)
+        RobotWrapper.__init__(self, model, *geometries, constraint_models=constraints)
 
     # sizes and names ------------------------------------------------------------------------------------
 
@@ -319,3 +277,17 @@ class RobotWrapper(Kinematic, Viewed):
 
 
 __all__ = ["RobotWrapper"]
+
+
+def _robot_of(models: tuple[Any, ...], count: int) -> tuple[Any, ...]:
+    """What was built of a file, if a robot can be made of it.
+
+    Raises:
+        InputError: It lacks the geometries of one kind.
+    """
+    if len(models) != count:
+        raise InputError(
+            f"A RobotWrapper holds the collision and the visual geometries; {len(models) - count + 2} of 2 were asked "
+            "for. Leave `geometry_types` out, or build the models alone: buildModelsFromUrdf."
+        )
+    return models

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._containers.arrays import matrix, vector
+from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import skew
 from ulna import spatial
@@ -55,7 +56,7 @@ def rotate(axis: str, angle: float) -> Floats:
     return np.array(spatial.rotation_about("xyz".index(axis), float(angle)))
 
 
-def computeRpyJacobian(rpy: Any, reference_frame: Any = None) -> Floats:
+def computeRpyJacobian(rpy: Any, reference_frame: ReferenceFrame = ReferenceFrame.LOCAL) -> Floats:
     """The matrix from the rates of roll, pitch and yaw to the angular velocity.
 
     Args:
@@ -71,7 +72,7 @@ def computeRpyJacobian(rpy: Any, reference_frame: Any = None) -> Floats:
     return R.T @ in_world if _is_local(reference_frame) else in_world
 
 
-def computeRpyJacobianInverse(rpy: Any, reference_frame: Any = None) -> Floats:
+def computeRpyJacobianInverse(rpy: Any, reference_frame: ReferenceFrame = ReferenceFrame.LOCAL) -> Floats:
     """The inverse of `computeRpyJacobian`.
 
     Args:
@@ -86,7 +87,9 @@ def computeRpyJacobianInverse(rpy: Any, reference_frame: Any = None) -> Floats:
     return inverse @ rpyToMatrix(rpy) if _is_local(reference_frame) else inverse
 
 
-def computeRpyJacobianTimeDerivative(rpy: Any, rpydot: Any, reference_frame: Any = None) -> Floats:
+def computeRpyJacobianTimeDerivative(
+    rpy: Any, rpydot: Any, reference_frame: ReferenceFrame = ReferenceFrame.LOCAL
+) -> Floats:
     """The time derivative of `computeRpyJacobian`.
 
     Args:
@@ -106,4 +109,4 @@ def computeRpyJacobianTimeDerivative(rpy: Any, rpydot: Any, reference_frame: Any
 
 
 def _is_local(reference_frame: Any) -> bool:
-    return reference_frame is None or getattr(reference_frame, "name", "LOCAL") == "LOCAL"
+    return reference_of(reference_frame) == "local"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from pinocchio._containers.files import Saved
+from pinocchio._containers.keywords import by_name
 from ulna.errors import InputError
 
 __all__ = ["StaticBuffer", "StreamBuffer", "buffer_copy", "loadFromBinary", "saveToBinary"]
@@ -75,6 +76,7 @@ def buffer_copy(dest: StreamBuffer, source: StreamBuffer) -> None:
     dest.write(source.tobytes())
 
 
+@by_name("object stream_buffer", "object static_buffer", "object buffer")
 def saveToBinary(object: Any, buffer: StreamBuffer) -> None:
     """Writes a model, its data or its geometries into a buffer.
 
@@ -85,6 +87,7 @@ def saveToBinary(object: Any, buffer: StreamBuffer) -> None:
     _known(object).saveToBinary(buffer)
 
 
+@by_name("object stream_buffer", "object static_buffer", "object buffer")
 def loadFromBinary(object: Any, buffer: StreamBuffer) -> None:
     """Replaces a model, its data or its geometries by what a buffer holds.
 

@@ -5,18 +5,35 @@ from __future__ import annotations
 from typing import Any
 
 from pinocchio._containers.enums import GeometryType
+from pinocchio._containers.keywords import overloads
+from pinocchio._model.model import Model
 from pinocchio._parsers.geometry_urdf import geometries_of_links, geometry_model_of
-from pinocchio._parsers.mjcf import buildModelFromMJCF, buildModelsFromMJCF
+from pinocchio._parsers.mjcf import (
+    buildGeomFromMJCF,
+    buildModelAndConstraintsFromMJCF,
+    buildModelAndLegacyConstraintsFromMJCF,
+)
 from pinocchio._parsers.urdf import buildModelFromUrdf
 
-__all__ = ["buildModelFromMJCFAndRootJoint", "buildModelsFromMJCF", "buildModelsFromUrdf", "createDatas"]
+__all__ = [
+    "buildModelsAndConstraintsFromMJCF",
+    "buildModelsFromMJCF",
+    "buildModelsFromUrdf",
+    "createDatas",
+]
+
+_BOTH = (GeometryType.COLLISION, GeometryType.VISUAL)
+_MORE = "verbose? meshLoader? geometry_types?"
 
 
+@overloads(
+    f"filename package_dirs? root_joint:JointModel? root_joint_name:str {_MORE} mimic:bool?",
+    f"filename package_dirs? root_joint:JointModel? {_MORE} mimic:bool?",
+)
 def buildModelsFromUrdf(
     filename: Any,
     package_dirs: Any = None,
     root_joint: Any = None,
-    *more: Any,
     root_joint_name: str | None = None,
     verbose: bool = False,
     meshLoader: Any = None,
@@ -29,25 +46,28 @@ def buildModelsFromUrdf(
         filename: The file.
         package_dirs: One or several folders to look for packages in; none are needed for the usual layouts.
         root_joint: The joint that the root link hangs from; fixed when not given.
-        *more: `verbose` and `meshLoader` where older scripts put them; not needed.
-        root_joint_name: Its name.
+        root_joint_name: Its name; where it is left out, the next arguments take its position.
         verbose: Not needed.
         meshLoader: Not needed.
         geometry_types: One or several of GeometryType; both, collisions first, when not given.
         mimic: Whether mimic joints follow their leader.
 
     Returns:
-        The model, then a GeometryModel for each of `geometry_types`.
+        The model, and a GeometryModel for each of `geometry_types`.
 
     Raises:
         FormatError: The file is missing or broken. A missing mesh only warns.
     """
+    root = () if root_joint is None else (root_joint,)
     named = {} if root_joint_name is None else {"root_joint_name": root_joint_name}
-    model = buildModelFromUrdf(filename, *(() if root_joint is None else (root_joint,)), mimic=mimic, **named)
-    kinds: Any = (GeometryType.COLLISION, GeometryType.VISUAL) if geometry_types is None else geometry_types
-    kinds = kinds if hasattr(kinds, "__iter__") else (kinds,)
+    model = buildModelFromUrdf(filename, *root, mimic=mimic, **named)
     links = geometries_of_links(filename, package_dirs)
-    return (model, *(geometry_model_of(model, links, kind) for kind in kinds))
+    return (model, *(geometry_model_of(model, links, kind) for kind in _kinds(geometry_types)))
+
+
+def _kinds(geometry_types: Any) -> Any:
+    kinds = _BOTH if geometry_types is None else geometry_types
+    return kinds if hasattr(kinds, "__iter__") else (kinds,)
 
 
 def createDatas(*models: Any) -> tuple[Any, ...]:
@@ -55,18 +75,60 @@ def createDatas(*models: Any) -> tuple[Any, ...]:
     return tuple([None if model is None else model.createData() for model in models])
 
 
-def buildModelFromMJCFAndRootJoint(
-    mjcf_filename: Any, root_joint: Any, root_joint_name: str = "root_joint"
-) -> Any:
-    """The model of an MJCF file on a joint, without the closed loops; see `buildModelFromMJCF`.
+@overloads(
+    f"filename root_joint:JointModel? root_joint_name:str {_MORE} contacts:bool?",
+    f"filename root_joint:JointModel? {_MORE} contacts:bool?",
+)
+def buildModelsFromMJCF(
+    filename: Any,
+    root_joint: Any = None,
+    root_joint_name: str | None = None,
+    verbose: bool = False,
+    meshLoader: Any = None,
+    geometry_types: Any = None,
+    contacts: bool = True,
+) -> tuple[Any, ...]:
+    """The model of an MJCF file, the constraints that close its loops, and its geometries.
 
     Args:
-        mjcf_filename: The file.
-        root_joint: The joint of the root body.
-        root_joint_name: Its name.
+        filename: The file.
+        root_joint: The joint that its root moves by; as the file says when not given.
+        root_joint_name: Its name; where it is left out, the next arguments take its position.
+        verbose: Not needed.
+        meshLoader: Not needed.
+        geometry_types: One or several of GeometryType; both, collisions first, when not given.
+        contacts: Whether the constraints are wanted.
 
     Returns:
-        The model.
+        The model, a list of RigidConstraintModel unless `contacts` is False, and a GeometryModel for each of
+        `geometry_types`.
     """
-    made = buildModelFromMJCF(mjcf_filename, root_joint, root_joint_name)
-    return made[0] if isinstance(made, tuple) else made
+    name = root_joint_name or "root_joint"
+    model, constraints = buildModelAndLegacyConstraintsFromMJCF(filename, root_joint, name)
+    found = (model, constraints) if contacts else (model,)
+    return (*found, *_geometries(model, filename, geometry_types))
+
+
+@overloads(
+    f"filename root_joint:JointModel? root_joint_name:str {_MORE} constraints:bool?",
+    f"filename root_joint:JointModel? {_MORE} constraints:bool?",
+)
+def buildModelsAndConstraintsFromMJCF(
+    filename: Any,
+    root_joint: Any = None,
+    root_joint_name: str | None = None,
+    verbose: bool = False,
+    meshLoader: Any = None,
+    geometry_types: Any = None,
+    constraints: bool = True,
+) -> tuple[Any, ...]:
+    """The same as `buildModelsFromMJCF`, with anchors of points and of frames in a dictionary, in place of the list."""
+    name = root_joint_name or "root_joint"
+    model, points, frames = buildModelAndConstraintsFromMJCF(filename, root_joint, name)
+    anchors = {"point_anchor_constraint_models": points, "frame_anchor_constraint_models": frames}
+    found = (model, anchors) if constraints else (model,)
+    return (*found, *_geometries(model, filename, geometry_types))
+
+
+def _geometries(model: Model, filename: Any, geometry_types: Any) -> tuple[Any, ...]:
+    return tuple([buildGeomFromMJCF(model, filename, kind) for kind in _kinds(geometry_types)])

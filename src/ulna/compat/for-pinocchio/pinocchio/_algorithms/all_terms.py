@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.center_of_mass import about_origin, as_one_body
+from pinocchio._algorithms.energy import energies
 from pinocchio._algorithms.jacobians import JACOBIAN_RATES, rates
-from pinocchio._data.algorithm import Algorithm
-from pinocchio._data.binding import run
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import (
     ACCELERATIONS,
@@ -19,6 +18,7 @@ from pinocchio._data.deferred_fields import (
     SUBTREE_MOMENTA,
     VELOCITIES_IN_WORLD,
 )
+from pinocchio._data.functions import algorithm
 from pinocchio._model.model import Model
 from ulna import algorithms
 from ulna.model import Model as CoreModel
@@ -44,8 +44,7 @@ def _all_terms(model: CoreModel) -> Any:
             about_origin(model, q, dhg),
             algorithms.center_of_mass(model, q),
             algorithms.center_of_mass_velocity(model, q, v),
-            algorithms.kinetic_energy(model, q, v),
-            algorithms.potential_energy(model, q),
+            *energies(model, q, v),
             dAg,
             as_one_body(model, q),
             *rates(model)(q, v),
@@ -54,28 +53,19 @@ def _all_terms(model: CoreModel) -> Any:
     return run
 
 
-_ALL_TERMS = Algorithm(
-    "all_terms",
-    "qv",
-    (
+@algorithm(
+    fills=(
         *("M", "nle", "g", "Jcom", "Ag", "hg", "dhg", "h[0]", "f[0]", "com[0]", "vcom[0]"),
-        *("energy K", "energy P", "dAg", "Ig", *JACOBIAN_RATES),
+        *("energy K", "energy P", "energy K + P", "dAg", "Ig", *JACOBIAN_RATES),
     ),
-    _all_terms,
+    kernel=_all_terms,
     deferred=JOINTS
     | VELOCITIES_IN_WORLD
     | BODY_FORCES_BELOW_TOTAL
     | SUBTREE_MOMENTA
     | ACCELERATIONS
     | CENTERS_AND_VELOCITIES,
-    title="computeAllTerms",
 )
-
-
 def computeAllTerms(model: Model, data: Data, q: Any, v: Any) -> None:
     """Fills M, nle, g, J, dJ, Jcom, Ag, dAg, hg, Ig, com, vcom, energies, placements, velocities; not C, not oMf."""
-    if data._model is not model or data._bound.all_terms(q, v) is NotImplemented:
-        run(model, data, _ALL_TERMS, q, v)
-    data.kinetic_energy = float(data._arrays["energy K"])
-    data.potential_energy = float(data._arrays["energy P"])
-    data.mechanical_energy = data.kinetic_energy + data.potential_energy
+    ...

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from pinocchio._algorithms.jacobians import JACOBIANS, columns
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import KinematicLevel
+from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
 from pinocchio._data.data import Data
@@ -101,17 +101,37 @@ _ACCELERATION = Algorithm(
 
 
 @fast_path(_POSITION, _VELOCITY, _ACCELERATION)
+@overloads(
+    "model data kinematic_level:KinematicLevel compute_subtree_coms:bool?",
+    "model data compute_subtree_coms:bool?",
+    "model data q compute_subtree_coms:bool?",
+    "model data q v compute_subtree_coms:bool?",
+    "model data q v a compute_subtree_coms:bool?",
+)
 def centerOfMass(
-    model: Model, data: Data, q: Any = None, v: Any = None, a: Any = None, compute_subtree_coms: bool = True
+    model: Model,
+    data: Data,
+    q: Any = None,
+    v: Any = None,
+    a: Any = None,
+    compute_subtree_coms: bool = True,
+    kinematic_level: Any = None,
 ) -> Floats:
-    """The centre of mass in the world (3,); fills `data.com` and `data.mass`, with v `vcom`, with a `acom`.
+    """The centre of mass in the world (3,) [m]; fills `data.com` and `data.mass`, with v `vcom`, with a `acom`.
 
-    Values of subtrees are computed when they are read, whatever `compute_subtree_coms` says; it may stand after q or v.
+    Args:
+        model: The model.
+        data: Its data.
+        q: Configuration (nq,); without it, that of the last forwardKinematics.
+        v: Velocity (nv,).
+        a: Acceleration (nv,).
+        compute_subtree_coms: Values of subtrees are computed when they are read, whatever it says.
+        kinematic_level: Up to which derivative the stored state is taken, in place of q.
     """
-    if q is None or isinstance(q, (int, np.integer)):
-        state = _stored_motion(data, q)
+    if q is None:
+        state = _stored_motion(data, kinematic_level)
     else:
-        state = list(itertools.takewhile(lambda x: x is not None and not isinstance(x, bool), (q, v, a)))
+        state = [x for x in (q, v, a) if x is not None]
     return run(model, data, (_POSITION, _VELOCITY, _ACCELERATION)[len(state) - 1], *state)
 
 
@@ -130,6 +150,7 @@ def _stored_motion(data: Data, level: Any) -> list[Floats]:
     returns=(0,),
     deferred=JOINTS | CENTERS,
     default_state=("_q", "forwardKinematics(model, data, q)"),
+    calls=("model data compute_subtree_coms:bool?", "model data q compute_subtree_coms:bool?"),
 )
 def jacobianCenterOfMass(
     model: Model, data: Data, q: Any = None, compute_subtree_coms: bool = True
@@ -149,14 +170,27 @@ _SUBTREE = Algorithm(
 )
 
 
+@fast_path(_SUBTREE)
+def _center_and_jacobians(model: Model, data: Data, q: Any) -> None:
+    run(model, data, _SUBTREE, q)
+
+
+@overloads("model data subtree_root_joint_id:int", "model data q subtree_root_joint_id:int")
 def jacobianSubtreeCenterOfMass(
-    model: Model, data: Data, q: Any, subtree_root_joint_id: int | None = None
+    model: Model, data: Data, q: Any = None, subtree_root_joint_id: int | None = None
 ) -> Floats:
-    """The Jacobian (3, nv) of the centre of mass of what a joint moves."""
-    if subtree_root_joint_id is None:
-        q, subtree_root_joint_id = data.require(data._q, "forwardKinematics(model, data, q)"), int(q)
-    if data._model is not model or data._bound.subtree_jacobian(q) is NotImplemented:
-        run(model, data, _SUBTREE, q)
+    """The Jacobian (3, nv) of the centre of mass of what a joint moves.
+
+    Args:
+        model: The model.
+        data: Its data.
+        q: Configuration (nq,); without it, that of the last forwardKinematics.
+        subtree_root_joint_id: The index of the joint.
+    """
+    if q is None:
+        q = data.require(data._q, "forwardKinematics(model, data, q)")
+    _center_and_jacobians(model, data, q)
+    assert subtree_root_joint_id is not None  # every overload has it
     return _of_subtree(model, data, subtree_root_joint_id, data._arrays["placements q"])
 
 

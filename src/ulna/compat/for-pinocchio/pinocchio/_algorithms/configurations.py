@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, exact, vector
+from pinocchio._containers.arguments import wrong_model
+from pinocchio._containers.arrays import StdVec, exact, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.building import FREE
@@ -50,6 +51,8 @@ def neutral(model: Model) -> Floats:
 
 def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any = None) -> Floats:
     """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m."""
+    if not isinstance(model, Model):
+        raise wrong_model("randomConfiguration", model)
     low = model.lowerPositionLimit if lower_bound is None else lower_bound
     high = model.upperPositionLimit if upper_bound is None else upper_bound
     draws = generator()
@@ -102,7 +105,10 @@ def _drawn(c: Coordinate, part: Any, low: Any, high: Any) -> Any:
 
 def integrate(model: Model, q: Any, v: Any) -> Floats:
     """The configuration (nq,) reached from q in one second with v."""
-    result = model._integrate(q, v)
+    try:
+        result = model._integrate(q, v)
+    except AttributeError:
+        raise wrong_model("integrate", model) from None
     if result is NotImplemented:
         result = _bound(model, "integrate", exact(q, model.nq, "q"), exact(v, model.nv, "v"))
     return result
@@ -110,7 +116,10 @@ def integrate(model: Model, q: Any, v: Any) -> Floats:
 
 def difference(model: Model, q1: Any, q2: Any) -> Floats:
     """The velocity (nv,) that leads from q1 to q2 in one second."""
-    result = model._difference(q1, q2)
+    try:
+        result = model._difference(q1, q2)
+    except AttributeError:
+        raise wrong_model("difference", model) from None
     if result is NotImplemented:
         result = _bound(model, "difference", exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2"))
     return result
@@ -174,7 +183,7 @@ def dDifference(model: Model, q1: Any, q2: Any, argument_position: Any = None) -
 
 def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_position: Any) -> Floats:
     """A matrix (nv, n) at integrate(q, v), carried by the derivative of `integrate`."""
-    return dIntegrate(model, q, v, argument_position) @ np.asarray(Jin, dtype=float)
+    return dIntegrate(model, q, v, argument_position) @ numbers(Jin, "Jin")
 
 
 def tangentMap(model: Model, q: Any) -> Floats:
@@ -190,12 +199,12 @@ def _tangent_map(model: Any) -> Any:
 
 def tangentMapProduct(model: Model, q: Any, mat_in: Any) -> Floats:
     """`tangentMap` times a vector (nv,) or a matrix (nv, n)."""
-    return tangentMap(model, q) @ np.asarray(mat_in, dtype=float)
+    return tangentMap(model, q) @ numbers(mat_in, "mat_in")
 
 
 def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
     """`tangentMap` transposed times a vector (nq,) or a matrix (nq, n)."""
-    return tangentMap(model, q).T @ np.asarray(mat_in, dtype=float)
+    return tangentMap(model, q).T @ numbers(mat_in, "mat_in")
 
 
 def compactTangentMap(model: Model, q: Any) -> Floats:

@@ -10,6 +10,7 @@ import numpy as np
 from pinocchio._algorithms.jacobians import JACOBIAN_RATES, JACOBIANS, columns, computeJointJacobians, rates
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import Convention
+from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
 from pinocchio._data.data import Data
@@ -183,8 +184,15 @@ _ABA_UNDER_FORCES = Algorithm(
 
 
 @fast_path(_ABA, forces=_ABA_UNDER_FORCES)
+@overloads("model data q v tau convention:Convention?", "model data q v tau fext convention:Convention?")
 def aba(
-    model: Model, data: Data, q: Any, v: Any, tau: Any, fext: Any = None, convention: Any = None
+    model: Model,
+    data: Data,
+    q: Any,
+    v: Any,
+    tau: Any,
+    fext: Any = None,
+    convention: Convention = Convention.LOCAL,
 ) -> Floats:
     """The accelerations that torques cause (nv,); kept in `data.ddq`.
 
@@ -197,16 +205,13 @@ def aba(
         fext: For every joint, the force on its body in its frame.
         convention: LOCAL or WORLD; the result is the same.
     """
-    if fext is not None and isinstance(fext, Convention):
-        fext, convention = None, fext
-    if convention is not None:
-        ddq = aba(model, data, q, v, tau, fext)
-        if convention is _WORLD:
-            computeJointJacobians(model, data, q)
-        return ddq
     if fext is None:
-        return run(model, data, _ABA, q, v, tau)
-    return run(model, data, _ABA_UNDER_FORCES, q, v, tau, *checked_forces(fext, model.njoints))
+        ddq = run(model, data, _ABA, q, v, tau)
+    else:
+        ddq = run(model, data, _ABA_UNDER_FORCES, q, v, tau, *checked_forces(fext, model.njoints))
+    if convention is _WORLD:
+        computeJointJacobians(model, data, q)
+    return ddq
 
 
 _CRBA = Algorithm("crba", "q", ("M",), _mass, (0,), deferred=JOINTS)
@@ -215,14 +220,17 @@ _CRBA_IN_WORLD = Algorithm(
 )
 
 
-def crba(model: Model, data: Data, q: Any, convention: Any = None) -> Floats:
-    """The mass matrix (nv, nv), both triangles; kept in `data.M`."""
-    in_world = convention is _WORLD
-    if data._model is model:
-        M = data._bound.crba_in_world(q) if in_world else data._bound.crba(q)
-        if M is not NotImplemented:
-            return M
-    return run(model, data, _CRBA_IN_WORLD if in_world else _CRBA, q)
+@fast_path(_CRBA, alternative=("convention", _WORLD, _CRBA_IN_WORLD))
+def crba(model: Model, data: Data, q: Any, convention: Convention = Convention.LOCAL) -> Floats:
+    """The mass matrix (nv, nv), both triangles; kept in `data.M`.
+
+    Args:
+        model: The model.
+        data: Its data.
+        q: Configuration (nq,).
+        convention: LOCAL, or WORLD, which also fills `data.Ag`, `data.J` and the centres of mass.
+    """
+    return run(model, data, _CRBA_IN_WORLD if convention == _WORLD else _CRBA, q)
 
 
 @algorithm(

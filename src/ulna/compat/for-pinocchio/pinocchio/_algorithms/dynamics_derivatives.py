@@ -16,6 +16,7 @@ from pinocchio._algorithms.jacobians import (
     rates,
 )
 from pinocchio._containers.arrays import vector
+from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
 from pinocchio._data.data import Data
@@ -146,6 +147,7 @@ def computeRNEADerivatives(
 
 
 @fast_path(_ABA_ALONE, forces=_ABA_UNDER_FORCES)
+@overloads("model data fext:list?", "model data q v tau fext?")
 def computeABADerivatives(
     model: Model, data: Data, q: Any = None, v: Any = None, tau: Any = None, fext: Any = None
 ) -> tuple[Floats, Floats, Floats]:
@@ -153,8 +155,7 @@ def computeABADerivatives(
 
     Without q, v and tau, those of the last aba; forces on the joints may stand in their place.
     """
-    if v is None:
-        fext = q if fext is None else fext
+    if q is None:
         stored = data.require(data._state_of_forward_dynamics, "aba(model, data, q, v, tau)")
         q, v, ddq = (x.copy() for x in stored)
         tau = rnea(model, data, q, v, ddq, fext)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from pinocchio._data.algorithm import Algorithm
-from pinocchio._data.binding import run
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import JOINTS, VELOCITIES_IN_WORLD, rows, stacked
+from pinocchio._data.functions import algorithm
 from pinocchio._model.model import Model
 from ulna import algorithms
 from ulna.model import Model as CoreModel
@@ -16,48 +15,60 @@ from ulna.typing import Array
 __all__ = ["computeKineticEnergy", "computeMechanicalEnergy", "computePotentialEnergy"]
 
 
-def _kinetic(model: CoreModel) -> Any:
-    def run(q: Array, v: Array) -> tuple[Array, ...]:
-        velocities = rows(algorithms.joint_velocities(model, q, v))
-        return algorithms.kinetic_energy(model, q, v), stacked(algorithms.joint_poses(model, q)), velocities
+def energies(model: CoreModel, q: Array, v: Array) -> tuple[Array, Array, Array]:
+    """The kinetic energy, the potential one, and their sum [J]."""
+    kinetic, potential = algorithms.kinetic_energy(model, q, v), algorithms.potential_energy(model, q)
+    return kinetic, potential, kinetic + potential
 
-    return run
+
+def _placed(model: CoreModel, q: Array, v: Array) -> tuple[Array, Array]:
+    return stacked(algorithms.joint_poses(model, q)), rows(algorithms.joint_velocities(model, q, v))
+
+
+def _kinetic(model: CoreModel) -> Any:
+    return lambda q, v: (algorithms.kinetic_energy(model, q, v), *_placed(model, q, v))
 
 
 def _potential(model: CoreModel) -> Any:
     return lambda q: (algorithms.potential_energy(model, q), stacked(algorithms.joint_poses(model, q)))
 
 
-_KINETIC = Algorithm(
-    "kinetic", "qv", ("energy K", "oMi", "v"), _kinetic, (0,), deferred=JOINTS | VELOCITIES_IN_WORLD
-)
-_POTENTIAL = Algorithm("potential", "q", ("energy P", "oMi"), _potential, (0,), deferred=JOINTS)
+def _mechanical(model: CoreModel) -> Any:
+    return lambda q, v: (*energies(model, q, v), *_placed(model, q, v))
 
 
+_WITH_VELOCITY: dict[str, Any] = {
+    "returns_number": True,
+    "deferred": JOINTS | VELOCITIES_IN_WORLD,
+    "default_state": ("_qv", "forwardKinematics(model, data, q, v)"),
+}
+
+
+@algorithm(fills=("energy K", "oMi", "v"), kernel=_kinetic, returns=(0,), **_WITH_VELOCITY)
 def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
     """The kinetic energy [J]; kept in `data.kinetic_energy`."""
-    if q is None:
-        q, v = data.require(data._qv, "forwardKinematics(model, data, q, v)")
-    energy = data._bound.kinetic(q, v) if data._model is model else NotImplemented
-    if energy is NotImplemented:
-        energy = run(model, data, _KINETIC, q, v)
-    data.kinetic_energy = energy = float(energy)
-    return energy
+    ...
 
 
+@algorithm(
+    fills=("energy P", "oMi"),
+    kernel=_potential,
+    returns=(0,),
+    returns_number=True,
+    deferred=JOINTS,
+    default_state=("_q", "forwardKinematics(model, data, q)"),
+)
 def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
     """The potential energy [J]; kept in `data.potential_energy`."""
-    if q is None:
-        q = data.require(data._q, "forwardKinematics(model, data, q)")
-    energy = data._bound.potential(q) if data._model is model else NotImplemented
-    if energy is NotImplemented:
-        energy = run(model, data, _POTENTIAL, q)
-    data.potential_energy = energy = float(energy)
-    return energy
+    ...
 
 
+@algorithm(
+    fills=("energy K", "energy P", "energy K + P", "oMi", "v"),
+    kernel=_mechanical,
+    returns=(2,),
+    **_WITH_VELOCITY,
+)
 def computeMechanicalEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
     """Their sum [J]; kept in `data.mechanical_energy`."""
-    kinetic = computeKineticEnergy(model, data, q, v)
-    data.mechanical_energy = kinetic + computePotentialEnergy(model, data, q)
-    return data.mechanical_energy
+    ...

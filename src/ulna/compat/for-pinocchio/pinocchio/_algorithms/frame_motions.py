@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.frame_arguments import LOCAL, at_frame, repeated_call, split
+from pinocchio._algorithms.frame_arguments import LOCAL, at_frame, at_frame_or_joint, repeated_call
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import reference_of
-from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.bound_kernels import BoundKernel, not_applicable
@@ -54,30 +53,45 @@ def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_
 
 
 @repeated_call("velocity", motion=True)
-@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+@at_frame_or_joint
 def getFrameVelocity(
-    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+    model: Model,
+    data: Data,
+    frame_id: int | None = None,
+    placement: Any = None,
+    reference_frame: Any = None,
+    joint_id: int | None = None,
 ) -> Motion:
     """The velocity of a frame (its index, or a joint's and a placement), after forwardKinematics with v."""
-    return _frame_motion(model, data, frame_id, placement, reference_frame, "velocity")
+    return _frame_motion(model, data, (frame_id, joint_id, placement), reference_frame, "velocity")
 
 
 @repeated_call("acceleration", motion=True)
-@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+@at_frame_or_joint
 def getFrameAcceleration(
-    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+    model: Model,
+    data: Data,
+    frame_id: int | None = None,
+    placement: Any = None,
+    reference_frame: Any = None,
+    joint_id: int | None = None,
 ) -> Motion:
     """The spatial acceleration of a frame, after forwardKinematics with v and a; see `getFrameVelocity`."""
-    return _frame_motion(model, data, frame_id, placement, reference_frame, "acceleration")
+    return _frame_motion(model, data, (frame_id, joint_id, placement), reference_frame, "acceleration")
 
 
 @repeated_call("classical", motion=True)
-@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+@at_frame_or_joint
 def getFrameClassicalAcceleration(
-    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+    model: Model,
+    data: Data,
+    frame_id: int | None = None,
+    placement: Any = None,
+    reference_frame: Any = None,
+    joint_id: int | None = None,
 ) -> Motion:
     """The acceleration of the point at a frame's origin; see `getFrameAcceleration`."""
-    return _frame_motion(model, data, frame_id, placement, reference_frame, "classical")
+    return _frame_motion(model, data, (frame_id, joint_id, placement), reference_frame, "classical")
 
 
 def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -> Motion:
@@ -85,15 +99,14 @@ def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -
     return _motion(model, data, kind, reference_of(rf), joint, _HERE, (joint_id, rf, f"joint {kind}"))
 
 
-def _frame_motion(model: Model, data: Data, frame_id: int, placement: Any, rf: Any, kind: str) -> Motion:
-    where, reference = split(tuple(x for x in (frame_id, placement) if x is not None), rf)
-    key, fixed_frame = at_frame(model, where)
+def _frame_motion(model: Model, data: Data, place: Any, rf: Any, kind: str) -> Motion:
+    rf = LOCAL if rf is None else rf
+    key, fixed_frame = at_frame(model, *place)
     if fixed_frame is not None:
-        return _motion(model, data, kind, reference, key[0], where[1]._m)
-    frame, key_part = model.frames[key], (LOCAL if rf is None else rf) if placement is None else placement
-    return _motion(
-        model, data, kind, reference, frame.parentJoint, frame.placement._m, (frame_id, key_part, kind)
-    )
+        return _motion(model, data, kind, reference_of(rf), key[0], place[2]._m)
+    frame = model.frames[key]
+    binding_key = place[0], rf, kind
+    return _motion(model, data, kind, reference_of(rf), frame.parentJoint, frame.placement._m, binding_key)
 
 
 def _motion(

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.frame_arguments import LOCAL, at_frame, at_joint, repeated_call, split
+from pinocchio._algorithms.frame_arguments import LOCAL, at_frame, at_frame_or_joint, at_joint, repeated_call
 from pinocchio._algorithms.kinematics import updateFramePlacement, updateFramePlacements
+from pinocchio._containers.arguments import check_model_and_data
 from pinocchio._containers.arrays import index
-from pinocchio._containers.enums import ReferenceFrame, reference_of
+from pinocchio._containers.enums import reference_of
+from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run_at_frame
 from pinocchio._data.data import Data
@@ -90,35 +92,41 @@ def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Flo
     binding_key = (joint_id, LOCAL, "joint at q")
     try:
         result = data._bound_at[binding_key][0](q) if data._model is model else NotImplemented
-    except (KeyError, TypeError):
+    except (KeyError, TypeError, AttributeError):
         result = NotImplemented
     if result is not NotImplemented:
         return result
+    check_model_and_data("computeJointJacobian", model, data)
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _at(model, data, binding_key, None, at_joint(joint), q)
 
 
 @repeated_call("J")
+@at_frame_or_joint
 def getFrameJacobian(
-    model: Model, data: Data, frame_id: int, placement: Any = None, reference_frame: Any = None
+    model: Model,
+    data: Data,
+    frame_id: int | None = None,
+    placement: Any = None,
+    reference_frame: Any = None,
+    joint_id: int | None = None,
 ) -> Floats:
     """The Jacobian (6, nv) of a frame, after computeJointJacobians.
 
     Args:
         model: The model.
         data: Its data.
-        frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
-        placement: That placement, or nothing.
+        frame_id: Index of the frame.
+        placement: A placement in the frame of a joint, in place of a frame.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED; it stands third where there is no placement.
+        joint_id: Index of that joint; it stands where `frame_id` does.
     """
-    if placement is None:
-        return getFrameJacobian(model, data, frame_id, LOCAL if reference_frame is None else reference_frame)
-    if reference_frame is None and isinstance(placement, ReferenceFrame):
-        return _bind_at(model, data, (frame_id, placement, "J"), at_frame(model, (frame_id,))[0], None)
-    where, reference = split((frame_id, placement), reference_frame)
-    key, frame = at_frame(model, where)
+    rf = LOCAL if reference_frame is None else reference_frame
+    key, frame = at_frame(model, frame_id, joint_id, placement)
+    if frame is None:
+        return _bind_at(model, data, (frame_id, rf, "J"), key, None)
     q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
-    return _jacobian(model, data, reference, key, frame)(q)
+    return _jacobian(model, data, reference_of(rf), key, frame)(q)
 
 
 def _bind_at(
@@ -161,13 +169,14 @@ def computeFrameJacobian(
     binding_key = (frame_id, reference_frame, "at q")
     try:
         step, bound_reference = data._bound_at[binding_key]
-    except (KeyError, TypeError):
+    except (KeyError, TypeError, AttributeError):
         step = bound_reference = not_applicable
     if bound_reference is reference_frame and data._model is model:  # 0 == WORLD, but a plain number raises
         result = step(q)
         if result is not NotImplemented:
             return result
-    return _at(model, data, binding_key, at_frame(model, (frame_id,))[0], None, q)
+    check_model_and_data("computeFrameJacobian", model, data)
+    return _at(model, data, binding_key, at_frame(model, frame_id)[0], None, q)
 
 
 def _at(
@@ -234,7 +243,7 @@ def getFrameJacobianTimeVariation(
 
 @repeated_call("dJ")
 def _frame_jacobian_rate(model: Model, data: Data, frame_id: int, reference_frame: Any) -> Floats:
-    return _bind_dot(model, data, (frame_id, reference_frame, "dJ"), at_frame(model, (frame_id,))[0], None)
+    return _bind_dot(model, data, (frame_id, reference_frame, "dJ"), at_frame(model, frame_id)[0], None)
 
 
 def frameJacobianTimeVariation(
@@ -277,10 +286,24 @@ def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_
     return _hessian(model, data, reference_of(reference_frame), ("joint", joint), at_joint(joint))
 
 
-def getFrameKinematicHessian(model: Model, data: Data, frame_id: int, reference_frame: Any = LOCAL) -> Floats:
-    """The derivative (6, nv, nv) of a frame's Jacobian by q; see `getJointKinematicHessian`."""
-    key, _ = at_frame(model, (frame_id,))
-    return _hessian(model, data, reference_of(reference_frame), key, None)
+@overloads(
+    "model data frame_id reference_frame:ReferenceFrame?",
+    "model data joint_id>frame_id frame_placement:SE3 reference_frame:ReferenceFrame?",
+)
+def getFrameKinematicHessian(
+    model: Model, data: Data, frame_id: int, reference_frame: Any = LOCAL, frame_placement: Any = None
+) -> Floats:
+    """The derivative (6, nv, nv) of a frame's Jacobian by q; see `getJointKinematicHessian`.
+
+    Args:
+        model: The model.
+        data: Its data, after computeJointKinematicHessians.
+        frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
+        frame_placement: That placement, or nothing.
+    """
+    key, fixed_frame = at_frame(model, frame_id, frame_id, frame_placement)
+    return _hessian(model, data, reference_of(reference_frame), key, fixed_frame)
 
 
 def _hessian(model: Model, data: Data, reference: Reference, key: Any, fixed_frame: Frame | None) -> Floats:

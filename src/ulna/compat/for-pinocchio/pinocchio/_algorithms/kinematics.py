@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._containers.arguments import check_model_and_data
 from pinocchio._containers.arrays import index
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
@@ -100,8 +101,13 @@ def _moved_frames(model: CoreModel, frames: Sequence[Frame]) -> Any:
 
 def updateFramePlacements(model: Model, data: Data) -> None:
     """Fills `data.oMf` from `data.oMi`."""
-    step = data._bound_at.get("frames", not_applicable)
-    if data._model is not model or step() is NotImplemented:
+    try:
+        step = data._bound_at.get("frames", not_applicable)
+        applies = data._model is model and step() is not NotImplemented
+    except AttributeError:
+        applies = False
+    if not applies:
+        check_model_and_data("updateFramePlacements", model, data)
         check_frames(model, data)
         data.require(data._q, "forwardKinematics(model, data, q)")
         watch = model.watched("frames")  # first: see `run`
@@ -115,9 +121,13 @@ def updateFramePlacements(model: Model, data: Data) -> None:
 
 def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
     """Fills `data.oMf[frame_id]` from `data.oMi`, and returns a copy."""
-    step = data._bound_at.get(("frames", frame_id), not_applicable)
-    T = step() if data._model is model else NotImplemented
+    try:
+        step = data._bound_at.get(("frames", frame_id), not_applicable)
+        T = step() if data._model is model else NotImplemented
+    except (AttributeError, TypeError):  # of what is no model, no data, or no index
+        T = NotImplemented
     if T is NotImplemented:
+        check_model_and_data("updateFramePlacement", model, data)
         check_frames(model, data)
         place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")
         data.require(data._q, "forwardKinematics(model, data, q)")

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.frame_arguments import at_frame, at_joint
+from pinocchio._algorithms.frame_arguments import at_frame, at_frame_or_joint, at_joint
 from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
 from pinocchio._algorithms.kinematics import forwardKinematics, updateFramePlacement
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
-from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
@@ -48,14 +47,18 @@ def getJointVelocityDerivatives(
     return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, False)
 
 
-@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+@at_frame_or_joint
 def getFrameVelocityDerivatives(
-    model: Model, data: Data, *place: Any, reference_frame: Any = None
+    model: Model,
+    data: Data,
+    frame_id: int | None = None,
+    placement: Any = None,
+    reference_frame: Any = None,
+    joint_id: int | None = None,
 ) -> tuple[Floats, Floats]:
     """Derivatives of a frame's velocity (its index, or a joint's and a placement) by q and v, (6, nv) each."""
-    *where, rf = place if reference_frame is None else (*place, reference_frame)
-    key, fixed_frame = at_frame(model, tuple(where))
-    return _motions(model, data, key, fixed_frame, rf, False)
+    key, fixed_frame = at_frame(model, frame_id, joint_id, placement)
+    return _motions(model, data, key, fixed_frame, reference_frame, False)
 
 
 def getJointAccelerationDerivatives(
@@ -66,14 +69,18 @@ def getJointAccelerationDerivatives(
     return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, True)
 
 
-@by_name("model data frame_id reference_frame", "model data joint_id placement reference_frame")
+@at_frame_or_joint
 def getFrameAccelerationDerivatives(
-    model: Model, data: Data, *place: Any, reference_frame: Any = None
+    model: Model,
+    data: Data,
+    frame_id: int | None = None,
+    placement: Any = None,
+    reference_frame: Any = None,
+    joint_id: int | None = None,
 ) -> tuple[Floats, ...]:
     """Derivatives of a frame's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
-    *where, rf = place if reference_frame is None else (*place, reference_frame)
-    key, fixed_frame = at_frame(model, tuple(where))
-    return _motions(model, data, key, fixed_frame, rf, True)
+    key, fixed_frame = at_frame(model, frame_id, joint_id, placement)
+    return _motions(model, data, key, fixed_frame, reference_frame, True)
 
 
 def _motions(model: Model, data: Data, key: Any, fixed_frame: Frame | None, rf: Any, with_a: bool) -> Any:
@@ -109,7 +116,7 @@ def getPointClassicAccelerationDerivatives(
 
 
 def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> Any:
-    key, frame = at_frame(model, (joint_id, placement))
+    key, frame = at_frame(model, None, joint_id, placement)
     state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
     reference: Any = reference_of(rf)
 

@@ -4,20 +4,29 @@ from __future__ import annotations
 
 from typing import Any
 
+from pinocchio._containers.arguments import ArgumentError, check_size
 from pinocchio._containers.arrays import StdVec, index, matrix
+from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from ulna.errors import InputError
+
+MOST_DATA = 100_000
+"""No pool has more data: what asks for more is a mistake."""
 
 
 class ModelPool:
     """A model with several data; the number of threads is an argument of each call."""
 
+    @by_name("model size", "other")
     def __init__(self, model: Model | ModelPool, size: int = 1) -> None:
         if isinstance(model, ModelPool):
             self._model, self._datas = model._model, StdVec(d.copy() for d in model._datas)
         else:
-            self._model, self._datas = model, StdVec(model.createData() for _ in range(int(size)))
+            if not isinstance(model, Model):
+                raise ArgumentError(f"The model of a pool is {model!r}; expected a pinocchio.Model.")
+            count = check_size(size, "size", MOST_DATA)
+            self._model, self._datas = model, StdVec(model.createData() for _ in range(count))
 
     def size(self) -> int:
         """How many data there are."""
@@ -25,10 +34,10 @@ class ModelPool:
 
     def resize(self, new_size: int) -> None:
         """Changes how many data there are."""
-        remaining = list(self._datas)[: int(new_size)]
-        self._datas = StdVec(
-            [*remaining, *(self._model.createData() for _ in range(int(new_size) - len(remaining)))]
-        )
+        count = check_size(new_size, "new_size", MOST_DATA)
+        remaining = list(self._datas)[:count]
+        more = (self._model.createData() for _ in range(count - len(remaining)))
+        self._datas = StdVec([*remaining, *more])
 
     def update(self, data: Data) -> None:
         """Makes all data like one."""

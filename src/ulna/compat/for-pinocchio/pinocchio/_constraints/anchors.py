@@ -7,9 +7,10 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
-from pinocchio._constraints.frame_pair import FramePair
+from pinocchio._constraints.frame_pair import ConstraintSelectionType, FramePair
 from pinocchio._constraints.kernels import core_constraints
 from pinocchio._containers.arrays import numbers, vector
+from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
@@ -27,6 +28,14 @@ __all__ = [
     "PointContactConstraintData",
     "PointContactConstraintModel",
 ]
+
+
+ANCHOR_ORDERS = (
+    "model joint1_id",
+    "model joint1_id joint1_placement",
+    "model joint1_id joint2_id",
+    "model joint1_id joint1_placement joint2_id joint2_placement",
+)
 
 
 class _Known:
@@ -93,17 +102,18 @@ class _Anchor(FramePair):
     _rows: ClassVar[int] = 3
     _data: ClassVar[Any] = PointAnchorConstraintData
 
-    def __init__(self, model: Model, *places: Any, **named: Any) -> None:
+    @by_name(*ANCHOR_ORDERS)
+    def __init__(self, model: Model, *places: Any) -> None:
         if not isinstance(model, Model):
             raise InputError(f"The model is {model!r}; expected a pinocchio.Model.")
-        self._attach(model, places, named)
+        self._attach(model, places, {})
         self.nv = model.nv
         self._compliance = np.zeros(self._rows)
         self.desired_constraint_offset = np.zeros(self._rows)
         self.desired_constraint_velocity = np.zeros(self._rows)
         self.desired_constraint_acceleration = np.zeros(self._rows)
 
-    def residualSize(self, sel: Any = None) -> int:
+    def residualSize(self, sel: Any = ConstraintSelectionType.CURRENT) -> int:
         """How many rows it has."""
         return self._rows
 
@@ -117,11 +127,11 @@ class _Anchor(FramePair):
         """What is known of it at a state; filled by `calc`."""
         return self._data(self)
 
-    def retrieveCompliance(self, sel: Any = None) -> Floats:
+    def retrieveCompliance(self, sel: Any = ConstraintSelectionType.CURRENT) -> Floats:
         """The compliance of its rows."""
         return self._compliance.copy()
 
-    def setCompliance(self, vec: Any, sel: Any = None) -> None:
+    def setCompliance(self, vec: Any, sel: Any = ConstraintSelectionType.CURRENT) -> None:
         """Sets the compliance of its rows."""
         self._compliance = vector(vec, self._rows, "vec").copy()
 
@@ -236,8 +246,9 @@ class PointContactConstraintModel(_Anchor):
     __slots__ = ("_friction",)
     _data = PointContactConstraintData
 
-    def __init__(self, model: Model, *places: Any, **named: Any) -> None:
-        super().__init__(model, *places, **named)
+    @by_name(*ANCHOR_ORDERS)
+    def __init__(self, model: Model, *places: Any) -> None:
+        super().__init__(model, *places)
         self._friction = 0.5
 
     def getFriction(self) -> float:

@@ -13,6 +13,7 @@ from pinocchio._constraints.factorization import Factorization, FactorKernels, k
 from pinocchio._constraints.jacobians import evaluate, getConstraintsJacobian
 from pinocchio._constraints.kernels import factor_kernels, jacobian_kernel
 from pinocchio._containers.arrays import numbers
+from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
@@ -27,6 +28,7 @@ class ConstraintCholeskyDecomposition:
 
     __slots__ = ("_J", "_M", "_constraint_set", "_factored", "_mu")
 
+    @by_name("model data contact_models contact_datas", "model data constraint_models constraint_datas")
     def __init__(self, model: Any = None, data: Any = None, models: Any = (), datas: Any = ()) -> None:
         self._make_room(0, 0)
         if model is not None:
@@ -52,6 +54,12 @@ class ConstraintCholeskyDecomposition:
         compiled_for(model, data)
         self._make_room(sum(one.residualSize() for one in constraint_models), model.nv)
 
+    @by_name(
+        "model data contact_models contact_datas mu",
+        "model data contact_models contact_datas mus",
+        "model data constraint_models constraint_datas mu",
+        "model data constraint_models constraint_datas mus",
+    )
     def compute(
         self, model: Model, data: Data, contact_models: Any, contact_datas: Any, mu: Any = 0.0
     ) -> None:
@@ -158,6 +166,7 @@ class ConstraintCholeskyDecomposition:
         """The damping, a diagonal matrix."""
         return np.diag(self._mu)
 
+    @by_name("mu", "mus")
     def updateDamping(self, mu: Any) -> None:
         """Sets the damping: one number, or one for each row of the constraints."""
         if type(mu) is float and mu >= 0.0:

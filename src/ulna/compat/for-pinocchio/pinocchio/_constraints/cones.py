@@ -7,6 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import numbers, vector
+from pinocchio._containers.keywords import by_name
 from ulna.algorithms.constraints import friction_cone
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
@@ -59,6 +60,7 @@ class _Friction(_Set):
 
     __slots__ = ("_mu",)
 
+    @by_name("mu", "other")
     def __init__(self, mu: Any) -> None:
         value = mu.mu if isinstance(mu, _Friction) else float(mu)
         if not (np.isfinite(value) and value >= 0.0):
@@ -125,6 +127,7 @@ class BoxSet(_Set):
 
     __slots__ = ("_lb", "_ub")
 
+    @by_name("lb ub", "other")
     def __init__(self, lb: Any, ub: Any = None) -> None:
         if isinstance(lb, BoxSet):
             lb, ub = lb._lb, lb._ub

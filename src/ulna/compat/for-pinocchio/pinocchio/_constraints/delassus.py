@@ -8,6 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import numbers, vector
+from pinocchio._containers.keywords import by_name, overloads
 from ulna import linalg, numeric
 from ulna.algorithms.constraints.damped_dynamics import damped_factors
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
@@ -158,10 +159,12 @@ class DelassusOperator:
         """The compliance (n,)."""
         return self._compliance.copy()
 
+    @by_name("mu", "mus")
     def updateDamping(self, mu: Any) -> None:
         """Sets the damping: one number, or one for each row."""
         self._damping = diagonal(mu, self.size(), "mu")
 
+    @by_name("mu", "mus")
     def updateCompliance(self, mu: Any) -> None:
         """Sets the compliance: one number, or one for each row."""
         self._compliance = diagonal(mu, self.size(), "mu")
@@ -189,6 +192,7 @@ class DelassusOperatorSparse(DelassusOperator):
         self._kind = type(matrix)
         self._hold(numbers(matrix.toarray(), "matrix"))
 
+    @overloads("enforce_symmetry:bool? with_damping:bool?", "with_damping:bool?")
     def matrix(self, enforce_symmetry: bool = False, with_damping: bool = True) -> Any:
         """The same, sparse."""
         return self._kind(super().matrix(enforce_symmetry, with_damping))

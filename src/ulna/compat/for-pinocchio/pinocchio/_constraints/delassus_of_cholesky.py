@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, final
 
 from pinocchio._constraints.delassus import DelassusOperator
+from pinocchio._containers.keywords import by_name
 
 __all__ = ["DelassusCholeskyExpression", "DelassusOperatorCholeskyExpression"]
 
@@ -24,6 +25,7 @@ class DelassusOperatorCholeskyExpression(DelassusOperator):
         """The decomposition."""
         return self._of
 
+    @by_name("mu", "mus")
     def updateDamping(self, mu: Any) -> None:
         """Sets the damping, that of the decomposition, too."""
         self._of.updateDamping(mu)

@@ -10,9 +10,10 @@ from pinocchio._algorithms.dynamics import aba, crba, nonLinearEffects
 from pinocchio._constraints.bound_dynamics import defer_after_elimination, solve
 from pinocchio._constraints.jacobian_dynamics import impact_with_jacobian
 from pinocchio._constraints.proximal_settings import ProximalSettings, settings_of
-from pinocchio._constraints.rigid_constraint import RigidConstraint, checked_constraints
+from pinocchio._constraints.rigid_constraint import checked_constraints
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import Convention
+from pinocchio._containers.keywords import overloads
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
@@ -111,23 +112,48 @@ def lcaba(
     return ddq
 
 
-def impulseDynamics(model: Model, data: Data, *state: Any, **named: Any) -> Floats:
+@overloads(
+    "model data q v contact_models:list contact_datas:list r_coeff? prox_settings:ProximalSettings?",
+    "model data v_before constraint_jacobian:matrix restitution_coefficient? damping?",
+    "model data q v_before constraint_jacobian:matrix restitution_coefficient? damping?",
+)
+def impulseDynamics(
+    model: Model,
+    data: Data,
+    q: Any = None,
+    v: Any = None,
+    contact_models: Any = None,
+    contact_datas: Any = None,
+    r_coeff: float = 0.0,
+    prox_settings: Any = None,
+    v_before: Any = None,
+    constraint_jacobian: Any = None,
+    restitution_coefficient: float = 0.0,
+    damping: float = 0.0,
+) -> Floats:
     """The velocity after an impact (nv,); kept in `data.dq_after`, the impulses in `data.impulse_c`.
 
-    `impulseDynamics(model, data, q, v, constraints, datas[, r_coeff[, settings]])`, or with a Jacobian,
-    `impulseDynamics(model, data, [q,] v, J[, restitution_coefficient[, damping]])`; without q after crba.
     Each impulse is also in `contact_force` of the data of its constraint; both ends of a constraint count.
+
+    Args:
+        model: The model.
+        data: Its data.
+        q: Configuration (nq,); with a Jacobian it may be left out after crba.
+        v: Velocity before the impact (nv,), with constraints.
+        contact_models: Constraints.
+        contact_datas: Their data.
+        r_coeff: The coefficient of restitution, from 0 to 1.
+        prox_settings: How the impulses are found.
+        v_before: Velocity before the impact (nv,), with a Jacobian.
+        constraint_jacobian: The Jacobian of what is hit, (m, nv).
+        restitution_coefficient: That of an impact with a Jacobian.
+        damping: What is taken off the diagonal of the constraints.
     """
-    if named:
-        names = ("q", "v_before", "v", "constraint_jacobian", "contact_models", "contact_datas")
-        state += tuple(named.pop(name) for name in names if name in named)
-    if len(state) < 4 or not _are_constraints(state[2]):
-        return impact_with_jacobian(model, data, *state, **named)
-    return _impact(model, data, *state, **named)
-
-
-def _are_constraints(value: Any) -> bool:
-    return isinstance(value, (list, tuple)) and all(isinstance(x, RigidConstraint) for x in value)
+    if constraint_jacobian is not None:
+        return impact_with_jacobian(
+            model, data, q, v_before, constraint_jacobian, restitution_coefficient, damping
+        )
+    return _impact(model, data, q, v, contact_models, contact_datas, r_coeff, prox_settings)
 
 
 def _impact(

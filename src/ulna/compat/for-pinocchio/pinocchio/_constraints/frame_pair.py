@@ -137,6 +137,8 @@ class FramePair:
 
     m_baumgarte_parameters = baumgarte_corrector_parameters
 
-    def setBaumgarteCorrectorParameters(self, bp: BaumgarteCorrectorParameters, sel: Any = None) -> None:
+    def setBaumgarteCorrectorParameters(
+        self, bp: BaumgarteCorrectorParameters, sel: Any = ConstraintSelectionType.CURRENT
+    ) -> None:
         """Sets the gains against drift."""
         self.baumgarte_corrector_parameters = bp

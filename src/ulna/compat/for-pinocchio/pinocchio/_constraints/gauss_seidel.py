@@ -11,7 +11,7 @@ import numpy as np
 from pinocchio._constraints.anchors import PointContactConstraintModel
 from pinocchio._constraints.delassus import DelassusOperator, DelassusOperatorDense
 from pinocchio._constraints.joint_constraints import JointFrictionConstraintModel, JointLimitConstraintModel
-from pinocchio._containers.arrays import vector
+from pinocchio._containers.arrays import numbers, vector
 from ulna.algorithms.constraints.cone_complementarity import (
     Bounded,
     Held,
@@ -147,7 +147,7 @@ class PGSSolverResult:
 
     def setConstraintImpulseGuess(self, impulse_guess: Any) -> None:
         """Impulses that the next search starts from."""
-        self._guess = np.array(impulse_guess, dtype=float).reshape(-1)
+        self._guess = numbers(impulse_guess, "impulse_guess").reshape(-1).copy()
 
     def clearConstraintImpulseGuess(self) -> None:
         """Lets the next search start from zero."""

@@ -12,6 +12,7 @@ from pinocchio._constraints.factorization import Factorization, kernels_for, no_
 from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._containers.arrays import exact, numbers
 from pinocchio._containers.enums import Convention
+from pinocchio._containers.keywords import overloads
 from pinocchio._data.data import Data
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
@@ -113,43 +114,47 @@ _STATE = {"motion": ("tau", "constraint_drift"), "impact": ("v_before", None), "
 """What methods of `BoundJacobianDynamics` take after J and its damping: names of vectors, None for a number."""
 
 
+@overloads(
+    "model data q v tau constraint_jacobian constraint_drift damping?",
+    "model data tau constraint_jacobian constraint_drift damping?",
+)
 def forwardDynamics(
-    model: Model, data: Data, *state: Any, damping: float | None = None, **named: Any
+    model: Model,
+    data: Data,
+    q: Any = None,
+    v: Any = None,
+    tau: Any = None,
+    constraint_jacobian: Any = None,
+    constraint_drift: Any = None,
+    damping: float = 0.0,
 ) -> Floats:
     """The accelerations under J a + drift = 0 (nv,); kept in `data.ddq`, the forces in `data.lambda_c`.
 
-    `forwardDynamics(model, data, q, v, tau, J, drift[, damping])`; without q and v after computeAllTerms.
+    Args:
+        model: The model.
+        data: Its data.
+        q: Configuration (nq,); without q and v those of the last computeAllTerms.
+        v: Velocity (nv,).
+        tau: Torques (nv,).
+        constraint_jacobian: J (m, nv).
+        constraint_drift: The drift (m,).
+        damping: What is taken off the diagonal of the constraints.
     """
-    if named:
-        names = ("q", "v", "tau", "constraint_jacobian", "constraint_drift")
-        state += tuple(named.pop(name) for name in names if name in named)
-    if named or not 3 <= len(state) <= 6:
-        raise InputError("forwardDynamics takes (model, data, [q, v,] tau, J, drift[, damping]).")
-    args: Any = state
-    if len(args) >= 5:
-        q, v, *args = args
+    if q is not None:
         computeAllTerms(model, data, q, v)
-    tau, J, drift, *more = args
-    bound, a = _run(model, data, "motion", J, more[0] if more else damping, tau, drift)
+    state = tau, constraint_drift
+    bound, a = _run(model, data, "motion", constraint_jacobian, damping, *state)
     data._arrays["lambda_c"] = bound.forces
     return a
 
 
 def impact_with_jacobian(
-    model: Model, data: Data, *state: Any, restitution_coefficient: float = 0.0, damping: float = 0.0
+    model: Model, data: Data, q: Any, v: Any, J: Any, restitution_coefficient: float, damping: float
 ) -> Floats:
     """The velocity after an impact on what a Jacobian describes; see `impulseDynamics`."""
-    args: Any = state
-    if len(args) > 2 and np.ndim(args[2]) == 2:
-        q, *args = args
+    if q is not None:
         crba(model, data, q, Convention.WORLD)
-    if not 2 <= len(args) <= 4:
-        raise InputError(
-            "impulseDynamics takes (model, data, q, v, constraints, datas), or (model, data, [q,] v, J) with a "
-            f"Jacobian of {model.nv} columns."
-        )
-    v, J, part, mu = *args, *(restitution_coefficient, damping)[len(args) - 2 :]
-    bound, after = _run(model, data, "impact", J, mu, v, float(part))
+    bound, after = _run(model, data, "impact", J, damping, v, float(restitution_coefficient))
     data._arrays["impulse_c"] = bound.impulses
     return after
 

@@ -9,6 +9,7 @@ import numpy as np
 from pinocchio._constraints.cones import BoxSet, NonNegativeOrthantCone
 from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ConstraintSelectionType
 from pinocchio._containers.arrays import index, vector
+from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from ulna.errors import InputError
@@ -51,11 +52,11 @@ class _OfJoints:
         """How many rows it has."""
         return len(self._rows())
 
-    def retrieveCompliance(self, sel: Any = None) -> Floats:
+    def retrieveCompliance(self, sel: Any = ConstraintSelectionType.CURRENT) -> Floats:
         """The compliance of its rows."""
         return self._compliance[: self.residualSize()].copy()
 
-    def setCompliance(self, vec: Any, sel: Any = None) -> None:
+    def setCompliance(self, vec: Any, sel: Any = ConstraintSelectionType.CURRENT) -> None:
         """Sets the compliance of its rows."""
         self._compliance[: self.residualSize()] = vector(vec, self.residualSize(), "vec")
 
@@ -92,6 +93,7 @@ class JointFrictionConstraintModel(_OfJoints):
 
     __slots__ = ("_dofs", "_lb", "_step", "_ub")
 
+    @by_name("model m_active_joints lb ub", "model joints lb ub")
     def __init__(self, model: Any, joints: Any = None, lb: Any = None, ub: Any = None) -> None:
         self._choose(model, joints)
         self._dofs = [
@@ -179,6 +181,7 @@ class JointLimitConstraintModel(_OfJoints):
 
     __slots__ = ("_active", "_limits", "_margins", "_nq", "_places")
 
+    @by_name("model activable_joints lb ub margin", "model joints lb ub margin")
     def __init__(
         self, model: Any, joints: Any = None, lb: Any = None, ub: Any = None, margin: Any = None
     ) -> None:
@@ -257,7 +260,9 @@ class JointLimitConstraintModel(_OfJoints):
         """Gains against passing the limits, live."""
         return self._gains
 
-    def setBaumgarteCorrectorParameters(self, bp: BaumgarteCorrectorParameters, sel: Any = None) -> None:
+    def setBaumgarteCorrectorParameters(
+        self, bp: BaumgarteCorrectorParameters, sel: Any = ConstraintSelectionType.CURRENT
+    ) -> None:
         """Sets them."""
         self._gains = BaumgarteCorrectorParameters(bp.Kp, bp.Kd)
 

@@ -7,6 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import index
+from pinocchio._containers.keywords import overloads
 from ulna.errors import InputError
 
 __all__ = ["ProximalSettings"]
@@ -22,30 +23,29 @@ class ProximalSettings:
 
     __slots__ = ("_accuracies", "_limit", "_mu", "_numbers", "absolute_residual", "iter", "relative_residual")
 
-    def __init__(self, *args: Any, **named: Any) -> None:
-        names = ("absolute_accuracy", "relative_accuracy", "mu", "max_iter")
-        values: dict[str, Any] = dict(zip(names, (1e-12, 1e-12, 0.0, 1), strict=True))
-        if len(args) == 3:
-            args = (args[0], *args)
-        if "accuracy" in named:
-            values["absolute_accuracy"] = values["relative_accuracy"] = named.pop("accuracy")
-        if len(args) not in (0, 4) or set(named) - set(names):
-            raise InputError(
-                f"ProximalSettings was given {args}, {named}; expected (accuracy, mu, max_iter), or "
-                "(absolute_accuracy, relative_accuracy, mu, max_iter)."
-            )
-        values |= dict(zip(names, args, strict=False)) | named
-        self._accuracies = float(values["absolute_accuracy"]), float(values["relative_accuracy"])
-        self._mu = float(values["mu"])
+    @overloads(
+        "accuracy mu max_iter:int",
+        "absolute_accuracy relative_accuracy mu max_iter:int",
+        "",
+    )
+    def __init__(
+        self,
+        accuracy: float = 1e-12,
+        mu: float = 0.0,
+        max_iter: int = 1,
+        absolute_accuracy: float | None = None,
+        relative_accuracy: float | None = None,
+    ) -> None:
+        both = (accuracy if x is None else x for x in (absolute_accuracy, relative_accuracy))
+        self._accuracies: Any = tuple(float(x) for x in both)
+        self._mu = float(mu)
         if not (np.isfinite(self._mu) and self._mu >= 0.0):
-            raise InputError(
-                f"`mu` is {values['mu']!r}; expected a number that is not below zero, such as 1e-8."
-            )
+            raise InputError(f"`mu` is {mu!r}; expected a number that is not below zero, such as 1e-8.")
         if not min(self._accuracies) >= 0.0:
             raise InputError(
                 f"The accuracies are {self._accuracies}; expected numbers that are not below zero."
             )
-        self._limit = index(values["max_iter"], 10**9, "max_iter", "Give a whole number from 1.")
+        self._limit = index(max_iter, 10**9, "max_iter", "Give a whole number from 1.")
         if self._limit < 1:
             raise InputError("`max_iter` is 0; expected a whole number from 1.")
         self._numbers = np.array([self._mu, self._accuracies[1], self._accuracies[0]])

@@ -7,8 +7,14 @@ from typing import Any, Self, final
 
 import numpy as np
 
-from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ContactType, FramePair
+from pinocchio._constraints.frame_pair import (
+    BaumgarteCorrectorParameters,
+    ConstraintSelectionType,
+    ContactType,
+    FramePair,
+)
 from pinocchio._containers.enums import ReferenceFrame
+from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Force, Motion
@@ -33,22 +39,29 @@ class RigidConstraint(FramePair):
         "type",
     )
 
-    def __init__(self, *args: Any, **named: Any) -> None:
+    @by_name(
+        "contact_type model joint1_id reference_frame",
+        "contact_type model joint1_id joint1_placement reference_frame",
+        "contact_type model joint1_id joint1_placement joint2_id joint2_placement reference_frame",
+        "contact_type model joint1_id joint2_id reference_frame",
+        "clone",
+    )
+    def __init__(self, *args: Any) -> None:
         if len(args) == 1 and isinstance(args[0], RigidConstraint):
             self._copy(args[0])
             return
         parts = list(args)
-        kind = parts.pop(0) if parts else named.pop("contact_type", None)
-        model = parts.pop(0) if parts else named.pop("model", None)
+        kind = parts.pop(0) if parts else None
+        model = parts.pop(0) if parts else None
         rf = parts.pop() if parts and isinstance(parts[-1], ReferenceFrame) else ReferenceFrame.LOCAL
         self._check(kind, model)
         self.type = ContactType(kind)
-        self.reference_frame = named.pop("reference_frame", rf)
+        self.reference_frame = rf
         if self.reference_frame not in (ReferenceFrame.LOCAL, ReferenceFrame.LOCAL_WORLD_ALIGNED):
             raise InputError(
                 f"The reference frame is {self.reference_frame!r}; expected LOCAL or LOCAL_WORLD_ALIGNED."
             )
-        self._attach(model, parts, named)
+        self._attach(model, parts, {})
         self.desired_contact_placement = SE3()
         self.desired_contact_velocity, self.desired_contact_acceleration = Motion(), Motion()
 
@@ -88,7 +101,7 @@ class RigidConstraint(FramePair):
 
     __hash__ = None  # type: ignore[assignment]
 
-    def residualSize(self, sel: Any = None) -> int:
+    def residualSize(self, sel: Any = ConstraintSelectionType.CURRENT) -> int:
         """How many rows it has: 3 or 6."""
         return 6 if self.type == ContactType.CONTACT_6D else 3
 

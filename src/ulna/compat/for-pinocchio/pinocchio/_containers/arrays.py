@@ -6,8 +6,9 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError, IndexOutOfRange, is_index
 from ulna.checks.arrays import real_array
-from ulna.errors import InputError, ShapeError
+from ulna.errors import ShapeError, excerpt
 from ulna.typing import Floats
 
 Item = TypeVar("Item")
@@ -53,7 +54,7 @@ def numbers(value: Any, name: str) -> Floats:
     """`value` as an array of floats.
 
     Raises:
-        InputError: it holds no numbers.
+        DtypeError: it holds complex numbers, texts, None, or other things that are no real numbers.
     """
     return real_array(name, value)
 
@@ -62,14 +63,14 @@ def index(value: Any, count: int, what: str, fix: str) -> int:
     """`value`, if it is an index below `count`.
 
     Raises:
-        InputError: it is not; says what would be.
+        ArgumentError: it is no whole number.
+        IndexOutOfRange: it is one that has no entry; says what would be.
     """
-    try:
-        number = value.__index__()
-    except AttributeError:
-        raise InputError(f"The {what} is given as {value!r}; expected an index. {fix}") from None
+    if not is_index(value):
+        raise ArgumentError(f"The {what} is given as {excerpt(repr(value))}; expected an index. {fix}")
+    number = value.__index__()
     if not 0 <= number < count:
-        raise InputError(f"There is no {what} {number}; expected 0 to {count - 1}. {fix}")
+        raise IndexOutOfRange(f"There is no {what} {value!r}; expected 0 to {count - 1}. {fix}")
     return number
 
 

@@ -1,12 +1,15 @@
-"""Arguments by the names that Pinocchio gives them, for functions that take them in one order or another."""
+"""Arguments as Pinocchio's overloads take them: by names that differ, and in orders that the types tell apart."""
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
-from typing import Any, TypeVar
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, TypeVar
 
-from ulna.errors import InputError
+import numpy as np
+
+from pinocchio._containers.arguments import ArgumentError, checked
 
 Result = TypeVar("Result")
 
@@ -31,8 +34,8 @@ def by_name(*orders: str) -> Callable[[Callable[..., Result]], Callable[..., Res
                 rest = way[count : count + len(named)]
                 if len(rest) == len(named) and named.keys() == set(rest):
                     return function(*parts, *(named[name] for name in rest))
-            raise InputError(
-                f"{function.__qualname__} was given {count} arguments, and {', '.join(named)}; expected "
+            raise ArgumentError(
+                f"{_title(function)} was given {count} arguments, and {', '.join(named)}; expected "
                 + ", or ".join(f"({', '.join(way)})" for way in ways)
                 + "."
             )
@@ -41,3 +44,164 @@ def by_name(*orders: str) -> Callable[[Callable[..., Result]], Callable[..., Res
         return called
 
     return decorate
+
+
+def reads_names(*orders: str) -> Callable[[Result], Result]:
+    """Notes the names, in their order, of each way to call a function that reads them itself."""
+
+    def decorate(function: Result) -> Result:
+        function.orders = [order.split() for order in orders]  # type: ignore[attr-defined]
+        return function
+
+    return decorate
+
+
+def the_one(function: str, named: Mapping[str, Any], names: Sequence[str]) -> Any:
+    """The one argument, given by one of several names.
+
+    Raises:
+        ArgumentError: There is none, there are several, or its name is another one.
+    """
+    if len(named) != 1 or not named.keys() <= set(names):
+        given = ", ".join(named) or "nothing"
+        raise ArgumentError(f"{function} was given {given}; expected one of {', '.join(names)}.")
+    return next(iter(named.values()))
+
+
+class Parameter(NamedTuple):
+    """A parameter of an overload.
+
+    Attributes:
+        name: Its name.
+        kind: The name of the class that its argument is of; empty for any.
+        optional: Whether it may be left out.
+        target: The parameter of the function that it is passed as.
+    """
+
+    name: str
+    kind: str
+    optional: bool
+    target: str
+
+    @classmethod
+    def parse(cls, text: str) -> Parameter:
+        """`name[:kind][?][>target]`."""
+        text, _, target = text.partition(">")
+        name, _, kind = text.rstrip("?").partition(":")
+        return cls(name, kind, text.endswith("?"), target or name)
+
+    def accepts(self, value: Any) -> bool:
+        """Whether the overload may be meant where this argument is given here."""
+        if self.kind == "bool":
+            return isinstance(value, (bool, np.bool_))
+        if self.kind == "int":
+            return hasattr(value, "__index__") and not isinstance(value, (bool, np.bool_, np.ndarray))
+        if self.kind == "matrix":
+            return isinstance(value, (np.ndarray, list, tuple)) and np.ndim(value) == 2
+        if self.kind == "list":
+            return isinstance(value, (list, tuple))
+        return not self.kind or any(cls.__name__ == self.kind for cls in type(value).__mro__)
+
+    def __str__(self) -> str:
+        text = f"{self.name}: {self.kind}" if self.kind else self.name
+        return f"[{text}]" if self.optional else text
+
+
+def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..., Result]]:
+    """Lets a function be called in several ways, of which the first that fits the arguments is taken.
+
+    Its attribute `of_all_parameters` is the same function for calls with a value for every parameter, in their order,
+    where those left out have their defaults, and the others may belong to another way.
+
+    Args:
+        signatures: The parameters of each way, as `Parameter.parse` reads them, `self` left out. The function itself
+            takes all of them by name; what is None counts as left out.
+    """
+    ways = [[Parameter.parse(text) for text in signature.split()] for signature in signatures]
+
+    def decorate(function: Callable[..., Result]) -> Callable[..., Result]:
+        parameters = list(inspect.signature(function).parameters.values())
+        method = parameters[0].name == "self"
+        parameters = parameters[method:]
+        body = checked(function)
+
+        def choose(this: tuple[Any, ...], parts: tuple[Any, ...], named: dict[str, Any]) -> Result:
+            rest = {name: x for name, x in named.items() if x is not None}
+            for way in ways:
+                chosen = _fitting(way, parts, rest)
+                if chosen is not None:
+                    return body(*this, **chosen)
+            raise ArgumentError(_no_overload(_title(function), parts, rest, ways))
+
+        @functools.wraps(function)
+        def called(*args: Any, **named: Any) -> Result:
+            return choose(args[:method], args[method:], named)
+
+        def of_all_parameters(*args: Any) -> Result:
+            return choose(args[:method], *_given(parameters, args[method:]))
+
+        called.orders = [[parameter.name for parameter in way] for way in ways]  # pyright: ignore
+        called.arguments_checked = True  # pyright: ignore
+        called.of_all_parameters = of_all_parameters  # pyright: ignore
+        return called
+
+    return decorate
+
+
+def general_case(function: Callable[..., Result]) -> Callable[..., Result]:
+    """A function for calls with a value for every parameter, its arguments checked."""
+    return getattr(function, "of_all_parameters", None) or checked(function)
+
+
+def with_names(function: Callable[..., Result]) -> Callable[..., Result]:
+    """A function of positions alone, taking its arguments by name; those left out have their defaults."""
+    signature = inspect.signature(function)
+
+    @functools.wraps(function)
+    def called(**named: Any) -> Result:
+        bound = signature.bind(**named)
+        bound.apply_defaults()
+        return function(*bound.args)
+
+    return called
+
+
+def _given(
+    parameters: list[inspect.Parameter], values: tuple[Any, ...]
+) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """The values that differ from their defaults: by position up to the first that does not, then by name."""
+    given = [x is not None and x is not p.default for p, x in zip(parameters, values, strict=False)]
+    count = given.index(False) if False in given else len(values)
+    rest = zip(parameters[count:], values[count:], given[count:], strict=False)
+    return values[:count], {p.name: x for p, x, differs in rest if differs}
+
+
+def _fitting(way: list[Parameter], parts: tuple[Any, ...], named: dict[str, Any]) -> dict[str, Any] | None:
+    """The arguments by the names of the function's parameters, or None where the overload does not take them."""
+    places = {parameter.name for parameter in way[: len(parts)]}
+    names = {parameter.name for parameter in way[len(parts) :]}
+    if len(parts) > len(way) or named.keys() - names or places & named.keys():
+        return None
+    chosen: dict[str, Any] = {}
+    for k, parameter in enumerate(way):
+        value = parts[k] if k < len(parts) else named.get(parameter.name)
+        if value is None and parameter.optional:
+            continue
+        if value is None or not parameter.accepts(value):
+            return None
+        chosen[parameter.target] = value
+    return chosen
+
+
+def _no_overload(
+    name: str, parts: tuple[Any, ...], named: dict[str, Any], ways: list[list[Parameter]]
+) -> str:
+    given = [type(x).__name__ for x in parts]
+    given += [f"{key}={type(x).__name__}" for key, x in named.items()]
+    expected = " or ".join(f"{name}({', '.join(map(str, way))})" for way in ways)
+    return f"{name} was given ({', '.join(given)}); expected {expected}."
+
+
+def _title(function: Callable[..., Any]) -> str:
+    """The name of a function, that of its class for a constructor."""
+    return function.__qualname__.removesuffix(".__init__")

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, final
 
-import numpy as np
-
+from pinocchio._containers.arrays import numbers
 from ulna.typing import Floats
 
 
@@ -44,4 +43,4 @@ class StdMap_String_VectorXd(dict[str, Floats]):
         return iter([Entry(key, self[key]) for key in sorted(self.keys())])
 
     def __setitem__(self, key: str, value: Any) -> None:
-        super().__setitem__(key, np.array(value, dtype=float))
+        super().__setitem__(key, numbers(value, key).copy())

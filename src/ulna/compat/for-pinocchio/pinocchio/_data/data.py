@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, views
+from pinocchio._containers.arrays import StdVec, matrix, views
 from pinocchio._containers.files import Saved, register
 from pinocchio._data.algorithm import ALGORITHMS
 from pinocchio._data.states import BoundAlgorithms, FieldStates, Waiting
@@ -38,7 +38,11 @@ class _PerJoint(StdVec[Any]):
         return (self[i] for i in range(len(self)))
 
 
-_ENERGIES = ("kinetic_energy", "potential_energy", "mechanical_energy")
+_ENERGIES = {
+    "kinetic_energy": "energy K",
+    "potential_energy": "energy P",
+    "mechanical_energy": "energy K + P",
+}
 _SINGLE = {"hg": Force, "dhg": Force, "Ig": Inertia}
 _LISTS = ("liMi", *MOTIONS, *FORCES, *CENTRES, "mass")
 _FIELDS = (*MATRICES, *_SINGLE, *_LISTS)
@@ -128,6 +132,9 @@ class Data(Saved, FieldStates):
         hg: Force
         dhg: Force
         Ig: Inertia
+        kinetic_energy: float
+        potential_energy: float
+        mechanical_energy: float
         constraint_chol: Any  # from here on made in the folder _constraints
         contact_chol: Any
 
@@ -138,7 +145,6 @@ class Data(Saved, FieldStates):
         self._arrays = FieldArrays(model)
         self._known_states: set[str] = set()
         self._bind_to_arrays()
-        self.kinetic_energy = self.potential_energy = self.mechanical_energy = 0.0
         self._constraint_solution: Any = None
         self._damped: Any = None
         self._compiled: CompiledModel | None = None
@@ -225,7 +231,7 @@ def _block(name: str) -> property:
         return self._arrays[name]
 
     def put(self: Data, value: Any) -> None:
-        self._arrays[name][...] = value
+        self._arrays[name][...] = matrix(value, self._arrays[name].shape, name)
         self._marks[slot] = 0.0
 
     return property(get, put, doc=f"`{name}` as the last algorithm left it, live; assigning copies into it.")
@@ -244,9 +250,21 @@ def _entries(name: str) -> property:
     return property(get, doc=f"`{name}` as the last algorithm left it, live references.")
 
 
+def _number(name: str) -> property:
+    def get(self: Data) -> float:
+        return float(self._arrays[name])
+
+    def put(self: Data, value: float) -> None:
+        self._arrays[name][...] = value
+
+    return property(get, put, doc=f"{name} as the last algorithm left it [J].")
+
+
 Data.slots = {name: k for k, name in enumerate(_FIELDS)}
 for _name in MATRICES:
     setattr(Data, _name, _block(_name))
+for _name, _block_name in _ENERGIES.items():
+    setattr(Data, _name, _number(_block_name))
 for _name in (*_SINGLE, *_LISTS):
     setattr(Data, _name, _entries(_name))
 

@@ -14,6 +14,7 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from pinocchio._containers.keywords import general_case, overloads, with_names
 from pinocchio._data.algorithm import PARAMETER_NAMES, Algorithm
 from pinocchio._data.binding import run
 from pinocchio._spatial.motion_force import checked_forces
@@ -29,6 +30,8 @@ def algorithm(
     default_state: tuple[str, str] | None = None,
     forces: Algorithm | None = None,
     returns_field: str = "",
+    returns_number: bool = False,
+    calls: tuple[str, ...] = (),
     **record: Any,
 ) -> Callable[[Function], Function]:
     """Makes a public function of its signature (model, data, q, v, a or tau, fext) and of the record of its algorithm.
@@ -40,6 +43,8 @@ def algorithm(
             that stores it.
         forces: The record of the algorithm under forces on the joints, for functions that take `fext`.
         returns_field: A field of Data to return, in place of outputs.
+        returns_number: Whether the output that is returned is one number.
+        calls: The ways to call it, where its signature is not the only one; see `overloads`.
         record: Other attributes of `Algorithm`.
     """
 
@@ -58,63 +63,108 @@ def algorithm(
                 result = run(model, data, forces, *state, *checked_forces(rest[0], model.njoints))
             else:
                 result = run(model, data, made, *state)
+            if returns_number:
+                return float(result)
             return getattr(data, returns_field) if returns_field else result
 
         functools.update_wrapper(general, function)
-        return fast_path(made, forces=forces, returns_field=returns_field)(general)  # type: ignore[return-value]
+        body = overloads(*calls)(with_names(general)) if calls else general
+        made_fast = fast_path(made, forces=forces, returns_field=returns_field, returns_number=returns_number)
+        return made_fast(body)  # type: ignore[return-value]
 
     return decorate
 
 
 def fast_path(
-    *records: Algorithm, forces: Algorithm | None = None, returns_field: str = ""
+    *records: Algorithm,
+    forces: Algorithm | None = None,
+    alternative: tuple[str, Any, Algorithm] | None = None,
+    returns_field: str = "",
+    returns_number: bool = False,
 ) -> Callable[[Function], Function]:
-    """Calls the bound kernel of an algorithm first, and the decorated function where it does not apply.
+    """Calls the bound kernel of an algorithm first; where that fails, the decorated function with arguments checked.
 
     Args:
         records: Algorithms, each with one input more; the one is called whose inputs are not None.
         forces: The algorithm to call where `fext` is not None.
+        alternative: The name of a parameter, a value of it, and the algorithm to call where it has this value.
         returns_field: A field of Data to return, in place of outputs.
+        returns_number: Whether the output that is returned is one number.
     """
 
     def decorate(function: Function) -> Function:
         parameters = inspect.signature(function).parameters
         name = function.__name__
-        source = "\n".join(_source(name, parameters, records, forces, returns_field))
-        scope: dict[str, Any] = {"general": function}
+        returned = (
+            f"data.{returns_field}" if returns_field else "float(result)" if returns_number else "result"
+        )
+        source = "\n".join(_source(name, parameters, records, forces, alternative, returned))
+        scope: dict[str, Any] = {
+            "general": general_case(function),
+            "alternative": (alternative or "  ")[1],
+        }
+        scope |= {f"default_{key}": parameter.default for key, parameter in parameters.items()}
         exec(compile(source, f"<fast path of {name}>", "exec"), scope)
-        return functools.update_wrapper(scope[name], function)  # type: ignore[return-value]
+        made = functools.update_wrapper(scope[name], function)
+        made.arguments_checked = True
+        return made  # type: ignore[return-value]
 
     return decorate
 
 
 def _source(
-    function: str, parameters: Any, records: tuple[Algorithm, ...], forces: Any, returns_field: str
+    function: str,
+    parameters: Any,
+    records: tuple[Algorithm, ...],
+    forces: Algorithm | None,
+    alternative: tuple[str, Any, Algorithm] | None,
+    returned: str,
 ) -> list[str]:
     """The lines of the function: a call of the bound kernel, and of `general` where that does not apply."""
     names = list(parameters)
     inputs = [[PARAMETER_NAMES[letter] for letter in record.inputs] for record in records]
-    ignored = {"model", "data", "fext" if forces else "", "compute_subtree_coms", *inputs[-1]}
-    conditions = ["data._model is model", *(f"{name} is None" for name in names if name not in ignored)]
+    chosen = alternative[0] if alternative else ""
+    ignored = {"model", "data", "fext" if forces else "", chosen, *inputs[-1]}
+    conditions = [
+        "data._model is model",
+        *(_usual(name, p.default) for name, p in parameters.items() if name not in ignored),
+    ]
     calls = [f"data._bound.{r.name}({', '.join(args)})" for r, args in zip(records, inputs, strict=True)]
-    lines = [f"        result = {calls[0]}"]
+    lines = [f"result = {calls[0]}"]
     for call, longer in zip(calls[1:], inputs[1:], strict=True):
-        lines = [f"        if {longer[-1]} is not None:", f"            result = {call}", "        else:"] + [
-            f"    {line}" for line in lines
-        ]
+        lines = [f"if {longer[-1]} is not None:", f"    result = {call}", "else:", *_indented(lines)]
     if forces:
         arguments = ", ".join([*inputs[-1], "*[f._v for f in fext]"])
         lines = [
-            *("        if fext is None:", f"    {lines[0]}", "        else:", "            try:"),
-            f"                result = data._bound.{forces.name}({arguments})",
-            *("            except (AttributeError, TypeError):", "                result = NotImplemented"),
+            *("if fext is None:", f"    {lines[0]}", "else:", "    try:"),
+            f"        result = data._bound.{forces.name}({arguments})",
+            *("    except (AttributeError, TypeError):", "        result = NotImplemented"),
         ]
-    defaults = {name: "" if p.default is p.empty else f"={p.default!r}" for name, p in parameters.items()}
+    if alternative:
+        other = f"data._bound.{alternative[2].name}({', '.join(inputs[-1])})"
+        lines = [
+            *(f"if {chosen} is default_{chosen}:", *_indented(lines), f"elif {chosen} is alternative:"),
+            *(f"    result = {other}", "else:", "    result = NotImplemented"),
+        ]
+    lines += ["if result is not NotImplemented:", f"    return {returned}"]
+    defaults = {name: "" if p.default is p.empty else f"=default_{name}" for name, p in parameters.items()}
     return [
         f"def {function}({', '.join(name + defaults[name] for name in names)}):",
-        f"    if {' and '.join(conditions)}:",
-        *lines,
-        "        if result is not NotImplemented:",
-        f"            return {f'data.{returns_field}' if returns_field else 'result'}",
+        "    try:",
+        f"        if {' and '.join(conditions)}:",
+        *_indented(lines, 3),
+        "    except AttributeError:  # of what is no model or no data",
+        "        pass",
         f"    return general({', '.join(names)})",
     ]
+
+
+def _indented(lines: list[str], levels: int = 1) -> list[str]:
+    return [f"{'    ' * levels}{line}" for line in lines]
+
+
+def _usual(name: str, default: Any) -> str:
+    """Whether an argument besides the state leaves the result as it is."""
+    if default is True or default is False:  # of `compute_subtree_coms`, which leaves it whatever it says
+        return f"({name} is True or {name} is False)"
+    return f"{name} is None" if default is None else f"{name} is default_{name}"

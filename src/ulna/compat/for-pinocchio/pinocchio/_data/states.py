@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container
 from typing import Any, ClassVar, NamedTuple, final
 
+from pinocchio._containers.arguments import check_layout
 from pinocchio._data.algorithm import ALGORITHMS, STATES, Algorithm, Deferred
 from pinocchio._data.storage import FILLED_BY, PER_JOINT, FieldArrays
 from pinocchio._model.bound_kernels import not_applicable
@@ -245,11 +246,7 @@ def compiled_for(model: KinematicTree, data: FieldStates) -> CompiledModel:
     Raises:
         InputError: Joints were added since the Data was made, or it was made for another robot.
     """
-    if data._layout is not model._layout and data._layout != model._layout:
-        raise InputError(
-            f"This Data was made for a model of {len(data._layout)} joints that are not those of the model, which "
-            f"now has {model.njoints}. Make a new one: data = model.createData()."
-        )
+    check_layout(model, data)
     return model.compiled()
 
 

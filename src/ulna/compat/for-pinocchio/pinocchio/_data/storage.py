@@ -56,7 +56,15 @@ _SHAPES = {
     "oMf": "f44",
     **dict.fromkeys((*MOTIONS, *FORCES), "n6"),
     **dict.fromkeys(CENTRES, "n3"),
-    **{"hg": "6", "dhg": "6", "Ig": "i", "energy K": "", "energy P": "", "gravity by q": "vv"},
+    **{
+        "hg": "6",
+        "dhg": "6",
+        "Ig": "i",
+        "energy K": "",
+        "energy P": "",
+        "energy K + P": "",
+        "gravity by q": "vv",
+    },
 }
 _INPUT_SHAPES = {"q": "q", "v": "v", "a": "v", "f": "m6"}
 

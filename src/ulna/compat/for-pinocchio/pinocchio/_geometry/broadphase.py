@@ -179,6 +179,7 @@ class BroadPhaseManagerPool(GeometryPool):
             self._managers = StdVec(self._make(self._model, self._geometry, d) for d in self._geometry_datas)
         return self._managers
 
+    @by_name("data", "geometry_data")
     def update(self, data: Any) -> None:
         """Makes all data of geometries (or all Data) like one."""
         super().update(data)

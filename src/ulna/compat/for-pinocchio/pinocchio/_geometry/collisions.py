@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, index
+from pinocchio._containers.arrays import StdVec, index, numbers
 from pinocchio._containers.keywords import by_name
 from pinocchio._geometry.geometry_collection import CollisionPair
 from pinocchio._geometry.geometry_data import GeometryData
@@ -81,6 +81,7 @@ def _answers(
     "broadphase_manager callback",
     "broadphase_manager stop_at_first_collision",
     "manager callback",
+    "manager stop_at_first_collision",
     "model data broadphase_manager q stop_at_first_collision",
     "model data broadphase_manager callback q",
 )
@@ -182,7 +183,7 @@ def computeCollisionsInParallel(num_thread: int, *parts: Any) -> Any:
 
 
 def _each(pool: GeometryPool, columns: Any, stop_in_configuration: bool, stop_in_batch: bool) -> Any:
-    configurations = np.asarray(columns, dtype=float)
+    configurations = numbers(columns, "q")
     if configurations.ndim != 2 or configurations.shape[0] != pool.getModel(0).nq:
         raise InputError(
             f"Configurations have shape {configurations.shape}; expected ({pool.getModel(0).nq}, n)."

@@ -49,10 +49,11 @@ class CollisionPair:
 class GeometryCollection(Saved):
     """The geometries of a robot, of one kind, and the pairs of them to check for collisions."""
 
-    def __init__(self) -> None:
-        self.geometryObjects: StdVec[GeometryObject] = StdVec()
+    def __init__(self, other: GeometryCollection | None = None) -> None:
+        source: Any = ((), ()) if other is None else (other.geometryObjects, other.collisionPairs)
+        self.geometryObjects: StdVec[GeometryObject] = StdVec(one.copy() for one in source[0])
         """The geometries."""
-        self.collisionPairs: StdVec[CollisionPair] = StdVec()
+        self.collisionPairs: StdVec[CollisionPair] = StdVec(pair.copy() for pair in source[1])
         """The pairs to check."""
 
     @property

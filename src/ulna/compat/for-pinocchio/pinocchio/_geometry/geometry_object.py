@@ -12,6 +12,7 @@ import numpy as np
 
 from pinocchio._containers.arrays import NO_INDEX, index, vector
 from pinocchio._containers.files import Saved, register
+from pinocchio._containers.keywords import reads_names
 from pinocchio._geometry.materials import GeometryNoMaterial, PhysicsMaterial
 from pinocchio._spatial.se3 import SE3, Placed
 from ulna.errors import InputError, MissingExtra
@@ -39,7 +40,13 @@ class GeometryObject(Placed, Saved):
     override_material, mesh_color, mesh_texture_path)`. Placement and geometry may change places, as they did.
     """
 
+    @reads_names(
+        "otherGeometryObject",
+        "name parent_joint parent_frame placement collision_geometry " + " ".join(_NAMES),
+        "name parent_joint placement collision_geometry " + " ".join(_NAMES),
+    )
     def __init__(self, *parts: Any, **named: Any) -> None:
+        parts = (named.pop("otherGeometryObject"),) if named.keys() == {"otherGeometryObject"} else parts
         if len(parts) == 1 and isinstance(parts[0], GeometryObject):
             self.__dict__.update(parts[0].copy().__dict__)
             return

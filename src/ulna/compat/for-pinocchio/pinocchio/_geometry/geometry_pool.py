@@ -16,6 +16,7 @@ from ulna.errors import InputError
 class GeometryPool(ModelPool):
     """A model and a geometry model with several data of both."""
 
+    @by_name("model geometry_model size", "other")
     def __init__(
         self, model: Model | GeometryPool, geometry_model: GeometryModel | None = None, size: int = 1
     ) -> None:
@@ -27,13 +28,13 @@ class GeometryPool(ModelPool):
             raise InputError("GeometryPool was given a model alone; expected a model and its GeometryModel.")
         else:
             self._geometry = geometry_model.copy()
-            self._geometry_datas = StdVec(self._geometry.createData() for _ in range(int(size)))
+            self._geometry_datas = StdVec(self._geometry.createData() for _ in range(self.size()))
 
     def resize(self, new_size: int) -> None:
         """Changes how many data there are."""
         super().resize(new_size)
-        remaining = list(self._geometry_datas)[: int(new_size)]
-        more = (self._geometry.createData() for _ in range(int(new_size) - len(remaining)))
+        remaining = list(self._geometry_datas)[: self.size()]
+        more = (self._geometry.createData() for _ in range(self.size() - len(remaining)))
         self._geometry_datas = StdVec([*remaining, *more])
 
     @by_name("data", "geometry_data")

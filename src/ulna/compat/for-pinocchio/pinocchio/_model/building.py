@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arrays import index
+from pinocchio._containers.arrays import index, numbers
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.keywords import by_name
 from pinocchio._model.frame import Frame
@@ -128,7 +128,7 @@ class KinematicTree(KernelCache):
         for key, default in (*PER_Q.items(), *PER_V.items()):
             size = joint.nq if key in PER_Q else joint.nv
             entries = np.full(size, default) if key not in values else np.broadcast_to(values[key], size)
-            self._arrays[key] = np.concatenate([self._arrays[key], np.asarray(entries, dtype=float)])
+            self._arrays[key] = np.concatenate([self._arrays[key], numbers(entries, key)])
         self.joints.append(joint)
         self.names.append(joint_name)
         self.parents.append(int(parent_id))
@@ -168,8 +168,13 @@ class KinematicTree(KernelCache):
                 other.idx_q, other.idx_v = leader.idx_q, leader.idx_v
         self._changed()
 
-    def addJointFrame(self, joint_id: int, frame_id: int = -1) -> int:
-        """Adds the frame of a joint; returns its index."""
+    def addJointFrame(self, joint_id: int, frame_id: int = 0) -> int:
+        """Adds the frame of a joint; returns its index.
+
+        Args:
+            joint_id: The joint.
+            frame_id: The frame before it; below zero, that of the joint before it.
+        """
         index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
         if frame_id < 0:
             parent = self.parents[joint_id]
@@ -221,7 +226,7 @@ def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:
         return {}
     if len(limits) == 4:
         effort, speed, low, high = limits
-        limits = (-np.asarray(effort), effort, -np.asarray(speed), speed, low, high)
+        limits = (-numbers(effort, "max_effort"), effort, -numbers(speed, "max_velocity"), speed, low, high)
     names = ["lowerEffortLimit", "upperEffortLimit", "lowerVelocityLimit", "upperVelocityLimit"]
     names += ["lowerPositionLimit", "upperPositionLimit"]
     rest = ["lowerDryFrictionLimit", "upperDryFrictionLimit", "damping"]

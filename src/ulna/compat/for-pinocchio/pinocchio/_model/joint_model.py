@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
+from pinocchio._containers.arrays import numbers
 from pinocchio._model.joint_base import JointBase
 from pinocchio._model.joint_data import JointData, data_of
 from pinocchio._model.lie_group import LieGroup, of_joint
@@ -32,4 +31,4 @@ class JointModel(JointBase):
 def _entries(values: Any, start: int, size: int) -> Any:
     """The `size` entries of a joint among those of its model."""
     first = max(start, 0)
-    return np.asarray(values, dtype=float).reshape(-1)[first : first + size]
+    return numbers(values, "values").reshape(-1)[first : first + size]

@@ -6,7 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import exact, vector
+from pinocchio._containers.arrays import exact, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel, not_applicable
 from pinocchio._model.joint_base import JointBase
@@ -107,7 +107,7 @@ class LieGroup:
 
     def dIntegrateTransport(self, q: Any, v: Any, J: Any, argument_position: ArgumentPosition) -> Floats:
         """A matrix (nv, n) at integrate(q, v), carried by the derivative."""
-        return self.dIntegrate(q, v, argument_position) @ np.asarray(J, dtype=float)
+        return self.dIntegrate(q, v, argument_position) @ numbers(J, "J")
 
     def dDifference(self, q0: Any, q1: Any, argument_position: ArgumentPosition) -> Floats:
         """The derivative (nv, nv) of `difference` by q0 (ARG0) or q1 (ARG1)."""
@@ -123,11 +123,11 @@ class LieGroup:
 
     def tangentMapProduct(self, q: Any, mat_in: Any) -> Floats:
         """`tangentMap` times a matrix (nv, n)."""
-        return self.tangentMap(q) @ np.asarray(mat_in, dtype=float)
+        return self.tangentMap(q) @ numbers(mat_in, "mat_in")
 
     def tangentMapTransposeProduct(self, q: Any, mat_in: Any) -> Floats:
         """`tangentMap` transposed times a matrix (nq, n)."""
-        return self.tangentMap(q).T @ np.asarray(mat_in, dtype=float)
+        return self.tangentMap(q).T @ numbers(mat_in, "mat_in")
 
     def _bound(self, name: str, **points: Any) -> Any:
         """Calls the kind's function of that name, and binds its kernel where none was bound."""

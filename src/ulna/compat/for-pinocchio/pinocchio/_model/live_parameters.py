@@ -10,7 +10,7 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.arrays import StdVec, numbers
 from pinocchio._model.frame import Frame, changes
 from pinocchio._model.joint_model import JointModel
 from pinocchio._spatial.inertia import Inertia
@@ -155,7 +155,7 @@ class LiveParameters:
 
     @gravity.setter
     def gravity(self, value: Any) -> None:
-        array = np.asarray(value.vector if isinstance(value, Motion) else value, dtype=float)
+        array = numbers(value.vector if isinstance(value, Motion) else value, "value")
         self._gravity._assign(array if array.size == 6 else np.concatenate([array.reshape(3), np.zeros(3)]))
 
     def parameter_blocks(self, name: str) -> list[Floats]:

@@ -9,6 +9,7 @@ import numpy as np
 from pinocchio._containers.arrays import StdVec, vector
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.files import Saved, register
+from pinocchio._containers.keywords import by_name
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd
 from pinocchio._data.data import Data
 from pinocchio._model.building import PER_Q, PER_V, KinematicTree
@@ -46,6 +47,7 @@ class Model(Saved, Supports, KinematicTree):
 
     gravity981: ClassVar[Floats] = np.array([0.0, 0.0, -9.81])
 
+    @by_name("clone", "other")
     def __init__(self, other: Model | None = None) -> None:
         self._create_storage()
         self.name = ""
@@ -112,11 +114,11 @@ class Model(Saved, Supports, KinematicTree):
     @property
     def children(self) -> StdVec[StdVec[int]]:
         """For each joint, the joints that follow it at once."""
-        return StdVec(StdVec(self.getChildJoints(i)) for i in range(self.njoints))
+        return StdVec(self.getChildJoints(i) for i in range(self.njoints))
 
-    def getChildJoints(self, joint_id: int) -> list[int]:
-        """The joints that follow a joint at once."""
-        return [i for i in range(1, self.njoints) if self.parents[i] == joint_id]
+    def getChildJoints(self, joint_id: int = 0) -> StdVec[int]:
+        """The joints that follow a joint at once; those of the universe without one."""
+        return StdVec(i for i in range(1, self.njoints) if self.parents[i] == joint_id)
 
     # named configurations ---------------------------------------------------------------------------------------
 

@@ -68,7 +68,14 @@ from pinocchio._package.settings import sharedMemory as sharedMemory
 from pinocchio._parsers.geometry_urdf import buildGeomFromUrdf as buildGeomFromUrdf
 from pinocchio._parsers.geometry_urdf import buildGeomFromUrdfString as buildGeomFromUrdfString
 from pinocchio._parsers.mjcf import buildGeomFromMJCF as buildGeomFromMJCF
+from pinocchio._parsers.mjcf import (
+    buildModelAndConstraintsFromMJCF as buildModelAndConstraintsFromMJCF,
+)
+from pinocchio._parsers.mjcf import (
+    buildModelAndLegacyConstraintsFromMJCF as buildModelAndLegacyConstraintsFromMJCF,
+)
 from pinocchio._parsers.mjcf import buildModelFromMJCF as buildModelFromMJCF
+from pinocchio._parsers.mjcf import buildModelFromMJCFAndRootJoint as buildModelFromMJCFAndRootJoint
 from pinocchio._parsers.sample_geometry import (
     buildSampleGeometryModelHumanoid as buildSampleGeometryModelHumanoid,
 )
@@ -95,7 +102,9 @@ from pinocchio.linalg import isOrthonormal as isOrthonormal
 from pinocchio.linalg import orthogonalization as orthogonalization
 from pinocchio.linalg import orthonormalization as orthonormalization
 from pinocchio.robot_wrapper import RobotWrapper as RobotWrapper
-from pinocchio.shortcuts import buildModelFromMJCFAndRootJoint as buildModelFromMJCFAndRootJoint
+from pinocchio.shortcuts import (
+    buildModelsAndConstraintsFromMJCF as buildModelsAndConstraintsFromMJCF,
+)
 from pinocchio.shortcuts import buildModelsFromMJCF as buildModelsFromMJCF
 from pinocchio.shortcuts import buildModelsFromUrdf as buildModelsFromUrdf
 from pinocchio.shortcuts import createDatas as createDatas

@@ -11,9 +11,12 @@ from __future__ import annotations
 
 import ast
 import importlib
+import inspect
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from pinocchio._containers.arguments import checked
 
 _COAL = ("coal", "hppfcl")
 
@@ -44,4 +47,5 @@ def load_lazy_name(name: str) -> Any:
         return coal() if name in _COAL else getattr(coal(), name)
     if module == "pinocchio":
         return importlib.import_module(f"pinocchio.{name}")
-    return getattr(importlib.import_module(module), "StdVec" if name.startswith("StdVec_") else name)
+    found = getattr(importlib.import_module(module), "StdVec" if name.startswith("StdVec_") else name)
+    return checked(found) if inspect.isfunction(found) else found

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from pinocchio._constraints.anchors import FrameAnchorConstraintModel, PointAnchorConstraintModel
 from pinocchio._constraints.frame_pair import ContactType
 from pinocchio._constraints.rigid_constraint_model import RigidConstraintModel
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.enums import FrameType, GeometryType, ReferenceFrame
 from pinocchio._geometry.geometry_model import GeometryModel
@@ -22,7 +24,7 @@ from pinocchio._model.model import Model
 from pinocchio._parsers.geometry_urdf import geometry_model_of
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
-from ulna.errors import InputError, ModelWarning
+from ulna.errors import ModelWarning
 from ulna.formats.mjcf import model_from_mjcf
 from ulna.formats.mjcf_loops import loops_from_mjcf
 from ulna.model import FreeFlyer, JointKind, Prismatic, Revolute, Spherical
@@ -50,13 +52,46 @@ def buildModelFromMJCF(
         FormatError: the file is missing or broken; says where and how to fix it.
         MissingExtra: the package mujoco is not installed.
     """
+    model = _model(mjcf_filename, root_joint, root_joint_name or "root_joint")
+    return model if root_joint_name is None else (model, _rigid_constraints(model, mjcf_filename))
+
+
+def _model(mjcf_filename: Any, root_joint: JointModel | None, root_joint_name: str) -> Model:
     if root_joint is not None and not isinstance(root_joint, JointModel):
-        raise InputError(
+        raise ArgumentError(
             f"`root_joint` is {root_joint!r}; expected a joint model, such as JointModelFreeFlyer()."
         )
-    file = os.fspath(mjcf_filename)
-    model = model_of(_read(file), root_joint, root_joint_name or "root_joint")
-    return model if root_joint_name is None else (model, _constraints(model, file))
+    return model_of(_read(os.fspath(mjcf_filename)), root_joint, root_joint_name)
+
+
+def buildModelFromMJCFAndRootJoint(
+    mjcf_filename: Any, root_joint: JointModel, root_joint_name: str = "root_joint"
+) -> Model:
+    """The model of an MJCF file on a joint, without the closed loops; see `buildModelFromMJCF`."""
+    return _model(mjcf_filename, root_joint, root_joint_name)
+
+
+def buildModelAndLegacyConstraintsFromMJCF(
+    mjcf_filename: Any, root_joint: JointModel | None = None, root_joint_name: str = "root_joint"
+) -> tuple[Model, StdVec[RigidConstraintModel]]:
+    """The model of an MJCF file, and the constraints of the class RigidConstraintModel that close its loops."""
+    model = _model(mjcf_filename, root_joint, root_joint_name)
+    return model, _rigid_constraints(model, mjcf_filename)
+
+
+def buildModelAndConstraintsFromMJCF(
+    mjcf_filename: Any, root_joint: JointModel | None = None, root_joint_name: str = "root_joint"
+) -> tuple[Model, StdVec[PointAnchorConstraintModel], StdVec[FrameAnchorConstraintModel]]:
+    """The model of an MJCF file, and the anchors of points, then of frames, that close its loops."""
+    model = _model(mjcf_filename, root_joint, root_joint_name)
+    points: StdVec[PointAnchorConstraintModel] = StdVec()
+    frames: StdVec[FrameAnchorConstraintModel] = StdVec()
+    for size, places in _loops(model, mjcf_filename):
+        if size == 3:
+            points.append(PointAnchorConstraintModel(model, *places))
+        else:
+            frames.append(FrameAnchorConstraintModel(model, *places))
+    return model, points, frames
 
 
 def _read(file: str) -> CoreModel:
@@ -65,17 +100,22 @@ def _read(file: str) -> CoreModel:
         return model_from_mjcf(file, mimic=False)
 
 
-def _constraints(model: Model, file: str) -> StdVec[RigidConstraintModel]:
-    """The closed loops of a file, on the model of that file."""
-    constraints: StdVec[RigidConstraintModel] = StdVec()
-    for loop in loops_from_mjcf(file):
-        kind = ContactType.CONTACT_3D if loop.size == 3 else ContactType.CONTACT_6D
+def _loops(model: Model, file: Any) -> Iterator[tuple[int, list[Any]]]:
+    """The closed loops of a file, on the model of that file: how many rows, then joint, placement, joint, placement."""
+    for loop in loops_from_mjcf(os.fspath(file)):
         places: list[Any] = []
         for name, pose in loop.ends():
             frame = model.frames[model.getBodyId(name) if name != "world" else 0]
             places += [frame.parentJoint, frame.placement * _pose(pose)]
-        constraints.append(RigidConstraintModel(kind, model, *places, ReferenceFrame.LOCAL))
-    return constraints
+        yield loop.size, places
+
+
+def _rigid_constraints(model: Model, file: Any) -> StdVec[RigidConstraintModel]:
+    kinds = {3: ContactType.CONTACT_3D, 6: ContactType.CONTACT_6D}
+    return StdVec(
+        RigidConstraintModel(kinds[size], model, *places, ReferenceFrame.LOCAL)
+        for size, places in _loops(model, file)
+    )
 
 
 def buildGeomFromMJCF(
@@ -88,17 +128,6 @@ def buildGeomFromMJCF(
     source = _read(os.fspath(mjcf_filename))
     links = {("universe" if link is source.links[0] else link.name): link for link in source.links}
     return geometry_model_of(model, links, geom_type)
-
-
-def buildModelsFromMJCF(
-    filename: Any, root_joint: Any = None, root_joint_name: str | None = None, **named: Any
-) -> tuple[Model, GeometryModel, GeometryModel]:
-    """The model of an MJCF file, what it collides with, and what it looks like."""
-    built = buildModelFromMJCF(filename, root_joint, root_joint_name)
-    model = built if isinstance(built, Model) else built[0]
-    kinds = (GeometryType.COLLISION, GeometryType.VISUAL)
-    hard, drawn = (buildGeomFromMJCF(model, filename, kind) for kind in kinds)
-    return model, hard, drawn
 
 
 def model_of(source: CoreModel, root: JointModel | None = None, root_name: str = "root_joint") -> Model:

@@ -93,7 +93,7 @@ def _root(model: Model, using_free_flyer: bool, limits: tuple[Any, ...] | None) 
     root = model.addJoint(0, joint, SE3(), "root_joint", *bounds)
     if using_free_flyer:
         model.lowerPositionLimit[3:7], model.upperPositionLimit[3:7] = -1.0, 1.0
-    model.addJointFrame(root)
+    model.addJointFrame(root, -1)
     return root
 
 
@@ -115,7 +115,7 @@ def _segment(
     placement = place if isinstance(place, SE3) else SE3(np.eye(3), [0.0, 0.0, place])
     joint = model.addJoint(parent, kind, placement, f"{name}_joint", *_LIMITS)
     _put(model, joint, body)
-    model.addJointFrame(joint)
+    model.addJointFrame(joint, -1)
     model.addBodyFrame(f"{name}_body", joint, SE3())
     return joint
 
@@ -129,7 +129,7 @@ def _random_chain(model: Model, parent: int, names: list[str], axes: Any) -> int
     for name, letter in zip(names, axes, strict=True):
         kind = getattr(joint_kinds, f"JointModelR{letter}")()
         parent = model.addJoint(parent, kind, SE3.Random(), f"{name}_joint", *_random_limits(kind))
-        model.addJointFrame(parent)
+        model.addJointFrame(parent, -1)
         _dress(model, parent, name)
     return parent
 

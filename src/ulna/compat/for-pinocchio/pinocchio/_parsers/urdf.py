@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._containers.enums import FrameType
+from pinocchio._containers.keywords import overloads
 from pinocchio._model import joint_kinds
 from pinocchio._model.building import FREE
 from pinocchio._model.frame import Frame
@@ -21,7 +22,17 @@ from ulna.formats.urdf import inertia_of, read_urdf
 from ulna.formats.urdf_document import UrdfDocument, UrdfJoint
 from ulna.formats.urdf_parse import parse_urdf
 
+_ORDERS = (
+    "{} mimic:bool? verbose?",
+    "{} model:Model mimic:bool? verbose?",
+    "{} root_joint:JointModel mimic:bool? verbose?",
+    "{} root_joint:JointModel model:Model mimic:bool? verbose?",
+    "{} root_joint:JointModel root_joint_name:str mimic:bool? verbose?",
+    "{} root_joint:JointModel root_joint_name:str model:Model mimic:bool? verbose?",
+)
 
+
+@overloads(*(order.format("urdf_filename") for order in _ORDERS))
 def buildModelFromUrdf(
     urdf_filename: Any,
     root_joint: Any = None,
@@ -43,11 +54,11 @@ def buildModelFromUrdf(
     Raises:
         FormatError: the file is missing or broken; says where and how to fix it.
     """
-    return build_model(
-        read_urdf(os.fspath(urdf_filename)), *_sorted_out(root_joint, root_joint_name, model), mimic=mimic
-    )
+    document = read_urdf(os.fspath(urdf_filename))
+    return build_model(document, root_joint, root_joint_name or "root_joint", model, mimic)
 
 
+@overloads(*(order.format("urdf_xml_stream") for order in _ORDERS))
 def buildModelFromXML(
     urdf_xml_stream: str,
     root_joint: Any = None,
@@ -57,16 +68,8 @@ def buildModelFromXML(
     mimic: bool = False,
 ) -> Model:
     """The model of a URDF text; see `buildModelFromUrdf`."""
-    return build_model(
-        parse_urdf(urdf_xml_stream), *_sorted_out(root_joint, root_joint_name, model), mimic=mimic
-    )
-
-
-def _sorted_out(*args: Any) -> tuple[JointModel | None, str, Model | None]:
-    """The root joint, its name and the model, in whatever order they came."""
-    joint = next((x for x in args if isinstance(x, JointModel)), None)
-    name = next((x for x in args if isinstance(x, str)), "root_joint")
-    return joint, name, next((x for x in args if isinstance(x, Model)), None)
+    document = parse_urdf(urdf_xml_stream)
+    return build_model(document, root_joint, root_joint_name or "root_joint", model, mimic)
 
 
 def build_model(

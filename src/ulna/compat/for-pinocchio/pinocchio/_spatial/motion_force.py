@@ -8,7 +8,7 @@ import numpy as np
 
 from pinocchio._containers.arrays import numbers, text, vector
 from pinocchio._containers.files import register
-from pinocchio._containers.keywords import by_name
+from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.se3 import SE3
 from ulna import spatial
@@ -185,17 +185,20 @@ class Motion(_Six):
     __slots__ = ()
     _tower = spatial.Motion
 
-    def cross(self, other: Any) -> Any:
+    @reads_names("m", "f")
+    def cross(self, other: Any = None, **named: Any) -> Any:
         """The cross product with a Motion, or with a Force."""
+        if other is None:
+            other = the_one("Motion.cross", named, ("m", "f"))
         if not isinstance(other, (Motion, Force)):
             raise InputError(f"Motion.cross was given {other!r}; expected a Motion or a Force.")
         return type(other)._from(self._value().cross(other._value()))
 
     __xor__ = cross
 
-    def dot(self, force: Any) -> float:
+    def dot(self, f: Any) -> float:
         """The power of a Force at this velocity [W]."""
-        return float(self._v @ (force._v if isinstance(force, Force) else vector(force, 6, "force")))
+        return float(self._v @ (f._v if isinstance(f, Force) else vector(f, 6, "f")))
 
     @property
     def action(self) -> Floats:
@@ -223,9 +226,9 @@ class Force(_Six):
     _signs = ("f", "tau")
     _tower = spatial.Force
 
-    def dot(self, motion: Any) -> float:
+    def dot(self, m: Any) -> float:
         """The power at a velocity [W]."""
-        return float(self._v @ (motion._v if isinstance(motion, Motion) else vector(motion, 6, "motion")))
+        return float(self._v @ (m._v if isinstance(m, Motion) else vector(m, 6, "m")))
 
 
 def skew(u: Any) -> Floats:

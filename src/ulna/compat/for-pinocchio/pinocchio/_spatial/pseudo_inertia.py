@@ -138,6 +138,7 @@ class LogCholeskyParameters(_BodyParameters):
 
     __slots__ = ()
 
+    @by_name("log_cholesky_parameters", "clone")
     def __init__(self, log_cholesky_parameters: Any) -> None:
         one = log_cholesky_parameters
         entries = (

@@ -7,10 +7,11 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import matrix, text, vector
+from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import matrix, numbers, text, vector
+from pinocchio._containers.keywords import by_name
 from ulna import spatial
 from ulna.compiler import compile as compile_function
-from ulna.errors import InputError
 from ulna.typing import Floats
 
 
@@ -20,6 +21,7 @@ class Quaternion:
 
     __slots__ = ("_c",)
 
+    @by_name("w x y z", "R", "vec4", "aa", "quat", "u v")
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 4:
             w, x, y, z = parts
@@ -28,9 +30,12 @@ class Quaternion:
             self._c = np.array([0.0, 0.0, 0.0, 1.0])
         elif len(parts) == 1:
             self._c = _coefficients(parts[0])
+        elif len(parts) == 2:
+            self._c = np.array([0.0, 0.0, 0.0, 1.0])
+            self.setFromTwoVectors(*parts)
         else:
-            raise InputError(
-                f"Quaternion was given {len(parts)} arguments; expected w, x, y, z, or one matrix."
+            raise ArgumentError(
+                f"Quaternion was given {len(parts)} arguments; expected w, x, y, z, one matrix, or two vectors."
             )
 
     @staticmethod
@@ -45,10 +50,12 @@ class Quaternion:
         return Quaternion()
 
     @staticmethod
+    @by_name("a b", "u v")
     def FromTwoVectors(u: Any, v: Any) -> Quaternion:
         """The least rotation that turns the direction of u into that of v."""
         return Quaternion().setFromTwoVectors(u, v)
 
+    @by_name("a b", "u v")
     def setFromTwoVectors(self, u: Any, v: Any) -> Quaternion:
         """Becomes the least rotation that turns the direction of u into that of v."""
         a, b = (x / np.linalg.norm(x) for x in (vector(u, 3, "u"), vector(v, 3, "v")))
@@ -117,6 +124,7 @@ class Quaternion:
         self._c[:] = 0.0, 0.0, 0.0, 1.0
         return self
 
+    @by_name("quat", "aa", "other")
     def assign(self, other: Any) -> Quaternion:
         """Takes over another rotation."""
         self._c[:] = _coefficients(other)
@@ -131,7 +139,9 @@ class Quaternion:
             return Quaternion._of(spatial.quat_multiply(self._c, other._c))
         return self.matrix() @ vector(other, 3, "v")
 
-    _transformVector = __mul__
+    def _transformVector(self, vector: Any) -> Floats:
+        """The vector (3,) turned."""
+        return self * vector
 
     def __getitem__(self, place: int) -> float:
         return float(self._c[place])
@@ -173,7 +183,7 @@ def _coefficients(one: Any) -> Floats:
         return one._c.copy()
     if isinstance(one, AngleAxis):
         one = one.matrix()
-    array = np.asarray(one, dtype=float)
+    array = numbers(one, "coefficients")
     if array.shape == (3, 3):
         return coefficients_of(array)
     return vector(one, 4, "coefficients").copy()
@@ -199,6 +209,7 @@ def coefficients_of(R: Floats) -> Floats:
 class AngleAxis:
     """A rotation by an angle [rad] about a unit axis: `AngleAxis(angle, axis)`, `(R)`, `(quaternion)`."""
 
+    @by_name("angle axis", "R", "quaternion", "copy")
     def __init__(self, *parts: Any) -> None:
         self.angle: float = 0.0
         self.axis: Floats = np.array([1.0, 0.0, 0.0])
@@ -211,6 +222,7 @@ class AngleAxis:
             else:
                 self.fromRotationMatrix(one.matrix() if hasattr(one, "matrix") else one)
 
+    @by_name("rotation", "R")
     def fromRotationMatrix(self, R: Any) -> AngleAxis:
         """Takes over a rotation matrix."""
         angle, axis = spatial.matrix_to_angle_axis(matrix(R, (3, 3), "R"))

@@ -9,7 +9,7 @@ import numpy as np
 
 from pinocchio._containers.arrays import matrix, numbers, text, vector
 from pinocchio._containers.files import register
-from pinocchio._containers.keywords import by_name
+from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.rotations import coefficients_of
 from ulna import spatial
@@ -48,6 +48,10 @@ def se3_kernel(name: str) -> Any:
     function, *sizes = _FUNCTIONS[name]
     shapes: dict[str, Any] = {f"x{k}": size for k, size in enumerate(sizes)}
     return compile_function(function, **shapes)
+
+
+_ITEMS = ("M", "motion", "force", "inertia", "point")
+"""What a placement acts on, by the names of arguments."""
 
 
 @final
@@ -164,25 +168,35 @@ class SE3:
 
     __invert__ = inverse
 
-    def act(self, item: Any) -> Any:
+    @reads_names(*_ITEMS)
+    def act(self, item: Any = None, **named: Any) -> Any:
         """What `item` is after the displacement: SE3, Motion, Force, Inertia, or a point (3,), or points (3, N)."""
         if isinstance(item, SE3):
             return SE3._of(se3_kernel("product")(self._m, item._m))
         if hasattr(item, "se3Action"):
             return item.se3Action(self)
+        if item is None:
+            return self.act(the_one("SE3.act", named, _ITEMS))
         return self._point(item, self._m[:3, :3], self._m[:3, 3])
 
-    def actInv(self, item: Any) -> Any:
+    @reads_names(*_ITEMS)
+    def actInv(self, item: Any = None, **named: Any) -> Any:
         """What `item` was before the displacement; see `act`."""
         if isinstance(item, SE3):
             return SE3._of(se3_kernel("quotient")(self._m, item._m))
         if hasattr(item, "se3ActionInverse"):
             return item.se3ActionInverse(self)
+        if item is None:
+            return self.actInv(the_one("SE3.actInv", named, _ITEMS))
         back = self.inverse()
         return self._point(item, back._m[:3, :3], back._m[:3, 3])
 
-    __mul__ = act
-    __matmul__ = act
+    def __mul__(self, item: Any) -> Any:
+        if isinstance(item, SE3):
+            return SE3._of(se3_kernel("product")(self._m, item._m))
+        return self.act(item)
+
+    __matmul__ = __mul__
     __array_ufunc__ = None  # so that NumPy leaves products to this class
 
     @staticmethod
@@ -236,6 +250,7 @@ class SE3:
         return f"  R =\n{text(self._m[:3, :3])}\n  p = {text(self._m[:3, 3])}\n"
 
 
+@by_name("array", "xyzquat", "tuple", "list")
 def XYZQUATToSE3(xyzquat: Any) -> SE3:
     """The placement of a position and a quaternion xyzw in one array (7,)."""
     values = vector(xyzquat, 7, "xyzquat")

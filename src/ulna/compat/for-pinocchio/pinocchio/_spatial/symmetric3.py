@@ -62,11 +62,11 @@ class Symmetric3:
         xx, xy, yy, xz, yz, zz = self._d
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
-    def inverse(self, out: Floats | None = None) -> Floats:
-        """The inverse matrix; written into `out` as well where it is given."""
+    def inverse(self, res: Floats | None = None) -> Floats:
+        """The inverse matrix; written into `res` as well where it is given."""
         inverted = np.asarray(np.linalg.inv(self.matrix()), dtype=float)
-        if out is not None:
-            out[:] = inverted
+        if res is not None:
+            res[:] = inverted
         return inverted
 
     def rotate(self, R: Any) -> Symmetric3:
@@ -79,14 +79,14 @@ class Symmetric3:
         return float(vector(v, 3, "v") @ self.matrix() @ vector(v, 3, "v"))
 
     @staticmethod
-    def vxs(v: Any, S: Symmetric3) -> Floats:
-        """[v]x S."""
-        return skew(v) @ S.matrix()
+    def vxs(v: Any, S3: Symmetric3) -> Floats:
+        """[v]x S3."""
+        return skew(v) @ S3.matrix()
 
     @staticmethod
-    def svx(v: Any, S: Symmetric3) -> Floats:
-        """S [v]x."""
-        return S.matrix() @ skew(v)
+    def svx(v: Any, S3: Symmetric3) -> Floats:
+        """S3 [v]x."""
+        return S3.matrix() @ skew(v)
 
     @staticmethod
     def rhsMult(S: Symmetric3, v: Any, out: Floats) -> None:
@@ -102,9 +102,9 @@ class Symmetric3:
         """Makes all entries `value`."""
         self._d[:] = value
 
-    def setDiagonal(self, diagonal: Any) -> None:
+    def setDiagonal(self, diag: Any) -> None:
         """Changes the diagonal."""
-        self._d[[0, 2, 5]] = vector(diagonal, 3, "diagonal")
+        self._d[[0, 2, 5]] = vector(diag, 3, "diag")
 
     def setZero(self) -> None:
         """Makes it zero."""

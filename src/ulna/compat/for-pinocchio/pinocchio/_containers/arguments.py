@@ -1,0 +1,184 @@
+"""Checks of arguments by the annotations of functions; errors are also of the classes that Pinocchio raises."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeVar, final
+
+import numpy as np
+
+from ulna.errors import InputError, excerpt
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+@final
+class ArgumentError(InputError, TypeError):
+    """An argument has a type that the function does not take; Pinocchio raises a TypeError of that name."""
+
+
+@final
+class IndexOutOfRange(InputError, IndexError):
+    """An index has no entry."""
+
+
+def is_flag(value: Any) -> bool:
+    """Whether a value says yes or no."""
+    return isinstance(value, (bool, np.bool_)) or (isinstance(value, int) and value in (0, 1))
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is one real number."""
+    return hasattr(value, "__float__") and np.ndim(value) == 0 and not isinstance(value, str)
+
+
+def is_index(value: Any) -> bool:
+    """Whether a value is a whole number."""
+    return hasattr(value, "__index__") and np.ndim(value) == 0
+
+
+def _has_class(name: str) -> Callable[[Any], bool]:
+    return lambda value: any(cls.__name__ == name for cls in type(value).__mro__)
+
+
+_KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "bool": (is_flag, "True or False"),
+    "float": (is_number, "a real number"),
+    "int": (is_index, "a whole number"),
+    "str": (lambda value: isinstance(value, str), "a text"),
+    "Convention": (_has_class("Convention"), "Convention.LOCAL or Convention.WORLD"),
+    "Model": (_has_class("Model"), "a pinocchio.Model"),
+    "Data": (_has_class("Data"), "the data of the model, model.createData()"),
+    "GeometryModel": (_has_class("GeometryModel"), "a pinocchio.GeometryModel"),
+    "GeometryData": (_has_class("GeometryData"), "the data of the geometries, geometry_model.createData()"),
+}
+"""For annotations: what a value must be, and how a message says that."""
+_HINTS = {
+    "RobotWrapper": "A RobotWrapper holds robot.model and robot.data.",
+    "Data": "The order is (model, data, ...).",
+    "Model": "The order is (model, data, ...).",
+    "NoneType": "Was it made before this call?",
+}
+
+
+class _Check(NamedTuple):
+    """What is expected of a parameter."""
+
+    place: int
+    name: str
+    accepts: Callable[[Any], bool]
+    expected: str
+    optional: bool
+
+    def __call__(self, function: str, value: Any) -> None:
+        if (value is None and self.optional) or self.accepts(value):
+            return
+        hint = _HINTS.get(type(value).__name__, "") if self.name in ("model", "data") else ""
+        raise ArgumentError(
+            f"{function}: `{self.name}` is {excerpt(repr(value))}; expected {self.expected}. {hint}".rstrip()
+        )
+
+
+def checked(function: Function) -> Function:
+    """Checks the arguments of a function by their annotations, and that its data is of its model.
+
+    Raises of the function returned:
+        ArgumentError: An argument has another type.
+        InputError: The data was made for another model.
+    """
+    checks = _checks_of(function)
+    if not checks or hasattr(function, "arguments_checked"):
+        return function
+    title = function.__qualname__.rpartition(">.")[2]
+    relation = {"model", "data"} <= {check.name for check in checks}
+
+    @functools.wraps(function)
+    def called(*args: Any, **named: Any) -> Any:
+        for check in checks:
+            if check.place < len(args):
+                check(title, args[check.place])
+            elif check.name in named:
+                check(title, named[check.name])
+        if relation:
+            check_layout(
+                *(args[k] if k < len(args) else named.get(x) for k, x in enumerate(("model", "data")))
+            )
+        return function(*args, **named)
+
+    called.arguments_checked = True  # type: ignore[attr-defined]
+    return called  # type: ignore[return-value]
+
+
+def checked_functions(names: dict[str, Any]) -> dict[str, Any]:
+    """Those functions of a namespace that do not check their arguments themselves, with checks."""
+    return {
+        name: checked(function)
+        for name, function in names.items()
+        if inspect.isfunction(function) and not name.startswith("_") and name not in CHECKING_THEMSELVES
+    }
+
+
+CHECKING_THEMSELVES = {
+    *("integrate", "difference", "randomConfiguration", "computeJointJacobian", "computeFrameJacobian"),
+    *("updateFramePlacement", "updateFramePlacements", "exp3", "log3", "exp6", "log6", "checked_functions"),
+}
+"""Functions called so often that they check their arguments only where the compiled kernel does not take them."""
+
+
+def _checks_of(function: Callable[..., Any]) -> list[_Check]:
+    checks = []
+    for k, parameter in enumerate(inspect.signature(function).parameters.values()):
+        first, _, rest = str(parameter.annotation).partition(" | ")
+        positional = parameter.kind in (parameter.POSITIONAL_ONLY, parameter.POSITIONAL_OR_KEYWORD)
+        if (
+            first in _KINDS
+            and rest in ("", "None")
+            and (positional or parameter.kind == parameter.KEYWORD_ONLY)
+        ):
+            optional = parameter.default is None or rest == "None"
+            checks.append(_Check(k if positional else 10**6, parameter.name, *_KINDS[first], optional))
+    return checks
+
+
+def check_model_and_data(function: str, model: Any, data: Any) -> None:
+    """Raises what `checked` raises for a function of a model and its data."""
+    for place, (name, value) in enumerate({"model": model, "data": data}.items()):
+        _Check(place, name, *_KINDS[name.capitalize()], False)(function, value)
+    check_layout(model, data)
+
+
+def wrong_model(function: str, model: Any) -> ArgumentError:
+    """The error for what is no model."""
+    return ArgumentError(f"{function}: `model` is {excerpt(repr(model))}; expected a pinocchio.Model.")
+
+
+def check_layout(model: Any, data: Any) -> None:
+    """Raises InputError where a Data was made for another model."""
+    if data is None or model is None or data._layout is model._layout or data._layout == model._layout:
+        return
+    raise InputError(
+        f"This Data was made for a model of {len(data._layout)} joints that are not those of the model, which "
+        f"now has {model.njoints}. Make a new one: data = model.createData()."
+    )
+
+
+def check_size(value: Any, name: str, most: int = 10**6) -> int:
+    """A count, checked.
+
+    Raises:
+        ArgumentError: It is no whole number.
+        InputError: It is below zero, or so large that it must be a mistake.
+    """
+    if not is_index(value):
+        raise ArgumentError(f"`{name}` is {excerpt(repr(value))}; expected a whole number.")
+    count = value.__index__()
+    if not 0 <= count <= most:
+        raise SizeError(f"`{name}` is {count}; expected a whole number from 0 to {most}.")
+    return count
+
+
+@final
+class SizeError(InputError, OverflowError):
+    """A count is below zero, or too large."""

@@ -1,0 +1,68 @@
+"""Every overload of Pinocchio can be called here with the same positions, names and defaults."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from support.two_pythons import both
+from ulna.compat.packages import environment
+from ulna.robots.example_robot_data import share_folder
+
+HERE = Path(__file__).parent
+FROM_AN_INDEX = "made by `createData`, which knows the joint; an empty one is of no use"
+REASONS = {
+    "log6": "`homegeneous_matrix` is misspelt there, and another name would cost time",
+    "Data.__init__": "an empty Data is of no use",
+    "FrameAnchorConstraintData.__init__": "made by `createData`",
+    "PointAnchorConstraintData.__init__": "made by `createData`",
+    "PointContactConstraintData.__init__": "made by `createData`",
+    "JointDataComposite.__init__": FROM_AN_INDEX,
+    "JointDataHelicalUnaligned.__init__": FROM_AN_INDEX,
+    "JointDataPrismaticUnaligned.__init__": FROM_AN_INDEX,
+    "JointDataRevoluteUnaligned.__init__": FROM_AN_INDEX,
+    "Model.existFrame": "None stands for all types",
+    "Model.getFrameId": "None stands for all types",
+    "computeConstraintDynamicsDerivatives": "None stands for the same settings, not made anew for each call",
+    "computeImpulseDynamicsDerivatives": "None stands for the same settings, not made anew for each call",
+}
+"""Why a signature differs."""
+
+
+def _run(script: str, real: bool, *words: str) -> None:
+    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    command = [sys.executable, str(HERE / script), *words]
+    variables = plain if real else environment(["pinocchio"], plain)
+    done = subprocess.run(command, env=variables, capture_output=True, text=True, check=False, timeout=300)
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_overload_is_taken(tmp_path: Path) -> None:
+    pytest.importorskip("pinocchio")
+    theirs, found = tmp_path / "overloads.json", tmp_path / "found.json"
+    _run("overloads.py", True, str(theirs))
+    _run("signatures.py", False, str(theirs), str(found))
+    answers: dict[str, Any] = json.loads(found.read_text(encoding="utf-8"))
+    assert answers["count"] > 1000
+    assert not [each for each in answers["differences"] if each[0] not in REASONS]
+    assert {path for path, *_ in answers["differences"]} == set(REASONS)  # none is listed for nothing
+
+
+def test_arguments_by_position_are_those_of_pinocchio(tmp_path: Path) -> None:
+    share = share_folder()
+    if share is None:
+        pytest.skip("example-robot-data is not installed")
+    robots = share / "robots"
+    words = [
+        robots / "ur_description/urdf/ur5_robot.urdf",
+        robots / "panda_description/urdf/panda.urdf",
+        share.parent,
+    ]
+    own, wanted = both(HERE / "asked_positions.py", tmp_path, *map(str, words))
+    assert own == wanted

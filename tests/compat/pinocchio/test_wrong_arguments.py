@@ -1,0 +1,133 @@
+"""Nothing is silently accepted: complex numbers, None, data of other models, wrong flags, sizes without bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+from ulna.errors import InputError
+
+MODEL = (
+    "pin.rnea({m}, {d}, q, v, v)",
+    "pin.forwardKinematics({m}, {d}, q)",
+    "pin.crba({m}, {d}, q)",
+    "pin.computeAllTerms({m}, {d}, q, v)",
+    "pin.updateFramePlacements({m}, {d})",
+    "pin.updateFramePlacement({m}, {d}, 1)",
+    "pin.updateGlobalPlacements({m}, {d})",
+    "pin.getFrameVelocity({m}, {d}, 1)",
+    "pin.getFrameJacobian({m}, {d}, 1, pin.LOCAL)",
+    "pin.computeFrameJacobian({m}, {d}, q, 1)",
+    "pin.computeJointJacobian({m}, {d}, q, 1)",
+    "pin.computeSupportedInertiaByFrame({m}, {d}, 1, True)",
+    "pin.computeSupportedForceByFrame({m}, {d}, 1)",
+    "pin.computeJointKinematicRegressor({m}, {d}, 1, pin.LOCAL)",
+    "pin.computeStaticTorque({m}, {d}, q, forces)",
+    "pin.centerOfMass({m}, {d}, q)",
+    "pin.cholesky.decompose({m}, {d})",
+    "pin.computeMechanicalEnergy({m}, {d}, q, v)",
+)
+ALONE = (
+    "pin.integrate({m}, q, v)",
+    "pin.difference({m}, q, q)",
+    "pin.neutral({m})",
+    "pin.randomConfiguration({m})",
+)
+ARRAYS = (
+    "pin.rnea(m, d, {x}, v, v)",
+    "pin.rnea(m, d, q, {x}, v)",
+    "pin.integrate(m, q, {x})",
+    "pin.interpolate(m, q, {x}, 0.5)",
+    "pin.dIntegrate(m, {x}, v)",
+    "pin.tangentMapProduct(m, q, {x})",
+    "pin.neutral(m) @ pin.JointModelRX().calc(m.joints[1].createData(), {x})",
+    "setattr(d, 'tau', {x})",
+    "setattr(m, 'armature', {x})",
+    "pin.exp6({x})",
+    "pin.Motion({x})",
+    "pin.Force({x})",
+)
+FLAGS = (
+    ("pin.crba(m, d, q, 'abc')", "convention"),
+    ("pin.crba(m, d, q, 1)", "convention"),
+    ("pin.centerOfMass(m, d, q, compute_subtree_coms='no')", "compute_subtree_coms"),
+    ("pin.jacobianCenterOfMass(m, d, q, 'no')", "compute_subtree_coms"),
+    ("pin.getJointJacobian(m, d, 1, 0)", "reference frame"),
+    ("pin.rpy.computeRpyJacobian(np.zeros(3), 0)", "reference frame"),
+    ("pin.ModelPool(m, 2**70)", "2361183241434822606848|1180591620717411303424"),
+    ("pin.ModelPool(m, -1)", "-1"),
+    ("pin.ModelPool(None, 1)", "None"),
+    ("pin.getJointJacobian(m, d, 'here', pin.LOCAL)", "here"),
+    ("pin.getJointJacobian(m, d, -1, pin.LOCAL)", "-1"),
+    ("pin.getFrameVelocity(m, d, 10**6)", "1000000"),
+)
+
+
+@pytest.fixture(scope="module")
+def names() -> Iterator[dict[str, Any]]:
+    with worn("pinocchio"):
+        import pinocchio as pin
+
+        m = pin.buildSampleModelManipulator()
+        small = pin.buildReducedModel(m, [6], pin.neutral(m))
+        d, q = m.createData(), np.linspace(0.1, 0.6, 6)
+        pin.forwardKinematics(m, d, q, q, q)
+        pin.computeJointJacobians(m, d, q)
+        forces = pin.StdVec_Force([pin.Force.Zero() for _ in range(m.njoints)])
+        yield {
+            "pin": pin,
+            "m": m,
+            "d": d,
+            "q": q,
+            "v": q,
+            "other": small.createData(),
+            "np": np,
+            "forces": forces,
+        }
+
+
+@pytest.mark.parametrize("call", MODEL)
+def test_what_is_no_model_or_no_data_of_it(call: str, names: dict[str, Any]) -> None:
+    for m, d in (("None", "d"), ("m", "None"), ("d", "m"), ("q", "d"), ("m", "other")):
+        for _ in range(2):
+            with pytest.raises(InputError, match="expected|createData") as caught:
+                eval(call.format(m=m, d=d), names)
+            assert isinstance(caught.value, TypeError) or d == "other"
+
+
+@pytest.mark.parametrize("call", ALONE)
+def test_what_is_no_model(call: str, names: dict[str, Any]) -> None:
+    for m in ("None", "d", "q"):
+        with pytest.raises(TypeError, match=r"expected a pinocchio.Model"):
+            eval(call.format(m=m), names)
+
+
+@pytest.mark.parametrize("call", ARRAYS)
+def test_what_is_no_array_of_real_numbers(call: str, names: dict[str, Any]) -> None:
+    for x in ("q + 1j", "np.array([None] * 6)", "np.array(['1'] * 6)", "'abcdef'"):
+        with pytest.raises(TypeError, match="expected real numbers") as caught:
+            eval(call.format(x=x), names)
+        assert isinstance(caught.value, InputError)
+
+
+@pytest.mark.parametrize(("call", "word"), FLAGS)
+def test_wrong_flags_sizes_and_indices(call: str, word: str, names: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=word):
+        eval(call, names)
+
+
+def test_integers_and_objects_that_are_numbers_are_taken(names: dict[str, Any]) -> None:
+    pin, m, d, v = (names[x] for x in ("pin", "m", "d", "v"))
+    wanted = pin.rnea(m, d, np.ones(6), v, v)
+    for ones in (
+        [1] * 6,
+        np.ones(6, int),
+        np.ones(6, bool),
+        np.ones(6, np.float32),
+        np.array([1] * 6, object),
+    ):
+        np.testing.assert_array_equal(pin.rnea(m, d, ones, v, v), wanted)
