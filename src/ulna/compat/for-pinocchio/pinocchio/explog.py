@@ -69,11 +69,17 @@ def exp3(w: Any) -> Floats:
 
 @by_name("R theta", "quat theta")
 def log3(R: Any, theta: Any = None) -> Floats:
-    """The rotation vector (3,) [rad] of a rotation matrix, or of a quaternion (Quaternion, or xyzw).
+    """The rotation vector of a rotation.
 
     Args:
-        R: The rotation.
-        theta: An array of one entry that takes the angle [rad]; a number is ignored, as there.
+        R: Rotation matrix (3, 3), a Quaternion, or its coefficients x, y, z, w, (4,).
+        theta: An array of one entry that takes the angle [rad]; a number is ignored, as in Pinocchio.
+
+    Returns:
+        Rotation vector (3,) [rad].
+
+    Raises:
+        ArgumentError: `theta` is neither.
     """
     turned = R.matrix() if isinstance(R, Quaternion) else numbers(R, "R")
     if turned.shape in ((4,), (4, 1)):

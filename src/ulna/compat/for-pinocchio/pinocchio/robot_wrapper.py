@@ -54,8 +54,11 @@ class RobotWrapper(Kinematic, Viewed):
 
         Args:
             filename: The file.
-            args: See `buildModelsFromUrdf`: folders of packages, a root joint such as JointModelFreeFlyer(), ...
-            kwargs: The same by their names.
+            *args: See `buildModelsFromUrdf`: folders of packages, a root joint such as JointModelFreeFlyer(), ...
+            **kwargs: The same by their names.
+
+        Returns:
+            The robot.
 
         Raises:
             FormatError: The file is missing or broken; says where and how to fix it. A missing mesh only warns.
@@ -65,7 +68,13 @@ class RobotWrapper(Kinematic, Viewed):
         return robot
 
     def initFromURDF(self, filename: Any, *args: Any, **kwargs: Any) -> None:
-        """Makes this the robot of a URDF file; see `BuildFromURDF`."""
+        """Makes this the robot of a URDF file; see `BuildFromURDF`.
+
+        Args:
+            filename: The file.
+            *args: See `buildModelsFromUrdf`.
+            **kwargs: See `buildModelsFromUrdf`.
+        """
         models = buildModelsFromUrdf(filename, *args, **kwargs)
         RobotWrapper.__init__(self, *_robot_of(models, 3))
 
@@ -93,13 +102,28 @@ class RobotWrapper(Kinematic, Viewed):
 
     @staticmethod
     def BuildFromMJCF(filename: Any, *args: Any, **kwargs: Any) -> RobotWrapper:
-        """The robot of an MJCF file; see `pinocchio.buildModelsFromMJCF`."""
+        """The robot of an MJCF file; see `pinocchio.buildModelsFromMJCF`.
+
+        Args:
+            filename: The file.
+            *args: See `buildModelsFromMJCF`.
+            **kwargs: See `buildModelsFromMJCF`.
+
+        Returns:
+            The robot.
+        """
         robot = RobotWrapper.__new__(RobotWrapper)
         robot.initFromMJCF(filename, *args, **kwargs)
         return robot
 
     def initFromMJCF(self, filename: Any, *args: Any, **kwargs: Any) -> None:
-        """Makes this the robot of an MJCF file; see `BuildFromMJCF`."""
+        """Makes this the robot of an MJCF file; see `BuildFromMJCF`.
+
+        Args:
+            filename: The file.
+            *args: See `buildModelsFromMJCF`.
+            **kwargs: See `buildModelsFromMJCF`.
+        """
         model, constraints, *geometries = _robot_of(buildModelsFromMJCF(filename, *args, **kwargs), 4)
         RobotWrapper.__init__(self, model, *geometries, constraint_models=constraints)
 
