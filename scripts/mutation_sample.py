@@ -72,7 +72,10 @@ def main(words: list[str] | None = None) -> int:
     else:
         open_ones = ("", "survived", "untested") if options.again else ("",)
         left = [mutant for mutant in chosen if results.status(mutant) in open_ones]
-        _try(left, results, root, folder, options)
+        with _Trial(results, root, folder, options) as trials:
+            while left:
+                trials.run(left)
+                left = trials.refuted(chosen)
     return _summary(chosen, results)
 
 
@@ -93,6 +96,15 @@ class _Results:
             return "equivalent"
         return self._all.get(mutant.key, {}).get("status", "")
 
+    def unconfirmed(self, mutant: Mutant) -> str:
+        """The test that caught a mutant where it was not yet tried without; empty for others."""
+        verdict = self._all.get(mutant.key, {})
+        return "" if verdict.get("confirmed", True) else verdict["test"]
+
+    def confirm(self, mutant: Mutant) -> None:
+        """Notes that the test that caught a mutant passes without it."""
+        self.add(mutant, trial.Verdict(**self._all[mutant.key] | {"confirmed": True}))
+
     def add(self, mutant: Mutant, verdict: trial.Verdict) -> None:
         """Notes a verdict and writes the file."""
         self._all = self._read() | {mutant.key: asdict(verdict)}  # another run may have added some
@@ -108,36 +120,52 @@ def _equivalent(file: Path) -> set[tuple[str, str]]:
     return {(path, change) for path, change, _ in rows}
 
 
-def _try(
-    chosen: list[Mutant], results: _Results, root: Path, folder: Path, options: argparse.Namespace
-) -> None:
-    """Tries mutants and prints a line for each."""
-    covered, judge = coverage_map.CoverageMap(root, folder), trial.Judge()
-    planned = [
-        (mutant, [options.tests] if options.tests else choice.stages(mutant, covered, root, options.budget))
-        for mutant in chosen
-    ]
-    places = Path(tempfile.mkdtemp(prefix="mutation-"))
-    free: queue.SimpleQueue[trial.Sandbox] = queue.SimpleQueue()
-    for job in range(min(options.jobs, len(planned))):
-        free.put(trial.Sandbox(root, places / str(job), *trial.user_cache()))
+class _Trial:
+    """Tries mutants, `--jobs` at a time, each in a sandbox."""
 
-    def one(plan: tuple[Mutant, list[list[str]]]) -> tuple[Mutant, trial.Verdict]:
-        sandbox = free.get()
-        try:
-            return plan[0], judge.verdict(*plan, sandbox, covered.seconds)
-        finally:
-            free.put(sandbox)
+    def __init__(self, results: _Results, root: Path, folder: Path, options: argparse.Namespace) -> None:
+        self._results, self._root, self._options = results, root, options
+        self._covered, self._judge = coverage_map.CoverageMap(root, folder), trial.Judge()
+        self._places = Path(tempfile.mkdtemp(prefix="mutation-"))
+        self._free: queue.SimpleQueue[trial.Sandbox] = queue.SimpleQueue()
+        unsound: set[str] = set()
+        for job in range(options.jobs):
+            self._free.put(trial.Sandbox(root, self._places / str(job), *trial.user_cache(), unsound))
 
-    try:
-        with ThreadPoolExecutor(options.jobs) as pool:
-            for done in as_completed([pool.submit(one, plan) for plan in planned]):
+    def __enter__(self) -> _Trial:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        shutil.rmtree(self._places, ignore_errors=True)
+
+    def run(self, chosen: list[Mutant]) -> None:
+        """Tries mutants and prints a line for each."""
+        with ThreadPoolExecutor(self._options.jobs) as pool:
+            for done in as_completed([pool.submit(self._verdict, mutant) for mutant in chosen]):
                 mutant, verdict = done.result()
-                results.add(mutant, verdict)
+                self._results.add(mutant, verdict)
                 by = verdict.test or f"{verdict.tests} tests"
                 print(f"{verdict.status:9} {verdict.seconds:4.0f} s  {mutant.name}  [{by}]", flush=True)
-    finally:
-        shutil.rmtree(places, ignore_errors=True)
+
+    def refuted(self, chosen: list[Mutant]) -> list[Mutant]:
+        """The mutants whose test fails without them, too; the verdict on the others is confirmed."""
+        waiting = {mutant: test for mutant in chosen if (test := self._results.unconfirmed(mutant))}
+        sandbox = self._free.get()
+        failing = self._judge.refuted(sorted(set(waiting.values())), sandbox, self._covered.seconds)
+        self._free.put(sandbox)
+        for mutant, test in waiting.items():
+            if test not in failing:
+                self._results.confirm(mutant)
+        return [mutant for mutant, test in waiting.items() if test in failing]
+
+    def _verdict(self, mutant: Mutant) -> tuple[Mutant, trial.Verdict]:
+        tests = self._options.tests
+        rounds = [tests] if tests else choice.stages(mutant, self._covered, self._root, self._options.budget)
+        sandbox = self._free.get()
+        try:
+            return mutant, self._judge.verdict(mutant, rounds, sandbox, self._covered.seconds)
+        finally:
+            self._free.put(sandbox)
 
 
 def _show(survivors: list[Mutant], root: Path) -> None:

@@ -11,14 +11,15 @@ from mutation.coverage_map import CoverageMap
 from mutation.mutant import Mutant
 
 FUNCTIONS, FILES = 12, 2  # how many test functions and files are tried where the map knows nothing
+_OF_SOURCES = ["tests/architecture/test_frozen_data.py"]  # which read the sources that are imported
 _OTHER = ("browser", "architecture", "fuzz")  # folders of tests that try no single line
 
 
 def stages(mutant: Mutant, covered: CoverageMap, root: Path, budget: float) -> list[list[str]]:
-    """The tests to try, in up to four rounds; each round takes about `budget` seconds at most.
+    """The tests to try, in up to five rounds; each round takes about `budget` seconds at most.
 
     First the quickest of the tests that run the mutated lines, then more of these and of the tests that run the file,
-    then, where these are few, the test functions and files that name what is mutated.
+    then, where these are few, the test functions and files that name what is mutated, then tests that read sources.
     """
     if mutant.function_lines is not None:
         exact = covered.of_lines(mutant.path, mutant.line, mutant.last_line)
@@ -35,6 +36,8 @@ def stages(mutant: Mutant, covered: CoverageMap, root: Path, budget: float) -> l
     rounds = [first, second]
     if len(first) < 12:
         rounds += named(mutant, root)
+    if mutant.function_lines is None:
+        rounds.append([test for test in _OF_SOURCES if (root / test).exists()])
     return [tests for tests in rounds if tests]
 
 

@@ -34,12 +34,16 @@ _CACHED = (
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a mutant: `caught`, `survived`, `timed out` or `untested`, by which test, of how many, when."""
+    """What became of a mutant: `caught`, `survived`, `timed out` or `untested`, by which test, of how many, when.
+
+    `caught` is confirmed once the test has passed without the mutant.
+    """
 
     status: str
     test: str
     tests: int
     seconds: float
+    confirmed: bool = True
 
 
 class Sandbox:
@@ -49,10 +53,12 @@ class Sandbox:
     entries: an entry is never written to, only replaced, so the originals cannot change.
     """
 
-    def __init__(self, root: Path, folder: Path, cache: Path | None, secret: Path | None) -> None:
+    def __init__(
+        self, root: Path, folder: Path, cache: Path | None, secret: Path | None, unsound: set[str]
+    ) -> None:
         self._root, self._folder, self._cache, self._secret = root, folder, cache, secret
         self._sources = folder / "src"
-        self.unsound: set[str] = set()  # tests that fail without any mutant, which are left out
+        self.unsound = unsound  # tests that fail without any mutant, which are left out
         shutil.copytree(root / "src", self._sources, ignore=shutil.ignore_patterns("__pycache__"))
         checked = py_compile.PycInvalidationMode.CHECKED_HASH
         compileall.compile_dir(self._sources, quiet=2, invalidation_mode=checked)
@@ -142,7 +148,10 @@ def user_cache() -> tuple[Path | None, Path | None]:
 
 
 class Judge:
-    """Tries mutants; a failure counts only where the same tests pass without the mutant."""
+    """Tries mutants; a failure counts only where the same tests pass without the mutant.
+
+    Tests that passed in the traced run are tried without mutants later, by `refuted`: many at once take less time.
+    """
 
     def __init__(self) -> None:
         self._sound: dict[tuple[str, ...], bool] = {}
@@ -162,6 +171,8 @@ class Judge:
                     return Verdict("timed out", "", count + len(left), time.monotonic() - start)
                 if status == 0:
                     break
+                if failed and seconds(failed):
+                    return Verdict("caught", failed, count + len(left), time.monotonic() - start, False)
                 suspects = [failed] if failed else left
                 if self._passes(suspects, sandbox):
                     return Verdict("caught", suspects[0], count + len(left), time.monotonic() - start)
@@ -169,6 +180,19 @@ class Judge:
                 left = [test for test in left if test not in suspects]
             count += len(left)
         return Verdict("survived" if count else "untested", "", count, time.monotonic() - start)
+
+    def refuted(self, tests: list[str], sandbox: Sandbox, seconds: Callable[[str], float]) -> set[str]:
+        """Those of `tests` that fail without any mutant; they are left out from now on."""
+        failing: set[str] = set()
+        left = tests
+        while left:
+            status, failed = sandbox.run(None, left, sum(map(seconds, left)))
+            if status == 0:
+                break
+            failing.update([failed] if failed else left)
+            sandbox.unsound.update(failing)
+            left = [test for test in left if test not in failing]
+        return failing
 
     def _passes(self, tests: list[str], sandbox: Sandbox) -> bool:
         """Whether tests pass without any mutant."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-SOURCE = Path(__file__).parents[2] / "src"
+import ulna
+
+SOURCE = Path(ulna.__file__).parents[1]  # what is imported: also where a copy of the sources is tried
 CHANGING = {
     "compiler/codegen/node_writer.py: Module",
     "compiler/language/drawing.py: _Box",

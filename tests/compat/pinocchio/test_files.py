@@ -12,7 +12,7 @@ import pytest
 
 from support.shelf import worn
 from ulna.errors import FormatError, InputError
-from ulna.geometry import Mesh
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 
 
 @pytest.fixture(scope="module")
@@ -171,6 +171,30 @@ def test_pickle_keeps_a_mesh_made_in_memory(pin: Any) -> None:
     assert other == thing and other.geometry.num_vertices == 3
     thing.geometry = coal.Sphere(1.0)
     assert other != thing
+
+
+@pytest.mark.parametrize(
+    ("name", "sizes", "shape"),
+    [
+        ("Box", (0.1, 0.2, 0.3), Box((0.1, 0.2, 0.3))),
+        ("Sphere", (0.4,), Sphere(0.4)),
+        ("Capsule", (0.1, 0.5), Capsule(0.1, 0.5)),
+        ("Cylinder", (0.1, 0.5), Cylinder(0.1, 0.5)),
+        ("Cone", (0.1, 0.5), Cone(0.1, 0.5)),
+        ("Ellipsoid", (0.1, 0.2, 0.3), Ellipsoid((0.1, 0.2, 0.3))),
+    ],
+)
+def test_shapes_of_coal_are_drawn_and_told_apart(
+    pin: Any, name: str, sizes: tuple[float, ...], shape: Shape
+) -> None:
+    coal = pytest.importorskip("coal")
+    thing = pin.GeometryObject("thing", 0, pin.SE3.Identity(), getattr(coal, name)(*sizes))
+    same = pin.GeometryObject("thing", 0, pin.SE3.Identity(), getattr(coal, name)(*sizes))
+    assert thing.shape == shape and thing == same
+    assert shape.describe() in repr(thing)
+    assert "made in memory" not in thing.saveToString()
+    same.geometry = getattr(coal, name)(*(1.5 * size for size in sizes))
+    assert thing != same
 
 
 def test_a_mesh_whose_scale_was_changed_is_pickled_as_it_is(pin: Any, tmp_path: Path) -> None:

@@ -146,3 +146,43 @@ def test_a_chain_with_joints_needs_coordinates(rtb: Any, panda: Any) -> None:
     with pytest.raises(ValueError):
         panda.ets().eval()
     assert rtb.ETS(rtb.ET.tx(2)).fkine(None).t == pytest.approx([2, 0, 0])
+
+
+def test_robots_in_the_plane_begin_and_end_where_told(rtb: Any) -> None:
+    """Planar2: two links of 1 m; `link1` begins at the end of the first, `start` before the transforms of its link."""
+    flat, q = rtb.models.ETS.Planar2(), np.array([0.3, -0.8])
+    c, s = np.cos(q[0]), np.sin(q[0])
+    c2, s2 = np.cos(q.sum()), np.sin(q.sum())
+    np.testing.assert_allclose(
+        flat.fkine(q).A, [[c2, -s2, c + c2], [s2, c2, s + s2], [0, 0, 1]], rtol=0, atol=1e-15
+    )
+    middle = [[c2, -s2, c], [s2, c2, s], [0, 0, 1]]
+    np.testing.assert_allclose(flat.fkine(q, end="link1").A, middle, rtol=0, atol=1e-15)
+    c1, s1 = np.cos(q[1]), np.sin(q[1])
+    last = [[c1, -s1, 1 + c1], [s1, c1, s1], [0, 0, 1]]
+    np.testing.assert_allclose(flat.fkine(q, start="link1").A, last, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(flat.jacobe(q), [[np.sin(q[1]), 0], [1 + c1, 1], [1, 1]], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(flat.jacob0(q, end="link1"), [[-s, 0], [c, 0], [1, 1]], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(flat.jacob0(q), [[-s - s2, -s2], [c + c2, c2], [1, 1]], rtol=0, atol=1e-15)
+    assert [str(axis) for axis in flat.ets(end="link1")] == [str(axis) for axis in flat.ets()][:3]
+
+
+def test_what_is_recommended_instead_of_an_absent_name_exists(rtb: Any, panda: Any, puma: Any) -> None:
+    """By the name that is not offered: the owner of what is recommended, and its name."""
+    for name, (owner, other) in {
+        "ikine_LMS": (panda, "ikine_LM"),
+        "ikine_min": (panda, "ikine_QP"),
+        "pay": (panda, "payload"),
+        "paycap": (panda, "payload_capacity"),
+        "basemesh": (panda.links[0], "geometry"),
+        "meshdir": (panda.links[0], "geometry"),
+        "URDF_read": (rtb.models.URDF, "URDFRobot"),
+        "ikine_a": (puma, "analytic_ik"),
+        "ikine_6s": (panda.ulna, "ik_all"),
+        "analytic_ik": (panda.ulna, "ik_all"),
+        "ikine_analytic": (panda.ulna, "ik_all"),
+        "twists": (rtb, "PoERobot"),
+    }.items():
+        with pytest.raises(AttributeError, match=rf"`{name}` of a robot is not offered; use .*\b{other}\b"):
+            getattr(panda, name)
+        assert hasattr(owner, other)

@@ -49,6 +49,11 @@ from roboticstoolbox.backends.swift import Swift
 robot = rtb.models.DH.Puma560()
 env = PyPlot()
 env.launch("figure", limits=[-1, 1], view="xy")
+assert (env.ax.elev, env.ax.azim) == (90, -90)  # from above, x to the right
+for view, direction in (("xz", (0, -90)), ("yz", (0, 0))):
+    other = PyPlot()
+    other.launch(view=view)
+    assert (other.ax.elev, other.ax.azim) == direction
 env.add(robot)
 before = env.getframe()
 robot.q, robot.qd = robot.qn, 0.1 * np.ones(6)
