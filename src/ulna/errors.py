@@ -56,8 +56,8 @@ def excerpt(text: str, most: int = LONGEST_ECHO) -> str:
     if len(text) <= most:
         return text
     note = f" ... ({len(text)} characters) ... "
-    kept = max(most - len(note), 2)
-    return text[: kept - kept // 3] + note + text[len(text) - kept // 3 :]
+    shown = max(most - len(note), 2)
+    return text[: shown - shown // 3] + note + text[len(text) - shown // 3 :]
 
 
 def nearest(given: str, choices: Iterable[str], count: int = 3, cutoff: float = 0.5) -> list[str]:

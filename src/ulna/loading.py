@@ -146,26 +146,26 @@ class _Options:
     trusted: bool
 
 
-def _is_file(given: PathLike) -> bool:
-    if not isinstance(given, str):
+def _is_file(name_or_path: PathLike) -> bool:
+    if not isinstance(name_or_path, str):
         return True
-    text = given.strip("\ufeff \t\r\n")
+    text = name_or_path.strip("\ufeff \t\r\n")
     return text.startswith("<") or "/" in text or os.sep in text or text.lower().endswith(_ENDINGS)
 
 
-def _described(given: object) -> str:
-    return "None" if given is None else f"of type {type(given).__name__}"
+def _described(value: object) -> str:
+    return "None" if value is None else f"of type {type(value).__name__}"
 
 
-def _with_srdf(model: Model, given: PathLike) -> Model:
+def _with_srdf(model: Model, path_or_text: PathLike) -> Model:
     from ulna.formats.srdf import parse_srdf, read_srdf
     from ulna.formats.srdf_apply import with_srdf
 
-    text = given.lstrip("\ufeff \t\r\n") if isinstance(given, str) else ""
-    return with_srdf(model, parse_srdf(text) if text.startswith("<") else read_srdf(given))
+    text = path_or_text.lstrip("\ufeff \t\r\n") if isinstance(path_or_text, str) else ""
+    return with_srdf(model, parse_srdf(text) if text.startswith("<") else read_srdf(path_or_text))
 
 
-def _from_file(given: PathLike, options: _Options) -> Model:
+def _from_file(path_or_text: PathLike, options: _Options) -> Model:
     from ulna.formats.markup import read_file, root_tag
     from ulna.formats.resolve import Resolver
     from ulna.formats.urdf import model_from_urdf
@@ -174,15 +174,15 @@ def _from_file(given: PathLike, options: _Options) -> Model:
     from ulna.robots import example_robot_data
 
     file: str | None = None
-    if isinstance(given, str) and given.lstrip("\ufeff \t\r\n").startswith("<"):
-        text: bytes | str = given.lstrip("\ufeff \t\r\n")
+    if isinstance(path_or_text, str) and path_or_text.lstrip("\ufeff \t\r\n").startswith("<"):
+        text: bytes | str = path_or_text.lstrip("\ufeff \t\r\n")
     else:
-        file = os.path.expanduser(os.fspath(given))
+        file = os.path.expanduser(os.fspath(path_or_text))
         text = b""
     if file is not None and file.lower().endswith((".xml", ".mjcf")):
         text = read_file(file)
     if root_tag(text) == "mujoco" or (file or "").lower().endswith(".mjcf"):
-        return _from_mjcf(given if file is None else file, options)
+        return _from_mjcf(path_or_text if file is None else file, options)
     # The data package names itself in its mesh paths; then it is found even for a copy of one of its files.
     share = example_robot_data.share_folder()
     resolver = Resolver(file, (*options.package_dirs, *((share.parent,) if share else ())))
@@ -197,11 +197,11 @@ def _from_file(given: PathLike, options: _Options) -> Model:
     return dataclasses.replace(model, source=str(Path(file).absolute()) if file else None)
 
 
-def _from_mjcf(given: PathLike, options: _Options) -> Model:
+def _from_mjcf(path_or_text: PathLike, options: _Options) -> Model:
     from ulna.formats.mjcf import model_from_mjcf
 
     root = None if options.root == "auto" else options.root
-    model = model_from_mjcf(given, root=root, mimic=options.mimic, trusted=options.trusted)
+    model = model_from_mjcf(path_or_text, root=root, mimic=options.mimic, trusted=options.trusted)
     return _with_simple_visuals(model) if options.visuals == "simple" else model
 
 

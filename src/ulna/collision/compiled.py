@@ -78,8 +78,8 @@ class SphereChecker:
         for name in self.spheres.links:
             model.link_index(name)
         for link in model.links:
-            seen = link.name in self.spheres.links or missing == "skip"
-            if link.collisions and not seen:
+            covered = link.name in self.spheres.links or missing == "skip"
+            if link.collisions and not covered:
                 raise InputError(
                     f"`spheres` has none for link {link.name!r}, which has collision geometry; it would never be seen. "
                     "Start from `fit(model)` and replace what you know better."
@@ -170,9 +170,9 @@ class SphereChecker:
             (kind, links, self._rows(parts, poses) if any(name in poses for *_, name in parts) else still)
             for (kind, links, parts), still in zip(self._groups, self._still, strict=True)
         ]
-        own = _own_kernel(what, self.model, self.spheres, self.pairs)
+        self_distance = _own_kernel(what, self.model, self.spheres, self.pairs)
         if not batch:
-            return self._one(what, own(q, reach), rows, join, reach)[()]
+            return self._one(what, self_distance(q, reach), rows, join, reach)[()]
         count = int(np.prod(batch))
         flat = np.broadcast_to(q, (*batch, self.model.nq)).reshape(count, self.model.nq)
         spread = [
@@ -184,12 +184,12 @@ class SphereChecker:
             """Chunk after chunk in the thread's own buffer: fresh memory would cost as much as the kernels."""
             buffer = getattr(self._scratch, "buffer", None)
             if buffer is None:
-                buffer = self._scratch.buffer = np.empty((_CHUNK, *own.function.outputs[0].shape))
+                buffer = self._scratch.buffer = np.empty((_CHUNK, *self_distance.function.outputs[0].shape))
             results = []
             for start in starts:
                 part = slice(start, min(start + _CHUNK, count))
                 c = buffer[: part.stop - part.start]
-                placed = own(flat[part], reach, out=(c, np.empty(len(c))))
+                placed = self_distance(flat[part], reach, out=(c, np.empty(len(c))))
                 here = [(kind, links, x[part]) for kind, links, x in spread]
                 results.append(self._one(what, placed, here, join, reach))
             return results

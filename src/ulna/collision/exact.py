@@ -341,9 +341,9 @@ class Checker:
         return bounds
 
     def _over(self, poses: Poses, k: int) -> Floats:
-        own = slice(0, self._count)
+        links = slice(0, self._count)
         R, p = poses.rotation[:, k], poses.translation[:, k]
-        return broad.plane_gaps(poses.centre[:, own], poses.half[:, own], R, p)
+        return broad.plane_gaps(poses.centre[:, links], poses.half[:, links], R, p)
 
     def _touch(self, poses: Poses, near: Array, margin: float, out: Array) -> None:
         """Sets `out` where one of the near pairs touches; a row is done with its first contact."""

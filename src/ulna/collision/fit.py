@@ -67,11 +67,11 @@ def _needed(
         x, _, delta = samples[owner[k]]
         covered = x[((x - c[k]) ** 2).sum(axis=1) <= (r[k] + delta) ** 2]
         needed[k] = False
-        left = np.ones(len(covered), dtype=bool)
+        uncovered = np.ones(len(covered), dtype=bool)
         for centre, radius in zip(c[needed], r[needed], strict=True):
             if radius > delta:
-                left &= ((covered - centre) ** 2).sum(axis=1) > (radius - delta) ** 2
-        needed[k] = bool(left.any())
+                uncovered &= ((covered - centre) ** 2).sum(axis=1) > (radius - delta) ** 2
+        needed[k] = bool(uncovered.any())
     return needed
 
 

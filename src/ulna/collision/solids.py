@@ -82,7 +82,7 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
     """
     if missing not in ("error", "skip"):
         raise InputError(f"missing={missing!r}; expected 'error' or 'skip'.")
-    found = []
+    solids = []
     for link in model.links:
         for geometry in link.collisions:
             if isinstance(geometry.shape, Plane) and link.joint >= 0:
@@ -99,8 +99,8 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
                 missing,
             )
             if solid is not None:
-                found.append(solid)
-    if not found:
+                solids.append(solid)
+    if not solids:
         raise ModelError(
             f"Robot {model.name!r} has no collision geometry, so nothing can be said about its collisions. "
             "Give its links <collision> elements, or `collisions=` of ModelBuilder.add_link."
@@ -113,7 +113,7 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
             ModelWarning,
             stacklevel=3,
         )
-    return tuple(found)
+    return tuple(solids)
 
 
 def obstacle_solids(world: World, missing: Missing = "error") -> tuple[Solid, ...]:
@@ -126,8 +126,8 @@ def obstacle_solids(world: World, missing: Missing = "error") -> tuple[Solid, ..
     Returns:
         The solids, in the order of the obstacles.
     """
-    found = (_solid(f"obstacle {o.name!r}", o.name, o.shape, -1, o.pose, missing) for o in world.obstacles)
-    return tuple(solid for solid in found if solid is not None)
+    solids = (_solid(f"obstacle {o.name!r}", o.name, o.shape, -1, o.pose, missing) for o in world.obstacles)
+    return tuple(solid for solid in solids if solid is not None)
 
 
 def _solid(

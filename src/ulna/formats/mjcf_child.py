@@ -193,15 +193,15 @@ class _CompilerProcess:
     @classmethod
     def forget(cls) -> None:
         """In a forked child: the process belongs to the parent."""
-        found, cls._waiting = cls._waiting, None
-        if found is not None:
-            found._process.returncode = 0  # not ours to wait for
+        waiting, cls._waiting = cls._waiting, None
+        if waiting is not None:
+            waiting._process.returncode = 0  # not ours to wait for
 
 
 def _end_waiting() -> None:
-    found = _CompilerProcess.waiting()
-    if found is not None:
-        found.end()
+    process = _CompilerProcess.waiting()
+    if process is not None:
+        process.end()
 
 
 atexit.register(_end_waiting)

@@ -90,11 +90,11 @@ def _chosen(m: Any) -> dict[tuple[int, int], bool]:
 
 
 def _masks(m: Any, geoms: list[int]) -> dict[int, Masks]:
-    found: dict[int, dict[tuple[int, int], None]] = {}
+    masks_of: dict[int, dict[tuple[int, int], None]] = {}
     for g in geoms:
         mask = (int(m.geom_contype[g]), int(m.geom_conaffinity[g]))
-        found.setdefault(int(m.geom_bodyid[g]), {})[mask] = None
-    return {body: tuple(masks) for body, masks in found.items()}
+        masks_of.setdefault(int(m.geom_bodyid[g]), {})[mask] = None
+    return {body: tuple(masks) for body, masks in masks_of.items()}
 
 
 def _meet(one: tuple[int, int], two: tuple[int, int]) -> bool:

@@ -64,8 +64,8 @@ def couplings(m: Any, equalities_on: bool = True) -> Couplings:
                     from_root[other] = _after(relation, from_root[leader])
                     followed[other] = (leader, *relation)
                     waiting.append(other)
-    kept = {e for e, (one, two, r) in edges.items() if _same(from_root[one], _after(r, from_root[two]))}
-    return Couplings(followed, frozenset(kept))
+    expressed = {e for e, (one, two, r) in edges.items() if _same(from_root[one], _after(r, from_root[two]))}
+    return Couplings(followed, frozenset(expressed))
 
 
 def why_left(m: Any, e: int) -> tuple[str, str, str]:

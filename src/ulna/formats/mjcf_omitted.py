@@ -35,7 +35,7 @@ class Audit:
 
     def omissions(self, shapes: Mapping[str, int]) -> list[Omission]:
         """All of them; `shapes` counts the geoms without a shape here."""
-        found = [
+        omitted = [
             *self._joint_forces(),
             *self._tendons(),
             *self._equalities(),
@@ -44,13 +44,13 @@ class Audit:
             *self._surroundings(),
             *self._contacts(),
         ]
-        found += [
+        omitted += [
             Omission(
                 "<geom>", f"{count} {what} are neither drawn nor checked for collision.", "Use other shapes."
             )
             for what, count in shapes.items()
         ]
-        return found
+        return omitted
 
     def _joint_forces(self) -> Iterator[Omission]:
         m, on = self._m, self._switches
@@ -116,11 +116,13 @@ class Audit:
 
     def _equalities(self) -> Iterator[Omission]:
         m = self._m
-        left: dict[tuple[str, str, str], list[str]] = {}
+        not_expressed: dict[tuple[str, str, str], list[str]] = {}
         for e in range(m.neq):
             if self._switches.equalities and m.eq_active0[e] and e not in self._joined.kept:
-                left.setdefault(why_left(m, e), []).append(self._place("equality", m.equality(e).name, e))
-        for (element, effect, advice), places in left.items():
+                not_expressed.setdefault(why_left(m, e), []).append(
+                    self._place("equality", m.equality(e).name, e)
+                )
+        for (element, effect, advice), places in not_expressed.items():
             yield Omission(element, effect, advice, tuple(places))
 
     def _actuators(self) -> Iterator[Omission]:

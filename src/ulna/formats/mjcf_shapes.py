@@ -44,11 +44,11 @@ class Shapes:
         hard: list[Geometry] = []
         for g in range(int(m.body_geomadr[body]), int(m.body_geomadr[body] + m.body_geomnum[body])):
             visible, touching = m.geom_group[g] in DRAWN_GROUPS, g in self._touching
-            found = self._geometry(g) if visible or touching else None
-            if found is not None and visible:
-                drawn.append(found)
-            if found is not None and touching:
-                hard.append(found)
+            geometry = self._geometry(g) if visible or touching else None
+            if geometry is not None and visible:
+                drawn.append(geometry)
+            if geometry is not None and touching:
+                hard.append(geometry)
         return tuple(drawn), tuple(hard)
 
     def _geometry(self, g: int) -> Geometry | None:
@@ -101,9 +101,9 @@ class Shapes:
         if mesh in self._references and any(self._references[mesh][1][1:]) and np.ptp(m.mesh_scale[mesh]):
             return self._without("meshes with refquat and unequal scales")
         path = bytes(m.paths[start:]).split(b"\0")[0].decode()
-        found = os.path.join(self._folder, path)
+        file = os.path.join(self._folder, path)
         sx, sy, sz = (float(s) for s in m.mesh_scale[mesh])
-        return Mesh(found, (sx, sy, sz), missing=not os.path.exists(found))
+        return Mesh(file, (sx, sy, sz), missing=not os.path.exists(file))
 
     def _material(self, g: int) -> Material | None:
         m = self._m

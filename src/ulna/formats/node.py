@@ -100,11 +100,11 @@ class Node:
         """A required attribute that holds a name."""
         value = (self._element.get(attribute) or "").strip()
         if not value:
-            found = ", ".join(str(a) for a in self._element.attrib) or "none"
-            said = f'has no attribute "{attribute}" (attributes: {found})'
+            attributes = ", ".join(str(a) for a in self._element.attrib) or "none"
+            problem = f'has no attribute "{attribute}" (attributes: {attributes})'
             if self.has(attribute):
-                said = f'has an empty attribute "{attribute}"'
-            self.fail(f"<{self.tag}> {said}.", f'Write <{self.tag} {attribute}="...">.')
+                problem = f'has an empty attribute "{attribute}"'
+            self.fail(f"<{self.tag}> {problem}.", f'Write <{self.tag} {attribute}="...">.')
         return value
 
     def string(self, attribute: str, default: str | None = None) -> str | None:

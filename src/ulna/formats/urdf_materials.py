@@ -27,17 +27,17 @@ class Palette:
 
     def of(self, node: Node) -> UrdfMaterial:
         """The material that a visual means, its own or one by name; warns once of a name that is not defined."""
-        own = _material(node)
-        known = self.named.get(own.name)
-        if own.texture is not None or own.rgba is not None:
-            return replace(own, rgba=known.rgba) if own.rgba is None and known else own
+        material = _material(node)
+        known = self.named.get(material.name)
+        if material.texture is not None or material.rgba is not None:
+            return replace(material, rgba=known.rgba) if material.rgba is None and known else material
         if known is not None:
             return known
-        if own.name and own.name not in self._undefined:
-            self._undefined.add(own.name)
-            hint = nearest(own.name, self.named, "; did you mean {}?")
-            node.warn(f"no material {own.name!r} is defined{hint}")
-        return own
+        if material.name and material.name not in self._undefined:
+            self._undefined.add(material.name)
+            hint = nearest(material.name, self.named, "; did you mean {}?")
+            node.warn(f"no material {material.name!r} is defined{hint}")
+        return material
 
 
 def _material(node: Node, quiet: bool = False) -> UrdfMaterial:

@@ -92,10 +92,11 @@ def _refuse_xacro(root: Node) -> None:
             )
 
 
-def _refuse_twin(node: Node, kind: str, name: str, seen: dict) -> None:
-    if name in seen:
+def _refuse_twin(node: Node, kind: str, name: str, earlier: dict) -> None:
+    if name in earlier:
         node.fail(
-            f"a second {kind} named {name!r}; the first is on line {seen[name].line}.", "Rename one of them."
+            f"a second {kind} named {name!r}; the first is on line {earlier[name].line}.",
+            "Rename one of them.",
         )
 
 
@@ -156,9 +157,9 @@ def _body(node: Node, palette: Palette) -> UrdfBody | None:
         return None
     shape = _shape(geometry)
     material = None
-    given = node.child("material")
-    if given is not None and node.tag == "visual":
-        material = palette.of(given)
+    element = node.child("material")
+    if element is not None and node.tag == "visual":
+        material = palette.of(element)
     return UrdfBody(node.string("name"), _origin(node), shape, material)
 
 

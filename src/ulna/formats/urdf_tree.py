@@ -30,15 +30,15 @@ def check_mimics(joints: dict[str, UrdfJoint], nodes: dict[str, Node]) -> None:
             joints[joint.name] = replace(joint, mimic=None)
     harmless: set[str] = set()
     for joint in joints.values():
-        seen = {joint.name: None}
+        chain = {joint.name: None}
         leader = joint.mimic
         while leader is not None and leader.joint not in harmless:
-            if leader.joint in seen:
-                ring = " -> ".join([*seen, leader.joint])
+            if leader.joint in chain:
+                ring = " -> ".join([*chain, leader.joint])
                 nodes[joint.name].fail(f"it mimics itself: {ring}.", "One joint of the ring must be free.")
-            seen[leader.joint] = None
+            chain[leader.joint] = None
             leader = joints[leader.joint].mimic
-        harmless.update(seen)
+        harmless.update(chain)
 
 
 def _mimic_problem(joint: UrdfJoint, joints: dict[str, UrdfJoint]) -> str:
@@ -118,11 +118,11 @@ def _unreached(top: str, links: Iterable[str], joints: Iterable[UrdfJoint]) -> s
 
 
 def _loop(link: str, parent_of: dict[str, UrdfJoint]) -> str:
-    seen: dict[str, None] = {}
-    while link not in seen:
-        seen[link] = None
+    visited: dict[str, None] = {}
+    while link not in visited:
+        visited[link] = None
         link = parent_of[link].parent
-    walk = list(seen)
+    walk = list(visited)
     ring = [*walk[walk.index(link) :], link]
     ring = ring if len(ring) < 8 else [*ring[:6], "...", ring[-1]]
     return " <- ".join(ring)

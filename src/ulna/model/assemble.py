@@ -224,9 +224,9 @@ def aggregate(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> tuple[tuple
     for link in links:
         if link.inertia.mass == 0.0 and not link.inertia.inertia.any():
             continue
-        own = link.placement.act(link.inertia)
+        in_joint_frame = link.placement.act(link.inertia)
         so_far = sums[link.joint]
-        sums[link.joint] = own if so_far is None else so_far + own
+        sums[link.joint] = in_joint_frame if so_far is None else so_far + in_joint_frame
     done = [
         Inertia(float(i.mass), constant(i.com + 0.0), constant(i.inertia + 0.0))
         for i in (Inertia.zero() if i is None else i for i in sums)

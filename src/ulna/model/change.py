@@ -45,8 +45,10 @@ def with_tool(model: Model, frame: str, placement: SE3 | None = None, name: str 
         )
     origin = snap_pose(base.origin @ checked_pose(f"tool {name!r}", placement))
     pose = snap_pose(model.link(base.link).placement @ origin)
-    kept = tuple(f for f in model.frames if f.name != name)
-    return replace(model, frames=(*kept, Frame(name, base.joint, pose, "tool", base.link, origin)), tool=name)
+    others = tuple(f for f in model.frames if f.name != name)
+    return replace(
+        model, frames=(*others, Frame(name, base.joint, pose, "tool", base.link, origin)), tool=name
+    )
 
 
 def with_configuration(model: Model, name: str, q: Any) -> Model:

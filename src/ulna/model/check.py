@@ -122,8 +122,10 @@ def checked_geometries(what: str, items: Iterable[Geometry], where: str = "") ->
     out = []
     for item in items:
         if not isinstance(item, Geometry):
-            given = type(item).__name__
-            raise wrong(where, f"One of the {what} is a {given}; expected Geometry(name, shape, placement).")
+            type_name = type(item).__name__
+            raise wrong(
+                where, f"One of the {what} is a {type_name}; expected Geometry(name, shape, placement)."
+            )
         pose = checked_pose(f"one of the {what}", item.placement, where)
         out.append(Geometry(item.name, item.shape, pose, item.material))
     return tuple(out)

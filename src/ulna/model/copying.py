@@ -95,32 +95,32 @@ class _Copy:
         """Adds a movable joint, or a fixed one where it is locked; the parent None is the world."""
         name, child = self.prefix + joint.name, self.prefix + link.name
         kind: JointKind = joint.kind
-        rest: dict[str, Any] = {"offset": link.offset}
+        options: dict[str, Any] = {"offset": link.offset}
         if joint.name in self.locked:
             origin = origin @ kind.transform(np.asarray(self.locked[joint.name], dtype=float))
             kind = Fixed()
         else:
-            rest |= asdict(joint.limits)
-            rest |= {"damping": joint.damping, "friction": joint.friction, "armature": joint.armature}
+            options |= asdict(joint.limits)
+            options |= {"damping": joint.damping, "friction": joint.friction, "armature": joint.armature}
             if joint.mimic is not None:
                 source = self.prefix + self.model.joints[joint.mimic.source].name
-                rest["mimic"] = (source, joint.mimic.multiplier, joint.mimic.offset)
+                options["mimic"] = (source, joint.mimic.multiplier, joint.mimic.offset)
         if parent is None:
-            self.builder.root_joint(kind, name, origin, **rest)
+            self.builder.root_joint(kind, name, origin, **options)
         else:
-            self.builder.add_joint(name, kind, parent, child, origin, **rest)
+            self.builder.add_joint(name, kind, parent, child, origin, **options)
 
     def root(self, root: Link, joint: Joint | None, onto: str | None, place: SE3, mount: str | None) -> None:
         """Puts the root link on the link `onto`, or on the world."""
-        own = root.parent_joint
+        mount_name = root.parent_joint
         if joint is not None:
             self.joint(root, joint, onto, place @ root.origin)
         elif onto is not None:
-            name = mount or self.prefix + (own or f"{root.name}_mount")
+            name = mount or self.prefix + (mount_name or f"{root.name}_mount")
             child = self.prefix + root.name
             self.builder.add_joint(name, Fixed(), onto, child, place @ root.origin, offset=root.offset)
-        elif own or place != SE3.identity():
-            name = mount or self.prefix + (own or "root_joint")
+        elif mount_name or place != SE3.identity():
+            name = mount or self.prefix + (mount_name or "root_joint")
             self.builder.root_joint(Fixed(), name, place @ root.origin, offset=root.offset)
 
 

@@ -67,8 +67,10 @@ def with_dynamic_parameters(model: Model, parameters: ArrayLike, *, check: bool 
         inertias[i] = body = _body(joint.name, p[i], check)
         for k, link in enumerate(links):
             if link.joint == i:
-                own = link.placement.act_inverse(body) if link.name == joint.child_link else Inertia.zero()
-                links[k] = replace(link, inertia=_constant(own))
+                in_link = (
+                    link.placement.act_inverse(body) if link.name == joint.child_link else Inertia.zero()
+                )
+                links[k] = replace(link, inertia=_constant(in_link))
     return replace(model, inertias=tuple(inertias), links=tuple(links))
 
 
@@ -135,11 +137,11 @@ def with_drive_values(model: Model, name: str, value: Array) -> Model:
     """
     joints = []
     for joint in model.joints:
-        own = tuple(value[joint.idx_v : joint.idx_v + joint.kind.nv].tolist())
+        entries = tuple(value[joint.idx_v : joint.idx_v + joint.kind.nv].tolist())
         if joint.mimic is None:
-            joints.append(_changed(joint, name, own))
+            joints.append(_changed(joint, name, entries))
         elif name != "effort":  # what its drive adds is in its source's number
-            joints.append(_changed(joint, name, (0.0,) * len(own)))
+            joints.append(_changed(joint, name, (0.0,) * len(entries)))
         else:
             joints.append(joint)
     return replace(model, joints=tuple(joints))
@@ -173,10 +175,10 @@ def perturbed(
     changed = {}
     for link in model.links:
         factors, shift = rng.uniform(1.0 - fraction, 1.0 + fraction, 2), rng.uniform(-com, com, 3)
-        own = link.inertia
-        if own.mass > 0.0:
-            mass, tensor = factors[0] * own.mass, factors[1] * own.inertia
-            changed[link.name] = Inertia(mass, own.com + shift, tensor)
+        inertia = link.inertia
+        if inertia.mass > 0.0:
+            mass, tensor = factors[0] * inertia.mass, factors[1] * inertia.inertia
+            changed[link.name] = Inertia(mass, inertia.com + shift, tensor)
     return with_link_inertias(model, changed)
 
 
@@ -207,8 +209,8 @@ def _constant(inertia: Inertia) -> Inertia:
     return Inertia(float(inertia.mass), constant(inertia.com + 0.0), constant(inertia.inertia + 0.0))
 
 
-def _changed(joint: Joint, name: str, own: tuple[float, ...]) -> Joint:
+def _changed(joint: Joint, name: str, entries: tuple[float, ...]) -> Joint:
     if name == "effort":
-        return replace(joint, limits=replace(joint.limits, effort=own))
-    told: dict[str, Any] = {name: own}
-    return replace(joint, **told)
+        return replace(joint, limits=replace(joint.limits, effort=entries))
+    changes: dict[str, Any] = {name: entries}
+    return replace(joint, **changes)

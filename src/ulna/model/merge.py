@@ -66,5 +66,5 @@ def attach(
 
 def _prefixed(model: Model, prefix: str) -> str:
     """What the tool of a model is called where `prefix` stands before all names."""
-    own = model.frame(model.tool).name
-    return model.tool.removesuffix(own) + prefix + own
+    frame_name = model.frame(model.tool).name
+    return model.tool.removesuffix(frame_name) + prefix + frame_name

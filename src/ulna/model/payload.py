@@ -123,8 +123,8 @@ def with_drives(model: Model, drives: Mapping[str, Drive]) -> Model:
         if joint.nv != 1:
             why = "mimics another" if joint.mimic is not None else f"has {joint.nv} velocities"
             raise InputError(f"Joint {name!r} {why}; a drive moves a joint with one velocity of its own.")
-        told: dict[str, Any] = {key: (value,) for key, value in drive.at_joint.items()}
+        changes: dict[str, Any] = {key: (value,) for key, value in drive.at_joint.items()}
         if drive.torque is not None:
-            told["limits"] = replace(joint.limits, effort=(drive.torque * abs(drive.gear),))
-        joints[k] = replace(joint, **told)
+            changes["limits"] = replace(joint.limits, effort=(drive.torque * abs(drive.gear),))
+        joints[k] = replace(joint, **changes)
     return replace(model, joints=tuple(joints))

@@ -55,10 +55,10 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
         if value is None:
             locked[name] = np.asarray(joint.kind.normalize(joint.q_of(whole)))
         else:
-            own = local_position(joint.kind.nq, value, f"position to lock joint {name!r} at")
-            locked[name] = np.asarray(joint.kind.normalize(own))
+            locked_position = local_position(joint.kind.nq, value, f"position to lock joint {name!r} at")
+            locked[name] = np.asarray(joint.kind.normalize(locked_position))
             if joint.mimic is None:
-                whole[joint.idx_q : joint.idx_q + joint.nq] = own
+                whole[joint.idx_q : joint.idx_q + joint.nq] = locked_position
     for joint in model.joints:
         follows = joint.mimic is not None and model.joints[joint.mimic.source].name in locked
         if follows and joint.name not in locked:

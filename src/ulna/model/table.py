@@ -119,14 +119,14 @@ def _position(joint: Joint, q: Sequence[float]) -> str:
 
 def _grid(header: Sequence[str], rows: Sequence[Sequence[str]], right: set[int]) -> str:
     """Rows under a header in light box-drawing characters; columns in which nothing stands are left out."""
-    kept = [i for i in range(len(header)) if any(row[i] for row in rows)]
-    widths = {i: max(len(row[i]) for row in [header, *rows]) for i in kept}
+    columns = [i for i in range(len(header)) if any(row[i] for row in rows)]
+    widths = {i: max(len(row[i]) for row in [header, *rows]) for i in columns}
 
     def line(left: str, middle: str, end: str) -> str:
-        return left + middle.join("─" * (widths[i] + 2) for i in kept) + end
+        return left + middle.join("─" * (widths[i] + 2) for i in columns) + end
 
     def text(row: Sequence[str]) -> str:
-        cells = (row[i].rjust(widths[i]) if i in right else row[i].ljust(widths[i]) for i in kept)
+        cells = (row[i].rjust(widths[i]) if i in right else row[i].ljust(widths[i]) for i in columns)
         return "│ " + " │ ".join(cells) + " │"
 
     return "\n".join(

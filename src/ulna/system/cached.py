@@ -22,9 +22,9 @@ else:
             """The value."""
             if instance is None:
                 return self
-            found = instance.__dict__.get(self.attrname, self)
+            value = instance.__dict__.get(self.attrname, self)
             return (
-                instance.__dict__.setdefault(self.attrname, self.func(instance)) if found is self else found
+                instance.__dict__.setdefault(self.attrname, self.func(instance)) if value is self else value
             )
 
 

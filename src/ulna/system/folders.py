@@ -31,8 +31,8 @@ def expanded(path: str) -> Path:
     Raises:
         RuntimeError: This user has no home folder.
     """
-    own = path == "~" or path.startswith("~/")
-    if own and os.environ.get("HOME") == "" and hasattr(os, "getuid"):
+    of_this_user = path == "~" or path.startswith("~/")
+    if of_this_user and os.environ.get("HOME") == "" and hasattr(os, "getuid"):
         import pwd
 
         try:

@@ -116,8 +116,8 @@ def _take(fork: _Fork) -> tuple[int, Any] | None:
             _release(fork)
             return rank, one
         fork.held.append(one)
-    seen = {id(pair) for pair in known}
-    if all(id(pair) in seen for pair in list(_locks.values())):
+    ids = {id(pair) for pair in known}
+    if all(id(pair) in ids for pair in list(_locks.values())):
         return None
     _release(fork)  # there is one more by now
     return _take(fork)

@@ -77,5 +77,5 @@ class ImportLock:
 def _module_locks() -> list[Any]:
     """The locks of the modules that are being imported; none where Python keeps them elsewhere."""
     table: Any = getattr(_bootstrap, "_module_locks", {})
-    found = [reference() for reference in list(table.values())]
-    return [one for one in found if one is not None and hasattr(one, "owner") and hasattr(one, "lock")]
+    locks = [reference() for reference in list(table.values())]
+    return [one for one in locks if one is not None and hasattr(one, "owner") and hasattr(one, "lock")]

@@ -183,9 +183,9 @@ def secret(folders: list[Path], name: str, size: int = 32) -> bytes | None:
                 continue
             path = folder / name
             for keep in (True, False, None):  # what is damaged is replaced; what cannot be read now is not
-                found = _read(path, size + 1)
-                if found is not None and len(found) == size:
-                    return found
+                content = _read(path, size + 1)
+                if content is not None and len(content) == size:
+                    return content
                 if keep is not None:
                     write_private(path, secrets.token_bytes(size), keep)
         except OSError:

@@ -127,13 +127,13 @@ def gauss_seidel(
     for kind in kinds:
         blocks.append(_Block(G, start, kind, relaxation, sliding))
         start += kind.size
-    rest = 0.0 * (g + G[..., 0])
-    x = [(rest if guess is None else rest + guess)[..., i][()] for i in range(m)]
+    zero = 0.0 * (g + G[..., 0])
+    x = [(zero if guess is None else zero + guess)[..., i][()] for i in range(m)]
 
-    def left(x: Sequence[Any]) -> tuple[Any, Any]:
+    def errors(x: Sequence[Any]) -> tuple[Any, Any]:
         y = apply(G, vector(*x)) + g
-        found = [block.left(vector(*x), y) for block in blocks]
-        return largest([f for f, _ in found]), largest([c for _, c in found])
+        of_blocks = [block.errors(vector(*x), y) for block in blocks]
+        return largest([f for f, _ in of_blocks]), largest([c for _, c in of_blocks])
 
     def unsolved(*state: Any) -> Any:
         return numeric.maximum(state[m] - feasible, state[m + 1] - complementary) > 0.0
@@ -142,11 +142,11 @@ def gauss_seidel(
         x = list(state[:m])
         for block in blocks:
             block.correct(x, g)
-        return (*x, *left(x), state[m + 2] + 1.0)
+        return (*x, *errors(x), state[m + 2] + 1.0)
 
-    *x, infeasible, power, count = numeric.loop(unsolved, one, (*x, *left(x), 0.0 * x[0]), rounds)
-    found = vector(*x)
-    return Impulses(found, apply(G, found) + g, count, infeasible, power)
+    *x, infeasible, power, count = numeric.loop(unsolved, one, (*x, *errors(x), 0.0 * x[0]), rounds)
+    impulses = vector(*x)
+    return Impulses(impulses, apply(G, impulses) + g, count, infeasible, power)
 
 
 class _Block:
@@ -155,15 +155,15 @@ class _Block:
     def __init__(self, G: Array, start: int, kind: Kind, relaxation: float, sliding: bool) -> None:
         self.G, self.kind, self.sliding, self.relaxation = G, kind, sliding, relaxation
         self.rows = range(start, start + kind.size)
-        own = G[..., start : start + kind.size, start : start + kind.size]
-        self.steps = [relaxation / own[..., i, i][()] for i in range(kind.size)]
+        block = G[..., start : start + kind.size, start : start + kind.size]
+        self.steps = [relaxation / block[..., i, i][()] for i in range(kind.size)]
         if isinstance(kind, Held):
-            self.inverse = linalg.inverse(own)
+            self.inverse = linalg.inverse(block)
         elif isinstance(kind, Touching):
-            a, b, c = (own[..., i, j][()] for i, j in ((0, 0), (0, 1), (1, 1)))
+            a, b, c = (block[..., i, j][()] for i, j in ((0, 0), (0, 1), (1, 1)))
             half = 0.5 * (a - c)
             self.slide = relaxation / (0.5 * (a + c) + numeric.sqrt(half * half + b * b))
-            self.whole = relaxation / (a + c + own[..., 2, 2][()])
+            self.whole = relaxation / (a + c + block[..., 2, 2][()])
 
     def velocity(self, x: Sequence[Any], g: Array, i: int) -> Any:
         """y_i."""
@@ -183,21 +183,21 @@ class _Block:
             a, b, n = rows
             x[n] = numeric.maximum(x[n] - self.steps[2] * self.velocity(x, g, n), 0.0)
             along = [x[i] - self.slide * self.velocity(x, g, i) for i in (a, b)]
-            found = friction_cone.project_radially(vector(*along, x[n]), kind.friction)
-            x[a], x[b] = found[..., 0][()], found[..., 1][()]
+            projected = friction_cone.project_radially(vector(*along, x[n]), kind.friction)
+            x[a], x[b] = projected[..., 0][()], projected[..., 1][()]
         else:
             moved = vector(*(x[i] - self.whole * self.velocity(x, g, i) for i in rows))
-            found = friction_cone.project(moved, kind.friction)
+            projected = friction_cone.project(moved, kind.friction)
             for k, i in enumerate(rows):
-                x[i] = found[..., k][()]
+                x[i] = projected[..., k][()]
 
     def _bounded(self, k: int, value: Any) -> Any:
         if isinstance(self.kind, Bounded):
             return numeric.clip(value, self.kind.lower[k], self.kind.upper[k])
         return numeric.maximum(value, 0.0)
 
-    def left(self, x: Array, y: Array) -> tuple[Any, Any]:
-        """How far the velocities are from where they should be, and the power that should not be."""
+    def errors(self, x: Array, y: Array) -> tuple[Any, Any]:
+        """How far the velocities are infeasible, and the power that should be zero."""
         kind, rows = self.kind, list(self.rows)
         x, y = x[..., rows], y[..., rows]
         if isinstance(kind, Held):

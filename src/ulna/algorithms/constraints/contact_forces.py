@@ -73,23 +73,23 @@ def contact_forces(
 
     def one(*state: Any) -> tuple[Any, ...]:
         forces = vector(*state[:m])
-        found: list[Any] = []
+        projected: list[Any] = []
         residuals = []
         for k, friction in enumerate(frictions):
-            own = slice(3 * k, 3 * k + 3)
-            R = compliance[own]
-            y = c[..., own] + R * forces[..., own]
+            rows = slice(3 * k, 3 * k + 3)
+            R = compliance[rows]
+            y = c[..., rows] + R * forces[..., rows]
             shift = friction_cone.sliding_shift(y, friction) if sliding else 0.0 * y
-            wanted = (mu * forces[..., own] - c[..., own] - shift) / (R + mu)
+            wanted = (mu * forces[..., rows] - c[..., rows] - shift) / (R + mu)
             f = friction_cone.project_weighted(wanted, friction, R + mu)
-            found += [f[..., i][()] for i in range(3)]
+            projected += [f[..., i][()] for i in range(3)]
             residuals += [dot(y + shift, f), numeric.minimum(y[..., 2][()], 0.0)]
-        change = largest([f - state[i] for i, f in enumerate(found)])
-        return (*found, largest(residuals), change, largest([*state[:m], *found]), state[m + 3] + 1.0)
+        change = largest([f - state[i] for i, f in enumerate(projected)])
+        return (*projected, largest(residuals), change, largest([*state[:m], *projected]), state[m + 3] + 1.0)
 
     def unsolved(*state: Any) -> Any:
         return numeric.minimum(state[m] - enough, state[m + 1] - small * state[m + 2]) > 0.0
 
     start = one(*(guess[..., i][()] for i in range(m)), *(0.0 * c[..., 0][()],) * 4)
-    *found, residual, change, size, count = numeric.loop(unsolved, one, start, rounds - 1)
-    return ContactForces(vector(*found), count, residual, change, size)
+    *projected, residual, change, size, count = numeric.loop(unsolved, one, start, rounds - 1)
+    return ContactForces(vector(*projected), count, residual, change, size)

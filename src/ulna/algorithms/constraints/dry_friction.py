@@ -50,21 +50,21 @@ def velocity_after_friction(G: Array, u: Array, start: Array, h: Any, friction: 
     if not rubbing:
         return u
     forward, backward = (_each(bound, u) for bound in friction.dry_bounds(start))
-    most = [(h * _at(forward, k), h * _at(backward, k)) for k in range(nv)]
-    own = [_at(G, k, k) for k in range(nv)]
+    largest_impulses = [(h * _at(forward, k), h * _at(backward, k)) for k in range(nv)]
+    mobility = [_at(G, k, k) for k in range(nv)]
     scale: Any = 0.0
     for k in rubbing:
-        scale = scale + abs(_at(u, k)) + own[k] * (most[k][0] + most[k][1])
+        scale = scale + abs(_at(u, k)) + mobility[k] * (largest_impulses[k][0] + largest_impulses[k][1])
     count = len(rubbing)
 
     def sweep(*state: Any) -> tuple[Any, ...]:
         v, impulses = list(state[:nv]), list(state[nv : nv + count])
         change: Any = 0.0
         for place, k in enumerate(rubbing):
-            rest = v[k] - own[k] * impulses[place]
-            held = numeric.clip(-rest / own[k], -most[k][0], most[k][1])
-            final = (rest + own[k] * held) / (1.0 + h * float(viscous[k]) * own[k])
-            further = (final - v[k]) / own[k]
+            free = v[k] - mobility[k] * impulses[place]
+            stopping = numeric.clip(-free / mobility[k], -largest_impulses[k][0], largest_impulses[k][1])
+            final = (free + mobility[k] * stopping) / (1.0 + h * float(viscous[k]) * mobility[k])
+            further = (final - v[k]) / mobility[k]
             impulses[place] = impulses[place] + further
             change = change + abs(final - v[k])
             for row in range(nv):
@@ -78,9 +78,9 @@ def velocity_after_friction(G: Array, u: Array, start: Array, h: Any, friction: 
     v = list(end[:nv])
     for place, k in enumerate(rubbing):
         # what would hold it at rest: well within its bounds, or well beyond them when it slides
-        need = end[nv + place] - v[k] / own[k]
-        enough = numeric.where(numeric.less(need, most[k][1]), 0.0, v[k])
-        v[k] = numeric.where(numeric.less(-most[k][0], need), enough, v[k])
+        need = end[nv + place] - v[k] / mobility[k]
+        enough = numeric.where(numeric.less(need, largest_impulses[k][1]), 0.0, v[k])
+        v[k] = numeric.where(numeric.less(-largest_impulses[k][0], need), enough, v[k])
     return numeric.vector(*v)
 
 

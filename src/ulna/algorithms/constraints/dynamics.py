@@ -144,9 +144,9 @@ def forward_dynamics_with_jacobian(
     factors = Factors(mass_matrix(model, q))
     drive = tau - bias_forces(model, q, v, external)
     a, forces, iterations = _response(factors, J, drive, g, compliance, settings)
-    given = forces * (compliance[..., None] if isinstance(compliance, np.ndarray) else compliance)
-    left = apply(J, a) + g + given
-    return ConstrainedMotion(a, forces, largest_entry(left), iterations)
+    yielding = forces * (compliance[..., None] if isinstance(compliance, np.ndarray) else compliance)
+    residual = apply(J, a) + g + yielding
+    return ConstrainedMotion(a, forces, largest_entry(residual), iterations)
 
 
 def impulse_dynamics(
@@ -179,9 +179,9 @@ def impulse_dynamics(
     factors = Factors(mass_matrix(model, q))
     gain, impulses, iterations = _response(factors, J, 0.0 * v, (1.0 + back) * before, 0.0, settings)
     after = v + gain
-    left = apply(J, after) + back * before
+    residual = apply(J, after) + back * before
     impulses = along_axes(model, q, impulses[..., None], bonds)[..., 0]
-    return Impact(after, impulses, largest_entry(left), iterations)
+    return Impact(after, impulses, largest_entry(residual), iterations)
 
 
 def delassus_matrix(model: Model, q: Array, bonds: Sequence[Bond]) -> Array:
@@ -255,11 +255,11 @@ def solve_transposed_columns(factors: Factors, J: Array) -> list[dict[int, Any]]
     Returns:
         For each constraint the entries of its column by row; entries that are zero by the tree are missing.
     """
-    found = []
+    columns = []
     for i in range(J.shape[-2]):
         column = factors.inward([J[..., i, k][()] for k in range(J.shape[-1])])
-        found.append({k: entry for k, entry in enumerate(column) if not is_zero(entry)})
-    return found
+        columns.append({k: entry for k, entry in enumerate(column) if not is_zero(entry)})
+    return columns
 
 
 def delassus_of(factors: Factors, Y: Sequence[dict[int, Any]]) -> Array:

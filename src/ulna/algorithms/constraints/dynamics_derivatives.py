@@ -167,16 +167,16 @@ def bound_terms(
         f = forces[rows]
         T = frame_pose(model, q, frame_of(bond.first))
         back = np.swapaxes(T.rotation, -1, -2)
-        own = _parts(f, SE3(back, np.zeros(3))) if not bond.local else _parts(f, SE3.identity())
+        in_first = _parts(f, SE3(back, np.zeros(3))) if not bond.local else _parts(f, SE3.identity())
         second, first = _second(model, q, bond, T), frame_of(bond.first)
         one, other = _side(model, q, v, a, first, bond.size), _side(model, q, v, a, second, bond.size)
-        _act(external, first, own)
-        _act(external, second, -own)
+        _act(external, first, in_first)
+        _act(external, second, -in_first)
         s = one.J - other.J
         turn = one.turns - other.turns
         J[rows, :] = s
         c_q[rows, :], g_q[rows, :], g_v[rows, :] = _changes(model, q, bond, one, other, s, turn, gains[k])
-        extra = extra + other.J.T @ _moved(own, s, turn)
+        extra = extra + other.J.T @ _moved(in_first, s, turn)
         for part in range(start, start + bond.size, 3):
             here = slice(part, part + 3)
             X[here, here] = np.eye(3) if bond.local else T.rotation
@@ -224,8 +224,8 @@ def bound_response(terms: BoundTerms, mu: Any = 0.0, rounds: Any = 1) -> BoundRe
 def bound_derivatives(response: BoundResponse) -> BoundDerivatives:
     """The derivatives of accelerations and forces by q and v."""
     n = len(response.a_tau)
-    found = response.W @ response.B
-    a, f = found[:n], found[n:]
+    changes = response.W @ response.B
+    a, f = changes[:n], changes[n:]
     return BoundDerivatives(a[:, :n], a[:, n:], f[:, :n] + response.X_q, f[:, n:])
 
 
@@ -297,19 +297,19 @@ def _changes(
     return c_q, g_q + kd * c_q + kp * e_q, g_v + kd * s
 
 
-def _moved(own: Force, s: Array, turn: Array) -> Array:
+def _moved(force: Force, s: Array, turn: Array) -> Array:
     """What the opposite of a force does on the second body as the first frame moves for it, along each column."""
     if s.shape[0] == 3:
-        return -skew(own.linear) @ turn
-    linear = -skew(own.linear) @ s[3:, :]
-    return np.concatenate([linear, -skew(own.angular) @ s[3:, :] - skew(own.linear) @ s[:3, :]], axis=0)
+        return -skew(force.linear) @ turn
+    linear = -skew(force.linear) @ s[3:, :]
+    return np.concatenate([linear, -skew(force.angular) @ s[3:, :] - skew(force.linear) @ s[:3, :]], axis=0)
 
 
 def _act(external: list[Any], frame: Frame, force: Force) -> None:
     """Adds a force in a frame to those on the joints."""
     if frame.joint >= 0:
-        found, before = frame.placement.act(force), external[frame.joint]
-        external[frame.joint] = found if before is None else before + found
+        at_joint, before = frame.placement.act(force), external[frame.joint]
+        external[frame.joint] = at_joint if before is None else before + at_joint
 
 
 def _parts(f: Array, turned: SE3) -> Force:

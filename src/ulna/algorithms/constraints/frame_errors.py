@@ -118,16 +118,18 @@ def constraint_seen(model: Model, q: Array, v: Array, a: Array, bond: Bond) -> S
     """
     twists = constraint_twists(model, q, v, [bond._replace(local=True)])
     y = -twists.error
-    left = -(apply(twists.J, a) + twists.bias)
+    acceleration = -(apply(twists.J, a) + twists.bias)
     if bond.size == 6:
-        return Seen(y, -twists.J, -twists.velocity, left)
+        return Seen(y, -twists.J, -twists.velocity, acceleration)
     first = frame_of(bond.first)
     turns = frame_jacobian(model, q, first, "local")[..., 3:, :]
     w = apply(turns, v)
     S = -(twists.J - skew(y) @ turns)
     velocity = apply(S, v)
     alpha = frame_acceleration(model, q, v, a, first, "local").angular
-    return Seen(y, S, velocity, left - 2.0 * cross(w, velocity) - cross(alpha, y) - cross(w, cross(w, y)))
+    return Seen(
+        y, S, velocity, acceleration - 2.0 * cross(w, velocity) - cross(alpha, y) - cross(w, cross(w, y))
+    )
 
 
 def frame_of(end: End) -> Frame:
@@ -159,9 +161,9 @@ def _log(model: Model, q: Array, bond: Bond) -> Array:
 
 def _added(model: Model, q: Array, v: Array, c: Array, bond: Bond) -> Array:
     """k' - k, or k'' - k, along the world's axes."""
-    own = constraint_velocity(model, q, v, [Bond(bond.first, None, 6, local=False)])
+    first_twist = constraint_velocity(model, q, v, [Bond(bond.first, None, 6, local=False)])
     l, d = c[..., :3], c[..., 3:]
     if bond.local:
-        w = own[..., 3:]
+        w = first_twist[..., 3:]
         return np.concatenate([cross(l, w), cross(d, w)], axis=-1)
-    return np.concatenate([-cross(d, own[..., :3]), 0.0 * d], axis=-1)
+    return np.concatenate([-cross(d, first_twist[..., :3]), 0.0 * d], axis=-1)

@@ -110,8 +110,8 @@ def sliding_shift(v: Array, mu: Any) -> Array:
         (0, 0, mu times the tangential speed), shape (..., 3) [m/s].
     """
     x, y = v[..., 0][()], v[..., 1][()]
-    rest = 0.0 * x
-    return vector(rest, rest, mu * numeric.sqrt(x * x + y * y))
+    zero = 0.0 * x
+    return vector(zero, zero, mu * numeric.sqrt(x * x + y * y))
 
 
 def excess(f: Array, mu: Any) -> Any:

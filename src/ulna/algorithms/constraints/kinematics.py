@@ -227,7 +227,7 @@ def _side(model: Model, prepared: PreparedModel, q: Array, end: End) -> Side:
 
 def _chain(tree: Sequence[Step], last: int) -> tuple[Step, ...]:
     """The steps from the world out to `last`, each standing on the one before it."""
-    found = [last]
-    while tree[found[-1]].parent >= 0:
-        found.append(tree[found[-1]].parent)
-    return tuple(replace(tree[i], parent=k - 1) for k, i in enumerate(reversed(found)))
+    path = [last]
+    while tree[path[-1]].parent >= 0:
+        path.append(tree[path[-1]].parent)
+    return tuple(replace(tree[i], parent=k - 1) for k, i in enumerate(reversed(path)))

@@ -79,13 +79,13 @@ def frame_acceleration_derivatives(
     dA_dq, dA_dv, dA_da = (batch_zeros((6, model.nv), q, v, a) for _ in range(3))
     U, C = Motion.zero(), Motion.zero()
     for group, V_k, rest in zip(groups, upto, beyond, strict=True):
-        own = step_twist(group, v)
+        joint_twist = step_twist(group, v)
         for c in group:
             change = U.cross(c.motion)
-            add_column(dA_dq, c.index, C.cross(c.motion) + change.cross(own + rest))
+            add_column(dA_dq, c.index, C.cross(c.motion) + change.cross(joint_twist + rest))
             add_column(dA_dv, c.index, change + c.motion.cross(rest))
             add_column(dA_da, c.index, c.motion)
-        C = C + step_twist(group, a) + V_k.cross(own)
+        C = C + step_twist(group, a) + V_k.cross(joint_twist)
         U = V_k
     return dA_dq, dA_dv, dA_da
 

@@ -54,17 +54,17 @@ class Friction:
     def __post_init__(self) -> None:
         shapes = {()}
         for name in (f.name for f in fields(self)):
-            given = getattr(self, name)
-            if given is None or is_symbolic(given):
+            entry = getattr(self, name)
+            if entry is None or is_symbolic(entry):
                 continue
-            value = np.asarray(given, dtype=float)
+            value = np.asarray(entry, dtype=float)
             least = "above" if name in ("stribeck", "width") else "not below"
             if (
                 not np.isfinite(value).all()
                 or (value < 0.0).any()
                 or (least == "above" and (value == 0.0).any())
             ):
-                raise InputError(f"`{name}` of a friction is {given}; expected finite numbers {least} zero.")
+                raise InputError(f"`{name}` of a friction is {entry}; expected finite numbers {least} zero.")
             if value.ndim > 1 or (name == "width" and value.ndim):
                 raise ShapeError(name, value.shape, "one number" + (" or (nv,)" if name != "width" else ""))
             shapes.add(value.shape)

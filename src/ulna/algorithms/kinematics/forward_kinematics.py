@@ -111,8 +111,8 @@ def joint_accelerations(model: Model, q: Array, v: Array, a: Array | None) -> li
     """
     tree = steps(model)
     inputs = (q, v) if a is None else (q, v, a)
-    found = body_accelerations(tree, q, v, a)
-    return [broadcast_motion(A, *inputs) for (_, A), step in zip(found, tree, strict=True) if step.is_last]
+    motions = body_accelerations(tree, q, v, a)
+    return [broadcast_motion(A, *inputs) for (_, A), step in zip(motions, tree, strict=True) if step.is_last]
 
 
 def frame_velocity(

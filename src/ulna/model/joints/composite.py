@@ -87,12 +87,12 @@ class Composite(JointKind):
         """(dS/dt) v, by the recursion a' = X a + c + V x (S v) along the chain (Featherstone, eq. 5.8)."""
         velocity, total = Motion.zero(), Motion.zero()
         for step, kind, part, rates in self._steps(q):
-            own = Motion.zero()
+            part_twist = Motion.zero()
             for k, s in enumerate(kind.motion_subspace(part)):
                 rate = column(v[..., rates][..., k])
-                own = own + Motion(rate * s.linear, rate * s.angular)
-            velocity = step.act_inverse(velocity) + own
-            total = step.act_inverse(total) + kind.bias(part, v[..., rates]) + velocity.cross(own)
+                part_twist = part_twist + Motion(rate * s.linear, rate * s.angular)
+            velocity = step.act_inverse(velocity) + part_twist
+            total = step.act_inverse(total) + kind.bias(part, v[..., rates]) + velocity.cross(part_twist)
         return total
 
     def integrate(self, q: Array, v: Array) -> Array:
