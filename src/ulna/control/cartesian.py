@@ -9,7 +9,7 @@
 | impedance | tau = J^T F + C v + g + N tau_0 | (nv,) | Albu-Schaeffer et al. 2003 |
 | L | operational inertia (J M^-1 J^T + d^2 I)^-1 | (6, 6) | Khatib 1987, eq. 29 |
 | operational_space | tau = J^T L (A* + kd (V* - V) + kp e - J' v) + C v + g + N tau_0 | (nv,) | eq. 36 |
-| N | I - J^T L J M^-1, what torques the frame does not feel | (nv, nv) | eq. 44 |
+| N | I - J^T L J M^-1, projector onto torques that do not accelerate the frame | (nv, nv) | eq. 44 |
 | tau_0 | K_0 (q_rest (-) q) - D_0 v, a posture for joints the frame leaves free | (nv,) | |
 
 Impedance leaves the frame its natural inertia, so that it needs no measured forces and is safe against contact; motion
@@ -49,11 +49,12 @@ class _Lack(NamedTuple):
 def impedance(
     robot: Robot, frame: str | None = None, *, regularisation: float = 1e-3, bounded: bool = True
 ) -> Any:
-    """A spring and a damper between a frame and its goal, with gravity and Coriolis forces taken off: a kernel.
+    """A spring and a damper between a frame and its goal, with gravity and Coriolis forces compensated: a kernel.
 
     `law(q, v, T_goal, twist_goal, stiffness, damping, q_rest, stiffness_rest, damping_rest)` returns torques (nv,).
     `stiffness` (6,) [N/m, N m/rad] and `damping` (6,) [N s/m, N m s/rad] lie along the goal's axes; `twist_goal` (6,)
-    is in world axes. The last three, (nq,), (nv,), (nv,), are a spring to a posture that the frame does not feel.
+    is in world axes. The last three, (nq,), (nv,), (nv,), are a spring and a damper to a posture, in the null space of
+    the frame.
 
     Args:
         robot: The robot.
@@ -80,7 +81,7 @@ def impedance(
         wish = stiffness_rest * algorithms.difference(model, q, q_rest) - damping_rest * v
         tau = (
             J.T @ force
-            + _unfelt(robot, one, q, J, wish, regularisation)
+            + _in_null_space(robot, one, q, J, wish, regularisation)
             + algorithms.bias_forces(model, q, v)
         )
         return within_effort(model, tau) if bounded else tau
@@ -123,7 +124,7 @@ def operational_space(
         inertia = algorithms.operational_inertia(model, q, Task(one, damping=regularisation))
         wish = stiffness_rest * algorithms.difference(model, q, q_rest) - damping_rest * v
         tau = J.T @ (inertia @ wanted) + algorithms.bias_forces(model, q, v)
-        tau = tau + _unfelt(robot, one, q, J, wish, regularisation)
+        tau = tau + _in_null_space(robot, one, q, J, wish, regularisation)
         return within_effort(model, tau) if bounded else tau
 
     return _compiled(law, robot, acceleration_goal=(6,), kp=(6,), kd=(6,))
@@ -155,8 +156,8 @@ def _along(R: Array, gain: Array, x: Array) -> Array:
     return vector(*(R @ (gain[:3] * (R.T @ x[:3]))), *(R @ (gain[3:] * (R.T @ x[3:]))))
 
 
-def _unfelt(robot: Robot, frame: Any, q: Array, J: Array, tau: Array, regularisation: float) -> Array:
-    """The part of torques that the frame does not feel: N tau."""
+def _in_null_space(robot: Robot, frame: Any, q: Array, J: Array, tau: Array, regularisation: float) -> Array:
+    """The part of torques that does not accelerate the frame: N tau."""
     model = robot.model
     a = solve_spd(algorithms.mass_matrix(model, q), tau)
     inertia = algorithms.operational_inertia(model, q, Task(frame, damping=regularisation))

@@ -24,7 +24,7 @@ from ulna.typing import Array
 
 
 def joint_pd(robot: Robot, *, bounded: bool = True) -> Any:
-    """A spring and a damper at each joint, with gravity taken off: a kernel.
+    """A spring and a damper at each joint, with gravity compensated: a kernel.
 
     `law(q, v, q_goal, v_goal, stiffness, damping)` returns torques (nv,) [N m or N]; `stiffness` (nv,) [N m/rad or
     N/m], `damping` (nv,) [N m s/rad or N s/m]. It comes to rest at the goal from wherever it starts, without knowing

@@ -31,8 +31,8 @@ def resolved_rate(
     """Joint velocities for a twist of a frame: a kernel.
 
     `law(q, twist, damping, v_rest)` returns (nv,) [rad/s or m/s]. `damping` is a number: 0 for the pseudoinverse, which
-    asks for any speed near a singular configuration, 0.01 to 0.1 for calm there. `v_rest` (nv,) is what the joints
-    would rather do, and do as far as the frame does not feel it; zeros for the least velocity.
+    leads to any speed near a singular configuration, 0.01 to 0.1 for low speeds there. `v_rest` (nv,) is a preferred
+    joint velocity, of which the part in the null space of J is added; zeros for the least velocity.
 
     Args:
         robot: The robot.

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, final, overload
 
 from ulna.errors import InputError, ShapeError, UnknownName, excerpt
-from ulna.formats.poses import tidy
+from ulna.formats.poses import without_rounding
 from ulna.model import JointKind, Model, ModelBuilder, Prismatic, Revolute
 from ulna.numeric import is_symbolic
 from ulna.spatial import SE3
@@ -151,7 +151,7 @@ class ET:
             value = -value
         if self.name[0] == "r":
             turned = {"x": SE3.rx, "y": SE3.ry, "z": SE3.rz}[self.name[1]](value)
-            return turned if self.is_joint else tidy(turned)
+            return turned if self.is_joint else without_rounding(turned)
         zero = 0.0 * value if self.is_joint and not is_symbolic(value) else 0.0
         return SE3.trans(*(value if axis == self.name[1] else zero for axis in "xyz"))
 

@@ -55,15 +55,15 @@ def compiled(text: str, file: str | None, trusted: bool) -> tuple[Any, Any]:
         except Exception as error:  # MuJoCo's own kinds, and those of its binding
             raise ValueError(str(error)) from error
         return model, SimpleNamespace(**facts)
-    told, content = _answered(text, file)
-    if told.get("memory"):
+    answer, content = _answered(text, file)
+    if answer.get("memory"):
         raise FormatError(f"MuJoCo needs more than {MEMORY / 2**30:.3g} GiB for it.", file=file, fix=_TRUST)
-    if "error" in told:
-        raise ValueError(told["error"])
-    if told["elements"] > ELEMENTS:
-        count = f"{told['elements']} bodies, joints, geoms and the like"
+    if "error" in answer:
+        raise ValueError(answer["error"])
+    if answer["elements"] > ELEMENTS:
+        count = f"{answer['elements']} bodies, joints, geoms and the like"
         raise FormatError(f"its model has {count}; expected at most {ELEMENTS}.", file=file, fix=_TRUST)
-    facts = told["facts"]
+    facts = answer["facts"]
     lines = {kind: {int(k): line for k, line in found.items()} for kind, found in facts["lines"].items()}
     references = {int(k): found for k, found in facts["mesh_references"].items()}
     facts |= {"lines": lines, "mesh_references": references}
@@ -87,18 +87,18 @@ def _answered(text: str, file: str | None) -> tuple[dict[str, Any], bytes]:
     if used is not None:
         # It may have ended meanwhile, and earlier files may have left it with less memory.
         with suppress(_Ended):
-            told, binary = used.ask(content, file)
-            if not told.get("memory"):
+            answer, binary = used.ask(content, file)
+            if not answer.get("memory"):
                 used.keep()
-                return told, binary
+                return answer, binary
             used.end()
     fresh = _CompilerProcess()
     try:
-        told, binary = fresh.ask(content, file)
+        answer, binary = fresh.ask(content, file)
     except _Ended as ended:
         raise FormatError(f"MuJoCo's compiler {ended} on it.", file=file) from None
-    fresh.end() if told.get("memory") else fresh.keep()
-    return told, binary
+    fresh.end() if answer.get("memory") else fresh.keep()
+    return answer, binary
 
 
 class _Ended(Exception):
@@ -154,10 +154,10 @@ class _CompilerProcess:
         try:
             requests.write(content)
             requests.flush()
-            told = json.loads(replies.readline())
-            binary = replies.read(told["size"])
-            if len(binary) == told["size"]:
-                return told, binary
+            answer = json.loads(replies.readline())
+            binary = replies.read(answer["size"])
+            if len(binary) == answer["size"]:
+                return answer, binary
         except (OSError, ValueError):  # a pipe to a process that is gone; half a reply
             pass
         except BaseException:  # such as KeyboardInterrupt

@@ -35,6 +35,6 @@ def pose(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.0, 0.
     return SE3(snapped(rpy_to_matrix(np.array(rpy, dtype=float))), np.array(xyz, dtype=float))
 
 
-def tidy(placement: SE3) -> SE3:
-    """A pose with its rotation snapped."""
+def without_rounding(placement: SE3) -> SE3:
+    """A pose without rounding noise in its rotation: entries near 0 and 1 become exact."""
     return SE3(snapped(placement.rotation), placement.translation)

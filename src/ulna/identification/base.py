@@ -26,7 +26,7 @@ from ulna.typing import ArrayLike, Floats
 
 @dataclass(frozen=True, eq=False)
 class BaseParameters:
-    """What of the parameters can be told from torques.
+    """Which combinations of the parameters torques depend on.
 
     Attributes:
         names: Names of all parameters, (n,).

@@ -253,12 +253,12 @@ def _warn_of_inertias(state: BuilderState) -> None:
         # Noise in the file: beside the other moments, or beside those of the mass within a micrometre.
         noise = max(1e-9 * max(abs(least), abs(largest)), 1e-12 * float(link.inertia.mass), 1e-21)
         excess = largest - middle - least
-        told_alone = (
+        one_moment = (
             abs(middle) <= noise
-        )  # published models tell only the moment about the axis that a joint feels
+        )  # published models often hold only the moment about the joint's axis
         if least < -noise:
             negative.append(at(link.where, f"{name!r} ({least:.3g} kg m^2)"))
-        elif excess > max(_MEASURED * largest, slight) and not told_alone:
+        elif excess > max(_MEASURED * largest, slight) and not one_moment:
             sides = f"{name!r}: {largest:.3g} > {middle:.3g} + {least:.3g} kg m^2"
             lopsided.append((excess / largest, at(link.where, sides)))
     said = []

@@ -93,7 +93,7 @@ class Drive:
 
     @property
     def at_joint(self) -> dict[str, float]:
-        """Armature [kg m^2], damping [N m s/rad] and friction [N m] as the joint feels them."""
+        """Armature [kg m^2], damping [N m s/rad] and friction [N m] as they act at the joint."""
         square = self.gear**2
         return {
             "armature": self.inertia * square,

@@ -1,4 +1,4 @@
-"""Dynamics as a frame feels it: its inertia, Coriolis matrix, gravity and acceleration in the operational space.
+"""Operational-space dynamics of a frame: its inertia, Coriolis matrix, gravity and acceleration.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|

@@ -177,7 +177,7 @@ class FreeFlyer(JointKind):
 
 
 def _quaternion_rates(quat: Array, turn: Array) -> Array:
-    """d/dt of a quaternion xyzw whose frame turns with `turn`, told in that frame: quat (turn, 0) / 2."""
+    """d/dt of a quaternion xyzw whose frame has the angular velocity `turn`, in its own axes: quat (turn, 0) / 2."""
     x, y, z = (0.5 * turn[..., i] for i in range(3))
     return quat_multiply(quat, vector(x, y, z, 0.0))
 

@@ -302,7 +302,7 @@ def unit_quaternion(quat: Array) -> Array:
     """`quat_xyzw` (..., 4) scaled to unit length.
 
     Raises:
-        InputError: it is zero (told for numbers only; a traced zero gives nan).
+        InputError: it is zero (checked for numbers only; a traced zero becomes nan).
     """
     if not is_symbolic(quat) and np.any((quat == 0.0).all(axis=-1)):
         raise InputError(

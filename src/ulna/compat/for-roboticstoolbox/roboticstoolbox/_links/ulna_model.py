@@ -11,7 +11,7 @@ from roboticstoolbox._links.gripper import Gripper
 from roboticstoolbox._links.link import Link
 from roboticstoolbox._links.shapes import geometry
 from ulna.errors import ModelError
-from ulna.formats.poses import tidy
+from ulna.formats.poses import without_rounding
 from ulna.model import Fixed, JointKind, Model, ModelBuilder, Prismatic, Revolute
 from ulna.spatial import SE3
 
@@ -105,7 +105,7 @@ def _split(link: Link, fixed_value: float | None) -> tuple[SE3, SE3, JointKind]:
     for et in link.ets.data:
         *shift, plain = et._parts_in_ulna(0 if et.isjoint else None)
         for one in shift:
-            parts[side] = tidy(parts[side] @ one.transform())
+            parts[side] = without_rounding(parts[side] @ one.transform())
         if et.isjoint and fixed_value is None:
             x, y, z = (-x + 0.0 if et.isflip else x for x in _AXES[et.ax or "z"])
             axis = (x, y, z)
@@ -113,5 +113,5 @@ def _split(link: Link, fixed_value: float | None) -> tuple[SE3, SE3, JointKind]:
             side = 1
             continue
         T = plain.transform(np.float64(fixed_value)) if et.isjoint else plain.transform()
-        parts[side] = tidy(parts[side] @ T)
+        parts[side] = without_rounding(parts[side] @ T)
     return parts[0], parts[1], kind
