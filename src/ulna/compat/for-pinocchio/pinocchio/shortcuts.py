@@ -122,7 +122,19 @@ def buildModelsAndConstraintsFromMJCF(
     geometry_types: Any = None,
     constraints: bool = True,
 ) -> tuple[Any, ...]:
-    """The same as `buildModelsFromMJCF`, with anchors of points and of frames in a dictionary, in place of the list."""
+    """The same as `buildModelsFromMJCF`, with anchors of points and of frames in a dictionary, in place of the list.
+
+    Args:
+        filename: The file.
+        root_joint: The joint of the root body; that of the file by default.
+        root_joint_name: Its name.
+        verbose, meshLoader: Accepted and ignored.
+        geometry_types: One or several of GeometryType; both, collisions first, by default.
+        constraints: Whether to return the constraints.
+
+    Returns:
+        The model, the dictionary with `constraints`, then a GeometryModel for each of `geometry_types`.
+    """
     name = root_joint_name or "root_joint"
     model, points, frames = buildModelAndConstraintsFromMJCF(filename, root_joint, name)
     anchors = {"point_anchor_constraint_models": points, "frame_anchor_constraint_models": frames}

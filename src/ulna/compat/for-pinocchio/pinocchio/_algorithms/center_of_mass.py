@@ -122,11 +122,14 @@ def centerOfMass(
     Args:
         model: The model.
         data: Its data.
-        q: Configuration (nq,); without it, that of the last forwardKinematics.
+        q: Configuration (nq,) [rad or m]; None, or a KinematicLevel, for the state of the last forwardKinematics.
         v: Velocity (nv,).
         a: Acceleration (nv,).
         compute_subtree_coms: Values of subtrees are computed when they are read, whatever it says.
         kinematic_level: Up to which derivative the stored state is taken, in place of q.
+
+    Returns:
+        Position (3,) [m].
     """
     if q is None:
         state = _stored_motion(data, kinematic_level)
@@ -155,7 +158,17 @@ def _stored_motion(data: Data, level: Any) -> list[Floats]:
 def jacobianCenterOfMass(
     model: Model, data: Data, q: Any = None, compute_subtree_coms: bool = True
 ) -> Floats:
-    """The Jacobian (3, nv) of the centre of mass; kept in `data.Jcom`."""
+    """The Jacobian (3, nv) of the centre of mass; kept in `data.Jcom`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        compute_subtree_coms: Accepted; values of subtrees are computed when they are read.
+
+    Returns:
+        Jacobian (3, nv).
+    """
     ...
 
 
@@ -186,6 +199,9 @@ def jacobianSubtreeCenterOfMass(
         data: Its data.
         q: Configuration (nq,); without it, that of the last forwardKinematics.
         subtree_root_joint_id: The index of the joint.
+
+    Returns:
+        Jacobian (3, nv).
     """
     if q is None:
         q = data.require(data._q, "forwardKinematics(model, data, q)")
@@ -195,7 +211,16 @@ def jacobianSubtreeCenterOfMass(
 
 
 def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_id: int) -> Floats:
-    """The same after jacobianCenterOfMass."""
+    """The Jacobian of the centre of mass of what a joint moves, after jacobianCenterOfMass.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        subtree_root_joint_id: Index of the joint.
+
+    Returns:
+        Jacobian (3, nv).
+    """
     q = data.require(data._q_of_jacobians, "jacobianCenterOfMass(model, data, q)")
     return _of_subtree(model, data, subtree_root_joint_id, q)
 
@@ -207,14 +232,27 @@ def _of_subtree(model: Model, data: Data, root: int, q: Floats) -> Floats:
 
 
 def computeTotalMass(model: Model, data: Data | None = None) -> float:
-    """The mass of all that moves [kg]; kept in `data.mass[0]`."""
+    """The mass of all that moves [kg]; kept in `data.mass[0]`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled if it is passed.
+
+    Returns:
+        The mass [kg].
+    """
     if data is not None:
         computeSubtreeMasses(model, data)
     return float(algorithms.total_mass(model.compiled().model))
 
 
 def computeSubtreeMasses(model: Model, data: Data) -> None:
-    """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves."""
+    """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+    """
     data.defer(MASSES["mass"], ("mass",), data.attach(model))
 
 
@@ -278,19 +316,48 @@ def _momentum_rate(model: CoreModel) -> Any:
     deferred=JOINTS | CENTERS,
 )
 def ccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
-    """The centroidal matrix (6, nv); fills `data.Ag`, `data.hg` and `data.Ig`."""
+    """The centroidal matrix (6, nv); fills `data.Ag`, `data.hg` and `data.Ig`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        Matrix (6, nv).
+    """
     ...
 
 
 def dccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
-    """The time derivative (6, nv) of the centroidal matrix; fills `data.dAg` and what ccrba fills."""
+    """The time derivative (6, nv) of the centroidal matrix; fills `data.dAg` and what ccrba fills.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        Matrix (6, nv).
+    """
     ccrba(model, data, q, v)
     return computeCentroidalMapTimeVariation(model, data, q, v)
 
 
 @algorithm(fills=("Ag", "com[0]", *JACOBIANS), kernel=_map, returns=(0,), deferred=JOINTS | CENTERS)
 def computeCentroidalMap(model: Model, data: Data, q: Any) -> Floats:
-    """The centroidal matrix (6, nv); kept in `data.Ag`."""
+    """The centroidal matrix (6, nv); kept in `data.Ag`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Matrix (6, nv).
+    """
     ...
 
 
@@ -298,7 +365,17 @@ def computeCentroidalMap(model: Model, data: Data, q: Any) -> Floats:
     fills=("dAg", "Ag", "dJ", *_VELOCITY_FIELDS, "J"), kernel=_map_rate, returns=(0,), deferred=_WITH_VELOCITY
 )
 def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
-    """The time derivative (6, nv) of the centroidal matrix; kept in `data.dAg`."""
+    """The time derivative (6, nv) of the centroidal matrix; kept in `data.dAg`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        Matrix (6, nv).
+    """
     ...
 
 
@@ -310,7 +387,17 @@ def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) 
     returns_field="hg",
 )
 def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = None) -> Force:
-    """The momentum about the centre of mass; kept in `data.hg`, the inertia in `data.Ig`."""
+    """The momentum about the centre of mass; kept in `data.hg`, the inertia in `data.Ig`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        Force (6,) [kg m/s, kg m^2/s] in world axes.
+    """
     ...
 
 
@@ -324,5 +411,16 @@ def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = 
 def computeCentroidalMomentumTimeVariation(
     model: Model, data: Data, q: Any = None, v: Any = None, a: Any = None
 ) -> Force:
-    """The time derivative of the momentum; kept in `data.dhg`, the momentum in `data.hg`."""
+    """The time derivative of the momentum; kept in `data.dhg`, the momentum in `data.hg`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
+        v: Velocity (nv,) [rad/s or m/s].
+        a: Acceleration (nv,) [rad/s^2 or m/s^2].
+
+    Returns:
+        Force (6,) [N, N m] in world axes.
+    """
     ...

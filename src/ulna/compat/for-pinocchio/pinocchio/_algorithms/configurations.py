@@ -50,7 +50,19 @@ def neutral(model: Model) -> Floats:
 
 
 def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any = None) -> Floats:
-    """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m."""
+    """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m.
+
+    Args:
+        model: The model.
+        lower_bound: Least values (nq,); those of the model by default.
+        upper_bound: Greatest values (nq,); those of the model by default.
+
+    Returns:
+        Configuration (nq,) [rad or m].
+
+    Raises:
+        InputError: A lower limit is above the upper one.
+    """
     if not isinstance(model, Model):
         raise wrong_model("randomConfiguration", model)
     low = model.lowerPositionLimit if lower_bound is None else lower_bound
@@ -104,7 +116,16 @@ def _drawn(c: Coordinate, part: Any, low: Any, high: Any) -> Any:
 
 
 def integrate(model: Model, q: Any, v: Any) -> Floats:
-    """The configuration (nq,) reached from q in one second with v."""
+    """The configuration (nq,) reached from q in one second with v.
+
+    Args:
+        model: The model.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity times duration (nv,) [rad or m].
+
+    Returns:
+        Configuration (nq,) [rad or m].
+    """
     try:
         result = model._integrate(q, v)
     except AttributeError:
@@ -115,7 +136,15 @@ def integrate(model: Model, q: Any, v: Any) -> Floats:
 
 
 def difference(model: Model, q1: Any, q2: Any) -> Floats:
-    """The velocity (nv,) that leads from q1 to q2 in one second."""
+    """The velocity (nv,) that leads from q1 to q2 in one second.
+
+    Args:
+        model: The model.
+        q1, q2: Configuration (nq,) [rad or m].
+
+    Returns:
+        Velocity (nv,) times one second [rad or m].
+    """
     try:
         result = model._difference(q1, q2)
     except AttributeError:
@@ -135,40 +164,101 @@ def _bound(model: Model, name: str, *state: Floats) -> Floats:
 
 
 def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
-    """The configuration (nq,) a part `alpha` of the way from q1 to q2."""
+    """The configuration (nq,) a part `alpha` of the way from q1 to q2.
+
+    Args:
+        model: The model.
+        q1, q2: Configuration (nq,) [rad or m].
+        alpha: Fraction of the way, 0 at q1 and 1 at q2.
+
+    Returns:
+        Configuration (nq,) [rad or m].
+    """
     return model.compiled_structure().core_kernel("interpolate")(*_pair(model, q1, q2), np.float64(alpha))
 
 
 def distance(model: Model, q1: Any, q2: Any) -> float:
-    """The length of the difference."""
+    """The length of the difference.
+
+    Args:
+        model: The model.
+        q1, q2: Configuration (nq,) [rad or m].
+
+    Returns:
+        The length.
+    """
     return float(model.compiled_structure().core_kernel("distance")(*_pair(model, q1, q2)))
 
 
 def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
-    """For each joint, the squared length of its part of the difference."""
+    """For each joint, the squared length of its part of the difference.
+
+    Args:
+        model: The model.
+        q1, q2: Configuration (nq,) [rad or m].
+
+    Returns:
+        Squared lengths (njoints - 1,), joints that follow others left out.
+    """
     d = difference(model, q1, q2)
     joints = [j for j in model.joints[1:] if not j.mimic]
     return np.array([float(d[j.idx_v : j.idx_v + j.nv] @ d[j.idx_v : j.idx_v + j.nv]) for j in joints])
 
 
 def normalize(model: Model, q: Any) -> Floats:
-    """The same configuration with quaternions, and pairs of cosine and sine, of unit length."""
+    """The same configuration with quaternions, and pairs of cosine and sine, of unit length.
+
+    Args:
+        model: The model.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Configuration (nq,).
+    """
     return model.compiled_structure().core_kernel("normalize")(vector(q, model.nq, "q"))
 
 
 def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
-    """Whether they are."""
+    """Whether quaternions, and pairs of cosine and sine, have unit length.
+
+    Args:
+        model: The model.
+        q: Configuration (nq,) [rad or m].
+        prec: Largest difference of an entry.
+
+    Returns:
+        Whether they are.
+    """
     entries = vector(q, model.nq, "q")
     return bool(np.abs(normalize(model, entries) - entries).max(initial=0.0) <= prec)
 
 
 def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float = 1e-12) -> bool:
-    """Whether two configurations are the same place."""
+    """Whether two configurations are the same place.
+
+    Args:
+        model: The model.
+        q1, q2: Configuration (nq,) [rad or m].
+        prec: Largest difference.
+
+    Returns:
+        Whether they are.
+    """
     return bool(algorithms.is_same(model.compiled_structure().model, *_pair(model, q1, q2), tolerance=prec))
 
 
 def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> Any:
-    """The derivatives (nv, nv) of `integrate` by q and v; one of them for ARG0 or ARG1."""
+    """The derivatives (nv, nv) of `integrate` by q and v; one of them for ARG0 or ARG1.
+
+    Args:
+        model: The model.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity times duration (nv,) [rad or m].
+        argument_position: ARG0 or ARG1 for one of the derivatives; None for both.
+
+    Returns:
+        A pair of matrices (nv, nv), or one.
+    """
     both = model.compiled_structure().core_kernel("integrate_derivatives")(
         vector(q, model.nq, "q"), vector(v, model.nv, "v")
     )
@@ -176,18 +266,46 @@ def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> A
 
 
 def dDifference(model: Model, q1: Any, q2: Any, argument_position: Any = None) -> Any:
-    """The derivatives (nv, nv) of `difference` by q1 and q2; one of them for ARG0 or ARG1."""
+    """The derivatives (nv, nv) of `difference` by q1 and q2; one of them for ARG0 or ARG1.
+
+    Args:
+        model: The model.
+        q1, q2: Configuration (nq,) [rad or m].
+        argument_position: ARG0 or ARG1 for one of the derivatives; None for both.
+
+    Returns:
+        A pair of matrices (nv, nv), or one.
+    """
     both = model.compiled_structure().core_kernel("difference_derivatives")(*_pair(model, q1, q2))
     return _chosen(both, argument_position)
 
 
 def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_position: Any) -> Floats:
-    """A matrix (nv, n) at integrate(q, v), carried by the derivative of `integrate`."""
+    """A matrix (nv, n) at integrate(q, v), carried by the derivative of `integrate`.
+
+    Args:
+        model: The model.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity times duration (nv,) [rad or m].
+        Jin: Matrix (nv, n) at integrate(q, v).
+        argument_position: ARG0 or ARG1: by which argument the derivative is taken.
+
+    Returns:
+        Matrix (nv, n).
+    """
     return dIntegrate(model, q, v, argument_position) @ numbers(Jin, "Jin")
 
 
 def tangentMap(model: Model, q: Any) -> Floats:
-    """The matrix (nq, nv) from velocities to the rates of the entries of q."""
+    """The matrix (nq, nv) from velocities to the rates of the entries of q.
+
+    Args:
+        model: The model.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Matrix (nq, nv).
+    """
     kernel = model.compiled_structure().compile("tangent map", _tangent_map, q=(model.nq,))
     return kernel(vector(q, model.nq, "q"))
 
@@ -198,17 +316,43 @@ def _tangent_map(model: Any) -> Any:
 
 
 def tangentMapProduct(model: Model, q: Any, mat_in: Any) -> Floats:
-    """`tangentMap` times a vector (nv,) or a matrix (nv, n)."""
+    """`tangentMap` times a vector (nv,) or a matrix (nv, n).
+
+    Args:
+        model: The model.
+        q: Configuration (nq,) [rad or m].
+        mat_in: Vector (nv,) or matrix (nv, n).
+
+    Returns:
+        Array (nq,) or (nq, n).
+    """
     return tangentMap(model, q) @ numbers(mat_in, "mat_in")
 
 
 def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
-    """`tangentMap` transposed times a vector (nq,) or a matrix (nq, n)."""
+    """`tangentMap` transposed times a vector (nq,) or a matrix (nq, n).
+
+    Args:
+        model: The model.
+        q: Configuration (nq,) [rad or m].
+        mat_in: Vector (nq,) or matrix (nq, n).
+
+    Returns:
+        Array (nv,) or (nv, n).
+    """
     return tangentMap(model, q).T @ numbers(mat_in, "mat_in")
 
 
 def compactTangentMap(model: Model, q: Any) -> Floats:
-    """`tangentMap` without its zeros (nq, widest joint): row i begins at the velocity that segment i names."""
+    """`tangentMap` without its zeros (nq, widest joint): row i begins at the velocity that segment i names.
+
+    Args:
+        model: The model.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Matrix (nq, k), k the greatest nv of a joint.
+    """
     whole = tangentMap(model, q)
     out = np.zeros((model.nq, max((j.nv for j in model.joints), default=0)))
     for i, (size, start) in enumerate(zip(*getTangentToConfigurationSparsitySegment(model), strict=True)):

@@ -129,17 +129,31 @@ def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> 
     Args:
         model: The model.
         data: Its data.
-        q: Configuration (nq,).
-        v: Velocity (nv,).
-        a: Acceleration (nv,).
-        fext: For every joint, the force on its body in its frame.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        a: Acceleration (nv,) [rad/s^2 or m/s^2].
+        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame; None for
+            none.
+
+    Returns:
+        Torques (nv,) [N m or N].
     """
     ...
 
 
 @algorithm(fills=("nle",), kernel=_bias, returns=(0,), deferred=JOINTS | BODIES)
 def nonLinearEffects(model: Model, data: Data, q: Any, v: Any) -> Floats:
-    """Coriolis, centrifugal and gravity torques (nv,); kept in `data.nle`."""
+    """Coriolis, centrifugal and gravity torques (nv,); kept in `data.nle`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        Torques (nv,) [N m or N].
+    """
     ...
 
 
@@ -148,12 +162,31 @@ nle = nonLinearEffects
 
 @algorithm(fills=("g",), kernel=_gravity, returns=(0,), deferred=JOINTS | BODY_FORCES)
 def computeGeneralizedGravity(model: Model, data: Data, q: Any) -> Floats:
-    """The torques that hold the robot against gravity (nv,); kept in `data.g`."""
+    """The torques that hold the robot against gravity (nv,); kept in `data.g`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Torques (nv,) [N m or N].
+    """
     ...
 
 
 def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
-    """The torques that hold the robot against gravity and forces on its joints (nv,); kept in `data.tau`."""
+    """The torques that hold the robot against gravity and forces on its joints (nv,); kept in `data.tau`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame.
+
+    Returns:
+        Torques (nv,) [N m or N].
+    """
     F = external(fext, model.njoints)
     q = vector(q, model.nq, "q")
     compiled, rest = data.attach(model), np.zeros(model.nv)
@@ -199,11 +232,15 @@ def aba(
     Args:
         model: The model.
         data: Its data.
-        q: Configuration (nq,).
-        v: Velocity (nv,).
-        tau: Torques (nv,).
-        fext: For every joint, the force on its body in its frame.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        tau: Torques (nv,) [N m or N].
+        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame; None for
+            none.
         convention: LOCAL or WORLD; the result is the same.
+
+    Returns:
+        Accelerations (nv,) [rad/s^2 or m/s^2].
     """
     if fext is None:
         ddq = run(model, data, _ABA, q, v, tau)
@@ -228,7 +265,10 @@ def crba(model: Model, data: Data, q: Any, convention: Convention = Convention.L
         model: The model.
         data: Its data.
         q: Configuration (nq,).
-        convention: LOCAL, or WORLD, which also fills `data.Ag`, `data.J` and the centres of mass.
+        convention: LOCAL or WORLD; WORLD fills `data.J`, too.
+
+    Returns:
+        Matrix (nv, nv).
     """
     return run(model, data, _CRBA_IN_WORLD if convention == _WORLD else _CRBA, q)
 
@@ -241,7 +281,16 @@ def crba(model: Model, data: Data, q: Any, convention: Convention = Convention.L
     default_state=("_q_of_joints", "aba(model, data, q, v, tau)"),
 )
 def computeMinverse(model: Model, data: Data, q: Any = None) -> Floats:
-    """The inverse of the mass matrix (nv, nv); kept in `data.Minv`."""
+    """The inverse of the mass matrix (nv, nv); kept in `data.Minv`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m]; None for that of the last aba.
+
+    Returns:
+        Matrix (nv, nv).
+    """
     ...
 
 
@@ -253,11 +302,29 @@ def computeMinverse(model: Model, data: Data, q: Any = None) -> Floats:
     invalidates=("Ag", "dFdv"),
 )
 def computeCoriolisMatrix(model: Model, data: Data, q: Any, v: Any) -> Floats:
-    """The Coriolis matrix (nv, nv) of the Christoffel symbols; kept in `data.C`."""
+    """The Coriolis matrix (nv, nv) of the Christoffel symbols; kept in `data.C`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        Matrix (nv, nv).
+    """
     ...
 
 
 def getCoriolisMatrix(model: Model, data: Data) -> Floats:
-    """The Coriolis matrix of the last derivatives of inverse dynamics."""
+    """The Coriolis matrix of the last derivatives of inverse dynamics.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+
+    Returns:
+        Matrix (nv, nv).
+    """
     state = data.require(data._state_of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
     return computeCoriolisMatrix(model, data, *state[:2])

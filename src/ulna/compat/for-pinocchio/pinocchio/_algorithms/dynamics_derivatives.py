@@ -142,7 +142,20 @@ _ABA_UNDER_FORCES = Algorithm(
 def computeRNEADerivatives(
     model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None
 ) -> tuple[Floats, Floats, Floats]:
-    """Derivatives of the torques by q, v and a (the mass matrix), (nv, nv) each; kept in `data`."""
+    """Derivatives of the torques by q, v and a (the mass matrix), (nv, nv) each; kept in `data`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        a: Acceleration (nv,) [rad/s^2 or m/s^2].
+        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame; None for
+            none.
+
+    Returns:
+        Three matrices (nv, nv).
+    """
     ...
 
 
@@ -154,6 +167,18 @@ def computeABADerivatives(
     """Derivatives of the accelerations by q, v and tau (the inverse mass matrix), (nv, nv) each; kept in `data`.
 
     Without q, v and tau, those of the last aba; forces on the joints may stand in their place.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m]; None for the state of the last aba.
+        v: Velocity (nv,) [rad/s or m/s].
+        tau: Torques (nv,) [N m or N].
+        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame; None for
+            none.
+
+    Returns:
+        Three matrices (nv, nv).
     """
     if q is None:
         stored = data.require(data._state_of_forward_dynamics, "aba(model, data, q, v, tau)")
@@ -172,7 +197,16 @@ def computeABADerivatives(
     invalidates=("Ag", "dFdq"),
 )
 def computeGeneralizedGravityDerivatives(model: Model, data: Data, q: Any) -> Floats:
-    """The derivative (nv, nv) of the torques against gravity by q."""
+    """The derivative (nv, nv) of the torques against gravity by q.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Matrix (nv, nv).
+    """
     ...
 
 
@@ -187,7 +221,17 @@ _STATIC = Algorithm(
 
 
 def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) -> Floats:
-    """The derivative (nv, nv) of the torques against gravity and forces on the joints by q."""
+    """The derivative (nv, nv) of the torques against gravity and forces on the joints by q.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame.
+
+    Returns:
+        Matrix (nv, nv).
+    """
     q, rest, F = vector(q, model.nq, "q"), np.zeros(model.nv), external(fext, model.njoints)
     computeJointJacobians(model, data, q)
     compiled = data.attach(model)
@@ -211,7 +255,18 @@ def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) 
 def computeCentroidalDynamicsDerivatives(
     model: Model, data: Data, q: Any, v: Any, a: Any
 ) -> tuple[Floats, ...]:
-    """Derivatives of the centroidal momentum by q, and of its rate by q, v and a, (6, nv) each."""
+    """Derivatives of the centroidal momentum by q, and of its rate by q, v and a, (6, nv) each.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        a: Acceleration (nv,) [rad/s^2 or m/s^2].
+
+    Returns:
+        Four matrices (6, nv).
+    """
     ...
 
 
@@ -226,7 +281,15 @@ _CENTROIDAL_AFTER_RNEA = Algorithm(
 
 
 def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Floats, ...]:
-    """The same at the state of the last computeRNEADerivatives."""
+    """Derivatives of the centroidal momentum at the state of the last computeRNEADerivatives.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+
+    Returns:
+        Four matrices (6, nv).
+    """
     call = "computeRNEADerivatives(model, data, q, v, a)"
     state = data.require(data._state_of_derivatives, call)
     derivatives = computeCentroidalDynamicsDerivatives(model, data, *state)

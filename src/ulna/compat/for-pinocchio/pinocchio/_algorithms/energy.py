@@ -46,7 +46,17 @@ _WITH_VELOCITY: dict[str, Any] = {
 
 @algorithm(fills=("energy K", "oMi", "v"), kernel=_kinetic, returns=(0,), **_WITH_VELOCITY)
 def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
-    """The kinetic energy [J]; kept in `data.kinetic_energy`."""
+    """The kinetic energy [J]; kept in `data.kinetic_energy`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        The energy [J].
+    """
     ...
 
 
@@ -59,7 +69,16 @@ def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None)
     default_state=("_q", "forwardKinematics(model, data, q)"),
 )
 def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
-    """The potential energy [J]; kept in `data.potential_energy`."""
+    """The potential energy [J]; kept in `data.potential_energy`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
+
+    Returns:
+        The energy [J].
+    """
     ...
 
 
@@ -70,5 +89,15 @@ def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
     **_WITH_VELOCITY,
 )
 def computeMechanicalEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
-    """Their sum [J]; kept in `data.mechanical_energy`."""
+    """Kinetic plus potential energy [J]; kept in `data.mechanical_energy`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        The energy [J].
+    """
     ...

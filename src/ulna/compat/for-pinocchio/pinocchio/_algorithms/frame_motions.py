@@ -36,19 +36,49 @@ _HERE = np.eye(4)
 
 @repeated_call("joint velocity", motion=True)
 def getVelocity(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
-    """The velocity of a joint, after forwardKinematics with v."""
+    """The velocity of a joint, after forwardKinematics with v.
+
+    Args:
+        model: The model.
+        data: Its data, after forwardKinematics.
+        joint_id: Index of the joint.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Motion (6,) [m/s, rad/s].
+    """
     return _joint_motion(model, data, joint_id, reference_frame, "velocity")
 
 
 @repeated_call("joint acceleration", motion=True)
 def getAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
-    """The spatial acceleration of a joint, after forwardKinematics with v and a."""
+    """The spatial acceleration of a joint, after forwardKinematics with v and a.
+
+    Args:
+        model: The model.
+        data: Its data, after forwardKinematics.
+        joint_id: Index of the joint.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Motion (6,) [m/s^2, rad/s^2].
+    """
     return _joint_motion(model, data, joint_id, reference_frame, "acceleration")
 
 
 @repeated_call("joint classical", motion=True)
 def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
-    """The acceleration of the point at a joint's origin, after forwardKinematics with v and a."""
+    """The acceleration of the point at a joint's origin, after forwardKinematics with v and a.
+
+    Args:
+        model: The model.
+        data: Its data, after forwardKinematics.
+        joint_id: Index of the joint.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Motion (6,) [m/s^2, rad/s^2].
+    """
     return _joint_motion(model, data, joint_id, reference_frame, "classical")
 
 
@@ -62,7 +92,19 @@ def getFrameVelocity(
     reference_frame: Any = None,
     joint_id: int | None = None,
 ) -> Motion:
-    """The velocity of a frame (its index, or a joint's and a placement), after forwardKinematics with v."""
+    """The velocity of a frame (its index, or a joint's and a placement), after forwardKinematics with v.
+
+    Args:
+        model: The model.
+        data: Its data, after forwardKinematics.
+        frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
+        placement: That placement, an SE3; the reference frame may stand here.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+        joint_id: Index of the joint, by name.
+
+    Returns:
+        Motion (6,) [m/s, rad/s].
+    """
     return _frame_motion(model, data, (frame_id, joint_id, placement), reference_frame, "velocity")
 
 
@@ -76,7 +118,19 @@ def getFrameAcceleration(
     reference_frame: Any = None,
     joint_id: int | None = None,
 ) -> Motion:
-    """The spatial acceleration of a frame, after forwardKinematics with v and a; see `getFrameVelocity`."""
+    """The spatial acceleration of a frame, after forwardKinematics with v and a; see `getFrameVelocity`.
+
+    Args:
+        model: The model.
+        data: Its data, after forwardKinematics.
+        frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
+        placement: That placement, an SE3; the reference frame may stand here.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+        joint_id: Index of the joint, by name.
+
+    Returns:
+        Motion (6,) [m/s^2, rad/s^2].
+    """
     return _frame_motion(model, data, (frame_id, joint_id, placement), reference_frame, "acceleration")
 
 
@@ -90,7 +144,19 @@ def getFrameClassicalAcceleration(
     reference_frame: Any = None,
     joint_id: int | None = None,
 ) -> Motion:
-    """The acceleration of the point at a frame's origin; see `getFrameAcceleration`."""
+    """The acceleration of the point at a frame's origin; see `getFrameAcceleration`.
+
+    Args:
+        model: The model.
+        data: Its data, after forwardKinematics.
+        frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
+        placement: That placement, an SE3; the reference frame may stand here.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+        joint_id: Index of the joint, by name.
+
+    Returns:
+        Motion (6,) [m/s^2, rad/s^2].
+    """
     return _frame_motion(model, data, (frame_id, joint_id, placement), reference_frame, "classical")
 
 

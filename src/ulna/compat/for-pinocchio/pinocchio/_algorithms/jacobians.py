@@ -76,19 +76,48 @@ _JACOBIAN_AND_PLACEMENTS = Algorithm(
     default_state=("_q", "forwardKinematics(model, data, q)"),
 )
 def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
-    """Fills `data.J` (columns in WORLD), `data.oMi` and `data.liMi`; returns J (6, nv)."""
+    """Fills `data.J` (columns in WORLD), `data.oMi` and `data.liMi`; returns J (6, nv).
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
+
+    Returns:
+        Jacobian (6, nv), linear rows first.
+    """
     ...
 
 
 @repeated_call("joint J")
 def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
-    """The Jacobian (6, nv) of a joint, after computeJointJacobians."""
+    """The Jacobian (6, nv) of a joint, after computeJointJacobians.
+
+    Args:
+        model: The model.
+        data: Its data, after computeJointJacobians.
+        joint_id: Index of the joint.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Jacobian (6, nv), linear rows first.
+    """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _bind_at(model, data, (joint_id, reference_frame, "joint J"), ("joint", joint), at_joint(joint))
 
 
 def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Floats:
-    """The Jacobian (6, nv) of a joint in LOCAL."""
+    """The Jacobian (6, nv) of a joint in LOCAL.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        joint_id: Index of the joint.
+
+    Returns:
+        Jacobian (6, nv), linear rows first.
+    """
     binding_key = (joint_id, LOCAL, "joint at q")
     try:
         result = data._bound_at[binding_key][0](q) if data._model is model else NotImplemented
@@ -120,6 +149,9 @@ def getFrameJacobian(
         placement: A placement in the frame of a joint, in place of a frame.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED; it stands third where there is no placement.
         joint_id: Index of that joint; it stands where `frame_id` does.
+
+    Returns:
+        Jacobian (6, nv), linear rows first.
     """
     rf = LOCAL if reference_frame is None else reference_frame
     key, frame = at_frame(model, frame_id, joint_id, placement)
@@ -165,7 +197,18 @@ def _bind_at(
 def computeFrameJacobian(
     model: Model, data: Data, q: Any, frame_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
-    """The Jacobian (6, nv) of a frame at q."""
+    """The Jacobian (6, nv) of a frame at q.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        frame_id: Index of the frame.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Jacobian (6, nv), linear rows first.
+    """
     binding_key = (frame_id, reference_frame, "at q")
     try:
         step, bound_reference = data._bound_at[binding_key]
@@ -219,7 +262,17 @@ def _jacobian(model: Model, data: Data, reference: Reference, key: Any, fixed_fr
     deferred=JOINTS | VELOCITIES_IN_WORLD,
 )
 def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
-    """Fills `data.dJ` (columns in WORLD) and `data.J`; returns dJ (6, nv)."""
+    """Fills `data.dJ` (columns in WORLD) and `data.J`; returns dJ (6, nv).
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        Matrix (6, nv).
+    """
     ...
 
 
@@ -227,7 +280,17 @@ def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any)
 def getJointJacobianTimeVariation(
     model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
-    """The time derivative (6, nv) of a joint's Jacobian, after computeJointJacobiansTimeVariation."""
+    """The time derivative (6, nv) of a joint's Jacobian, after computeJointJacobiansTimeVariation.
+
+    Args:
+        model: The model.
+        data: Its data, after computeJointJacobiansTimeVariation.
+        joint_id: Index of the joint.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Matrix (6, nv).
+    """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _bind_dot(model, data, (joint_id, reference_frame, "joint dJ"), ("joint", joint), at_joint(joint))
 
@@ -235,7 +298,17 @@ def getJointJacobianTimeVariation(
 def getFrameJacobianTimeVariation(
     model: Model, data: Data, frame_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
-    """The time derivative (6, nv) of a frame's Jacobian, after computeJointJacobiansTimeVariation."""
+    """The time derivative (6, nv) of a frame's Jacobian, after computeJointJacobiansTimeVariation.
+
+    Args:
+        model: The model.
+        data: Its data, after computeJointJacobiansTimeVariation.
+        frame_id: Index of the frame.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Matrix (6, nv).
+    """
     J_rate = _frame_jacobian_rate(model, data, frame_id, reference_frame)
     updateFramePlacement(model, data, frame_id)
     return J_rate
@@ -249,7 +322,19 @@ def _frame_jacobian_rate(model: Model, data: Data, frame_id: int, reference_fram
 def frameJacobianTimeVariation(
     model: Model, data: Data, q: Any, v: Any, frame_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
-    """The time derivative (6, nv) of a frame's Jacobian."""
+    """The time derivative (6, nv) of a frame's Jacobian.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        frame_id: Index of the frame.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Matrix (6, nv).
+    """
     computeJointJacobiansTimeVariation(model, data, q, v)
     updateFramePlacements(model, data)
     return getFrameJacobianTimeVariation(model, data, frame_id, reference_frame)
@@ -276,12 +361,28 @@ def _bind_dot(
 
 
 def computeJointKinematicHessians(model: Model, data: Data, q: Any = None) -> None:
-    """Prepares getJointKinematicHessian and getFrameKinematicHessian."""
+    """Prepares getJointKinematicHessian and getFrameKinematicHessian.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
+    """
     computeJointJacobians(model, data, q)
 
 
 def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
-    """The derivative (6, nv, nv) of a joint's Jacobian by q; [:, j, k] is that of column j by entry k."""
+    """The derivative (6, nv, nv) of a joint's Jacobian by q; [:, j, k] is that of column j by entry k.
+
+    Args:
+        model: The model.
+        data: Its data, after computeJointKinematicHessians.
+        joint_id: Index of the joint.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Array (6, nv, nv).
+    """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _hessian(model, data, reference_of(reference_frame), ("joint", joint), at_joint(joint))
 
@@ -301,6 +402,9 @@ def getFrameKinematicHessian(
         frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
         frame_placement: That placement, or nothing.
+
+    Returns:
+        Array (6, nv, nv).
     """
     key, fixed_frame = at_frame(model, frame_id, frame_id, frame_placement)
     return _hessian(model, data, reference_of(reference_frame), key, fixed_frame)

@@ -26,6 +26,9 @@ def computeJointKinematicRegressor(
         joint_id: The joint.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: the reference frame of the twist.
         placement: Where the frame is in the frame of the joint; at the joint when not given.
+
+    Returns:
+        Matrix (6, 6 (njoints - 1)).
     """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     frame = data.oMi[joint] * (SE3() if placement is None else placement)
@@ -45,7 +48,17 @@ def computeJointKinematicRegressor(
 def computeFrameKinematicRegressor(
     model: Model, data: Data, frame_id: int, reference_frame: ReferenceFrame
 ) -> Any:
-    """The same of a frame; see `computeJointKinematicRegressor`."""
+    """The same of a frame; see `computeJointKinematicRegressor`.
+
+    Args:
+        model: The model.
+        data: Its data, after forwardKinematics.
+        frame_id: Index of the frame.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: the reference frame of the twist.
+
+    Returns:
+        Matrix (6, 6 (njoints - 1)).
+    """
     frame = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")]
     updateFramePlacement(model, data, frame_id)
     return computeJointKinematicRegressor(model, data, frame.parentJoint, reference_frame, frame.placement)

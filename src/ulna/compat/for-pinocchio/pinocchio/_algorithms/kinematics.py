@@ -76,7 +76,18 @@ _FRAMES = Algorithm("frames", "q", ("oMi", "oMf"), _frame_placements, depends_on
 
 @fast_path(_POSITION, _VELOCITY, _ACCELERATION)
 def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = None) -> None:
-    """Fills `data.oMi` and `data.liMi`; with v and a also `data.v` and `data.a`."""
+    """Fills `data.oMi` and `data.liMi`; with v and a also `data.v` and `data.a`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        a: Acceleration (nv,) [rad/s^2 or m/s^2].
+
+    Raises:
+        InputError: An acceleration without a velocity.
+    """
     if v is None and a is not None:
         raise InputError(
             "forwardKinematics was given accelerations without velocities; expected both, or q alone."
@@ -87,7 +98,13 @@ def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = 
 
 @fast_path(_FRAMES)
 def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
-    """Fills `data.oMi`, `data.liMi` and `data.oMf`."""
+    """Fills `data.oMi`, `data.liMi` and `data.oMf`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+    """
     check_frames(model, data)
     run(model, data, _FRAMES, q)
 
@@ -100,7 +117,12 @@ def _moved_frames(model: CoreModel, frames: Sequence[Frame]) -> Any:
 
 
 def updateFramePlacements(model: Model, data: Data) -> None:
-    """Fills `data.oMf` from `data.oMi`."""
+    """Fills `data.oMf` from `data.oMi`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+    """
     try:
         step = data._bound_at.get("frames", not_applicable)
         applies = data._model is model and step() is not NotImplemented
@@ -120,7 +142,16 @@ def updateFramePlacements(model: Model, data: Data) -> None:
 
 
 def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
-    """Fills `data.oMf[frame_id]` from `data.oMi`, and returns a copy."""
+    """Fills `data.oMf[frame_id]` from `data.oMi`, and returns a copy.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        frame_id: Index of the frame.
+
+    Returns:
+        The placement of the frame in the world.
+    """
     try:
         step = data._bound_at.get(("frames", frame_id), not_applicable)
         T = step() if data._model is model else NotImplemented
@@ -144,7 +175,12 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
 
 
 def updateGlobalPlacements(model: Model, data: Data) -> None:
-    """Fills `data.oMi` from `data.liMi`."""
+    """Fills `data.oMi` from `data.liMi`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+    """
     blocks = data._arrays
     data.read("liMi")
     for i in range(1, model.njoints):

@@ -33,7 +33,15 @@ __all__ = [
 
 
 def computeForwardKinematicsDerivatives(model: Model, data: Data, q: Any, v: Any, a: Any = None) -> None:
-    """Prepares the derivatives of velocities and accelerations of joints and frames."""
+    """Prepares the derivatives of velocities and accelerations of joints and frames.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        a: Acceleration (nv,) [rad/s^2 or m/s^2]; zero by default.
+    """
     a = np.zeros(model.nv) if a is None else a
     forwardKinematics(model, data, q, v, a)
     computeJointJacobiansTimeVariation(model, data, q, v)
@@ -42,7 +50,17 @@ def computeForwardKinematicsDerivatives(model: Model, data: Data, q: Any, v: Any
 def getJointVelocityDerivatives(
     model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
 ) -> tuple[Floats, Floats]:
-    """Derivatives of a joint's velocity by q and v, (6, nv) each."""
+    """Derivatives of a joint's velocity by q and v, (6, nv) each.
+
+    Args:
+        model: The model.
+        data: Its data, after computeForwardKinematicsDerivatives.
+        joint_id: Index of the joint.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Two matrices (6, nv).
+    """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, False)
 
@@ -56,7 +74,19 @@ def getFrameVelocityDerivatives(
     reference_frame: Any = None,
     joint_id: int | None = None,
 ) -> tuple[Floats, Floats]:
-    """Derivatives of a frame's velocity (its index, or a joint's and a placement) by q and v, (6, nv) each."""
+    """Derivatives of a frame's velocity (its index, or a joint's and a placement) by q and v, (6, nv) each.
+
+    Args:
+        model: The model.
+        data: Its data, after computeForwardKinematicsDerivatives.
+        frame_id: Index of the frame.
+        placement: Pose of the frame in the frame of the joint `joint_id`, an SE3.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+        joint_id: Index of the joint.
+
+    Returns:
+        Two matrices (6, nv).
+    """
     key, fixed_frame = at_frame(model, frame_id, joint_id, placement)
     return _motions(model, data, key, fixed_frame, reference_frame, False)
 
@@ -64,7 +94,17 @@ def getFrameVelocityDerivatives(
 def getJointAccelerationDerivatives(
     model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
 ) -> tuple[Floats, ...]:
-    """Derivatives of a joint's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
+    """Derivatives of a joint's velocity by q, and of its acceleration by q, v and a, (6, nv) each.
+
+    Args:
+        model: The model.
+        data: Its data, after computeForwardKinematicsDerivatives.
+        joint_id: Index of the joint.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+
+    Returns:
+        Four matrices (6, nv).
+    """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, True)
 
@@ -78,7 +118,19 @@ def getFrameAccelerationDerivatives(
     reference_frame: Any = None,
     joint_id: int | None = None,
 ) -> tuple[Floats, ...]:
-    """Derivatives of a frame's velocity by q, and of its acceleration by q, v and a, (6, nv) each."""
+    """Derivatives of a frame's velocity by q, and of its acceleration by q, v and a, (6, nv) each.
+
+    Args:
+        model: The model.
+        data: Its data, after computeForwardKinematicsDerivatives.
+        frame_id: Index of the frame.
+        placement: Pose of the frame in the frame of the joint `joint_id`, an SE3.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
+        joint_id: Index of the joint.
+
+    Returns:
+        Four matrices (6, nv).
+    """
     key, fixed_frame = at_frame(model, frame_id, joint_id, placement)
     return _motions(model, data, key, fixed_frame, reference_frame, True)
 
@@ -103,14 +155,36 @@ def _motions(model: Model, data: Data, key: Any, fixed_frame: Frame | None, rf: 
 def getPointVelocityDerivatives(
     model: Model, data: Data, joint_id: int, placement: Any, reference_frame: ReferenceFrame
 ) -> tuple[Floats, Floats]:
-    """Derivatives of the velocity of a point on a joint by q and v, (3, nv) each, in LOCAL or LOCAL_WORLD_ALIGNED."""
+    """Derivatives of the velocity of a point on a joint by q and v, (3, nv) each, in LOCAL or LOCAL_WORLD_ALIGNED.
+
+    Args:
+        model: The model.
+        data: Its data, after computeForwardKinematicsDerivatives.
+        joint_id: Index of the joint.
+        placement: Pose in the frame of the joint, an SE3; its origin is the point.
+        reference_frame: LOCAL or LOCAL_WORLD_ALIGNED.
+
+    Returns:
+        Two matrices (3, nv).
+    """
     return _point(model, data, joint_id, placement, reference_frame)[:2]
 
 
 def getPointClassicAccelerationDerivatives(
     model: Model, data: Data, joint_id: int, placement: Any, reference_frame: ReferenceFrame
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """Derivatives of that velocity by q, and of the point's acceleration by q, v and a, (3, nv) each."""
+    """Derivatives of that velocity by q, and of the point's acceleration by q, v and a, (3, nv) each.
+
+    Args:
+        model: The model.
+        data: Its data, after computeForwardKinematicsDerivatives.
+        joint_id: Index of the joint.
+        placement: Pose in the frame of the joint, an SE3; its origin is the point.
+        reference_frame: LOCAL or LOCAL_WORLD_ALIGNED.
+
+    Returns:
+        Four matrices (3, nv).
+    """
     u_q, _, *rest = _point(model, data, joint_id, placement, reference_frame)
     return (u_q, *rest)
 
@@ -128,6 +202,14 @@ def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> 
 
 
 def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
-    """The derivative (3, nv) of the velocity of the centre of mass by q."""
+    """The derivative (3, nv) of the velocity of the centre of mass by q.
+
+    Args:
+        model: The model.
+        data: Its data, after computeForwardKinematicsDerivatives.
+
+    Returns:
+        Matrix (3, nv).
+    """
     q, v = data.require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
     return compiled_for(model, data).kernel("com_velocity_derivatives")(q, v)[0]

@@ -257,7 +257,18 @@ def _joined_geometries(models: dict[Part, Any], order: list[tuple[Part, int]]) -
 def transformJointIntoMimic(
     input_model: Model, index_mimicked: int, index_mimicking: int, scaling: float, offset: float
 ) -> Model:
-    """The model with one joint following another: q = scaling * q_followed + offset."""
+    """The model with one joint following another: q = scaling * q_followed + offset.
+
+    Args:
+        input_model: The model, which stays as it is.
+        index_mimicked: Index of the joint that is followed.
+        index_mimicking: Index of the joint that follows.
+        scaling: Factor.
+        offset: Offset [rad or m].
+
+    Returns:
+        The new model.
+    """
     out = input_model.copy()
     for i in (index_mimicked, index_mimicking):
         index(i, out.njoints, "joint", _NAMES)
@@ -266,7 +277,16 @@ def transformJointIntoMimic(
 
 
 def findCommonAncestor(model: Model, joint1_id: int, joint2_id: int) -> tuple[int, int, int]:
-    """The last joint that two joints stand on, and where it is in both of their supports."""
+    """The last joint that two joints stand on, and where it is in both of their supports.
+
+    Args:
+        model: The model.
+        joint1_id: Index of a joint.
+        joint2_id: Index of another joint.
+
+    Returns:
+        Index of the joint, and its places in both supports.
+    """
     first, second = (model.supports[index(i, model.njoints, "joint", _NAMES)] for i in (joint1_id, joint2_id))
     shared = sum(1 for a, b in zip(first, second, strict=False) if a == b)
     return first[shared - 1], shared - 1, shared - 1

@@ -70,12 +70,36 @@ class ModelPool:
 
 
 def rneaInParallel(num_thread: int, pool: ModelPool, q: Any, v: Any, a: Any, tau: Any = None) -> Any:
-    """Torques (nv, n) of n motions, one in each column; or nothing, and `tau` is filled with them."""
+    """The torques of n motions, one in each column.
+
+    Args:
+        num_thread: Number of threads.
+        pool: A ModelPool, which holds the model.
+        q: Configurations (nq, n) [rad or m].
+        v: Velocities (nv, n) [rad/s or m/s].
+        a: Accelerations (nv, n) [rad/s^2 or m/s^2].
+        tau: Array (nv, n) to fill [N m or N]; None for a new one.
+
+    Returns:
+        Torques (nv, n) [N m or N]; None where `tau` is filled.
+    """
     return _many("inverse_dynamics", num_thread, pool, (q, v, a), tau)
 
 
 def abaInParallel(num_thread: int, pool: ModelPool, q: Any, v: Any, tau: Any, a: Any = None) -> Any:
-    """Accelerations (nv, n) that torques give, one in each column; or nothing, and `a` is filled with them."""
+    """The accelerations under n vectors of torques, one in each column.
+
+    Args:
+        num_thread: Number of threads.
+        pool: A ModelPool, which holds the model.
+        q: Configurations (nq, n) [rad or m].
+        v: Velocities (nv, n) [rad/s or m/s].
+        tau: Torques (nv, n) [N m or N].
+        a: Array (nv, n) to fill [rad/s^2 or m/s^2]; None for a new one.
+
+    Returns:
+        Accelerations (nv, n) [rad/s^2 or m/s^2]; None where `a` is filled.
+    """
     return _many("forward_dynamics", num_thread, pool, (q, v, tau), a)
 
 

@@ -27,7 +27,19 @@ __all__ = [
 
 
 def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any) -> Floats:
-    """The matrix (nv, 10 (njoints - 1)) that makes torques of dynamic parameters."""
+    """The matrix that multiplies the dynamic parameters of all bodies in the torques; kept in
+    `data.jointTorqueRegressor`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        a: Acceleration (nv,) [rad/s^2 or m/s^2].
+
+    Returns:
+        Matrix (nv, 10 (njoints - 1)).
+    """
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
     compiled = data.attach(model)
     regressor = compiled.kernel("joint_torque_regressor")(*state)
@@ -37,40 +49,94 @@ def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any
 
 
 def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
-    """The matrix (3, 4 (njoints - 1)) that makes the centre of mass of masses and first moments."""
+    """The matrix that multiplies masses and first moments of all bodies in the centre of mass.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Matrix (3, 4 (njoints - 1)).
+    """
     forwardKinematics(model, data, q)
     kernel = compiled_for(model, data).kernel("static_regressor")
     return _stored(data, "staticRegressor", kernel(vector(q, model.nq, "q")))
 
 
 def computeKineticEnergyRegressor(model: Model, data: Data, q: Any, v: Any) -> Floats:
-    """The vector (10 (njoints - 1),) that makes kinetic energy of dynamic parameters."""
+    """The vector that multiplies the dynamic parameters of all bodies in the kinetic energy.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        Vector (10 (njoints - 1),).
+    """
     forwardKinematics(model, data, q, v)
     kernel = compiled_for(model, data).kernel("kinetic_energy_regressor")
     return _stored(data, "kineticEnergyRegressor", kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v")))
 
 
 def computePotentialEnergyRegressor(model: Model, data: Data, q: Any) -> Floats:
-    """The same of potential energy."""
+    """The vector that multiplies the dynamic parameters of all bodies in the potential energy.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Vector (10 (njoints - 1),).
+    """
     forwardKinematics(model, data, q)
     kernel = compiled_for(model, data).kernel("potential_energy_regressor")
     return _stored(data, "potentialEnergyRegressor", kernel(vector(q, model.nq, "q")))
 
 
 def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:
-    """The matrix (6, 10) that makes the force on a body of its dynamic parameters."""
+    """The matrix that multiplies the dynamic parameters of a body in the force on it.
+
+    Args:
+        velocity: Spatial velocity of the body.
+        acceleration: Spatial acceleration of the body, gravity subtracted.
+
+    Returns:
+        Matrix (6, 10).
+    """
     value = algorithms.body_regressor(velocity._value(), acceleration._value())
     return value
 
 
 def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
-    """The regressor (6, 10) of the body of a joint, after rnea."""
+    """The regressor of the body of a joint, in the frame of the joint.
+
+    Args:
+        model: The model.
+        data: Its data, after rnea.
+        joint_id: Index of the joint.
+
+    Returns:
+        Matrix (6, 10).
+    """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     return _body(model, data, joint, SE3())
 
 
 def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
-    """The same in a frame of the body."""
+    """The regressor of the body that a frame is on, in that frame.
+
+    Args:
+        model: The model.
+        data: Its data, after rnea.
+        frame_id: Index of the frame.
+
+    Returns:
+        Matrix (6, 10).
+    """
     frame = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")]
     return _body(model, data, frame.parentJoint, frame.placement)
 

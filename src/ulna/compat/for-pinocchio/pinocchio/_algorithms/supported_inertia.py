@@ -18,6 +18,9 @@ def computeSupportedInertiaByFrame(model: Model, data: Data, frame_id: int, with
         data: Its data, after `forwardKinematics`.
         frame_id: The frame.
         with_subtree: Whether joints that hang on it count; else the frames on its own joint alone.
+
+    Returns:
+        The inertia.
     """
     inertia, children = _behind(model, frame_id)
     if with_subtree:
@@ -30,7 +33,16 @@ def computeSupportedInertiaByFrame(model: Model, data: Data, frame_id: int, with
 
 
 def computeSupportedForceByFrame(model: Model, data: Data, frame_id: int) -> Force:
-    """The force that all that hangs on a frame is moved with, in its axes; after `rnea`."""
+    """The force that moves all that a frame carries, in the axes of the frame.
+
+    Args:
+        model: The model.
+        data: Its data, after rnea.
+        frame_id: Index of the frame.
+
+    Returns:
+        Force (6,) [N, N m].
+    """
     inertia, children = _behind(model, frame_id)
     frame = model.frames[frame_id]
     v, a = (frame.placement.actInv(list_[frame.parentJoint]) for list_ in (data.v, data.a_gf))

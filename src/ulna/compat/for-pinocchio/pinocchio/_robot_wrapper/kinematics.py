@@ -72,7 +72,13 @@ class Kinematic:
         return checked_index(frame, self.model.nframes, "frame", _FRAME)
 
     def forwardKinematics(self, q: Any, v: Any = None, a: Any = None) -> None:
-        """Fills `data.oMi`; with v and a also `data.v` and `data.a`."""
+        """Fills `data.oMi`; with v and a also `data.v` and `data.a`.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            v: Velocity (nv,) [rad/s or m/s].
+            a: Acceleration (nv,) [rad/s^2 or m/s^2].
+        """
         kinematics.forwardKinematics(self.model, self.data, *(x for x in (q, v, a) if x is not None))
 
     def framesForwardKinematics(self, q: Any) -> None:
@@ -80,7 +86,16 @@ class Kinematic:
         kinematics.framesForwardKinematics(self.model, self.data, q)
 
     def placement(self, q: Any, index: int, update_kinematics: bool = True) -> SE3:
-        """Where a joint is in the world: a live reference into `data.oMi`."""
+        """Where a joint is in the world: a live reference into `data.oMi`.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            index: Index of the joint.
+            update_kinematics: Whether to compute it; else `data` has it.
+
+        Returns:
+            The placement of the joint in the world.
+        """
         joint = self._joint(index)
         if update_kinematics:
             self.forwardKinematics(q)
@@ -90,7 +105,16 @@ class Kinematic:
     """The historic name of `placement`."""
 
     def framePlacement(self, q: Any, index: int, update_kinematics: bool = True) -> SE3:
-        """Where a frame is in the world; `data.oMf` has it, too."""
+        """Where a frame is in the world; `data.oMf` has it, too.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            index: Index of the frame.
+            update_kinematics: Whether to compute it; else `data` has it.
+
+        Returns:
+            The placement of the frame in the world.
+        """
         frame = self._frame(index)
         if update_kinematics:
             self.forwardKinematics(q)
@@ -121,23 +145,55 @@ class Kinematic:
         return jacobians.computeJointJacobians(self.model, self.data, q)
 
     def computeJointJacobian(self, q: Any, index: int) -> Floats:
-        """The Jacobian (6, nv) of a joint, in LOCAL."""
+        """The Jacobian (6, nv) of a joint, in LOCAL.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            index: Index of the joint.
+
+        Returns:
+            Jacobian (6, nv), linear rows first.
+        """
         return jacobians.computeJointJacobian(self.model, self.data, q, self._joint(index))
 
     jointJacobian = computeJointJacobian
     """The historic name of `computeJointJacobian`."""
 
     def getJointJacobian(self, index: int, rf_frame: Any = _LOCAL) -> Floats:
-        """The Jacobian (6, nv) of a joint, after `computeJointJacobians`."""
+        """The Jacobian (6, nv) of a joint, after `computeJointJacobians`.
+
+        Args:
+            index: Index of the joint.
+            rf_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
+
+        Returns:
+            Jacobian (6, nv), linear rows first.
+        """
         return jacobians.getJointJacobian(self.model, self.data, self._joint(index), rf_frame)
 
     def computeFrameJacobian(self, q: Any, frame_id: int) -> Floats:
-        """The Jacobian (6, nv) of a frame, in LOCAL."""
+        """The Jacobian (6, nv) of a frame, in LOCAL.
+
+        Args:
+            q: Configuration (nq,) [rad or m].
+            frame_id: Index of the frame.
+
+        Returns:
+            Jacobian (6, nv), linear rows first.
+        """
         return jacobians.computeFrameJacobian(self.model, self.data, q, self._frame(frame_id))
 
     frameJacobian = computeFrameJacobian
     """The historic name of `computeFrameJacobian`."""
 
     def getFrameJacobian(self, frame_id: int, rf_frame: Any = _LOCAL) -> Floats:
-        """The Jacobian (6, nv) of a frame, after `computeJointJacobians`."""
+        """The Jacobian (6, nv) of a frame, after `computeJointJacobians`.
+
+        Args:
+            frame_id: Index of the frame.
+            rf_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
+
+        Returns:
+            Jacobian (6, nv), linear rows first.
+        """
         return jacobians.getFrameJacobian(self.model, self.data, self._frame(frame_id), rf_frame)

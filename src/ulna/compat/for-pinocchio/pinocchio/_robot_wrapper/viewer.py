@@ -24,7 +24,15 @@ class Viewed:
     viz: Any
 
     def updateGeometryPlacements(self, q: Any = None, visual: bool = False) -> None:
-        """Fills `visual_data.oMg` or `collision_data.oMg`."""
+        """Fills `visual_data.oMg` or `collision_data.oMg`.
+
+        Args:
+            q: Configuration (nq,) [rad or m]; None for that of `data`.
+            visual: Whether those of the visual model.
+
+        Raises:
+            InputError: The robot has no such model.
+        """
         model, data = (
             (self.visual_model, self.visual_data) if visual else (self.collision_model, self.collision_data)
         )
@@ -33,7 +41,13 @@ class Viewed:
         updateGeometryPlacements(self.model, self.data, model, data, q)
 
     def setVisualizer(self, visualizer: Any, init: bool = True, copy_models: bool = False) -> None:
-        """Has a visualizer show this robot."""
+        """Has a visualizer show this robot.
+
+        Args:
+            visualizer: The visualizer.
+            init: Whether to initialise it with the models of this robot.
+            copy_models: Whether it copies them.
+        """
         if init:
             visualizer.__init__(self.model, self.collision_model, self.visual_model, copy_models)
         self.viz = visualizer
@@ -67,18 +81,36 @@ class Viewed:
         return self._visualizer().viewer
 
     def loadViewerModel(self, *parts: Any, **named: Any) -> None:
-        """Loads the geometries into the viewer."""
+        """Loads the geometries into the viewer.
+
+        Args:
+            *parts: Arguments of the visualizer's method.
+            **named: Its keywords.
+        """
         self._visualizer().loadViewerModel(*parts, **named)
 
     def initDisplay(self, *parts: Any, **named: Any) -> None:
-        """The historic name of `initViewer`: (windowName, sceneName, loadModel)."""
+        """The historic name of `initViewer`: (windowName, sceneName, loadModel).
+
+        Args:
+            *parts: Window name, scene name, whether to load the model.
+            **named: The same by name.
+        """
         self.initViewer(True, None, *parts, **named)
 
     loadDisplayModel = loadViewerModel
     """The historic name of `loadViewerModel`."""
 
     def getViewerNodeName(self, geometry_object: GeometryObject, geometry_type: Any) -> str:
-        """The name of a geometry's node in the viewer."""
+        """The name of a geometry's node in the viewer.
+
+        Args:
+            geometry_object: The geometry.
+            geometry_type: GeometryType.VISUAL or COLLISION.
+
+        Returns:
+            The name.
+        """
         return self._visualizer().getViewerNodeName(geometry_object, geometry_type)
 
     viewerNodeNames = getViewerNodeName
@@ -97,5 +129,10 @@ class Viewed:
         self._visualizer().displayVisuals(visibility)
 
     def play(self, q_trajectory: Any, dt: float) -> None:
-        """Shows configurations one after the other, `dt` seconds each; where nobody can look, without waiting."""
+        """Shows configurations one after the other, `dt` seconds each; where nobody can look, without waiting.
+
+        Args:
+            q_trajectory: Configurations, (N, nq) or a list.
+            dt: How long each stays [s].
+        """
         self._visualizer().play(q_trajectory, dt)
