@@ -43,11 +43,29 @@ def _arm(pin: Any, mimic: bool = False) -> Any:
 
 def test_unknown_names_offer_the_nearest(pin: Any) -> None:
     model = _arm(pin)
-    with pytest.raises(UnknownName, match="'elbow'"):
-        model.getJointId("elbo")
-    with pytest.raises(UnknownName, match="'hand'"):
-        model.getFrameId("hnad")
-    assert not model.existFrame("hnad")
+    data, q = model.createData(), pin.neutral(model)
+    joint, frame, body = model.getJointId("elbo"), model.getFrameId("hnad"), model.getBodyId("hnad")
+    assert (joint, frame, body) == (model.njoints, model.nframes, model.nframes)  # as in Pinocchio
+    assert not frame < model.nframes and not model.existFrame("hnad")
+    pin.computeJointJacobians(model, data, q)
+    uses = [
+        ("elbow", lambda: pin.getJointJacobian(model, data, joint, pin.LOCAL)),
+        ("elbow", lambda: pin.computeJointJacobian(model, data, q, joint)),
+        ("elbow", lambda: model.addJoint(joint, pin.JointModelRX(), pin.SE3.Identity(), "more")),
+        ("hand", lambda: pin.computeFrameJacobian(model, data, q, frame)),
+        ("hand", lambda: pin.getFrameVelocity(model, data, body)),
+        ("hand", lambda: pin.updateFramePlacement(model, data, frame)),
+    ]
+    for nearest, use in uses:
+        with pytest.raises(UnknownName, match=f"Did you mean '{nearest}'") as caught:
+            use()
+        assert isinstance(caught.value, IndexError) and isinstance(caught.value, InputError)
+    geometries = pin.GeometryModel()
+    geometries.addGeometryObject(pin.GeometryObject("ball", 0, pin.SE3.Identity(), pin.coal.Sphere(0.1)))
+    missing = geometries.getGeometryId("bal")
+    assert missing == geometries.ngeoms == 1
+    with pytest.raises(UnknownName, match="'ball'"):
+        pin.CollisionPair(0, missing)
 
 
 def test_a_name_that_a_body_and_a_joint_share_needs_the_type(pin: Any) -> None:

@@ -164,6 +164,12 @@ def check_layout(model: Any, data: Any) -> None:
     )
 
 
+def check_text(value: Any, name: str) -> None:
+    """Raises ArgumentError for what is no text."""
+    if not isinstance(value, str):
+        raise ArgumentError(f"`{name}` is {excerpt(repr(value))}; expected a text.")
+
+
 def check_size(value: Any, name: str, most: int = 10**6) -> int:
     """A count, checked.
 

@@ -7,6 +7,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError, IndexOutOfRange, is_index
+from pinocchio._containers.unknown_ids import known
 from ulna.checks.arrays import real_array
 from ulna.errors import ShapeError, excerpt
 from ulna.typing import Floats
@@ -68,7 +69,7 @@ def index(value: Any, count: int, what: str, fix: str) -> int:
     """
     if not is_index(value):
         raise ArgumentError(f"The {what} is given as {excerpt(repr(value))}; expected an index. {fix}")
-    number = value.__index__()
+    number = known(value).__index__()
     if not 0 <= number < count:
         raise IndexOutOfRange(f"There is no {what} {value!r}; expected 0 to {count - 1}. {fix}")
     return number

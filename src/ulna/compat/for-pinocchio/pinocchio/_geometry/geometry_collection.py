@@ -9,9 +9,10 @@ import numpy as np
 
 from pinocchio._containers.arrays import NO_INDEX, StdVec, index
 from pinocchio._containers.files import Saved, register
+from pinocchio._containers.unknown_ids import UnknownId, known
 from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._model.building import KinematicTree
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 
@@ -76,7 +77,7 @@ class GeometryCollection(Saved):
 
     def removeGeometryObject(self, name: str) -> None:
         """Removes the geometry of that name, and the pairs it is in."""
-        gone = self.getGeometryId(name)
+        gone = known(self.getGeometryId(name))
         del self.geometryObjects[gone]
         remaining = [pair for pair in self.collisionPairs if gone not in pair]
         self._pair_up(CollisionPair(*(i - (i > gone) for i in pair)) for pair in remaining)
@@ -86,11 +87,13 @@ class GeometryCollection(Saved):
         return any(g.name == name for g in self.geometryObjects)
 
     def getGeometryId(self, name: str) -> int:
-        """The index of the geometry of that name. Raises UnknownName with the nearest one."""
-        for i, geometry in enumerate(self.geometryObjects):
-            if geometry.name == name:
-                return i
-        raise UnknownName("geometry", name, [g.name for g in self.geometryObjects])
+        """The index of the geometry of that name; where there is none, `ngeoms`, whose use as an index raises."""
+        names = [geometry.name for geometry in self.geometryObjects]
+        if name in names:
+            return names.index(name)
+        return UnknownId.of(
+            self.ngeoms, "geometry", name, names, "Ask existGeometryName(name) where it may be missing."
+        )
 
     def addCollisionPair(self, collision_pair: CollisionPair) -> None:
         """Adds a pair to check."""

@@ -6,15 +6,17 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError, check_text, is_index
 from pinocchio._containers.arrays import index, numbers
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.keywords import by_name
+from pinocchio._containers.unknown_ids import UnknownId, known
 from pinocchio._model.frame import Frame
 from pinocchio._model.joint_model import JointModel
 from pinocchio._model.kernel_cache import KernelCache
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
-from ulna.errors import InputError, ModelError, UnknownName
+from ulna.errors import InputError, ModelError
 
 FREE = float(np.finfo(float).max)
 """What limits are where there is none."""
@@ -45,20 +47,34 @@ class KinematicTree(KernelCache):
     # names ----------------------------------------------------------------------------------------------
 
     def getJointId(self, name: str) -> int:
-        """The index of the joint of that name. Raises UnknownName with the nearest one."""
-        if name not in self.names:
-            raise UnknownName(
-                "joint", name, self.names, "Ask existJointName(name) first where it may be missing."
-            )
-        return self.names.index(name)
+        """The index of a joint.
+
+        Args:
+            name: Its name.
+
+        Returns:
+            Its index; where there is none, `njoints`, which remembers the name: its use as an index raises.
+        """
+        check_text(name, "name")
+        if name in self.names:
+            return self.names.index(name)
+        fix = "Ask existJointName(name) first where it may be missing."
+        return UnknownId.of(self.njoints, "joint", name, self.names, fix)
 
     def getFrameId(self, name: str, type: Any = None) -> int:
-        """The index of the frame of that name (and type).
+        """The index of a frame.
+
+        Args:
+            name: Its name.
+            type: Its type, or several, `FrameType.JOINT | FrameType.BODY`; all without.
+
+        Returns:
+            Its index; where there is none, `nframes`, which remembers the name: its use as an index raises.
 
         Raises:
-            UnknownName: There is none; offers the nearest one.
             InputError: A body and a joint, or the like, share the name, and `type` does not say which is meant.
         """
+        check_text(name, "name")
         types = self._frame_type(type)
         matches = [i for i, frame in enumerate(self.frames) if frame._name == name and frame._type & types]
         if len(matches) == 1:
@@ -69,18 +85,20 @@ class KinematicTree(KernelCache):
                 f"{len(matches)} frames are named {name!r}; say which: getFrameId({name!r}, type) with one of {choice}."
             )
         fix = "Ask existFrame(name) first where it may be missing."
-        raise UnknownName("frame", name, [f.name for f in self.frames if f.type & types], fix)
+        return UnknownId.of(self.nframes, "frame", name, [f.name for f in self.frames if f.type & types], fix)
 
     def getBodyId(self, name: str) -> int:
-        """The index of the frame of the body of that name. Raises UnknownName with the nearest one."""
+        """The index of the frame of a body; see `getFrameId`."""
         return self.getFrameId(name, FrameType.BODY)
 
     def existJointName(self, name: str) -> bool:
         """Whether there is a joint of that name."""
+        check_text(name, "name")
         return name in self.names
 
     def existFrame(self, name: str, type: Any = None) -> bool:
         """Whether there is a frame of that name (and type)."""
+        check_text(name, "name")
         types = self._frame_type(type)
         return any(f.name == name and f.type & types for f in self.frames)
 
@@ -90,6 +108,8 @@ class KinematicTree(KernelCache):
 
     @staticmethod
     def _frame_type(type: Any) -> int:
+        if type is not None and not is_index(type):
+            raise ArgumentError(f"`type` is {type!r}; expected one or several of FrameType, joined by |.")
         return 31 if type is None else int(type)
 
     # building -------------------------------------------------------------------------------------------
@@ -190,7 +210,7 @@ class KinematicTree(KernelCache):
         """Adds the frame of a body; returns its index."""
         if previous_frame < 0:
             joints = int(FrameType.JOINT) | int(FrameType.FIXED_JOINT)
-            previous_frame = self.getFrameId(self.names[parentJoint], joints)
+            previous_frame = known(self.getFrameId(self.names[parentJoint], joints))
         return self.addFrame(Frame(body_name, parentJoint, previous_frame, body_placement, FrameType.BODY))
 
     def addFrame(self, frame: Frame, append_inertia: bool = True) -> int:

@@ -15,6 +15,7 @@ from pinocchio._constraints.rigid_constraint_model import RigidConstraintModel
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.enums import FrameType, GeometryType, ReferenceFrame
+from pinocchio._containers.unknown_ids import known
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._model import joint_kinds
 from pinocchio._model.frame import Frame
@@ -105,7 +106,7 @@ def _loops(model: Model, file: Any) -> Iterator[tuple[int, list[Any]]]:
     for loop in loops_from_mjcf(os.fspath(file)):
         places: list[Any] = []
         for name, pose in loop.ends():
-            frame = model.frames[model.getBodyId(name) if name != "world" else 0]
+            frame = model.frames[known(model.getBodyId(name)) if name != "world" else 0]
             places += [frame.parentJoint, frame.placement * _pose(pose)]
         yield loop.size, places
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.configurations import neutral
+from pinocchio._containers.unknown_ids import known
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._model.model import Model
 from ulna.errors import ModelWarning
@@ -35,7 +36,7 @@ def _postures(model: Model, document: SrdfDocument) -> None:
         for name, values in state.values.items():
             if not model.existJointName(name):
                 continue  # fixed joints, and joints of other variants of the robot
-            joint = model.joints[model.getJointId(name)]
+            joint = model.joints[known(model.getJointId(name))]
             entries = values
             if joint.nq == 2 and len(values) == 1:  # an angle, written as cosine and sine
                 entries = (np.cos(values[0]), np.sin(values[0]))
@@ -52,7 +53,7 @@ def loadRotorParameters(model: Model, srdf_filename: Any, verbose: bool = False)
     rotors = read_srdf(os.fspath(srdf_filename)).rotors
     for name, (inertia, ratio) in rotors.items():
         if model.existJointName(name):
-            place = model.joints[model.getJointId(name)].idx_v
+            place = model.joints[known(model.getJointId(name))].idx_v
             model._arrays["rotorInertia"][place], model._arrays["rotorGearRatio"][place] = inertia, ratio
     return bool(rotors)
 

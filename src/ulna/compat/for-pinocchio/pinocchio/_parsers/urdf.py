@@ -9,6 +9,7 @@ import numpy as np
 
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.keywords import overloads
+from pinocchio._containers.unknown_ids import known
 from pinocchio._model import joint_kinds
 from pinocchio._model.building import FREE
 from pinocchio._model.frame import Frame
@@ -116,7 +117,9 @@ def build_model(
         waiting.extend(reversed(below.get(joint.child, [])))
     for joint, carrier in mimics:
         assert joint.mimic is not None  # only those were kept
-        out.make_mimic(out.getJointId(joint.mimic.joint), carrier, joint.mimic.multiplier, joint.mimic.offset)
+        out.make_mimic(
+            known(out.getJointId(joint.mimic.joint)), carrier, joint.mimic.multiplier, joint.mimic.offset
+        )
     return out
 
 

@@ -14,6 +14,7 @@ from gepetto.corbaserver.gui import Gui
 from pinocchio._algorithms.configurations import neutral
 from pinocchio._algorithms.kinematics import forwardKinematics
 from pinocchio._containers.enums import GeometryType
+from pinocchio._containers.unknown_ids import known
 from pinocchio._geometry.geometry_data import GeometryData
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._geometry.geometry_object import GeometryObject
@@ -296,7 +297,7 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         """
         kind = GeometryType.VISUAL if geometry_type is None else geometry_type
         model = self._pair(kind)[0]
-        model.geometryObjects.pop(place := model.getGeometryId(new_geometry_object.name))
+        model.geometryObjects.pop(place := known(model.getGeometryId(new_geometry_object.name)))
         model.geometryObjects.insert(place, new_geometry_object.copy())
         self._scene.set_surfaces(
             self.getViewerNodeName(new_geometry_object, kind), surfaces_of(new_geometry_object)
