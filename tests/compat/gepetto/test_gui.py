@@ -254,6 +254,21 @@ def test_windows_cameras_and_pictures(gui: Gui, tmp_path: Path) -> None:
     assert gui.getWindowList() == ["window"] and gui.getWindowID("window") == window
     with pytest.raises(UnknownName, match="createWindow"):
         gui.getWindowID("windows")
+    for call in (
+        lambda: gui.addSceneToWindow("world", "windows"),
+        lambda: gui.setBackgroundColor1("windows", RED),
+        lambda: gui.setBackgroundColor2("windows", RED),
+        lambda: gui.getCameraTransform("windows"),
+        lambda: gui.setCameraTransform("windows", [0, 0, 0, 0, 0, 0, 1]),
+        lambda: gui.setCameraToBestFit("windows"),
+        lambda: gui.detachCamera("windows"),
+        lambda: gui.captureFrame("windows", str(tmp_path / "frame.png")),
+        lambda: gui.startCapture("windows", str(tmp_path / "film"), "png"),
+        lambda: gui.stopCapture("windows"),
+        lambda: gui.writeWindowFile("windows", str(tmp_path / "page.html")),
+    ):
+        with pytest.raises(UnknownName, match="No window named 'windows'"):
+            call()
     gui.addSphere("world/ball", 0.3, RED)
     wanted = [2.0, 0.0, 0.5, 0.5, 0.5, 0.5, 0.5]  # right is y, up is z, backwards is x
     gui.setCameraTransform(window, wanted)
@@ -268,7 +283,10 @@ def test_windows_cameras_and_pictures(gui: Gui, tmp_path: Path) -> None:
     assert sorted(p.name for p in tmp_path.iterdir()) == ["film_0_0.png", "frame.png"]
     with pytest.raises(InputError, match="png"):
         gui.captureFrame(window, str(tmp_path / "frame.bmp"))
+    assert gui.detachCamera(window)
+    before = gui.getCameraTransform(window)
     gui.setCameraToBestFit(window)
+    assert gui.getCameraTransform(window) != before
 
 
 def test_roadmaps(gui: Gui) -> None:

@@ -154,3 +154,14 @@ def test_a_reference_frame_by_name_counts(pin: Any) -> None:
     )
     J = pin.getJointJacobian(model, data, 6, pin.WORLD)
     assert np.array_equal(pin.getJointJacobian(model, data, joint_id=6, reference_frame=pin.WORLD), J)
+
+
+def test_what_was_bound_once_is_not_bound_again(
+    pin: Any, model: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data, q = model.createData(), np.linspace(0.1, 0.6, 6)
+    _asked(pin, model, data, q)
+    expected = _asked(pin, model, data, q + 0.1)
+    monkeypatch.setattr(type(data), "attach", None)  # which binding needs
+    for found, wanted in zip(_asked(pin, model, data, q + 0.1), expected, strict=True):
+        np.testing.assert_array_equal(found, wanted)

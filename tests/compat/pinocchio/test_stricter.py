@@ -185,8 +185,8 @@ def test_frames_can_be_appended_and_replaced(pin: Any) -> None:
 
 def test_copies_and_pickles_stand_alone(pin: Any) -> None:
     model = _arm(pin, mimic=True)
-    for twin in (model.copy(), copy.deepcopy(model), pickle.loads(pickle.dumps(model))):
-        assert twin == model
+    for twin in (model.copy(), copy.deepcopy(model), pickle.loads(pickle.dumps(model)), pin.Model(model)):
+        assert twin == model and list(twin.names) == list(model.names) and twin.njoints == model.njoints
         twin.inertias[1].mass = 9.0
         assert twin != model
     data = model.createData()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -204,10 +206,20 @@ def two_links(first: str, second: str, shape: Shape) -> Model:
     return builder.build()
 
 
-def test_links_of_equal_shape_share_what_is_kept_on_disk() -> None:
+def test_links_of_equal_shape_share_what_is_kept_on_disk(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("ULNA_CACHE", str(tmp_path))
     shape = Sphere(0.1234)
-    assert list(fit(two_links("left", "right", shape)).links) == ["left", "right"]
-    assert list(fit(two_links("one", "other", shape)).links) == ["one", "other"]
+    first = fit(two_links("left", "right", shape))
+    assert list(first.links) == ["left", "right"]
+    monkeypatch.setattr("ulna.collision.spheres.cover", lambda *_: pytest.fail("it is fitted again"))
+    again = fit(two_links("one", "other", shape))
+    assert list(again.links) == ["one", "other"]
+    np.testing.assert_array_equal(again.links["one"].centres, first.links["left"].centres)
+    np.testing.assert_array_equal(again.links["other"].radii, first.links["right"].radii)
+    with pytest.raises(pytest.fail.Exception, match="fitted again"):
+        fit(two_links("one", "other", Sphere(0.1235)))
 
 
 def test_a_link_whose_mesh_is_skipped_is_not_asked_for_spheres() -> None:

@@ -8,6 +8,7 @@ import pytest
 import ulna
 from support.mjcf_compare import differences
 from support.mjcf_physics import compiled, loaded
+from ulna.collision import link_pairs
 from ulna.errors import ModelWarning
 from ulna.formats.mjcf_loops import loops_from_mjcf
 
@@ -91,3 +92,18 @@ def test_a_free_body_collides_with_the_floor() -> None:
     from ulna.collision import link_pairs
 
     assert link_pairs(ulna.load(text).model) == (("world", "ball"),)
+
+
+@pytest.mark.parametrize("excluded", [True, False])
+def test_bodies_of_which_only_some_geoms_may_touch_are_named_unless_they_are_excluded(excluded: bool) -> None:
+    """Bodies without joints between them never move apart, and are not named either."""
+    two = '<geom size="0.1"/><geom size="0.1" pos="0 0 0.3" contype="2" conaffinity="2"/>'
+    exclude = '<exclude body1="a" body2="c"/>' if excluded else ""
+    text = f"""<mujoco><worldbody><body name="a"><freejoint/>{two}<body name="fixed" pos="0 1 0">{two}</body></body>
+    <body name="c" pos="2 0 0"><freejoint/>{two}</body></worldbody><contact>{exclude}
+    <exclude body1="fixed" body2="c"/></contact></mujoco>"""
+    model, said = loaded(text)
+    named = [text for text in said if "only some geoms may touch" in text]
+    assert [("'a' and 'c'" in text, "'fixed'" in text) for text in named] == [(True, False)] * (not excluded)
+    pairs = {frozenset(pair) for pair in link_pairs(model)}
+    assert (frozenset("ac") in pairs) is not excluded and frozenset(("fixed", "c")) not in pairs

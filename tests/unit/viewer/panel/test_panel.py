@@ -11,6 +11,7 @@ import pytest
 
 import ulna
 from ulna.errors import InputError, UnknownName
+from ulna.geometry import Box, Geometry
 from ulna.viewer.panel.panel import Panel, ignore_value
 from ulna.viewer.viewer import Viewer
 
@@ -184,6 +185,23 @@ def test_a_pendant_goes_with_its_robot_and_alone(viewer: Viewer, capsys: pytest.
     assert pendants[1].sliders[0].removed
     viewer.flush()
     assert capsys.readouterr().err == ""
+    viewer.clear()
+
+
+def test_the_axes_of_a_target_are_a_fifth_of_the_robot_wherever_it_stands(viewer: Viewer) -> None:
+    if viewer.url == "":
+        pytest.skip("targets are dragged in a page")
+    rod = ulna.ModelBuilder("rod").add_link(
+        "rod", ulna.Inertia.from_point(1.0), visuals=[Geometry("box", Box((0.1, 0.2, 1.5)))]
+    )
+    rod.add_link("end", ulna.Inertia.from_point(1.0))
+    rod.add_joint("j", ulna.model.Revolute((0, 1, 0)), "rod", "end", lower=-1.0, upper=1.0)
+    robot = ulna.Robot(rod.build())
+    for pose in (np.zeros(3), np.array([7.0, 0.0, 0.0])):
+        shown = viewer.add(robot, pose=pose)
+        panel = viewer.teach_panel(shown)
+        assert panel.gizmo._handle.scale == pytest.approx(0.3)
+        shown.remove()
     viewer.clear()
 
 
