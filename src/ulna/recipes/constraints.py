@@ -15,6 +15,7 @@ from ulna.recipes.mass import with_mass
 from ulna.typing import Array
 
 _BOUND = {"constraints": ()}
+_SOLVED = {**_BOUND, "solver": Proximal()}
 
 
 def _of_bonds(function: Callable[..., Any]) -> Callable[..., Callable[..., Any]]:

@@ -22,6 +22,8 @@ TWO_OVER_PI_BITS = (
 HALF_PI_PAIR = (float.fromhex("0x1.921fb54442d18p+0"), float.fromhex("0x1.1a62633145c07p-54"))
 
 NAME = "ulna.reduce.huge"
+SMALLEST = 2.0**16
+"""The least |x| that the function serves."""
 
 
 def _literal(value: float) -> str:
@@ -31,7 +33,7 @@ def _literal(value: float) -> str:
 def huge_reduction() -> tuple[str, ...]:
     """Module-level texts: a table, declarations, and `{double, double, i64} @ulna.reduce.huge(double x)`.
 
-    For |x| >= 2^16 the results are r, s and k of x = k pi/2 + (r - s), with |r| <= pi/4, |s| below an ULP
+    For |x| >= SMALLEST the results are r, s and k of x = k pi/2 + (r - s), with |r| <= pi/4, |s| below an ULP
     of r, and k right modulo 4. An infinity or a NaN gives r = NaN.
     """
     # One word of zeros in front: the window of the smallest arguments begins above the binary point.

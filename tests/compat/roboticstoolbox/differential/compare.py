@@ -22,8 +22,8 @@ CLASSES = (
 def difference(ours: dict[str, Any], theirs: dict[str, Any], near: float = NEAR) -> str | None:
     """How two results differ, in a few words; None where they are equal.
 
-    An exception equals another if it is also of the class that the toolbox raises; one of Ulna's stands for any that
-    tells of no check (AttributeError, TypeError and the like from within the toolbox).
+    An exception equals another if it is also of the class that the toolbox raises. Where the toolbox fails without a
+    check of its arguments, any exception of Ulna's is as good.
     """
     if theirs["error"] or ours["error"]:
         return _errors_differ(ours, theirs)
@@ -41,6 +41,8 @@ def _errors_differ(ours: dict[str, Any], theirs: dict[str, Any]) -> str | None:
         return f"{ours['error'][0]} for a result"
     if theirs["error"][0] in ours["error"][:-1]:
         return None
+    if not theirs.get("checked") and "UlnaError" in ours["error"]:
+        return None  # the toolbox fails somewhere within; an error that explains why is better
     return f"{ours['error'][0]} for {theirs['error'][0]}"
 
 
@@ -57,12 +59,19 @@ def _same(ours: Any, theirs: Any, near: float) -> bool:
     if isinstance(theirs, (tuple, list)):
         if not isinstance(ours, type(theirs)) or len(ours) != len(theirs):
             return False
+        if isinstance(theirs, tuple) and theirs and theirs[0] == "IKSolution" and ours[0] == "IKSolution":
+            return _same_solution(ours, theirs)
         return all(_same(a, b, near) for a, b in zip(ours, theirs, strict=True))
     if isinstance(theirs, dict):
         if not isinstance(ours, dict) or set(ours) != set(theirs):
             return False
         return all(_same(ours[key], theirs[key], near) for key in theirs)
     return bool(ours == theirs)
+
+
+def _same_solution(ours: Any, theirs: Any) -> bool:
+    """Of inverse kinematics: whether there are as many numbers, and a solution where the toolbox has one."""
+    return ours[2] == theirs[2] and (ours[1] or not theirs[1])
 
 
 def _same_numbers(ours: Any, theirs: Any, near: float) -> bool:

@@ -12,6 +12,7 @@ import os
 import pickle
 import signal
 import sys
+import traceback
 import warnings
 from typing import Any
 
@@ -53,6 +54,16 @@ def plain(value: Any, depth: int = 0) -> Any:
             for key in ("t", "s", "sd", "sdd", "istime", "tblend", "arrive")
         }
         return ("Trajectory", str(value), arrays)
+    if name.startswith("IK_"):
+        return (
+            name,
+            value.name,
+            plain(value.We),
+            value.ilimit,
+            value.slimit,
+            value.tol,
+            bool(value.joint_limits),
+        )
     if any(name.startswith(kind) for kind in CLASSES) or hasattr(value, "links"):
         return ("object", name, str(value))
     return ("thing", name)
@@ -77,14 +88,23 @@ def made(call: dict[str, Any], objects: dict[str, Any], base: dict[str, Any]) ->
             else:
                 out["value"] = plain(eval(call["code"], names))
         except Exception as error:
-            kinds = [kind.__name__ for kind in type(error).__mro__]
-            out["error"] = [*kinds, str(error)[:300]]
+            out["error"] = [*(kind.__name__ for kind in type(error).__mro__), str(error)[:300]]
+            out["checked"] = is_check(error)
         finally:
             signal.alarm(0)
     out["text"] = printed.getvalue()
     kinds = {w.category.__name__ for w in caught}
     out["warnings"] = sorted(kinds & {"DeprecationWarning", "FutureWarning"})
     return out
+
+
+def is_check(error: BaseException) -> bool:
+    """Whether the toolbox raised on purpose: by a `raise` of its own, or in a check of arguments of spatialmath."""
+    frames = traceback.extract_tb(error.__traceback__)
+    last = frames[-1] if frames else None
+    if last is None or not (last.line or "").startswith("raise"):
+        return False
+    return "roboticstoolbox" in last.filename or last.filename.endswith("argcheck.py")
 
 
 def named(call: dict[str, Any], objects: dict[str, Any], base: dict[str, Any]) -> dict[str, Any]:

@@ -23,11 +23,11 @@ def flat():
 def arm():
     one = Link(ET.tz(0.3) * ET.Rz(), name="one", qlim=[-2, 2], **BODY, **MOTOR)
     two = Link(ET.tx(0.4) * ET.Ry(), name="two", parent=one, **BODY)
-    three = Link(ET.tz(0.2) * ET.tz(qlim=[0, 0.5]), name="three", parent=two, **BODY)
+    three = Link(ET.tz(0.2) * ET.Rx(qlim=[0, 0.5]), name="three", parent=two, **BODY)
     return rtb.Robot([one, two, three, Link(ETS(ET.tx(0.1)), name="end", parent=three)], name="arm")
 def dh():
     links = [rtb.RevoluteDH(d=0.3, alpha=np.pi / 2, offset=0.1, qlim=[-2, 2], **BODY, **MOTOR)]
-    links += [rtb.RevoluteDH(a=0.4, alpha=0.2, flip=True, **BODY), rtb.PrismaticDH(theta=0.3, a=0.1, qlim=[0, 1], **BODY)]
+    links += [rtb.RevoluteDH(a=0.4, alpha=0.2, **BODY), rtb.PrismaticDH(theta=0.3, a=0.1, qlim=[0, 1], **BODY)]
     return rtb.DHRobot(links, name="dh", tool=SE3(0.1, 0, 0.2))
 def mdh():
     links = [rtb.RevoluteMDH(d=0.3, **BODY), rtb.RevoluteMDH(a=0.4, alpha=0.2, offset=0.3, **BODY)]
@@ -94,7 +94,7 @@ SUBJECTS = (
     Subject("IK_LM", "IK", "rtb.IK_LM(seed=1)", 7),
     Subject("IK_NR", "IK", "rtb.IK_NR(pinv=True, seed=1)", 7),
     Subject("IK_GN", "IK", "rtb.IK_GN(pinv=True, seed=1)", 7),
-    Subject("IK_QP", "IK", "rtb.IK_QP(seed=1)", 7),
+    Subject("IK_QP", "IK", "rtb.IK_QP(seed=1)", 7, only=("kj", "ks", "name", "error")),
     Subject("IKSolution", "IK", "rtb.IKSolution(np.arange(3.0), True, 5, 2, 1e-9)", 3),
     Subject("failed IKSolution", "IK", "rtb.IKSolution(None, False, reason='no')", 3),
     Subject("jtraj", "Trajectory", "rtb.jtraj([0, 1], [1, 3], 5)", 2),

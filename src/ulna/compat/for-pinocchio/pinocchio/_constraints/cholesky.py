@@ -50,14 +50,7 @@ class ConstraintCholeskyDecomposition:
         return self
 
     def rebuild(self, model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> None:
-        """Allocates the matrices of constraints, which are zero until `compute`.
-
-        Args:
-            model: The model.
-            data: Its data.
-            constraint_models: The constraints.
-            constraint_datas: Their data.
-        """
+        """Makes room for constraints; the matrices are zero until `compute`."""
         compiled_for(model, data)
         self._make_room(sum(one.residualSize() for one in constraint_models), model.nv)
 
@@ -188,14 +181,7 @@ class ConstraintCholeskyDecomposition:
         return self._filled().inverse_mass()
 
     def getMassMatrixChoeslkyDecomposition(self, model: Any = None, data: Any = None) -> Any:
-        """The decomposition of the mass matrix alone.
-
-        Args:
-            model, data: Accepted and ignored.
-
-        Returns:
-            The decomposition of M.
-        """
+        """The decomposition of the mass matrix alone."""
         kernels = self._filled().kernels.of_mass
         return ConstraintCholeskyDecomposition()._hold(kernels, self._M, self._J[:0], 0.0)
 

@@ -14,8 +14,7 @@ from pinocchio._constraints.rigid_constraint import checked_constraints, structu
 from pinocchio._data.data import Data
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
-from ulna.algorithms.constraints.bound_response import bound_response
-from ulna.algorithms.constraints.dynamics_derivatives import bound_terms
+from ulna.algorithms.constraints.dynamics_derivatives import bound_response, bound_terms
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
@@ -36,9 +35,6 @@ def computeConstraintDynamicsDerivatives(
         contact_models: The constraints.
         contact_datas: Their data.
         settings: Those of constraintDynamics.
-
-    Returns:
-        Three matrices (nv, nv), then three (m, nv).
     """
     rounds = 1 if settings is None else max(1, settings_of(settings).iter)
     solved = _solved(model, data, contact_models, contact_datas, False, "constraintDynamics")
@@ -60,14 +56,6 @@ def computeImpulseDynamicsDerivatives(
 
     Fills `data.ddq_dq` and `data.ddq_dv`, of the jump of the velocity, and `data.dlambda_dq` and `data.dlambda_dv`,
     of the impulses.
-
-    Args:
-        model: The model.
-        data: Its data, after impulseDynamics.
-        contact_models: The constraints.
-        contact_datas: Their data.
-        r_coeff: Coefficient of restitution.
-        prox_settings: Accepted; only its type is checked.
     """
     settings_of(prox_settings)
     solved = _solved(model, data, contact_models, contact_datas, True, "impulseDynamics")
@@ -106,15 +94,7 @@ class BoundDerivatives:
         self.by_q, self.by_v = ((x[:n], x[n:]) for x in (self.solution[:, :n], self.solution[:, n:]))
 
     def fill(self, data: Data, factor: float) -> Any:
-        """Writes them into the data; NotImplemented where a number of the model is not what it was.
-
-        Args:
-            data: Its data, which is filled.
-            factor: Number of rounds, or 1 plus the coefficient of restitution.
-
-        Returns:
-            None; NotImplemented where a parameter of the model has changed.
-        """
+        """Writes them into the data; NotImplemented where a number of the model is not what it was."""
         self.factor[0] = factor
         if self.step(*self.inputs) is NotImplemented or not self.unique:
             return NotImplemented

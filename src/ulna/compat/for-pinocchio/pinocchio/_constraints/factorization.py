@@ -26,15 +26,7 @@ _ROWS = 24
 
 
 def kernels_for(compiled: CompiledModel, rows: Array) -> FactorKernels:
-    """What is compiled for a model, and for Jacobians with entries where `rows` (m, nv) is true.
-
-    Args:
-        compiled: Ulna's model and its kernels.
-        rows: Which entries of the Jacobian may differ from zero, (m, nv) of bool.
-
-    Returns:
-        The kernels, compiled once.
-    """
+    """What is compiled for a model, and for Jacobians with entries where `rows` (m, nv) is true."""
     return _kernels(rows.shape[1], compiled.mass_pattern, rows.astype(bool).tobytes())
 
 
@@ -229,16 +221,7 @@ class Factorization:
         return self.kernels.minus_inverse_delassus(self.entries, self.r)
 
     def inverse(self, J: Floats, mu: Floats, joints_first: bool = False) -> Floats:
-        """The inverse of K.
-
-        Args:
-            J: Jacobian (m, nv).
-            mu: Damping (m,).
-            joints_first: Whether rows and columns are in the order of [[M, J^T], [J, -mu]].
-
-        Returns:
-            Matrix (m + nv, m + nv).
-        """
+        """K^-1 (m + nv, m + nv), in its order, or that of [[M, J^T], [J, -mu]]."""
         Z, ZM, joints = self._last if joints_first else self._first
         M = self.inverse_mass()
         np.matmul(J, M, out=ZM)
@@ -263,15 +246,7 @@ class Factorization:
 
 
 def no_factors_error(M: Floats, J: Floats) -> InputError:
-    """The reason why K has no factors.
-
-    Args:
-        M: Mass matrix (nv, nv).
-        J: Jacobian (m, nv).
-
-    Returns:
-        The error to raise.
-    """
+    """Why K has none."""
     if not (np.isfinite(M).all() and np.isfinite(J).all()):
         return InputError(
             "The mass matrix or the Jacobian of the constraints holds numbers that are not finite."

@@ -140,10 +140,5 @@ class FramePair:
     def setBaumgarteCorrectorParameters(
         self, bp: BaumgarteCorrectorParameters, sel: Any = ConstraintSelectionType.CURRENT
     ) -> None:
-        """Sets the gains against drift.
-
-        Args:
-            bp: The gains.
-            sel: Accepted and ignored.
-        """
+        """Sets the gains against drift."""
         self.baumgarte_corrector_parameters = bp

@@ -35,15 +35,7 @@ class CollisionCallBackBase:
             self.collision = False
 
     def collide(self, first: Any, second: Any) -> bool:
-        """Called for two objects whose boxes overlap.
-
-        Args:
-            first: A CollisionObject.
-            second: Another CollisionObject.
-
-        Returns:
-            Whether to stop.
-        """
+        """Called for two CollisionObjects whose boxes overlap; whether to stop."""
         raise NotImplementedError
 
     def done(self) -> None:
@@ -84,15 +76,7 @@ class CollisionCallBackDefault(CollisionCallBackBase):
             self.count, self.collisionPairIndex = 0, NO_INDEX
 
     def collide(self, first: Any, second: Any) -> bool:
-        """Asks coal about two objects.
-
-        Args:
-            first: A CollisionObject.
-            second: Another CollisionObject.
-
-        Returns:
-            Whether to stop.
-        """
+        """Asks coal about two CollisionObjects; whether to stop."""
         k = self._pair(first, second)
         if k is None:
             return False
@@ -121,15 +105,7 @@ class CollisionCallBackCollect(CollisionCallBackBase):
             self.pair_indexes = StdVec()
 
     def collide(self, first: Any, second: Any) -> bool:
-        """Records the pair.
-
-        Args:
-            first: A CollisionObject.
-            second: Another CollisionObject.
-
-        Returns:
-            False.
-        """
+        """Notes the pair; never stops."""
         k = self._pair(first, second)
         if k is not None:
             self.pair_indexes.append(k)

@@ -166,15 +166,7 @@ class GeometryObject(Placed, Saved):
 
     @staticmethod
     def CreateCapsule(radius: float, length: float) -> GeometryObject:
-        """A capsule about z at the universe.
-
-        Args:
-            radius: Radius [m].
-            length: Length without its ends [m].
-
-        Returns:
-            The geometry.
-        """
+        """A capsule about z at the universe; `length` without its ends."""
         return GeometryObject("", 0, SE3(), Capsule(radius, length))
 
     def __eq__(self, other: object) -> bool:

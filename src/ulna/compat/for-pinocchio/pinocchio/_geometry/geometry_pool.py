@@ -46,12 +46,7 @@ class GeometryPool(ModelPool):
             super().update(data)
 
     def sync(self, geometry_model: GeometryModel, geometry_indexes: Any) -> None:
-        """Copies some geometries from another model of the same geometries.
-
-        Args:
-            geometry_model: The other model.
-            geometry_indexes: Their indices.
-        """
+        """Takes over some geometries of another model of the same ones."""
         for i in geometry_indexes:
             self._geometry.geometryObjects[i] = geometry_model.geometryObjects[i].copy()
 

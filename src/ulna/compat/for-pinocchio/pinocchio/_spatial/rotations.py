@@ -52,28 +52,12 @@ class Quaternion:
     @staticmethod
     @by_name("a b", "u v")
     def FromTwoVectors(u: Any, v: Any) -> Quaternion:
-        """The least rotation that turns the direction of u into that of v.
-
-        Args:
-            u: Vector (3,), not zero.
-            v: Vector (3,), not zero, in any unit [-].
-
-        Returns:
-            The quaternion.
-        """
+        """The least rotation that turns the direction of u into that of v."""
         return Quaternion().setFromTwoVectors(u, v)
 
     @by_name("a b", "u v")
     def setFromTwoVectors(self, u: Any, v: Any) -> Quaternion:
-        """Sets this quaternion to the least rotation that turns the direction of u into that of v.
-
-        Args:
-            u: Vector (3,), not zero.
-            v: Vector (3,), not zero, in any unit [-].
-
-        Returns:
-            This quaternion.
-        """
+        """Becomes the least rotation that turns the direction of u into that of v."""
         a, b = (x / np.linalg.norm(x) for x in (vector(u, 3, "u"), vector(v, 3, "v")))
         half = 1.0 + a @ b
         axis = np.cross(a, b) if half > 1e-12 else np.cross(a, np.eye(3)[np.abs(a).argmin()])
@@ -132,15 +116,7 @@ class Quaternion:
         return float(np.linalg.norm(turn))
 
     def slerp(self, t: float, other: Quaternion) -> Quaternion:
-        """The rotation between this one and another.
-
-        Args:
-            t: Fraction of the way, 0 to 1.
-            other: The other quaternion.
-
-        Returns:
-            The quaternion.
-        """
+        """The rotation at a part `t` of the way to another."""
         return Quaternion._of(spatial.quat_slerp(self._c, other._c, t))
 
     def setIdentity(self) -> Quaternion:
@@ -155,15 +131,7 @@ class Quaternion:
         return self
 
     def isApprox(self, other: Quaternion, prec: float = 1e-12) -> bool:
-        """Whether the coefficients agree.
-
-        Args:
-            other: Another quaternion.
-            prec: Largest norm of their difference.
-
-        Returns:
-            Whether they do.
-        """
+        """Whether the coefficients differ by at most `prec`."""
         return bool(np.linalg.norm(self._c - other._c) <= prec)
 
     def __mul__(self, other: Any) -> Any:
@@ -272,15 +240,7 @@ class AngleAxis:
         return AngleAxis(-self.angle, self.axis)
 
     def isApprox(self, other: AngleAxis, prec: float = 1e-12) -> bool:
-        """Whether angle and axis agree.
-
-        Args:
-            other: Another rotation.
-            prec: Largest difference of both.
-
-        Returns:
-            Whether they do.
-        """
+        """Whether angle and axis differ by at most `prec`."""
         return abs(self.angle - other.angle) <= prec and bool(np.linalg.norm(self.axis - other.axis) <= prec)
 
     def __eq__(self, other: object) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError, ModelError, ShapeError, UnknownName
 
 
 class UnknownOption(UnknownName, ValueError):
@@ -15,3 +15,11 @@ class WrongType(InputError, TypeError):
 
 class WrongIndex(InputError, IndexError):
     """There is nothing at that index."""
+
+
+class WrongShape(ShapeError, TypeError):
+    """An array has the wrong shape, or what was passed is no array of numbers."""
+
+
+class WrongLinks(ModelError, TypeError):
+    """A robot cannot be made of these links."""

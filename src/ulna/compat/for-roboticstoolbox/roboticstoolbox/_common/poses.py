@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import MissingExtra, ShapeError
+from roboticstoolbox._common.errors import WrongShape
+from ulna.errors import MissingExtra
 from ulna.spatial import matrix_to_rpy
 from ulna.typing import Floats
 
@@ -54,11 +55,11 @@ def matrix(T: Any, size: int = 4) -> Floats:
         Matrix (size, size).
 
     Raises:
-        ShapeError: It is neither.
+        WrongShape: It is neither.
     """
     M = array(T)
     if M.shape != (size, size):
-        raise ShapeError("pose", M.shape, f"({size}, {size}), or one SE{size - 1}")
+        raise WrongShape("pose", M.shape, f"({size}, {size}), or one SE{size - 1}")
     return M
 
 
@@ -66,7 +67,7 @@ def matrices(T: Any) -> Floats:
     """The matrices of poses, (4, 4) or (m, 4, 4)."""
     M = array(T)
     if M.shape != (4, 4) and (M.shape[-2:] != (4, 4) or M.ndim > 3):
-        raise ShapeError("pose", M.shape, "(4, 4) or (m, 4, 4), or an SE3")
+        raise WrongShape("pose", M.shape, "(4, 4) or (m, 4, 4), or an SE3")
     return M
 
 

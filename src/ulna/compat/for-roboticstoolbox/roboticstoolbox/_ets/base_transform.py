@@ -9,11 +9,11 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongType
+from roboticstoolbox._common.errors import WrongShape, WrongType
 from roboticstoolbox._common.symbols import is_nothing, is_symbol
 from roboticstoolbox._ets.joint_descriptor import current_name, parse_joint, shown_name
 from roboticstoolbox._ets.transform_text import transform_repr, transform_text
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.formats.ets import ET as Transform
 from ulna.spatial import SE3
 from ulna.typing import Floats
@@ -175,7 +175,7 @@ class BaseET:
     def qlim(self, limits: Any) -> None:
         values = None if limits is None else np.array(limits, dtype=float).ravel()
         if values is not None and values.shape != (2,):
-            raise ShapeError("qlim", np.shape(limits), "(2,)")
+            raise WrongShape("qlim", np.shape(limits), "(2,)")
         self._qlim = values
 
     @property

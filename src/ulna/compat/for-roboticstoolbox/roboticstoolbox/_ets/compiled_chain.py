@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import UnknownOption, WrongType
+from roboticstoolbox._common.errors import UnknownOption, WrongShape, WrongType
+from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.symbols import has_symbols
 from roboticstoolbox._ets.base_transform import BaseET
 from roboticstoolbox._ets.jacobian_array import Jacobian
@@ -15,7 +16,7 @@ from roboticstoolbox._ets.measures import axes_of, measure_name
 from roboticstoolbox._ets.symbolic_chain import symbolic_jacobian, symbolic_pose, to_axes_of_end
 from ulna import algorithms
 from ulna.algorithms.kinematics.manipulability import chosen_rows
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.formats.ets import ETS as Transforms
 from ulna.robot import Robot
 from ulna.system.cached import cached_property
@@ -70,7 +71,7 @@ class Chain:
         """The joint coordinates along the chain, from those of the robot or of the chain."""
         if self._in_order and type(q) is np.ndarray and q.shape == self._shape:
             return q
-        coordinates = np.asarray(q, dtype=float)
+        coordinates = numbers("q", q)
         if coordinates.ndim == 2 and 1 in coordinates.shape:  # one configuration, as a row or a column
             coordinates = (
                 coordinates.ravel()
@@ -83,7 +84,7 @@ class Chain:
         if self.n and size > self.jindices.max():
             return coordinates if self._in_order and size == self.n else coordinates[..., self.jindices]
         if size != self.n:
-            raise ShapeError("q", coordinates.shape, f"({max([self.n, *(self.jindices + 1)])},) or (m, n)")
+            raise WrongShape("q", coordinates.shape, f"({max([self.n, *(self.jindices + 1)])},) or (m, n)")
         return coordinates
 
     def fk(self, q: Any) -> Floats:
@@ -137,7 +138,7 @@ class Chain:
         if self.n and q.size > self.jindices.max():
             return q[self.jindices]
         if q.shape != self._shape:
-            raise ShapeError(
+            raise WrongShape(
                 "q",
                 q.shape,
                 f"({max([self.n, *(self.jindices + 1)])},) or (m, n); symbols for one configuration, or for each of m",
@@ -263,7 +264,7 @@ class Chain:
         matrix = jacobian_matrix(J, self.n)
         hessian = hessian_of(matrix, self.n) if H is None else np.asarray(H, dtype=float)
         if hessian.shape != (self.n, 6, self.n):
-            raise ShapeError("H", hessian.shape, f"({self.n}, 6, {self.n}), as hessian0 returns it")
+            raise WrongShape("H", hessian.shape, f"({self.n}, 6, {self.n}), as hessian0 returns it")
         chosen = axes_of(axes)
         rows = chosen_rows(chosen)
         part, change = matrix[rows], hessian[:, rows]
@@ -284,13 +285,12 @@ def jacobian_matrix(J: Any, n: int) -> Floats:
 
     Raises:
         TypeError: It is no array.
-        ShapeError: It has another shape.
-        WrongType: The same, as the class of the error.
+        WrongShape: It has another shape.
     """
     if not isinstance(J, np.ndarray):
         raise WrongType(f"A Jacobian is {type(J).__name__}; expected a NumPy array (6, {n}).")
     if J.shape != (6, n):
-        raise ShapeError("J", J.shape, f"(6, {n})")
+        raise WrongShape("J", J.shape, f"(6, {n})")
     return np.asarray(J, dtype=float)
 
 

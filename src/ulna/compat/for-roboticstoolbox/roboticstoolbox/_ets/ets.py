@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongShape
 from roboticstoolbox._common.poses import matrix, pose, to_planar, to_spatial
 from roboticstoolbox._common.symbols import shortened
 from roboticstoolbox._ets.dh_split import STEPS, split_by_convention
@@ -14,7 +15,6 @@ from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._ets.inverse_kinematics import solve
 from roboticstoolbox._ets.sequence import BaseETS
 from roboticstoolbox._ets.solver_methods import ChainSolvers
-from ulna.errors import ShapeError
 from ulna.typing import Floats
 
 _FLOAT64 = np.dtype(float)
@@ -262,7 +262,7 @@ class ETS2(BaseETS):
         """
         weights = np.ones(3) if mask is None else np.asarray(mask, dtype=float)
         if weights.shape != (3,):
-            raise ShapeError("mask", weights.shape, "(3,): weights of x, y and the angle")
+            raise WrongShape("mask", weights.shape, "(3,): weights of x, y and the angle")
         x, y, turn = weights.tolist()
         six = (x, y, 0.0, 0.0, 0.0, turn)
         T = to_spatial(matrix(Tep, 3))
@@ -273,10 +273,10 @@ def _given(chain: BaseETS, q: Any) -> Any:
     """The joint coordinates that were passed; a chain without joints needs none.
 
     Raises:
-        ShapeError: There are none, but joints.
+        WrongShape: There are none, but joints.
     """
     if q is None and chain.n:
-        raise ShapeError("q", (0,), f"({chain.n},) or (m, {chain.n}), a number for each joint of the chain")
+        raise WrongShape("q", (0,), f"({chain.n},) or (m, {chain.n}), a number for each joint of the chain")
     return np.zeros(0) if q is None else q
 
 

@@ -18,10 +18,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongShape
 from roboticstoolbox._common.poses import matrices
 from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.ik_solution import IKSolution
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 Kind = Literal["LM", "NR", "GN", "QP"]
@@ -236,10 +237,10 @@ def one_row(q0: Any, n: int) -> Any:
         `q0`, (n,), or None.
 
     Raises:
-        ShapeError: It is no vector of `n` numbers.
+        WrongShape: It is no vector of `n` numbers.
     """
     if q0 is not None and np.shape(q0) != (n,):
-        raise ShapeError("q0", np.shape(q0), f"({n},), a number for each joint of the chain")
+        raise WrongShape("q0", np.shape(q0), f"({n},), a number for each joint of the chain")
     return q0
 
 
@@ -261,7 +262,7 @@ def damping_name(method: Any) -> Damping:
 def _starting_rows(q0: Any, n: int, slimit: int) -> Floats:
     rows = np.asarray(q0, dtype=float)
     if rows.ndim not in (1, 2) or rows.shape[-1] != n or (rows.ndim == 2 and not 0 < len(rows) <= slimit):
-        raise ShapeError("q0", rows.shape, f"({n},), or at most slimit = {slimit} rows (m, {n})")
+        raise WrongShape("q0", rows.shape, f"({n},), or at most slimit = {slimit} rows (m, {n})")
     return rows if rows.ndim == 2 else rows[None]
 
 
@@ -270,5 +271,5 @@ def _weights(mask: Any, n: int) -> tuple[float, ...] | None:
         return (1.0,) * 6 if n < 6 else None
     weights = np.asarray(mask, dtype=float)
     if weights.shape != (6,):
-        raise ShapeError("mask", weights.shape, "(6,): weights of x, y, z and of rotations about them")
+        raise WrongShape("mask", weights.shape, "(6,): weights of x, y, z and of rotations about them")
     return tuple(weights.tolist())

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import UnknownOption
-from ulna.errors import ShapeError
+from roboticstoolbox._common.errors import UnknownOption, WrongShape
 
 _MEASURES = {
     "yoshi": "yoshikawa",
@@ -35,7 +34,7 @@ def axes_of(axes: Any) -> Any:
 
     Raises:
         UnknownOption: There are no such axes.
-        ShapeError: They are not six.
+        WrongShape: They are not six.
     """
     if isinstance(axes, str):
         for name in ("all", "trans", "rot"):
@@ -44,5 +43,5 @@ def axes_of(axes: Any) -> Any:
         raise UnknownOption("choice of axes", axes, ("all", "trans", "rot", "both"))
     rows = np.asarray(axes)
     if rows.shape != (6,):
-        raise ShapeError("axes", rows.shape, "'all', 'trans', 'rot', or six truth values")
+        raise WrongShape("axes", rows.shape, "'all', 'trans', 'rot', or six truth values")
     return [bool(row) for row in rows]

@@ -9,14 +9,14 @@ from typing import Any, Self
 import numpy as np
 
 from roboticstoolbox._common.class_registry import registered_class
-from roboticstoolbox._common.errors import UnknownOption, WrongType
+from roboticstoolbox._common.errors import UnknownOption, WrongShape, WrongType
 from roboticstoolbox._common.poses import matrix
 from roboticstoolbox._ets.base_transform import BaseET
 from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.elementary_transform import ET
 from roboticstoolbox._ets.rewriting import Rewriting
 from roboticstoolbox.tools.data import rtb_get_param
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 
@@ -169,7 +169,7 @@ class BaseETS(Rewriting, MutableSequence):
         values = np.asarray(limits, dtype=float)
         values = values.reshape(2, 1) if values.shape == (2,) and self.n == 1 else values
         if values.shape != (2, self.n):
-            raise ShapeError("qlim", values.shape, f"(2, {self.n})")
+            raise WrongShape("qlim", values.shape, f"(2, {self.n})")
         for et, pair in zip(self.joints(), values.T, strict=True):
             et.qlim = pair
 

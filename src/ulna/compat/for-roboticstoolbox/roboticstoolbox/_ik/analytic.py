@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongShape
 from roboticstoolbox._common.poses import matrices, matrix, pose
 from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.spatial import matrix_to_euler
 from ulna.typing import Floats
 
@@ -58,14 +59,14 @@ class AnalyticIK:
             Configuration (n,), or (m, n) for m poses; nan where there is none.
 
         Raises:
-            ShapeError: `q0` or `weights` has another shape.
+            WrongShape: `q0` or `weights` has another shape.
         """
         goals, n = matrices(T), self.robot.n
         near = np.zeros(n) if q0 is None else np.asarray(q0, dtype=float).ravel()
         scale = np.ones(n) if weights is None else np.asarray(weights, dtype=float).ravel()
         for name, vector in (("q0", near), ("weights", scale)):
             if vector.shape != (n,):
-                raise ShapeError(name, vector.shape, f"({n},)")
+                raise WrongShape(name, vector.shape, f"({n},)")
         rows, reason, residual = [], "", 0.0
         for k, goal in enumerate(goals.reshape(-1, 4, 4)):
             solutions = self._branches(goal, near, joint_limits)

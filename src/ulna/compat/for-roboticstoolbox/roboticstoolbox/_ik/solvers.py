@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongShape
 from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._ets.inverse_kinematics import Damping, Kind, damping_name, solve
 from roboticstoolbox.tools.servo import angle_axis
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.ik.classic import Method, move
 from ulna.ik.problem import Errors
 from ulna.typing import Floats
@@ -69,7 +70,7 @@ class IKSolver:
         self.joint_limits, self.verbose = joint_limits, verbose
         weights = np.ones(6) if mask is None else np.asarray(mask, dtype=float)
         if weights.shape != (6,):
-            raise ShapeError("mask", weights.shape, "(6,): weights of x, y, z and of rotations about them")
+            raise WrongShape("mask", weights.shape, "(6,): weights of x, y, z and of rotations about them")
         self.We = np.diag(weights)
 
     def _set_null_motion(self, name: str, kq: float, km: float, ps: float, pi: Any) -> None:

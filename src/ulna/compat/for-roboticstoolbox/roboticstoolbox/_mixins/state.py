@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongShape
+from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.poses import array
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 
@@ -45,11 +47,11 @@ class State(RobotMixin):
         self._qdd = self._state("qdd", qdd)
 
     def _state(self, name: str, value: Any) -> Floats:
-        out = np.array(value, dtype=float)
+        out = np.array(numbers(name, value))
         if out.shape != (self.n,):
             out = out.ravel()
             if out.shape != (self.n,):
-                raise ShapeError(name, np.shape(value), f"({self.n},)")
+                raise WrongShape(name, np.shape(value), f"({self.n},)")
         return out
 
     @property

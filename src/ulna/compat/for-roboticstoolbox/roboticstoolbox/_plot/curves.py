@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongType
-from ulna.errors import MissingExtra, ShapeError
+from roboticstoolbox._common.errors import WrongShape, WrongType
+from ulna.errors import MissingExtra
 from ulna.typing import Floats
 
 
@@ -54,14 +54,14 @@ def xplot(
         The axes of the figure, a list.
 
     Raises:
-        ShapeError: There are not as many times as rows.
+        WrongShape: There are not as many times as rows.
         WrongType: `labels` is neither text nor a list.
     """
     values = np.asarray(x if y is None else y, dtype=float)
     values = values[:, None] if values.ndim == 1 else values
     at = np.arange(len(values)) if y is None else np.asarray(x, dtype=float)
     if at.shape != (len(values),):
-        raise ShapeError("x", at.shape, f"({len(values)},), a time for each row of the coordinates")
+        raise WrongShape("x", at.shape, f"({len(values)},), a time for each row of the coordinates")
     names = _labels(labels, values.shape[1])
     values = np.unwrap(values, axis=0) if unwrap else values
     plt = pyplot_of("xplot")

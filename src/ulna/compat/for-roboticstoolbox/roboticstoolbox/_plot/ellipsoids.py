@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongType
+from roboticstoolbox._common.errors import UnknownOption, WrongType
 from roboticstoolbox._common.poses import to_spatial
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from roboticstoolbox._plot.figure import PyPlot, pyplot
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 
@@ -88,7 +88,7 @@ class Ellipsoids(RobotMixin):
         if opt not in ("trans", "rot"):
             raise InputError(f"`opt` is {opt!r}; expected 'trans' or 'rot'.")
         if unit not in ("rad", "deg"):
-            raise UnknownName("unit", unit, ("rad", "deg"))
+            raise UnknownOption("unit", unit, ("rad", "deg"))
         at = self.q if q is None else np.asarray(q, dtype=float)
         at = at if unit == "rad" else self.toradians(at)
         chain, end = self._chain(None, None), to_spatial(self.fkine(at).A)

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, MissingExtra, UlnaWarning, UnknownName
+from roboticstoolbox._common.errors import UnknownOption
+from ulna.errors import InputError, MissingExtra, UlnaWarning
 from ulna.typing import Array, Floats
 
 _VIEWS = {"xy": (90, -90), "xz": (0, -90), "yz": (0, 0)}
@@ -81,14 +82,14 @@ class PyPlot:
             **options: How the toolbox opens it; a warning says that pictures are Ulna's.
 
         Raises:
-            UnknownName: Another `view`.
+            UnknownOption: Another `view`.
         """
         _warn_of_options("launch", options)
         self._name = name or self._name
         self._set_limits(limits)
         if view is not None:
             if view not in _VIEWS:
-                raise UnknownName("view", view, _VIEWS)
+                raise UnknownOption("view", view, _VIEWS)
             self.ax.view_init(*_VIEWS[view])
 
     @property
@@ -132,7 +133,7 @@ class PyPlot:
     def remove(self, id: int) -> None:
         """Takes out what has that number."""
         if id not in self._objects:
-            raise UnknownName("number of an object in the figure", id, map(str, self._objects))
+            raise UnknownOption("number of an object in the figure", id, map(str, self._objects))
         del self._objects[id]
         self._draw()
 

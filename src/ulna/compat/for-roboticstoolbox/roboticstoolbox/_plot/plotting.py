@@ -10,9 +10,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from roboticstoolbox._common.errors import UnknownOption, WrongShape
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from roboticstoolbox._plot.figure import PyPlot, PyPlot2, has_window
-from ulna.errors import InputError, ShapeError, UlnaWarning, UnknownName
+from ulna.errors import InputError, UlnaWarning
 from ulna.typing import Array, Floats
 
 _BACKENDS = ("pyplot", "pyplot2", "swift")
@@ -84,7 +85,7 @@ class Plotting(RobotMixin):
             The figure or environment; it has `hold()` and `close()`.
 
         Raises:
-            ShapeError: `q` has another shape.
+            WrongShape: `q` has another shape.
         """
         if options or notebook:
             names = ", ".join([*options, *(["notebook"] if notebook else [])])
@@ -92,7 +93,7 @@ class Plotting(RobotMixin):
             warnings.warn(text, UlnaWarning, stacklevel=2)
         rows = np.atleast_2d(np.asarray(q, dtype=float))
         if rows.shape[-1] != self.n or rows.ndim != 2:
-            raise ShapeError("q", np.shape(q), f"({self.n},) or (m, {self.n})")
+            raise WrongShape("q", np.shape(q), f"({self.n},) or (m, {self.n})")
         flat = movie is not None or ax is not None or isinstance(env, PyPlot)
         chosen = self._backend_for(backend, flat)
         if chosen == "swift":
@@ -161,7 +162,7 @@ class Plotting(RobotMixin):
 
 def _checked(backend: str | None) -> str | None:
     if backend is not None and backend.lower() not in _BACKENDS:
-        raise UnknownName("backend", backend, _BACKENDS)
+        raise UnknownOption("backend", backend, _BACKENDS)
     return backend and backend.lower()
 
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongShape
 from roboticstoolbox._common.poses import to_spatial
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from roboticstoolbox._plot.figure import PyPlot, pyplot
-from ulna.errors import ShapeError
 from ulna.spatial import matrix_to_rpy
 from ulna.typing import Floats
 
@@ -42,11 +42,11 @@ class Teaching(RobotMixin):
             The figure or environment; `sliders` are the sliders.
 
         Raises:
-            ShapeError: `q` has another shape.
+            WrongShape: `q` has another shape.
         """
         at = np.array(self.q if q is None else q, dtype=float)
         if at.shape != (self.n,):
-            raise ShapeError("q", at.shape, f"({self.n},)")
+            raise WrongShape("q", at.shape, f"({self.n},)")
         self.q = at
         if self._backend_for(backend) == "swift":
             return self._teach_in_viewer(at, block)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from roboticstoolbox._common.errors import UnknownOption
 from roboticstoolbox._robots.from_model import from_model, read_model
 from roboticstoolbox._robots.robot import Robot
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
 
 
 class URDFRobot(Robot):
@@ -36,7 +37,7 @@ class URDFRobot(Robot):
 
         Raises:
             InputError: `patch` is given.
-            UnknownName: There is no such link.
+            UnknownOption: There is no such link.
         """
         if patch is not None:
             raise InputError("`patch` is not offered; fix the file, or pass its fixed text.")
@@ -47,7 +48,7 @@ class URDFRobot(Robot):
             wanted = [gripper_link_name] if isinstance(gripper_link_name, str) else list(gripper_link_name)
             gripper = next((name for name in wanted if name in names), None)
             if gripper is None:
-                raise UnknownName("link of a gripper", wanted[0], names)
+                raise UnknownOption("link of a gripper", wanted[0], names)
         self._filled(from_model(Robot, model, gripper, manufacturer=manufacturer, urdf_filepath=path))
 
     def _filled(self, like: Robot) -> None:

@@ -1,0 +1,36 @@
+"""Numbers that were passed as arguments, as arrays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from roboticstoolbox._common.errors import WrongShape, WrongType
+from ulna.errors import excerpt
+from ulna.typing import Floats
+
+
+def numbers(name: str, value: Any) -> Floats:
+    """The numbers of an argument, an array of any shape.
+
+    Raises:
+        WrongType: It holds no numbers.
+    """
+    try:
+        return np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise WrongType(f"`{name}` is {excerpt(repr(value))}; expected numbers.") from None
+
+
+def vector(name: str, value: Any, size: int) -> Floats:
+    """A copy of the numbers of an argument, (size,); a row or a column will do.
+
+    Raises:
+        WrongType: It holds no numbers.
+        WrongShape: It holds another count of them.
+    """
+    out = np.array(numbers(name, value)).ravel()
+    if out.shape != (size,) or np.shape(value) == ():
+        raise WrongShape(name, np.shape(value), f"({size},)")
+    return out
