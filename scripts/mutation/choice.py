@@ -30,7 +30,9 @@ def stages(mutant: Mutant, covered: CoverageMap, root: Path, budget: float) -> l
     def order(test: str) -> tuple[bool, float]:
         return own not in re.split(r"\W|_", test), covered.seconds(test)
 
-    near = _within(sorted(exact, key=order), covered, budget)
+    if len(exact) < 12:  # what a fixture runs for all tests of a function is noted at the first of them
+        exact |= covered.of_functions(exact)
+    near = _within(sorted(exact, key=order), covered, budget, least=3)
     first = near[:12]
     second = near[12:] + _within(sorted(covered.of_file(mutant.path) - exact, key=order), covered, budget / 2)
     rounds = [first, second]
@@ -41,12 +43,12 @@ def stages(mutant: Mutant, covered: CoverageMap, root: Path, budget: float) -> l
     return [tests for tests in rounds if tests]
 
 
-def _within(tests: list[str], covered: CoverageMap, budget: float) -> list[str]:
-    """The first of `tests` that take about `budget` seconds together."""
+def _within(tests: list[str], covered: CoverageMap, budget: float, least: int = 1) -> list[str]:
+    """The first of `tests` that take about `budget` seconds together; `least` of them in any case."""
     chosen, spent = [], 0.0
     for test in tests:
         spent += covered.seconds(test)
-        if chosen and spent > budget:
+        if len(chosen) >= least and spent > budget:
             break
         chosen.append(test)
     return chosen

@@ -74,6 +74,11 @@ class CoverageMap:
         contexts = self._contexts(path)
         return {test for line in range(first, last + 1) for test in contexts.get(line, ())}
 
+    def of_functions(self, tests: set[str]) -> set[str]:
+        """All tests of the test functions, with any parameters, that some of their tests belong to."""
+        functions = {test.partition("[")[0] for test in tests if "[" in test}
+        return {test for test in self._seconds if test.partition("[")[0] in functions}
+
     def of_file(self, path: str) -> set[str]:
         """The tests that ran any line of a file."""
         return {test for tests in self._contexts(path).values() for test in tests}

@@ -329,6 +329,8 @@ def test_contacts_that_push_and_rub(pin: Any) -> None:
     model, data, q, v, _ = _arm(pin)
     ground = pin.PointContactConstraintModel(model, 0, pin.SE3.Identity(), 6, pin.SE3.Identity())
     limit = pin.JointLimitConstraintModel(model, [2], np.full(6, -9.0), np.full(6, 9.0), np.ones(6))
+    with pytest.raises(ShapeError, match="`vec`"):
+        limit.setCompliance(np.zeros(limit.residualSize() + 1))
     held = pin.PointAnchorConstraintModel(model, 4)
     models = [ground, limit, held]
     datas = [one.createData() for one in models]

@@ -167,6 +167,22 @@ def test_robots_in_the_plane_begin_and_end_where_told(rtb: Any) -> None:
     assert [str(axis) for axis in flat.ets(end="link1")] == [str(axis) for axis in flat.ets()][:3]
 
 
+def test_a_robot_with_shapes_is_taught_in_the_viewer_where_there_is_a_screen(
+    panda: Any, puma: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("SWIFT_HEADLESS", raising=False)
+    for robot in (panda, puma):
+        monkeypatch.setattr(type(robot), "_teach_in_viewer", lambda *_: "viewer")
+        monkeypatch.setattr(type(robot), "_teach_in_figure", lambda *_: "figure")
+    for screen, where in ((True, "viewer"), (False, "figure")):
+        monkeypatch.setattr("ulna.viewer.page.browser.has_screen", lambda screen=screen: screen)
+        assert panda.hasgeometry and panda.teach(block=False) == where
+        assert panda.teach(block=False, backend="pyplot") == "figure"
+        assert panda.teach(block=False, backend="swift") == "viewer"
+    monkeypatch.setattr("ulna.viewer.page.browser.has_screen", lambda: True)
+    assert puma.teach(block=False) == ("viewer" if puma.hasgeometry else "figure")
+
+
 def test_what_is_recommended_instead_of_an_absent_name_exists(rtb: Any, panda: Any, puma: Any) -> None:
     """By the name that is not offered: the owner of what is recommended, and its name."""
     for name, (owner, other) in {

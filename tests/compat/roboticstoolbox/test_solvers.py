@@ -30,3 +30,13 @@ def test_a_solver_answers_as_the_method_of_its_name(rtb: Any) -> None:
         assert mine.iterations == robots.iterations
         rounds[kind] = mine.q
     assert np.abs(rounds["QP"] - rounds["LM"]).max() > 1e-9
+
+
+def test_an_answer_is_true_where_it_was_found(rtb: Any) -> None:
+    panda = rtb.models.Panda()
+    reached = panda.ikine_LM(panda.fkine(panda.qr), q0=panda.qr)
+    far = panda.fkine(panda.qr)
+    far.t[0] += 9.0
+    missed = panda.ikine_LM(far, q0=panda.qr, slimit=1, ilimit=2)
+    assert bool(reached) is True and bool(missed) is False
+    assert reached.success and not missed.success

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from ulna.compiler import compile
-from ulna.compiler.runtime.bound_call import Bound
+from ulna.compiler.runtime.bound_call import Bound, SlowBound
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 
 Q, V = np.array([0.1, -0.7, 1.3]), np.array([0.4, 0.5, -2.0])
@@ -100,6 +100,16 @@ def test_out_may_be_an_input():
 
 
 # into ---------------------------------------------------------------------------------------------------
+
+
+def test_a_bound_kernel_of_a_fast_one_is_fast(kernel, targets):
+    watched = np.zeros(1)
+    for bound in (
+        kernel.into(*targets),
+        kernel.into(*targets, returns=(0, 2)),
+        kernel.into(*targets, watch=((watched, watched.copy()),), otherwise=_refused),
+    ):
+        assert isinstance(bound, SlowBound) is not kernel.is_fast
 
 
 def test_results_go_into_the_arrays(kernel, targets):

@@ -96,3 +96,13 @@ def test_a_large_graph_is_summed_up_with_a_note():
 def test_a_function_without_inputs_or_operations():
     assert "out = 1" in parts(trace(lambda: 1.0).draw())[1]
     assert "out = nan" in parts(trace(lambda x: np.nan, x=()).draw())[1]
+
+
+def test_boxes_stand_beside_those_they_are_computed_from():
+    """Two chains from the last inputs to the outputs are drawn about straight; boxes are 26 high."""
+    f = trace(lambda a, b: (np.sin(a[3] * 2.0), np.cos(b[3] * 3.0)), a=(4,), b=(4,))
+    edges = parts(f.draw())[2]
+    ends = [re.findall(r"(-?[\d.]+),(-?[\d.]+)", edge.get("d")) for edge in edges]
+    steps = [abs(float(line[-1][1]) - float(line[0][1])) for line in ends]
+    assert len(steps) == 6
+    assert max(steps) < 40.0, steps

@@ -14,6 +14,7 @@ from ulna.formats import markup
 from ulna.formats.markup import MAX_BYTES
 from ulna.formats.root import root_kind
 from ulna.formats.urdf import model_from_urdf, read_urdf
+from ulna.formats.urdf_document import UrdfJoint, UrdfLimit, UrdfMimic
 from ulna.formats.urdf_parse import parse_urdf
 from ulna.geometry import Box, Capsule, Cylinder, Mesh, Sphere
 from ulna.model import Continuous, FreeFlyer, Planar, Prismatic, Revolute, Spherical
@@ -250,6 +251,26 @@ def test_documents_are_values():
     assert parse_urdf(plain) == document
     assert parse_urdf(plain.replace("0.25", "0.26")) != document
     assert pickle.loads(pickle.dumps(document)) == document
+
+
+def test_what_an_element_leaves_out_has_the_values_of_the_format():
+    head = '<robot name="r"><link name="a"/><link name="b"/><link name="c"/><joint name="k" type="continuous"><parent link="a"/>'
+    text = (
+        head
+        + '<child link="c"/></joint><joint name="j" type="{}"><parent link="a"/><child link="b"/>{}</joint></robot>'
+    )
+    limits = UrdfLimit(lower=-1.0, upper=1.0, velocity=2.0, effort=3.0)
+    for kind, more, fields in (
+        ("fixed", "", {}),
+        ("continuous", "", {}),
+        ("continuous", "<dynamics/>", {}),
+        ("continuous", '<mimic joint="k"/>', {"mimic": UrdfMimic("k")}),
+        ("revolute", '<limit effort="3" velocity="2" lower="-1" upper="1"/>', {"limit": limits}),
+    ):
+        joint = parse_urdf(text.format(kind, more)).joints[1]
+        assert joint == UrdfJoint("j", kind, "a", "b", **fields)
+        assert (joint.damping, joint.friction, joint.axis) == (0.0, 0.0, (1.0, 0.0, 0.0))
+        assert joint.mimic is None or (joint.mimic.multiplier, joint.mimic.offset) == (1.0, 0.0)
 
 
 def test_long_chains():

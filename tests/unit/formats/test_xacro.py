@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 
@@ -79,6 +80,10 @@ def test_refusals(file, change, words):
     assert words in str(caught.value)
     assert caught.value.file == str(file)
     assert "\n" not in str(caught.value)
+    place = re.search(r"line (\d+)", str(caught.value).partition("xacro does not expand it")[2])
+    assert caught.value.line == (int(place[1]) if place else None)
+    if change[0] == "</robot>":  # the parser of XML names a place
+        assert caught.value.line == len(TOP.splitlines())
 
 
 def test_missing_file(tmp_path):

@@ -121,6 +121,11 @@ def test_report_and_picture(robot: Robot, true: Robot, tmp_path) -> None:
     pytest.importorskip("matplotlib")
     found = identify(robot, *log(true, noise=0.05), **ALL)
     text = found.report()
+    part = found.base_deviations / np.abs(found.base_values)
+    assert 0 < (part < 0.1).sum() < found.base.count
+    assert f"; {(part < 0.1).sum()} known to better than 10 %" in text
+    clean = identify(robot, *log(true), **ALL)
+    assert f"; {clean.base.count} known to better than 10 %" in clean.report()
     assert "linear least squares, 200 samples, 4 joints" in text
     assert all(name in text for name in robot.joint_names)
     figure = found.plot(tmp_path / "fit.png", t=np.linspace(0.0, 10.0, 200))

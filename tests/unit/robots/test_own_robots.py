@@ -14,6 +14,7 @@ from ulna.geometry import Mesh
 from ulna.robots import catalogue, example_robot_data
 from ulna.robots.catalogue import build_own
 from ulna.robots.panda import FINGER_OPENING
+from ulna.viewer.robot.link_surfaces import link_surfaces
 
 OWN = tuple(catalogue.OWN)
 
@@ -104,6 +105,9 @@ def test_they_are_drawn_and_collide(name):
             assert link.inertia.is_physical()
         assert not any(isinstance(g.shape, Mesh) for g in link.visuals + link.collisions)
         assert all(g.material is not None and g.material.rgba is not None for g in link.visuals)
+        points = [s.vertices for s in link_surfaces(link.visuals) + link_surfaces(link.collisions)]
+        if points:
+            assert np.linalg.norm(np.concatenate(points), axis=1).max() < (0.5 if name == "ur5" else 0.28)
         names = [g.name for g in link.visuals]
         assert len(set(names)) == len(names)
     assert model.disabled_pairs

@@ -62,3 +62,21 @@ def test_a_page_that_is_closed_cannot_be_reached_while_a_child_lives():
         assert os.waitpid(number, 0)[1] == 0
         """
     )
+
+
+def test_what_a_child_loads_is_not_reported_to_the_page_of_its_parent():
+    run_script(
+        """
+        from ulna.compiler.runtime import jit
+        from ulna.viewer.page import Page
+        from ulna.viewer.scene import Scene
+        page = Page(Scene(), port=0)
+        assert len(jit.watchers) == 1
+        number = os.fork()
+        if number == 0:
+            os._exit(len(jit.watchers))
+        assert os.waitpid(number, 0)[1] == 0
+        page.close()
+        assert jit.watchers == []
+        """
+    )

@@ -41,6 +41,17 @@ def test_it_starts_at_the_usual_configuration(shown: Show, panda: ulna.Robot) ->
     assert shown.url in shown._repr_html_()
 
 
+def test_it_is_closed_by_name_and_at_the_end_of_a_block(panda: ulna.Robot) -> None:
+    page = show(panda, port=0, browser=False)
+    assert not page.page.closed
+    page.close()
+    assert page.page.closed
+    page.close()  # twice is no mistake
+    with show(panda, port=0, browser=False) as page:
+        assert not page.page.closed
+    assert page.page.closed
+
+
 def test_setting_q_moves_everything(shown: Show, panda: ulna.Robot) -> None:
     shown.q = "qz"
     np.testing.assert_allclose(in_scene(shown, "panda_hand"), panda.fk(np.zeros(7), "panda_hand"), atol=1e-12)

@@ -496,7 +496,10 @@ def test_controls_without_a_page_keep_their_values(viewer: Viewer) -> None:
     text = panel.text("x")
     text.value = "y"
     assert text.value == "y"
-    plot = panel.plot("p", ("a", "b"), seconds=1.0)
+    plot = panel.plot("p", ("a", "b"), seconds=7.0)
+    assert (plot.names, plot.seconds) == (("a", "b"), 7.0)
+    plot.seconds = 1.0
+    assert plot.seconds == 1.0
     for k in range(50):
         plot.add(0.1 * k, (k, -k))
     assert plot.data.shape == (11, 3)

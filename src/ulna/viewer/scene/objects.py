@@ -104,11 +104,8 @@ class SceneMethods(ShapeMethods):
     ) -> RobotHandle:
         fraction("opacity", opacity)
         start, group = configuration(robot, q), self._name(name, node_name(robot.name))
-        old = self._handles.get(group)
         with progress(f"Loading {robot.name}") as report:
             figure = RobotVisual(self.scene, robot, start, group, color, show, pose, report, detail)
-        if old is not None:
-            self._handles.pop(group)
         out = RobotHandle(figure)
         self._register(out, opacity)
         return out

@@ -241,6 +241,13 @@ def test_a_mistake_in_a_users_function_does_not_stop_the_page(
     assert capfd.readouterr().err.count("ValueError: oh") == 1
 
 
+def test_functions_are_called_sixty_times_a_second_at_most(page: Page) -> None:
+    called: list[float] = []
+    page.add_tick(lambda: called.append(time.monotonic()))
+    assert wait(lambda: len(called) > 20)
+    assert called[20] - called[0] > 20 / 60 - 0.1  # a busy thread would take all of a core
+
+
 def test_hold_returns_at_once_where_nobody_can_look(
     page: Page, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -63,6 +63,8 @@ def test_every_control_with_words_gets_others(panel: Panel, kind: str) -> None:
     assert control.label == "a"
     control.label = "b"
     assert control.label == "b"
+    if kind not in ("plot", "buttons"):
+        assert control._handle.label == "b"  # what the page shows
     control.remove()
     with pytest.raises(InputError, match="'b' was removed"):
         control.label = "c"

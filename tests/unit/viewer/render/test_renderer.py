@@ -151,6 +151,7 @@ def test_a_framed_scene_lies_within_the_picture_and_fills_it(direction: tuple[fl
 
 def test_an_empty_scene_is_framed_too() -> None:
     assert camera_for(Scene()) == Camera()
+    assert np.rad2deg(Camera().fov) == pytest.approx(27.0)
 
 
 def test_words_have_their_units() -> None:
