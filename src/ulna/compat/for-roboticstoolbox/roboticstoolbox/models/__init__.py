@@ -62,7 +62,11 @@ def list(
     sorton: str | None = None,
     border: str = "thin",
 ) -> None:
-    """The former name of `catalog`."""
+    """The former name of `catalog`.
+
+    Args:
+        keywords, dof, mtype, sorton, border: As for `catalog`.
+    """
     warnings.warn("models.list is the former name of models.catalog", FutureWarning, stacklevel=2)
     catalog(keywords, dof, mtype, sorton, border)
 

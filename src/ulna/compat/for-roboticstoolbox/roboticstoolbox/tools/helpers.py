@@ -52,7 +52,7 @@ def jacobian_numerical(f: Callable[[Floats], Any], x: Any, dx: float = 1e-8, N: 
     Args:
         f: Function of (n,) that returns (m,), or with `N` a pose, (N + 1, N + 1).
         x: Where, (n,).
-        dx: Step.
+        dx: Step [rad, m].
         N: 0; for poses 3, or 2 in the plane: rows are then those of velocities and of angular velocities.
 
     Returns:
