@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ulna.viewer.scene import Scene
 
 GAIN, THRESHOLD, DT = 1.0, 0.01, 0.01
-_PATIENCE = 60.0  # simulated seconds after which a goal counts as out of reach
+_LONGEST_MOTION = 60.0  # simulated seconds after which a goal counts as out of reach
 _GHOST = (0.36, 0.47, 0.64, 0.26)
 _PIECE = 15  # steps
 _TRACE = (0.95, 0.45, 0.10, 1.0)
@@ -87,7 +87,7 @@ def servo(
     """
     recording = Recording()
     arrived, spent = False, 0.0
-    while not arrived and len(recording) * dt < _PATIENCE:
+    while not arrived and len(recording) * dt < _LONGEST_MOTION:
         began = time.perf_counter()
         v, arrived = p_servo(robot.fk(q), goal, gain, threshold)
         velocity = np.linalg.pinv(robot.jacobian(q, None, "local")) @ v

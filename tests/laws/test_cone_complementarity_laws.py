@@ -7,11 +7,11 @@ import pytest
 
 from ulna.algorithms.constraints import friction_cone
 from ulna.algorithms.constraints.cone_complementarity import (
+    Bilateral,
     Bounded,
-    Held,
+    Frictional,
     Kind,
-    Pushed,
-    Touching,
+    Unilateral,
     gauss_seidel,
 )
 from ulna.algorithms.constraints.contact_forces import contact_forces
@@ -20,11 +20,11 @@ from ulna.errors import InputError
 from ulna.typing import Floats
 
 KINDS: tuple[Kind, ...] = (
-    Touching(0.5),
-    Held(2),
-    Pushed(2),
+    Frictional(0.5),
+    Bilateral(2),
+    Unilateral(2),
     Bounded((-0.2, -1.0), (0.3, 1.0)),
-    Touching(0.0),
+    Frictional(0.0),
 )
 
 
@@ -69,12 +69,12 @@ def test_the_same_from_another_start_with_relaxation_and_compiled() -> None:
 
 def test_a_block_on_the_ground_by_hand() -> None:
     """A mass of 2 kg falls onto the ground at 3 m/s, sideways at 1 m/s: 6 N s stop it, friction takes half of that."""
-    found = gauss_seidel(0.5 * np.eye(3), np.array([1.0, 0.0, -3.0]), [Touching(0.1)], None, 1e-12, 1e-12)
+    found = gauss_seidel(0.5 * np.eye(3), np.array([1.0, 0.0, -3.0]), [Frictional(0.1)], None, 1e-12, 1e-12)
     np.testing.assert_allclose(found.impulses, [-0.6, 0.0, 6.0], atol=1e-12)
     np.testing.assert_allclose(found.velocities, [0.7, 0.0, 0.0], atol=1e-12)
     assert found.rounds <= 2
     convex = gauss_seidel(
-        0.5 * np.eye(3), np.array([1.0, 0.0, -3.0]), [Touching(0.1)], None, 1e-9, 1e-9, 1000, 1.0, False
+        0.5 * np.eye(3), np.array([1.0, 0.0, -3.0]), [Frictional(0.1)], None, 1e-9, 1e-9, 1000, 1.0, False
     )
     assert convex.velocities[2] == pytest.approx(
         0.1 * convex.velocities[0], abs=1e-6
@@ -83,7 +83,7 @@ def test_a_block_on_the_ground_by_hand() -> None:
 
 def test_rows_must_fit() -> None:
     with pytest.raises(InputError, match="2 rows"):
-        gauss_seidel(np.eye(3), np.zeros(3), [Held(2)])
+        gauss_seidel(np.eye(3), np.zeros(3), [Bilateral(2)])
 
 
 def test_forces_of_contacts_that_stick_slide_and_part() -> None:

@@ -24,7 +24,7 @@ class BranchKernel:
     Attributes:
         gufunc: What it calls: (T, T_base, held, branch, base, centre) -> (q, worth), see `ulna.ik.analytic.closed`.
         method: How it works, as a sentence.
-        free: Name of the joint that `held` is the value of; None where there is none.
+        free: Name of the joint that `free_value` is the value of; None where there is none.
     """
 
     def __init__(self, model: Model, frame: str, joints: Sequence[str] | None, free: str | None) -> None:
@@ -41,18 +41,21 @@ class BranchKernel:
         self.method = source.method
         self.free = None if source.free is None else source.arm.names[source.free]
 
-    def __call__(self, T: Floats, q0: Floats | None = None, held: Any = 0.0) -> tuple[Floats, Floats]:
+    def __call__(
+        self, T: Floats, q0: Floats | None = None, free_value: Any = 0.0, *, held: Any = None
+    ) -> tuple[Floats, Floats]:
         """Every branch.
 
         Args:
             T: T_world_frame, (..., 4, 4).
             q0: Configuration (..., nq) that angles come next to; None for the limits' side of 0.
-            held: Value of the free joint, (...).
+            free_value: Value of the free joint, (...) [rad or m].
+            held: The former name of `free_value`.
         """
-        source = self._source
+        source, free_value = self._source, free_value if held is None else held
         base = (self._default_start if q0 is None else q0)[..., None, :]
         centre = source.centre if q0 is None else base[..., source.index]
         at = source.base(base)
         return self.gufunc(
-            T[..., None, :, :], at, np.asarray(held)[..., None, None], source.numbers, base, centre
+            T[..., None, :, :], at, np.asarray(free_value)[..., None, None], source.numbers, base, centre
         )

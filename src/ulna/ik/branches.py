@@ -34,7 +34,7 @@ class Branches:
         q: Configurations, (..., k, nq) [rad or m], the nearest to `q0` first where it was given.
         position_error: Their distance from the goal by forward kinematics, (..., k) [m].
         rotation_error: Their angle from the goal, (..., k) [rad].
-        found: How many distinct configurations reach the pose, those outside the limits counted, (...).
+        total: How many distinct configurations reach the pose, those outside the limits counted, (...).
         miss: Errors of the nearest candidate, (..., 2) [m, rad].
         complete: Whether these are all there are: not of redundant arms, nor of those solved from random starts.
         method: How they were found, in words.
@@ -43,7 +43,7 @@ class Branches:
     q: Floats
     position_error: Floats
     rotation_error: Floats
-    found: Any
+    total: Any
     miss: Floats
     complete: bool
     method: str
@@ -54,14 +54,19 @@ class Branches:
         return np.isfinite(self.position_error).sum(axis=-1)
 
     @property
+    def found(self) -> Any:
+        """The former name of `total`."""
+        return self.total
+
+    @property
     def reason(self) -> Any:
         """Why there is no solution, in words; "" where there is one. A list of such for a batch."""
         if self.q.ndim > 2:
             return [self[i].reason for i in range(len(self.q))]
         if self.count:
             return ""
-        if self.found:
-            return f"{self.found} configurations reach the pose, each with a joint outside its limits"
+        if self.total:
+            return f"{self.total} configurations reach the pose, each with a joint outside its limits"
         return (
             f"no configuration reaches the pose: the nearest candidate misses it by {self.miss[0]:.3g} m and "
             f"{self.miss[1]:.3g} rad"
@@ -80,7 +85,7 @@ class Branches:
         if self.q.ndim == 2:
             return self.q[index]
         q, here = self.q[index], self.position_error[index]
-        details = (here, self.rotation_error[index], self.found[index], self.miss[index])
+        details = (here, self.rotation_error[index], self.total[index], self.miss[index])
         if q.ndim == 2:
             known = np.isfinite(here)
             q, details = q[known], (here[known], details[1][known], int(details[2]), details[3])
@@ -89,7 +94,7 @@ class Branches:
     def __repr__(self) -> str:
         what = "all" if self.complete else "found"
         if self.q.ndim > 2:
-            return f"<branches of {self.found.size} poses, {int(self.count.sum())} {what}; {self.method}>"
+            return f"<branches of {self.total.size} poses, {int(self.count.sum())} {what}; {self.method}>"
         return f"<{len(self.q)} branches, {what}; {self.method}>"
 
 

@@ -3,16 +3,42 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
 
 from ulna.model.joints import Coordinate
-from ulna.model.parts import Joint
+from ulna.model.parts import Frame, Joint, Link
+from ulna.typing import Floats
 
-Model = Any  # a `Model`, whose module imports this one
+
+class _Model(Protocol):
+    """What the table shows of a `ulna.model.Model`, whose module imports this one."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def joints(self) -> tuple[Joint, ...]: ...
+    @property
+    def links(self) -> tuple[Link, ...]: ...
+    @property
+    def frames(self) -> tuple[Frame, ...]: ...
+    @property
+    def configurations(self) -> Mapping[str, Floats]: ...
+    @property
+    def tool(self) -> str: ...
+    @property
+    def joint_names(self) -> tuple[str, ...]: ...
+    @property
+    def nq(self) -> Any: ...
+    @property
+    def nv(self) -> Any: ...
+    @property
+    def mass(self) -> Any: ...
+    def joint_index(self, name: str) -> int: ...
+    def frame_name(self, frame: Frame) -> str: ...
 
 
-def table(model: Model) -> str:
+def table(model: _Model) -> str:
     """The table: one row for each link and each further frame; the tool is marked with ``@``."""
     lines = [_headline(model), _grid(_HEADER, _rows(model), right={0, 7})]
     if model.configurations and model.nq:
@@ -29,7 +55,7 @@ def table(model: Model) -> str:
 _HEADER = ["#", "joint", "motion", "parent", "link", "limits", "speed, effort", "mass kg"]
 
 
-def _headline(model: Model) -> str:
+def _headline(model: _Model) -> str:
     letters = "".join(joint.kind.symbol for joint in model.joints)
     mimics = sum(joint.mimic is not None for joint in model.joints)
     parts = [
@@ -48,7 +74,7 @@ def _count(n: int, what: str) -> str:
     return f"{n} {what}" + ("" if n == 1 else "s")
 
 
-def _rows(model: Model) -> list[list[str]]:
+def _rows(model: _Model) -> list[list[str]]:
     rows = []
     for link in model.links:
         mass = f"{link.inertia.mass:.4g}" if link.inertia.mass else ""
@@ -71,7 +97,7 @@ def _rows(model: Model) -> list[list[str]]:
     return rows
 
 
-def _limits(model: Model, joint: Joint) -> str:
+def _limits(model: _Model, joint: Joint) -> str:
     if joint.mimic is not None:
         m = joint.mimic
         factor = "" if m.multiplier == 1.0 else "-" if m.multiplier == -1.0 else f"{m.multiplier:g} "

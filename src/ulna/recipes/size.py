@@ -25,7 +25,7 @@ SECONDS, BYTES = 8e-5, 1.6e3
 """For each node, to trace and compile it."""
 _TRACING = 0.3
 """The part of the time that tracing takes."""
-_PATIENCE = 3.0
+_SILENT_SECONDS = 3.0
 """Tracing that takes longer is announced [s]; it is made anew in every process, also where the code is kept on disk."""
 
 COEFFICIENTS: dict[str, tuple[float, float, float]] = {
@@ -95,7 +95,7 @@ def sized(model: Model, name: str, options: Mapping[str, Any]) -> Iterator[None]
     if nodes > most_operations():
         refuse_size(f"{what} would take about {_rounded(nodes)} operations", nodes * SECONDS, nodes * BYTES)
     seconds = nodes * SECONDS
-    if _TRACING * seconds < _PATIENCE:
+    if _TRACING * seconds < _SILENT_SECONDS:
         yield
         return
     text = (

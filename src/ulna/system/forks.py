@@ -4,11 +4,11 @@ A child of `os.fork` has one thread. A lock that another thread held stays locke
 was changing stays half changed; LLVM has such data, too. So every lock of Ulna is made here, and a fork waits until no
 other thread holds one: a compilation that runs is finished first. Where there is no fork, these are plain locks.
 
-Locks that may be held for as long as a user's function runs (those of the viewer, say) are waited for `PATIENCE`
+Locks that may be held for as long as a user's function runs (those of the viewer, say) are waited for `LONGEST_WAIT`
 seconds only. The child then gets a new lock in place of one that is still held.
 
 A fork also waits until no other thread imports a module, since Python frees no lock of a module in the child
-(`import_locks.py`): at most `IMPORT_PATIENCE` seconds. A module that takes longer stays half imported in the child, as
+(`import_locks.py`): at most `IMPORT_WAIT` seconds. A module that takes longer stays half imported in the child, as
 in a circular import. Later forks do not wait for it again.
 """
 
@@ -30,10 +30,10 @@ from ulna.system.import_locks import ImportLock
 OUTER, RECIPES, KERNEL, COMPILER, LIBRARY = range(5)
 """The order in which locks are taken: whoever holds one takes only those of a higher rank, or of the same twice."""
 
-PATIENCE = 5.0
+LONGEST_WAIT = 5.0
 """How long a fork waits for locks of rank OUTER [s]; it waits for the others as long as it takes."""
 
-IMPORT_PATIENCE = 30.0
+IMPORT_WAIT = 30.0
 """How long a fork waits for imports in other threads [s]."""
 
 _SLICE = 0.05  # s for which a fork holds some locks while it waits for another
@@ -140,9 +140,9 @@ def _wait(fork: _Fork, rank: int, one: Any) -> None:
         one.release()
         return
     waited = fork.waited[id(one)] = fork.waited.get(id(one), 0.0) + time.monotonic() - began
-    if one is _imports and waited > IMPORT_PATIENCE:
+    if one is _imports and waited > IMPORT_WAIT:
         _imports.abandon()
-    elif rank == OUTER and waited > PATIENCE:
+    elif rank == OUTER and waited > LONGEST_WAIT:
         fork.renewed.append(one)
 
 

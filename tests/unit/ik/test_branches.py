@@ -28,7 +28,7 @@ def test_the_eight_ways_of_a_ur5(ur5: ulna.Robot) -> None:
     q = np.array([0.3, -1.2, 1.4, -0.6, 0.9, 0.2])
     T = ur5.fk(q)
     found = ur5.ik_all(T)
-    assert found.q.shape == (8, 6) and len(found) == found.count == found.found == 8
+    assert found.q.shape == (8, 6) and len(found) == found.count == found.total == found.found == 8
     assert found.complete and "parallel" in found.method and found.reason == ""
     assert np.allclose(ur5.fk(found.q), T, atol=1e-12)
     assert found.position_error.max() < 1e-12 and found.rotation_error.max() < 1e-12

@@ -64,7 +64,7 @@ def test_a_child_of_a_module_that_is_being_imported():
 def test_an_import_that_does_not_end_is_waited_for_once():
     _run(
         """
-        forks.IMPORT_PATIENCE = 0.2
+        forks.IMPORT_WAIT = 0.2
         module("endless", "value = 3; import __main__; __main__.entered.set(); __main__.leave.wait(); after = 4")
         entered, leave = threading.Event(), threading.Event()
         def use():

@@ -150,7 +150,7 @@ def test_a_child_uses_what_the_viewer_had():
 def test_a_lock_that_is_held_for_long_is_new_in_the_child():
     run_script(
         """
-        forks.PATIENCE = 0.5
+        forks.LONGEST_WAIT = 0.5
         lock = forks.lock()
         ready, leave = threading.Event(), threading.Event()
         def hold():

@@ -35,7 +35,7 @@ from ulna.typing import Array
 
 @final
 @dataclass(frozen=True)
-class Held:
+class Bilateral:
     """Rows that any impulse may hold: anchors and loops."""
 
     size: int
@@ -43,7 +43,7 @@ class Held:
 
 @final
 @dataclass(frozen=True)
-class Pushed:
+class Unilateral:
     """Rows that impulses only push: limits."""
 
     size: int
@@ -65,14 +65,14 @@ class Bounded:
 
 @final
 @dataclass(frozen=True)
-class Touching:
+class Frictional:
     """Three rows of a contact, two tangential and the normal one, with a coefficient of friction."""
 
     friction: float
     size: int = 3
 
 
-Kind = Held | Pushed | Bounded | Touching
+Kind = Bilateral | Unilateral | Bounded | Frictional
 
 
 class Impulses(NamedTuple):
@@ -157,9 +157,9 @@ class _Block:
         self.rows = range(start, start + kind.size)
         block = G[..., start : start + kind.size, start : start + kind.size]
         self.steps = [relaxation / block[..., i, i][()] for i in range(kind.size)]
-        if isinstance(kind, Held):
+        if isinstance(kind, Bilateral):
             self.inverse = linalg.inverse(block)
-        elif isinstance(kind, Touching):
+        elif isinstance(kind, Frictional):
             a, b, c = (block[..., i, j][()] for i, j in ((0, 0), (0, 1), (1, 1)))
             half = 0.5 * (a - c)
             self.slide = relaxation / (0.5 * (a + c) + numeric.sqrt(half * half + b * b))
@@ -172,11 +172,11 @@ class _Block:
     def correct(self, x: list[Any], g: Array) -> None:
         """Solves for the impulses of this constraint, in place."""
         kind, rows = self.kind, self.rows
-        if isinstance(kind, Held):
+        if isinstance(kind, Bilateral):
             change = apply(self.inverse, vector(*(self.velocity(x, g, i) for i in rows)))
             for k, i in enumerate(rows):
                 x[i] = x[i] - self.relaxation * change[..., k][()]
-        elif not isinstance(kind, Touching):
+        elif not isinstance(kind, Frictional):
             for k, i in enumerate(rows):
                 x[i] = self._bounded(k, x[i] - self.steps[k] * self.velocity(x, g, i))
         elif self.sliding:
@@ -200,13 +200,13 @@ class _Block:
         """How far the velocities are infeasible, and the power that should be zero."""
         kind, rows = self.kind, list(self.rows)
         x, y = x[..., rows], y[..., rows]
-        if isinstance(kind, Held):
+        if isinstance(kind, Bilateral):
             return largest([y[..., k][()] for k in range(kind.size)]), 0.0 * x[..., 0][()]
-        if isinstance(kind, Touching):
+        if isinstance(kind, Frictional):
             shifted = y + friction_cone.sliding_shift(y, kind.friction) if self.sliding else y
             off = shifted - friction_cone.project_dual(shifted, kind.friction)
             return numeric.sqrt(dot(off, off)), abs(dot(x, shifted))
-        if isinstance(kind, Pushed):
+        if isinstance(kind, Unilateral):
             entries = [(x[..., k][()], y[..., k][()]) for k in range(kind.size)]
             return largest([numeric.minimum(v, 0.0) for _, v in entries]), largest(
                 [f * v for f, v in entries]

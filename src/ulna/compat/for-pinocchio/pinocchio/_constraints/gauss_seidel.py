@@ -13,11 +13,11 @@ from pinocchio._constraints.delassus import DelassusOperator, DelassusOperatorDe
 from pinocchio._constraints.joint_constraints import JointFrictionConstraintModel, JointLimitConstraintModel
 from pinocchio._containers.arrays import numbers, vector
 from ulna.algorithms.constraints.cone_complementarity import (
+    Bilateral,
     Bounded,
-    Held,
+    Frictional,
     Kind,
-    Pushed,
-    Touching,
+    Unilateral,
     gauss_seidel,
 )
 from ulna.compiler import compile as compile_function
@@ -233,13 +233,13 @@ class PGSConstraintSolver:
 def _kind(model: Any, data: Any) -> Kind:
     """What a constraint is for the solver."""
     if isinstance(model, PointContactConstraintModel):
-        return Touching(model.getFriction())
+        return Frictional(model.getFriction())
     if isinstance(model, JointLimitConstraintModel):
-        return Pushed(model.residualSize())
+        return Unilateral(model.residualSize())
     if isinstance(model, JointFrictionConstraintModel):
         bounds = model.set(data)
         return Bounded(tuple(bounds.lb.tolist()), tuple(bounds.ub.tolist()))
-    return Held(model.residualSize())
+    return Bilateral(model.residualSize())
 
 
 @lru_cache(maxsize=64)
