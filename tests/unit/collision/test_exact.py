@@ -145,7 +145,13 @@ def test_pairs_can_be_left_out(robot: ulna.Robot) -> None:
     assert float(found) < 0.0
     names = [pair.names for pair in robot.collision_checker(world).nearest(q, within=0.0)]
     assert robot.collides(q, world) and not robot.collides(q, world, without=names)
+    assert robot.collides(q, world, without=[])  # other options make another checker
     assert not robot.collides(q, pairs=())
+    links = [("panda_link1", "panda_link4")]
+    other = [("panda_link1", "panda_link5")]
+    one, two = (robot.collision_checker(pairs=chosen) for chosen in (links, other))
+    assert one is not two and robot.collision_checker(pairs=list(links)) is one
+    assert [set(checker.nearest(q)[0].names) for checker in (one, two)] == [set(*links), set(*other)]
 
 
 def test_a_base_on_its_table_is_no_collision(robot: ulna.Robot) -> None:
