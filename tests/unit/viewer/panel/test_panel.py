@@ -203,7 +203,7 @@ def test_the_axes_of_a_target_are_a_fifth_of_the_robot_wherever_it_stands(viewer
         shown = viewer.add(robot, pose=pose)
         panel = viewer.teach_panel(shown)
         assert panel.gizmo._handle.scale == pytest.approx(0.3)
-        shown.remove()
+        panel.remove()
     viewer.clear()
 
 
