@@ -190,7 +190,7 @@ def test_a_pendant_goes_with_its_robot_and_alone(viewer: Viewer, capsys: pytest.
     viewer.clear()
 
 
-def test_the_axes_of_a_target_are_a_fifth_of_the_robot_wherever_it_stands(viewer: Viewer) -> None:
+def test_the_axes_of_a_target_are_a_fifth_of_the_scene_wherever_it_lies(viewer: Viewer) -> None:
     if viewer.url == "":
         pytest.skip("targets are dragged in a page")
     rod = ulna.ModelBuilder("rod").add_link(
@@ -204,7 +204,7 @@ def test_the_axes_of_a_target_are_a_fifth_of_the_robot_wherever_it_stands(viewer
         panel = viewer.teach_panel(shown)
         assert panel.gizmo._handle.scale == pytest.approx(0.3)
         panel.remove()
-    viewer.clear()
+        viewer.clear()
 
 
 def test_a_panel_whose_page_was_closed_keeps_what_it_is_given() -> None:
