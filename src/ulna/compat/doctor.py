@@ -49,8 +49,8 @@ def examine(path: str | Path) -> list[Finding]:
         raise InputError(f"{file} cannot be read: {error.strerror}.") from None
     except (SyntaxError, ValueError) as error:
         # ValueError: null characters
-        words, line = getattr(error, "msg", None) or str(error), getattr(error, "lineno", None)
-        raise FormatError(f"not Python: {words}", file=str(file), line=line) from None
+        message, line = getattr(error, "msg", None) or str(error), getattr(error, "lineno", None)
+        raise FormatError(f"not Python: {message}", file=str(file), line=line) from None
     known_modules = {module for library in FOLDERS for module in modules(library)}
     used: dict[str, int] = {}
     for line, name in sorted(_used(tree, frozenset(known_modules))):

@@ -9,19 +9,21 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from ulna.checks.former_names import former_keywords
 from ulna.compat.packages import FOLDERS, environment, library_of
 from ulna.errors import InputError
 
 
-def run(words: Sequence[str], only: Sequence[str] = ()) -> int:
-    """Runs `python words...` with compatibility packages on the path.
+@former_keywords(words="arguments")
+def run(arguments: Sequence[str], only: Sequence[str] = ()) -> int:
+    """Runs `python arguments...` with compatibility packages on the path.
 
     The script is `__main__` of a fresh Python: arguments, tracebacks, pickling and spawned children behave as ever.
     Where the system can, this process becomes that Python, so that signals reach it and no second process waits.
 
     Args:
-        words: What would follow `python`: its options, then a script, `-m` and a module, `-c` and a program, or `-`;
-            and arguments, which are passed on as they are.
+        arguments: What would follow `python`: its options, then a script, `-m` and a module, `-c` and a program, or
+            `-`; and arguments, which are passed on as they are.
         only: Compatibility packages to put on the path; all when empty.
 
     Returns:
@@ -31,10 +33,10 @@ def run(words: Sequence[str], only: Sequence[str] = ()) -> int:
         InputError: If there is no such script, or an option of Python would hide the packages.
         UnknownName: If there is no such compatibility package.
     """
-    _check(words)
+    _check(arguments)
     libraries = list(dict.fromkeys(library_of(name) for name in only)) or list(FOLDERS)
     variables = environment(libraries)
-    command = [sys.executable, *words]
+    command = [sys.executable, *arguments]
     if os.name == "posix":
         sys.stdout.flush()
         sys.stderr.flush()
@@ -60,14 +62,14 @@ def split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     return options, rest
 
 
-def _check(words: Sequence[str]) -> None:
+def _check(arguments: Sequence[str]) -> None:
     """Refuses what Python cannot run, or would run without the compatibility packages.
 
     Raises:
         InputError: See `run`.
     """
-    for k, word in enumerate(words):
-        if k and words[k - 1] in ("-W", "-X", "--check-hash-based-pycs"):
+    for k, word in enumerate(arguments):
+        if k and arguments[k - 1] in ("-W", "-X", "--check-hash-based-pycs"):
             continue  # the value of that option
         if not word.startswith("-"):
             if not Path(word).exists():

@@ -19,7 +19,7 @@ Watcher = Callable[[str, str], None]
 """Called with the name of a task and its progress; the progress is empty when the task is finished."""
 
 _DELAY = 0.7  # s
-_INTERVAL = 0.1  # s between two words about one work
+_INTERVAL = 0.1  # s between two messages about one task
 
 _watchers: list[Watcher] = []
 

@@ -67,7 +67,7 @@ class Viewer(ExportMethods):
             Page(self.scene, title, port, host, camera, self._theme, floor) if flag("page", page) else None
         )
         self.panel = Panel(self._page)
-        """The panel, for sliders, buttons, menus, words and plots of your own."""
+        """The panel, for sliders, buttons, menus, texts and plots."""
         self._simulation: Simulation | None = None
         self._timeline: Timeline | None = None
         if browser and self._page is not None:

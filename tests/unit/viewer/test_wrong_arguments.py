@@ -203,7 +203,7 @@ def cases(
     )  # fmt: skip
     out["theme"] = (
         lambda v, **k: Theme(**k),
-        {"dark": (True, NO_FLAG), "top": ((0, 0, 0), (*NO_PLACE, (0, 0, 256), (0.5, 0, 0))), "lamps": (1.0, NO_RANGE), "shadow": (0.5, NO_SHARE)},
+        {"dark": (True, NO_FLAG), "top": ((0, 0, 0), (*NO_PLACE, (0, 0, 256), (0.5, 0, 0))), "light_factor": (1.0, NO_RANGE), "shadow": (0.5, NO_SHARE)},
     )  # fmt: skip
     out["surface"] = (
         lambda v, **k: v.add(Surface(**k)),

@@ -9,6 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import length_array, scale_factors
+from ulna.checks.former_names import former_fields
 from ulna.checks.values import length, text
 from ulna.errors import ShapeError
 from ulna.spatial import quat_xyzw_to_matrix
@@ -140,30 +141,31 @@ class Lines(Content):
 
 
 @final
+@former_fields(words="text")
 @dataclass(frozen=True)
 class Text(Content):
     """Text that faces the camera.
 
     Args:
-        words: What to say.
+        text: The text.
         height: Height of the letters [m].
     """
 
-    words: str
+    text: str
     height: float = 0.05
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "words", text("words", self.words))
+        object.__setattr__(self, "text", text("text", self.text))
         object.__setattr__(self, "height", length("height", self.height))
 
     @property
     def bounding_points(self) -> Floats:
-        """Where the words begin."""
+        """Where the text begins."""
         return np.zeros((1, 3))
 
     @property
     def surfaces(self) -> tuple[Surface, ...]:
-        """None: pictures write words themselves, or leave them out."""
+        """None: pictures draw the text themselves, or leave them out."""
         return ()
 
 

@@ -189,7 +189,7 @@ class Label(Handle):
     @property
     def text(self) -> str:
         """What they say."""
-        return self._content().words
+        return self._content().text
 
     @text.setter
     def text(self, text: str) -> None:

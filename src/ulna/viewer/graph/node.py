@@ -23,7 +23,7 @@ class Node:
     Args:
         name: Its name, unique in the scene; the part before the last `/` is the name of its group.
         surfaces: What it looks like, in its own frame.
-        content: What else is there to see: points, lines, words, copies.
+        content: What else is there to see: points, lines, text, copies.
         shadow: Whether it casts a shadow.
         through: Whether pictures show it, translucent, in front of what occludes it; useful for lines and axes.
     """

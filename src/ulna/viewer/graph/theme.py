@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import final
 
 from ulna.checks.arrays import shaped_array
+from ulna.checks.former_names import former_fields
 from ulna.checks.values import flag, fraction, number, one_of
 from ulna.errors import InputError
 
@@ -13,6 +14,7 @@ RGB = tuple[int, int, int]
 
 
 @final
+@former_fields(ink="text", lamps="light_factor", room="environment_intensity")
 @dataclass(frozen=True)
 class Theme:
     """Colours of background, floor and text, from 0 to 255, and the intensities of the lights.
@@ -24,9 +26,9 @@ class Theme:
         floor: The floor.
         section: Lines of the floor every metre.
         cell: Lines of the floor every tenth of a metre.
-        ink: Text.
-        lamps: Factor of the intensities of the lights; 1 in the light theme.
-        room: Intensity of the environment map.
+        text: Labels.
+        light_factor: Factor of the intensities of the lights; 1 in the light theme.
+        environment_intensity: Intensity of the environment map.
         shadow: How dark shadows on the floor are, from 0 to 1.
     """
 
@@ -36,18 +38,18 @@ class Theme:
     floor: RGB = (180, 190, 201)
     section: RGB = (141, 152, 166)
     cell: RGB = (169, 179, 191)
-    ink: RGB = (30, 41, 59)
-    lamps: float = 1.0
-    room: float = 0.30
+    text: RGB = (30, 41, 59)
+    light_factor: float = 1.0
+    environment_intensity: float = 0.30
     shadow: float = 0.42
 
     def __post_init__(self) -> None:
         flag("dark", self.dark)
-        for name in ("top", "horizon", "floor", "section", "cell", "ink"):
+        for name in ("top", "horizon", "floor", "section", "cell", "text"):
             rgb = shaped_array(name, getattr(self, name), 3)
             if rgb.min() < 0.0 or rgb.max() > 255.0 or (rgb % 1.0).any():
                 raise InputError(f"`{name}` is {getattr(self, name)}; expected three integers from 0 to 255.")
-        for name in ("lamps", "room"):
+        for name in ("light_factor", "environment_intensity"):
             number(name, getattr(self, name), "a strength from 0 to 100", least=0.0, most=100.0)
         fraction("shadow", self.shadow)
 
@@ -60,9 +62,9 @@ DARK = Theme(
     floor=(30, 36, 45),
     section=(74, 86, 104),
     cell=(46, 54, 66),
-    ink=(226, 232, 240),
-    lamps=0.85,
-    room=0.22,
+    text=(226, 232, 240),
+    light_factor=0.85,
+    environment_intensity=0.22,
     shadow=0.55,
 )
 _NAMED = {"light": LIGHT, "dark": DARK}

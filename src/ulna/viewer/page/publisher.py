@@ -129,7 +129,7 @@ class Publisher:
     def _update_appearances(self, snapshot: Snapshot) -> None:
         """Colours, opacity, scale and visibility as the scene has them."""
         paths, appearances, texts = [], [], {}
-        ink = tuple(c / 255 for c in self._theme.ink)
+        text_colour = tuple(c / 255 for c in self._theme.text)
         for i, node in enumerate(snapshot.nodes):
             shown = self.shown.get(node.name)
             if shown is None:
@@ -147,8 +147,8 @@ class Publisher:
             shown.appearance = appearance
             shown.set_visible(bool(snapshot.visible[i]))
             if shown.is_mesh and isinstance(node.content, Text):
-                texts[shown.path] = node.content.words
-                appearance = (*ink, *appearance[3:]) if appearance[0] < 0 else appearance
+                texts[shown.path] = node.content.text
+                appearance = (*text_colour, *appearance[3:]) if appearance[0] < 0 else appearance
             if shown.is_mesh and appearance != _DEFAULT_APPEARANCE:
                 paths.append(shown.path)
                 appearances.append(appearance)

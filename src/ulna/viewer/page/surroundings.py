@@ -27,9 +27,12 @@ def configure_scene(server: Any, theme: Theme, shadows: bool = True) -> None:
         dark_mode=theme.dark,
     )
     scene.configure_default_lights(False)
-    scene.configure_environment_map("studio", environment_intensity=theme.room)
+    scene.configure_environment_map("studio", environment_intensity=theme.environment_intensity)
     scene.add_light_hemisphere(
-        "/(page)/sky", sky_color=(235, 242, 255), ground_color=(150, 155, 160), intensity=0.28 * theme.lamps
+        "/(page)/sky",
+        sky_color=(235, 242, 255),
+        ground_color=(150, 155, 160),
+        intensity=0.28 * theme.light_factor,
     )
     lights = (
         ("key", (255, 244, 230), 2.6, (1.6, -1.0, 3.2)),
@@ -39,7 +42,7 @@ def configure_scene(server: Any, theme: Theme, shadows: bool = True) -> None:
         scene.add_light_directional(
             f"/(page)/{name}",
             color=tint,
-            intensity=strength * theme.lamps,
+            intensity=strength * theme.light_factor,
             cast_shadow=shadows and name == "key",
             position=position,
         )

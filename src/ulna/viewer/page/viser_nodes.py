@@ -59,9 +59,9 @@ class ViserNode:
                 rows = pose_rows(poses)
                 for handle in self.handles:
                     handle.batched_positions, handle.batched_wxyzs = rows[:, :3], rows[:, 3:]
-            case Text(words, height) if height == getattr(old, "height", None):
+            case Text(text, height) if height == getattr(old, "height", None):
                 if not self.is_mesh:
-                    self.handles[0].text = words
+                    self.handles[0].text = text
             case _:
                 return False
         self.node = node
@@ -261,7 +261,7 @@ def _add_label(
     return [
         server.scene.add_label(
             path,
-            content.words,
+            content.text,
             font_size_mode="scene",
             font_scene_height=height,
             depth_test=True,

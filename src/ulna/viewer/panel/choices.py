@@ -118,9 +118,9 @@ class RadioBoxes:
 
     Args:
         heading: The folder they stand in.
-        options: The words beside them.
+        options: The labels beside them.
         value: Which is ticked.
-        make: Makes a box: its words, and whether it is ticked.
+        make: Makes a box: its label, and whether it is ticked.
     """
 
     def __init__(
@@ -146,7 +146,7 @@ class RadioBoxes:
 
     @property
     def options(self) -> tuple[str, ...]:
-        """The words beside them."""
+        """The labels beside them."""
         return tuple(self._boxes)
 
     @options.setter
@@ -174,7 +174,7 @@ class RadioBoxes:
 
 
 def checked_choices(label: str, options: Sequence[str], value: str | None) -> tuple[tuple[str, ...], str]:
-    """Choices as words, and the one that is chosen: `value`, or the first.
+    """Choices as texts, and the one that is chosen: `value`, or the first.
 
     Args:
         label: Label of the control, for messages.

@@ -31,7 +31,7 @@ class Control(FixedAttributes):
 
     Args:
         handle: What stands for it in the page, as viser has it, or a `Kept`.
-        label: The words beside it.
+        label: The text beside it.
     """
 
     __slots__ = ("_handle", "_label", "_removed")
@@ -76,14 +76,14 @@ class Control(FixedAttributes):
 
 
 class LabelledControl(Control):
-    """A control with words beside it."""
+    """A control with a label beside it."""
 
     __slots__ = ()
     _label_attribute: ClassVar[str] = "label"
 
     @property
     def label(self) -> str:
-        """The words beside it."""
+        """The text beside it."""
         return self._label
 
     @label.setter
@@ -97,7 +97,7 @@ class LabelledControl(Control):
 
 
 class DisableableControl(LabelledControl):
-    """A control with words beside it, that can be out of use for a while."""
+    """A control with a label beside it, that can be out of use for a while."""
 
     __slots__ = ()
 
@@ -147,7 +147,7 @@ class Text(Control):
 
     @property
     def value(self) -> str:
-        """The words."""
+        """The text."""
         return self._handle.content
 
     @value.setter

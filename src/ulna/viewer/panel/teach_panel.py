@@ -22,7 +22,7 @@ from ulna.viewer.robot.slider_coordinates import SliderCoordinate, slider_coordi
 from ulna.viewer.robot.target_following import TargetFollower
 
 _MOVE_DURATION = 0.6  # how long a move to a named configuration takes [s]
-_UPDATE_INTERVAL = 1 / 15  # s between two updates of sliders and words
+_UPDATE_INTERVAL = 1 / 15  # s between two updates of sliders and texts
 
 
 class MovableRobot(Protocol):

@@ -56,16 +56,18 @@ def draw_labels(image: Array, camera: Camera, snapshot: Snapshot, theme: Theme) 
         x, y, z = (snapshot.poses[i, :3, 3] - camera.position) @ camera.axes()
         size = text.height * float(snapshot.scales[i, 2]) * focus / max(-z, 1e-9)
         if z < -0.02 and 1.0 < size < height:
-            ink = theme.ink if snapshot.tint[i, 0] < 0 else tuple(int(255 * c) for c in snapshot.tint[i])
+            text_colour = (
+                theme.text if snapshot.tint[i, 0] < 0 else tuple(int(255 * c) for c in snapshot.tint[i])
+            )
             anchor = (width / 2 - focus * x / z, height / 2 + focus * y / z)
             font = _font(size)
             mask = Image.new("L", canvas.size)  # text that is drawn right onto a picture is never translucent
             draw: Any = ImageDraw.Draw(mask)
-            lines = text.words.split("\n")
+            lines = text.text.split("\n")
             for k, line in enumerate(lines):  # the last one stands on the place, as in the page
                 at = (anchor[0], anchor[1] - 1.25 * size * (len(lines) - 1 - k))
                 draw.text(at, line, fill=round(255 * snapshot.opacity[i]), font=font, anchor="ls")
-            canvas.paste(ink, mask=mask)
+            canvas.paste(text_colour, mask=mask)
     return np.asarray(canvas)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import length_array
+from ulna.checks.former_names import former_keywords
 from ulna.checks.values import count, fraction
 from ulna.checks.values import length as checked_length
 from ulna.errors import InputError
@@ -197,10 +198,11 @@ class AnnotationMethods(HandleRegistry):
             name, "points", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=PointCloud
         )
 
+    @former_keywords(words="text")
     @check_keywords
     def text(
         self,
-        words: str,
+        text: str,
         position: ArrayLike = (0.0, 0.0, 0.0),
         *,
         height: float = 0.05,
@@ -211,7 +213,7 @@ class AnnotationMethods(HandleRegistry):
         """Add text that faces the camera.
 
         Args:
-            words: The text.
+            text: The text.
             position: Where it begins, shape (3,) [m].
             height: Height of the letters [m].
             name: Its name, with its groups; an unused one when not given.
@@ -227,7 +229,7 @@ class AnnotationMethods(HandleRegistry):
         origin = transforms([length_array("position", position, 3)])[0]
         rgba = None if color is None else colour(color)
         out = self._add_node(
-            name, "text", content=Text(words, height), pose=origin, opacity=opacity, kind_of=Label
+            name, "text", content=Text(text, height), pose=origin, opacity=opacity, kind_of=Label
         )
         out.color = rgba
         return out

@@ -173,8 +173,8 @@ class SceneNode:
 
 
 def _called(node: Any) -> str:
-    words = repr(node) if isinstance(node, SceneNode) else str(node)
-    return words.splitlines()[0]
+    text = repr(node) if isinstance(node, SceneNode) else str(node)
+    return text.splitlines()[0]
 
 
 def _lines(node: Any, depth: int, marked: Any) -> list[str]:

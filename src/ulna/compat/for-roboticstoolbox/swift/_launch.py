@@ -84,7 +84,7 @@ class LaunchedEnvironment:
             ground_opacity: The floor is always opaque.
             ground_pattern: The floor always has its grid.
             ground_pattern_width: See `ground_pattern`.
-            lights: The lamps are those of the viewer's theme.
+            lights: The lights are those of the viewer's theme.
             timeout: Accepted and ignored [s]: `hold` ends when the page has been closed for 3 s, as a reload
                 takes.
             browser_timeout: A page whose script has ended says so, and stays open.
@@ -99,7 +99,7 @@ class LaunchedEnvironment:
             raise TypeError(f"Swift.launch has no argument {unknown[0]!r}.")
         if lights is not None or ground_opacity != 1.0 or ground_pattern or ground_pattern_width != 1.0:
             warnings.warn(
-                "Swift.launch: the floor and the lamps are those of the viewer; `lights` and `ground_...` are not "
+                "Swift.launch: the floor and the lights are those of the viewer; `lights` and `ground_...` are not "
                 "used. See `env.viewer.theme` and `env.viewer.floor`.",
                 UlnaWarning,
                 stacklevel=2,

@@ -128,7 +128,7 @@ class Swift(Contents):
         self.viewer.camera = Camera(tuple(at), tuple(to))  # type: ignore[arg-type]
 
     def set_lights(self, lights: Any) -> None:
-        """Not offered: the lamps are those of the viewer's theme."""
+        """Not offered: the lights are those of the viewer's theme."""
         raise NotImplementedError(
             "Lamps are not set one by one; see `env.viewer.theme`: 'light', 'dark' or a Theme."
         )

@@ -152,7 +152,9 @@ class Looks(Tree, abc.ABC):
         Returns:
             False.
         """
-        return without(f"addLight({lightName!r})", "shared_viewer().theme says how strong the lamps are.")
+        return without(
+            f"addLight({lightName!r})", "shared_viewer().theme.light_factor is the strength of the lights."
+        )
 
     def setCurveMode(self, curveName: str, mode: Any) -> bool:
         """Curves go from point to point; other modes warn.

@@ -165,7 +165,15 @@ def check_layout(model: Any, data: Any) -> None:
 
 
 def check_text(value: Any, name: str) -> None:
-    """Raises ArgumentError for what is no text."""
+    """Checks that an argument is a text.
+
+    Args:
+        value: What was passed.
+        name: Name of the argument, for messages.
+
+    Raises:
+        ArgumentError: It is no text.
+    """
     if not isinstance(value, str):
         raise ArgumentError(f"`{name}` is {excerpt(repr(value))}; expected a text.")
 

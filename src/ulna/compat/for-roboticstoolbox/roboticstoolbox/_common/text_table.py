@@ -17,7 +17,14 @@ _BORDERS = {
 
 
 def bordered(text: str, border: str) -> str:
-    """A table with another border: "thin", "thick", "double", "round" or "ascii".
+    """A table with another border.
+
+    Args:
+        text: The table.
+        border: "thin", "thick", "double", "round" or "ascii".
+
+    Returns:
+        The text of the table.
 
     Raises:
         UnknownOption: There is no such border.

@@ -106,7 +106,17 @@ def _together(axis: Any, at: Floats, values: Floats, names: list[str], wrist: bo
 
 
 def plot_trajectory(trajectory: Any, block: bool | None, plotargs: Any, textargs: Any) -> Any:
-    """Draws positions, velocities and accelerations of a trajectory over time; returns the figure."""
+    """Draws positions, velocities and accelerations of a trajectory over time.
+
+    Args:
+        trajectory: The trajectory.
+        block: Whether to wait until the window is closed.
+        plotargs: Keywords for Matplotlib's `plot`.
+        textargs: Keywords for labels.
+
+    Returns:
+        The figure.
+    """
     plt = pyplot_of("Trajectory.plot")
     lines = {"marker": "o", "markersize": 3} | (plotargs or {})
     text = {"fontsize": 12} | (textargs or {})

@@ -179,7 +179,20 @@ class Ellipsoids(RobotMixin):
         shadow: bool = True,
         name: bool = True,
     ) -> PyPlot:
-        """Draws the robot with its ellipsoid of forces; see `plot_vellipse`."""
+        """Draws the robot with its ellipsoid of forces; see `plot_vellipse`.
+
+        Args:
+            q: Configuration (n,); None for the robot's.
+            block: Whether to wait until the window is closed.
+            fellipse: The ellipsoid to draw instead of that at `q`.
+            limits: Of the picture, x, y, z from and to [m].
+            opt: "trans" for forces, "rot" for moments.
+            centre: Where the ellipsoid is drawn, "ee" for the end.
+            jointaxes, eeframe, shadow, name: See `plot_vellipse`.
+
+        Returns:
+            The figure.
+        """
         return self._plot_with_ellipsoid(q, "force", opt, block, limits, fellipse, centre)
 
     def _plot_with_ellipsoid(
