@@ -69,5 +69,5 @@ def __dir__() -> list[str]:
     return sorted({*__all__, *_MODULES})
 
 
-for _name in ("Robot", "Robot2"):
+for _name in ("DHRobot", "Robot", "Robot2"):
     register_class(_name, partial(__getattr__, _name))

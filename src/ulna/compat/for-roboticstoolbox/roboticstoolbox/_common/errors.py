@@ -23,3 +23,9 @@ class WrongShape(ShapeError, TypeError):
 
 class WrongLinks(ModelError, TypeError):
     """A robot cannot be made of these links."""
+
+
+class UnknownKey(UnknownName, KeyError, ValueError):
+    """There is nothing of that name: a link of a robot, a setting, a solver."""
+
+    __str__ = Exception.__str__  # that of KeyError prints the message in quotes

@@ -15,6 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongType
+from roboticstoolbox._common.symbols import has_symbols
+from roboticstoolbox._dynamics.symbolic_torques import symbolic_torques
 from roboticstoolbox._links.link import Link
 from roboticstoolbox._links.ulna_model import model_of
 from ulna.compiler import compile
@@ -57,6 +60,7 @@ class Dynamics:
     name: str
     n: int
     q: Floats
+    symbolic: bool
 
     def dynchanged(self, what: str | None = None) -> None:
         """Discards the arrays of masses and motors; called when a link changes."""
@@ -70,6 +74,10 @@ class Dynamics:
     def _current_dynamic_arrays(self) -> dict[str, Floats]:
         """The present inertias, motors and friction as arguments of the kernels."""
         if self._dynamic_arrays is None:
+            if has_symbols(self._gravity) or any(link.has_symbolic_mass for link in self._links):
+                raise WrongType(
+                    f"Parameters of robot {self.name!r} are symbols, by which only `rne` and poses are computed."
+                )
             if not self.hasdynamics:
                 raise InputError(
                     f"Robot {self.name!r} has no masses, so no dynamics; set m, r and I of its links."
@@ -114,7 +122,7 @@ class Dynamics:
             q: Configuration, (n,) or (m, n) [rad or m].
             qd: Velocity, likewise.
             qdd: Acceleration, likewise.
-            symbolic: Not supported; raises InputError.
+            symbolic: Whether to compute with symbols even where there are none.
             gravity: Acceleration of free fall, (3,) [m/s^2]; None for the robot's.
 
         Returns:
@@ -123,13 +131,36 @@ class Dynamics:
         Raises:
             InputError: `symbolic` is True.
         """
-        if symbolic:
-            raise InputError("symbolic=True is not offered; trace `robot.inverse_dynamics` of an ulna.Robot.")
-        v = np.zeros(self.n) if qd is None else np.asarray(qd, dtype=float)
+        if symbolic or self.symbolic:
+            return self._symbolic_torques(q, qd, qdd, gravity)
+        try:
+            v = np.zeros(self.n) if qd is None else np.asarray(qd, dtype=float)
+            return self._torques(q, v, qdd, gravity)
+        except TypeError:
+            if not any(has_symbols(x) for x in (q, qd, qdd) if x is not None):
+                raise
+        return self._symbolic_torques(q, qd, qdd, gravity)
+
+    def _torques(self, q: Any, v: Any, qdd: Any, gravity: Any) -> Floats:
         tau = self._evaluate("inverse_dynamics", (q, v, np.zeros(self.n) if qdd is None else qdd), gravity)
         values = self._dynamic_arrays
         assert values is not None
         return tau + self._friction_torques(v) if values["has_friction"] else tau
+
+    def _symbolic_torques(self, q: Any, qd: Any, qdd: Any, gravity: Any) -> Floats:
+        joints = [link for link in self._links if link.isjoint]
+        if len(joints) < len(self._links) or len({link.parent for link in joints}) < len(joints):
+            raise InputError(
+                "Torques with symbols are for serial arms with a joint in each link, such as DH robots."
+            )
+        still = np.zeros(self.n, dtype=int)
+        motion = [np.asarray(still if x is None else x, dtype=object) for x in (q, qd, qdd)]
+        if any(x.shape != (self.n,) for x in motion):
+            raise ShapeError(
+                "q", motion[0].shape, f"({self.n},), like qd and qdd: symbols for one configuration"
+            )
+        base = np.eye(4) if self._base is None else self._base
+        return symbolic_torques(joints, base, self._gravity if gravity is None else vector3(gravity), *motion)
 
     def _friction_torques(self, v: Any) -> Floats:
         values = self._current_dynamic_arrays()
@@ -197,7 +228,8 @@ class Dynamics:
 
 
 def vector3(gravity: Any) -> Floats:
-    g = np.asarray(gravity, dtype=float).ravel()
+    g = np.ravel(gravity)
+    g = g if has_symbols(g) else g.astype(float)
     if g.shape != (3,):
         raise ShapeError("gravity", np.shape(gravity), "(3,)")
     return g

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._dynamics.dynamics import vector3
+from roboticstoolbox._ets.compiled_chain import known_angles
 from roboticstoolbox._links.ulna_model import model_of
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.errors import InputError, ShapeError
@@ -38,6 +39,8 @@ class OperationalSpace(RobotMixin):
 
     def _operational_quantity(self, name: str, arrays: tuple[Any, ...], representation: str | None) -> Floats:
         """What is felt at the end, by Ulna's operational space."""
+        if representation is not None:
+            known_angles(representation)
         body, end = self._robot_and_end()
         try:
             value = getattr(body, name)(*arrays, frame=end, representation=representation)

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import UnknownKey
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
-from ulna.errors import MissingExtra, ShapeError, UnknownName
+from ulna.errors import MissingExtra, ShapeError
 from ulna.typing import Floats
 
 fdyn = namedtuple("fdyn", ["t", "q", "qd"])
@@ -59,7 +60,7 @@ class ForwardSimulation(RobotMixin):
             raise MissingExtra("scipy", "toolbox", "fdyn") from None
         solvers = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
         if solver not in solvers:
-            raise UnknownName("solver", solver, solvers)
+            raise UnknownKey("solver", solver, solvers)
         start = np.asarray(q0, dtype=float)
         if start.shape != (self.n,):
             raise ShapeError("q0", start.shape, f"({self.n},)")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongType
+from roboticstoolbox._common.errors import UnknownKey, WrongType
 from roboticstoolbox._common.poses import matrix, pose, to_spatial
 from roboticstoolbox._ets.compiled_chain import Chain, known_angles
 from roboticstoolbox._ets.ets import ETS
@@ -17,7 +17,7 @@ from roboticstoolbox._links.gripper import Gripper
 from roboticstoolbox._links.link import Link
 from roboticstoolbox._links.link_tree import links_between
 from roboticstoolbox._links.ulna_model import model_of
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
 from ulna.robot import Robot as Body
 from ulna.typing import Floats
 
@@ -56,8 +56,10 @@ class Kinematics(RobotSolvers):
         if isinstance(what, Link):
             what = what.name
         links = self.link_dict
+        if not isinstance(what, str):
+            raise WrongType(f"{what!r} is no link; expected a link, a gripper, or the name of one.")
         if what not in links:
-            raise UnknownName("link", what, links)
+            raise UnknownKey("link", what, links)
         return links[what]
 
     @property

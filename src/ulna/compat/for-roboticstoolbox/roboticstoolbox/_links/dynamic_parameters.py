@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from roboticstoolbox._common.symbols import has_symbols, is_symbol
 from ulna.errors import InputError, ShapeError
 from ulna.model import Drive
 from ulna.spatial import Inertia
@@ -15,20 +16,26 @@ from ulna.typing import Floats
 
 def _read_only(numbers: Any) -> Floats:
     """A read-only copy: single entries that a script sets would not reach the robot's dynamics."""
-    out = np.array(numbers, dtype=float)
+    out = np.array(numbers)
+    out = out if has_symbols(out) else out.astype(float)
     out.setflags(write=False)
     return out
 
 
 def _inertia_matrix(I: Any) -> Floats:
     """Inertia as a matrix, from (3, 3), or Ixx, Iyy, Izz, or those and Ixy, Iyz, Ixz."""
-    values = np.asarray(I, dtype=float)
+    values = np.zeros(3) if I is None else np.asarray(I)
+    if not has_symbols(values):
+        values = values.astype(float)
+    if values.shape == (9,):
+        values = values.reshape(3, 3)
     if values.shape == (3, 3):
-        if np.abs(values - values.T).max() > 1e-8:
+        gap = values - values.T
+        if (gap != 0).any() if has_symbols(gap) else np.abs(gap).max() > 1e-8:
             raise InputError("`I` of a link is not symmetric; expected (3, 3), 3 or 6 numbers.")
         return _read_only(values)
     if values.size == 3:
-        return _read_only(np.diag(values.ravel()))
+        return _read_only([[x if i == j else 0.0 for j in range(3)] for i, x in enumerate(values.ravel())])
     if values.size == 6:
         xx, yy, zz, xy, yz, xz = values.ravel()
         return _read_only([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -63,22 +70,27 @@ def _coulomb(Tc: Any) -> Floats:
 
 
 def _vector3(r: Any) -> Floats:
-    out = np.array(r, dtype=float).ravel()
+    out = np.ravel(np.zeros(3) if r is None else r)
     if out.shape != (3,):
         raise ShapeError("r", np.shape(r), "(3,)")
     return _read_only(out)
 
 
+def _number(value: Any) -> Any:
+    """A number, or a symbol; zero for None."""
+    return value if is_symbol(value) else float(0.0 if value is None else value)
+
+
 class DynamicParameters:
     """Mass, inertia, motor and friction of a link."""
 
-    m = _DynamicParameter(float)
+    m = _DynamicParameter(_number)
     r = _DynamicParameter(_vector3)
     I = _DynamicParameter(_inertia_matrix)
-    Jm = _DynamicParameter(float)
-    B = _DynamicParameter(float)
+    Jm = _DynamicParameter(_number)
+    B = _DynamicParameter(_number)
     Tc = _DynamicParameter(_coulomb)
-    G = _DynamicParameter(float)
+    G = _DynamicParameter(_number)
 
     if TYPE_CHECKING:
 
@@ -89,6 +101,11 @@ class DynamicParameters:
         """Whether it has mass, inertia, motor or friction."""
         numbers = (self.m, self.Jm, self.B, *self.r, *self.I.ravel(), *self.Tc)
         return any(bool(x) for x in numbers)
+
+    @property
+    def has_symbolic_mass(self) -> bool:
+        """Whether its mass, inertia, motor or friction hold symbols."""
+        return any(map(is_symbol, (self.m, self.Jm, self.B, self.G, *self.r, *self.I.ravel())))
 
     def friction(self, qd: float, coulomb: bool = True) -> float:
         """The torque of friction, against the motion.

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongIndex, WrongType
 from roboticstoolbox._common.poses import matrix, pose
 from roboticstoolbox._links.link import Link
 from roboticstoolbox._links.link_tree import links_from
@@ -19,7 +20,13 @@ class Gripper:
     def __init__(self, links: Any, name: str = "", tool: Any = None) -> None:
         """The first of `links` is the one that the arm carries."""
         self.links: list[Link] = [links] if isinstance(links, Link) else list(links)
-        self.name = name or (self.links[0].name if self.links else "")
+        if not self.links:
+            raise WrongIndex("A gripper has at least one link; `links` is empty.")
+        if not all(isinstance(link, Link) for link in self.links):
+            raise WrongType(
+                "`links` of a gripper: expected Link objects, the first of them carried by the arm."
+            )
+        self.name = name
         self._tool = np.eye(4) if tool is None else matrix(tool)
         joints = [link for link in self.links if link.isjoint]
         for i, link in enumerate(joints):

@@ -6,6 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongType
 from roboticstoolbox._common.poses import pose
 from roboticstoolbox._ets.elementary_transform import ET, ET2, BaseET
 from roboticstoolbox._ets.ets import ETS, ETS2
@@ -67,12 +68,15 @@ class Link(LinkNode, DynamicParameters):
         self.robot: Any = None
         self.number: int | None = None
         self.name = name
+        if not isinstance(parent, Link | str | None):
+            raise WrongType(f"`parent` of a link is {parent!r}; expected a link, or its name.")
         self._parent = parent if isinstance(parent, Link) else None
         self._parent_name = parent.name if isinstance(parent, Link) else parent
         self._joint_name = joint_name
         self.children: list[Link] = []
         self._children: list[Any] = []
         transforms = self._ets_class(ets)
+        transforms._auto_jindex = getattr(ets, "_auto_jindex", transforms._auto_jindex)
         joints = [i for i, et in enumerate(transforms.data) if et.isjoint]
         if len(joints) > 1 or (
             joints and joints[0] != len(transforms.data) - 1 and type(self) in (Link, Link2)
@@ -84,7 +88,7 @@ class Link(LinkNode, DynamicParameters):
         if joints:
             joint = transforms.data[joints[0]]
             if jindex is not None:
-                joint.jindex = jindex
+                joint.jindex, transforms._auto_jindex = jindex, False
             if qlim is not None:
                 joint.qlim = qlim
         self.qdlim, self.tlim = qdlim, tlim
@@ -144,9 +148,8 @@ class Link(LinkNode, DynamicParameters):
 
     @jindex.setter
     def jindex(self, j: int) -> None:
-        if self.v is None:
-            raise InputError(f"Link {self.name!r} has no joint, so no `jindex`.")
-        self.v.jindex = j
+        if self.v is not None:
+            self.v.jindex, self._ets._auto_jindex = j, False
 
     @property
     def parent(self) -> Any:
@@ -214,6 +217,7 @@ class Link(LinkNode, DynamicParameters):
         if parent is None:
             out._parent_name = self.parent_name
         out._ets = type(self._ets)._from_transforms(self._ets.data)
+        out._ets._auto_jindex = self._ets._auto_jindex
         out._drawn, out._solids = (
             carried([copied(x) for x in shapes], out) for shapes in (self._drawn, self._solids)
         )

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import UnknownKey
 from roboticstoolbox._common.poses import pose
 from roboticstoolbox._links.gripper import Gripper
 from roboticstoolbox._links.link import Link
@@ -153,7 +154,11 @@ class LinkAccess(RobotMixin):
         return len(self._links)
 
     def __getitem__(self, i: Any) -> Any:
-        return self._links[self._names().index(i)] if isinstance(i, str) else self._links[i]
+        if not isinstance(i, str):
+            return self._links[i]
+        if i not in self._names():
+            raise UnknownKey("link", i, self._names())
+        return self._links[self._names().index(i)]
 
     def __iter__(self) -> Any:
         return iter(self._links)

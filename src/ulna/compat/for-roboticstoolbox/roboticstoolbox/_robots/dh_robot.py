@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import warnings
 from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongType
 from roboticstoolbox._common.poses import matrix, pose
 from roboticstoolbox._ets.compiled_chain import Chain, known_angles
 from roboticstoolbox._ets.elementary_transform import ET
@@ -33,18 +35,17 @@ class DHRobot(DHText, Analytic, Robot):
         """
         if meshdir is not None:
             raise InputError(f"`meshdir` is {meshdir!r}; meshes are set as `geometry` of the links here.")
-        dh_links = [link.copy() for link in links._links] if isinstance(links, BaseRobot) else list(links)
+        dh_links = _dh_links(links)
         if not dh_links:
             raise ModelError("A DHRobot has at least one link; `links` is empty.")
-        if any(not isinstance(link, DHLink) for link in dh_links):
-            raise ModelError(
-                "A DHRobot is made of DH links: RevoluteDH, PrismaticDH, RevoluteMDH, PrismaticMDH."
-            )
-        if len({getattr(link, "mdh", None) for link in dh_links}) > 1:
+        if len({link.mdh for link in dh_links}) > 1:
             raise ModelError("Some links have standard and some modified parameters; use one convention.")
+        names = [link.name for link in dh_links]
         for i, link in enumerate(dh_links):
-            link._parent = dh_links[i - 1] if i else None
-            link.name = link.name or f"link{i + 1}"
+            link._parent, link._parent_name = (dh_links[i - 1] if i else None), None
+            link.jindex = i
+            if not link.name or names.count(link.name) > 1:
+                link.name = f"link{i + 1}"
         super().__init__(dh_links, **more)
 
     def ets(self, start: Any = None, end: Any = None) -> ETS:
@@ -200,12 +201,8 @@ class DHRobot(DHText, Analytic, Robot):
         more = [other] if isinstance(other, DHLink) else getattr(other, "_links", None)
         if more is None or not all(isinstance(link, DHLink) for link in more):
             return NotImplemented
-        links = [link.copy() for link in (*self._links, *more)]
-        if len({link.name for link in links}) < len(links):
-            for link in links:
-                link.name = ""
         return DHRobot(
-            links,
+            [self, *more],
             name=self.name,
             manufacturer=self.manufacturer,
             base=self._base,
@@ -245,8 +242,12 @@ class DHRobot(DHText, Analytic, Robot):
         Returns:
             One SE3.
         """
-        at = self.q if q is None else np.asarray(q, dtype=float)
+        at = self.q if q is None else np.asarray(q)
         first, last = (0, j) if np.ndim(j) == 0 else (j[0], j[1])
+        if max(first, last) >= self.n:
+            raise InputError(
+                f"`j` is {j!r}; expected the number of a link, 0 to {self.n - 1}, or the first and last."
+            )
         T = np.eye(4)
         for k in range(first, last + 1):
             T = T @ self._links[k].A(at[k]).A
@@ -318,6 +319,24 @@ class DHRobot(DHText, Analytic, Robot):
         self.dynchanged()
 
 
+def _dh_links(items: Any) -> list[DHLink]:
+    """The links of a robot, or of a list of links and robots; those of robots are copied.
+
+    Raises:
+        WrongType: Something else is in it.
+    """
+    out: list[DHLink] = []
+    for item in [items] if isinstance(items, BaseRobot) else list(items):
+        robot = isinstance(item, BaseRobot)
+        links: list[Any] = [link.copy() for link in item._links] if robot else [item]
+        if not all(isinstance(link, DHLink) for link in links):
+            raise WrongType(
+                f"{item!r} is no DH link; a DHRobot is made of RevoluteDH, PrismaticDH, RevoluteMDH, PrismaticMDH."
+            )
+        out += links
+    return out
+
+
 def _selected_rows(J: Floats, half: str | None) -> Floats:
     """The rows of linear ("trans") or of angular ("rot") velocities; all of them for None."""
     if half is None:
@@ -329,6 +348,11 @@ def _selected_rows(J: Floats, half: str | None) -> Floats:
 
 class SerialLink(DHRobot):
     """The former name of `DHRobot`."""
+
+    def __init__(self, *arguments: Any, **more: Any) -> None:
+        """A DHRobot; see there."""
+        warnings.warn("SerialLink is the former name of DHRobot", DeprecationWarning, stacklevel=2)
+        super().__init__(*arguments, **more)
 
 
 __all__ = ["DHRobot", "SerialLink"]

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.poses import _spatialmath, pose
+from roboticstoolbox._common.symbols import is_symbol
 from roboticstoolbox._common.text_table import grid
+from roboticstoolbox._ets.joint_descriptor import shown_offset
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 
 
@@ -51,7 +53,9 @@ class DHText(RobotMixin):
             dh: Any = link
             number = str if self.mdh else _short
             q, slides = f"{'-' if dh.isflip else ' '}q{j + 1}", dh.sigma
-            if dh.offset:
+            if is_symbol(dh.offset):
+                q += shown_offset(dh.offset, not slides)
+            elif dh.offset:
                 shift = abs(dh.offset)
                 q += f" {'-' if dh.offset < 0 else '+'} {shift if slides else f'{math.degrees(shift):.3g}°'}"
             moving = [_angle(dh.theta), q] if slides else [q, number(dh.d)]
@@ -82,5 +86,5 @@ def _short(x: float) -> str:
     return f"{x:.4g}" if isinstance(x, float) else str(x)
 
 
-def _angle(x: float) -> str:
-    return f"{x * (180.0 / math.pi)}°"
+def _angle(x: Any) -> str:
+    return str(x) if is_symbol(x) else f"{x * (180.0 / math.pi)}°"

@@ -73,6 +73,7 @@ class PoERobot(Robot):
             link._parent, link.name = joints[i - 1] if i else None, link.name or f"link-{i + 1}"
             step = np.linalg.solve(before, link.frame)
             link._ets = ETS([ET("SE3", T=step), link._ets.data[-1]])
+            link._ets._auto_jindex = True
             before = link.frame
         end = Link(
             ETS(ET("SE3", T=np.linalg.solve(before, self.T0).astype(float))), name="ee", parent=joints[-1]

@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongType
 from roboticstoolbox._common.poses import matrix, pose
 from roboticstoolbox._dynamics.dynamics import Dynamics, vector3
 from roboticstoolbox._dynamics.mass_parameters import MassParameters
@@ -16,7 +17,7 @@ from roboticstoolbox._kinematics.collision import Collision
 from roboticstoolbox._kinematics.kinematics import Kinematics
 from roboticstoolbox._links.gripper import Gripper
 from roboticstoolbox._links.link import Link
-from roboticstoolbox._links.link_tree import assign_joint_numbers, connect
+from roboticstoolbox._links.link_tree import connect, ordered_joints
 from roboticstoolbox._mixins.copying import Copying
 from roboticstoolbox._mixins.link_access import LinkAccess
 from roboticstoolbox._mixins.link_graph import LinkGraph
@@ -26,7 +27,6 @@ from roboticstoolbox._mixins.text import RobotText
 from roboticstoolbox._plot.ellipsoids import Ellipsoids
 from roboticstoolbox._plot.plotting import Plotting
 from roboticstoolbox._plot.teaching import Teaching
-from ulna.errors import InputError
 from ulna.typing import Floats
 
 _ELSEWHERE = {
@@ -96,26 +96,28 @@ class BaseRobot(
             tool: A tool at the end.
             gravity: Acceleration of free fall [m/s^2].
             keywords: Keywords for the catalogue.
-            symbolic: Not supported; raises InputError.
+            symbolic: Whether parameters of its links are symbols; kept as an attribute.
             configs: Named configurations.
-            check_jindex: Plays no part: joints are numbered in any case.
+            check_jindex: Whether the numbers of joints must be 0 to n - 1.
             urdf_string: What it was read from.
             urdf_filepath: Where it was read from.
         """
-        if symbolic:
-            raise InputError("Symbolic robots are not offered; trace functions of an ulna.Robot instead.")
         if isinstance(arg, BaseRobot):
             links = [link.copy() for link in arg._links]
             name, manufacturer = name or arg.name, manufacturer or arg.manufacturer
         elif isinstance(arg, BaseETS):
             links = self._links_of(arg)
-        else:
+        elif isinstance(arg, list | tuple):
             links = list(arg)
+        else:
+            raise WrongType(
+                f"A robot is made of links, a chain of transforms or a robot; {arg!r} is none of them."
+            )
         self.name, self.manufacturer, self.comment = name, manufacturer, comment
-        self.keywords, self.symbolic = list(keywords), False
+        self.keywords, self.symbolic = list(keywords), bool(symbolic)
         self.urdf_string, self.urdf_filepath = urdf_string, urdf_filepath
         self._parent, self._children = None, []
-        self._setup(links, gripper_links)
+        self._setup(links, gripper_links, check_jindex)
         self._base = self._unless_identity(base)
         self._tool = self._unless_identity(tool)
         self._gravity = vector3(gravity)
@@ -141,7 +143,7 @@ class BaseRobot(
                 out.append(cls._link_class(part, parent=parent, name=f"link{len(out)}"))
         return out
 
-    def _setup(self, links: list[Link], gripper_links: Any) -> None:
+    def _setup(self, links: list[Link], gripper_links: Any, check_jindex: bool = True) -> None:
         gripper_roots = [] if gripper_links is None else gripper_links
         gripper_roots = [gripper_roots] if isinstance(gripper_roots, Link) else list(gripper_roots)
         connect(links, self)
@@ -152,10 +154,7 @@ class BaseRobot(
                 members.extend(link.children)
             self._grippers.append(Gripper(members, name=first.name))
             links = [link for link in links if all(link is not other for other in members)]
-        assign_joint_numbers(links)
-        for i, link in enumerate(links):
-            link.number = i + 1
-        self._links = links
+        self._links = links = ordered_joints(links, check_jindex)
         self.n = sum(link.isjoint for link in links)
         self._kernels, self._dynamic_arrays = {}, None
         self._chains, self._cached_robot = {}, None

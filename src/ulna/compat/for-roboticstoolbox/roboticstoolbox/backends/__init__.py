@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ulna.errors import UnknownName
+from roboticstoolbox._common.errors import UnknownOption
 
 _NAMES = ("swift", "pyplot", "pyplot2")
 
@@ -13,10 +13,10 @@ def load_backend(name: str) -> Any:
     """A backend by its name, ready to be launched.
 
     Raises:
-        UnknownName: There is none of that name.
+        UnknownOption: There is none of that name.
     """
     if name not in _NAMES:
-        raise UnknownName("backend", name, _NAMES)
+        raise UnknownOption("backend", name, _NAMES)
     if name == "swift":
         from swift import Swift
 

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import WrongType
 from roboticstoolbox._ets.elementary_transform import ET
 from roboticstoolbox._ets.ets import ETS
 from roboticstoolbox._links.link import Link
@@ -29,6 +30,17 @@ from ulna.typing import Floats
 
 _KINDS = {(0, 0): RevoluteDH, (1, 0): PrismaticDH, (0, 1): RevoluteMDH, (1, 1): PrismaticMDH}
 _LENGTH = {"Hyper", "Hyper3d", "Coil"}
+
+
+_SYMBOLIC = {"Puma560"}
+
+
+def _with_symbolic_angles(entry: dict[str, Any]) -> dict[str, Any]:
+    """The same entry, whose angles `alpha` are fractions of SymPy's pi."""
+    import sympy
+
+    turns = [sympy.nsimplify(row.get("alpha", 0) / np.pi, rational=True) * sympy.pi for row in entry["links"]]
+    return entry | {"links": [row | {"alpha": x} for row, x in zip(entry["links"], turns, strict=True)]}
 
 
 @cache
@@ -109,9 +121,10 @@ def dh_class(name: str, module: str, *more: type) -> type:
     entry = table("dh")[name]
 
     def init(self: Any, N: int | None = None, a: float | None = None, **options: Any) -> None:
-        if any(options.values()):
-            raise InputError(f"{name} takes no {', '.join(options)}.")
-        chosen = entry
+        symbolic = name in _SYMBOLIC and options.pop("symbolic", False)
+        if options:
+            raise WrongType(f"{name} takes no {', '.join(options)}.")
+        chosen = _with_symbolic_angles(entry) if symbolic else entry
         if N is not None and name not in _LENGTH and len(entry["links"]) != N:
             raise InputError(f"`N` is {N}; the package has {name} with {len(entry['links'])} joints.")
         if name in _LENGTH and (N is not None or a is not None):
@@ -119,7 +132,7 @@ def dh_class(name: str, module: str, *more: type) -> type:
             row = entry["links"][0] | {"a": 1.0 / count if a is None else a}
             configs = {key: [q[0]] * count for key, q in entry["configs"].items()}
             chosen = entry | {"links": [row] * count, "configs": configs, "name": f"{name}{count}"}
-        DHRobot.__init__(self, dh_links(chosen), **_about(chosen))
+        DHRobot.__init__(self, dh_links(chosen), symbolic=symbolic, **_about(chosen))
         _name(self, chosen)
 
     about = f"{entry['name']}, {len(entry['links'])} joints, by Denavit and Hartenberg's parameters."

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ulna.errors import FormatError, MissingExtra, UnknownName
+from roboticstoolbox._common.errors import UnknownKey
+from ulna.errors import FormatError, MissingExtra
 
 _PARAMETERS: dict[str, Any] = {"unicode": True}
 
@@ -27,10 +28,10 @@ def rtb_get_param(param: str) -> Any:
     """The value of a setting.
 
     Raises:
-        UnknownName: It was not set.
+        UnknownKey: It was not set.
     """
     if param not in _PARAMETERS:
-        raise UnknownName("setting", param, _PARAMETERS)
+        raise UnknownKey("setting", param, _PARAMETERS)
     return _PARAMETERS[param]
 
 

@@ -6,11 +6,16 @@ from typing import Any
 
 from roboticstoolbox._ik.puma_branches import PumaBranches
 from roboticstoolbox.models._from_tables import dh_class, table
+from roboticstoolbox.models._two_link import TwoLink
 
 __all__ = list(table("dh"))
 
 for _each in __all__:
+    if _each == "TwoLink":
+        continue
     globals()[_each] = dh_class(_each, __name__, *((PumaBranches,) if _each == "Puma560" else ()))
+
+TwoLink.__module__ = __name__
 
 
 def __getattr__(name: str) -> Any:
