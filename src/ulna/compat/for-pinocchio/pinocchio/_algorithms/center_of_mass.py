@@ -281,13 +281,30 @@ def _map_rate(model: CoreModel) -> Any:
 
 
 def as_one_body(model: CoreModel, q: Array) -> Array:
-    """Mass, lever and inertia about the centre of mass of the whole robot, as an Inertia stores them."""
+    """Mass, lever and inertia about the centre of mass of the whole robot, as an Inertia stores them.
+
+    Args:
+        model: Ulna's model.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Mass [kg], lever (0, 0, 0) and inertia row by row [kg m^2], (13,).
+    """
     inertia = algorithms.centroidal_inertia(model, q).reshape(9)
     return np.concatenate([[algorithms.total_mass(model), 0.0, 0.0, 0.0], inertia])
 
 
 def about_origin(model: CoreModel, q: Array, about_centre: Array) -> Array:
-    """Momentum, or its rate, about the world's origin."""
+    """Momentum, or its rate, about the world's origin.
+
+    Args:
+        model: Ulna's model.
+        q: Configuration (nq,) [rad or m].
+        about_centre: Momentum, or its rate, about the centre of mass, (6,).
+
+    Returns:
+        The same about the world's origin, (6,).
+    """
     linear, angular = about_centre[:3], about_centre[3:]
     return np.concatenate([linear, angular + cross(algorithms.center_of_mass(model, q), linear)])
 

@@ -52,12 +52,29 @@ __all__ = [
 
 
 def external(fext: Any, count: int) -> Floats:
-    """Forces on the joints, the universe left out, as one array (njoints - 1, 6)."""
+    """Forces on the joints, the universe left out, as one array (njoints - 1, 6).
+
+    Args:
+        fext: For each joint, the universe included, the force (6,) on its body in its frame.
+        count: Number of joints, the universe included.
+
+    Returns:
+        Forces (njoints - 1, 6) [N, N m].
+    """
     return np.array(checked_forces(fext, count)[1:], dtype=float).reshape(count - 1, 6)
 
 
 def under_forces(compiled: CompiledModel, function: Callable[..., Any], *arrays: Floats) -> Any:
-    """One of Ulna's algorithms for a state and, the last of the arrays, forces on the joints; compiled once."""
+    """One of Ulna's algorithms for a state and, the last of the arrays, forces on the joints; compiled once.
+
+    Args:
+        compiled: Ulna's model and its kernels.
+        function: An algorithm of `ulna.algorithms` whose last argument is forces.
+        *arrays: Its arguments, the last being forces (njoints - 1, 6).
+
+    Returns:
+        The result of the algorithm.
+    """
 
     def build(core: CoreModel) -> Any:
         return lambda *args: function(core, *args[:-1], split_forces(args[-1]))

@@ -16,7 +16,16 @@ __all__ = ["computeKineticEnergy", "computeMechanicalEnergy", "computePotentialE
 
 
 def energies(model: CoreModel, q: Array, v: Array) -> tuple[Array, Array, Array]:
-    """The kinetic energy, the potential one, and their sum [J]."""
+    """The kinetic energy, the potential one, and their sum [J].
+
+    Args:
+        model: Ulna's model.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+
+    Returns:
+        The energies [J], () each.
+    """
     kinetic, potential = algorithms.kinetic_energy(model, q, v), algorithms.potential_energy(model, q)
     return kinetic, potential, kinetic + potential
 

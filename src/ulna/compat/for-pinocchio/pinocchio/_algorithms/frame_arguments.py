@@ -28,7 +28,17 @@ def at_joint(joint: int) -> Frame:
 def at_frame(
     model: Model, frame_id: Any, joint_id: Any = None, placement: SE3 | None = None
 ) -> tuple[Any, Any]:
-    """A key and Ulna's frame of an index of a frame, or of a placement on a joint."""
+    """A key and Ulna's frame of an index of a frame, or of a placement on a joint.
+
+    Args:
+        model: The model.
+        frame_id: Index of a frame, or None.
+        joint_id: Index of a joint, or None.
+        placement: Pose of the frame in the frame of that joint, an SE3.
+
+    Returns:
+        The key, and the frame; None where it is a frame of the model.
+    """
     if placement is None:
         return index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one."), None
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
@@ -42,6 +52,9 @@ def repeated_call(kind: str, motion: bool = False) -> Callable[[Function], Funct
     Args:
         kind: The third of the key in `data._bound_at`, after the index and the reference frame.
         motion: Whether the result is a Motion.
+
+    Returns:
+        The decorator.
     """
 
     def decorate(function: Any) -> Any:

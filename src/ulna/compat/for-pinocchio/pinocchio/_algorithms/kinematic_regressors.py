@@ -28,7 +28,7 @@ def computeJointKinematicRegressor(
         placement: Where the frame is in the frame of the joint; at the joint when not given.
 
     Returns:
-        Matrix (6, 6 (njoints - 1)).
+        Matrix (6, 6 k), k = njoints - 1.
     """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     frame = data.oMi[joint] * (SE3() if placement is None else placement)
@@ -57,7 +57,7 @@ def computeFrameKinematicRegressor(
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: the reference frame of the twist.
 
     Returns:
-        Matrix (6, 6 (njoints - 1)).
+        Matrix (6, 6 k), k = njoints - 1.
     """
     frame = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")]
     updateFramePlacement(model, data, frame_id)

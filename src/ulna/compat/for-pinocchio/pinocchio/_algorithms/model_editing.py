@@ -106,7 +106,20 @@ def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, lis
 def add_like(
     out: Model, model: Model, i: int, parent: int, placement: SE3, name: str, new_of: Mapping[int, int]
 ) -> int:
-    """Adds to `out` a joint like joint i of `model`, with its limits, inertia and armature."""
+    """Adds to `out` a joint like joint i of `model`, with its limits, inertia and armature.
+
+    Args:
+        out: The model that is changed.
+        model: The model of the joint.
+        i: Index of the joint there.
+        parent: Index of the parent joint in `out`.
+        placement: Pose of the joint in the frame of its parent.
+        name: Name of the new joint.
+        new_of: Indices in `out` of joints of `model`.
+
+    Returns:
+        Index of the new joint.
+    """
     joint = model.joints[i].copy()
     rows = {
         True: slice(joint.idx_q, joint.idx_q + joint.nq),

@@ -38,7 +38,7 @@ def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any
         a: Acceleration (nv,) [rad/s^2 or m/s^2].
 
     Returns:
-        Matrix (nv, 10 (njoints - 1)).
+        Matrix (nv, 10 k), k = njoints - 1.
     """
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
     compiled = data.attach(model)
@@ -57,7 +57,7 @@ def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
         q: Configuration (nq,) [rad or m].
 
     Returns:
-        Matrix (3, 4 (njoints - 1)).
+        Matrix (3, 4 k), k = njoints - 1.
     """
     forwardKinematics(model, data, q)
     kernel = compiled_for(model, data).kernel("static_regressor")
@@ -74,7 +74,7 @@ def computeKineticEnergyRegressor(model: Model, data: Data, q: Any, v: Any) -> F
         v: Velocity (nv,) [rad/s or m/s].
 
     Returns:
-        Vector (10 (njoints - 1),).
+        Vector (10 k,), k = njoints - 1.
     """
     forwardKinematics(model, data, q, v)
     kernel = compiled_for(model, data).kernel("kinetic_energy_regressor")
@@ -90,7 +90,7 @@ def computePotentialEnergyRegressor(model: Model, data: Data, q: Any) -> Floats:
         q: Configuration (nq,) [rad or m].
 
     Returns:
-        Vector (10 (njoints - 1),).
+        Vector (10 k,), k = njoints - 1.
     """
     forwardKinematics(model, data, q)
     kernel = compiled_for(model, data).kernel("potential_energy_regressor")

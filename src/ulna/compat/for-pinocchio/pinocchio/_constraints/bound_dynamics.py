@@ -111,7 +111,19 @@ class BoundConstraintDynamics:
 def solve(
     model: Model, data: Data, models: Any, datas: Any, limit: int, *args: Any
 ) -> tuple[BoundConstraintDynamics, Any]:
-    """Runs dynamics (q, v, tau, settings) or, with limit = 0, an impact (q, v, settings, restitution)."""
+    """Runs dynamics (q, v, tau, settings) or, with limit = 0, an impact (q, v, settings, restitution).
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        models: The constraints.
+        datas: Their data.
+        limit: 0 for an impact, else for accelerations.
+        *args: q, v, tau, settings; of an impact q, v, settings, restitution.
+
+    Returns:
+        The bound algorithm, and what it returned.
+    """
     constraint_set = constraint_set_of(model, data, models, datas)
     session = constraint_set.runs.get(limit)
     result = NotImplemented if session is None else session.run(*args)
@@ -176,7 +188,14 @@ _LCABA = Algorithm("lcaba", "", (), not_applicable, invalidates=("g", "of"), tit
 def defer_after_derivatives(
     model: Model, data: Data, compiled: CompiledModel, solved: ConstraintSolution
 ) -> None:
-    """Leaves what derivatives under constraints leave besides their results."""
+    """Defers the fields that derivatives under constraints fill besides their results.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        compiled: Ulna's model and its kernels.
+        solved: State and forces of the dynamics.
+    """
     q, v = solved.state[:2]
     data.defer(INVERSE_MASS["Minv"], ("Minv",), compiled, q.copy())
     if not solved.impact:
@@ -186,7 +205,12 @@ def defer_after_derivatives(
 
 
 def defer_after_elimination(model: Model, data: Data) -> None:
-    """Leaves what lcaba leaves besides its results."""
+    """Defers the fields that lcaba fills besides its results.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+    """
     assert data._constraint_solution is not None
     _defer_motion(
         data, data.attach(model), ("oa",), *data._constraint_solution.state[:2], data._constraint_solution.a
@@ -211,7 +235,15 @@ def _with_side_outputs(build: Any, stored: list[int], marks: list[float]) -> Any
 
 
 def flat(wanted: Array, shapes: Any) -> Array:
-    """Of rows for all constraints (constraints, 6) those that they have, (m,)."""
+    """The rows that constraints have, out of six for each.
+
+    Args:
+        wanted: Values (c, 6) for c constraints.
+        shapes: For each constraint its number of rows, first.
+
+    Returns:
+        Values (m,).
+    """
     return np.concatenate([wanted[k, : shape[0]] for k, shape in enumerate(shapes)])
 
 

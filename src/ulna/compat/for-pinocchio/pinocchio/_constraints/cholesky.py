@@ -50,7 +50,14 @@ class ConstraintCholeskyDecomposition:
         return self
 
     def rebuild(self, model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> None:
-        """Makes room for constraints; the matrices are zero until `compute`."""
+        """Allocates the matrices of constraints, which are zero until `compute`.
+
+        Args:
+            model: The model.
+            data: Its data.
+            constraint_models: The constraints.
+            constraint_datas: Their data.
+        """
         compiled_for(model, data)
         self._make_room(sum(one.residualSize() for one in constraint_models), model.nv)
 
@@ -181,7 +188,14 @@ class ConstraintCholeskyDecomposition:
         return self._filled().inverse_mass()
 
     def getMassMatrixChoeslkyDecomposition(self, model: Any = None, data: Any = None) -> Any:
-        """The decomposition of the mass matrix alone."""
+        """The decomposition of the mass matrix alone.
+
+        Args:
+            model, data: Accepted and ignored.
+
+        Returns:
+            The decomposition of M.
+        """
         kernels = self._filled().kernels.of_mass
         return ConstraintCholeskyDecomposition()._hold(kernels, self._M, self._J[:0], 0.0)
 

@@ -87,7 +87,18 @@ class CoulombFrictionCone(_Friction):
         return friction_cone.project(vector(f, 3, "f"), self._mu)
 
     def weightedProject(self, f: Any, R: Any) -> Floats:
-        """The nearest in the metric of a diagonal R (3,), whose first two entries are equal."""
+        """The nearest force of the cone in the metric of a diagonal matrix.
+
+        Args:
+            f: Force (3,) [N].
+            R: The diagonal (3,), above zero, its first two entries equal.
+
+        Returns:
+            Force (3,) [N].
+
+        Raises:
+            InputError: `R` is no such diagonal.
+        """
         weights = vector(R, 3, "R")
         if not (weights.min() > 0.0 and weights[0] == weights[1]):
             raise InputError(f"`R` is {weights.tolist()}; expected numbers above zero, the first two equal.")

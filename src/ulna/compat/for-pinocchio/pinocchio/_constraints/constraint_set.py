@@ -34,7 +34,16 @@ class ConstraintSet:
         self.runs: dict[Any, Any] = {}
 
     def matches(self, model: Model, models: Any, datas: Any) -> bool:
-        """Whether it was made for these."""
+        """Whether the set was made for these constraints, and no placement has changed.
+
+        Args:
+            model: The model.
+            models: The constraints.
+            datas: Their data.
+
+        Returns:
+            Whether it was.
+        """
         return (
             self.model is model
             and self.version == changes[0]
@@ -45,6 +54,15 @@ class ConstraintSet:
 
 def constraint_set_of(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet:
     """The constraints as they are bound to a Data.
+
+    Args:
+        model: The model.
+        data: Its data, which keeps the set.
+        models: The constraints.
+        datas: Their data.
+
+    Returns:
+        The set, made or found.
 
     Raises:
         InputError: see `checked_constraints`; the Data does not fit the model.
@@ -62,7 +80,17 @@ def constraint_set_of(model: Model, data: Data, models: Any, datas: Any) -> Cons
 
 
 def known_constraint_set(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet | None:
-    """The same where they have been bound before, else None."""
+    """The constraints as they were bound to a Data before.
+
+    Args:
+        model: The model.
+        data: Its data.
+        models: The constraints.
+        datas: Their data.
+
+    Returns:
+        The set, or None.
+    """
     for constraint_set in data._constraint_sets:
         if constraint_set.matches(model, models, datas):
             return constraint_set

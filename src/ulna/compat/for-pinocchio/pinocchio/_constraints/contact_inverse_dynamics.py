@@ -37,6 +37,12 @@ def computeInverseDynamicsConstraintForces(
         lambda_guess: Forces to start from; None for zero.
         settings: Damping, accuracy and rounds; it receives the figures.
         solve_ncp: Whether contacts slide as Coulomb says; else a convex problem is solved.
+
+    Returns:
+        Whether forces were found, and the forces (3 c,) [N] of c contacts.
+
+    Raises:
+        InputError: A contact has no compliance, and `settings.mu` is zero.
     """
     models = _contacts(contact_models, contact_datas)
     settings = settings_of(settings)
@@ -89,9 +95,9 @@ def contactInverseDynamics(
     Args:
         model: The model.
         data: Its data.
-        q: Configuration (nq,).
-        v: Velocity (nv,).
-        a: Acceleration (nv,).
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        a: Acceleration (nv,) [rad/s^2 or m/s^2].
         dt: Time step, after which the contacts have the velocities of v + dt a [s].
         contact_models: PointContactConstraintModels.
         contact_datas: Their data.
@@ -99,6 +105,12 @@ def contactInverseDynamics(
         settings: See `computeInverseDynamicsConstraintForces`.
         lambda_guess: Forces to start from; None for zero.
         solve_ncp: Whether contacts slide as Coulomb says.
+
+    Returns:
+        Whether forces were found, torques (nv,) [N m or N], forces (3 c,) [N] of c contacts.
+
+    Raises:
+        InputError: The time step is not above zero.
     """
     models = _contacts(contact_models, contact_datas)
     if not float(dt) > 0.0:

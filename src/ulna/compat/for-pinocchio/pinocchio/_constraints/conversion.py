@@ -22,7 +22,19 @@ __all__ = ["convertToRigidConstraintModel"]
 def convertToRigidConstraintModel(
     model: Model, constraint: Any, reference_frame: Any = ReferenceFrame.LOCAL
 ) -> RigidConstraintModel:
-    """The RigidConstraintModel of an anchor: of a point CONTACT_3D, of a frame CONTACT_6D."""
+    """The RigidConstraintModel of an anchor: of a point CONTACT_3D, of a frame CONTACT_6D.
+
+    Args:
+        model: The model.
+        constraint: A PointAnchorConstraintModel or FrameAnchorConstraintModel.
+        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
+
+    Returns:
+        The constraint.
+
+    Raises:
+        InputError: It is no anchor.
+    """
     if not isinstance(constraint, (PointAnchorConstraintModel, FrameAnchorConstraintModel)):
         raise InputError(
             f"The constraint is {constraint!r}; expected a PointAnchorConstraintModel or a FrameAnchorConstraintModel."

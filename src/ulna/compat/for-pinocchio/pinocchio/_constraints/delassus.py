@@ -25,6 +25,14 @@ __all__ = [
 def diagonal(value: Any, size: int, name: str) -> Floats:
     """One number, or one for each row, as a vector (size,) of numbers that are not below zero.
 
+    Args:
+        value: A number, or numbers (size,).
+        size: Number of rows.
+        name: Name of the argument, for messages.
+
+    Returns:
+        Vector (size,).
+
     Raises:
         InputError: one of them is.
     """
@@ -36,7 +44,15 @@ def diagonal(value: Any, size: int, name: str) -> Floats:
 
 
 def with_added_diagonal(G: Floats, by: Any) -> Floats:
-    """A matrix with something added to its diagonal."""
+    """A matrix with something added to its diagonal.
+
+    Args:
+        G: Matrix (m, m).
+        by: A number, or numbers (m,).
+
+    Returns:
+        Matrix (m, m).
+    """
     out = G.copy()
     out.reshape(-1)[:: len(out) + 1] += by
     return out
@@ -80,7 +96,15 @@ def _inertial(size: int) -> Any:
 
 
 def with_inertia(G: Floats, mu: float) -> Floats:
-    """(1 + mu G)^-1 G of a symmetric semidefinite matrix."""
+    """(1 + mu G)^-1 G of a symmetric semidefinite matrix.
+
+    Args:
+        G: Symmetric semidefinite matrix (m, m) [1/kg].
+        mu: Inertia at each row [kg].
+
+    Returns:
+        Matrix (m, m) [1/kg].
+    """
     if 0 < len(G) <= _ROWS:
         return _inertial(len(G))(G, mu)
     return linalg.solve(np.eye(len(G)) + mu * G, G)
@@ -88,6 +112,13 @@ def with_inertia(G: Floats, mu: float) -> Floats:
 
 def damped_inverse(G: Floats, mu: float) -> Floats:
     """(G + mu 1)^-1 of a symmetric semidefinite matrix.
+
+    Args:
+        G: Symmetric semidefinite matrix (m, m) [1/kg].
+        mu: Number that is added to the diagonal [1/kg].
+
+    Returns:
+        Matrix (m, m) [kg].
 
     Raises:
         InputError: it is singular.
@@ -121,7 +152,15 @@ class DelassusOperator:
     rows = cols = size
 
     def matrix(self, enforce_symmetry: bool = False, with_damping: bool = True) -> Any:
-        """G with its compliance, and its damping if `with_damping`; it is always symmetric."""
+        """G with its compliance, and its damping if `with_damping`; it is always symmetric.
+
+        Args:
+            enforce_symmetry: Accepted and ignored: it is always symmetric.
+            with_damping: Whether the damping counts.
+
+        Returns:
+            Matrix (m, m).
+        """
         return with_added_diagonal(
             self._G, self._compliance + self._damping if with_damping else self._compliance
         )
@@ -194,7 +233,15 @@ class DelassusOperatorSparse(DelassusOperator):
 
     @overloads("enforce_symmetry:bool? with_damping:bool?", "with_damping:bool?")
     def matrix(self, enforce_symmetry: bool = False, with_damping: bool = True) -> Any:
-        """The same, sparse."""
+        """The same, sparse.
+
+        Args:
+            enforce_symmetry: Accepted and ignored: it is always symmetric.
+            with_damping: Whether the damping counts.
+
+        Returns:
+            Sparse matrix (m, m).
+        """
         return self._kind(super().matrix(enforce_symmetry, with_damping))
 
     def inverse(self) -> Any:

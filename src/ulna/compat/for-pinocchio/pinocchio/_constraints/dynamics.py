@@ -30,7 +30,14 @@ __all__ = [
 
 
 def initConstraintDynamics(model: Model, data: Data, contact_models: Any, contact_datas: Any) -> None:
-    """Makes room in `data` for the forces of constraints, all zero; checks constraints and their data."""
+    """Allocates the forces of constraints in `data`, all zero; checks constraints and their data.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        contact_models: The constraints.
+        contact_datas: Their data.
+    """
     models = checked_constraints(model, contact_models, contact_datas)
     compiled_for(model, data)
     m, nv = sum(one.residualSize() for one in models), model.nv
@@ -60,12 +67,16 @@ def constraintDynamics(
     Args:
         model: The model.
         data: Its data.
-        q: Configuration (nq,).
-        v: Velocity (nv,).
-        tau: Torques (nv,).
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        tau: Torques (nv,) [N m or N].
         contact_models: Constraints.
         contact_datas: Their data.
-        prox_settings: How the forces are found; it receives the figures of that. None for one round without damping.
+        prox_settings: How the forces are found; it receives the figures of that. None for one round without
+            damping.
+
+    Returns:
+        Accelerations (nv,) [rad/s^2 or m/s^2].
     """
     if not len(contact_models):
         checked_constraints(model, contact_models, contact_datas)
@@ -88,7 +99,13 @@ _ONE_ROUND = ProximalSettings()
 
 
 def computeJointMinimalOrdering(model: Model, data: Data, constraint_models: Any) -> None:
-    """Checks the constraints; `lcaba` needs no ordering here."""
+    """Checks the constraints; `lcaba` needs no ordering here.
+
+    Args:
+        model: The model.
+        data: Its data.
+        constraint_models: The constraints.
+    """
     compiled_for(model, data)
     checked_constraints(model, constraint_models, [one.createData() for one in constraint_models])
 
@@ -103,7 +120,21 @@ def lcaba(
     constraint_datas: Any,
     prox_settings: Any,
 ) -> Floats:
-    """The same as constraintDynamics; how closed loops are eliminated is decided inside."""
+    """The accelerations that torques cause under constraints; as constraintDynamics.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        tau: Torques (nv,) [N m or N].
+        constraint_models: The constraints.
+        constraint_datas: Their data.
+        prox_settings: Accuracy and damping of the forces; it receives the figures of the search.
+
+    Returns:
+        Accelerations (nv,) [rad/s^2 or m/s^2].
+    """
     ddq = constraintDynamics(
         model, data, q, v, tau, constraint_models, constraint_datas, settings_of(prox_settings)
     )
@@ -148,6 +179,9 @@ def impulseDynamics(
         constraint_jacobian: The Jacobian of what is hit, (m, nv).
         restitution_coefficient: That of an impact with a Jacobian.
         damping: What is taken off the diagonal of the constraints.
+
+    Returns:
+        Velocity (nv,) [rad/s or m/s].
     """
     if constraint_jacobian is not None:
         return impact_with_jacobian(

@@ -35,6 +35,9 @@ def computeConstraintDynamicsDerivatives(
         contact_models: The constraints.
         contact_datas: Their data.
         settings: Those of constraintDynamics.
+
+    Returns:
+        Three matrices (nv, nv), then three (m, nv).
     """
     rounds = 1 if settings is None else max(1, settings_of(settings).iter)
     solved = _solved(model, data, contact_models, contact_datas, False, "constraintDynamics")
@@ -56,6 +59,14 @@ def computeImpulseDynamicsDerivatives(
 
     Fills `data.ddq_dq` and `data.ddq_dv`, of the jump of the velocity, and `data.dlambda_dq` and `data.dlambda_dv`,
     of the impulses.
+
+    Args:
+        model: The model.
+        data: Its data, after impulseDynamics.
+        contact_models: The constraints.
+        contact_datas: Their data.
+        r_coeff: Coefficient of restitution.
+        prox_settings: Accepted; only its type is checked.
     """
     settings_of(prox_settings)
     solved = _solved(model, data, contact_models, contact_datas, True, "impulseDynamics")
@@ -94,7 +105,15 @@ class BoundDerivatives:
         self.by_q, self.by_v = ((x[:n], x[n:]) for x in (self.solution[:, :n], self.solution[:, n:]))
 
     def fill(self, data: Data, factor: float) -> Any:
-        """Writes them into the data; NotImplemented where a number of the model is not what it was."""
+        """Writes them into the data; NotImplemented where a number of the model is not what it was.
+
+        Args:
+            data: Its data, which is filled.
+            factor: Number of rounds, or 1 plus the coefficient of restitution.
+
+        Returns:
+            None; NotImplemented where a parameter of the model has changed.
+        """
         self.factor[0] = factor
         if self.step(*self.inputs) is NotImplemented or not self.unique:
             return NotImplemented

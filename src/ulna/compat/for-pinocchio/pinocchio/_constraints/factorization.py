@@ -26,7 +26,15 @@ _ROWS = 24
 
 
 def kernels_for(compiled: CompiledModel, rows: Array) -> FactorKernels:
-    """What is compiled for a model, and for Jacobians with entries where `rows` (m, nv) is true."""
+    """What is compiled for a model, and for Jacobians with entries where `rows` (m, nv) is true.
+
+    Args:
+        compiled: Ulna's model and its kernels.
+        rows: Which entries of the Jacobian may differ from zero, (m, nv) of bool.
+
+    Returns:
+        The kernels, compiled once.
+    """
     return _kernels(rows.shape[1], compiled.mass_pattern, rows.astype(bool).tobytes())
 
 
@@ -221,7 +229,16 @@ class Factorization:
         return self.kernels.minus_inverse_delassus(self.entries, self.r)
 
     def inverse(self, J: Floats, mu: Floats, joints_first: bool = False) -> Floats:
-        """K^-1 (m + nv, m + nv), in its order, or that of [[M, J^T], [J, -mu]]."""
+        """The inverse of K.
+
+        Args:
+            J: Jacobian (m, nv).
+            mu: Damping (m,).
+            joints_first: Whether rows and columns are in the order of [[M, J^T], [J, -mu]].
+
+        Returns:
+            Matrix (m + nv, m + nv).
+        """
         Z, ZM, joints = self._last if joints_first else self._first
         M = self.inverse_mass()
         np.matmul(J, M, out=ZM)
@@ -246,7 +263,15 @@ class Factorization:
 
 
 def no_factors_error(M: Floats, J: Floats) -> InputError:
-    """Why K has none."""
+    """The reason why K has no factors.
+
+    Args:
+        M: Mass matrix (nv, nv).
+        J: Jacobian (m, nv).
+
+    Returns:
+        The error to raise.
+    """
     if not (np.isfinite(M).all() and np.isfinite(J).all()):
         return InputError(
             "The mass matrix or the Jacobian of the constraints holds numbers that are not finite."

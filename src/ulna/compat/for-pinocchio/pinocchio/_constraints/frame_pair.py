@@ -140,5 +140,10 @@ class FramePair:
     def setBaumgarteCorrectorParameters(
         self, bp: BaumgarteCorrectorParameters, sel: Any = ConstraintSelectionType.CURRENT
     ) -> None:
-        """Sets the gains against drift."""
+        """Sets the gains against drift.
+
+        Args:
+            bp: The gains.
+            sel: Accepted and ignored.
+        """
         self.baumgarte_corrector_parameters = bp

@@ -193,6 +193,13 @@ class PGSConstraintSolver:
             constraint_datas: Their data, after `calc`.
             settings: When the search ends.
             result: What is filled.
+
+        Returns:
+            Whether they were found.
+
+        Raises:
+            InputError: `settings` or `result` is of another class.
+            ShapeError: The constraints have not as many rows as `g`.
         """
         if not isinstance(settings, PGSSolverSettings) or not isinstance(result, PGSSolverResult):
             raise InputError(

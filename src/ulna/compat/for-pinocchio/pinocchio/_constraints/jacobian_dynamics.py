@@ -42,21 +42,49 @@ class BoundJacobianDynamics:
         self.mu, self.forces, self.impulses = np.zeros(rows), np.zeros(rows), np.zeros(rows)
 
     def motion(self, J: Any, damping: float, tau: Any, drift: Any) -> Any:
-        """Accelerations; their forces lie in `forces`."""
+        """Accelerations; their forces lie in `forces`.
+
+        Args:
+            J: Jacobian (m, nv).
+            damping: Number that is added to the diagonal of the Delassus matrix.
+            tau: Torques (nv,) [N m or N].
+            drift: Drift of the constraints (m,) [m/s^2].
+
+        Returns:
+            Accelerations (nv,); NotImplemented where it does not apply.
+        """
         self.mu.fill(damping)
         if self.factor(self.M, J, self.mu) is None and self.unique:
             return self._motion(self.entries, self.r, tau, self.nle, drift)
         return NotImplemented
 
     def impact(self, J: Any, damping: float, v: Any, part: float) -> Any:
-        """The velocity after an impact; its impulses lie in `impulses`."""
+        """The velocity after an impact; its impulses lie in `impulses`.
+
+        Args:
+            J: Jacobian (m, nv).
+            damping: Number that is added to the diagonal of the Delassus matrix.
+            v: Velocity (nv,) [rad/s or m/s].
+            part: Coefficient of restitution.
+
+        Returns:
+            Velocity (nv,); NotImplemented where it does not apply.
+        """
         self.mu.fill(damping)
         if self.factor(self.M, J, self.mu) is None and self.unique:
             return self._impact(self.entries, self.r, J, v, part)
         return NotImplemented
 
     def inverse(self, J: Any, damping: float) -> Any:
-        """The inverse of [[M, J^T], [J, -damping 1]]."""
+        """The inverse of [[M, J^T], [J, -damping 1]].
+
+        Args:
+            J: Jacobian (m, nv).
+            damping: Number that is added to the diagonal of the Delassus matrix.
+
+        Returns:
+            Matrix (nv + m, nv + m); NotImplemented where it does not apply.
+        """
         self.mu.fill(damping)
         if self.factor(self.M, J, self.mu) is None and self.unique:
             return self.factored.inverse(J, self.mu, joints_first=True)
@@ -139,6 +167,9 @@ def forwardDynamics(
         constraint_jacobian: J (m, nv).
         constraint_drift: The drift (m,).
         damping: What is taken off the diagonal of the constraints.
+
+    Returns:
+        Accelerations (nv,) [rad/s^2 or m/s^2].
     """
     if q is not None:
         computeAllTerms(model, data, q, v)
@@ -151,7 +182,20 @@ def forwardDynamics(
 def impact_with_jacobian(
     model: Model, data: Data, q: Any, v: Any, J: Any, restitution_coefficient: float, damping: float
 ) -> Floats:
-    """The velocity after an impact on what a Jacobian describes; see `impulseDynamics`."""
+    """The velocity after an impact on what a Jacobian describes; see `impulseDynamics`.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m]; None after crba.
+        v: Velocity (nv,) [rad/s or m/s].
+        J: Jacobian (m, nv).
+        restitution_coefficient: Coefficient of restitution, 0 to 1.
+        damping: Number that is added to the diagonal of the Delassus matrix.
+
+    Returns:
+        Velocity (nv,) [rad/s or m/s].
+    """
     if q is not None:
         crba(model, data, q, Convention.WORLD)
     bound, after = _run(model, data, "impact", J, damping, v, float(restitution_coefficient))
@@ -162,13 +206,36 @@ def impact_with_jacobian(
 def computeKKTContactDynamicMatrixInverse(
     model: Model, data: Data, q: Any, constraint_jacobian: Any, damping: float = 0.0
 ) -> Floats:
-    """The inverse of [[M, J^T], [J, -damping 1]], (nv + m, nv + m)."""
+    """The inverse of [[M, J^T], [J, -damping 1]], (nv + m, nv + m).
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        constraint_jacobian: Jacobian (m, nv).
+        damping: Number that is added to the diagonal of the Delassus matrix.
+
+    Returns:
+        Matrix (nv + m, nv + m).
+    """
     crba(model, data, q, Convention.WORLD)
     return _run(model, data, "inverse", constraint_jacobian, damping)[1]
 
 
 def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacobian: Any) -> Floats:
-    """The same with the mass matrix and the damping of the last forwardDynamics or impulseDynamics with a Jacobian."""
+    """The same with mass matrix and damping of the last forwardDynamics or impulseDynamics with a Jacobian.
+
+    Args:
+        model: The model.
+        data: Its data, after one of these.
+        constraint_jacobian: Jacobian (m, nv).
+
+    Returns:
+        Matrix (nv + m, nv + m).
+
+    Raises:
+        InputError: The Jacobian has another shape than in that call.
+    """
     shape, damping = data.require(data._damped, "forwardDynamics or impulseDynamics with a Jacobian")
     if np.shape(constraint_jacobian) != shape:
         raise InputError(

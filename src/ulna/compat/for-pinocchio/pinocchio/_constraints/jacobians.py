@@ -31,7 +31,17 @@ __all__ = [
 
 
 def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> Floats:
-    """The Jacobian (m, nv) of all constraints, at the configuration of the last kinematics or dynamics."""
+    """The Jacobian (m, nv) of all constraints, at the configuration of the last kinematics or dynamics.
+
+    Args:
+        model: The model.
+        data: Its data, after kinematics or dynamics.
+        constraint_models: The constraints.
+        constraint_datas: Their data.
+
+    Returns:
+        Jacobian (m, nv).
+    """
     q = data.require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
     constraint_set = known_constraint_set(model, data, constraint_models, constraint_datas)
     if constraint_set is None:
@@ -44,14 +54,36 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
 
 
 def getConstraintJacobian(model: Model, data: Data, constraint_model: Any, constraint_data: Any) -> Floats:
-    """The Jacobian (residualSize, nv) of one constraint; see `getConstraintsJacobian`."""
+    """The Jacobian (residualSize, nv) of one constraint; see `getConstraintsJacobian`.
+
+    Args:
+        model: The model.
+        data: Its data, after kinematics or dynamics.
+        constraint_model: The constraint.
+        constraint_data: The data of the constraint.
+
+    Returns:
+        Jacobian (m, nv).
+    """
     return getConstraintsJacobian(model, data, [constraint_model], [constraint_data])
 
 
 def computeDelassusMatrix(
     model: Model, data: Data, q: Any, contact_models: Any, contact_datas: Any, mu: float = 0.0
 ) -> Floats:
-    """G = J M^-1 J^T of constraints, (m, m), along the axes of each; with an inertia mu at each, (1 + mu G)^-1 G."""
+    """G = J M^-1 J^T of constraints, (m, m), along the axes of each; with an inertia mu at each, (1 + mu G)^-1 G.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        contact_models: The constraints.
+        contact_datas: Their data.
+        mu: Inertia at each row [kg].
+
+    Returns:
+        Matrix (m, m) [1/kg].
+    """
     G = evaluate(model, data, constraint_set_of(model, data, contact_models, contact_datas), "delassus", q)
     computeJointJacobians(model, data, q)
     return with_inertia(G, damping_of(mu)) if mu else G
@@ -66,14 +98,38 @@ def computeDampedDelassusMatrixInverse(
     mu: float = 0.0,
     scaled: bool = False,
 ) -> Floats:
-    """The inverse of J M^-1 J^T + mu 1, (m, m); scaled, it is multiplied by mu."""
+    """The inverse of J M^-1 J^T + mu 1, (m, m); scaled, it is multiplied by mu.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        q: Configuration (nq,) [rad or m].
+        contact_models: The constraints.
+        contact_datas: Their data.
+        mu: Number that is added to the diagonal [1/kg].
+        scaled: Whether the inverse is multiplied by `mu`.
+
+    Returns:
+        Matrix (m, m).
+    """
     damping = damping_of(mu)
     S = damped_inverse(computeDelassusMatrix(model, data, q, contact_models, contact_datas), damping)
     return damping * S if scaled else S
 
 
 def evaluate(model: Model, data: Data, constraint_set: ConstraintSet, name: str, q: Any) -> Floats:
-    """What `_bind` binds under a name to constraints and a Data, at q."""
+    """Evaluates a quantity of constraints by a kernel bound to them and a Data.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        constraint_set: The constraints.
+        name: "jacobian" or "delassus".
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Matrix (m, nv) or (m, m).
+    """
     step = constraint_set.runs.get(name)
     result = NotImplemented if step is None else step(q, *constraint_set.places)
     if result is NotImplemented:

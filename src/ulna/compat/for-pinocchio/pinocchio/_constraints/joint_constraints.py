@@ -116,7 +116,13 @@ class JointFrictionConstraintModel(_OfJoints):
         return JointFrictionConstraintData(self)
 
     def calc(self, model: Model, data: Data, constraint_data: JointFrictionConstraintData) -> None:
-        """Fills the bounds of the impulses of a time step."""
+        """Fills the bounds of the impulses of a time step.
+
+        Args:
+            model: The model.
+            data: Its data.
+            constraint_data: The data of the constraint.
+        """
         constraint_data.friction_impulse_lower_limit = self._step * self._lb
         constraint_data.friction_impulse_upper_limit = self._step * self._ub
 
@@ -205,7 +211,13 @@ class JointLimitConstraintModel(_OfJoints):
         )
 
     def setPositionLimitAndMargin(self, lb: Any, ub: Any, margin: Any) -> None:
-        """Sets limits and margins, (nq,) each; all finite limits become active."""
+        """Sets limits and margins; all finite limits become active.
+
+        Args:
+            lb: Least values (nq,) [rad or m].
+            ub: Greatest values (nq,) [rad or m].
+            margin: Margins (nq,) [rad or m].
+        """
         low, high, near = (vector(x, self._nq, n) for x, n in ((lb, "lb"), (ub, "ub"), (margin, "margin")))
         rows = [(q, v, 1.0, low[q]) for q, v in self._places if np.isfinite(low[q])]
         rows += [(q, v, -1.0, high[q]) for q, v in self._places if np.isfinite(high[q])]
@@ -263,7 +275,12 @@ class JointLimitConstraintModel(_OfJoints):
     def setBaumgarteCorrectorParameters(
         self, bp: BaumgarteCorrectorParameters, sel: Any = ConstraintSelectionType.CURRENT
     ) -> None:
-        """Sets them."""
+        """Sets the gains against drift.
+
+        Args:
+            bp: The gains.
+            sel: Accepted and ignored.
+        """
         self._gains = BaumgarteCorrectorParameters(bp.Kp, bp.Kd)
 
     def createData(self) -> JointLimitConstraintData:
@@ -271,7 +288,13 @@ class JointLimitConstraintModel(_OfJoints):
         return JointLimitConstraintData(self)
 
     def calc(self, model: Model, data: Data, constraint_data: JointLimitConstraintData) -> None:
-        """Fills how far the active limits are at the configuration of the last forwardKinematics."""
+        """Computes the distances of the active limits at the configuration of the last forwardKinematics.
+
+        Args:
+            model: The model.
+            data: Its data, after forwardKinematics.
+            constraint_data: The data of the constraint.
+        """
         left = self._left(data.require(data._q, "forwardKinematics(model, data, q)"))
         constraint_data.constraint_residual = np.array([left[i] for i in self._active])
 

@@ -17,7 +17,15 @@ from ulna.typing import Array
 
 
 def core_constraints(shapes: Sequence[tuple[int, bool, int, int]], places: Array) -> list[Bond]:
-    """The constraints for Ulna; a frame of the world has its joint -1."""
+    """The constraints for Ulna; a frame of the world has its joint -1.
+
+    Args:
+        shapes: For each constraint its rows, whether they are local, and its two joints.
+        places: Both placements of each constraint, (c, 2, 4, 4).
+
+    Returns:
+        The constraints for `ulna.algorithms`.
+    """
     bonds = []
     for k, (size, local, *joints) in enumerate(shapes):
         first, second = (
@@ -29,7 +37,16 @@ def core_constraints(shapes: Sequence[tuple[int, bool, int, int]], places: Array
 
 
 def jacobian_kernel(compiled: CompiledModel, shapes: Any, nq: int) -> Any:
-    """The compiled Jacobian (m, nv) of constraints, a function of q and the placements (2, 4, 4) of each."""
+    """The compiled Jacobian (m, nv) of constraints, a function of q and the placements (2, 4, 4) of each.
+
+    Args:
+        compiled: Ulna's model and its kernels.
+        shapes: For each constraint its rows, whether they are local, and its two joints.
+        nq: Number of entries of a configuration.
+
+    Returns:
+        The kernel.
+    """
 
     def build(core: CoreModel) -> Any:
         def run(q: Array, *places: Array) -> Array:
@@ -41,7 +58,15 @@ def jacobian_kernel(compiled: CompiledModel, shapes: Any, nq: int) -> Any:
 
 
 def factor_kernels(compiled: CompiledModel, shapes: Any) -> FactorKernels:
-    """What is compiled for the factors of the mass matrix and of constraints."""
+    """The kernels for the factors of the mass matrix and of constraints.
+
+    Args:
+        compiled: Ulna's model and its kernels.
+        shapes: For each constraint its rows, whether they are local, and its two joints.
+
+    Returns:
+        The kernels, compiled once.
+    """
     kernels = compiled.cache.get(("factors", shapes))
     if kernels is None:
         core = compiled.model

@@ -20,11 +20,26 @@ class RigidConstraintModel(RigidConstraint):
     __slots__ = ()
 
     def calc(self, model: Model, data: Data, constraint_data: RigidConstraintData) -> None:
-        """Fills the placements of its frames from `data.oMi`."""
+        """Fills the placements of its frames from `data.oMi`.
+
+        Args:
+            model: The model.
+            data: Its data, after forwardKinematics.
+            constraint_data: The data of the constraint.
+        """
         data.require(data._compiled, "forwardKinematics(model, data, q)")
         checked_constraints(model, [self], [constraint_data])
         constraint_data._place(self, data)
 
     def jacobian(self, model: Model, data: Data, constraint_data: RigidConstraintData) -> Floats:
-        """The Jacobian (residualSize, nv) at the configuration of the last forwardKinematics or dynamics."""
+        """The Jacobian (residualSize, nv) at the configuration of the last forwardKinematics or dynamics.
+
+        Args:
+            model: The model.
+            data: Its data, after kinematics or dynamics.
+            constraint_data: The data of the constraint.
+
+        Returns:
+            Jacobian (m, nv).
+        """
         return getConstraintJacobian(model, data, self, constraint_data)

@@ -143,19 +143,41 @@ def _checks_of(function: Callable[..., Any]) -> list[_Check]:
 
 
 def check_model_and_data(function: str, model: Any, data: Any) -> None:
-    """Raises what `checked` raises for a function of a model and its data."""
+    """Checks the model and the data of a function as `checked` does.
+
+    Args:
+        function: Name of the function, for messages.
+        model: The model.
+        data: Its data.
+    """
     for place, (name, value) in enumerate({"model": model, "data": data}.items()):
         _Check(place, name, *_KINDS[name.capitalize()], False)(function, value)
     check_layout(model, data)
 
 
 def wrong_model(function: str, model: Any) -> ArgumentError:
-    """The error for what is no model."""
+    """The error for what is no model.
+
+    Args:
+        function: Name of the function.
+        model: What was passed.
+
+    Returns:
+        The error to raise.
+    """
     return ArgumentError(f"{function}: `model` is {excerpt(repr(model))}; expected a pinocchio.Model.")
 
 
 def check_layout(model: Any, data: Any) -> None:
-    """Raises InputError where a Data was made for another model."""
+    """Checks that a Data was made for a model of the same joints.
+
+    Args:
+        model: The model.
+        data: Its data.
+
+    Raises:
+        InputError: It was made for another model.
+    """
     if data is None or model is None or data._layout is model._layout or data._layout == model._layout:
         return
     raise InputError(
@@ -179,11 +201,20 @@ def check_text(value: Any, name: str) -> None:
 
 
 def check_size(value: Any, name: str, most: int = 10**6) -> int:
-    """A count, checked.
+    """Checks a count.
+
+    Args:
+        value: What was passed.
+        name: Name of the argument, for messages.
+        most: Largest count.
+
+    Returns:
+        The count.
 
     Raises:
         ArgumentError: It is no whole number.
         InputError: It is below zero, or so large that it must be a mistake.
+        SizeError: The same as InputError, also of the class that Pinocchio raises.
     """
     if not is_index(value):
         raise ArgumentError(f"`{name}` is {excerpt(repr(value))}; expected a whole number.")

@@ -19,7 +19,15 @@ NO_INDEX = 2**64 - 1
 
 
 def vector(value: Any, size: int, name: str) -> Floats:
-    """`value` as a vector (size,): arrays of any number type, columns, `np.matrix`, lists and tuples.
+    """A vector: arrays of any number type, columns, `np.matrix`, lists and tuples are taken.
+
+    Args:
+        value: What was passed.
+        size: Number of entries.
+        name: Name of the argument, for messages.
+
+    Returns:
+        Array (size,).
 
     Raises:
         ShapeError: it has another size.
@@ -34,12 +42,29 @@ def vector(value: Any, size: int, name: str) -> Floats:
 
 
 def exact(value: Any, size: int, name: str) -> Floats:
-    """The same as an array that compiled code reads: contiguous and aligned."""
+    """A vector that compiled code can read: contiguous and aligned.
+
+    Args:
+        value: What was passed.
+        size: Number of entries.
+        name: Name of the argument, for messages.
+
+    Returns:
+        Array (size,).
+    """
     return np.require(vector(value, size, name), float, ["C", "A"])
 
 
 def matrix(value: Any, shape: tuple[int, ...], name: str) -> Floats:
-    """`value` as an array of that shape.
+    """An array of a given shape.
+
+    Args:
+        value: What was passed.
+        shape: The shape.
+        name: Name of the argument, for messages.
+
+    Returns:
+        Array (...) of that shape.
 
     Raises:
         ShapeError: it has another one.
@@ -52,7 +77,14 @@ def matrix(value: Any, shape: tuple[int, ...], name: str) -> Floats:
 
 
 def numbers(value: Any, name: str) -> Floats:
-    """`value` as an array of floats.
+    """An array of floats.
+
+    Args:
+        value: What was passed.
+        name: Name of the argument, for messages.
+
+    Returns:
+        Array (...).
 
     Raises:
         DtypeError: it holds complex numbers, texts, None, or other things that are no real numbers.
@@ -61,7 +93,16 @@ def numbers(value: Any, name: str) -> Floats:
 
 
 def index(value: Any, count: int, what: str, fix: str) -> int:
-    """`value`, if it is an index below `count`.
+    """An index below a count.
+
+    Args:
+        value: What was passed.
+        count: The count.
+        what: What it is the index of, for messages.
+        fix: Advice for messages.
+
+    Returns:
+        The index.
 
     Raises:
         ArgumentError: it is no whole number.

@@ -48,13 +48,26 @@ class Saved:
         self._become(_read(filename).decode("utf-8", "replace"), filename)
 
     def saveToXML(self, filename: Any, tag_name: str) -> None:
-        """Writes its numbers as one element `tag_name` with JSON in it."""
+        """Writes the object as one XML element with JSON in it.
+
+        Args:
+            filename: Name of the file.
+            tag_name: Name of the element.
+        """
         text = f'<?xml version="1.0"?>\n<{tag_name}>{escape(self.saveToString())}</{tag_name}>\n'
         with replacing(filename) as place:
             place.write_text(text, encoding="utf-8")
 
     def loadFromXML(self, filename: Any, tag_name: str) -> None:
-        """Becomes what `saveToXML` wrote under that name. FormatError where the file is missing or of another kind."""
+        """Replaces the object by what `saveToXML` wrote under that name.
+
+        Args:
+            filename: Name of the file.
+            tag_name: Name of the element.
+
+        Raises:
+            FormatError: The file is missing, or of another kind.
+        """
         text = _read(filename).decode("utf-8", "replace")
         before, start, rest = text.partition(f"<{tag_name}>")
         inner, end, _ = rest.partition(f"</{tag_name}>")

@@ -59,6 +59,14 @@ def reads_names(*orders: str) -> Callable[[Result], Result]:
 def the_one(function: str, named: Mapping[str, Any], names: Sequence[str]) -> Any:
     """The one argument, given by one of several names.
 
+    Args:
+        function: Name of the function, for messages.
+        named: The keywords that were passed.
+        names: The names that the argument may have.
+
+    Returns:
+        The argument.
+
     Raises:
         ArgumentError: There is none, there are several, or its name is another one.
     """

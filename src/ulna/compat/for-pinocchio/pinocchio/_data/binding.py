@@ -18,6 +18,15 @@ from ulna.typing import Floats
 def run(model: KinematicTree, data: FieldStates, algorithm: Algorithm, *args: Any) -> Any:
     """Runs an algorithm where the bound one did not apply: converts the arguments, and binds it anew.
 
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        algorithm: The algorithm.
+        *args: Its inputs: q (nq,), v (nv,) and so on.
+
+    Returns:
+        Its results.
+
     Raises:
         InputError: The Data does not fit the model.
         ShapeError: An argument has another size.
@@ -48,6 +57,18 @@ def run_at_frame(
 
     It is bound at `key` in `data._bound_at`, with the reference frame that is second there. `frame` is the index of
     the frame that it depends on, None where that is no frame of the model.
+
+    Args:
+        model: The model.
+        data: Its data, which is filled.
+        algorithm: The algorithm.
+        key: Key in `data._bound_at`: index, reference frame, kind.
+        frame: Index of the frame, or None.
+        build: Makes the function that is compiled.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Its first output.
     """
     arrays = _converted(model, algorithm, (q,))
     result = NotImplemented
@@ -80,6 +101,13 @@ def side_outputs(data: FieldStates, algorithm: Algorithm) -> tuple[list[Floats],
     """What an algorithm writes besides its results: into which arrays, then the indices of inputs, and marks of fields.
 
     The inputs are those that deferred fields, and the data of joints, are computed from.
+
+    Args:
+        data: Its data, which is filled.
+        algorithm: The algorithm.
+
+    Returns:
+        Arrays (...) to write to, numbers of inputs, and values for marks of fields.
     """
     stored = algorithm.stored_inputs()
     marks = {name: 0.0 for name in algorithm.fills if name in data.slots}

@@ -70,7 +70,14 @@ def _compiled(
 def defer_joint_placements(
     data: FieldStates, compiled: CompiledModel, q: Floats, v: Floats | None = None
 ) -> None:
-    """Defers the joints' placements in their parents, and stores the state of the joints."""
+    """Defers the joints' placements in their parents, and stores the state of the joints.
+
+    Args:
+        data: Its data, which is filled.
+        compiled: Ulna's model and its kernels.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s]; None for none.
+    """
     data.defer(JOINTS["liMi"], ("liMi",), compiled, q.copy())
     data._q_of_joints = q
     if v is not None:
@@ -82,7 +89,15 @@ def _joint_placements(model: CoreModel, q: Array, _: Any) -> dict[str, Any]:
 
 
 def joint_placements(model: CoreModel, q: Array) -> Array:
-    """Each joint in the frame of the joint before it, (n, 4, 4)."""
+    """Each joint in the frame of the joint before it, (n, 4, 4).
+
+    Args:
+        model: Ulna's model.
+        q: Configuration (nq,) [rad or m].
+
+    Returns:
+        Poses (n, 4, 4).
+    """
     return stacked([j.placement @ j.kind.transform(j.q_of(q)) for j in model.joints])
 
 

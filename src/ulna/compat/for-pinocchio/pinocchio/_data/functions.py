@@ -37,15 +37,17 @@ def algorithm(
     """Makes a public function of its signature (model, data, q, v, a or tau, fext) and of the record of its algorithm.
 
     Args:
-        fills: See `Algorithm`.
-        kernel: See `Algorithm`.
+        fills, kernel: See `Algorithm`.
         default_state: For a q that may be left out: the attribute of Data with the state to take then, and the call
             that stores it.
         forces: The record of the algorithm under forces on the joints, for functions that take `fext`.
         returns_field: A field of Data to return, in place of outputs.
         returns_number: Whether the output that is returned is one number.
         calls: The ways to call it, where its signature is not the only one; see `overloads`.
-        record: Other attributes of `Algorithm`.
+        **record: Other attributes of `Algorithm`.
+
+    Returns:
+        The decorator.
     """
 
     def decorate(function: Function) -> Function:
@@ -85,11 +87,14 @@ def fast_path(
     """Calls the bound kernel of an algorithm first; where that fails, the decorated function with arguments checked.
 
     Args:
-        records: Algorithms, each with one input more; the one is called whose inputs are not None.
+        *records: Algorithms, each with one input more; the one is called whose inputs are not None.
         forces: The algorithm to call where `fext` is not None.
         alternative: The name of a parameter, a value of it, and the algorithm to call where it has this value.
         returns_field: A field of Data to return, in place of outputs.
         returns_number: Whether the output that is returned is one number.
+
+    Returns:
+        The decorator.
     """
 
     def decorate(function: Function) -> Function:

@@ -113,6 +113,13 @@ class FieldStates:
         """The names of the parameters that an algorithm stores at every call, and the arrays for them.
 
         Deferred fields are computed with these, though the parameters may have changed since.
+
+        Args:
+            compiled: Ulna's model and its kernels.
+            algorithm: The algorithm.
+
+        Returns:
+            The names, and arrays (...) for them.
         """
         names = PARAMETERS if algorithm.depends_on == "parameters" else PARAMETERS[:1]
         stored = names if algorithm.deferred else ()
@@ -133,7 +140,14 @@ class FieldStates:
         return tuple(self.target(f"{ALGORITHMS[int(number) - 1].name} {x}") for x in deferred.inputs)
 
     def defer(self, deferred: Deferred, fields: tuple[str, ...], compiled: Any, *state: Floats) -> None:
-        """Has fields computed when they are read; `state` is kept, and is not copied."""
+        """Has fields computed when they are read.
+
+        Args:
+            deferred: How they are computed.
+            fields: Their names.
+            compiled: Ulna's model and its kernels.
+            *state: The arrays (...) that they are computed from; they are kept, not copied.
+        """
         waiting = Waiting(deferred, compiled, state)
         for field in fields:
             self._waiting[field] = waiting
@@ -194,7 +208,14 @@ class FieldStates:
                 self.read(field)
 
     def require(self, state: Any, call: str) -> Any:
-        """`state`, which an earlier algorithm stores.
+        """Checks that an earlier algorithm stored a state.
+
+        Args:
+            state: The state, or None.
+            call: The call that stores it, for the message.
+
+        Returns:
+            The state.
 
         Raises:
             InputError: It is None; the message names the call that stores it.
@@ -243,6 +264,13 @@ for _attribute, _state in {
 def compiled_for(model: KinematicTree, data: FieldStates) -> CompiledModel:
     """The kernels of the model's present parameters, when the Data fits the model.
 
+    Args:
+        model: The model.
+        data: Its data.
+
+    Returns:
+        The kernels.
+
     Raises:
         InputError: Joints were added since the Data was made, or it was made for another robot.
     """
@@ -251,7 +279,15 @@ def compiled_for(model: KinematicTree, data: FieldStates) -> CompiledModel:
 
 
 def check_frames(model: KinematicTree, data: FieldStates) -> None:
-    """Raises InputError when frames were added since the Data was made."""
+    """Checks that no frame was added since the Data was made.
+
+    Args:
+        model: The model.
+        data: Its data.
+
+    Raises:
+        InputError: A frame was added.
+    """
     if data.nframes != len(model.frames):
         raise InputError(
             f"This Data was made when the model had {data.nframes} frames; now it has {model.nframes}. "

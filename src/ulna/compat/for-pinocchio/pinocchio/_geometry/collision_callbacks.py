@@ -35,7 +35,15 @@ class CollisionCallBackBase:
             self.collision = False
 
     def collide(self, first: Any, second: Any) -> bool:
-        """Called for two CollisionObjects whose boxes overlap; whether to stop."""
+        """Called for two objects whose boxes overlap.
+
+        Args:
+            first: A CollisionObject.
+            second: Another CollisionObject.
+
+        Returns:
+            Whether to stop.
+        """
         raise NotImplementedError
 
     def done(self) -> None:
@@ -76,7 +84,15 @@ class CollisionCallBackDefault(CollisionCallBackBase):
             self.count, self.collisionPairIndex = 0, NO_INDEX
 
     def collide(self, first: Any, second: Any) -> bool:
-        """Asks coal about two CollisionObjects; whether to stop."""
+        """Asks coal about two objects.
+
+        Args:
+            first: A CollisionObject.
+            second: Another CollisionObject.
+
+        Returns:
+            Whether to stop.
+        """
         k = self._pair(first, second)
         if k is None:
             return False
@@ -105,7 +121,15 @@ class CollisionCallBackCollect(CollisionCallBackBase):
             self.pair_indexes = StdVec()
 
     def collide(self, first: Any, second: Any) -> bool:
-        """Notes the pair; never stops."""
+        """Records the pair.
+
+        Args:
+            first: A CollisionObject.
+            second: Another CollisionObject.
+
+        Returns:
+            False.
+        """
         k = self._pair(first, second)
         if k is not None:
             self.pair_indexes.append(k)

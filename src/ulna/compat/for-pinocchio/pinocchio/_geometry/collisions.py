@@ -34,7 +34,16 @@ class CollisionManager(abc.ABC):
 def computeCollision(
     geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int, collision_request: Any = None
 ) -> bool:
-    """Whether the geometries of a pair touch, where `geometry_data.oMg` has them.
+    """Whether the geometries of a pair touch.
+
+    Args:
+        geometry_model: The geometries and pairs.
+        geometry_data: Their data, after updateGeometryPlacements.
+        pair_index: Number of the pair.
+        collision_request: Options of coal; those of `geometry_data` by default.
+
+    Returns:
+        Whether they do.
 
     Raises:
         MissingExtra: coal is not installed. `ulna.Robot.collides` answers for a whole robot, batches included.
@@ -44,7 +53,16 @@ def computeCollision(
 
 
 def computeDistance(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> Any:
-    """The distance of the geometries of a pair, as coal's DistanceResult; see `computeCollision`."""
+    """The distance of the geometries of a pair; see `computeCollision`.
+
+    Args:
+        geometry_model: The geometries and pairs.
+        geometry_data: Their data, after updateGeometryPlacements.
+        pair_index: Number of the pair.
+
+    Returns:
+        Coal's DistanceResult.
+    """
     for _ in _answers(geometry_model, geometry_data, "distance", pair_index):
         pass
     return geometry_data.distanceResults[pair_index]
@@ -116,7 +134,13 @@ def computeDistances(*parts: Any) -> int:
 
 
 def computeContactPatch(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> None:
-    """Fills `geometry_data.contactPatchResults` for a pair that touches; after `computeCollisions`."""
+    """Fills `geometry_data.contactPatchResults` for a pair that touches; after `computeCollisions`.
+
+    Args:
+        geometry_model: The geometries.
+        geometry_data: Their data, after updateGeometryPlacements.
+        pair_index: Number of the pair.
+    """
     i, j = _pair(geometry_model, geometry_data, pair_index)
     at, objects = geometry_data.placed((i, j)), geometry_model.geometryObjects
     collision, result = (
@@ -132,13 +156,24 @@ def computeContactPatch(geometry_model: GeometryModel, geometry_data: GeometryDa
 
 
 def computeContactPatches(geometry_model: GeometryModel, geometry_data: GeometryData) -> None:
-    """`computeContactPatch` of every active pair."""
+    """Computes the contact patch of every active pair; see `computeContactPatch`.
+
+    Args:
+        geometry_model: The geometries and pairs.
+        geometry_data: Their data, after updateGeometryPlacements.
+    """
     for k in _checked(geometry_model, geometry_data):
         computeContactPatch(geometry_model, geometry_data, k)
 
 
 def computeBodyRadius(model: Model, geometry_model: GeometryModel, geometry_data: GeometryData) -> None:
-    """Fills `geometry_data.radius`: how far the boxes around a joint's geometries reach from it [m]."""
+    """Fills `geometry_data.radius`: how far the boxes of each joint's geometries reach from its origin [m].
+
+    Args:
+        model: The model.
+        geometry_model: The geometries and pairs.
+        geometry_data: Their data, which is filled.
+    """
     radius = [0.0] * model.njoints
     for g in geometry_model.geometryObjects:
         corners = g.placement.act(box_corners(g.geometry).T)
@@ -163,10 +198,17 @@ def computeCollisionsInParallel(num_thread: int, *parts: Any) -> Any:
     """Collisions of one or many configurations.
 
     Args:
-        num_thread: Not needed: coal answers Python one pair at a time. `ulna.Robot.collides` has kernels with threads.
-        parts: What `computeCollisions` takes; or a pool, and configurations in the columns of a matrix (nq, n), which
+        num_thread: Not needed: coal answers Python one pair at a time. `ulna.Robot.collides` has kernels with
+            threads.
+        *parts: What `computeCollisions` takes; or a pool, and configurations in the columns of a matrix (nq, n), which
             gives an array (n,) of answers; or a list of such matrices, which gives a list. Then whether to stop at the
             first collision of a configuration, and of all (the rest is said not to collide).
+
+    Returns:
+        Whether there is a collision, or an array (n,), or a list of arrays.
+
+    Raises:
+        InputError: A pool without configurations.
     """
     pool = parts[0]
     if not isinstance(pool, GeometryPool):

@@ -63,7 +63,18 @@ class GeometryCollection(Saved):
         return len(self.geometryObjects)
 
     def addGeometryObject(self, geometry_object: GeometryObject, model: KinematicTree | None = None) -> int:
-        """Adds a geometry; returns its index. With a model, its joint is that of its frame."""
+        """Adds a geometry; returns its index. With a model, its joint is that of its frame.
+
+        Args:
+            geometry_object: The geometry.
+            model: The model of its frame, whose joint it takes; None keeps its joint.
+
+        Returns:
+            Its index.
+
+        Raises:
+            InputError: It is no geometry.
+        """
         if not isinstance(geometry_object, GeometryObject):
             raise InputError(f"Cannot add {geometry_object!r}; expected a GeometryObject.")
         added = geometry_object.copy()
@@ -118,7 +129,12 @@ class GeometryCollection(Saved):
         self.collisionPairs.clear()
 
     def setCollisionPairs(self, collision_map: Any, upper: bool = True) -> None:
-        """Makes the pairs those that a matrix (ngeoms, ngeoms) marks above its diagonal (or below it)."""
+        """Sets the pairs by a matrix.
+
+        Args:
+            collision_map: Truth values (n, n) for n geometries.
+            upper: Whether those above the diagonal count, else those below it.
+        """
         places = np.argwhere(np.triu(pair_map(self, collision_map, upper).astype(bool), 1))
         self._pair_up(CollisionPair(int(i), int(j)) for i, j in places)
 
@@ -191,7 +207,19 @@ def _described(g: GeometryObject) -> str:
 
 
 def pair_map(geometry_model: GeometryCollection, values: Any, upper: bool) -> Floats:
-    """A matrix (ngeoms, ngeoms), transposed where its lower half counts. InputError where it has another size."""
+    """A matrix of pairs whose upper half counts.
+
+    Args:
+        geometry_model: The geometries.
+        values: Matrix (n, n) for n geometries.
+        upper: Whether its upper half counts, else the lower one.
+
+    Returns:
+        Matrix (n, n).
+
+    Raises:
+        InputError: It has another shape.
+    """
     matrix, count = np.asarray(values), geometry_model.ngeoms
     if matrix.shape != (count, count):
         raise InputError(f"The map has shape {matrix.shape}; expected {(count, count)}.")

@@ -117,14 +117,26 @@ class GeometryData(Saved):
     def setActiveCollisionPairs(
         self, geometry_model: GeometryCollection, collision_map: Any, upper: bool = True
     ) -> None:
-        """Has the pairs checked that a matrix (ngeoms, ngeoms) marks above its diagonal (or below it)."""
+        """Sets which pairs are checked, by a matrix.
+
+        Args:
+            geometry_model: The geometries.
+            collision_map: Truth values (n, n) for n geometries.
+            upper: Whether entries above the diagonal count, else those below it.
+        """
         marks = pair_map(geometry_model, collision_map, upper)
         self.activeCollisionPairs = StdVec(bool(marks[min(p), max(p)]) for p in self._pairs)
 
     def setGeometryCollisionStatus(
         self, geom_model: GeometryCollection, geom_id: int, enable_collision: bool
     ) -> None:
-        """Has all pairs of one geometry checked, or none."""
+        """Sets whether all pairs of a geometry are checked.
+
+        Args:
+            geom_model: The geometries.
+            geom_id: Index of the geometry.
+            enable_collision: Whether they are.
+        """
         index(geom_id, geom_model.ngeoms, "geometry", "getGeometryId(name) returns one.")
         for k, pair in enumerate(self._pairs):
             if geom_id in pair:
@@ -137,7 +149,14 @@ class GeometryData(Saved):
         upper: bool = True,
         sync_distance_upper_bound: bool = True,
     ) -> None:
-        """Widens pairs by the margins [m] of a matrix (ngeoms, ngeoms) above its diagonal (or below it)."""
+        """Sets the distances at which pairs count as touching.
+
+        Args:
+            geometry_model: The geometries.
+            security_margin_map: Distances (n, n) for n geometries [m].
+            upper: Whether entries above the diagonal count, else those below it.
+            sync_distance_upper_bound: Whether distances beyond it are not computed.
+        """
         margins = pair_map(geometry_model, security_margin_map, upper)
         for request, pair in zip(self.collisionRequests, self._pairs, strict=True):
             request.security_margin = float(margins[min(pair), max(pair)])

@@ -166,7 +166,15 @@ class GeometryObject(Placed, Saved):
 
     @staticmethod
     def CreateCapsule(radius: float, length: float) -> GeometryObject:
-        """A capsule about z at the universe; `length` without its ends."""
+        """A capsule about z at the universe.
+
+        Args:
+            radius: Radius [m].
+            length: Length without its ends [m].
+
+        Returns:
+            The geometry.
+        """
         return GeometryObject("", 0, SE3(), Capsule(radius, length))
 
     def __eq__(self, other: object) -> bool:

@@ -46,7 +46,12 @@ class GeometryPool(ModelPool):
             super().update(data)
 
     def sync(self, geometry_model: GeometryModel, geometry_indexes: Any) -> None:
-        """Takes over some geometries of another model of the same ones."""
+        """Copies some geometries from another model of the same geometries.
+
+        Args:
+            geometry_model: The other model.
+            geometry_indexes: Their indices.
+        """
         for i in geometry_indexes:
             self._geometry.geometryObjects[i] = geometry_model.geometryObjects[i].copy()
 

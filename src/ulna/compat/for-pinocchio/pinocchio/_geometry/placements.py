@@ -17,7 +17,18 @@ from ulna.errors import InputError
 def updateGeometryPlacements(
     model: Model, data: Data, geometry_model: GeometryModel, geometry_data: GeometryData, q: Any = None
 ) -> None:
-    """Fills `geometry_data.oMg` from `data.oMi`; with q, forwardKinematics comes first."""
+    """Fills `geometry_data.oMg` from `data.oMi`; with q, forwardKinematics comes first.
+
+    Args:
+        model: The model.
+        data: Its data, after forwardKinematics if `q` is not passed.
+        geometry_model: The geometries.
+        geometry_data: Their data, which is filled.
+        q: Configuration (nq,) [rad or m].
+
+    Raises:
+        InputError: `geometry_data` has another number of geometries.
+    """
     if len(geometry_data.oMg) != geometry_model.ngeoms:
         raise InputError(
             f"This GeometryData was made for {len(geometry_data.oMg)} geometries; now there are "

@@ -28,12 +28,29 @@ class ParameterKernel:
         return self.kernel(*args, *self.parameters, **options)
 
     def into(self, *targets: Floats, last_inputs: Sequence[Floats] = (), **options: Any) -> Any:
-        """The kernel bound to arrays; see `KernelBase.into`."""
+        """The kernel bound to arrays; see `KernelBase.into`.
+
+        Args:
+            *targets: Arrays (...) for the outputs.
+            last_inputs: Arrays (...) for the last inputs before the parameters.
+            **options: Other arguments of `KernelBase.into`.
+
+        Returns:
+            The bound kernel.
+        """
         return self.kernel.into(*targets, last_inputs=(*last_inputs, *self.parameters), **options)
 
 
 def not_read(kernel: Any, watch: list[tuple[Array, Array]]) -> list[tuple[Array, Array]]:
-    """Those pairs of watched arrays that a kernel does not read at every call anyway."""
+    """The pairs of watched arrays that a kernel does not read at every call anyway.
+
+    Args:
+        kernel: The kernel.
+        watch: Pairs of an array (...) and a copy of it.
+
+    Returns:
+        Those pairs, (...) each.
+    """
     read = kernel.parameters if isinstance(kernel, ParameterKernel) else ()
     return [pair for pair in watch if not any(np.may_share_memory(pair[0], x) for x in read)]
 

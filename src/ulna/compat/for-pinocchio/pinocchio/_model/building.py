@@ -66,10 +66,10 @@ class KinematicTree(KernelCache):
 
         Args:
             name: Its name.
-            type: Its type, or several, `FrameType.JOINT | FrameType.BODY`; all without.
+            type: FrameType, where several frames have that name.
 
         Returns:
-            Its index; where there is none, `nframes`, which remembers the name: its use as an index raises.
+            The index.
 
         Raises:
             InputError: A body and a joint, or the like, share the name, and `type` does not say which is meant.
@@ -97,7 +97,15 @@ class KinematicTree(KernelCache):
         return name in self.names
 
     def existFrame(self, name: str, type: Any = None) -> bool:
-        """Whether there is a frame of that name (and type)."""
+        """Whether there is a frame of that name (and type).
+
+        Args:
+            name: Its name.
+            type: FrameType; None for any.
+
+        Returns:
+            Whether there is.
+        """
         check_text(name, "name")
         types = self._frame_type(type)
         return any(f.name == name and f.type & types for f in self.frames)
@@ -122,16 +130,23 @@ class KinematicTree(KernelCache):
     def addJoint(
         self, parent_id: int, joint_model: JointModel, joint_placement: SE3, joint_name: str, *limits: Any
     ) -> int:
-        """Adds a joint; returns its index.
+        """Adds a joint.
 
         Args:
             parent_id: The joint before it.
             joint_model: Its kind.
             joint_placement: Where it is in the frame of the joint before it.
             joint_name: Its name, not given to another joint.
-            limits: Nothing, or (max_effort, max_velocity, min_config, max_config), or these with their least
+            *limits: Nothing, or (max_effort, max_velocity, min_config, max_config), or these with their least
                 values before them and (min_friction, max_friction, damping) behind; a margin of the
                 configuration may stand before the friction.
+
+        Returns:
+            Its index.
+
+        Raises:
+            InputError: The universe cannot be added.
+            ModelError: There is a joint of that name.
         """
         index(parent_id, self.njoints, "parent joint", "Parents are added before their children.")
         if joint_name in self.names:
@@ -160,7 +175,17 @@ class KinematicTree(KernelCache):
         return joint.id
 
     def make_mimic(self, followed: int, joint_id: int, scaling: float, offset: float) -> None:
-        """Makes a joint follow another; it keeps its kind and gives up its entries of q and v."""
+        """Makes a joint follow another; it keeps its kind and loses its entries of q and v.
+
+        Args:
+            followed: Index of the joint that is followed.
+            joint_id: Index of the joint that follows.
+            scaling: Factor.
+            offset: Offset [rad or m].
+
+        Raises:
+            ModelError: A joint has several coordinates.
+        """
         source, joint = self.joints[followed], self.joints[joint_id]
         if source.mimic is not None:  # the end of the chain is what both follow
             followed, ratio, shift = source.mimic
@@ -189,11 +214,14 @@ class KinematicTree(KernelCache):
         self._changed()
 
     def addJointFrame(self, joint_id: int, frame_id: int = 0) -> int:
-        """Adds the frame of a joint; returns its index.
+        """Adds the frame of a joint.
 
         Args:
-            joint_id: The joint.
-            frame_id: The frame before it; below zero, that of the joint before it.
+            joint_id: Index of the joint.
+            frame_id: Index of the frame before it; -1 for that of the parent joint.
+
+        Returns:
+            Its index.
         """
         index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
         if frame_id < 0:
@@ -207,16 +235,34 @@ class KinematicTree(KernelCache):
     def addBodyFrame(
         self, body_name: str, parentJoint: int, body_placement: SE3, previous_frame: int = -1
     ) -> int:
-        """Adds the frame of a body; returns its index."""
+        """Adds the frame of a body.
+
+        Args:
+            body_name: Its name.
+            parentJoint: Index of the joint that carries the body.
+            body_placement: Pose of the frame in the frame of the joint.
+            previous_frame: Index of the frame before it; -1 for that of the joint.
+
+        Returns:
+            Its index.
+        """
         if previous_frame < 0:
             joints = int(FrameType.JOINT) | int(FrameType.FIXED_JOINT)
             previous_frame = known(self.getFrameId(self.names[parentJoint], joints))
         return self.addFrame(Frame(body_name, parentJoint, previous_frame, body_placement, FrameType.BODY))
 
     def addFrame(self, frame: Frame, append_inertia: bool = True) -> int:
-        """Adds a frame, and its inertia to the joint's body; returns its index.
+        """Adds a frame, and its inertia to the body of the joint.
 
-        A frame of the same name and type raises ModelError.
+        Args:
+            frame: The frame.
+            append_inertia: Whether to add its inertia.
+
+        Returns:
+            Its index.
+
+        Raises:
+            ModelError: There is a frame of that name and type.
         """
         index(frame.parentJoint, self.njoints, "joint", f"It is the parent joint of frame {frame.name!r}.")
         index(frame.parentFrame, self.nframes, "frame", f"It is the parent frame of frame {frame.name!r}.")
@@ -233,7 +279,13 @@ class KinematicTree(KernelCache):
     def appendBodyToJoint(
         self, joint_id: int, body_inertia: Inertia, body_placement: SE3 | None = None
     ) -> None:
-        """Adds a body to what a joint carries, placed in the joint's frame."""
+        """Adds the inertia of a body to a joint.
+
+        Args:
+            joint_id: Index of the joint.
+            body_inertia: The inertia.
+            body_placement: Pose of the body in the frame of the joint; the identity by default.
+        """
         index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
         M = SE3() if body_placement is None else body_placement
         self._inertias[joint_id] += body_inertia.se3Action(M)

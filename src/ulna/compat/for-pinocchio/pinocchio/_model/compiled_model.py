@@ -81,7 +81,15 @@ class CompiledModel:
         return _once(self.cache, name, lambda: kernels.kernel(self._core, name))
 
     def kernel(self, name: str, **options: Any) -> Any:
-        """Ulna's kernel of that name."""
+        """A kernel of Ulna.
+
+        Args:
+            name: Its name.
+            **options: Its options.
+
+        Returns:
+            The kernel.
+        """
         key = (name, *options.items())
         if not self.parameter_names:
             return _once(self.cache, key, lambda: kernels.kernel(self._core, name, **options))
@@ -97,6 +105,15 @@ class CompiledModel:
         """The compiled `build(model)`, a function of arrays of these shapes; compiled once.
 
         Parameters whose names are in `echoed` are further outputs.
+
+        Args:
+            key: Key in the cache.
+            build: Makes the function of a model of Ulna.
+            echoed: Names of parameters that are further outputs.
+            **shapes: Shapes of the arguments.
+
+        Returns:
+            The kernel.
         """
         kernel = _once(self.cache, key, lambda: self._compiled(build, echoed, shapes))
         return ParameterKernel(kernel, self.parameters) if self.parameter_names else kernel
@@ -158,7 +175,17 @@ class CompiledModel:
         return joined(self._core).astype(bool).tobytes()
 
     def compile_at_frames(self, key: Any, build: Any, echoed: Any = (), /, **shapes: Any) -> Any:
-        """The same as `compile` for a function that depends on frames: the compiled `build(model, frames)`."""
+        """As `compile`, for a function that depends on frames: compiles `build(model, frames)`.
+
+        Args:
+            key: Key in the cache.
+            build: Makes the function of a model of Ulna and its frames.
+            echoed: Names of parameters that are further outputs.
+            **shapes: Shapes of the arguments.
+
+        Returns:
+            The kernel.
+        """
         current = self._frame_kernels
         current.update(self.source)
         frames, cache = current.frames, current.cache
@@ -204,7 +231,15 @@ class _FrameKernels:
 
 
 def placed(frames: Sequence[Frame], placements: Array) -> tuple[Frame, ...]:
-    """Frames at other placements, (n, 4, 4)."""
+    """Frames at other placements, (n, 4, 4).
+
+    Args:
+        frames: The frames.
+        placements: Poses (n, 4, 4).
+
+    Returns:
+        The frames with these poses.
+    """
     return tuple(replace(frame, placement=pose_of(T)) for frame, T in zip(frames, placements, strict=True))
 
 

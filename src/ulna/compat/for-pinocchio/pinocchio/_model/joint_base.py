@@ -88,7 +88,14 @@ class JointBase:
         return cls.__name__
 
     def setIndexes(self, joint_id: int, idx_q: int, idx_v: int, idx_vExtended: int | None = None) -> None:
-        """Says where it stands in a model."""
+        """Sets the indices of the joint in a model.
+
+        Args:
+            joint_id: Index of the joint.
+            idx_q: Its first entry in q.
+            idx_v: Its first entry in v.
+            idx_vExtended: Its first entry in a v with those of following joints; `idx_v` by default.
+        """
         self.id, self.idx_q, self.idx_v = joint_id, idx_q, idx_v
         self.idx_vExtended = idx_v if idx_vExtended is None else idx_vExtended
 

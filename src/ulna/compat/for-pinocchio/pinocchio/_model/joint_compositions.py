@@ -57,7 +57,19 @@ class JointModelComposite(JointModel):
 
     @by_name("joint_model joint_placement name")
     def addJoint(self, joint: JointModel, placement: SE3 | None = None, name: str = "") -> Self:
-        """Adds a joint, placed in the moving frame of the one before."""
+        """Adds a joint after the last one.
+
+        Args:
+            joint: The joint.
+            placement: Its pose in the moving frame of the joint before; the identity by default.
+            name: Its name.
+
+        Returns:
+            This joint.
+
+        Raises:
+            InputError: It is the universe, or composite.
+        """
         if joint.kind is None or isinstance(joint, JointModelComposite):
             raise InputError(
                 f"JointModelComposite.addJoint was given {joint.shortname()}; expected a plain joint."

@@ -65,7 +65,13 @@ class JointData:
         return self
 
     def place(self, joint: JointBase, q: Any, v: Any) -> None:
-        """Fills it; see `JointModel.calc`."""
+        """Computes the state of the joint; see `JointModel.calc`.
+
+        Args:
+            joint: The joint.
+            q: Its configuration.
+            v: Its velocity; None for none.
+        """
         kind = joint.kind
         if kind is None:
             return
@@ -156,7 +162,16 @@ def data_of(joint: JointBase) -> JointData:
 def states(
     joints: Sequence[Any], q: Floats | None, velocity_state: tuple[Floats, Floats] | None
 ) -> StdVec[JointData]:
-    """The data of the joints of a model: placements at q, velocities and biases at a state that may be another one."""
+    """The data of the joints of a model: placements at one state, velocities and biases at another one.
+
+    Args:
+        joints: The joints, the universe first.
+        q: Configuration (nq,) [rad or m] for placements; None for none.
+        velocity_state: Configuration (nq,) and velocity (nv,) for velocities and biases; None for none.
+
+    Returns:
+        The data.
+    """
     out = StdVec(data_of(joint) for joint in joints)
     for joint, data in zip(joints[1:], out[1:], strict=True):
         if velocity_state is not None:

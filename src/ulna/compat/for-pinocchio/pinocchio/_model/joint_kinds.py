@@ -197,7 +197,16 @@ JointModelHX, JointModelHY, JointModelHZ = (_screw(c) for c in "XYZ")
 
 
 def along(axis: Any, aligned: tuple[Any, Any, Any], unaligned: Any) -> JointModel:
-    """The joint of an axis: that of a coordinate axis where it is exactly one."""
+    """The joint about or along an axis: the aligned one where that is exactly a coordinate axis.
+
+    Args:
+        axis: The axis, (3,).
+        aligned: Classes for x, y, z.
+        unaligned: Class for other axes.
+
+    Returns:
+        The joint.
+    """
     unit = unit_axis(axis)
     for letter, make in zip("XYZ", aligned, strict=True):
         if unit == _AXES[letter]:

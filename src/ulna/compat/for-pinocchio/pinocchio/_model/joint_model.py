@@ -18,7 +18,13 @@ class JointModel(JointBase):
         return data_of(self)
 
     def calc(self, jdata: JointData, q: Any, v: Any = None) -> None:
-        """Fills a JointData at configuration `q` (of the model, or its own entries) and velocity `v`."""
+        """Computes the state of the joint.
+
+        Args:
+            jdata: The JointData, which is filled.
+            q: Configuration of the model (nq,), or of the joint [rad or m].
+            v: Velocity of the model (nv,), or of the joint [rad/s or m/s]; None for none.
+        """
         if self.kind is not None:
             velocity = None if v is None else _entries(v, self.idx_v, self.kind.nv)
             jdata.place(self, _entries(q, self.idx_q, self.kind.nq), velocity)

@@ -84,6 +84,9 @@ class KernelCache(LiveParameters):
             on: The kinds of joints ("structure"); these and placements, or all parameters; the kinds and one frame;
                 placements and all frames.
             frame: The index of that one frame.
+
+        Returns:
+            Pairs of arrays (...).
         """
         if on in ("frame", "frames"):
             self.frame_state()

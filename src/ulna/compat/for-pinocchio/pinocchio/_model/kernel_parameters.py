@@ -19,7 +19,15 @@ PARAMETERS = ("placements", "inertias", "gravity", "armature")
 
 
 def with_parameters(model: CoreModel, values: Mapping[str, Array]) -> CoreModel:
-    """Ulna's model with other values of some parameters, traced or not, as this package stores them."""
+    """Ulna's model with other values of some parameters.
+
+    Args:
+        model: Ulna's model.
+        values: Values (...) by name, traced or not, as this package stores them.
+
+    Returns:
+        The changed model.
+    """
     if "placements" in values:
         poses = [pose_of(T) for T in values["placements"][1:]]
         joints = (replace(j, placement=T) for j, T in zip(model.joints, poses, strict=True))

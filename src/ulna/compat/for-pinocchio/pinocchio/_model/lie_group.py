@@ -54,28 +54,65 @@ class LieGroup:
         return np.zeros(0) if self._kind is None else np.array(self._kind.neutral())
 
     def integrate(self, q: Any, v: Any) -> Floats:
-        """The point reached from q with v."""
+        """The point reached from q with v.
+
+        Args:
+            q: Point (nq,) [-].
+            v: Tangent vector (nv,) [-].
+
+        Returns:
+            Point (nq,).
+        """
         reached = self._integrate(q, v)
         return self._bound("integrate", q=q, v=v) if reached is NotImplemented else reached
 
     def difference(self, q0: Any, q1: Any) -> Floats:
-        """The tangent vector that leads from q0 to q1."""
+        """The tangent vector that leads from q0 to q1.
+
+        Args:
+            q0, q1: Point (nq,).
+
+        Returns:
+            Tangent vector (nv,).
+        """
         result = self._difference(q0, q1)
         return self._bound("difference", q0=q0, q1=q1) if result is NotImplemented else result
 
     def interpolate(self, q0: Any, q1: Any, u: float) -> Floats:
-        """The point a part u of the way from q0 to q1."""
+        """The point a part u of the way from q0 to q1.
+
+        Args:
+            q0, q1: Point (nq,).
+            u: Fraction of the way, 0 at q0 and 1 at q1.
+
+        Returns:
+            Point (nq,).
+        """
         return np.array(
             self._nonempty_kind.interpolate(vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1"), u)
         )
 
     def squaredDistance(self, q0: Any, q1: Any) -> float:
-        """The squared length of the difference."""
+        """The squared length of the difference.
+
+        Args:
+            q0, q1: Point (nq,).
+
+        Returns:
+            The squared length.
+        """
         result = self._squared_distance(q0, q1)
         return float(self._bound("squared_distance", q0=q0, q1=q1) if result is NotImplemented else result)
 
     def distance(self, q0: Any, q1: Any) -> float:
-        """The length of the difference."""
+        """The length of the difference.
+
+        Args:
+            q0, q1: Point (nq,).
+
+        Returns:
+            The length.
+        """
         return float(np.sqrt(self.squaredDistance(q0, q1)))
 
     def normalize(self, q: Any) -> Floats:
@@ -87,30 +124,81 @@ class LieGroup:
         return self._nonempty_kind.random(generator())
 
     def randomConfiguration(self, lower: Any, upper: Any) -> Floats:
-        """A point within limits (nq,)."""
+        """A point within limits (nq,).
+
+        Args:
+            lower: Least values (nq,).
+            upper: Greatest values (nq,).
+
+        Returns:
+            Point (nq,).
+        """
         return self._nonempty_kind.random(
             generator(), vector(lower, self.nq, "lower"), vector(upper, self.nq, "upper")
         )
 
     def dIntegrate(self, q: Any, v: Any, argument_position: ArgumentPosition) -> Floats:
-        """The derivative (nv, nv) of `integrate` by q (ARG0) or v (ARG1)."""
+        """The derivative (nv, nv) of `integrate` by q (ARG0) or v (ARG1).
+
+        Args:
+            q: Point (nq,) [-].
+            v: Tangent vector (nv,) [-].
+            argument_position: ARG0 or ARG1.
+
+        Returns:
+            Matrix (nv, nv).
+        """
         both = self._nonempty_kind.integrate_derivatives(vector(q, self.nq, "q"), vector(v, self.nv, "v"))
         return np.array(both[_first_or_second(argument_position)])
 
     def dIntegrate_dq(self, q: Any, v: Any) -> Floats:
-        """The derivative (nv, nv) of `integrate` by q."""
+        """The derivative (nv, nv) of `integrate` by q.
+
+        Args:
+            q: Point (nq,) [-].
+            v: Tangent vector (nv,) [-].
+
+        Returns:
+            Matrix (nv, nv).
+        """
         return self.dIntegrate(q, v, ArgumentPosition.ARG0)
 
     def dIntegrate_dv(self, q: Any, v: Any) -> Floats:
-        """The derivative (nv, nv) of `integrate` by v."""
+        """The derivative (nv, nv) of `integrate` by v.
+
+        Args:
+            q: Point (nq,) [-].
+            v: Tangent vector (nv,) [-].
+
+        Returns:
+            Matrix (nv, nv).
+        """
         return self.dIntegrate(q, v, ArgumentPosition.ARG1)
 
     def dIntegrateTransport(self, q: Any, v: Any, J: Any, argument_position: ArgumentPosition) -> Floats:
-        """A matrix (nv, n) at integrate(q, v), carried by the derivative."""
+        """A matrix at integrate(q, v), transported by the derivative of `integrate`.
+
+        Args:
+            q: Point (nq,) [-].
+            v: Tangent vector (nv,) [-].
+            J: Matrix (nv, n).
+            argument_position: ARG0 or ARG1.
+
+        Returns:
+            Matrix (nv, n).
+        """
         return self.dIntegrate(q, v, argument_position) @ numbers(J, "J")
 
     def dDifference(self, q0: Any, q1: Any, argument_position: ArgumentPosition) -> Floats:
-        """The derivative (nv, nv) of `difference` by q0 (ARG0) or q1 (ARG1)."""
+        """The derivative (nv, nv) of `difference` by q0 (ARG0) or q1 (ARG1).
+
+        Args:
+            q0, q1: Point (nq,).
+            argument_position: ARG0 or ARG1.
+
+        Returns:
+            Matrix (nv, nv).
+        """
         both = self._nonempty_kind.difference_derivatives(
             vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1")
         )
@@ -122,11 +210,27 @@ class LieGroup:
         return np.stack([self._nonempty_kind.coordinate_rates(at, unit) for unit in np.eye(self.nv)], axis=1)
 
     def tangentMapProduct(self, q: Any, mat_in: Any) -> Floats:
-        """`tangentMap` times a matrix (nv, n)."""
+        """`tangentMap` times a matrix (nv, n).
+
+        Args:
+            q: Point (nq,) [-].
+            mat_in: Matrix (nv, n).
+
+        Returns:
+            Matrix (nq, n).
+        """
         return self.tangentMap(q) @ numbers(mat_in, "mat_in")
 
     def tangentMapTransposeProduct(self, q: Any, mat_in: Any) -> Floats:
-        """`tangentMap` transposed times a matrix (nq, n)."""
+        """`tangentMap` transposed times a matrix (nq, n).
+
+        Args:
+            q: Point (nq,) [-].
+            mat_in: Matrix (nq, n).
+
+        Returns:
+            Matrix (nv, n).
+        """
         return self.tangentMap(q).T @ numbers(mat_in, "mat_in")
 
     def _bound(self, name: str, **points: Any) -> Any:

@@ -71,6 +71,13 @@ def register_former_modules() -> None:
 def former_class(package: str, name: str) -> Any:
     """A class that had its place in a module named as a package is today.
 
+    Args:
+        package: Name of the package.
+        name: Name of the class.
+
+    Returns:
+        The class.
+
     Raises:
         AttributeError: There was no such class there.
     """

@@ -33,7 +33,15 @@ _MESSAGES = (
 
 
 def unsupported_name_message(name: str, offered: Iterable[str]) -> str:
-    """A message for a name that is not offered: what to use, or the nearest of the offered ones."""
+    """A message for a name that is not offered: what to use, or the nearest of the offered ones.
+
+    Args:
+        name: The name.
+        offered: The names that are offered.
+
+    Returns:
+        The message.
+    """
     message = next((message for pattern, message in _MESSAGES if re.fullmatch(pattern, name)), "")
     near = nearest(name, offered, 1, 0.9 if message else 0.7)
     hint = f"Did you mean {near[0]!r}?" if near else ""

@@ -23,7 +23,16 @@ if TYPE_CHECKING:
 
 
 def geometries_of_links(filename: Any, package_dirs: Any, text: str | None = None) -> Mapping[str, Link]:
-    """The links of a URDF file, or text, by name, with their visuals and collisions; meshes resolved."""
+    """The links of a URDF file with their visuals and collisions; meshes resolved.
+
+    Args:
+        filename: The file.
+        package_dirs: One or several folders to look for packages in, or None.
+        text: URDF text, in place of the file.
+
+    Returns:
+        The links by name.
+    """
     from ulna.formats.resolve import Resolver
     from ulna.formats.urdf import read_urdf, urdf_builder
     from ulna.formats.urdf_parse import parse_urdf
@@ -71,7 +80,20 @@ def _with_replaced(link: Link, replacements: Mapping[str, str]) -> Link:
 def geometry_model_of(
     model: Model, links: Mapping[str, Link], kind: GeometryType, into: GeometryModel | None = None
 ) -> GeometryModel:
-    """The geometries of links, placed by the frames of bodies, in their order."""
+    """The geometries of links, placed by the frames of bodies, in their order.
+
+    Args:
+        model: The model.
+        links: The links by name.
+        kind: GeometryType.VISUAL or COLLISION.
+        into: A GeometryModel to add to; None for a new one.
+
+    Returns:
+        The GeometryModel.
+
+    Raises:
+        FormatError: No body has the name of a link.
+    """
     out = GeometryModel() if into is None else into
     bodies = [
         (i, f) for i, f in enumerate(model.frames) if (f.type == FrameType.BODY or i == 0) and f.name in links
@@ -116,6 +138,9 @@ def buildGeomFromUrdf(
             example-robot-data are looked in anyway.
         mesh_loader: Not needed; meshes are read when somebody looks.
 
+    Returns:
+        The GeometryModel.
+
     Raises:
         FormatError: The file is missing, broken, or of another robot. A missing mesh only warns.
     """
@@ -134,7 +159,19 @@ def buildGeomFromUrdfString(
     package_dirs: Any = None,
     mesh_loader: Any = None,
 ) -> GeometryModel:
-    """The geometries that a URDF text gives the bodies of a model; see `buildGeomFromUrdf`."""
+    """The geometries that a URDF text gives the bodies of a model; see `buildGeomFromUrdf`.
+
+    Args:
+        model: The model of the same text.
+        urdf_string: The text.
+        geom_type: GeometryType.VISUAL or COLLISION.
+        geometry_model: A GeometryModel to add to; folders of packages may stand here, too.
+        package_dirs: One or several folders to look for packages in.
+        mesh_loader: Accepted and ignored.
+
+    Returns:
+        The GeometryModel.
+    """
     if geometry_model is not None and not isinstance(geometry_model, GeometryModel):
         geometry_model, package_dirs = None, geometry_model
     links = geometries_of_links(None, package_dirs, urdf_string)

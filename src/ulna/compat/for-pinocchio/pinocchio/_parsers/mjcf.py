@@ -68,14 +68,32 @@ def _model(mjcf_filename: Any, root_joint: JointModel | None, root_joint_name: s
 def buildModelFromMJCFAndRootJoint(
     mjcf_filename: Any, root_joint: JointModel, root_joint_name: str = "root_joint"
 ) -> Model:
-    """The model of an MJCF file on a joint, without the closed loops; see `buildModelFromMJCF`."""
+    """The model of an MJCF file on a joint, without the closed loops; see `buildModelFromMJCF`.
+
+    Args:
+        mjcf_filename: The file.
+        root_joint: The joint of the root body.
+        root_joint_name: Its name.
+
+    Returns:
+        The model.
+    """
     return _model(mjcf_filename, root_joint, root_joint_name)
 
 
 def buildModelAndLegacyConstraintsFromMJCF(
     mjcf_filename: Any, root_joint: JointModel | None = None, root_joint_name: str = "root_joint"
 ) -> tuple[Model, StdVec[RigidConstraintModel]]:
-    """The model of an MJCF file, and the constraints of the class RigidConstraintModel that close its loops."""
+    """The model of an MJCF file, and the constraints of the class RigidConstraintModel that close its loops.
+
+    Args:
+        mjcf_filename: The file.
+        root_joint: The joint of the root body; that of the file by default.
+        root_joint_name: Its name.
+
+    Returns:
+        The model and the constraints.
+    """
     model = _model(mjcf_filename, root_joint, root_joint_name)
     return model, _rigid_constraints(model, mjcf_filename)
 
@@ -83,7 +101,16 @@ def buildModelAndLegacyConstraintsFromMJCF(
 def buildModelAndConstraintsFromMJCF(
     mjcf_filename: Any, root_joint: JointModel | None = None, root_joint_name: str = "root_joint"
 ) -> tuple[Model, StdVec[PointAnchorConstraintModel], StdVec[FrameAnchorConstraintModel]]:
-    """The model of an MJCF file, and the anchors of points, then of frames, that close its loops."""
+    """The model of an MJCF file, and the anchors of points, then of frames, that close its loops.
+
+    Args:
+        mjcf_filename: The file.
+        root_joint: The joint of the root body; that of the file by default.
+        root_joint_name: Its name.
+
+    Returns:
+        The model, the anchors of points, the anchors of frames.
+    """
     model = _model(mjcf_filename, root_joint, root_joint_name)
     points: StdVec[PointAnchorConstraintModel] = StdVec()
     frames: StdVec[FrameAnchorConstraintModel] = StdVec()
@@ -125,6 +152,15 @@ def buildGeomFromMJCF(
     """The geometries that an MJCF file gives the bodies of a model; see `buildGeomFromUrdf`.
 
     VISUAL are the geoms of the groups 0 to 2, COLLISION those that may touch others.
+
+    Args:
+        model: The model.
+        mjcf_filename: The file.
+        geom_type: GeometryType.VISUAL or COLLISION.
+        mesh_loader: Accepted and ignored.
+
+    Returns:
+        The GeometryModel.
     """
     source = _read(os.fspath(mjcf_filename))
     links = {("universe" if link is source.links[0] else link.name): link for link in source.links}
@@ -132,7 +168,16 @@ def buildGeomFromMJCF(
 
 
 def model_of(source: CoreModel, root: JointModel | None = None, root_name: str = "root_joint") -> Model:
-    """The Model of a model of Ulna, whose root link is the world."""
+    """The Model of a model of Ulna, whose root link is the world.
+
+    Args:
+        source: Ulna's model.
+        root: The joint of the root body; None for that of the model.
+        root_name: Its name.
+
+    Returns:
+        The model.
+    """
     out = Model()
     out.name, out.gravity.linear = source.name, source.gravity
     top, ids, frames = source.links[0], {-1: 0}, {source.links[0].name: 0}

@@ -67,6 +67,9 @@ def buildSampleModelHumanoidRandom(using_free_flyer: bool = True, mimic: bool = 
     Args:
         using_free_flyer: Whether its base has a free flyer; else a translation and three angles.
         mimic: Whether the last joint of the left arm follows the one before it.
+
+    Returns:
+        The model.
     """
     model = Model()
     root = _root(model, using_free_flyer, None)

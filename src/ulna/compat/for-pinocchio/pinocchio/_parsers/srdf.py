@@ -19,6 +19,11 @@ from ulna.formats.srdf import SrdfDocument, parse_srdf, read_srdf
 def loadReferenceConfigurations(model: Model, srdf_filename: Any, verbose: bool = False) -> None:
     """Fills `model.referenceConfigurations` from the named states of an SRDF file.
 
+    Args:
+        model: The model.
+        srdf_filename: The file.
+        verbose: Accepted and ignored.
+
     Raises:
         FormatError: The file is missing or broken. A state that does not fit a joint only warns.
     """
@@ -26,7 +31,13 @@ def loadReferenceConfigurations(model: Model, srdf_filename: Any, verbose: bool 
 
 
 def loadReferenceConfigurationsFromXML(model: Model, srdf_xml_stream: str, verbose: bool = False) -> None:
-    """The same from an SRDF text."""
+    """Fills `model.referenceConfigurations` from the named states of an SRDF text.
+
+    Args:
+        model: The model.
+        srdf_xml_stream: The text.
+        verbose: Accepted and ignored.
+    """
     _postures(model, parse_srdf(srdf_xml_stream))
 
 
@@ -49,7 +60,16 @@ def _postures(model: Model, document: SrdfDocument) -> None:
 
 
 def loadRotorParameters(model: Model, srdf_filename: Any, verbose: bool = False) -> bool:
-    """Fills `model.rotorInertia` and `model.rotorGearRatio` from an SRDF file; whether it has any."""
+    """Fills `model.rotorInertia` and `model.rotorGearRatio` from an SRDF file.
+
+    Args:
+        model: The model.
+        srdf_filename: The file.
+        verbose: Accepted and ignored.
+
+    Returns:
+        Whether it has any.
+    """
     rotors = read_srdf(os.fspath(srdf_filename)).rotors
     for name, (inertia, ratio) in rotors.items():
         if model.existJointName(name):
@@ -61,14 +81,28 @@ def loadRotorParameters(model: Model, srdf_filename: Any, verbose: bool = False)
 def removeCollisionPairs(
     model: Model, geom_model: GeometryModel, srdf_filename: Any, verbose: bool = False
 ) -> None:
-    """Removes the pairs of links that an SRDF file disables."""
+    """Removes the pairs of links that an SRDF file disables.
+
+    Args:
+        model: The model.
+        geom_model: Its geometries, whose pairs are removed.
+        srdf_filename: The file.
+        verbose: Accepted and ignored.
+    """
     _remove(model, geom_model, read_srdf(os.fspath(srdf_filename)))
 
 
 def removeCollisionPairsFromXML(
     model: Model, geom_model: GeometryModel, srdf_xml_stream: str, verbose: bool = False
 ) -> None:
-    """The same from an SRDF text."""
+    """Removes the pairs of links that an SRDF text disables.
+
+    Args:
+        model: The model.
+        geom_model: Its geometries, whose pairs are removed.
+        srdf_xml_stream: The text.
+        verbose: Accepted and ignored.
+    """
     _remove(model, geom_model, parse_srdf(srdf_xml_stream))
 
 

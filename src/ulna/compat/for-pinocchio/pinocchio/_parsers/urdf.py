@@ -52,6 +52,9 @@ def buildModelFromUrdf(
         verbose: Plays no part.
         mimic: Whether mimic joints follow their source; else each moves independently.
 
+    Returns:
+        The model.
+
     Raises:
         FormatError: the file is missing or broken; says where and how to fix it.
     """
@@ -68,7 +71,19 @@ def buildModelFromXML(
     verbose: bool = False,
     mimic: bool = False,
 ) -> Model:
-    """The model of a URDF text; see `buildModelFromUrdf`."""
+    """The model of a URDF text; see `buildModelFromUrdf`.
+
+    Args:
+        urdf_xml_stream: The text.
+        root_joint: The joint of the root link, such as JointModelFreeFlyer(); fixed by default.
+        root_joint_name: Its name; "root_joint" by default.
+        model: A model to add it to; a new one by default.
+        verbose: Accepted and ignored.
+        mimic: Whether mimic joints follow their source; else each moves independently.
+
+    Returns:
+        The model.
+    """
     document = parse_urdf(urdf_xml_stream)
     return build_model(document, root_joint, root_joint_name or "root_joint", model, mimic)
 
@@ -76,7 +91,18 @@ def buildModelFromXML(
 def build_model(
     document: UrdfDocument, root: JointModel | None, root_name: str, model: Model | None, mimic: bool
 ) -> Model:
-    """The model of a document."""
+    """The model of a document.
+
+    Args:
+        document: The URDF document.
+        root: The joint of the root link; None for a fixed one.
+        root_name: Its name.
+        model: A model to add it to; None for a new one.
+        mimic: Whether mimic joints follow their source.
+
+    Returns:
+        The model.
+    """
     out = Model() if model is None else model
     out.name = document.name
     below: dict[str, list[UrdfJoint]] = {}

@@ -82,27 +82,73 @@ class Inertia:
 
     @staticmethod
     def FromSphere(mass: float, radius: float) -> Inertia:
-        """A solid sphere."""
+        """A solid sphere.
+
+        Args:
+            mass: Mass [kg].
+            radius: Radius [m].
+
+        Returns:
+            The inertia about its centre.
+        """
         return Inertia._from(spatial.Inertia.from_sphere(mass, radius))
 
     @staticmethod
     def FromEllipsoid(mass: float, length_x: float, length_y: float, length_z: float) -> Inertia:
-        """A solid ellipsoid with these half axes along x, y, z."""
+        """A solid ellipsoid.
+
+        Args:
+            mass: Mass [kg].
+            length_x: Half axis along x [m].
+            length_y: Half axis along y [m].
+            length_z: Half axis along z [m].
+
+        Returns:
+            The inertia about its centre.
+        """
         return Inertia._from(spatial.Inertia.from_ellipsoid(mass, (length_x, length_y, length_z)))
 
     @staticmethod
     def FromCylinder(mass: float, radius: float, length: float) -> Inertia:
-        """A solid cylinder along z."""
+        """A solid cylinder along z.
+
+        Args:
+            mass: Mass [kg].
+            radius: Radius [m].
+            length: Length [m].
+
+        Returns:
+            The inertia about its centre.
+        """
         return Inertia._from(spatial.Inertia.from_cylinder(mass, radius, length))
 
     @staticmethod
     def FromBox(mass: float, length_x: float, length_y: float, length_z: float) -> Inertia:
-        """A solid box with these sides along x, y, z."""
+        """A solid box.
+
+        Args:
+            mass: Mass [kg].
+            length_x: Side along x [m].
+            length_y: Side along y [m].
+            length_z: Side along z [m].
+
+        Returns:
+            The inertia about its centre.
+        """
         return Inertia._from(spatial.Inertia.from_box(mass, (length_x, length_y, length_z)))
 
     @staticmethod
     def FromCapsule(mass: float, radius: float, height: float) -> Inertia:
-        """A solid capsule along z: a cylinder of that height with half spheres."""
+        """A solid capsule along z: a cylinder with half spheres at its ends.
+
+        Args:
+            mass: Mass [kg].
+            radius: Radius [m].
+            height: Height of the cylinder [m].
+
+        Returns:
+            The inertia about its centre.
+        """
         return Inertia._from(spatial.Inertia.from_capsule(mass, radius, height))
 
     @staticmethod
@@ -228,7 +274,15 @@ class Inertia:
         return bool(np.abs(self._p).max() <= prec)
 
     def isApprox(self, other: Inertia, prec: float = 1e-12) -> bool:
-        """Whether mass, lever and inertia agree within `prec`."""
+        """Whether mass, lever and inertia agree.
+
+        Args:
+            other: Another inertia.
+            prec: Largest difference, relative to the norm where that is above 1.
+
+        Returns:
+            Whether they do.
+        """
         return bool(np.linalg.norm(self._p - other._p) <= prec * max(1.0, float(np.linalg.norm(self._p))))
 
     def copy(self) -> Inertia:

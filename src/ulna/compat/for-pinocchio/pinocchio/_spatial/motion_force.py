@@ -187,7 +187,18 @@ class Motion(_Six):
 
     @reads_names("m", "f")
     def cross(self, other: Any = None, **named: Any) -> Any:
-        """The cross product with a Motion, or with a Force."""
+        """The cross product with a Motion, or with a Force.
+
+        Args:
+            other: A Motion or a Force.
+            **named: The same by its name `m` or `f`.
+
+        Returns:
+            An object of the same class as `other`.
+
+        Raises:
+            InputError: It is neither.
+        """
         if other is None:
             other = the_one("Motion.cross", named, ("m", "f"))
         if not isinstance(other, (Motion, Force)):
@@ -244,14 +255,31 @@ def unSkew(U: Any) -> Floats:
 
 
 def skewSquare(u: Any, v: Any) -> Floats:
-    """The matrix [u]x [v]x."""
+    """The matrix [u]x [v]x.
+
+    Args:
+        u: Vector (3,).
+        v: Vector (3,), in any unit [-].
+
+    Returns:
+        Matrix (3, 3).
+    """
     return skew(u) @ skew(v)
 
 
 def classicAcceleration(
     spatial_velocity: Motion, spatial_acceleration: Motion, placement: Any = None
 ) -> Floats:
-    """The acceleration (3,) [m/s^2] of the point at the origin, out of the spatial velocity and acceleration."""
+    """The acceleration of the point at the origin of a frame.
+
+    Args:
+        spatial_velocity: Spatial velocity.
+        spatial_acceleration: Spatial acceleration, in the same frame.
+        placement: Pose of another frame, an SE3, whose origin and axes to take.
+
+    Returns:
+        Acceleration (3,) [m/s^2].
+    """
     v, a = spatial_velocity, spatial_acceleration
     if placement is not None:
         v, a = placement.actInv(v), placement.actInv(a)
@@ -260,6 +288,13 @@ def classicAcceleration(
 
 def checked_forces(fext: Any, count: int) -> list[Floats]:
     """Forces on the joints, the universe included, each (6,).
+
+    Args:
+        fext: Forces, each a Force or (6,) [N, N m].
+        count: Number of joints, the universe included.
+
+    Returns:
+        Forces (6,) each.
 
     Raises:
         InputError: There are not as many as joints.

@@ -52,12 +52,28 @@ class Quaternion:
     @staticmethod
     @by_name("a b", "u v")
     def FromTwoVectors(u: Any, v: Any) -> Quaternion:
-        """The least rotation that turns the direction of u into that of v."""
+        """The least rotation that turns the direction of u into that of v.
+
+        Args:
+            u: Vector (3,), not zero.
+            v: Vector (3,), not zero, in any unit [-].
+
+        Returns:
+            The quaternion.
+        """
         return Quaternion().setFromTwoVectors(u, v)
 
     @by_name("a b", "u v")
     def setFromTwoVectors(self, u: Any, v: Any) -> Quaternion:
-        """Becomes the least rotation that turns the direction of u into that of v."""
+        """Sets this quaternion to the least rotation that turns the direction of u into that of v.
+
+        Args:
+            u: Vector (3,), not zero.
+            v: Vector (3,), not zero, in any unit [-].
+
+        Returns:
+            This quaternion.
+        """
         a, b = (x / np.linalg.norm(x) for x in (vector(u, 3, "u"), vector(v, 3, "v")))
         half = 1.0 + a @ b
         axis = np.cross(a, b) if half > 1e-12 else np.cross(a, np.eye(3)[np.abs(a).argmin()])
@@ -116,7 +132,15 @@ class Quaternion:
         return float(np.linalg.norm(turn))
 
     def slerp(self, t: float, other: Quaternion) -> Quaternion:
-        """The rotation at a part `t` of the way to another."""
+        """The rotation between this one and another.
+
+        Args:
+            t: Fraction of the way, 0 to 1.
+            other: The other quaternion.
+
+        Returns:
+            The quaternion.
+        """
         return Quaternion._of(spatial.quat_slerp(self._c, other._c, t))
 
     def setIdentity(self) -> Quaternion:
@@ -131,7 +155,15 @@ class Quaternion:
         return self
 
     def isApprox(self, other: Quaternion, prec: float = 1e-12) -> bool:
-        """Whether the coefficients differ by at most `prec`."""
+        """Whether the coefficients agree.
+
+        Args:
+            other: Another quaternion.
+            prec: Largest norm of their difference.
+
+        Returns:
+            Whether they do.
+        """
         return bool(np.linalg.norm(self._c - other._c) <= prec)
 
     def __mul__(self, other: Any) -> Any:
@@ -240,7 +272,15 @@ class AngleAxis:
         return AngleAxis(-self.angle, self.axis)
 
     def isApprox(self, other: AngleAxis, prec: float = 1e-12) -> bool:
-        """Whether angle and axis differ by at most `prec`."""
+        """Whether angle and axis agree.
+
+        Args:
+            other: Another rotation.
+            prec: Largest difference of both.
+
+        Returns:
+            Whether they do.
+        """
         return abs(self.angle - other.angle) <= prec and bool(np.linalg.norm(self.axis - other.axis) <= prec)
 
     def __eq__(self, other: object) -> bool:

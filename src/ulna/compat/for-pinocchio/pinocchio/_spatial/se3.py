@@ -104,7 +104,15 @@ class SE3:
 
     @staticmethod
     def Interpolate(A: SE3, B: SE3, alpha: float) -> SE3:
-        """The placement at a part `alpha` of the screw that leads from A to B."""
+        """The placement at a part `alpha` of the screw that leads from A to B.
+
+        Args:
+            A, B: Placement.
+            alpha: Fraction of the way, 0 at A and 1 at B.
+
+        Returns:
+            The placement.
+        """
         return SE3._of(np.array(A._pose().interpolate(B._pose(), alpha).matrix()))
 
     @property
@@ -170,7 +178,15 @@ class SE3:
 
     @reads_names(*_ITEMS)
     def act(self, item: Any = None, **named: Any) -> Any:
-        """What `item` is after the displacement: SE3, Motion, Force, Inertia, or a point (3,), or points (3, N)."""
+        """Applies the displacement to an object.
+
+        Args:
+            item: SE3, Motion, Force, Inertia, point (3,) or points (3, N) [m].
+            **named: The same by one of its names in Pinocchio.
+
+        Returns:
+            An object of the same kind.
+        """
         if isinstance(item, SE3):
             return SE3._of(se3_kernel("product")(self._m, item._m))
         if hasattr(item, "se3Action"):
@@ -181,7 +197,15 @@ class SE3:
 
     @reads_names(*_ITEMS)
     def actInv(self, item: Any = None, **named: Any) -> Any:
-        """What `item` was before the displacement; see `act`."""
+        """Applies the inverse displacement to an object.
+
+        Args:
+            item: SE3, Motion, Force, Inertia, point (3,) or points (3, N) [m].
+            **named: The same by one of its names in Pinocchio.
+
+        Returns:
+            An object of the same kind.
+        """
         if isinstance(item, SE3):
             return SE3._of(se3_kernel("quotient")(self._m, item._m))
         if hasattr(item, "se3ActionInverse"):
@@ -207,7 +231,15 @@ class SE3:
         return rotation @ points + (translation if points.ndim == 1 else translation[:, None])
 
     def isApprox(self, other: SE3, prec: float = 1e-12) -> bool:
-        """Whether rotation and translation differ by at most `prec`, relatively."""
+        """Whether rotation and translation agree.
+
+        Args:
+            other: Another placement.
+            prec: Largest difference, relative to the smaller norm.
+
+        Returns:
+            Whether they do.
+        """
         for a, b in ((self.rotation, other.rotation), (self.translation, other.translation)):
             gap = float(np.linalg.norm(a - b))
             if gap > prec * min(float(np.linalg.norm(a)), float(np.linalg.norm(b))) and gap != 0.0:

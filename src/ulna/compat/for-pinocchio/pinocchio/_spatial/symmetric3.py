@@ -80,17 +80,39 @@ class Symmetric3:
 
     @staticmethod
     def vxs(v: Any, S3: Symmetric3) -> Floats:
-        """[v]x S3."""
+        """[v]x S3.
+
+        Args:
+            v: Vector (3,), in any unit [-].
+            S3: Symmetric matrix.
+
+        Returns:
+            Matrix (3, 3).
+        """
         return skew(v) @ S3.matrix()
 
     @staticmethod
     def svx(v: Any, S3: Symmetric3) -> Floats:
-        """S3 [v]x."""
+        """S3 [v]x.
+
+        Args:
+            v: Vector (3,), in any unit [-].
+            S3: Symmetric matrix.
+
+        Returns:
+            Matrix (3, 3).
+        """
         return S3.matrix() @ skew(v)
 
     @staticmethod
     def rhsMult(S: Symmetric3, v: Any, out: Floats) -> None:
-        """Writes S v into `out`."""
+        """Writes S v into an array.
+
+        Args:
+            S: Symmetric matrix.
+            v: Vector (3,), in any unit [-].
+            out: Array (3,), which is changed.
+        """
         out[:] = S.matrix() @ vector(v, 3, "v")
 
     def decomposeltI(self) -> Floats:
@@ -123,7 +145,15 @@ class Symmetric3:
         return bool(np.abs(self._d).max() <= prec)
 
     def isApprox(self, other: Symmetric3, prec: float = 1e-12) -> bool:
-        """Whether the entries differ by at most `prec` times their norm."""
+        """Whether the entries agree.
+
+        Args:
+            other: Another matrix.
+            prec: Largest norm of their difference, relative to the norm where that is above 1.
+
+        Returns:
+            Whether they do.
+        """
         return bool(np.linalg.norm(self._d - other._d) <= prec * max(1.0, float(np.linalg.norm(self._d))))
 
     def copy(self) -> Symmetric3:
