@@ -150,6 +150,18 @@ class SphereChecker:
         """
         return self._evaluate("signed", q, moving, np.minimum, 0.0, threads)
 
+    def static_groups(self) -> list[tuple[gap.Kind, tuple[str, ...], Floats, tuple[str, ...]]]:
+        """What the spheres are checked against, where it stands: obstacles, and links that never move.
+
+        Returns:
+            For each formula ("box", "cylinder" or "plane") and set of links: the links' names, the numbers of the
+            parts, shape (parts, numbers) as `clearance.row` has them, and by part its obstacle's or link's name.
+        """
+        return [
+            (kind, links, rows, tuple(part.owner for part, _, _ in parts))
+            for (kind, links, parts), rows in zip(self._groups, self._still, strict=True)
+        ]
+
     # evaluation --------------------------------------------------------------------------------------------
 
     def _evaluate(

@@ -1,0 +1,9 @@
+"""Motion planning: paths among obstacles, proved to touch nothing between their points either."""
+
+from ulna.planning.certificate import Certificate as Certificate
+from ulna.planning.certificate import certify as certify
+from ulna.planning.planner import plan as plan
+from ulna.planning.result import Plan as Plan
+from ulna.planning.tables import scene as scene
+
+__all__ = ["Certificate", "Plan", "certify", "plan", "scene"]

@@ -1,0 +1,94 @@
+"""The result of planning: a path and what is known of it, or why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, final
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.planning.certificate import Certificate
+from ulna.trajectory import Retimed, straight_through, time_optimal
+from ulna.typing import ArrayLike, Floats
+
+Outcome = Literal["solved", "start", "goal", "unreachable", "iterations", "time"]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A path of straight motions from configuration to configuration, or why none was found; true if there is one.
+
+    Attributes:
+        outcome: "solved"; or what stood in the way: the "start" or "goal" touches something or is out of limits, the
+            goal's pose is "unreachable", or the limit of "iterations" or of "time" was reached.
+        reason: The same in words, with links, obstacles, joints and by how much.
+        points: Configurations, shape (n, nq) [rad, m]; none where there is no path.
+        certificate: Which edges are proved free between their points; None where there is no path.
+        goal: Which of the goals was reached; -1 for none.
+        iterations: Samples that the search took.
+        nodes: Configurations in its two trees.
+        step: The longest way that any point of the robot moves between states that the search checked [m].
+        seconds: How long each part took: "prepare", "search", "shorten", "certify" [s].
+        model: The robot's model.
+    """
+
+    outcome: Outcome
+    reason: str
+    points: Floats
+    certificate: Certificate | None
+    goal: int
+    iterations: int
+    nodes: int
+    step: float
+    seconds: Mapping[str, float]
+    model: Any = field(repr=False)
+
+    def __bool__(self) -> bool:
+        return self.outcome == "solved"
+
+    @property
+    def is_certified(self) -> bool:
+        """Whether it is proved that nothing touches anywhere on the path."""
+        return self.certificate is not None and bool(self.certificate)
+
+    @property
+    def cost(self) -> float:
+        """The length of the path in joint space [rad, m]."""
+        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+
+    def trajectory(
+        self,
+        *,
+        velocity: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+    ) -> Retimed:
+        """The fastest motion along the path under limits; it follows the path exactly and rests at its corners.
+
+        Args:
+            velocity: Limits of speed, (), (nq,) or (2, nq) [rad/s, m/s]; None for the model's.
+            acceleration: Limits of acceleration, (), (nq,) or (2, nq) [rad/s^2, m/s^2].
+            torque: Limits of torque, (), (nq,) or (2, nq) [N m, N]; None for the model's.
+
+        Returns:
+            The trajectory; what is certified of the path holds for it.
+
+        Raises:
+            InputError: If there is no path, it has one point only, or no motion keeps the limits.
+        """
+        if not self:
+            raise InputError(f"There is no path to move along: {self.reason}")
+        if len(self.points) < 2:
+            raise InputError("The start is the goal; there is nothing to move.")
+        path = straight_through(self.model, self.points, 1.0)
+        return time_optimal(path, self.model, velocity=velocity, acceleration=acceleration, torque=torque)
+
+    def __repr__(self) -> str:
+        if not self:
+            return f"<no plan: {self.reason}>"
+        proved = "certified" if self.is_certified else "not certified"
+        milliseconds = 1e3 * sum(self.seconds.values())
+        return f"<plan of {len(self.points)} points, length {self.cost:.3g}, {proved}, {milliseconds:.3g} ms>"

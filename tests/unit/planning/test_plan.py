@@ -1,0 +1,357 @@
+"""Planning: what it returns, why it fails, and what its certificate says."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.collision import LinkSpheres, Spheres, World
+from ulna.errors import InputError, ModelError, NonFiniteError, ShapeError
+from ulna.geometry import Box, Cylinder, Geometry, Plane, Sphere
+from ulna.model import Continuous, ModelBuilder, Prismatic, Spherical
+from ulna.planning import certify, edges, plan, scene
+from ulna.spatial import SE3
+
+DOWN = np.array([[1.0, 0, 0, 0.5], [0, -1.0, 0, 0.25], [0, 0, -1.0, 0.35], [0, 0, 0, 1.0]])
+
+
+@cache
+def panda() -> Any:
+    return ulna.load("panda")
+
+
+@cache
+def shelf() -> World:
+    world = World().add("table", Box((1.2, 1.6, 0.04)), (0.5, 0.0, -0.02), touches=["panda_link0"])
+    world = world.add("wall", Box((0.3, 0.02, 0.4)), (0.55, 0.0, 0.2))
+    return world.add("ball", Sphere(0.1), (0.3, -0.5, 0.6)).add(
+        "post", Cylinder(0.04, 0.5), (0.35, 0.45, 0.25)
+    )
+
+
+def left_and_right() -> tuple[Any, Any]:
+    """Configurations on both sides of the wall."""
+    robot = panda()
+    q = [
+        robot.ik(T, robot.configurations["ready"], seed=1).q
+        for T in (DOWN, SE3.from_translation([0, -0.5, 0]).matrix() @ DOWN)
+    ]
+    return q[0], q[1]
+
+
+def test_a_path_around_a_wall_is_certified_and_free_when_sampled_densely() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    p = plan(robot, a, b, world)
+    assert p and p.is_certified and p.outcome == "solved" and p.goal == 0 and p.iterations >= 1
+    np.testing.assert_array_equal(p.points[[0, -1]], [a, b])
+    t = np.linspace(0.0, 1.0, 400)[:, None]
+    for x, y in zip(p.points, p.points[1:], strict=False):
+        assert not robot.collides(x + t * (y - x), world).any()
+    straight = a + t * (b - a)
+    assert robot.collides(straight, world).any()  # or there was nothing to plan
+    assert p.cost == pytest.approx(np.linalg.norm(np.diff(p.points, axis=0), axis=1).sum())
+    assert set(p.seconds) == {"prepare", "search", "shorten", "certify"} and "certified" in repr(p)
+
+
+@pytest.mark.slow
+def test_the_same_seed_returns_the_same_path_also_in_another_process() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    p, again, other = (plan(robot, a, b, world, seed=s) for s in (3, 3, 4))
+    np.testing.assert_array_equal(p.points, again.points)
+    assert p.points.shape != other.points.shape or not np.array_equal(p.points, other.points)
+    code = (
+        "from tests.unit.planning.test_plan import *; a, b = left_and_right(); "
+        "print(plan(panda(), a, b, shelf(), seed=3).points.tobytes().hex())"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120
+    )
+    assert run.stdout.strip() == p.points.tobytes().hex()
+
+
+def test_goals_may_be_several_configurations_and_poses() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    blocked = np.zeros(7)
+    blocked[3] = -0.1
+    p = plan(robot, a, np.stack([blocked + 99.0, b]), world)
+    assert p and p.goal == 1
+    np.testing.assert_array_equal(p.points[-1], b)
+    for goal in (DOWN, SE3.from_matrix(DOWN), DOWN[None]):
+        p = plan(robot, b, goal, world)
+        assert p and p.is_certified
+        np.testing.assert_allclose(robot.fk(p.points[-1]), DOWN, atol=2e-6)
+    p = plan(robot, b, DOWN, world, frame="panda_link8")
+    np.testing.assert_allclose(robot.fk(p.points[-1], "panda_link8"), DOWN, atol=2e-6)
+
+
+def test_the_trajectory_follows_the_path_within_its_limits() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    p = plan(robot, a, b, world)
+    t = p.trajectory(acceleration=5.0)
+    np.testing.assert_allclose([t.start, t.end], [a, b], atol=1e-9)
+    samples = t.sample(n=500)
+    assert np.abs(samples.a).max() <= 5.0 * (1 + 1e-6)
+    assert (np.abs(samples.v) <= robot.limits.velocity * (1 + 1e-6)).all()
+    # each sample lies on an edge of the certified path
+    d = np.full(len(samples.q), np.inf)
+    for x, y in zip(p.points, p.points[1:], strict=False):
+        s = np.clip(((samples.q - x) @ (y - x)) / ((y - x) @ (y - x)), 0.0, 1.0)[:, None]
+        d = np.minimum(d, np.linalg.norm(samples.q - (x + s * (y - x)), axis=1))
+    assert d.max() < 1e-9
+
+
+# why there is no path -------------------------------------------------------------------------------------
+
+
+def test_a_start_or_goal_that_touches_names_both_and_the_depth() -> None:
+    robot = panda()
+    ready = robot.configurations["ready"]
+    low = robot.ik(SE3.from_translation([0, 0, -0.42]).matrix() @ robot.fk(ready), ready).q
+    table = World().add(
+        "table", Box((1.2, 1.6, 0.04)), (0.5, 0.0, 0.1), touches=["panda_link0", "panda_link1"]
+    )
+    p = plan(robot, low, ready, table)
+    assert not p and p.outcome == "start" and not p.is_certified and p.points.shape == (0, 7)
+    assert "at the start 'panda_" in p.reason and "overlaps 'table' by" in p.reason and "mm" in p.reason
+    p = plan(robot, ready, low, table)
+    assert p.outcome == "goal" and "at the goal 'panda_" in p.reason
+    with pytest.raises(InputError, match="There is no path to move along: at the goal"):
+        p.trajectory()
+    folded = np.array([0.0, 1.7, 0.0, -3.0, 0.0, 0.0, 0.0])
+    p = plan(robot, folded, ready)
+    assert p.outcome == "start" and "panda_" in p.reason.split("overlaps")[1]
+
+
+def test_limits_unreachable_poses_and_exhausted_searches_are_named() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    out = a.copy()
+    out[3] = 1.0
+    p = plan(robot, out, b, world)
+    assert p.outcome == "start" and "joint 'panda_joint4' is at 1, its limits are [-3.072, -0.06" in p.reason
+    assert plan(robot, a, out, world).outcome == "goal"
+    far = DOWN.copy()
+    far[0, 3] = 5.0
+    p = plan(robot, a, far, world)
+    assert p.outcome == "unreachable" and "no configuration within the limits" in p.reason
+    apart = World().add("lid", Plane(), (0.0, 0.0, -2.0))
+    assert plan(robot, a, b, apart)
+
+
+def test_limits_of_iterations_and_time() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    p = plan(robot, a, b, world, iterations=1, seed=1)
+    assert p.outcome in ("iterations", "solved")
+    p = plan(robot, a, b, world, timeout=0.0)
+    assert p.outcome == "time" and "no path was found within 0 s" in p.reason
+
+
+def test_start_equal_to_goal_is_a_path_of_one_point() -> None:
+    a, _ = left_and_right()
+    p = plan(panda(), a, a, shelf())
+    assert p and p.is_certified and p.points.shape == (1, 7) and p.cost == 0.0
+    with pytest.raises(InputError, match="The start is the goal"):
+        p.trajectory()
+
+
+def test_wrong_input_is_refused() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    cases: list[tuple[type[Exception], str, tuple[Any, ...], dict[str, Any]]] = [
+        (ShapeError, "`q0` has shape", (a[:5], b), {}),
+        (NonFiniteError, "q0", (a * np.nan, b), {}),
+        (ShapeError, "`goal` has shape", (a, b[:5]), {}),
+        (InputError, "`goal` holds nan", (a, b * np.nan), {}),
+        (InputError, "`frame` says whose pose", (a, b), {"frame": "panda_link8"}),
+        (InputError, "`step` is 0", (a, b), {"step": 0.0}),
+        (InputError, "`margin` is -1", (a, b), {"margin": -1.0}),
+        (InputError, "`timeout` is nan", (a, b), {"timeout": np.nan}),
+    ]
+    for kind, text, (start, goal), options in cases:
+        with pytest.raises(kind, match=text):
+            plan(robot, start, goal, world, **options)
+    with pytest.raises(InputError, match="expected a World"):
+        plan(robot, a, b, "table")  # type: ignore[arg-type]
+    far = World().add("far", Sphere(0.1), (1e4, 0.0, 0.0))
+    with pytest.raises(InputError, match=r"1e\+04 m from the origin"):
+        plan(robot, a, b, far)
+
+
+def test_robots_that_cannot_be_planned_for_are_refused() -> None:
+    b = ModelBuilder("bare")
+    b.add_link("base").add_link("arm")
+    b.add_joint("turn", Continuous((0.0, 0.0, 1.0)), "base", "arm")
+    with pytest.raises(ModelError):
+        plan(ulna.Robot(b.build()), [0.0], [1.0])
+    b = ModelBuilder("ball")
+    b.add_link("base").add_link("arm", collisions=[Geometry("", Box((0.1, 0.1, 0.1)))])
+    b.add_joint("shoulder", Spherical(), "base", "arm")
+    with pytest.raises(InputError, match=r"Joint 'shoulder' is Spherical; planning takes revolute"):
+        plan(ulna.Robot(b.build()), [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0])
+
+
+def test_margins_are_kept() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    p = plan(robot, a, b, world, margin=0.02)
+    assert p and p.is_certified
+    checker = robot.collision_checker(world, method="spheres")
+    t = np.linspace(0.0, 1.0, 200)[:, None]
+    for x, y in zip(p.points, p.points[1:], strict=False):
+        assert (checker.clearance(x + t * (y - x)) > 0.02 - 1e-9).all()
+
+
+def test_spheres_of_the_users_own_are_used() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    fitted = robot.collision_spheres()
+    huge = fitted.replace("panda_hand", np.zeros((1, 3)), np.array([0.6]))
+    p = plan(robot, a, b, world, spheres=huge)
+    assert p.outcome == "start" and "'panda_hand' overlaps" in p.reason
+
+
+def test_joints_without_limits_sliding_joints_and_followers() -> None:
+    b = ModelBuilder("gantry")
+    b.add_link("rail")
+    b.add_link("cart", collisions=[Geometry("", Box((0.1, 0.1, 0.1)), SE3.identity())])
+    b.add_link(
+        "arm", collisions=[Geometry("", Box((0.5, 0.05, 0.05)), SE3.from_translation([0.25, 0.0, 0.2]))]
+    )
+    b.add_joint("slide", Prismatic((1.0, 0.0, 0.0)), "rail", "cart", lower=-1.0, upper=1.0)
+    b.add_joint("turn", Continuous((0.0, 0.0, 1.0)), "cart", "arm")
+    robot = ulna.Robot(b.build())
+    world = World().add("post", Cylinder(0.05, 1.0), (0.0, 0.35, 0.0))
+    p = plan(robot, [-0.6, np.pi / 2], [0.6, np.pi / 2], world)
+    assert p and p.is_certified
+    t = np.linspace(0.0, 1.0, 300)[:, None]
+    for x, y in zip(p.points, p.points[1:], strict=False):
+        assert not robot.collides(x + t * (y - x), world).any()
+
+
+# soundness of the check -----------------------------------------------------------------------------------
+
+
+def checked_states(world: World, count: int = 600) -> tuple[Any, Any, Any]:
+    """Random configurations, whether the machine code says touching, and their clearance in float64."""
+    robot = panda()
+    place = scene(robot.collision_checker(world, method="spheres"))
+    q = np.random.default_rng(7).uniform(robot.limits.lower, robot.limits.upper, size=(count, 7))
+    lanes = place.lanes
+    work = np.zeros((7, lanes), np.float32), np.zeros((place.kernel.sizes[1] // lanes, lanes), np.float32)
+    touching = np.zeros(count, np.float32)
+    edges.which_touch.specialized(W=lanes)(
+        place.kernel, place.tables(0.0), q.astype(np.float32), touching, *work
+    )
+    return q, touching > 0, place.checker.clearance(q)
+
+
+def test_machine_code_never_says_free_where_spheres_touch() -> None:
+    world = (
+        shelf()
+        .add("floor", Plane(), (0.0, 0.0, -0.3))
+        .add(
+            "tilted",
+            Box((0.2, 0.3, 0.1)),
+            SE3.from_translation([-0.4, 0.3, 0.5]) @ SE3.from_rpy([0.3, 0.5, -0.8]),
+        )
+    )
+    _, touching, clearance = checked_states(world)
+    assert 0.1 < touching.mean() < 0.9
+    assert touching[clearance <= 0.0].all()
+    assert not touching[clearance > 3e-4].any()  # the margin for rounding, twice for two links
+
+
+def test_interpreter_and_checked_code_agree_with_machine_code() -> None:
+    robot = panda()
+    place = scene(robot.collision_checker(shelf(), method="spheres"))
+    q = (
+        np.random.default_rng(2)
+        .uniform(robot.limits.lower, robot.limits.upper, size=(4, 7))
+        .astype(np.float32)
+    )
+    lanes = place.lanes
+    which = edges.which_touch.specialized(W=lanes)
+    results = []
+    for call in (which, which.checked, which.interpret):
+        touching = np.zeros(4, np.float32)
+        rows = place.kernel.sizes[1] // lanes
+        call(
+            place.kernel,
+            place.tables(0.0),
+            q,
+            touching,
+            np.zeros((7, lanes), np.float32),
+            np.zeros((rows, lanes), np.float32),
+        )
+        results.append(touching)
+    np.testing.assert_array_equal(results[0], results[1])
+    np.testing.assert_array_equal(results[0], results[2])
+
+
+def test_bounds_of_motion_hold() -> None:
+    """No sphere moves farther than the bound, and no two approach faster."""
+    robot = panda()
+    place = scene(robot.collision_checker(method="spheres"))
+    spheres: Spheres = place.checker.spheres
+    random = np.random.default_rng(4)
+    from ulna.collision.spheres import sphere_centres
+
+    for _ in range(200):
+        a = random.uniform(robot.limits.lower, robot.limits.upper)
+        b = a + random.normal(scale=0.3, size=7)
+        one, two = (sphere_centres(robot.model, q, spheres) for q in (a, b))
+        allowed = place.reach @ np.abs(b - a)
+        for link, most in zip(place.links, allowed, strict=True):
+            assert np.linalg.norm(two[link] - one[link], axis=1).max() <= most + 1e-12
+
+
+def test_certificates_find_what_touches_between_free_points() -> None:
+    robot = panda()
+    a, b = left_and_right()
+    place = scene(robot.collision_checker(shelf(), method="spheres"))
+    certificate = certify(place, np.stack([a, b, b + 0.01]))
+    assert certificate.unproved == (0,) and not certificate
+    thin = World().add("needle", Cylinder(0.002, 0.05), robot.fk(0.5 * (a + b))[:3, 3])
+    place = scene(robot.collision_checker(thin, method="spheres"))
+    assert certify(place, np.stack([a, b])).unproved == (0,)
+    assert certify(place, np.stack([a, a + 0.05]), margin=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+def test_random_problems_are_free_by_coal_between_samples(seed: int) -> None:
+    robot = panda()
+    random = np.random.default_rng(seed)
+    world = World()
+    for k in range(12):
+        T = SE3.from_translation(random.uniform([-0.8, -0.8, 0.0], [0.8, 0.8, 1.0])) @ SE3.from_rpy(
+            random.normal(size=3)
+        )
+        if np.linalg.norm(T.translation[:2]) > 0.3:
+            shape = [Box((0.1, 0.2, 0.05)), Sphere(0.08), Cylinder(0.04, 0.4)][k % 3]
+            world = world.add(f"o{k}", shape, T)
+    solved = 0
+    for k in range(12):
+        q = random.uniform(robot.limits.lower, robot.limits.upper, size=(2, 7))
+        p = plan(robot, q[0], q[1], world, seed=k, timeout=5.0)
+        if not p:
+            assert p.reason
+            continue
+        solved += 1
+        assert p.is_certified
+        t = np.linspace(0.0, 1.0, 150)[:, None]
+        for x, y in zip(p.points, p.points[1:], strict=False):
+            assert not robot.collides(x + t * (y - x), world).any()
+    assert solved >= 1
+    assert isinstance(robot.collision_spheres().links["panda_hand"], LinkSpheres)
