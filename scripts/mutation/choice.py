@@ -25,10 +25,11 @@ def stages(mutant: Mutant, covered: CoverageMap, root: Path, budget: float) -> l
         exact = covered.of_lines(mutant.path, mutant.line, mutant.last_line)
     else:
         exact = covered.of_lines(mutant.path, *(mutant.signature_of or (0, -1)))
-    own = _module(mutant.path)[-1]
+    module = _module(mutant.path)
 
-    def order(test: str) -> tuple[bool, float]:
-        return own not in re.split(r"\W|_", test), covered.seconds(test)
+    def order(test: str) -> tuple[bool, int, float]:
+        words = set(re.split(r"\W|_", test))
+        return module[-1] not in words, -len(words.intersection(module)), covered.seconds(test)
 
     if len(exact) < 12:  # what a fixture runs for all tests of a function is noted at the first of them
         exact |= covered.of_functions(exact)
