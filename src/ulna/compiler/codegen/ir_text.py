@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from math import isnan
 from typing import Literal, final
 
+from ulna.compiler.codegen.instructions import Instructions
+
 DType = Literal["double", "float"]
 BYTES = {"double": 8, "float": 4}
 
@@ -128,25 +130,23 @@ class Lanes:
 
 
 @final
-class Body:
+class Body(Instructions):
     """The lines of one function body; each method appends an instruction and returns its name.
 
     No instruction carries a fast-math flag: error-free transformations would not survive them.
     """
 
     def __init__(self, lanes: Lanes, prefix: str = "t") -> None:
+        super().__init__()
         self.lanes = lanes
         self.prefix = prefix
-        self.lines: list[str] = []
         self.declarations: dict[str, None] = {}
         self._count = 0
 
     def emit(self, instruction: str) -> str:
         """Append `%n = instruction`."""
-        name = f"%{self.prefix}{self._count}"
         self._count += 1
-        self.lines.append(f"  {name} = {instruction}")
-        return name
+        return self.let(f"{self.prefix}{self._count - 1}", instruction)
 
     def _float(self, value: str | float) -> str:
         return value if isinstance(value, str) else self.lanes.constant(value)

@@ -12,6 +12,7 @@ from functools import cache
 import numpy as np
 
 from ulna.compiler.codegen.elementary import OPERATIONS, elementary_ir
+from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.ir_text import IRFunction, Lanes
 from ulna.compiler.codegen.sincos import sincos_ir
 from ulna.compiler.language.graph import Graph, Loop
@@ -55,7 +56,7 @@ def _truth(lay: Lanes, value: bool) -> str:
     return word if lay.lanes == 1 else f"splat (i1 {word})"
 
 
-class Writer:
+class Writer(Instructions):
     """Writes the nodes of one graph, in order, as instructions of one layout."""
 
     def __init__(
@@ -67,23 +68,18 @@ class Writer:
         contract: bool,
         one_sample: bool = False,
     ) -> None:
+        super().__init__()
         self.module, self.graph, self.layout, self.prefix = module, graph, layout, prefix
         self.one_sample = one_sample  # whether all lanes work on one sample
         self.contract = " contract" if contract else ""
-        self.lines: list[str] = []
         self.names: dict[int, str] = {}
         self.rows: dict[str, list[str]] = {}  # pointers to each lane's row of a port, once they are needed
-        self.block = "entry"  # the basic block being written
         self._fresh = 0
 
     def fresh(self, hint: str = "t") -> str:
         """A name that is not in use."""
         self._fresh += 1
         return f"%{self.prefix}{hint}{self._fresh}"
-
-    def write(self, line: str) -> None:
-        """Appends an instruction."""
-        self.lines.append("  " + line)
 
     def assign(self, index: int, text: str) -> None:
         """Appends the instruction whose result is node `index`.
@@ -92,14 +88,7 @@ class Writer:
             index: The node.
             text: The right side of the instruction.
         """
-        name = f"%{self.prefix}v{index}"
-        self.write(f"{name} = {text}")
-        self.names[index] = name
-
-    def open_block(self, label: str) -> None:
-        """Begins a basic block."""
-        self.lines.append(f"{label}:")
-        self.block = label
+        self.names[index] = self.let(f"{self.prefix}v{index}", text)
 
     def nodes(self, order: Sequence[int]) -> None:
         """Writes the nodes that are not written yet."""
@@ -235,7 +224,7 @@ class Writer:
             args: Nodes of the initial state, then of the values that the loop captures.
         """
         lay, tag = self.layout, f"{self.prefix}L{index}"
-        before, head, body, after = self.block, f"{tag}.head", f"{tag}.body", f"{tag}.after"
+        before, head, body, after = self.current_block, f"{tag}.head", f"{tag}.body", f"{tag}.after"
         inner = Writer(self.module, loop.graph, lay, f"{tag}.", bool(self.contract))
         state = [f"%{tag}.x{k}" for k in range(loop.size)]
         following = [f"%{tag}.y{k}" for k in range(loop.size)]
@@ -247,7 +236,7 @@ class Writer:
         names = [*state, *(self.names[a] for a in args[loop.size :])]
         for node, name in zip(loop.graph.inputs, names, strict=True):
             inner.names[node] = name
-        inner.block = head
+        inner.current_block = head
         # Condition and body are one region: lanes that are done compute along and are masked out.
         inner.nodes(loop.graph.live([loop.condition]))
         active, go = f"%{tag}.active", f"%{tag}.go"
@@ -269,7 +258,7 @@ class Writer:
             )
         inner.write(f"%{tag}.n1 = add i64 %{tag}.n, 1")
         inner.write(f"br label %{head}")
-        end = inner.block
+        end = inner.current_block
         self.lines += inner.lines
         lines = [f"%{tag}.n = phi i64 [ 0, %{before} ], [ %{tag}.n1, %{end} ]"]
         lines.append(

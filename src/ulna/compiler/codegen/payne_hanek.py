@@ -8,7 +8,8 @@ arguments near a multiple of pi/2. `scripts/fit_sincos.py --check` verifies the 
 
 from __future__ import annotations
 
-import struct
+from ulna.compiler.codegen.instructions import Instructions
+from ulna.compiler.codegen.ir_text import Lanes
 
 TWO_OVER_PI_BITS = (
     0xA2F9836E4E441529, 0xFC2757D1F534DDC0, 0xDB6295993C439041, 0xFE5163ABDEBBC561,
@@ -22,119 +23,150 @@ TWO_OVER_PI_BITS = (
 HALF_PI_PAIR = (float.fromhex("0x1.921fb54442d18p+0"), float.fromhex("0x1.1a62633145c07p-54"))
 
 NAME = "ulna.reduce.huge"
-SMALLEST = 2.0**16
-"""The least |x| that the function serves."""
+_DOUBLE = Lanes(1, "double")
 
 
-def _literal(value: float) -> str:
-    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+_MODULE = (
+    "declare double @llvm.fma.f64(double, double, double)",
+    "declare i64 @llvm.fshl.i64(i64, i64, i64)",
+    "declare i64 @llvm.ctlz.i64(i64, i1)",
+)
+_RESULT = "{ double, double, i64 }"
 
 
 def huge_reduction() -> tuple[str, ...]:
     """Module-level texts: a table, declarations, and `{double, double, i64} @ulna.reduce.huge(double x)`.
 
-    For |x| >= SMALLEST the results are r, s and k of x = k pi/2 + (r - s), with |r| <= pi/4, |s| below an ULP
+    For |x| >= 2^16 the results are r, s and k of x = k pi/2 + (r - s), with |r| <= pi/4, |s| below an ULP
     of r, and k right modulo 4. An infinity or a NaN gives r = NaN.
     """
     # One word of zeros in front: the window of the smallest arguments begins above the binary point.
     table = ", ".join(f"i64 {word}" for word in (0, *TWO_OVER_PI_BITS))
     size = len(TWO_OVER_PI_BITS) + 1
-    high, low = (_literal(part) for part in HALF_PI_PAIR)
-    returned = "{ double, double, i64 }"
-    lines = [
-        f"define internal {returned} @{NAME}(double %x) noinline cold nounwind {{",
-        "  %bits = bitcast double %x to i64",
-        "  %shifted = lshr i64 %bits, 52",
-        "  %biased = and i64 %shifted, 2047",
-        "  %fraction = and i64 %bits, 4503599627370495",
-        "  %m = or i64 %fraction, 4503599627370496",
-        # |x| = m 2^e, e = biased - 1075. Bits of weight 2^-j count from j = e - 1 on; 64 zeros precede j = 1.
-        "  %start = sub i64 %biased, 1013",
-        "  %word = lshr i64 %start, 6",
-        "  %shift = and i64 %start, 63",
-    ]
-    for k in range(4):
-        lines += [
-            f"  %i{k} = add i64 %word, {k}",
-            f"  %p{k} = getelementptr i64, ptr @{NAME}.table, i64 %i{k}",
-            f"  %w{k} = load i64, ptr %p{k}, align 8",
-        ]
-    lines += [f"  %t{k} = call i64 @llvm.fshl.i64(i64 %w{k}, i64 %w{k + 1}, i64 %shift)" for k in range(3)]
-    # The product m t modulo 2^192, words a0 (high), a1, a2; its value is a 2^-190 quarter turns.
-    lines.append("  %m.wide = zext i64 %m to i128")
-    for k in (1, 2):
-        lines += [
-            f"  %t{k}.wide = zext i64 %t{k} to i128",
-            f"  %product{k} = mul nuw i128 %m.wide, %t{k}.wide",
-            f"  %low{k} = trunc i128 %product{k} to i64",
-            f"  %high{k}.wide = lshr i128 %product{k}, 64",
-            f"  %high{k} = trunc i128 %high{k}.wide to i64",
-        ]
-    lines += [
-        "  %low0 = mul i64 %m, %t0",
-        "  %a1 = add i64 %low1, %high2",
-        "  %carry = icmp ult i64 %a1, %low1",
-        "  %carry.word = zext i1 %carry to i64",
-        "  %a0.part = add i64 %low0, %high1",
-        "  %a0 = add i64 %a0.part, %carry.word",
-        # Without the two whole bits the rest is, in two's complement, the distance to the next quarter turn.
-        "  %whole = lshr i64 %a0, 62",
-        "  %f0 = call i64 @llvm.fshl.i64(i64 %a0, i64 %a1, i64 2)",
-        "  %f1 = call i64 @llvm.fshl.i64(i64 %a1, i64 %low2, i64 2)",
-        "  %f2 = shl i64 %low2, 2",
-        "  %minus = ashr i64 %f0, 63",
-        "  %k.magnitude = sub i64 %whole, %minus",
-        *(f"  %g{k} = xor i64 %f{k}, %minus" for k in range(3)),
-        # No double is nearer than 2^-62 quarter turns to a multiple: the leading one lies in the first word.
-        "  %zeros = call i64 @llvm.ctlz.i64(i64 %g0, i1 false)",
-        "  %h0 = call i64 @llvm.fshl.i64(i64 %g0, i64 %g1, i64 %zeros)",
-        "  %h1 = call i64 @llvm.fshl.i64(i64 %g1, i64 %g2, i64 %zeros)",
-        "  %top = lshr i64 %h0, 11",
-        "  %next.word = call i64 @llvm.fshl.i64(i64 %h0, i64 %h1, i64 53)",
-        "  %next = lshr i64 %next.word, 11",
-        "  %top.float = uitofp i64 %top to double",
-        "  %next.float = uitofp i64 %next to double",
-        # |f| 2^-192 = (top + next 2^-53) 2^(-53 - zeros), in quarter turns.
-        "  %exponent = sub i64 970, %zeros",
-        "  %scale.bits = shl i64 %exponent, 52",
-        "  %scale = bitcast i64 %scale.bits to double",
-        "  %y = fmul double %top.float, %scale",
-        f"  %next.scaled = fmul double %next.float, {_literal(2.0**-53)}",
-        "  %y.low = fmul double %next.scaled, %scale",
-        # Times pi/2, in twice the precision.
-        f"  %r0 = fmul double %y, {high}",
-        "  %r0.minus = fneg double %r0",
-        f"  %r1 = call double @llvm.fma.f64(double %y, double {high}, double %r0.minus)",
-        f"  %r2 = call double @llvm.fma.f64(double %y, double {low}, double %r1)",
-        f"  %r3 = call double @llvm.fma.f64(double %y.low, double {high}, double %r2)",
-        "  %r = fadd double %r0, %r3",
-        "  %r4 = fsub double %r, %r0",
-        "  %s = fsub double %r4, %r3",
-        # Signs: of the distance, and of x.
-        "  %negative = ashr i64 %bits, 63",
-        "  %flip = xor i64 %negative, %minus",
-        "  %flip.sign = shl i64 %flip, 63",
-        "  %r.bits = bitcast double %r to i64",
-        "  %r.flipped = xor i64 %r.bits, %flip.sign",
-        "  %r.signed = bitcast i64 %r.flipped to double",
-        "  %s.bits = bitcast double %s to i64",
-        "  %s.flipped = xor i64 %s.bits, %flip.sign",
-        "  %s.signed = bitcast i64 %s.flipped to double",
-        "  %k.not = xor i64 %k.magnitude, %negative",
-        "  %k = sub i64 %k.not, %negative",
-        "  %finite = icmp ult i64 %biased, 2047",
-        "  %nan = fsub double %x, %x",
-        "  %r.final = select i1 %finite, double %r.signed, double %nan",
-        f"  %result.0 = insertvalue {returned} poison, double %r.final, 0",
-        f"  %result.1 = insertvalue {returned} %result.0, double %s.signed, 1",
-        f"  %result.2 = insertvalue {returned} %result.1, i64 %k, 2",
-        f"  ret {returned} %result.2",
-        "}",
-    ]
+    w = Instructions()
+    w.lines.append(f"define internal {_RESULT} @{NAME}(double %x) noinline cold nounwind {{")
+    _window(w)
+    _product(w)
+    _distance(w)
+    _scaled_distance(w)
+    _times_half_pi(w)
+    _signs_and_return(w)
+    w.lines.append("}")
     return (
         f"@{NAME}.table = internal unnamed_addr constant [{size} x i64] [{table}], align 8",
-        "declare double @llvm.fma.f64(double, double, double)",
-        "declare i64 @llvm.fshl.i64(i64, i64, i64)",
-        "declare i64 @llvm.ctlz.i64(i64, i1)",
-        "\n".join(lines),
+        *_MODULE,
+        w.text(),
+    )
+
+
+def _window(w: Instructions) -> None:
+    """The significand m of |x| = m 2^e, and three words t of 2/pi, from the bit on that matters."""
+    w.write(
+        "%bits = bitcast double %x to i64",
+        "%shifted = lshr i64 %bits, 52",
+        "%biased = and i64 %shifted, 2047",
+        "%fraction = and i64 %bits, 4503599627370495",
+        "%m = or i64 %fraction, 4503599627370496",
+        # e = biased - 1075. Bits of weight 2^-j count from j = e - 1 on; 64 zeros precede j = 1.
+        "%start = sub i64 %biased, 1013",
+        "%word = lshr i64 %start, 6",
+        "%shift = and i64 %start, 63",
+    )
+    for k in range(4):
+        w.let(f"i{k}", f"add i64 %word, {k}")
+        w.let(f"p{k}", f"getelementptr i64, ptr @{NAME}.table, i64 %i{k}")
+        w.let(f"w{k}", f"load i64, ptr %p{k}, align 8")
+    for k in range(3):
+        w.let(f"t{k}", f"call i64 @llvm.fshl.i64(i64 %w{k}, i64 %w{k + 1}, i64 %shift)")
+
+
+def _product(w: Instructions) -> None:
+    """The product m t modulo 2^192, words a0 (high), a1, low2; its value is a 2^-190 quarter turns."""
+    w.let("m.wide", "zext i64 %m to i128")
+    for k in (1, 2):
+        w.let(f"t{k}.wide", f"zext i64 %t{k} to i128")
+        w.let(f"product{k}", f"mul nuw i128 %m.wide, %t{k}.wide")
+        w.let(f"low{k}", f"trunc i128 %product{k} to i64")
+        w.let(f"high{k}.wide", f"lshr i128 %product{k}, 64")
+        w.let(f"high{k}", f"trunc i128 %high{k}.wide to i64")
+    w.write(
+        "%low0 = mul i64 %m, %t0",
+        "%a1 = add i64 %low1, %high2",
+        "%carry = icmp ult i64 %a1, %low1",
+        "%carry.word = zext i1 %carry to i64",
+        "%a0.part = add i64 %low0, %high1",
+        "%a0 = add i64 %a0.part, %carry.word",
+    )
+
+
+def _distance(w: Instructions) -> None:
+    """Without the two whole bits the rest is, in two's complement, the distance to the next quarter turn."""
+    w.write(
+        "%whole = lshr i64 %a0, 62",
+        "%f0 = call i64 @llvm.fshl.i64(i64 %a0, i64 %a1, i64 2)",
+        "%f1 = call i64 @llvm.fshl.i64(i64 %a1, i64 %low2, i64 2)",
+        "%f2 = shl i64 %low2, 2",
+        "%minus = ashr i64 %f0, 63",
+        "%k.magnitude = sub i64 %whole, %minus",
+        *(f"%g{k} = xor i64 %f{k}, %minus" for k in range(3)),
+    )
+
+
+def _scaled_distance(w: Instructions) -> None:
+    """The distance in quarter turns, y + y.low = (top + next 2^-53) 2^(-53 - zeros)."""
+    w.write(
+        # No double is nearer than 2^-62 quarter turns to a multiple: the leading one lies in the first word.
+        "%zeros = call i64 @llvm.ctlz.i64(i64 %g0, i1 false)",
+        "%h0 = call i64 @llvm.fshl.i64(i64 %g0, i64 %g1, i64 %zeros)",
+        "%h1 = call i64 @llvm.fshl.i64(i64 %g1, i64 %g2, i64 %zeros)",
+        "%top = lshr i64 %h0, 11",
+        "%next.word = call i64 @llvm.fshl.i64(i64 %h0, i64 %h1, i64 53)",
+        "%next = lshr i64 %next.word, 11",
+        "%top.float = uitofp i64 %top to double",
+        "%next.float = uitofp i64 %next to double",
+        "%exponent = sub i64 970, %zeros",
+        "%scale.bits = shl i64 %exponent, 52",
+        "%scale = bitcast i64 %scale.bits to double",
+        "%y = fmul double %top.float, %scale",
+        f"%next.scaled = fmul double %next.float, {_DOUBLE.constant(2.0**-53)}",
+        "%y.low = fmul double %next.scaled, %scale",
+    )
+
+
+def _times_half_pi(w: Instructions) -> None:
+    """r - s = (y + y.low) pi/2, in twice the precision."""
+    high, low = map(_DOUBLE.constant, HALF_PI_PAIR)
+    w.write(
+        f"%r0 = fmul double %y, {high}",
+        "%r0.minus = fneg double %r0",
+        f"%r1 = call double @llvm.fma.f64(double %y, double {high}, double %r0.minus)",
+        f"%r2 = call double @llvm.fma.f64(double %y, double {low}, double %r1)",
+        f"%r3 = call double @llvm.fma.f64(double %y.low, double {high}, double %r2)",
+        "%r = fadd double %r0, %r3",
+        "%r4 = fsub double %r, %r0",
+        "%s = fsub double %r4, %r3",
+    )
+
+
+def _signs_and_return(w: Instructions) -> None:
+    """Signs of r, s and k: those of the distance, and of x; nan where x is not finite."""
+    w.write(
+        "%negative = ashr i64 %bits, 63",
+        "%flip = xor i64 %negative, %minus",
+        "%flip.sign = shl i64 %flip, 63",
+    )
+    for name in ("r", "s"):
+        w.let(f"{name}.bits", f"bitcast double %{name} to i64")
+        w.let(f"{name}.flipped", f"xor i64 %{name}.bits, %flip.sign")
+        w.let(f"{name}.signed", f"bitcast i64 %{name}.flipped to double")
+    w.write(
+        "%k.not = xor i64 %k.magnitude, %negative",
+        "%k = sub i64 %k.not, %negative",
+        "%finite = icmp ult i64 %biased, 2047",
+        "%nan = fsub double %x, %x",
+        "%r.final = select i1 %finite, double %r.signed, double %nan",
+        f"%result.0 = insertvalue {_RESULT} poison, double %r.final, 0",
+        f"%result.1 = insertvalue {_RESULT} %result.0, double %s.signed, 1",
+        f"%result.2 = insertvalue {_RESULT} %result.1, i64 %k, 2",
+        f"ret {_RESULT} %result.2",
     )

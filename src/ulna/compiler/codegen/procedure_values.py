@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.node_writer import Module
 from ulna.compiler.codegen.procedure_types import (
     OUT_OF_BOUNDS,
@@ -31,7 +32,7 @@ from ulna.compiler.imperative.types import (
 )  # fmt: skip
 
 
-class ValueWriter:
+class ValueWriter(Instructions):
     """Writes expressions into the function that is being written.
 
     Attributes:
@@ -43,11 +44,11 @@ class ValueWriter:
     """
 
     def __init__(self, module: Module, number_: int, is_checked: bool, contract: bool) -> None:
+        super().__init__()
         self.module, self.number, self.is_checked = module, number_, is_checked
         self.contract = " contract" if contract else ""
         self.names: dict[str, Value] = {}
         self.variables: dict[str, Type] = {}
-        self.lines: list[str] = []
         self.allocas: list[str] = []
         self.result = "i64"
         self._count = 0
@@ -57,19 +58,9 @@ class ValueWriter:
         self._count += 1
         return f"{hint}.{self._count}"
 
-    def write(self, line: str) -> None:
-        """Appends an instruction."""
-        self.lines.append("  " + line)
-
     def emit(self, text: str) -> str:
         """Appends an instruction with a result, and returns its name."""
-        name = f"%{self.fresh()}"
-        self.write(f"{name} = {text}")
-        return name
-
-    def open(self, label: str) -> None:
-        """Begins a basic block."""
-        self.lines.append(f"{label}:")
+        return self.let(self.fresh(), text)
 
     def intrinsic(self, name: str, result: str, *arguments: tuple[str, str]) -> str:
         """A call of an LLVM intrinsic; arguments are pairs of a type and a value.
@@ -115,12 +106,12 @@ class ValueWriter:
         """
         bad, good = self.fresh("bad"), self.fresh("good")
         self.write(f"br i1 {condition}, label %{bad}, label %{good}, !prof !0")
-        self.open(bad)
+        self.open_block(bad)
         for k, detail in enumerate(details):
             place = self.emit(f"getelementptr i64, ptr %fault, i64 {k}")
             self.write(f"store i64 {detail}, ptr {place}")
         self.return_status(str(self.number << 32 | kind << 24 | line))
-        self.open(good)
+        self.open_block(good)
 
     def return_status(self, status: str) -> None:
         """Returns a status without results."""
@@ -192,10 +183,10 @@ class ValueWriter:
         self.allocas.append(f"%{place} = alloca {word(e.type)}")
         self.write(f"br i1 {self.scalar(e.condition)}, label %{yes}, label %{no}")
         for label, branch in ((yes, e.if_true), (no, e.if_false)):
-            self.open(label)
+            self.open_block(label)
             self.write(f"store {word(e.type)} {self.scalar(branch)}, ptr %{place}")
             self.write(f"br label %{after}")
-        self.open(after)
+        self.open_block(after)
         return self.emit(f"load {word(e.type)}, ptr %{place}")
 
     def _field(self, e: t.Field) -> Value:
@@ -347,9 +338,9 @@ class ValueWriter:
         status = result if kind == "i64" else self.emit(f"extractvalue {kind} {result}, 0")
         failed, bad, good = self.emit(f"icmp ne i64 {status}, 0"), self.fresh("bad"), self.fresh("good")
         self.write(f"br i1 {failed}, label %{bad}, label %{good}, !prof !0")
-        self.open(bad)
+        self.open_block(bad)
         self.return_status(status)
-        self.open(good)
+        self.open_block(good)
         return [self.emit(f"extractvalue {kind} {result}, {k + 1}") for k in range(len(instance.results))]
 
 

@@ -194,23 +194,23 @@ class _FunctionWriter(ValueWriter):
         self.write(f"br i1 {self.scalar(s.condition)}, label %{yes}, label %{no}")
         ended = []
         for label, body in ((yes, s.body), (no, s.otherwise)):
-            self.open(label)
+            self.open_block(label)
             ended.append(self.block(body))
             if not ended[-1]:
                 self.write(f"br label %{after}")
         if all(ended):
             return True
-        self.open(after)
+        self.open_block(after)
         return False
 
     def _while(self, s: t.While) -> bool:
         head, body, after = self.fresh("while"), self.fresh("body"), self.fresh("after")
         self.write(f"br label %{head}")
-        self.open(head)
+        self.open_block(head)
         self.write(f"br i1 {self.scalar(s.condition)}, label %{body}, label %{after}")
-        self.open(body)
+        self.open_block(body)
         self._body(s.body, head, after)
-        self.open(after)
+        self.open_block(after)
         if isinstance(s.condition, t.Constant) and not _breaks(s.body):
             self.write("unreachable")
             return True
@@ -223,18 +223,18 @@ class _FunctionWriter(ValueWriter):
         self.allocas.append(f"{counter} = alloca i64")
         self.write(f"store i64 {start}, ptr {counter}")
         self.write(f"br label %{head}")
-        self.open(head)
+        self.open_block(head)
         k = self.emit(f"load i64, ptr {counter}")
         goes_on = self.emit(f"icmp {'slt' if s.step > 0 else 'sgt'} i64 {k}, {stop}")
         self.write(f"br i1 {goes_on}, label %{body}, label %{after}")
-        self.open(body)
+        self.open_block(body)
         self.write(f"store i64 {k}, ptr %{s.name}.v")
         self._body(s.body, following, after)
-        self.open(following)
+        self.open_block(following)
         before = self.emit(f"load i64, ptr {counter}")
         self.write(f"store i64 {self.emit(f'add i64 {before}, {s.step}')}, ptr {counter}")
         self.write(f"br label %{head}")
-        self.open(after)
+        self.open_block(after)
 
     def _body(self, body: Sequence[t.Statement], again: str, after: str) -> None:
         self._loops.append((again, after))

@@ -56,7 +56,7 @@ def _loop(to: Writer, port: str, table: Sequence[Sequence[int]], zero: int | Non
     to.module.declare(f"@{port}.places = private constant {kind} [{', '.join(f'i32 {x}' for x in flat)}]")
     rows = rows_of(to, port)
     before, head, some, none, after = (
-        to.block,
+        to.current_block,
         *(f"{port}.{word}" for word in ("chunk", "some", "none", "end")),
     )
     following = f"{port}.next"

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.module import emit_single
 from ulna.compiler.codegen.target import Target
@@ -57,71 +58,87 @@ def entry_ir(
     Returns:
         The text of the definitions.
     """
-    size = BYTES[element]
-    w: list[str] = []
+    w = Instructions()
     for k, port in enumerate(f.outputs):
         lengths = ", ".join(f"i64 {n}" for n in port.shape) or "i64 0"
-        w.append(f"@lengths{k} = private constant [{max(len(port.shape), 1)} x i64] [{lengths}]")
-    w.append("define ptr @entry(ptr %self, ptr %args, i64 %flagged, ptr %keywords) nounwind {\nentry:")
-    w.append("  %count = and i64 %flagged, 9223372036854775807")
-    w.append(f"  %count.ok = icmp eq i64 %count, {len(f.inputs)}\n  %plain = icmp eq ptr %keywords, null")
-    w.append("  %begin = and i1 %count.ok, %plain")
+        w.lines.append(f"@lengths{k} = private constant [{max(len(port.shape), 1)} x i64] [{lengths}]")
+    w.begin_function("define ptr @entry(ptr %self, ptr %args, i64 %flagged, ptr %keywords) nounwind")
+    _begin(w, f, element)
+    for k, port in enumerate(f.inputs):
+        _check_argument(w, k, port, element, last=k + 1 == len(f.inputs))
+    w.open_block("work")
+    if checked:
+        w.let("invalid", f"call i1 @invalid({_pointers(f.inputs, 'data')})")
+        w.branch("%invalid", "general", "valid")
+        w.open_block("valid")
+    for k, port in enumerate(f.outputs):
+        _make_output(w, k, port, element)
+    w.write(f"call void @one({_pointers(f.inputs, 'data', f.outputs)})")
+    _return(w, f, [_result(w, k, port) for k, port in enumerate(f.outputs)])
+    w.open_block("failed")
+    w.write("ret ptr null")
+    w.open_block("general")
+    w.field("other", "%self", OTHERWISE)
+    w.let("slow", "call ptr %other(ptr %self, ptr %args, i64 %flagged, ptr %keywords)")
+    w.write("ret ptr %slow")
+    w.end_function()
+    _write_work(w, f, checked)
+    if checked:
+        _write_invalid(w, f, element, unit_entries)
+    return emit_single(f, target, element) + w.text()
+
+
+def _begin(w: Instructions, f: Function, element: DType) -> None:
+    """Reads what the call needs of the instance; leaves keywords and other counts of arguments to the general path."""
+    w.let("count", "and i64 %flagged, 9223372036854775807")
+    w.let("count.ok", f"icmp eq i64 %count, {len(f.inputs)}")
+    w.let("plain", "icmp eq ptr %keywords, null")
+    w.let("begin", "and i1 %count.ok, %plain")
     pointers = {"array_type": ARRAY_TYPE, "descriptor": DESCRIPTOR, "array_new": NEW}
     if any(_may_be_number(port, element) for port in f.inputs):
         pointers |= {"float_type": FLOAT, "float64_type": FLOAT64}
     for name, offset in pointers.items():
-        w.append(
-            f"  %{name}.p = getelementptr i8, ptr %self, i64 {offset}\n  %{name} = load ptr, ptr %{name}.p"
-        )
-    w.append(f"  br i1 %begin, label %{'type0' if f.inputs else 'work'}, label %general")
-    for k, port in enumerate(f.inputs):
-        _check_argument(w, k, port, element, last=k + 1 == len(f.inputs))
-    w.append("work:")
-    if checked:
-        w.append(f"  %invalid = call i1 @invalid({_pointers(f.inputs, 'data')})")
-        w.append("  br i1 %invalid, label %general, label %valid\nvalid:")
-    for k, port in enumerate(f.outputs):
-        w.append(
-            f"  %out{k} = call ptr %array_new(ptr %array_type, i32 {len(port.shape)}, ptr @lengths{k}, "
-            f"i32 {TYPE_NUMBER[element]}, ptr null, ptr null, i32 0, i32 0, ptr null)"
-        )
-        w.append(
-            f"  %bad{k} = icmp eq ptr %out{k}, null\n  br i1 %bad{k}, label %failed, label %made{k}\nmade{k}:"
-        )
-        w.append(
-            f"  %res{k}.p = getelementptr i8, ptr %out{k}, i64 {DATA}\n  %res{k} = load ptr, ptr %res{k}.p"
-        )
-    w.append(f"  call void @one({_pointers(f.inputs, 'data', f.outputs)})")
-    results = []
-    for k, port in enumerate(f.outputs):
-        if port.shape:
-            results.append(f"%out{k}")
-        else:  # a number leaves as a NumPy scalar, as from a ufunc
-            w.append(f"  %ret{k}.p = getelementptr i8, ptr %self, i64 {RETURN}")
-            w.append(f"  %ret{k}.f = load ptr, ptr %ret{k}.p\n  %ret{k} = call ptr %ret{k}.f(ptr %out{k})")
-            w.append(f"  %none{k} = icmp eq ptr %ret{k}, null")
-            w.append(f"  br i1 %none{k}, label %failed, label %number{k}\nnumber{k}:")
-            results.append(f"%ret{k}")
-    if f.single:
-        w.append(f"  ret ptr {results[0]}")
-    else:
-        w.append(f"  %tuple_new.p = getelementptr i8, ptr %self, i64 {TUPLE_NEW}")
-        w.append("  %tuple_new = load ptr, ptr %tuple_new.p")
-        w.append(f"  %tuple = call ptr %tuple_new(i64 {len(results)})")
-        w.append("  %bad = icmp eq ptr %tuple, null\n  br i1 %bad, label %failed, label %fill\nfill:")
-        for k, result in enumerate(results):
-            w.append(f"  %item{k} = getelementptr i8, ptr %tuple, i64 {TUPLE_ITEMS + WORD * k}")
-            w.append(f"  store ptr {result}, ptr %item{k}")
-        w.append("  ret ptr %tuple")
-    w.append("failed:\n  ret ptr null\ngeneral:")
-    w.append(f"  %other.p = getelementptr i8, ptr %self, i64 {OTHERWISE}\n  %other = load ptr, ptr %other.p")
-    w.append(
-        "  %slow = call ptr %other(ptr %self, ptr %args, i64 %flagged, ptr %keywords)\n  ret ptr %slow\n}\n"
+        w.field(name, "%self", offset)
+    w.branch("%begin", "type0" if f.inputs else "work", "general")
+
+
+def _make_output(w: Instructions, k: int, port: Port, element: DType) -> None:
+    """Makes array k, and reads where its numbers lie."""
+    w.let(
+        f"out{k}",
+        f"call ptr %array_new(ptr %array_type, i32 {len(port.shape)}, ptr @lengths{k}, "
+        f"i32 {TYPE_NUMBER[element]}, ptr null, ptr null, i32 0, i32 0, ptr null)",
     )
-    _write_work(w, f, checked)
-    if checked:
-        _write_invalid(w, f, element, size, unit_entries)
-    return emit_single(f, target, element) + "\n".join(w)
+    w.branch(w.let(f"bad{k}", f"icmp eq ptr %out{k}, null"), "failed", f"made{k}")
+    w.open_block(f"made{k}")
+    w.field(f"res{k}", f"%out{k}", DATA)
+
+
+def _result(w: Instructions, k: int, port: Port) -> str:
+    """What leaves for output k: the array, or of a number a NumPy scalar, as from a ufunc."""
+    if port.shape:
+        return f"%out{k}"
+    w.let(f"ret{k}.p", f"getelementptr i8, ptr %self, i64 {RETURN}")
+    w.let(f"ret{k}.f", f"load ptr, ptr %ret{k}.p")
+    w.let(f"ret{k}", f"call ptr %ret{k}.f(ptr %out{k})")
+    w.branch(w.let(f"none{k}", f"icmp eq ptr %ret{k}, null"), "failed", f"number{k}")
+    w.open_block(f"number{k}")
+    return f"%ret{k}"
+
+
+def _return(w: Instructions, f: Function, results: Sequence[str]) -> None:
+    """Returns the result, or a tuple of them."""
+    if f.single:
+        w.write(f"ret ptr {results[0]}")
+        return
+    w.field("tuple_new", "%self", TUPLE_NEW)
+    w.let("tuple", f"call ptr %tuple_new(i64 {len(results)})")
+    w.branch(w.let("bad", "icmp eq ptr %tuple, null"), "failed", "fill")
+    w.open_block("fill")
+    for k, result in enumerate(results):
+        place = w.let(f"item{k}", f"getelementptr i8, ptr %tuple, i64 {TUPLE_ITEMS + WORD * k}")
+        w.write(f"store ptr {result}, ptr {place}")
+    w.write("ret ptr %tuple")
 
 
 def _pointers(inputs: Sequence[Port], name: str, outputs: Sequence[Port] = ()) -> str:
@@ -131,27 +148,32 @@ def _pointers(inputs: Sequence[Port], name: str, outputs: Sequence[Port] = ()) -
     )
 
 
-def _write_work(w: list[str], f: Function, checked: bool) -> None:
-    w.append("define i32 @work(ptr %pointers) nounwind {\nentry:")
+def _write_work(w: Instructions, f: Function, checked: bool) -> None:
+    w.begin_function("define i32 @work(ptr %pointers) nounwind")
     names = [f"data{k}" for k in range(len(f.inputs))] + [f"res{k}" for k in range(len(f.outputs))]
     for k, name in enumerate(names):
-        w.append(
-            f"  %{name}.p = getelementptr ptr, ptr %pointers, i64 {k}\n  %{name} = load ptr, ptr %{name}.p"
-        )
+        w.item(name, "%pointers", k)
     if checked:
-        w.append(f"  %invalid = call i1 @invalid({_pointers(f.inputs, 'data')})")
-        w.append("  br i1 %invalid, label %refused, label %valid\nrefused:\n  ret i32 1\nvalid:")
-    w.append(f"  call void @one({_pointers(f.inputs, 'data', f.outputs)})\n  ret i32 0\n}}\n")
+        w.let("invalid", f"call i1 @invalid({_pointers(f.inputs, 'data')})")
+        w.branch("%invalid", "refused", "valid")
+        w.open_block("refused")
+        w.write("ret i32 1")
+        w.open_block("valid")
+    w.write(f"call void @one({_pointers(f.inputs, 'data', f.outputs)})", "ret i32 0")
+    w.end_function()
 
 
 def _write_invalid(
-    w: list[str], f: Function, element: DType, size: int, unit_entries: Sequence[tuple[int, Sequence[int]]]
+    w: Instructions, f: Function, element: DType, unit_entries: Sequence[tuple[int, Sequence[int]]]
 ) -> None:
-    w.append(f"define internal i1 @invalid({_pointers(f.inputs, 'data')}) noinline nounwind {{\nentry:")
-    _check_finite(w, f, element, size)
+    w.begin_function(f"define internal i1 @invalid({_pointers(f.inputs, 'data')}) noinline nounwind")
+    _check_finite(w, f, element)
     for number, (k, entries) in enumerate(unit_entries):
         _check_unit(w, number, k, entries, element)
-    w.append("  ret i1 false\ngeneral:\n  ret i1 true\n}\n")
+    w.write("ret i1 false")
+    w.open_block("general")
+    w.write("ret i1 true")
+    w.end_function()
 
 
 def _may_be_number(port: Port, element: DType) -> bool:
@@ -159,76 +181,77 @@ def _may_be_number(port: Port, element: DType) -> bool:
     return port.shape == () and element == "double"
 
 
-def _check_argument(w: list[str], k: int, port: Port, element: DType, last: bool) -> None:
+def _check_argument(w: Instructions, k: int, port: Port, element: DType, last: bool) -> None:
     """Branches to the general path unless argument k is exactly what the block reads."""
     following = "work" if last else f"type{k + 1}"
-    w.append(
-        f"type{k}:\n  %arg{k}.p = getelementptr ptr, ptr %args, i64 {k}\n  %arg{k} = load ptr, ptr %arg{k}.p"
-    )
-    w.append(f"  %kind{k}.p = getelementptr i8, ptr %arg{k}, i64 8\n  %kind{k} = load ptr, ptr %kind{k}.p")
+    w.open_block(f"type{k}")
+    w.item(f"arg{k}", "%args", k)
+    w.field(f"kind{k}", f"%arg{k}", 8)
     number = _may_be_number(port, element)
     if number:
-        w.append(f"  %value{k} = getelementptr i8, ptr %arg{k}, i64 {VALUE}")
-        w.append(f"  %is.float{k} = icmp eq ptr %kind{k}, %float_type")
-        w.append(f"  %is.float64{k} = icmp eq ptr %kind{k}, %float64_type")
-        w.append(f"  %is.number{k} = or i1 %is.float{k}, %is.float64{k}")
-        w.append(f"  br i1 %is.number{k}, label %ready{k}, label %array{k}\narray{k}:")
-    w.append(f"  %kind{k}.ok = icmp eq ptr %kind{k}, %array_type")
-    w.append(f"  br i1 %kind{k}.ok, label %fields{k}, label %general\nfields{k}:")
-    for name, offset, kind in (
-        ("descr", ARRAY_DESCRIPTOR, "ptr"),
-        ("ndim", NDIM, "i32"),
-        ("flags", FLAGS, "i32"),
-        ("memory" if number else "data", DATA, "ptr"),
-        ("lengths", LENGTHS, "ptr"),
-    ):
-        w.append(f"  %{name}{k}.p = getelementptr i8, ptr %arg{k}, i64 {offset}")
-        w.append(f"  %{name}{k} = load {kind}, ptr %{name}{k}.p")
-    w.append(f"  %descr{k}.ok = icmp eq ptr %descr{k}, %descriptor")
-    w.append(f"  %ndim{k}.ok = icmp eq i32 %ndim{k}, {len(port.shape)}")
-    w.append(f"  %wanted{k} = and i32 %flags{k}, {READABLE}")
-    w.append(f"  %flags{k}.ok = icmp eq i32 %wanted{k}, {READABLE}")
-    w.append(f"  %a{k}.ok = and i1 %descr{k}.ok, %ndim{k}.ok\n  %b{k}.ok = and i1 %a{k}.ok, %flags{k}.ok")
-    w.append(f"  br i1 %b{k}.ok, label %shape{k}, label %general\nshape{k}:")
+        w.let(f"value{k}", f"getelementptr i8, ptr %arg{k}, i64 {VALUE}")
+        w.let(f"is.float{k}", f"icmp eq ptr %kind{k}, %float_type")
+        w.let(f"is.float64{k}", f"icmp eq ptr %kind{k}, %float64_type")
+        w.let(f"is.number{k}", f"or i1 %is.float{k}, %is.float64{k}")
+        w.branch(f"%is.number{k}", f"ready{k}", f"array{k}")
+        w.open_block(f"array{k}")
+    w.let(f"kind{k}.ok", f"icmp eq ptr %kind{k}, %array_type")
+    w.branch(f"%kind{k}.ok", f"fields{k}", "general")
+    _check_array(w, k, port, "memory" if number else "data", f"ready{k}" if number else following)
+    if number:
+        w.open_block(f"ready{k}")
+        w.let(f"data{k}", f"phi ptr [ %value{k}, %type{k} ], [ %memory{k}, %shape{k} ]")
+        w.jump(following)
+
+
+def _check_array(w: Instructions, k: int, port: Port, data: str, following: str) -> None:
+    """Compares type, number of axes, flags and shape of the array that is argument k, and reads where it lies."""
+    w.open_block(f"fields{k}")
+    w.field(f"descr{k}", f"%arg{k}", ARRAY_DESCRIPTOR)
+    w.field(f"ndim{k}", f"%arg{k}", NDIM, "i32")
+    w.field(f"flags{k}", f"%arg{k}", FLAGS, "i32")
+    w.field(f"{data}{k}", f"%arg{k}", DATA)
+    w.field(f"lengths{k}", f"%arg{k}", LENGTHS)
+    w.let(f"descr{k}.ok", f"icmp eq ptr %descr{k}, %descriptor")
+    w.let(f"ndim{k}.ok", f"icmp eq i32 %ndim{k}, {len(port.shape)}")
+    w.let(f"wanted{k}", f"and i32 %flags{k}, {READABLE}")
+    w.let(f"flags{k}.ok", f"icmp eq i32 %wanted{k}, {READABLE}")
+    w.let(f"a{k}.ok", f"and i1 %descr{k}.ok, %ndim{k}.ok")
+    w.let(f"b{k}.ok", f"and i1 %a{k}.ok, %flags{k}.ok")
+    w.branch(f"%b{k}.ok", f"shape{k}", "general")
+    w.open_block(f"shape{k}")
     good = "true"
     for axis, n in enumerate(port.shape):
-        w.append(f"  %n{k}.{axis}.p = getelementptr i64, ptr %lengths{k}, i64 {axis}")
-        w.append(
-            f"  %n{k}.{axis} = load i64, ptr %n{k}.{axis}.p\n  %n{k}.{axis}.ok = icmp eq i64 %n{k}.{axis}, {n}"
-        )
-        w.append(f"  %all{k}.{axis} = and i1 {good}, %n{k}.{axis}.ok")
-        good = f"%all{k}.{axis}"
-    w.append(f"  br i1 {good}, label %{f'ready{k}' if number else following}, label %general")
-    if number:
-        w.append(f"ready{k}:\n  %data{k} = phi ptr [ %value{k}, %type{k} ], [ %memory{k}, %shape{k} ]")
-        w.append(f"  br label %{following}")
+        length = w.item(f"n{k}.{axis}", f"%lengths{k}", axis, "i64")
+        equal = w.let(f"n{k}.{axis}.ok", f"icmp eq i64 {length}, {n}")
+        good = w.let(f"all{k}.{axis}", f"and i1 {good}, {equal}")
+    w.branch(good, following, "general")
 
 
-def _check_finite(w: list[str], f: Function, element: DType, size: int) -> None:
+def _check_finite(w: Instructions, f: Function, element: DType) -> None:
     """x * 0 is nan for nan and inf, and nan survives a sum."""
     total = "0.0"
     for k, port in enumerate(f.inputs):
         for j in range(port.size):
-            w.append(f"  %f{k}.{j}.p = getelementptr {element}, ptr %data{k}, i64 {j}")
-            w.append(f"  %f{k}.{j} = load {element}, ptr %f{k}.{j}.p, align {size}")
-            w.append(f"  %f{k}.{j}.z = fmul {element} %f{k}.{j}, 0.0")
-            w.append(f"  %f{k}.{j}.s = fadd reassoc {element} {total}, %f{k}.{j}.z")
-            total = f"%f{k}.{j}.s"
-    w.append(f"  %infinite = fcmp uno {element} {total}, 0.0")
-    w.append("  br i1 %infinite, label %general, label %finite\nfinite:")
+            w.let(f"f{k}.{j}.p", f"getelementptr {element}, ptr %data{k}, i64 {j}")
+            w.let(f"f{k}.{j}", f"load {element}, ptr %f{k}.{j}.p, align {BYTES[element]}")
+            w.let(f"f{k}.{j}.z", f"fmul {element} %f{k}.{j}, 0.0")
+            total = w.let(f"f{k}.{j}.s", f"fadd reassoc {element} {total}, %f{k}.{j}.z")
+    w.branch(w.let("infinite", f"fcmp uno {element} {total}, 0.0"), "general", "finite")
+    w.open_block("finite")
 
 
-def _check_unit(w: list[str], number: int, k: int, entries: Sequence[int], element: DType) -> None:
+def _check_unit(w: Instructions, number: int, k: int, entries: Sequence[int], element: DType) -> None:
     """The squared length of some entries of input k, whose values `_check_finite` has loaded, must be 1."""
-    total = "0.0"
+    unit, total = f"u{number}", "0.0"
     for j in entries:
-        w.append(f"  %u{number}.{j}.q = fmul {element} %f{k}.{j}, %f{k}.{j}")
-        w.append(f"  %u{number}.{j}.s = fadd {element} {total}, %u{number}.{j}.q")
-        total = f"%u{number}.{j}.s"
-    w.append(f"  %u{number}.d = fsub {element} {total}, 1.0")
+        square = w.let(f"{unit}.{j}.q", f"fmul {element} %f{k}.{j}, %f{k}.{j}")
+        total = w.let(f"{unit}.{j}.s", f"fadd {element} {total}, {square}")
+    w.let(f"{unit}.d", f"fsub {element} {total}, 1.0")
     bound = Lanes(1, element).constant(float(np.float32(UNIT_TOLERANCE)))
-    w.append(f"  %u{number}.over = fcmp ogt {element} %u{number}.d, {bound}")
-    w.append(f"  %u{number}.minus = fneg {element} %u{number}.d")
-    w.append(f"  %u{number}.under = fcmp ogt {element} %u{number}.minus, {bound}")
-    w.append(f"  %u{number}.bad = or i1 %u{number}.over, %u{number}.under")
-    w.append(f"  br i1 %u{number}.bad, label %general, label %unit{number}\nunit{number}:")
+    w.let(f"{unit}.over", f"fcmp ogt {element} %{unit}.d, {bound}")
+    w.let(f"{unit}.minus", f"fneg {element} %{unit}.d")
+    w.let(f"{unit}.under", f"fcmp ogt {element} %{unit}.minus, {bound}")
+    w.let(f"{unit}.bad", f"or i1 %{unit}.over, %{unit}.under")
+    w.branch(f"%{unit}.bad", "general", f"unit{number}")
+    w.open_block(f"unit{number}")
