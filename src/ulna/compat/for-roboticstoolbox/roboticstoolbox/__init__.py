@@ -35,7 +35,7 @@ _MODULE_NAMES = {
     "roboticstoolbox.tools.helpers": ("null", "jsingu", "jacobian_numerical", "hessian_numerical", "Ticker"),
 }  # fmt: skip
 _MODULE_OF = {name: module for module, names in _MODULE_NAMES.items() for name in names}
-_MODULES = ("backends", "ets", "models", "robot", "tools")
+_MODULES = ("backends", "bin", "ets", "models", "robot", "tools")
 _MOBILE = {
     "Bicycle", "BinaryOccupancyGrid", "Bug2", "CurvaturePolyPlanner", "DiffSteer", "DistanceTransformPlanner",
     "DstarPlanner", "DubinsPlanner", "EKF", "LandmarkMap", "LatticePlanner", "NoPathError", "OccupancyGrid",

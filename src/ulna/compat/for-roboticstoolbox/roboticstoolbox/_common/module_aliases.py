@@ -2,48 +2,68 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from collections.abc import Iterable
+from functools import reduce
 from types import ModuleType
 from typing import Any
 
+from roboticstoolbox._common.module_names import ADVICE, CLOSED, PLACES
+
 
 class _AliasModule(ModuleType):
-    """A module whose names are those of `roboticstoolbox`."""
+    """A module whose names are those of `roboticstoolbox`, or those that a table lists for it."""
 
     def __getattr__(self, name: str) -> Any:
+        if name == "__all__":
+            return sorted(PLACES.get(_below(self.__name__), {self.__name__.rpartition(".")[2]: ""}))
         if name.startswith("__"):
             raise AttributeError(name)
-        return public_name(self.__name__, name)
+        return name_in(self.__name__, name)
+
+
+def _below(place: str) -> str:
+    return place.partition(".")[2]
 
 
 def add_module_aliases(package: str, names: Iterable[str]) -> None:
-    """Makes modules of these names importable from a package.
+    """Makes modules importable from a package: those of these names, and those that the table has for it."""
+    listed = [key for key in PLACES if key.startswith(f"{_below(package)}.")]
+    for place in [*(f"{package}.{name}" for name in names), *(f"roboticstoolbox.{key}" for key in listed)]:
+        if place in sys.modules:
+            continue
+        module = _AliasModule(place, f"Names of `roboticstoolbox`, as {place}.")
+        if any(key.startswith(f"{_below(place)}.") for key in PLACES):
+            module.__path__ = []
+        sys.modules[place] = module
 
-    Args:
-        package: Name of the package.
-        names: Names of the modules.
+
+def name_in(place: str, name: str) -> Any:
+    """What a module of the toolbox has under a name.
+
+    Raises:
+        AttributeError: There is no such name; says what to use.
     """
-    for name in names:
-        place = f"{package}.{name}"
-        sys.modules.setdefault(place, _AliasModule(place, f"Names of `roboticstoolbox`, as {place}."))
+    where = PLACES.get(_below(place), {}).get(name)
+    if where:
+        module, _, path = where.partition(":")
+        return reduce(getattr, path.split("."), importlib.import_module(f"roboticstoolbox.{module}"))
+    return public_name(place, name)
 
 
 def public_name(place: str, name: str) -> Any:
-    """The object of that name in `roboticstoolbox`.
-
-    Args:
-        place: Name of the module, for the message.
-        name: Name of the object.
-
-    Returns:
-        The object.
+    """The object of that name in `roboticstoolbox`, or the module of that name below a package.
 
     Raises:
-        AttributeError: There is no such name.
+        AttributeError: There is no such name; says what to use.
     """
     import roboticstoolbox
 
-    if name not in roboticstoolbox.__all__:
-        raise AttributeError(f"module {place!r} has no attribute {name!r}")
-    return getattr(roboticstoolbox, name)
+    if name in roboticstoolbox.__all__ and _below(place) not in CLOSED:
+        return getattr(roboticstoolbox, name)
+    module = sys.modules.get(f"{place}.{name}")
+    if module is not None:
+        return module
+    advice = ADVICE.get(_below(place), "")
+    raise AttributeError(f"module {place!r} has no attribute {name!r}{f': {advice}' if advice else ''}")

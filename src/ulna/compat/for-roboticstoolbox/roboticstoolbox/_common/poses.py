@@ -102,6 +102,13 @@ def along(z: Floats, point: Any) -> Floats:
     return T
 
 
+def rotation_between(a: Any, b: Any) -> Any:
+    """The rotation that takes the direction of one vector (3,) to that of another one, as an SE3."""
+    return _spatialmath().SE3(
+        _spatialmath().SO3.RotatedVector(np.asarray(a, dtype=float), np.asarray(b, dtype=float))
+    )
+
+
 def to_spatial(T: Floats) -> Floats:
     """A pose in the plane (3, 3) as one in space (4, 4); those in space as they are."""
     if T.shape == (4, 4):

@@ -54,7 +54,7 @@ class BaseET:
             axis: "Rx" to "tz"; "R" in the plane; "SE3" or "SE2" with a pose `T`.
             param: A constant [rad or m], number or symbol; the name of a joint such as "q2"; None for a joint.
             axis_func: The matrix as a function of the angle or the distance; that of `axis`.
-            T: A constant pose, (4, 4), or (3, 3) in the plane.
+            T: A constant pose, (4, 4) or (3, 3).
             jindex: Which joint coordinate it takes.
             unit: Of `param`, "rad" or "deg".
             flip: Whether the joint coordinate counts backwards.
@@ -251,9 +251,9 @@ class BaseET:
             out._flip, out._offset = not self._flip, -self._offset
         return out
 
-    def __getattr__(self, name: str) -> Any:
-        advice = ": it is the Toolbox's compiled part; use A(q), or ETS.eval(q)" if name == "fknm" else ""
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{advice}.")
+    fknm = property(
+        lambda self: self, doc="The handle of the Toolbox's compiled functions: the transform itself."
+    )
 
     def _copy(self) -> Self:
         out = object.__new__(type(self))

@@ -153,6 +153,11 @@ class ETS(ChainSolvers, BaseETS):
         """
         return self._compiled(None).jacobm(q, axes)
 
+    @property
+    def _fknm(self) -> ETS:
+        """The handle of the Toolbox's compiled functions: the chain itself."""
+        return self
+
     def replace(self, i: int, axis: str) -> None:
         """Writes the transform at `i` as turns and one about or along another axis.
 

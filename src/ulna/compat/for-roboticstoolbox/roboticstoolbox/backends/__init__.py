@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from roboticstoolbox._common.errors import UnknownOption
+from roboticstoolbox._common.module_aliases import add_module_aliases, public_name
 
 _NAMES = ("swift", "pyplot", "pyplot2")
+add_module_aliases(__name__, ())
 
 
 def load_backend(name: str) -> Any:
@@ -36,4 +38,4 @@ def __getattr__(name: str) -> Any:
         import importlib
 
         return importlib.import_module(f"roboticstoolbox.backends.{name}")
-    raise AttributeError(f"module 'roboticstoolbox.backends' has no attribute {name!r}")
+    return public_name(__name__, name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roboticstoolbox._common.module_aliases import add_module_aliases, public_name
+from roboticstoolbox._common.module_aliases import add_module_aliases, name_in
 
 _MODULES = ("null", "p_servo", "Ticker", "numerical", "jsingu", "params", "plot", "trchain")
 _NAMES = (
@@ -18,4 +18,4 @@ add_module_aliases(__name__, _MODULES)
 
 
 def __getattr__(name: str) -> Any:
-    return public_name(__name__, name)
+    return name_in(__name__, name)

@@ -57,4 +57,23 @@ class URDFRobot(Robot):
             link.robot = self
 
 
+def URDF_file(
+    file: Any, patch: Any = None, extra_packages: dict[str, str] | None = None
+) -> tuple[list[Any], str, Any]:
+    """The links in a URDF or xacro file, as arguments of `Robot`, its name and its path; see `URDFRobot`.
+
+    Args:
+        file: A path, or a name such as "ur5".
+        patch: Not supported; raises InputError.
+        extra_packages: Folders of packages, by name.
+    """
+    robot = URDFRobot(file, patch=patch, extra_packages=extra_packages)
+    return [link.copy() for link in robot.links], robot.name, robot.urdf_filepath
+
+
+def URDF_read(urdf_path: Any, patch: Any = None) -> tuple[list[Any], str, Any]:
+    """The links in a file, its name and its path; see `URDF_file`."""
+    return URDF_file(urdf_path, patch)
+
+
 URDFRobot.URDFRobot = URDFRobot  # the toolbox's module of that name is asked for it

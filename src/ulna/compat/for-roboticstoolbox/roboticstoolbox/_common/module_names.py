@@ -1,0 +1,102 @@
+"""Modules of the Toolbox that scripts import from, and where their names are here.
+
+A place is "module:attribute" below `roboticstoolbox`; names without one are public names of `roboticstoolbox`.
+"""
+
+from __future__ import annotations
+
+_TURNS = {
+    name: f"_ets.elementary_transform:ET.{name}" for name in ("Rx", "Ry", "Rz", "tx", "ty", "tz", "SE3")
+}
+_PLANAR = {name: f"_ets.elementary_transform:ET2.{name}" for name in ("R", "tx", "ty", "SE2")}
+_FIGURES = {"PyPlot": "_plot.figure:PyPlot", "PyPlot2": "_plot.figure:PyPlot2"}
+_TYPES = {name: f"_common.array_types:{name}" for name in ("ArrayLike", "NDArray", "PyArrayLike")}
+
+PLACES: dict[str, dict[str, str]] = {
+    "ets.ET": {"ET": "", **_TURNS},
+    "ets.ET2": {"ET2": "", **_PLANAR},
+    "ets._ET": {
+        "BaseET": "_ets.base_transform:BaseET",
+        "_is_nothing": "_common.symbols:is_nothing",
+        "_parse_joint_descriptor": "_ets.joint_descriptor:parse_joint",
+        "_joint_display_name": "_ets.joint_descriptor:shown_name",
+        "_offset_suffix": "_ets.joint_descriptor:shown_offset",
+        "_resolve_param": "_ets.joint_descriptor:current_name",
+    },
+    "ets._ETS": {"BaseETS": "_ets.sequence:BaseETS"},
+    "ets.ETS": {"ETS": ""},
+    "ets.ETS2": {"ETS2": ""},
+    "ets.fknm": {
+        name: f"_ets.handles:{name}"
+        for name in (
+            "Angle_Axis", "ETS_fkine", "ETS_hessian0", "ETS_hessiane", "ETS_init", "ETS_jacob0", "ETS_jacobe", "ET_T",
+            "IK_GN_c", "IK_LM_c", "IK_NR_c", "r2q",
+        )
+    },
+    "robot.Link": {"Link": "", "Link2": "", "BaseLink": "_links.link:Link"},
+    "robot.Robot": {
+        "Robot": "", "Robot2": "", "BaseRobot": "", "_rotation_between_vectors": "_common.poses:rotation_between",
+    },
+    "robot.BaseRobot": {"BaseRobot": "", "_is_symbolic": "_common.symbols:has_symbols"},
+    "robot.DHRobot": {"DHRobot": "", "SerialLink": ""},
+    "robot.Dynamics": {"DynamicsMixin": "_dynamics.dynamics:Dynamics", "fdyn": "_dynamics.simulation:fdyn"},
+    "robot.RobotKinematics": {"RobotKinematicsMixin": "_kinematics.kinematics:Kinematics"},
+    "robot.RobotPlottingMPL": {"RobotPlottingMPLMixin": "_plot.plotting:Plotting"},
+    "robot.RobotProto": {},
+    "robot.frne": {},
+    "robot.symbolic_ik": {},
+    "robot.symbolic_ik_rr": {"AnalyticIK": "_ik.analytic:AnalyticIK"},
+    "robot.DHFactor": {},
+    "tools": _TYPES,
+    "tools.types": _TYPES,
+    "tools.plot": {
+        "xplot": "",
+        "plane_view": "_plot.views:plane_view",
+        "set_plane_view": "_plot.views:set_plane_view",
+        "apply_block": "_plot.views:apply_block",
+    },
+    "tools.DHFactor": {},
+    "tools.urdf": {},
+    "tools.urdf.urdf": {},
+    "tools.urdf.utils": {},
+    "backends.Connector": {"Connector": "backends._connector:Connector"},
+    "backends.PyPlot.PyPlot": {"PyPlot": _FIGURES["PyPlot"]},
+    "backends.PyPlot.PyPlot2": {"PyPlot2": _FIGURES["PyPlot2"]},
+    "backends.PyPlot.RobotPlot": {},
+    "backends.PyPlot.RobotPlot2": {},
+    "backends.PyPlot.EllipsePlot": {"EllipsePlot": "_plot.ellipsoids:Ellipse"},
+    "bin": {},
+    "bin.rtbtool": {"main": "_common.console_tools:main"},
+    "bin._bintools": {},
+}  # fmt: skip
+
+CLOSED = {
+    "tools.urdf",
+    "tools.urdf.urdf",
+    "tools.urdf.utils",
+    "tools.DHFactor",
+    "robot.DHFactor",
+    "bin._bintools",
+}
+"""Modules whose names mean something else than public names of `roboticstoolbox`."""
+
+_URDF = "`ulna.load(path)`, `models.URDF.URDFRobot(path)` or `Robot.URDF(path)` read a description"
+_PLOTS = "`env.add(robot)` draws a robot in a figure, `env.remove` takes it out"
+ADVICE: dict[str, str] = {
+    "tools.urdf": _URDF,
+    "tools.urdf.urdf": _URDF,
+    "tools.urdf.utils": _URDF,
+    "tools.DHFactor": "the parameters of a chain are `ETS.split('dh')`",
+    "robot.DHFactor": "the parameters of a chain are `ETS.split('dh')`",
+    "robot.frne": "`robot.rne(q, qd, qdd)` is compiled, and `robot.dynchanged()` follows changed links by itself",
+    "robot.symbolic_ik": "`robot.analytic_ik()` returns all configurations for a pose",
+    "robot.symbolic_ik_rr": "`robot.analytic_ik()` returns all configurations for a pose",
+    "robot.RobotProto": "annotate with `roboticstoolbox.Robot`",
+    "robot.IK": "the solvers IK_LM, IK_NR, IK_GN and IK_QP are objects with `solve`",
+    "ets.fknm": "the kernels of a chain are its methods: `ets.eval`, `ets.jacob0`, `robot.fkine_all`",
+    "backends.PyPlot.RobotPlot": _PLOTS,
+    "backends.PyPlot.RobotPlot2": _PLOTS,
+    "backends.PyPlot.EllipsePlot": "`robot.vellipse(q)` and `robot.fellipse(q)` make ellipses for `env.add`",
+    "bin": "the console tools are modules of it, such as `roboticstoolbox.bin.rtbtool`",
+}
+"""What to use in place of names of a module that are not offered."""
