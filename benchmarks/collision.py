@@ -26,8 +26,8 @@ COUNT = 500
 
 def main() -> None:
     robot, world = ulna.load("panda"), scene()
-    exact = robot.collision_checker(world)
-    spheres = robot.collision_checker(world, method="spheres")
+    exact = robot.collision.checker(world)
+    spheres = robot.collision.checker(world, method="spheres")
     twin, geometry = to_pinocchio(robot.model), geometry_model(pin, exact)
     data, found = twin.pin.createData(), geometry.createData()
     tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(twin.pin, geometry, found)
@@ -62,7 +62,7 @@ def main() -> None:
     print(table(title, ("check", "per configuration", "times as fast as pin.computeCollisions"), lines))
     print(f"touching {truth.mean():.3f} of configurations; spheres say touching of {seen.mean():.3f}")
     start, end = q[~truth][:20], q[~truth][20:40]
-    (segment,) = medians([lambda: robot.first_contact(start, end, world)], repeat=3)
+    (segment,) = medians([lambda: robot.collision.first_contact(start, end, world)], repeat=3)
     print(f"first_contact: {shown(segment / 20)} a segment")
 
 

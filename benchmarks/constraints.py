@@ -77,7 +77,7 @@ def compare(
         chosen = {"solver": solver} if solver.mu == 0.0 else {}
 
         def method(chosen=chosen):
-            return robot.constrained_dynamics(q, v, tau, constraints, **chosen)
+            return robot.constraints.forward_dynamics(q, v, tau, constraints, **chosen)
 
         kernel(*one)
         method()

@@ -67,7 +67,7 @@ def peer(robot: ulna.Robot, world: World) -> Callable[[np.ndarray], Any]:
     import roboticstoolbox as rtb
 
     toolbox = rtb.models.Panda().ets()
-    exact = robot.collision_checker(world)
+    exact = robot.collision.checker(world)
     twin, geometry = to_pinocchio(robot.model), geometry_model(pin, exact)
     data, found = twin.pin.createData(), geometry.createData()
     tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(twin.pin, geometry, found)

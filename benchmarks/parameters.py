@@ -66,7 +66,7 @@ def randomised(count: int) -> list[list[str]]:
     rng = np.random.default_rng(0)
     q, v, tau = rng.uniform(-1.0, 1.0, (3, robot.nv))
     scale = rng.uniform(0.8, 1.2, (count, len(robot.joint_names), 1))
-    inertia = (robot.parameters("inertia").reshape(-1, 10) * scale).reshape(count, -1)
+    inertia = (robot.parameters["inertia"].reshape(-1, 10) * scale).reshape(count, -1)
     kernel = robot.kernel("forward_dynamics", parameters=("inertia",))
 
     peer = pin.Model()

@@ -55,19 +55,19 @@ def stand() -> None:
     q = np.concatenate([[0.0, 0.0, 0.4, 0.0, 0.0, 0.0, 1.0], np.tile([0.0, 0.5, -1.0], 4)])
     feet = [PointContact(name) for name in robot.frame_names if name.endswith("_foot")]
 
-    J = robot.constraint_jacobian(q, feet)  # (12, 18)
+    J = robot.constraints.jacobian(q, feet)  # (12, 18)
     weight = robot.gravity_forces(q)
     share = np.linalg.lstsq(J.T[:6], weight[:6], rcond=None)[0]  # feet carry what no joint drives
     tau = weight - J.T @ share
     tau[:6] = 0.0
-    motion = robot.constrained_dynamics(q, np.zeros(18), tau, feet)
+    motion = robot.constraints.forward_dynamics(q, np.zeros(18), tau, feet)
     print(f"weight {robot.total_mass() * 9.81:.2f} N, on the feet {np.round(motion.forces[2::3], 2)} N")
     print(f"fastest acceleration {np.abs(motion.a).max():.1e}, residual {motion.residual:.1e} m/s^2")
 
     falling = np.zeros(18)
     falling[2] = -1.0  # 1 m/s downward
-    landing = robot.impulse_dynamics(q, falling, feet)
-    after = robot.center_of_mass_velocity(q, landing.v)[2]
+    landing = robot.constraints.impulse_dynamics(q, falling, feet)
+    after = robot.centroidal.velocity(q, landing.v)[2]
     print(f"a landing at 1 m/s on soft knees takes {landing.impulses[2::3].sum():.2f} N s", end=", ")
     print(f"and the trunk goes on at {-after:.2f} m/s")
 
@@ -77,7 +77,7 @@ def stand() -> None:
         return tau + pull
 
     run = simulate(robot, q, torque=hold, duration=1.0, dt=2e-3, constraints=feet)
-    drift = robot.constraint_error(run["q"][-1], feet, robot.constraint_anchors(q, feet))
+    drift = robot.constraints.error(run["q"][-1], feet, robot.constraints.anchors(q, feet))
     sway = 1e3 * np.ptp(run["q"][:, 1])
     print(f"pushed, the trunk sways by {sway:.1f} mm, and the feet slide by {np.abs(drift).max():.1e} m")
 
@@ -88,10 +88,10 @@ def swing() -> None:
     loop = [PointLoop("coupler_end", "rocker_end")]
     q = np.array([1.2, -2.0, 0.8])
     for _ in range(20):  # Newton's method closes the loop
-        J = robot.constraint_jacobian(q, loop)
-        q = q - np.linalg.pinv(J, rcond=1e-9) @ robot.constraint_error(q, loop)
+        J = robot.constraints.jacobian(q, loop)
+        q = q - np.linalg.pinv(J, rcond=1e-9) @ robot.constraints.error(q, loop)
     run = simulate(robot, q, duration=3.0, dt=1e-3, method="rk4", constraints=loop, every=10)
-    gap = np.abs(robot.constraint_error(run["q"], loop)).max()
+    gap = np.abs(robot.constraints.error(run["q"], loop)).max()
     energy = robot.mechanical_energy(run["q"], run["v"])
     print(f"linkage: crank swings through {np.ptp(run['q'][:, 0]):.2f} rad, gap {gap:.1e} m", end=", ")
     print(f"energy {energy[0]:.3f} J within {np.ptp(energy):.1e} J")

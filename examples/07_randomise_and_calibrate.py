@@ -27,7 +27,7 @@ def randomise(rng: np.random.Generator, count: int) -> None:
     robot = ulna.load("panda")
     accelerations = robot.kernel("forward_dynamics", parameters=("inertia",))
     scale = rng.uniform(0.8, 1.2, (count, len(robot.joint_names), 1))  # a body that is scaled is still a body
-    inertia = (robot.parameters("inertia").reshape(-1, 10) * scale).reshape(count, -1)
+    inertia = (robot.parameters["inertia"].reshape(-1, 10) * scale).reshape(count, -1)
     q, v = robot.configurations["qr"], np.zeros(robot.nv)
     hold = robot.gravity_forces(q)
     accelerations(q, v, hold, inertia[:1000])  # the first batch compiles the loop over batches

@@ -28,7 +28,7 @@ def main() -> None:
     found = robot.distance(ready, world)
     print("Nearest in the pose 'ready':", found)
     print("  from", found.points[0].round(3), "to", found.points[1].round(3))
-    print("  its gradient by the joints:", robot.distance_gradient(ready, world).round(3))
+    print("  its gradient by the joints:", robot.collision.distance_gradient(ready, world).round(3))
 
     ball = ulna.SE3.from_translation(robot.fk(ready)[:3, 3])
     print("Ball at the tool: touching =", robot.collides(ready, world, moving={"ball": ball}))
@@ -42,7 +42,7 @@ def main() -> None:
     left, right = np.array([low, low])
     left[0], right[0] = 1.2, -0.8
     print("Both ends free:", not robot.collides([left, right], world).any())
-    time = robot.first_contact(left, right, world)
+    time = robot.collision.first_contact(left, right, world)
     print(f"The way between them first touches at {time:.3f} of it")
 
 

@@ -145,7 +145,7 @@ def nearest(robot: ulna.Robot, goals: list[SE3], q0: np.ndarray, world: World, m
     free = [solution.q for solution in found if solution]
     if not free:
         raise SystemExit(f"The goal cannot be reached: {found[0].reason}.")
-    return min(free, key=lambda q: float(robot.configuration_distance(q0, q)))
+    return min(free, key=lambda q: float(robot.configuration_space.distance(q0, q)))
 
 
 def lower(robot: ulna.Robot, q: np.ndarray, world: World) -> trajectory.Trajectory:
@@ -158,7 +158,7 @@ def lower(robot: ulna.Robot, q: np.ndarray, world: World) -> trajectory.Trajecto
 def go(robot: ulna.Robot, q0: np.ndarray, q1: np.ndarray, world: World) -> trajectory.Trajectory:
     """As fast as the arm can, straight if that is free, else over a point above the middle."""
     points = [q0, q1]
-    contact = robot.first_contact(q0, q1, world, margin=0.01)
+    contact = robot.collision.first_contact(q0, q1, world, margin=0.01)
     if np.isfinite(contact):
         x, y, _ = robot.fk(points)[:, :3, 3].mean(axis=0)
         over = SE3.trans(x, y, 0.55) @ DOWN
@@ -172,7 +172,7 @@ def go(robot: ulna.Robot, q0: np.ndarray, q1: np.ndarray, world: World) -> traje
 def checked(robot: ulna.Robot, move: trajectory.Trajectory, world: World) -> trajectory.Trajectory:
     """The motion, if nothing touches on it and it keeps the limits."""
     _, q, _, _ = move.sample(n=101)
-    contact = robot.first_contact(q[:-1], q[1:], world)
+    contact = robot.collision.first_contact(q[:-1], q[1:], world)
     if np.isfinite(contact).any():
         raise SystemExit(f"Something touches at {np.isfinite(contact).argmax()} % of the motion.")
     trajectory.check(robot, move.slowed(1.02)).require()

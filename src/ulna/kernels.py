@@ -1,220 +1,30 @@
 """Where algorithms and the compiler meet: algorithm x model -> kernel, by name, each made once.
 
-A recipe names its array arguments by their sizes and builds, for one model and its options, a plain function of arrays
-out of `ulna.algorithms`; that function is traced and compiled. Kernels are shared between equal models.
+A quantity names its arrays and its algorithm; for one model and one choice of options that is a plain function of
+arrays, which is traced and compiled. Kernels are shared between equal models.
 """
 
 from __future__ import annotations
 
 import weakref
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, final
 
 import numpy as np
 
-from ulna import algorithms
 from ulna import model as models
 from ulna.algorithms.multibody.references import check_reference
 from ulna.compiler import Function, compile, element_of, trace
 from ulna.errors import InputError, UnknownName
-from ulna.model import Frame, Model
-from ulna.recipes import constraints, dynamics, operational
-from ulna.recipes.base import FRAME, IN_FRAME, QQ, QV, QVA, Q, Recipe, Size, frame_of, on_model
-from ulna.recipes.mass import MASS_PARAMETERS, WithMass, check_mass
-from ulna.recipes.size import sized
+from ulna.model import Model
+from ulna.quantities import QUANTITIES, Quantity
+from ulna.quantities.documentation import ARRAYS, Size, with_batch
+from ulna.quantities.mass import MASS_PARAMETERS, check_mass
+from ulna.quantities.part import frozen
+from ulna.quantities.quantity import frame_of
+from ulna.quantities.size import sized
 from ulna.system import forks
-from ulna.typing import Array
-
-
-def _fk(model: Model, frame: Any) -> Callable[..., Any]:
-    if frame == "all":
-        frame = tuple(model.frame_names)
-    if isinstance(frame, tuple):
-        return _stacked_poses(model, [model.frame(name) for name in frame])
-    one = frame_of(model, frame)
-    return lambda q: algorithms.frame_pose(model, q, one).matrix()
-
-
-def _stacked_poses(model: Model, frames: Sequence[Frame]) -> Callable[..., Any]:
-    def poses(q: Array) -> Array:
-        matrices = [T.matrix() for T in algorithms.frame_poses(model, q, frames)]
-        return np.stack(matrices, axis=-3) if matrices else np.zeros((*q.shape[:-1], 0, 4, 4))
-
-    return poses
-
-
-def _link_poses(model: Model) -> Callable[..., Any]:
-    return _stacked_poses(model, [model.frame(name) for name in model.link_names])
-
-
-def _jacobian(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q: algorithms.frame_jacobian(model, q, one, reference)
-
-
-def _jacobian_dot(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q, v: algorithms.frame_jacobian_dot(model, q, v, one, reference)
-
-
-def _hessian(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q: algorithms.frame_hessian(model, q, one, reference)
-
-
-def _velocity(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q, v: algorithms.frame_velocity(model, q, v, one, reference).vector()
-
-
-def _acceleration(model: Model, frame: Any, reference: Any, classical: bool) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q, v, a: algorithms.frame_acceleration(
-        model, q, v, a, one, reference, classical=classical
-    ).vector()
-
-
-def _analytical(model: Model, frame: Any, representation: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q: algorithms.analytical_jacobian(model, q, one, representation)
-
-
-def _manipulability(model: Model, frame: Any, axes: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q: algorithms.manipulability(model, q, one, axes=axes)
-
-
-def _manipulability_gradient(model: Model, frame: Any, axes: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q: algorithms.manipulability_gradient(model, q, one, axes=axes)
-
-
-def _frame_regressor(model: Model, frame: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q, v, a: algorithms.frame_regressor(model, q, v, a, one)
-
-
-def _payload_multiples(model: Model, frame: Any, reference: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q, wrench, limit: algorithms.payload_multiples(model, q, wrench, limit, one, reference)
-
-
-def _velocity_derivatives(model: Model, frame: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q, v: algorithms.frame_velocity_derivatives(model, q, v, one)
-
-
-def _acceleration_derivatives(model: Model, frame: Any) -> Callable[..., Any]:
-    one = frame_of(model, frame)
-    return lambda q, v, a: algorithms.frame_acceleration_derivatives(model, q, v, a, one)
-
-
-RECIPES: dict[str, Recipe] = {
-    "fk": Recipe(_fk, Q, FRAME, "Pose T_world_frame, (4, 4); of several frames, (k, 4, 4)."),
-    "link_poses": Recipe(_link_poses, Q, {}, "Poses T_world_link of all links, (nlinks, 4, 4)."),
-    "jacobian": Recipe(_jacobian, Q, IN_FRAME, "Jacobian of a frame, (6, nv), linear part first."),
-    "jacobian_dot": Recipe(_jacobian_dot, QV, IN_FRAME, "Time derivative of the Jacobian, (6, nv)."),
-    "hessian": Recipe(_hessian, Q, IN_FRAME, "Derivative of the Jacobian by q, (nv, 6, nv)."),
-    "frame_velocity": Recipe(_velocity, QV, IN_FRAME, "Twist of a frame, (6,) [m/s, rad/s]."),
-    "frame_acceleration": Recipe(
-        _acceleration,
-        QVA,
-        {**IN_FRAME, "classical": False},
-        "Acceleration of a frame, (6,) [m/s^2, rad/s^2].",
-    ),
-    "analytical_jacobian": Recipe(
-        _analytical, Q, {**FRAME, "representation": "rpy/xyz"}, "Jacobian with angle rates, (6, nv)."
-    ),
-    "manipulability": Recipe(_manipulability, Q, {**FRAME, "axes": "all"}, "Yoshikawa's manipulability, ()."),
-    "manipulability_gradient": Recipe(
-        _manipulability_gradient, Q, {**FRAME, "axes": "all"}, "Gradient of the manipulability by q, (nv,)."
-    ),
-    "joint_torque_regressor": Recipe(
-        on_model(algorithms.joint_torque_regressor),
-        QVA,
-        {},
-        "Torques by dynamic parameters, (nv, 10 nbodies).",
-    ),
-    "gravity_regressor": Recipe(
-        on_model(algorithms.gravity_regressor), Q, {}, "The same at rest, (nv, 10 nbodies)."
-    ),
-    "static_regressor": Recipe(
-        on_model(algorithms.static_regressor), Q, {}, "Centre of mass by m and m c, (3, 4 nbodies) [1/kg]."
-    ),
-    "frame_regressor": Recipe(
-        _frame_regressor, QVA, FRAME, "Wrench on a body at a frame by its parameters, (6, 10)."
-    ),
-    "kinetic_energy_regressor": Recipe(
-        on_model(algorithms.kinetic_energy_regressor),
-        QV,
-        {},
-        "Kinetic energy by dynamic parameters, (10 nbodies,).",
-    ),
-    "potential_energy_regressor": Recipe(
-        on_model(algorithms.potential_energy_regressor), Q, {}, "Potential energy likewise, (10 nbodies,)."
-    ),
-    "payload_multiples": Recipe(
-        _payload_multiples,
-        (*Q, ("wrench", (6,)), ("limit", "nv")),
-        IN_FRAME,
-        "How many times a wrench each joint can hold at a frame, (nv,).",
-    ),
-    "centroidal_derivatives": Recipe(
-        on_model(algorithms.centroidal_derivatives),
-        QVA,
-        {},
-        "Derivatives of the centroidal momentum by q, and of its rate by q, v and a, (6, nv) each.",
-    ),
-    "com_velocity_derivatives": Recipe(
-        on_model(algorithms.com_velocity_derivatives),
-        QV,
-        {},
-        "Derivatives of the velocity of the centre of mass by q and v, (3, nv) each.",
-    ),
-    "frame_velocity_derivatives": Recipe(
-        _velocity_derivatives,
-        QV,
-        FRAME,
-        'Derivatives of the twist of a frame, in "local", by q and v, (6, nv) each.',
-    ),
-    "frame_acceleration_derivatives": Recipe(
-        _acceleration_derivatives,
-        QVA,
-        FRAME,
-        'Derivatives of the spatial acceleration of a frame, in "local", by q, v and a, (6, nv) each.',
-    ),
-    "integrate": Recipe(
-        on_model(algorithms.integrate), QV, {}, "Configuration reached from q by the step v."
-    ),
-    "difference": Recipe(
-        on_model(algorithms.difference), QQ, {}, "The step that leads from q0 to q1, (nv,)."
-    ),
-    "interpolate": Recipe(
-        on_model(algorithms.interpolate),
-        (*QQ, ("t", ())),
-        {},
-        "Point at t on the geodesic from q0 to q1, (nq,).",
-    ),
-    "normalize": Recipe(on_model(algorithms.normalize), Q, {}, "q with unit quaternions, (nq,)."),
-    "distance": Recipe(on_model(algorithms.distance), QQ, {}, "Length of the difference, ()."),
-    "squared_distance": Recipe(on_model(algorithms.squared_distance), QQ, {}, "Its square, joint by joint."),
-    "integrate_derivatives": Recipe(
-        on_model(algorithms.integrate_derivatives),
-        QV,
-        {},
-        "Derivatives of integrate by q and v, (nv, nv) each.",
-    ),
-    "difference_derivatives": Recipe(
-        on_model(algorithms.difference_derivatives),
-        QQ,
-        {},
-        "Derivatives of difference by q0 and q1, (nv, nv) each.",
-    ),
-    **constraints.RECIPES,
-    **dynamics.RECIPES,
-    **operational.RECIPES,
-}
 
 _SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "first_contact")
 
@@ -226,23 +36,35 @@ _lock = forks.lock(forks.RECIPES)
 
 
 def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), **options: Any) -> Function:
-    """The traced function of recipe `name` for `model`; see `kernel` for the arguments and errors."""
-    recipe, chosen = _choose(name, options)
+    """The traced function of a quantity for a model.
+
+    Args:
+        model: The robot's model.
+        name: As for `kernel`.
+        parameters: As for `kernel`.
+        **options: As for `kernel`.
+
+    Returns:
+        The function, before compilation.
+
+    Raises:
+        UnknownName: As from `kernel`.
+    """
+    quantity, chosen = _choose(name, options)
     names = _parameter_names(model, parameters)
-    arguments = (*recipe.arguments, *recipe.more(chosen))
-    shapes: dict[str, Any] = {key: _shape(model, size) for key, size in arguments}
-    doc = f"{recipe.doc} Robot: {model.name}."
+    shapes: dict[str, Any] = {key: _shape(model, size) for key, size in quantity.arguments(chosen)}
+    doc = f"{quantity.summary} Returns {with_batch(quantity.result)}. Robot: {model.name}."
     if not names:
-        with sized(model, name, chosen):
-            return trace(recipe.build(model, **chosen), name=name, doc=doc, **shapes)
+        with sized(model, quantity, chosen):
+            return trace(quantity.build(model, **chosen), name=name, doc=doc, **shapes)
 
     def run(*arrays: Any) -> Any:
         values = dict(zip(names, arrays[len(shapes) :], strict=True))
-        return recipe.build(models.with_parameters(model, values), **chosen)(*arrays[: len(shapes)])
+        return quantity.build(models.with_parameters(model, values), **chosen)(*arrays[: len(shapes)])
 
     doc += f" Parameters: {', '.join(names)}."
     extra: dict[str, Any] = {key: models.parameters(model, key).shape for key in names}
-    with sized(model, name, chosen):
+    with sized(model, quantity, chosen):
         return trace(run, name=name, doc=doc, **shapes, **extra)
 
 
@@ -255,28 +77,31 @@ def kernel(
     parameters: str | Sequence[str] = (),
     **options: Any,
 ) -> Any:
-    """The compiled kernel of recipe `name` for `model`.
+    """The compiled kernel of a quantity for a model.
 
     Args:
         model: The robot's model; its parameters become constants of the code.
-        name: A key of `RECIPES`.
+        name: A key of `QUANTITIES`.
         dtype: float64 or float32.
         checked: Whether nan and inf in the inputs raise NonFiniteError, and quaternions that are not unit InputError.
         parameters: Names of model parameters that become further arguments instead, in this order, after the
             others; see `ulna.model.parameters`. They broadcast like all arguments.
-        **options: Options of the recipe, such as `frame` and `reference`.
+        **options: Options of the quantity, such as `frame` and `reference`.
+
+    Returns:
+        The kernel; see `ulna.compiler.compile`. Equal models share it.
 
     Raises:
         UnknownName: For an unknown kernel, parameter, option, frame or reference; names the nearest.
     """
-    recipe, chosen = _choose(name, options)
+    quantity, chosen = _choose(name, options)
     names = _parameter_names(model, parameters)
     key = (model.fingerprint, name, element_of(dtype).name, checked, names, tuple(chosen.items()))
     with _lock:
         compiled = _made.get(key)
         if compiled is None:
-            unit = _quaternions(model, name) if checked else ()
-            if isinstance(recipe.build, WithMass) and not MASS_PARAMETERS & set(names):
+            unit = _quaternions(model, quantity) if checked else ()
+            if quantity.inverts_mass and not MASS_PARAMETERS & set(names):
                 check_mass(model, element_of(dtype).name)
             traced = function(model, name, parameters=names, **chosen)
             compiled = _made[key] = compile(traced, dtype=dtype, checked=checked, unit_entries=unit)
@@ -294,17 +119,32 @@ def _parameter_names(model: Model, parameters: str | Sequence[str]) -> tuple[str
     return names
 
 
-def _quaternions(model: Model, name: str) -> tuple[tuple[int, tuple[int, ...]], ...]:
+def _quaternions(model: Model, quantity: Quantity) -> tuple[tuple[int, tuple[int, ...]], ...]:
     """Where configurations among the arguments hold quaternions; nowhere for `normalize`, which normalises them."""
-    if name == "normalize":
+    if quantity.name == "normalize":
         return ()
-    inputs = [number for number, (_, size) in enumerate(RECIPES[name].arguments) if size == "nq"]
+    inputs = [number for number, array in enumerate(quantity.arrays) if ARRAYS[array].size == "nq"]
     return tuple((number, entries) for number in inputs for entries in model.quaternions)
 
 
 def shapes_for(model: Model, names: Sequence[str], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Shapes of a user's arguments: q, q0, q1 as configurations, v, a, tau, qd, qdd as velocities, else as given."""
-    sizes = {"q": "nq", "q0": "nq", "q1": "nq"} | {n: "nv" for n in ("v", "a", "tau", "qd", "qdd")}
+    """Shapes of the arguments of a user's function: those of q, q0, q1, v, a, tau, qd, qdd are known, others given.
+
+    Args:
+        model: The robot.
+        names: The names of the arguments.
+        given: Shapes by name; they count also where they are known.
+
+    Returns:
+        The shape of each argument.
+
+    Raises:
+        UnknownName: If a shape is not known, or one is given for another name.
+    """
+    sizes = {name: ARRAYS[name].size for name in ("q", "q0", "q1", "v", "a", "tau")} | {
+        "qd": "nv",
+        "qdd": "nv",
+    }
     for name in given:
         if name not in names:
             raise UnknownName("argument of the function", name, names)
@@ -317,24 +157,21 @@ def shapes_for(model: Model, names: Sequence[str], given: Mapping[str, Any]) -> 
     return shapes
 
 
-def _choose(name: str, options: Mapping[str, Any]) -> tuple[Recipe, dict[str, Any]]:
-    recipe = RECIPES.get(name)
-    if recipe is None:
+def _choose(name: str, options: Mapping[str, Any]) -> tuple[Quantity, dict[str, Any]]:
+    """The quantity of that name, and all its options: those that are given, and the default values of the others."""
+    quantity = QUANTITIES.get(name)
+    if quantity is None:
         search = (
             f"robot.{name} is a method that searches; no kernel stands for it." if name in _SEARCHES else ""
         )
-        raise UnknownName("kernel", name, RECIPES, search)
+        raise UnknownName("kernel", name, QUANTITIES, search)
     for key in options:
-        if key not in recipe.options:
-            raise UnknownName(f"option of kernel {name!r}", key, recipe.options)
-    chosen = {key: _hashable(options.get(key, default)) for key, default in recipe.options.items()}
+        if key not in quantity.options:
+            raise UnknownName(f"option of kernel {name!r}", key, quantity.options)
+    chosen = {key: frozen(options.get(key, default)) for key, default in quantity.options.items()}
     if "reference" in chosen:
         check_reference(chosen["reference"])
-    return recipe, chosen
-
-
-def _hashable(value: Any) -> Any:
-    return tuple(value) if isinstance(value, (list, np.ndarray)) else value
+    return quantity, chosen
 
 
 def _shape(model: Model, size: Size) -> tuple[int, ...]:
@@ -342,4 +179,26 @@ def _shape(model: Model, size: Size) -> tuple[int, ...]:
     return tuple(getattr(model, n) if isinstance(n, str) else n for n in sizes)
 
 
-__all__ = ["RECIPES", "Recipe", "frame_of", "function", "kernel", "shapes_for"]
+@final
+class CheckedKernels(dict[Any, Any]):
+    """The kernels of one model that check their inputs, by name or (name, option, ...); made when first asked for.
+
+    A look into a dictionary is all that a call costs beyond the kernel. Options are in the order of the quantity's.
+    """
+
+    __slots__ = ("model",)
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+
+    def __missing__(self, key: Any) -> Any:
+        name, *values = (key,) if isinstance(key, str) else key
+        options = dict(zip(QUANTITIES[name].options, values, strict=False))
+        made = self[key] = kernel(self.model, name, checked=True, **options)
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return CheckedKernels, (self.model,)
+
+
+__all__ = ["QUANTITIES", "CheckedKernels", "frame_of", "function", "kernel", "shapes_for"]

@@ -15,18 +15,21 @@ from ulna.compiler import Function, trace
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import Explained, explained
-from ulna.methods.base import Plain, key_of
 from ulna.methods.branches import Branching
-from ulna.methods.configurations import ConfigurationSpace
-from ulna.methods.constraints import Constraints
-from ulna.methods.derivatives import Derivatives
-from ulna.methods.dynamics import Dynamics
+from ulna.methods.collision import Collision
+from ulna.methods.former_names import FormerNames
 from ulna.methods.free import FreeInverseKinematics
-from ulna.methods.kinematics import Kinematics
-from ulna.methods.operational import Operational
-from ulna.methods.regressors import Regressors
+from ulna.methods.parameters import Parameters
 from ulna.methods.variants import Variants
 from ulna.model import Model
+from ulna.quantities.centroidal import Centroidal
+from ulna.quantities.configurations import Configurations, ConfigurationSpace
+from ulna.quantities.constraints import Constraints
+from ulna.quantities.derivatives import Derivatives
+from ulna.quantities.dynamics import Dynamics
+from ulna.quantities.kinematics import Kinematics
+from ulna.quantities.operational_space import OperationalSpace
+from ulna.quantities.regressors import Regressors
 from ulna.typing import ArrayLike, Floats
 
 
@@ -54,18 +57,15 @@ class Limits:
 
 
 @final
-@explained("robot")
+@explained("robot", unlisted=[name for name in vars(FormerNames) if not name.startswith("_")])
 class Robot(
     Kinematics,
-    ConfigurationSpace,
+    Configurations,
     Dynamics,
-    Operational,
-    Constraints,
-    Derivatives,
     FreeInverseKinematics,
     Branching,
-    Regressors,
     Variants,
+    FormerNames,
     metaclass=Explained,
 ):
     """A robot: its model, and its kernels compiled when first used.
@@ -74,12 +74,27 @@ class Robot(
     axes, and returns NumPy arrays. Inputs are checked: a wrong shape, a name that does not exist, nan or inf raise an
     error that says how to fix it. For hot loops take the bare kernel with `kernel`.
 
+    What is used less often is in groups: `centroidal`, `collision`, `configuration_space`, `constraints`,
+    `derivatives`, `operational_space`, `parameters`, `regressors`.
+
     Frames are named; the default is the tool. References of velocities and Jacobians, with the twist's linear part
     first: "world" (of the point at the world's origin, world axes), "local" (frame's origin and axes),
     "local_world_aligned" (frame's origin, world axes; the default).
     """
 
-    __slots__ = ("_fk", "_jacobian", "_kernels", "_plain", "_solvers", "limits", "model")
+    __slots__ = {
+        "_fk": "Kernels of `fk` by frames.",
+        "_jacobian": "Kernels of `jacobian` by reference and frame.",
+        "centroidal": "Motion of the centre of mass, momentum and inertia about it: `ulna.quantities.centroidal`.",
+        "collision": "Collision checkers, first contacts, covering spheres: `ulna.methods.collision`.",
+        "configuration_space": "Distances of configurations, normalisation: `ulna.quantities.configurations`.",
+        "constraints": "Contacts, closed loops, impacts: `ulna.quantities.constraints`.",
+        "derivatives": "Derivatives by state, acceleration and torques: `ulna.quantities.derivatives`.",
+        "limits": "Limits of positions, speeds and torques: `Limits`.",
+        "operational_space": "Dynamics at a frame: `ulna.quantities.operational_space`.",
+        "parameters": "Numbers of the model that can be inputs of kernels: `ulna.methods.parameters`.",
+        "regressors": "Matrices that map dynamic parameters to torques and energies: `ulna.quantities.regressors`.",
+    }
 
     def __init__(self, model: Model) -> None:
         if not isinstance(model, Model):
@@ -87,15 +102,21 @@ class Robot(
                 f"`model` is of type {type(model).__name__}; expected a Model. ulna.load(name_or_path) makes a "
                 "Robot of a name or a file; a Robot needs no other."
             )
-        self.model = model
+        shared = model, kernels.CheckedKernels(model), {}
+        super().__init__(*shared)
+        self._fk: dict[Any, Any] = {}
+        self._jacobian: dict[Any, Any] = {}
         self.limits = Limits(
             model.lower_position, model.upper_position, model.velocity_limit, model.effort_limit
         )
-        self._kernels: dict[Any, Any] = {}
-        self._plain = Plain(model)
-        self._fk: dict[Any, Any] = {}
-        self._jacobian: dict[Any, Any] = {}
-        self._solvers: dict[Any, Any] = {}
+        self.centroidal = Centroidal(*shared)
+        self.collision = Collision(*shared)
+        self.configuration_space = ConfigurationSpace(*shared)
+        self.constraints = Constraints(*shared)
+        self.derivatives = Derivatives(*shared)
+        self.operational_space = OperationalSpace(*shared)
+        self.parameters = Parameters(*shared)
+        self.regressors = Regressors(*shared)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Robot, (self.model,)
@@ -165,7 +186,7 @@ class Robot(
         `checked`. It has `.operations`, `.graph`, `.ir()`, `.asm()`, `.jacobian()` and `.gufunc`.
 
         With `parameters=("inertia", "placement")` those numbers of the model are further arguments at the end, so that
-        one kernel serves a batch of robots; `robot.parameters("inertia")` is what this robot has for them.
+        one kernel serves a batch of robots; `robot.parameters["inertia"]` is what this robot has for them.
 
         Raises:
             UnknownName: If there is no such kernel, option or frame.
@@ -175,13 +196,6 @@ class Robot(
     def function(self, name: str, **options: Any) -> Function:
         """The traced function of a quantity, before compilation."""
         return kernels.function(self.model, name, **options)
-
-    def _checked(self, name: str, **options: Any) -> Any:
-        key = (name, *options, *(key_of(v) for v in options.values()))
-        kernel = self._kernels.get(key)
-        if kernel is None:
-            kernel = self._kernels[key] = self.kernel(name, checked=True, **options)
-        return kernel
 
 
 def compile(

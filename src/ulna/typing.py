@@ -13,4 +13,7 @@ Array: TypeAlias = NDArray[Any]
 Floats: TypeAlias = NDArray[np.float64]
 """A float64 array."""
 
-__all__ = ["Array", "ArrayLike", "Floats"]
+Numbers: TypeAlias = np.float64 | NDArray[np.float64]
+"""A float64 number of one configuration, an array of them of a batch."""
+
+__all__ = ["Array", "ArrayLike", "Floats", "Numbers"]

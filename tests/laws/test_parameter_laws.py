@@ -68,13 +68,13 @@ def close(actual: Any, expected: Any, tolerance: float = 1e-10) -> None:
         np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=tolerance * scale)
 
 
-@pytest.mark.parametrize("recipe", kernels.RECIPES)
+@pytest.mark.parametrize("recipe", kernels.QUANTITIES)
 def test_every_kernel_with_the_models_own_numbers_is_the_baked_one(recipe: str) -> None:
     model = tree("mimics")
     options: dict[str, Any] = {"friction": True} if recipe in DYNAMIC else {}
     if recipe.startswith("operational"):
         options = {"damping": 0.1}
-    if "constraints" in kernels.RECIPES[recipe].options:
+    if "constraints" in kernels.QUANTITIES[recipe].options:
         options = {"constraints": [PointContact("tip")]}
     baked = kernels.function(model, recipe, **options)
     told = kernels.function(model, recipe, parameters=EVERY, **options)

@@ -31,17 +31,17 @@ def test_fk_of_the_tool_as_recorded(panda: ulna.Robot, qr: np.ndarray) -> None:
     np.testing.assert_allclose(T[0, :3], [0.9950041652780257, 0.0, 0.09983341664682799], atol=1e-15)
 
 
-@pytest.mark.parametrize("name", kernels.RECIPES)
+@pytest.mark.parametrize("name", kernels.QUANTITIES)
 def test_every_kernel_equals_its_algorithm_on_floats_and_in_batches(panda: ulna.Robot, name: str) -> None:
     rng = np.random.default_rng(3)
-    recipe = kernels.RECIPES[name]
+    quantity = kernels.QUANTITIES[name]
     size = {"nq": panda.nq, "nv": panda.nv}
-    chosen = {"constraints": (PointContact("panda_hand"),)} if "constraints" in recipe.options else {}
-    options = {**recipe.options, **chosen}
-    arguments = (*recipe.arguments, *recipe.more(options))
+    chosen = {"constraints": (PointContact("panda_hand"),)} if "constraints" in quantity.options else {}
+    options = {**quantity.options, **chosen}
+    arguments = quantity.arguments(options)
     shapes = [tuple(size.get(n, n) for n in ((s,) if isinstance(s, str) else s)) for _, s in arguments]
     batch = [rng.uniform(0.1, 1.0, (13, *shape)) for shape in shapes]
-    plain = recipe.build(panda.model, **options)
+    plain = quantity.build(panda.model, **options)
     kernel = panda.kernel(name, **chosen)
     expected = plain(*batch)
     got = kernel(*batch)

@@ -269,7 +269,7 @@ def _own_kernel(what: What, model: Model, spheres: Spheres, pairs: tuple[LinkPai
     if len(couples) > MOST_COUPLES:
         raise InputError(
             f"{model.name!r} would check {len(couples):,} pairs of its own spheres, more than the {MOST_COUPLES:,} "
-            "that compile in seconds. Take coarser spheres (spheres=robot.collision_spheres(tolerance=0.05, most=4)), "
+            "that compile in seconds. Take coarser spheres (spheres=robot.collision.spheres(tolerance=0.05, most=4)), "
             "name the links that matter (pairs=...), or ask coal (method='exact')."
         )
 

@@ -27,9 +27,9 @@ from ulna import algorithms
 from ulna.algorithms.dynamics.operational_space import Task
 from ulna.control.bounds import within_effort
 from ulna.errors import InputError
+from ulna.kernels import frame_of
 from ulna.linalg import solve_spd
 from ulna.numeric import vector
-from ulna.recipes.base import frame_of
 from ulna.robot import Robot, compile
 from ulna.spatial import so3_log
 from ulna.typing import Array

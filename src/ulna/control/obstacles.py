@@ -63,7 +63,7 @@ def obstacle_rows(
         twists: How obstacles move, by name: twists (6,) of their origins in world axes, linear part first
             [m/s, rad/s]. A row may then ask for retreat, faster than the robot can perhaps.
         count: Exactly so many rows, by rows of zeros; None for as many as there are.
-        **options: Of `robot.collision_checker`: pairs, without, convex, missing.
+        **options: Of `robot.collision.checker`: pairs, without, convex, missing.
 
     Returns:
         A (k, nv) and b (k,), one row for each two that are near: obstacles first, the nearest first.
@@ -79,7 +79,7 @@ def obstacle_rows(
             raise UnknownName("obstacle", name, () if world is None else world.names)
     A, b = [], []
     if world is not None:
-        checker = robot.collision_checker(world, **{**options, "pairs": ()})
+        checker = robot.collision.checker(world, **{**options, "pairs": ()})
         for item in checker.nearest(q, moving, within=influence):
             A.append(-item.gradient)
             b.append(
@@ -90,7 +90,7 @@ def obstacle_rows(
         if "without" in options:
             links = set(robot.link_names)
             options["without"] = [pair for pair in options["without"] if links.issuperset(pair)]
-        for item in robot.collision_checker(**options).nearest(q, within=own[0]):
+        for item in robot.collision.checker(**options).nearest(q, within=own[0]):
             A.append(-item.gradient)
             b.append(_approach(item, *own, gain))
     if count is not None and len(b) > count:

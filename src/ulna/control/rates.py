@@ -15,8 +15,8 @@ from typing import Any
 from ulna import algorithms
 from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.control.bounds import within_speed
+from ulna.kernels import frame_of
 from ulna.linalg import solve_damped
-from ulna.recipes.base import frame_of
 from ulna.robot import Robot, compile
 from ulna.typing import Array
 

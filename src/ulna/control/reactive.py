@@ -23,7 +23,7 @@ import numpy as np
 from ulna import algorithms, numeric
 from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.ik.qp import solve_box, solve_rows
-from ulna.recipes.base import frame_of
+from ulna.kernels import frame_of
 from ulna.robot import Robot, compile
 from ulna.typing import Array, ArrayLike, Floats
 

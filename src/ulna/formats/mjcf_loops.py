@@ -25,7 +25,7 @@ def loops_from_mjcf(
     There are none where the file disables equalities.
 
         robot = ulna.load("four_bar.xml")
-        a = robot.constrained_dynamics(q, v, tau, loops_from_mjcf("four_bar.xml"))
+        a = robot.constraints.forward_dynamics(q, v, tau, loops_from_mjcf("four_bar.xml"))
 
     MuJoCo's are soft; these hold exactly.
 

@@ -203,7 +203,7 @@ def extended_regressor(
     Returns:
         The regressor, shape (..., nv, n).
     """
-    Y = robot.joint_torque_regressor(q, v, a)
+    Y = robot.regressors.joint_torque(q, v, a)
     eye = np.eye(robot.nv)
     parts = [Y]
     for wanted, value in ((armature, a), (damping, v), (friction, np.tanh(v / width))):

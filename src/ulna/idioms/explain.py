@@ -84,12 +84,10 @@ class Explained(ABCMeta):
     """The type of classes decorated with `explained`: their `dir` leaves out the names of other libraries."""
 
     def __dir__(cls) -> list[str]:
-        return [
-            n for n in super().__dir__() if not isinstance(inspect.getattr_static(cls, n, None), _Foreign)
-        ]
+        return _listed_names(cls, super().__dir__())
 
 
-def explained(subject: str) -> Callable[[C], C]:
+def explained(subject: str, unlisted: Iterable[str] = ()) -> Callable[[C], C]:
     """Has a class explain names of other libraries where they are asked for as attributes.
 
     Reading an attribute that exists costs nothing more, as `__getattr__` would make it: each foreign name is a
@@ -97,9 +95,14 @@ def explained(subject: str) -> Callable[[C], C]:
 
     Args:
         subject: A key of `IDIOMS`.
+        unlisted: Names that work and that `dir` leaves out: former ones.
+
+    Returns:
+        The decorator.
     """
 
     def dressed(cls: C) -> C:
+        setattr(cls, "_unlisted", frozenset(unlisted))  # noqa: B010
         for name in IDIOMS[subject]:
             if not hasattr(cls, name):
                 setattr(cls, name, _Foreign(subject, name))
@@ -110,10 +113,14 @@ def explained(subject: str) -> Callable[[C], C]:
 
 
 def _listed(self: Any) -> list[str]:
-    kind = type(self)
-    return [
-        n for n in object.__dir__(self) if not isinstance(inspect.getattr_static(kind, n, None), _Foreign)
-    ]
+    return _listed_names(type(self), object.__dir__(self))
+
+
+def _listed_names(cls: type, names: Iterable[str]) -> list[str]:
+    """The names without those of other libraries, and without former ones."""
+    former = getattr(cls, "_unlisted", ())
+    foreign = (n for n in names if isinstance(inspect.getattr_static(cls, n, None), _Foreign))
+    return sorted({*names}.difference(former, foreign))
 
 
 class _Foreign:

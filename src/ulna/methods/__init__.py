@@ -1,1 +1,1 @@
-"""What a robot can be asked, by theme: parts of the class `ulna.Robot`."""
+"""Methods of a robot that are no kernels: searches, collision, and robots made of it; and former names."""

@@ -1,11 +1,12 @@
-"""Every way of a robot to reach a pose."""
+"""All configurations of a robot that reach a pose."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ulna.methods.base import Part, only_numbers
+from ulna.methods.traced import only_numbers
+from ulna.quantities.part import Part
 from ulna.typing import ArrayLike
 
 if TYPE_CHECKING:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, final
 
 from ulna.errors import InputError, UnknownName
-from ulna.methods.base import Part, only_numbers
+from ulna.methods.traced import only_numbers
+from ulna.quantities.part import Part
 from ulna.typing import ArrayLike, Floats
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ _TRACED = (
 _KEPT = 16  # checkers of worlds used last; a world that changes with every call must not fill the memory
 
 
-class Collisions(Part):
+class CollisionQueries(Part):
     """Collision of a robot with itself and with a `ulna.collision.World`.
 
     "exact" asks coal, shape by shape. "spheres" is compiled and far faster; its spheres cover the links, so that it
@@ -31,8 +32,6 @@ class Collisions(Part):
     """
 
     __slots__ = ()
-
-    _kernels: dict[Any, Any]
 
     def collides(
         self,
@@ -52,7 +51,7 @@ class Collisions(Part):
             moving: Poses of the world's moving obstacles by name, T_world_shape (..., 4, 4).
             margin: What comes as near as this counts as touching [m].
             method: "exact" or "spheres".
-            **options: Of `collision_checker`.
+            **options: Of `robot.collision.checker`.
 
         Raises:
             ShapeError, DtypeError, NonFiniteError: If `q` or a pose cannot be one.
@@ -61,7 +60,7 @@ class Collisions(Part):
             MissingExtra: If what the method needs is not installed.
         """
         only_numbers("robot.collides", _TRACED, q)
-        return self.collision_checker(world, method=method, **options).collides(q, moving, margin=margin)
+        return _checker(self, world, method=method, **options).collides(q, moving, margin=margin)
 
     def distance(
         self,
@@ -79,10 +78,20 @@ class Collisions(Part):
             world: Obstacles; None for none.
             moving: Poses of the world's moving obstacles by name, T_world_shape (..., 4, 4).
             stop_below: The first pair this near ends the search [m].
-            **options: Of `collision_checker`.
+            **options: Of `robot.collision.checker`.
         """
         only_numbers("robot.distance", _TRACED, q)
-        return self.collision_checker(world, **options).distance(q, moving, stop_below=stop_below)
+        return _checker(self, world, **options).distance(q, moving, stop_below=stop_below)
+
+
+@final
+class Collision(Part):
+    """Collision checkers for hot loops, gradients of distances, first contacts, and spheres that cover the links.
+
+    Whether a robot touches something, and how near it is, are `robot.collides` and `robot.distance`.
+    """
+
+    __slots__ = ()
 
     def distance_gradient(
         self,
@@ -93,8 +102,8 @@ class Collisions(Part):
         **options: Any,
     ) -> Floats:
         """Gradient of `distance` by the configuration's tangent, (..., nv) [m/rad or 1]."""
-        only_numbers("robot.distance_gradient", _TRACED, q)
-        return self.collision_checker(world, **options).gradient(q, moving)
+        only_numbers("robot.collision.distance_gradient", _TRACED, q)
+        return _checker(self, world, **options).gradient(q, moving)
 
     def first_contact(
         self,
@@ -112,40 +121,52 @@ class Collisions(Part):
         """
         from ulna import collision
 
-        only_numbers("robot.first_contact", _TRACED, q0, q1)
-        return collision.first_contact(self.collision_checker(world, **options), q0, q1, margin, moving)
+        only_numbers("robot.collision.first_contact", _TRACED, q0, q1)
+        return collision.first_contact(_checker(self, world, **options), q0, q1, margin, moving)
 
-    def collision_checker(
-        self, world: World | None = None, *, method: Method = "exact", **options: Any
-    ) -> Any:
-        """What answers the questions above, for hot loops: a `Checker`, or a `SphereChecker` for "spheres".
+    def checker(self, world: World | None = None, *, method: Method = "exact", **options: Any) -> Any:
+        """What answers these questions, for hot loops; the last ones used are kept.
 
-        The last ones used are kept. Options of "exact": pairs, without, convex, missing; of "spheres": spheres, pairs,
-        missing.
+        Args:
+            world: Obstacles; None for none.
+            method: "exact" or "spheres".
+            **options: Of "exact": pairs, without, convex, missing; of "spheres": spheres, pairs, missing.
+
+        Returns:
+            An `ulna.collision.Checker`, or a `SphereChecker` for "spheres".
+
+        Raises:
+            UnknownName: If there is no such method.
+            InputError: If `world` is no World.
         """
-        from ulna import collision
+        return _checker(self, world, method=method, **options)
 
-        makers = {"exact": collision.Checker, "spheres": collision.SphereChecker}
-        if method not in makers:
-            raise UnknownName("method of collision checking", method, makers)
-        chosen = tuple((name, _frozen(value)) for name, value in sorted(options.items()))
-        if not (world is None or isinstance(world, collision.World)):
-            raise InputError(f"`world` is {world!r}; expected a World, as `World().add(...)` makes.")
-        key = world and world.fingerprint, method, chosen
-        cache = self._kernels.setdefault("collision", {})
-        checker = cache.pop(key, None)
-        if checker is None:
-            checker = makers[method](self.model, world, **options)
-        cache[key] = checker
-        for old in list(cache)[:-_KEPT]:
-            cache.pop(old, None)  # another thread may have been faster
-        return checker
-
-    def collision_spheres(self, tolerance: float = 0.012, most: int = 12) -> Spheres:
+    def spheres(self, tolerance: float = 0.012, most: int = 12) -> Spheres:
         """Spheres that cover the links; see `ulna.collision.fit`."""
         from ulna import collision
 
         return collision.fit(self.model, tolerance, most)
+
+
+def _checker(part: Part, world: World | None = None, *, method: Method = "exact", **options: Any) -> Any:
+    """The checker of a robot and a world, made when first asked for."""
+    from ulna import collision
+
+    makers = {"exact": collision.Checker, "spheres": collision.SphereChecker}
+    if method not in makers:
+        raise UnknownName("method of collision checking", method, makers)
+    chosen = tuple((name, _frozen(value)) for name, value in sorted(options.items()))
+    if not (world is None or isinstance(world, collision.World)):
+        raise InputError(f"`world` is {world!r}; expected a World, as `World().add(...)` makes.")
+    key = world and world.fingerprint, method, chosen
+    cache = part._searches.setdefault("collision", {})
+    checker = cache.pop(key, None)
+    if checker is None:
+        checker = makers[method](part.model, world, **options)
+    cache[key] = checker
+    for old in list(cache)[:-_KEPT]:
+        cache.pop(old, None)  # another thread may have been faster
+    return checker
 
 
 def _frozen(value: Any) -> Any:

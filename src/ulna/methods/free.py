@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ulna.methods.collision import Collisions
+from ulna.methods.collision import CollisionQueries, _checker
 from ulna.methods.ik import InverseKinematics
 from ulna.typing import ArrayLike
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ulna.ik.free import FreeSolution
 
 
-class FreeInverseKinematics(InverseKinematics, Collisions):
+class FreeInverseKinematics(InverseKinematics, CollisionQueries):
     """Which configuration puts the hand there, and touches nothing."""
 
     __slots__ = ()
@@ -55,7 +55,7 @@ class FreeInverseKinematics(InverseKinematics, Collisions):
             rotation_tolerance: As for `ik` [rad].
             seed: Chooses the starting points.
             attempts: How many starting points are tried at most, of arms without finitely many solutions.
-            **options: Of the exact check, as for `collision_checker`.
+            **options: Of the exact check, as for `robot.collision.checker`.
 
         Returns:
             A solution with `.q`, `.success`, `.position_error`, `.rotation_error`, `.candidates`, `.distance` and
@@ -71,5 +71,5 @@ class FreeInverseKinematics(InverseKinematics, Collisions):
 
         search_options = FreeOptions(margin, moving, position_tolerance, rotation_tolerance, seed, attempts)
         goals, solver = self._solver(T, frame, mask, joints)
-        checker = self.collision_checker(world, **options)
-        return FreeSolver(solver, checker, self._plain["distance"])(goals, q0, search_options)
+        checker = _checker(self, world, **options)
+        return FreeSolver(solver, checker, self._kernels["distance"])(goals, q0, search_options)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ulna.methods.base import Part
+from ulna.quantities.part import Part
 from ulna.typing import ArrayLike
 
 if TYPE_CHECKING:
@@ -17,11 +17,9 @@ if TYPE_CHECKING:
 
 
 class InverseKinematics(Part):
-    """Which configuration puts the hand there."""
+    """Which configuration puts a frame at a goal."""
 
     __slots__ = ()
-
-    _solvers: dict[Any, Any]
 
     def ik(
         self,
@@ -72,7 +70,7 @@ class InverseKinematics(Part):
         Reference: Sugihara 2011 (damping); the search runs in the SIMD lanes, see `ulna.ik.search`.
         """
         try:
-            solver = self._solvers[type(T) is not np.ndarray and isinstance(T, Mapping), frame, mask, joints]
+            solver = self._searches[type(T) is not np.ndarray and isinstance(T, Mapping), frame, mask, joints]
         except (KeyError, TypeError):
             T, solver = self._solver(T, frame, mask, joints)
         return solver(T, q0, position_tolerance, rotation_tolerance, seed, attempts, threads)
@@ -126,10 +124,10 @@ class InverseKinematics(Part):
         goals, names, masks = named_goals(T, frame, mask, self.model.tool)
         has_null_motion = bool(limit_gain or manipulability_gain)
         key = ("classic", method, names, masks, None if joints is None else tuple(joints), has_null_motion)
-        solver = self._solvers.get(key) if isinstance(method, str) else None
+        solver = self._searches.get(key) if isinstance(method, str) else None
         if solver is None:
             solver = ClassicSolver(self.model, names, masks, key[4], method, has_null_motion)
-            self._solvers[key] = solver
+            self._searches[key] = solver
         settings = {
             "position_tolerance": position_tolerance,
             "rotation_tolerance": rotation_tolerance,
@@ -149,10 +147,10 @@ class InverseKinematics(Part):
         goals, names, masks = named_goals(T, frame, mask, self.model.tool)
         moved = None if joints is None else tuple(joints)
         key = (names, masks, moved)
-        solver = self._solvers.get(key)
+        solver = self._searches.get(key)
         if solver is None:
-            solver = self._solvers[key] = Solver(self.model, names, masks, moved)
+            solver = self._searches[key] = Solver(self.model, names, masks, moved)
         if not isinstance(T, Mapping) and isinstance(frame, (str, type(None))):
             with suppress(TypeError):  # a list of weights is no key: it is understood anew at each call
-                self._solvers[False, frame, mask, moved] = solver
+                self._searches[False, frame, mask, moved] = solver
         return goals, solver

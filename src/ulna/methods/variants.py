@@ -7,9 +7,9 @@ from typing import Any, Self
 
 from ulna import model as models
 from ulna.errors import InputError
-from ulna.methods.base import Part
+from ulna.quantities.part import Part
 from ulna.spatial import SE3
-from ulna.typing import ArrayLike, Floats
+from ulna.typing import ArrayLike
 
 
 class Variants(Part):
@@ -38,18 +38,9 @@ class Variants(Part):
         """The robot with another tool: a frame, or a new one at `placement` (T_frame_tool) in it."""
         return type(self)(models.with_tool(self.model, frame, placement, name))
 
-    @property
-    def dynamic_parameters(self) -> Floats:
-        """Mass, first moments and inertia of each joint's body, (10 nbodies,); see `ulna.model.dynamic_parameters`."""
-        return models.dynamic_parameters(self.model)
-
     def with_dynamic_parameters(self, parameters: ArrayLike, *, check: bool = True) -> Self:
         """The robot with other masses and inertias; see `ulna.model.with_dynamic_parameters`."""
         return type(self)(models.with_dynamic_parameters(self.model, parameters, check=check))
-
-    def parameters(self, name: str) -> Floats:
-        """What the model has for one of the `parameters` of a kernel; see `ulna.model.parameters` for their names."""
-        return models.parameters(self.model, name)
 
     def with_parameters(self, values: Mapping[str, Any], *, check: bool = True) -> Self:
         """The robot with other inertias, placements, offsets, gravity ...; see `ulna.model.with_parameters`."""

@@ -235,7 +235,7 @@ def _constrained_acceleration(
     listed_constraints = listed(constraints)
     kernel = robot.kernel("constrained_dynamics", constraints=listed_constraints, stabilised=True)
     has_contacts = any(constraint.is_contact for constraint in listed_constraints)
-    anchors = (robot.constraint_anchors(q, listed_constraints),) if has_contacts else ()
+    anchors = (robot.constraints.anchors(q, listed_constraints),) if has_contacts else ()
     gains = np.tile([kp, 2.0 * np.sqrt(kp)], (len(listed_constraints), 1))
     return lambda q, v, tau: kernel(q, v, tau, *anchors, gains)[0]
 

@@ -123,7 +123,7 @@ def _configuration(model: Model, name: str, value: ArrayLike) -> Floats:
         k = int(free[np.argmax(off[free])])
         raise InputError(
             f"`{name}[{k}]`, {model.position_names[k]!r}, belongs to a quaternion that is not unit; "
-            "robot.normalize(q) makes it so."
+            "robot.configuration_space.normalize(q) makes it so."
         )
     return q
 

@@ -412,7 +412,7 @@ def test_without_q0_joints_that_do_not_move_stand_within_their_limits():
 def test_new_seeds_and_tolerances_do_not_fill_the_memory(panda, goals):
     for k in range(1000):
         panda.ik(goals[1][0], seed=k, position_tolerance=1e-6 * (1 + 1e-3 * k))
-    solver = panda._solvers[False, None, None, None]
+    solver = panda._searches[False, None, None, None]
     assert len(solver._shifts) < 300 and len(solver._settings) < 300
 
 

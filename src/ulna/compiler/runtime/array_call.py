@@ -268,5 +268,5 @@ def _check_unit(name: str, array: Any, entries: Sequence[int]) -> None:
         first, last = entries[0], entries[-1] + 1
         raise InputError(
             f"`{name}[..., {first}:{last}]` has length {length:.6g}; expected a unit quaternion (xyzw). "
-            "robot.normalize(q) makes it one."
+            "robot.configuration_space.normalize(q) makes it one."
         )

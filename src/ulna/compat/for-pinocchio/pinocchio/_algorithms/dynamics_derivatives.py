@@ -39,7 +39,7 @@ from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import checked_forces
 from ulna import algorithms
 from ulna.model import Model as CoreModel
-from ulna.recipes.mass import with_mass
+from ulna.quantities.mass import with_mass
 from ulna.typing import Array, Floats
 
 __all__ = [

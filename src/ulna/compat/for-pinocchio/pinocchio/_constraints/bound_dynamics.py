@@ -34,7 +34,7 @@ from ulna.algorithms.constraints.damped_dynamics import Damped, damped_dynamics,
 from ulna.algorithms.constraints.frame_errors import constraint_twists
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
-from ulna.recipes.mass import with_mass
+from ulna.quantities.mass import with_mass
 from ulna.typing import Array, Floats
 
 

@@ -19,7 +19,7 @@ from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
 from ulna import algorithms
 from ulna.model import Model as CoreModel
-from ulna.recipes.mass import with_mass
+from ulna.quantities.mass import with_mass
 from ulna.typing import Array, Floats
 
 __all__ = [

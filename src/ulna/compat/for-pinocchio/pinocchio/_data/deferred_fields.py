@@ -12,7 +12,7 @@ from pinocchio._data.states import FieldStates
 from pinocchio._model.compiled_model import CompiledModel
 from ulna import algorithms, spatial
 from ulna.model import Model as CoreModel
-from ulna.recipes.mass import with_mass
+from ulna.quantities.mass import with_mass
 from ulna.typing import Array, Floats
 
 _CENTER_FUNCTIONS = {

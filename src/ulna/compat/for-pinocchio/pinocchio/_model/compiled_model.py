@@ -94,9 +94,9 @@ class CompiledModel:
         if not self.parameter_names:
             return _once(self.cache, key, lambda: kernels.kernel(self._core, name, **options))
         shapes = _once(self.cache, ("shapes", *key), lambda: self._input_shapes(name, options))
-        recipe = kernels.RECIPES[name]
-        chosen = {**recipe.options, **options}
-        return self.compile(key, lambda core: recipe.build(core, **chosen), **shapes)
+        quantity = kernels.QUANTITIES[name]
+        chosen = {**quantity.options, **options}
+        return self.compile(key, lambda core: quantity.build(core, **chosen), **shapes)
 
     def _input_shapes(self, name: str, options: dict[str, Any]) -> dict[str, Any]:
         return {port.name: port.shape for port in kernels.function(self._core, name, **options).inputs}

@@ -163,7 +163,7 @@ class Chain:
         Returns:
             Hessian (..., n, 6, n).
         """
-        return self.arm.hessian(self.q(q)) if J0 is None else hessian_of(J0, self.n)
+        return self.arm.derivatives.jacobian(self.q(q)) if J0 is None else hessian_of(J0, self.n)
 
     def hessiane(self, q: Any, Je: Any = None) -> Floats:
         """`hessian0` turned into the axes of the end, (..., n, 6, n); it is not the derivative of `jacobe`.
@@ -245,7 +245,7 @@ class Chain:
         Returns:
             Gradient (n, 1).
         """
-        return self.arm.manipulability_gradient(self.q(q), axes_of(axes))[..., None]
+        return self.arm.derivatives.manipulability(self.q(q), axes_of(axes))[..., None]
 
     def jacobm_of(self, J: Any, H: Any, axes: Any) -> Floats:
         """The gradient of manipulability of a Jacobian and its Hessian.

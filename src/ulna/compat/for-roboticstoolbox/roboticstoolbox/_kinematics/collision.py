@@ -41,7 +41,7 @@ class Collision(RobotMixin):
 
         body = self._complete_robot()
         self._require_shapes()
-        checker = body.collision_checker(collision.World().add(_SHAPE, solid, moving=True), pairs=())
+        checker = body.collision.checker(collision.World().add(_SHAPE, solid, moving=True), pairs=())
         carried = T if self._parent is None else np.linalg.solve(self._parent._wT, T)
         near = checker.nearest(self._complete_configuration(q), {_SHAPE: carried}, within=within)
         order = list(self.link_dict)

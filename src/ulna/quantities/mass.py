@@ -1,11 +1,10 @@
-"""Which models have accelerations: a recipe that inverts the mass matrix refuses or warns of the others, by name."""
+"""Which models have accelerations: what inverts the mass matrix refuses or warns of the others, by name."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, wraps
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,16 +23,19 @@ _LEAST_DIGITS = {"float64": 4, "float32": 2}
 """Decimal digits of accelerations below which a warning is due."""
 
 
-@dataclass(frozen=True)
-class WithMass:
-    """A recipe that inverts the mass matrix; see `with_mass`."""
+def with_mass(build: Callable[..., Callable[..., Any]]) -> Callable[..., Callable[..., Any]]:
+    """A function of a model that divides by the inertia each joint moves, and refuses models where one moves none.
 
-    build: Callable[..., Callable[..., Any]]
+    `build(model, **options)` returns the function of arrays, and so does what is returned.
 
-    def __call__(self, model: Model, **options: Any) -> Callable[..., Any]:
-        """The function of arrays, for a model whose mass matrix can be inverted."""
+    Raises:
+        ModelError: If a joint, or a motion of several, moves no inertia and its drives have none; names such joints.
+    """
+
+    @wraps(build)
+    def checked(model: Model, *args: Any, **options: Any) -> Callable[..., Any]:
         check_mass(model)
-        function = self.build(model, **options)
+        function = build(model, *args, **options)
 
         def run(*arrays: Any) -> Any:
             try:
@@ -43,14 +45,7 @@ class WithMass:
 
         return run
 
-
-def with_mass(build: Callable[..., Callable[..., Any]]) -> WithMass:
-    """A recipe that divides by the inertia each joint moves, and refuses a model where some motion has none.
-
-    Raises:
-        ModelError: If a joint, or a motion of several, moves no inertia and its drives have none; names such joints.
-    """
-    return WithMass(build)
+    return checked
 
 
 def check_mass(model: Model, dtype: str = "float64") -> None:

@@ -20,6 +20,7 @@ from ulna.algorithms.multibody.tree import steps
 from ulna.compiler.language.graph import most_operations, refuse_size
 from ulna.compiler.runtime.jit import announced
 from ulna.model import Model
+from ulna.quantities.quantity import Quantity
 
 SECONDS, BYTES = 8e-5, 1.6e3
 """For each node, to trace and compile it."""
@@ -28,70 +29,40 @@ _TRACING = 0.3
 _SILENT_SECONDS = 3.0
 """Tracing that takes longer is announced [s]; it is made anew in every process, also where the code is kept on disk."""
 
-COEFFICIENTS: dict[str, tuple[float, float, float]] = {
-    "fk": (58, 0, 0),
-    "link_poses": (58, 0, 0),
-    "jacobian": (70, 0, 0),
-    "jacobian_dot": (116, 0, 0),
-    "hessian": (36, 19, 0),
-    "frame_velocity": (97, 0, 0),
-    "frame_acceleration": (144, 0, 0),
-    "analytical_jacobian": (84, 0, 0),
-    "manipulability": (141, 0, 0),
-    "manipulability_gradient": (234, 0, 0),
-    "joint_torque_regressor": (0, 95, 0.5),
-    "gravity_regressor": (0, 31, 1),
-    "frame_velocity_derivatives": (108, 0, 0),
-    "frame_acceleration_derivatives": (254, 0, 0),
-    "centroidal_derivatives": (850, 0, 0),
-    "com_velocity_derivatives": (550, 0, 0),
-    "centroidal_matrix": (165, 0, 0),
-    "centroidal_matrix_dot": (428, 0, 0),
-    "inverse_dynamics": (165, 0, 0),
-    "gravity_forces": (35, 0, 0),
-    "static_torque": (35, 0, 0),
-    "bias_forces": (160, 0, 0),
-    "forward_dynamics": (400, 0, 0),
-    "inverse_dynamics_derivatives": (280, 129, 0),
-    "forward_dynamics_derivatives": (330, 138, 18),
-    "mass_matrix": (28, 28, 0),
-    "inverse_mass_matrix": (31, 25, 3.5),
-    "coriolis_matrix": (155, 77, 0),
-    "forward_dynamics_with_jacobian": (148, 40, 1),
-    "constrained_dynamics": (148, 40, 1),
-    "impulse_dynamics": (100, 40, 1),
-    "delassus_matrix": (60, 40, 1),
-    "operational_inertia": (230, 39, 1.4),
-    "operational_coriolis": (520, 119, 1.4),
-    "operational_gravity": (190, 52, 1.4),
-    "operational_acceleration": (530, 0, 0),
-}
-_OF_FRAMES = frozenset(
-    {
-        "fk", "jacobian", "jacobian_dot", "hessian", "frame_velocity", "frame_acceleration", "analytical_jacobian",
-        "manipulability", "manipulability_gradient", "frame_velocity_derivatives", "frame_acceleration_derivatives",
-    }
-)  # fmt: skip
-"""Kernels that depend on the joints alone that carry their frames."""
-_OTHERS = (120.0, 0.0, 0.0)
 
+def estimated_nodes(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> int:
+    """About how many nodes the graph of a kernel has.
 
-def estimated_nodes(model: Model, name: str, options: Mapping[str, Any]) -> int:
-    """About how many nodes the graph of a kernel has."""
-    n, pairs, squares = _sizes(model, _joints(model, name, options))
-    a, b, c = COEFFICIENTS.get(name, _OTHERS)
+    Args:
+        model: The robot.
+        quantity: The quantity that the kernel computes; its `nodes` are the coefficients.
+        options: Those of the kernel.
+
+    Returns:
+        The number of nodes.
+    """
+    n, pairs, squares = _sizes(model, _joints(model, quantity, options))
+    a, b, c = quantity.nodes
     return round(a * n + b * pairs + c * squares)
 
 
 @contextmanager
-def sized(model: Model, name: str, options: Mapping[str, Any]) -> Iterator[None]:
+def sized(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> Iterator[None]:
     """Refuses a kernel that would be too large, and announces one that takes long to trace.
+
+    Args:
+        model: The robot.
+        quantity: The quantity that the kernel computes.
+        options: Those of the kernel.
+
+    Yields:
+        Nothing; the kernel is traced within.
 
     Raises:
         TooLargeError: The estimate is above `most_operations()`.
     """
-    nodes = estimated_nodes(model, name, options)
-    what = f"{name} of {model.name!r}"
+    nodes = estimated_nodes(model, quantity, options)
+    what = f"{quantity.name} of {model.name!r}"
     if nodes > most_operations():
         refuse_size(f"{what} would take about {_rounded(nodes)} operations", nodes * SECONDS, nodes * BYTES)
     seconds = nodes * SECONDS
@@ -102,17 +73,18 @@ def sized(model: Model, name: str, options: Mapping[str, Any]) -> Iterator[None]
         f"tracing {what} (about {_rounded(nodes)} operations), about {ceil(_TRACING * seconds)} s; to compile it then "
         f"takes about {ceil((1.0 - _TRACING) * seconds)} s and {nodes * BYTES / 1e9:.1f} GB"
     )
-    with announced(text, f"Tracing {name}", _TRACING * seconds):
+    with announced(text, f"Tracing {quantity.name}", _TRACING * seconds):
         yield
 
 
-def _joints(model: Model, name: str, options: Mapping[str, Any]) -> Iterable[int]:
+def _joints(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> Iterable[int]:
+    """Those that carry the frames asked for; all where the quantity is not one of frames alone."""
     frame = options.get("frame")
-    if name not in _OF_FRAMES or frame == "all":
+    if "frame" not in quantity.options or quantity.inverts_mass or frame == "all":
         return range(len(model.joints))
     frames = frame if isinstance(frame, tuple) else (model.tool if frame is None else frame,)
     if not all(isinstance(one, str) for one in frames):
-        return ()  # refused, with a better message, by the recipe
+        return ()  # refused, with a better message, by the quantity
     return sorted({joint for one in frames for joint in model.support(model.frame(one).joint)})
 
 

@@ -1,0 +1,105 @@
+"""The space of a robot's configurations: steps, differences, distances, random points."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from ulna import algorithms
+from ulna.errors import InputError
+from ulna.quantities.part import Part
+from ulna.quantities.quantity import quantity
+from ulna.typing import ArrayLike, Floats, Numbers
+
+
+class Configurations(Part):
+    """Configurations as points of a manifold, on which quaternions stay unit."""
+
+    __slots__ = ()
+
+    @quantity(algorithms.integrate, "(nq,) [rad or m]", v="Step, velocity times time, (..., nv) [rad or m].")
+    def integrate(self, q: ArrayLike, v: ArrayLike) -> Floats:
+        """The configuration reached from `q` by the step `v` [Solà, Deray & Atchuthan 2018, section II]."""
+        ...
+
+    @quantity(algorithms.difference, "(nv,) [rad or m]")
+    def difference(self, q0: ArrayLike, q1: ArrayLike) -> Floats:
+        """The step that leads from `q0` to `q1`: `integrate(q0, difference(q0, q1))` is `q1`
+        [Solà, Deray & Atchuthan 2018, section II].
+        """
+        ...
+
+    @quantity(algorithms.interpolate, "(nq,) [rad or m]")
+    def interpolate(self, q0: ArrayLike, q1: ArrayLike, t: ArrayLike) -> Floats:
+        """The point at `t` on the geodesic from `q0` to `q1`; batches of `t` broadcast."""
+        ...
+
+    def random_configuration(self, size: int | tuple[int, ...] = (), seed: Any = None) -> Floats:
+        """Random configurations within the limits.
+
+        Coordinates without limits are drawn as the joint kind says: angles from [-pi, pi], lengths from [-1, 1] m,
+        rotations uniformly.
+
+        Args:
+            size: How many, or a shape.
+            seed: A number or a `numpy.random.Generator`; None for other ones at each call.
+
+        Returns:
+            Configurations, (*size, nq) [rad or m].
+
+        Raises:
+            InputError: If `size` is no count or tuple of counts.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> robot.random_configuration(1000, seed=0).shape
+            (1000, 7)
+        """
+        shape = tuple(np.atleast_1d(np.asarray(size)).tolist()) if np.size(size) else ()
+        if not all(isinstance(n, int) and n >= 0 for n in shape):
+            raise InputError(f"`size` is {size!r}; expected a count or a tuple of counts.")
+        return algorithms.random(self.model, np.random.default_rng(seed), shape)
+
+
+@final
+class ConfigurationSpace(Part):
+    """Distances of configurations, and configurations made valid; steps are on the robot: `robot.integrate`."""
+
+    __slots__ = ()
+
+    @quantity(algorithms.normalize, "(nq,) [rad or m]", options={})
+    def normalize(self, q: ArrayLike) -> Floats:
+        """The same pose with unit quaternions and free angles in (-pi, pi]; InputError where a quaternion is zero."""
+        out = self._kernels["normalize"](q)
+        if np.isnan(out).any():
+            raise InputError(
+                "`q` holds a quaternion of length 0, which is no rotation and cannot be normalised."
+            )
+        return out
+
+    @quantity(algorithms.distance, "() [rad or m]")
+    def distance(self, q0: ArrayLike, q1: ArrayLike) -> Numbers:
+        """Length of the difference of two configurations."""
+        ...
+
+    @quantity(algorithms.squared_distance, "() [rad^2 or m^2]")
+    def squared_distance(self, q0: ArrayLike, q1: ArrayLike) -> Numbers:
+        """Square of the distance of two configurations."""
+        ...
+
+    def is_same(self, q0: ArrayLike, q1: ArrayLike, tolerance: float = 1e-9) -> Any:
+        """Whether two configurations place the robot alike.
+
+        Args:
+            q0: Configuration, (..., nq) [rad or m].
+            q1: Configuration, (..., nq) [rad or m].
+            tolerance: Greatest entry of their difference [rad or m].
+
+        Returns:
+            Truth values, (...).
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If an array has another shape or type, or is not finite.
+        """
+        return (np.abs(self._kernels["difference"](q0, q1)) <= tolerance).all(axis=-1)

@@ -1,0 +1,93 @@
+"""Arguments of constrained motion: solvers, gains, and the anchors of contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ulna.algorithms import Proximal
+from ulna.checks.arrays import batched_array
+from ulna.errors import InputError, ShapeError
+from ulna.model import Constraint
+from ulna.numeric import is_symbolic
+from ulna.typing import Array, ArrayLike
+
+_IDENTITY = np.eye(4)
+
+
+def checked_solver(value: Any) -> Proximal:
+    """The solver, if it is one."""
+    if not isinstance(value, Proximal):
+        raise InputError(
+            f"`solver` is {value!r}; expected an ulna.algorithms.Proximal, such as Proximal(mu=0.0)."
+        )
+    return value
+
+
+def stabilisation_arrays(constraints: Sequence[Constraint], anchors: Any, kp: Any, kd: Any) -> list[Array]:
+    """The further arguments of the kernel: anchors, if there are contacts, and kp and kd of each, (..., count, 2)."""
+    count = len(constraints)
+    stiff = _gains("kp", 0.0 if kp is None else kp, count)
+    if kd is None and is_symbolic(stiff):
+        raise InputError("`kd` is not given; expected it where `kp` is an input of your own function.")
+    brake = 2.0 * np.sqrt(stiff) if kd is None else _gains("kd", kd, count)
+    gains = np.stack(np.broadcast_arrays(stiff, brake), axis=-1)
+    contacts = [constraint for constraint in constraints if constraint.is_contact]
+    if not contacts:
+        return [gains]
+    if anchors is None and kp is not None:
+        raise InputError(
+            "`kp` pulls contacts to their anchors, and there are none; give "
+            "anchors=robot.constraints.anchors(q0, constraints) of the configuration where they took hold."
+        )
+    return [anchor_poses(anchors, contacts), gains]
+
+
+def _gains(name: str, value: ArrayLike, count: int) -> Array:
+    gains = one_each(name, value, count)
+    if not is_symbolic(gains) and not (gains >= 0.0).all():
+        raise InputError(f"`{name}` is {value}; expected gains that are not below zero.")
+    return gains
+
+
+def one_each(name: str, numbers: ArrayLike, count: int) -> Array:
+    """One number for all, or one for each constraint, as (..., count)."""
+    value = batched_array(name, numbers, ())
+    if value.ndim == 0:
+        return np.broadcast_to(value, (count,))
+    if value.shape[-1] != count:
+        raise ShapeError(name, value.shape, f"one number, or one for each of {count} constraints")
+    return value
+
+
+def anchor_poses(anchors: Any, contacts: Sequence[Constraint]) -> Array:
+    """Anchors as poses, (..., contacts, 4, 4); of none as many identities."""
+    count = len(contacts)
+    if anchors is None:
+        return np.broadcast_to(_IDENTITY, (count, 4, 4))
+    if isinstance(anchors, Mapping):
+        raise InputError("`anchors` is a dictionary; expected one anchor for each contact, in their order.")
+    expected = f"one for each of {count} contacts: (..., {count}, 4, 4), or (..., {count}, 3) for points"
+    if isinstance(anchors, np.ndarray):
+        if anchors.shape[-3:] == (count, 4, 4):
+            return anchors
+        if anchors.shape[-2:] != (count, 3):
+            raise ShapeError("anchors", anchors.shape, expected)
+        anchors = [anchors[..., i, :] for i in range(count)]
+    if len(anchors) != count:
+        raise ShapeError("anchors", (len(anchors),), expected)
+    poses = [_pose(np.asarray(a), i, c) for i, (a, c) in enumerate(zip(anchors, contacts, strict=True))]
+    return np.stack(np.broadcast_arrays(*poses), axis=-3)
+
+
+def _pose(anchor: Array, index: int, contact: Constraint) -> Array:
+    if anchor.shape[-2:] == (4, 4):
+        return anchor
+    if contact.size == 3 and anchor.shape[-1:] == (3,):
+        pose = np.zeros((*anchor.shape[:-1], 4, 4), dtype=anchor.dtype) + _IDENTITY
+        pose[..., :3, 3] = anchor
+        return pose
+    expected = "(..., 3) [m] or (..., 4, 4)" if contact.size == 3 else "(..., 4, 4)"
+    raise ShapeError(f"anchors[{index}]", anchor.shape, expected)

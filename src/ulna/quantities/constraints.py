@@ -1,0 +1,356 @@
+"""A robot that contacts and closed loops constrain: its motion, constraint forces, and impacts."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, final
+
+import numpy as np
+
+from ulna import algorithms
+from ulna.algorithms import ConstrainedMotion, Friction, Impact, Proximal, Stabilisation
+from ulna.algorithms.multibody.references import Reference
+from ulna.errors import InputError, ShapeError
+from ulna.model import Constraint, Model
+from ulna.model.constraint import bonds, listed
+from ulna.numeric import is_symbolic
+from ulna.quantities.constraint_arguments import anchor_poses, checked_solver, one_each, stabilisation_arrays
+from ulna.quantities.forces import FORCES, Forces, friction_of, stacked, wrenches
+from ulna.quantities.part import Part
+from ulna.quantities.quantity import Arguments, quantity
+from ulna.typing import Array, ArrayLike, Floats
+
+AnyConstraints = Sequence[Constraint] | Constraint
+"""What constrains the robot: a list of constraints, or one."""
+
+_DEFAULT = Proximal()
+_OF: dict[str, Any] = {"constraints": ()}
+
+
+def _of_bonds(algorithm: Callable[..., Any]) -> Callable[..., Any]:
+    """An algorithm that takes resolved constraints last, as one that takes the option `constraints`."""
+
+    @functools.wraps(algorithm)
+    def run(model: Model, *arrays: Array, constraints: Any) -> Any:
+        return algorithm(model, *arrays, bonds(model, constraints))
+
+    return run
+
+
+def _constraint_error(model: Model, q: Array, *anchors: Array, constraints: Any) -> Array:
+    return algorithms.constraint_error(model, q, anchors[0] if anchors else None, bonds(model, constraints))
+
+
+def _anchors(options: Mapping[str, Any]) -> Arguments:
+    contacts = sum(constraint.is_contact for constraint in options["constraints"])
+    return (("anchors", (contacts, 4, 4)),) if contacts else ()
+
+
+def _constrained_dynamics(
+    model: Model,
+    q: Array,
+    v: Array,
+    tau: Array,
+    *rest: Array,
+    constraints: Any,
+    forces: tuple[str, ...],
+    reference: Any,
+    friction: Any,
+    stabilised: bool,
+    solver: Proximal,
+) -> tuple[Any, ...]:
+    resolved, law, remaining = bonds(model, constraints), friction_of(model, friction), list(rest)
+    external = pull = None
+    if forces:
+        frames = [model.frame(name) for name in forces]
+        external = algorithms.at_joints(model, q, remaining.pop(0), frames, reference)
+    if stabilised:
+        anchored = any(constraint.is_contact for constraint in constraints)
+        pull = Stabilisation(remaining.pop(0) if anchored else None, remaining.pop(0))
+    if law is not None:
+        tau = tau + algorithms.friction_torque(v, law)
+    return tuple(algorithms.constrained_dynamics(model, q, v, tau, resolved, external, pull, solver))
+
+
+def _motion_arguments(options: Mapping[str, Any]) -> Arguments:
+    gains: Arguments = (("gains", (len(options["constraints"]), 2)),)
+    return (*wrenches(options), *((*_anchors(options), *gains) if options["stabilised"] else ()))
+
+
+def _forward_dynamics_with_jacobian(
+    model: Model, *arrays: Array, rows: int, compliant: bool, solver: Proximal
+) -> tuple[Any, ...]:
+    q, v, tau, J, drift, *compliance = arrays
+    soft = compliance[0] if compliant else 0.0
+    return tuple(algorithms.forward_dynamics_with_jacobian(model, q, v, tau, J, drift, soft, None, solver))
+
+
+def _jacobian_arguments(options: Mapping[str, Any]) -> Arguments:
+    soft: Arguments = (("compliance", ()),) if options["compliant"] else ()
+    return (("J", (options["rows"], "nv")), ("drift", (options["rows"],)), *soft)
+
+
+def _impulse_dynamics(
+    model: Model, q: Array, v: Array, *restitution: Array, constraints: Any, elastic: bool, solver: Proximal
+) -> tuple[Any, ...]:
+    back = restitution[0] if elastic else None
+    return tuple(algorithms.impulse_dynamics(model, q, v, bonds(model, constraints), back, solver))
+
+
+def _impact_arguments(options: Mapping[str, Any]) -> Arguments:
+    return (("restitution", (len(options["constraints"]),)),) if options["elastic"] else ()
+
+
+@final
+class Constraints(Part):
+    """Motion of a robot whose frames are constrained.
+
+    Constraints are a list of `ulna.model.PointContact`, `FrameContact`, `PointLoop` and `FrameLoop`. They have m rows,
+    constraint after constraint, linear part first: three for a point, six for a frame. Forces of constraints
+    come in these rows: what is exerted on the first frame of each, at its origin, along the world's axes unless the
+    constraint says axes="local".
+
+    `solver` is an `ulna.algorithms.Proximal`. The default returns the right acceleration also when constraints depend
+    on each other (four flat feet, a planar linkage closed in space); of all forces that do, those of least sum of
+    squares.
+    """
+
+    __slots__ = ()
+
+    @quantity(
+        _constrained_dynamics,
+        "(nv,), (m,), (), ()",
+        options={**_OF, **FORCES, "friction": False, "stabilised": False, "solver": _DEFAULT},
+        more=_motion_arguments,
+        nodes=(148, 40, 1),
+        inverts_mass=True,
+    )
+    def forward_dynamics(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        tau: ArrayLike,
+        constraints: AnyConstraints,
+        forces: Forces = None,
+        reference: Reference = "local_world_aligned",
+        friction: bool | Friction = False,
+        *,
+        anchors: ArrayLike | Sequence[ArrayLike] | None = None,
+        kp: ArrayLike | None = None,
+        kd: ArrayLike | None = None,
+        solver: Proximal = _DEFAULT,
+    ) -> ConstrainedMotion:
+        """The joint accelerations that the torques `tau` produce under constraints, and the forces of these.
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            v: Velocity, (..., nv) [rad/s or m/s].
+            tau: Joint torques, (..., nv) [N m or N].
+            constraints: The constraints.
+            forces: External forces: frame name -> wrench (..., 6) [N, N m].
+            reference: How those wrenches are written.
+            friction: Whether friction brakes the motion.
+            anchors: Where the contacts hold, one for each in their order: points (..., 3) [m] of point contacts, poses
+                (..., 4, 4); such as `robot.fk(q0, names)` returns, or `anchors`.
+            kp: Gain [1/s^2] that pulls constraints together that have drifted apart; one number, or one for each;
+                None for 0.
+            kd: Gain [1/s] that brakes their drift; None for critical damping, 2 sqrt(kp), which is 0 for kp = 0.
+            solver: The method that computes the forces.
+
+        Returns:
+            `a` (..., nv), `forces` (..., m), `residual` (...) and `iterations` (...). The residual is the largest entry
+            of J a + bias + kd velocity + kp error: near zero, or the constraints contradict each other and are kept in
+            the sense of least squares.
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If an array has another shape or type, or is not finite.
+            UnknownName: If there is no such frame or reference.
+            InputError: If a constraint binds nothing, a gain is negative, or kp has contacts without anchors.
+
+        Reference: Featherstone 2008, section 8.4; Carpentier, Budhiraja & Mansard 2021; Baumgarte 1972.
+        """
+        listing, arrays, frames = listed(constraints), [q, v, tau], ()
+        if forces:
+            frames = tuple(forces)
+            arrays.append(stacked(forces))
+        stabilised = kp is not None or kd is not None
+        if stabilised:
+            arrays += stabilisation_arrays(listing, anchors, kp, kd)
+        elif anchors is not None:
+            raise InputError(
+                "`anchors` pull nothing without a gain; give `kp` too, such as kp=100.0 [1/s^2]."
+            )
+        written = reference if forces else FORCES["reference"]
+        options = (frames, written, friction, stabilised, checked_solver(solver))
+        return ConstrainedMotion(*self._kernel("constrained_dynamics", listing, *options)(*arrays))
+
+    @quantity(
+        _forward_dynamics_with_jacobian,
+        "(nv,), (m,), (), ()",
+        arrays=("q", "v", "tau"),
+        options={"rows": 1, "compliant": False, "solver": _DEFAULT},
+        more=_jacobian_arguments,
+        nodes=(148, 40, 1),
+        inverts_mass=True,
+    )
+    def forward_dynamics_with_jacobian(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        tau: ArrayLike,
+        J: ArrayLike,
+        drift: ArrayLike,
+        compliance: ArrayLike | None = None,
+        solver: Proximal = _DEFAULT,
+    ) -> ConstrainedMotion:
+        """The joint accelerations under your own constraints, J a + drift + compliance forces = 0, and their forces.
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            v: Velocity, (..., nv) [rad/s or m/s].
+            tau: Joint torques, (..., nv) [N m or N].
+            J: Constraint Jacobian, (..., m, nv).
+            drift: dJ/dt v and whatever stabilises, (..., m).
+            compliance: How far forces make the constraints yield, (...) [1/kg]; None for not at all.
+            solver: The method that computes the forces.
+
+        Returns:
+            `a`, `forces`, `residual` and `iterations`, as from `forward_dynamics`.
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If an array has another shape or type, or is not finite.
+        """
+        shape = np.shape(J)
+        if len(shape) < 2 or 0 in shape[-2:]:
+            raise ShapeError("J", shape, f"(..., m, {self.model.nv}) with m from 1")
+        soft = () if compliance is None else (compliance,)
+        options = (shape[-2], compliance is not None, checked_solver(solver))
+        return ConstrainedMotion(
+            *self._kernel("forward_dynamics_with_jacobian", *options)(q, v, tau, J, drift, *soft)
+        )
+
+    @quantity(
+        _impulse_dynamics,
+        "(nv,), (m,), (), ()",
+        options={**_OF, "elastic": False, "solver": _DEFAULT},
+        more=_impact_arguments,
+        nodes=(100, 40, 1),
+        inverts_mass=True,
+    )
+    def impulse_dynamics(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        constraints: AnyConstraints,
+        restitution: ArrayLike = 0.0,
+        solver: Proximal = _DEFAULT,
+    ) -> Impact:
+        """The velocity after constraints have taken hold at once, as at a touch-down, and their impulses.
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            v: Velocity before, (..., nv) [rad/s or m/s].
+            constraints: The constraints from now on.
+            restitution: Coefficient of restitution of a constraint, in [0, 1]; one number, or one for each.
+            solver: The method that computes the impulses.
+
+        Returns:
+            `v` (..., nv), `impulses` (..., m) [N s, N m s], `residual` (...) [m/s, rad/s] and `iterations` (...).
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError, UnknownName, InputError: As for `forward_dynamics`.
+
+        Reference: Featherstone 2008, section 11.7.
+        """
+        listing, checked = listed(constraints), checked_solver(solver)
+        if isinstance(restitution, (int, float)) and restitution == 0.0:
+            return Impact(*self._kernel("impulse_dynamics", listing, False, checked)(q, v))
+        back = one_each("restitution", restitution, len(listing))
+        if not is_symbolic(back) and not ((back >= 0.0) & (back <= 1.0)).all():
+            raise InputError(f"`restitution` is {restitution}; expected numbers in [0, 1].")
+        return Impact(*self._kernel("impulse_dynamics", listing, True, checked)(q, v, back))
+
+    @quantity(
+        _of_bonds(algorithms.delassus_matrix),
+        "(m, m) [1/kg, 1/(kg m), 1/(kg m^2)]",
+        options=_OF,
+        nodes=(60, 40, 1),
+        inverts_mass=True,
+    )
+    def delassus_matrix(self, q: ArrayLike, constraints: AnyConstraints) -> Floats:
+        """The matrix that maps constraint forces to constraint accelerations, J M^-1 J^T
+        [Featherstone 2008, section 8.4].
+        """
+        return self._kernels["delassus_matrix", listed(constraints)](q)
+
+    @quantity(_of_bonds(algorithms.constraint_jacobian), "(m, nv) [m/rad or 1, 1 or rad/m]", options=_OF)
+    def jacobian(self, q: ArrayLike, constraints: AnyConstraints) -> Floats:
+        """The matrix that maps `v` to the constraint velocity."""
+        return self._kernels["constraint_jacobian", listed(constraints)](q)
+
+    @quantity(_of_bonds(algorithms.constraint_velocity), "(m,) [m/s, rad/s]", options=_OF)
+    def velocity(self, q: ArrayLike, v: ArrayLike, constraints: AnyConstraints) -> Floats:
+        """The constraint velocity: that of the first frames relative to the second ones, or to the world."""
+        return self._kernels["constraint_velocity", listed(constraints)](q, v)
+
+    @quantity(_of_bonds(algorithms.constraint_bias), "(m,) [m/s^2, rad/s^2]", options=_OF)
+    def bias(self, q: ArrayLike, v: ArrayLike, constraints: AnyConstraints) -> Floats:
+        """The rate of the constraint velocity when the joints do not accelerate, dJ/dt v."""
+        return self._kernels["constraint_bias", listed(constraints)](q, v)
+
+    @quantity(_constraint_error, "(m,) [m, rad]", options=_OF, more=_anchors)
+    def error(
+        self,
+        q: ArrayLike,
+        constraints: AnyConstraints,
+        anchors: ArrayLike | Sequence[ArrayLike] | None = None,
+    ) -> Floats:
+        """How far the first frames are from where they are held: positions, then rotation vectors.
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            constraints: The constraints.
+            anchors: Where the contacts hold, as for `forward_dynamics`; loops have none.
+
+        Returns:
+            Errors, (..., m) [m, rad].
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If an array has another shape or type, or is not finite.
+            InputError: If there are contacts without anchors.
+        """
+        listing = listed(constraints)
+        contacts = [constraint for constraint in listing if constraint.is_contact]
+        if contacts and anchors is None:
+            raise InputError(
+                "Contacts have an error only against anchors; give anchors=robot.constraints.anchors(q0, constraints)."
+            )
+        poses = (anchor_poses(anchors, contacts),) if contacts else ()
+        return self._kernels["constraint_error", listing](q, *poses)
+
+    def anchors(self, q: ArrayLike, constraints: AnyConstraints) -> Floats:
+        """Where the contacts among the constraints are, as poses in the world.
+
+        Taken where contacts take hold, they are the `anchors` that keep them there.
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            constraints: The constraints.
+
+        Returns:
+            Poses, (..., contacts, 4, 4) [m].
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If `q` has another shape or type, or is not finite.
+            InputError: If there is no contact among the constraints.
+        """
+        poses = [
+            self._kernels["fk", name](q) @ placement.matrix()
+            for constraint in listed(constraints)
+            if constraint.is_contact
+            for name, placement in constraint.ends()
+        ]
+        if not poses:
+            raise InputError("There is no contact among the constraints; loops need no anchors.")
+        return np.stack(poses, axis=-3)

@@ -1,0 +1,275 @@
+"""Torques, accelerations, inertia and energy of a robot, and where its mass is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna import algorithms
+from ulna.algorithms import Friction
+from ulna.algorithms.multibody.references import Reference
+from ulna.model import Model
+from ulna.quantities.forces import FORCES, Forces, friction_of, stacked, under_forces, wrenches
+from ulna.quantities.part import Part
+from ulna.quantities.quantity import of_frame, quantity
+from ulna.typing import Array, ArrayLike, Floats, Numbers
+
+_WITH_FRICTION = {**FORCES, "friction": False}
+_WRENCHES = 'How the wrenches are written: "local_world_aligned", "local" or "world".'
+_REFERENCE = {"reference": _WRENCHES}
+
+
+def _inverse_dynamics(
+    model: Model, q: Array, v: Array, *rest: Array, friction: bool | Friction, **options: Any
+) -> Array:
+    tau = under_forces(algorithms.inverse_dynamics)(model, q, v, *rest, **options)
+    law = friction_of(model, friction)
+    return tau if law is None else tau - algorithms.friction_torque(v, law)
+
+
+def _forward_dynamics(
+    model: Model, q: Array, v: Array, tau: Array, *rest: Array, friction: Any, **options: Any
+) -> Array:
+    law = friction_of(model, friction)
+    total = tau if law is None else tau + algorithms.friction_torque(v, law)
+    return under_forces(algorithms.forward_dynamics)(model, q, v, total, *rest, **options)
+
+
+class Dynamics(Part):
+    """How a robot moves under torques and forces, and what it weighs.
+
+    External forces are a dictionary from frame names to wrenches, `forces={"panda_hand": [0, 0, -9.81, 0, 0, 0]}`:
+    what the surroundings exert on the body of that frame. `reference` says how the wrenches are written:
+    "local_world_aligned" (about the frame's origin along the world's axes; the default), "local" (about its origin
+    along its own axes), or "world" (about the world's origin).
+
+    Friction is left out unless asked for: `friction=True` takes the damping and Coulomb friction of the model, and an
+    `ulna.algorithms.Friction` is any other law. The armature of the joints always counts.
+    """
+
+    __slots__ = ()
+
+    @quantity(
+        _inverse_dynamics,
+        "(nv,) [N m or N]",
+        options=_WITH_FRICTION,
+        more=wrenches,
+        nodes=165,
+        **_REFERENCE,
+    )
+    def inverse_dynamics(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        forces: Forces = None,
+        reference: Reference = "local_world_aligned",
+        friction: bool | Friction = False,
+    ) -> Floats:
+        """The joint torques that produce the acceleration `a`
+        [Luh, Walker & Paul 1980; Featherstone 2008, section 5.3].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q, v, a = robot.configurations["qr"], np.zeros(7), np.zeros(7)
+            >>> tau = robot.inverse_dynamics(q, v, a)
+            >>> np.allclose(tau, robot.gravity_forces(q))
+            True
+            >>> held = robot.inverse_dynamics(q, v, a, {"panda_hand": [0, 0, -9.81, 0, 0, 0]})
+        """
+        if not forces and friction is False:
+            return self._kernels["inverse_dynamics"](q, v, a)
+        return _under(self, "inverse_dynamics", (q, v, a), forces, reference, friction)
+
+    @quantity(
+        _forward_dynamics,
+        "(nv,) [rad/s^2 or m/s^2]",
+        options=_WITH_FRICTION,
+        more=wrenches,
+        nodes=400,
+        inverts_mass=True,
+        **_REFERENCE,
+    )
+    def forward_dynamics(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        tau: ArrayLike,
+        forces: Forces = None,
+        reference: Reference = "local_world_aligned",
+        friction: bool | Friction = False,
+    ) -> Floats:
+        """The joint accelerations that the torques `tau` produce.
+
+        `ulna.algorithms.dynamics.forward_dynamics` chooses the algorithm that takes fewer operations
+        [Featherstone 2008, sections 6.5 and 7.3].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q, v = robot.configurations["qr"], np.zeros(7)
+            >>> a = robot.forward_dynamics(q, v, robot.gravity_forces(q))
+            >>> np.allclose(a, 0.0)
+            True
+        """
+        if not forces and friction is False:
+            return self._kernels["forward_dynamics"](q, v, tau)
+        return _under(self, "forward_dynamics", (q, v, tau), forces, reference, friction)
+
+    @quantity(
+        under_forces(algorithms.bias_forces),
+        "(nv,) [N m or N]",
+        options=FORCES,
+        more=wrenches,
+        nodes=160,
+        **_REFERENCE,
+    )
+    def bias_forces(
+        self, q: ArrayLike, v: ArrayLike, forces: Forces = None, reference: Reference = "local_world_aligned"
+    ) -> Floats:
+        """The torques that produce no acceleration: Coriolis, centrifugal and gravity, less external forces
+        [Featherstone 2008, section 5.3].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q, v, a = robot.configurations["qr"], np.full(7, 0.1), np.ones(7)
+            >>> tau = robot.mass_matrix(q) @ a + robot.bias_forces(q, v)
+            >>> np.allclose(tau, robot.inverse_dynamics(q, v, a))
+            True
+        """
+        if not forces:
+            return self._kernels["bias_forces"](q, v)
+        return _under(self, "bias_forces", (q, v), forces, reference)
+
+    @quantity(algorithms.gravity_forces, "(nv,) [N m or N]", nodes=35)
+    def gravity_forces(self, q: ArrayLike) -> Floats:
+        """The torques that hold the robot against gravity [Featherstone 2008, section 5.3]."""
+        ...
+
+    @quantity(
+        under_forces(algorithms.static_torque),
+        "(nv,) [N m or N]",
+        options=FORCES,
+        more=wrenches,
+        nodes=35,
+        **_REFERENCE,
+    )
+    def static_torque(
+        self, q: ArrayLike, forces: Forces = None, reference: Reference = "local_world_aligned"
+    ) -> Floats:
+        """The torques that hold the robot against gravity and external forces [Siciliano et al. 2009, section 3.8]."""
+        return _under(self, "static_torque", (q,), forces, reference)
+
+    @quantity(algorithms.mass_matrix, "(nv, nv) [kg, kg m, kg m^2]", nodes=(28, 28, 0))
+    def mass_matrix(self, q: ArrayLike) -> Floats:
+        """The joint-space mass matrix; armature counts [Featherstone 2008, section 6.2].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> M = robot.mass_matrix(robot.configurations["qr"])
+            >>> M.shape, np.allclose(M, M.T)
+            ((7, 7), True)
+        """
+        ...
+
+    @quantity(
+        algorithms.inverse_mass_matrix,
+        "(nv, nv) [1/kg, 1/(kg m), 1/(kg m^2)]",
+        nodes=(31, 25, 3.5),
+        inverts_mass=True,
+    )
+    def inverse_mass_matrix(self, q: ArrayLike) -> Floats:
+        """The inverse of the mass matrix [Featherstone 2008, section 6.5]."""
+        ...
+
+    @quantity(algorithms.coriolis_matrix, "(nv, nv) [N m s or N s]", nodes=(155, 77, 0))
+    def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Floats:
+        """The matrix C of the Christoffel symbols: `C @ v + gravity = bias`, and `dM/dt - 2 C` is skew
+        [Echeandia & Wensing 2021].
+        """
+        ...
+
+    @quantity(algorithms.kinetic_energy, "() [J]")
+    def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> Numbers:
+        """Kinetic energy, half of `v @ M @ v`; armature counts."""
+        ...
+
+    @quantity(algorithms.potential_energy, "() [J]")
+    def potential_energy(self, q: ArrayLike) -> Numbers:
+        """The energy of all that moves in the field of gravity; zero at the world's origin."""
+        ...
+
+    @quantity(algorithms.mechanical_energy, "() [J]")
+    def mechanical_energy(self, q: ArrayLike, v: ArrayLike) -> Numbers:
+        """The sum of kinetic and potential energy."""
+        ...
+
+    def total_mass(self, subtree: str | None = None) -> float:
+        """The mass of all that moves, or of what the joint `subtree` moves [kg]; `model.mass` is that of all links."""
+        return float(algorithms.total_mass(self.model, subtree))
+
+    @quantity(algorithms.center_of_mass, "(3,) [m]")
+    def center_of_mass(self, q: ArrayLike, subtree: str | None = None) -> Floats:
+        """Where the centre of mass of all that moves is in the world; InputError if there is no mass.
+
+        Its velocity, acceleration and Jacobian are in `robot.centroidal`.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> robot.center_of_mass(np.zeros((10, 7))).shape
+            (10, 3)
+        """
+        ...
+
+    @quantity(
+        of_frame(algorithms.payload_multiples),
+        "(nv,)",
+        arrays=("q", "wrench", "limit"),
+        options={"frame": None, "reference": "local_world_aligned"},
+    )
+    def payload_capacity(
+        self,
+        q: ArrayLike,
+        frame: str | None = None,
+        wrench: ArrayLike | None = None,
+        effort: ArrayLike | None = None,
+        reference: Reference = "local_world_aligned",
+    ) -> Floats:
+        """How many times a load each joint can hold at a frame, standing still; the least counts.
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            frame: Where the load acts; None for the tool.
+            wrench: What it exerts there, (..., 6) [N, N m]; None for the weight of 1 kg, so that the answer is in kg.
+            effort: Greatest torques in both directions, (nv,) [N m or N]; None for the model's.
+            reference: In whose axes, and about which point, the wrench is written.
+
+        Returns:
+            Multiples of the load, (..., nv); inf where it does not burden a joint, nan where a joint cannot even hold
+            the robot.
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If an array has another shape or type, or is not finite.
+            UnknownName: If there is no such `frame` or `reference`; names the nearest.
+        """
+        weight = np.concatenate([self.model.gravity, np.zeros(3)])
+        load = np.asarray(weight if wrench is None else wrench, dtype=float)
+        limit = np.asarray(self.model.effort_limit if effort is None else effort, dtype=float)
+        free = np.isinf(limit)
+        kernel = self._kernel("payload_multiples", frame, reference)
+        load_limit = kernel(q, load, np.where(free, np.finfo(float).max, limit))
+        return np.where(free & ~np.isnan(load_limit), np.inf, load_limit)
+
+
+def _under(
+    part: Part,
+    name: str,
+    arrays: tuple[ArrayLike, ...],
+    forces: Forces,
+    reference: Reference,
+    *friction: bool | Friction,
+) -> Any:
+    """The quantity under forces, and under friction where it knows of it."""
+    if not forces:
+        return part._kernel(name, (), FORCES["reference"], *friction)(*arrays)
+    return part._kernel(name, tuple(forces), reference, *friction)(*arrays, stacked(forces))

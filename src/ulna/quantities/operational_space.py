@@ -1,0 +1,101 @@
+"""The dynamics of a robot at one of its frames."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, final
+
+from ulna import algorithms
+from ulna.algorithms import Representation, Task
+from ulna.algorithms.multibody.references import Reference
+from ulna.model import Model
+from ulna.quantities.part import Part
+from ulna.quantities.quantity import frame_of, quantity
+from ulna.typing import Array, ArrayLike, Floats
+
+
+def _at_frame(algorithm: Any) -> Any:
+    """An algorithm that takes a task, as one that takes what a task is made of."""
+
+    @functools.wraps(algorithm)
+    def run(model: Model, *arrays: Array, frame: Any, **options: Any) -> Array:
+        return algorithm(model, *arrays, Task(frame_of(model, frame), **options))
+
+    return run
+
+
+@final
+class OperationalSpace(Part):
+    """Inertia, Coriolis matrix, gravity and acceleration of a frame.
+
+    The force that a motion x' of the frame takes is `inertia @ x'' + coriolis @ x' + gravity`. x' is the frame's twist
+    in a `reference`, or, with a `representation` ("rpy/xyz", "rpy/zyx", "eul", "exp"), the rates of position and
+    angles. Where the Jacobian is singular the inertia is infinite; `damping` bounds it (the square of it is added to
+    its inverse). Reference: Khatib 1987.
+    """
+
+    __slots__ = ()
+
+    @quantity(
+        _at_frame(algorithms.operational_inertia),
+        "(6, 6) [kg, kg m, kg m^2]",
+        nodes=(230, 39, 1.4),
+        inverts_mass=True,
+    )
+    def inertia(
+        self,
+        q: ArrayLike,
+        frame: str | None = None,
+        reference: Reference = "local_world_aligned",
+        representation: Representation | None = None,
+        damping: float = 0.0,
+    ) -> Floats:
+        """The inertia against which a force at the frame works [Khatib 1987]."""
+        ...
+
+    @quantity(
+        _at_frame(algorithms.operational_coriolis),
+        "(6, 6) [N s/m, N s, N m s]",
+        nodes=(520, 119, 1.4),
+        inverts_mass=True,
+    )
+    def coriolis(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        frame: str | None = None,
+        reference: Reference = "local_world_aligned",
+        representation: Representation | None = None,
+        damping: float = 0.0,
+    ) -> Floats:
+        """The matrix that maps the motion of the frame to Coriolis and centrifugal forces there [Khatib 1987]."""
+        ...
+
+    @quantity(
+        _at_frame(algorithms.operational_gravity), "(6,) [N, N m]", nodes=(190, 52, 1.4), inverts_mass=True
+    )
+    def gravity(
+        self,
+        q: ArrayLike,
+        frame: str | None = None,
+        reference: Reference = "local_world_aligned",
+        representation: Representation | None = None,
+        damping: float = 0.0,
+    ) -> Floats:
+        """The force at the frame that holds the robot against gravity [Khatib 1987]."""
+        ...
+
+    @quantity(
+        _at_frame(algorithms.operational_acceleration), "(6,) [m/s^2, rad/s^2]", nodes=530, inverts_mass=True
+    )
+    def acceleration(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        tau: ArrayLike,
+        frame: str | None = None,
+        reference: Reference = "local_world_aligned",
+        representation: Representation | None = None,
+    ) -> Floats:
+        """How the frame accelerates under the joint torques `tau` [Khatib 1987]."""
+        ...

@@ -1,0 +1,175 @@
+"""What a quantity of a robot is: one declaration, from which its kernel, its method and their documentation follow.
+
+    @quantity(algorithms.mass_matrix, "(nv, nv) [kg, kg m, kg m^2]")
+    def mass_matrix(self, q: ArrayLike) -> Floats:
+        \"\"\"The joint-space mass matrix; armature counts [Featherstone 2008, section 6.2].\"\"\"
+        ...
+
+Arguments that are listed in `ARRAYS` are arrays, whose sizes are known by their names; all others are options, with
+their default values. The kernel is `algorithm(model, *arrays, **options)`, traced for one model and one choice of
+options. The method finds that kernel and calls it with the arrays. Its signature is the one written; its docstring is
+completed by what is known of the arguments.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar, final
+
+from ulna.errors import InputError
+from ulna.model import Frame, Model
+from ulna.quantities.documentation import ARRAYS, Size, documented
+from ulna.quantities.mass import with_mass
+from ulna.quantities.part import frozen
+
+F = TypeVar("F", bound=Callable[..., Any])
+Arguments = tuple[tuple[str, Size], ...]
+
+
+def no_more(options: Mapping[str, Any]) -> Arguments:
+    """No arguments, whatever the options."""
+    return ()
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Quantity:
+    """What is declared of a quantity.
+
+    Attributes:
+        name: The name of its kernel.
+        algorithm: Computes it: `algorithm(model, *arrays, **options)`.
+        arrays: The names of its arrays.
+        options: The names of its options with their default values.
+        more: Arguments that the chosen options add after the arrays: names and sizes.
+        result: Shapes and units of the results: "(nv, nv) [kg m^2]".
+        summary: What it is, in a sentence or two.
+        nodes: Coefficients of the size of its graph; see `ulna.quantities.size`.
+        inverts_mass: Whether it needs the inverse of the mass matrix, which some models do not have.
+    """
+
+    name: str
+    algorithm: Callable[..., Any]
+    arrays: tuple[str, ...]
+    options: Mapping[str, Any]
+    more: Callable[[Mapping[str, Any]], Arguments]
+    result: str
+    summary: str
+    nodes: tuple[float, float, float]
+    inverts_mass: bool
+
+    def arguments(self, options: Mapping[str, Any]) -> Arguments:
+        """Names and sizes of the kernel's arguments under these options."""
+        return (*((name, ARRAYS[name].size) for name in self.arrays), *self.more(options))
+
+    def build(self, model: Model, **options: Any) -> Callable[..., Any]:
+        """The function of the arrays, for a model and all options.
+
+        Raises:
+            ModelError: If it needs the inverse of the mass matrix, and the model has none.
+        """
+        return with_mass(self._on)(model, **options) if self.inverts_mass else self._on(model, **options)
+
+    def _on(self, model: Model, **options: Any) -> Callable[..., Any]:
+        return lambda *arrays: self.algorithm(model, *arrays, **options)
+
+
+def quantity(
+    algorithm: Callable[..., Any],
+    result: str,
+    *,
+    name: str = "",
+    arrays: tuple[str, ...] | None = None,
+    options: Mapping[str, Any] | None = None,
+    more: Callable[[Mapping[str, Any]], Arguments] = no_more,
+    nodes: float | tuple[float, float, float] = 120.0,
+    inverts_mass: bool = False,
+    returns: str = "",
+    **about: str,
+) -> Callable[[F], F]:
+    """Declares the quantity that a method of a `Part` returns; its docstring may end with a source in brackets.
+
+    Args:
+        algorithm: As for `Quantity`, like all that is not listed here.
+        result: As for `Quantity`.
+        name: The name of the kernel; empty for that of the algorithm, without an underscore before it.
+        arrays: The arrays of the kernel, where they are not those of the method.
+        options: The options of the kernel, where they are not those of the method. Then the method's body stays as
+            it is written, and calls the kernel itself; otherwise it is replaced.
+        more: As for `Quantity`.
+        nodes: As for `Quantity`; one number is the first.
+        inverts_mass: As for `Quantity`.
+        returns: What the result is, for the documentation, where the first sentence does not say it.
+        **about: What to write of arguments, where it is not what `ulna.quantities.documentation` has for their names.
+    """
+
+    def declare(method: F) -> F:
+        code = method.__code__
+        parameters = code.co_varnames[1 : code.co_argcount + code.co_kwonlyargcount]
+        defaults = method.__defaults__ or ()
+        record = Quantity(
+            name=name or algorithm.__name__.lstrip("_"),
+            algorithm=algorithm,
+            arrays=tuple(n for n in parameters if n in ARRAYS) if arrays is None else arrays,
+            options=dict(zip(parameters[-len(defaults) :], defaults, strict=False))
+            if options is None
+            else options,
+            more=more,
+            result=result,
+            summary=(method.__doc__ or "").split("\n\n", 1)[0],
+            nodes=nodes if isinstance(nodes, tuple) else (nodes, 0.0, 0.0),
+            inverts_mass=inverts_mass,
+        )
+        made = method if options is not None else _calling_kernel(method, record, parameters)
+        made.__doc__ = documented(method.__doc__, parameters, result, returns, inverts_mass, about)
+        made.quantity = record  # type: ignore[attr-defined]
+        return made
+
+    return declare
+
+
+def _calling_kernel(method: F, record: Quantity, parameters: tuple[str, ...]) -> F:
+    """The function of that signature that calls the kernel of its options with its arrays."""
+    key, arrays = ", ".join((repr(record.name), *record.options)), ", ".join(record.arrays)
+    body = f"return self._kernels[{record.name!r}]({arrays})"
+    if record.options:
+        found = f"self._kernels[{key}]"
+        if [*record.options.values()] == [None]:
+            found = f"self._kernels[({key}) if {next(iter(record.options))} is not None else {record.name!r}]"
+        body = f"""try:
+        kernel = {found}
+    except TypeError as error:
+        kernel = self._kernels[hashable(error, {key})]
+    return kernel({arrays})"""
+    names: dict[str, Any] = {"hashable": hashable}
+    exec(f"def {method.__name__}(self, {', '.join(parameters)}):\n    {body}", names)
+    made = functools.update_wrapper(names[method.__name__], method)
+    made.__defaults__ = method.__defaults__
+    return made
+
+
+def hashable(error: TypeError, *key: Any) -> tuple[Any, ...]:
+    """The key with tuples for lists and arrays, after the key itself has raised that error; raises it where none."""
+    entries = tuple(frozen(entry) for entry in key)
+    if all(entry is former for entry, former in zip(entries, key, strict=True)):
+        raise error
+    return entries
+
+
+def frame_of(model: Model, name: str | None) -> Frame:
+    """The frame of that name; the model's tool for None."""
+    if name is not None and not isinstance(name, str):
+        raise InputError(f"`frame` is {name!r}; expected the name of one frame, or None for the tool.")
+    return model.frame(model.tool if name is None else name)
+
+
+def of_frame(algorithm: Callable[..., Any]) -> Callable[..., Any]:
+    """An algorithm that takes a frame after its arrays, as one that takes the option `frame`, a name."""
+
+    @functools.wraps(algorithm)
+    def run(model: Model, *arrays: Any, frame: str | None, **options: Any) -> Any:
+        return algorithm(model, *arrays, frame_of(model, frame), **options)
+
+    return run

@@ -1,1 +1,0 @@
-"""Recipes: how algorithms become kernels, by theme; `ulna.kernels` looks them up."""
