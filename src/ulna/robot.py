@@ -47,7 +47,15 @@ class Limits:
     """Greatest joint torques or forces, (nv,) [N m or N]."""
 
     def contains(self, q: ArrayLike, tolerance: float = 0.0) -> Any:
-        """Whether configurations `q`, (..., nq), lie within the position limits."""
+        """Whether configurations lie within the position limits.
+
+        Args:
+            q: Configurations, (..., nq) [rad or m].
+            tolerance: How far outside still counts as within [rad or m].
+
+        Returns:
+            Truth values, (...).
+        """
         q = np.asarray(q, dtype=float)
         return ((q >= self.lower - tolerance) & (q <= self.upper + tolerance)).all(axis=-1)
 
@@ -188,13 +196,33 @@ class Robot(
         With `parameters=("inertia", "placement")` those numbers of the model are further arguments at the end, so that
         one kernel serves a batch of robots; `robot.parameters["inertia"]` is what this robot has for them.
 
+        Args:
+            name: The quantity; `docs/quantities.md` lists them, `ulna.kernels.QUANTITIES` is their table.
+            dtype: The type to compute in: float64 or float32.
+            checked: Whether nan and inf in the inputs raise NonFiniteError.
+            **options: Options of the quantity, such as `frame` and `reference`; `parameters`.
+
+        Returns:
+            The kernel; see `ulna.compiler.compile`.
+
         Raises:
             UnknownName: If there is no such kernel, option or frame.
         """
         return kernels.kernel(self.model, name, dtype=dtype, checked=checked, **options)
 
     def function(self, name: str, **options: Any) -> Function:
-        """The traced function of a quantity, before compilation."""
+        """The traced function of a quantity, before compilation.
+
+        Args:
+            name: As for `kernel`.
+            **options: As for `kernel`.
+
+        Returns:
+            The function, which knows its graph and its operations.
+
+        Raises:
+            UnknownName: As from `kernel`.
+        """
         return kernels.function(self.model, name, **options)
 
 
@@ -222,6 +250,7 @@ def compile(
     Raises:
         UnknownName: If the shape of an argument is not known.
         TraceError: If `f` branches on a traced value.
+        InputError: If `f` is no function, or `robot` no Robot.
     """
     if robot is not None and not isinstance(robot, Robot):
         raise InputError(f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) returns.")

@@ -6,11 +6,14 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import re
 import sys
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+
+from ulna.quantities import THEMES
 
 SOURCE = Path(__file__).parents[2] / "src" / "ulna"
 FILES = sorted(SOURCE.rglob("*.py"))
@@ -142,6 +145,14 @@ def base_documents(name: str, function: Function, owner: ast.ClassDef | None) ->
     return False
 
 
+def docstring(function: Function, owner: ast.ClassDef | None) -> str:
+    """What `help` prints; the decorator `quantity` completes what is written."""
+    if any(ast.unparse(decorator).startswith("quantity(") for decorator in function.decorator_list):
+        theme = next(theme for theme in THEMES if owner is not None and theme.__name__ == owner.name)
+        return inspect.getdoc(vars(theme)[function.name]) or ""
+    return ast.get_docstring(function) or ""
+
+
 def argument_complaints(function: Function, texts: dict[str, str]) -> Iterator[str]:
     """What the entries of `Args:` lack, given the text of each."""
     names = {x.arg: ast.unparse(x.annotation) if x.annotation else "" for x in arguments(function)}
@@ -171,7 +182,7 @@ def what_is_missing(module: ast.Module) -> list[str]:
     """What the docstrings of a module lack: line, name of the function, and what is missing."""
     wrong: list[str] = []
     for name, function, owner in public_functions(module):
-        doc = ast.get_docstring(function) or ""
+        doc = docstring(function, owner)
         parts = sections(doc)
         if "Args" not in parts and base_documents(name, function, owner):
             continue

@@ -12,6 +12,7 @@ from support.random_models import random_model
 from ulna import algorithms as alg
 from ulna.compiler import compile, trace
 from ulna.model import Frame, Model
+from ulna.robot import Robot
 from ulna.robots.panda import panda
 
 MODELS: dict[str, Callable[[], Model]] = {
@@ -93,6 +94,12 @@ def test_derivatives_by_the_compiler_agree_with_the_closed_forms(model: Model) -
     )
     _close(twist.jacobian("v")(q, v), alg.frame_jacobian(model, q, tip, "local"))
     _close(twist.jacobian("v")(q, v), alg.frame_velocity_derivatives(model, q, v, tip)[1])
+
+
+def test_link_poses_are_the_poses_of_the_links_frames(model: Model) -> None:
+    robot = Robot(model)
+    q = robot.random_configuration(3, seed=5)
+    _close(robot.link_poses(q), robot.fk(q, model.link_names))
 
 
 BUDGET = {

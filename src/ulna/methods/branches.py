@@ -48,7 +48,7 @@ class Branching(Part):
             frame: Name; None for the tool.
             joints: Names of the joints that may move; None for the last seven that move the frame.
             free: The joint of a seven-joint arm that is given values; None for the one that suits best.
-            samples: How many values, evenly spread between its limits, and that in `q0`; or the values themselves.
+            samples: How many values, evenly spread between its limits, and that in `q0`; or the values, (n,).
             limits: Whether to leave out what is outside the joint limits.
             turns: Whether to list a solution again for every whole turn that a joint with limits has room for.
             position_tolerance: Largest distance from the goal [m].
@@ -65,6 +65,12 @@ class Branching(Part):
             UnknownName: If there is no such frame or joint.
 
         Reference: Pieper 1968; Elias & Wen 2025; Raghavan & Roth 1993; Manocha & Canny 1994.
+
+        Example:
+            >>> robot = ulna.load("ur5")
+            >>> q = [0.1, -1.0, 1.2, -0.4, 0.7, 0.2]
+            >>> robot.ik_all(robot.fk(q), limits=False).q.shape
+            (8, 6)
         """
         from ulna.ik.branches import ik_all
 
@@ -93,6 +99,9 @@ class Branching(Part):
             frame: Name; None for the tool.
             joints: As for `ik_all`; others are held at neutral.
             free: As for `ik_all`.
+
+        Returns:
+            The kernel, called with T_world_frame (4, 4).
 
         Raises:
             InputError: If the arm has no closed form.

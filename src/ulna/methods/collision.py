@@ -53,6 +53,9 @@ class CollisionQueries(Part):
             method: "exact" or "spheres".
             **options: Of `robot.collision.checker`.
 
+        Returns:
+            Truth values, (...).
+
         Raises:
             ShapeError, DtypeError, NonFiniteError: If `q` or a pose cannot be one.
             ModelError: If the robot has no collision geometry, or a mesh file is missing.
@@ -79,6 +82,12 @@ class CollisionQueries(Part):
             moving: Poses of the world's moving obstacles by name, T_world_shape (..., 4, 4).
             stop_below: The first pair this near ends the search [m].
             **options: Of `robot.collision.checker`.
+
+        Returns:
+            An `ulna.collision.Distance`: `.distance` (...) [m], `.points`, `.normal` and the two names.
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError, ModelError, UnknownName, MissingExtra: As for `collides`.
         """
         only_numbers("robot.distance", _TRACED, q)
         return _checker(self, world, **options).distance(q, moving, stop_below=stop_below)
@@ -101,7 +110,20 @@ class Collision(Part):
         moving: Mapping[str, ArrayLike] | None = None,
         **options: Any,
     ) -> Floats:
-        """Gradient of `distance` by the configuration's tangent, (..., nv) [m/rad or 1]."""
+        """Gradient of `robot.distance` by the configuration's tangent.
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            world: Obstacles; None for none.
+            moving: Poses of the world's moving obstacles by name, T_world_shape (..., 4, 4).
+            **options: Of `checker`.
+
+        Returns:
+            The gradient, (..., nv) [m/rad or 1].
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError, ModelError, UnknownName, MissingExtra: As for `robot.collides`.
+        """
         only_numbers("robot.collision.distance_gradient", _TRACED, q)
         return _checker(self, world, **options).gradient(q, moving)
 
@@ -115,9 +137,21 @@ class Collision(Part):
         margin: float = 0.0,
         **options: Any,
     ) -> Any:
-        """When the motion from `q0` to `q1` at constant velocity first touches: times in [0, 1], inf for never, (...).
+        """When the motion from `q0` to `q1` at constant velocity first touches; no contact between samples is missed.
 
-        Continuous: no contact between samples is missed. See `ulna.collision.first_contact`.
+        Args:
+            q0: Configuration at the start, (..., nq) [rad or m].
+            q1: Configuration at the end, (..., nq) [rad or m].
+            world: Obstacles; None for none.
+            moving: Poses of the world's moving obstacles by name, T_world_shape (..., 4, 4).
+            margin: What comes as near as this counts as touching [m].
+            **options: Of `checker`.
+
+        Returns:
+            Times in [0, 1], inf for never, (...); see `ulna.collision.first_contact`.
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError, ModelError, UnknownName, MissingExtra: As for `robot.collides`.
         """
         from ulna import collision
 
@@ -142,7 +176,15 @@ class Collision(Part):
         return _checker(self, world, method=method, **options)
 
     def spheres(self, tolerance: float = 0.012, most: int = 12) -> Spheres:
-        """Spheres that cover the links; see `ulna.collision.fit`."""
+        """Spheres that cover the links; see `ulna.collision.fit`.
+
+        Args:
+            tolerance: How far spheres may reach beyond a shape [m].
+            most: Greatest number of spheres of a shape.
+
+        Returns:
+            The spheres of all links.
+        """
         from ulna import collision
 
         return collision.fit(self.model, tolerance, most)

@@ -68,6 +68,13 @@ class InverseKinematics(Part):
             UnknownName: If there is no such frame, joint or mask.
 
         Reference: Sugihara 2011 (damping); the search runs in the SIMD lanes, see `ulna.ik.search`.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> T = robot.fk(robot.configurations["qr"])
+            >>> solution = robot.ik(T)
+            >>> solution.success, np.allclose(robot.fk(solution.q), T, atol=1e-5)
+            (True, True)
         """
         try:
             solver = self._searches[type(T) is not np.ndarray and isinstance(T, Mapping), frame, mask, joints]

@@ -17,9 +17,25 @@ class Variants(Part):
 
     __slots__ = ()
 
+    def _of_model(self, model: models.Model) -> Self:
+        """A robot like this one, of another model."""
+        robot: Any = type(self)
+        return robot(model)
+
     def lock(self, joints: Mapping[str, Any] | Sequence[str], q: Any = None) -> Self:
-        """The robot with some joints held still; see `ulna.model.lock_joints`."""
-        return type(self)(models.lock_joints(self.model, joints, q))
+        """The robot with some joints held still; see `ulna.model.lock_joints`.
+
+        Args:
+            joints: Names of the joints, or a mapping from names to the positions they are held at [rad or m].
+            q: Configuration they are held at, (nq,) [rad or m]; None for neutral.
+
+        Returns:
+            The other robot.
+
+        Raises:
+            UnknownName: If there is no such joint; names the nearest.
+        """
+        return self._of_model(models.lock_joints(self.model, joints, q))
 
     def attach(
         self,
@@ -29,22 +45,72 @@ class Variants(Part):
         prefix: str = "",
         **options: Any,
     ) -> Self:
-        """This robot carrying another: a gripper on an arm, an arm on a base; see `ulna.model.attach`."""
+        """This robot carrying another: a gripper on an arm, an arm on a base; see `ulna.model.attach`.
+
+        Args:
+            other: The robot that is carried.
+            frame: Frame of this robot that carries it; None for the tool.
+            placement: T_frame_other, the pose of its base there; None for the frame's own.
+            prefix: Put before the names of its links, joints and frames.
+            **options: Of `ulna.model.attach`.
+
+        Returns:
+            Both as one robot.
+
+        Raises:
+            InputError: If `other` is no Robot.
+            UnknownName: If there is no such frame; names the nearest.
+        """
         if not isinstance(other, type(self)):
             raise InputError(f"`other` is {other!r}; expected a Robot, such as ulna.load(...) returns.")
-        return type(self)(models.attach(self.model, other.model, frame, placement, prefix, **options))
+        return self._of_model(models.attach(self.model, other.model, frame, placement, prefix, **options))
 
     def with_tool(self, frame: str, placement: SE3 | None = None, name: str = "tool") -> Self:
-        """The robot with another tool: a frame, or a new one at `placement` (T_frame_tool) in it."""
-        return type(self)(models.with_tool(self.model, frame, placement, name))
+        """The robot with another tool, its default frame.
+
+        Args:
+            frame: Name of a frame.
+            placement: T_frame_tool, for a new frame; None for the frame itself.
+            name: Name of the new frame.
+
+        Returns:
+            The other robot.
+
+        Raises:
+            UnknownName: If there is no such frame; names the nearest.
+        """
+        return self._of_model(models.with_tool(self.model, frame, placement, name))
 
     def with_dynamic_parameters(self, parameters: ArrayLike, *, check: bool = True) -> Self:
-        """The robot with other masses and inertias; see `ulna.model.with_dynamic_parameters`."""
-        return type(self)(models.with_dynamic_parameters(self.model, parameters, check=check))
+        """The robot with other masses and inertias; see `ulna.model.with_dynamic_parameters`.
+
+        Args:
+            parameters: As `robot.parameters.dynamic`, (10 nbodies,) or (nbodies, 10) [kg, kg m, kg m^2].
+            check: Whether to refuse bodies that cannot exist.
+
+        Returns:
+            The other robot.
+
+        Raises:
+            ShapeError, NonFiniteError, ModelError: If they are no parameters of bodies.
+        """
+        return self._of_model(models.with_dynamic_parameters(self.model, parameters, check=check))
 
     def with_parameters(self, values: Mapping[str, Any], *, check: bool = True) -> Self:
-        """The robot with other inertias, placements, offsets, gravity ...; see `ulna.model.with_parameters`."""
-        return type(self)(models.with_parameters(self.model, values, check=check))
+        """The robot with other inertias, placements, offsets, gravity ...; see `ulna.model.with_parameters`.
+
+        Args:
+            values: Parameters by name, of the shapes of `robot.parameters[name]`.
+            check: Whether to refuse bodies that cannot exist.
+
+        Returns:
+            The other robot.
+
+        Raises:
+            UnknownName: If there is no such parameter; names the nearest.
+            ShapeError, NonFiniteError, InputError, ModelError: If a value cannot be what it stands for.
+        """
+        return self._of_model(models.with_parameters(self.model, values, check=check))
 
     def with_payload(
         self,
@@ -55,13 +121,45 @@ class Variants(Part):
         *,
         name: str = "payload",
     ) -> Self:
-        """The robot carrying a body at a frame, the tool for None; see `ulna.model.with_payload`."""
-        return type(self)(models.with_payload(self.model, frame, mass, com, inertia, name=name))
+        """The robot carrying a body; see `ulna.model.with_payload`.
+
+        Args:
+            frame: Where it carries it; None for the tool.
+            mass: Mass of the body [kg].
+            com: Its centre of mass in the frame, (3,) [m].
+            inertia: Its rotational inertia about the centre of mass, (3, 3) [kg m^2]; None for a point.
+            name: Name of the new link.
+
+        Returns:
+            The other robot.
+
+        Raises:
+            UnknownName: If there is no such frame; names the nearest.
+            ShapeError, InputError, ModelError: If the body cannot exist.
+        """
+        return self._of_model(models.with_payload(self.model, frame, mass, com, inertia, name=name))
 
     def perturbed(self, fraction: float = 0.1, seed: Any = None, com: float = 0.0) -> Self:
-        """A robot like this one, with masses and inertias off at random; see `ulna.model.perturbed`."""
-        return type(self)(models.perturbed(self.model, fraction, seed, com))
+        """A robot like this one, with masses and inertias off at random; see `ulna.model.perturbed`.
+
+        Args:
+            fraction: By how much at most, relative to each.
+            seed: A number or a `numpy.random.Generator`.
+            com: How far centres of mass move at most [m].
+
+        Returns:
+            The other robot.
+        """
+        return self._of_model(models.perturbed(self.model, fraction, seed, com))
 
     def with_configuration(self, name: str, q: Any) -> Self:
-        """The robot with a named configuration: numbers (nq,), or a dictionary from joint names to positions."""
-        return type(self)(models.with_configuration(self.model, name, q))
+        """The robot with a named configuration.
+
+        Args:
+            name: Its key in `robot.configurations`.
+            q: Numbers (nq,) [rad or m], or a mapping from joint names to positions.
+
+        Returns:
+            The other robot.
+        """
+        return self._of_model(models.with_configuration(self.model, name, q))

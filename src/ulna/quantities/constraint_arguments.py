@@ -27,7 +27,20 @@ def checked_solver(value: Any) -> Proximal:
 
 
 def stabilisation_arrays(constraints: Sequence[Constraint], anchors: Any, kp: Any, kd: Any) -> list[Array]:
-    """The further arguments of the kernel: anchors, if there are contacts, and kp and kd of each, (..., count, 2)."""
+    """Further arguments of the kernel, which pull constraints together.
+
+    Args:
+        constraints: The constraints.
+        anchors: Where the contacts hold; None where there are none.
+        kp: Gains [1/s^2], one number or (..., count); None for 0.
+        kd: Gains [1/s]; None for critical damping.
+
+    Returns:
+        Anchors (..., contacts, 4, 4), if there are contacts, and kp and kd of each constraint, (..., count, 2).
+
+    Raises:
+        InputError: If gains are negative or traced ones are not given, or contacts have none to hold at.
+    """
     count = len(constraints)
     stiff = _gains("kp", 0.0 if kp is None else kp, count)
     if kd is None and is_symbolic(stiff):
@@ -53,7 +66,19 @@ def _gains(name: str, value: ArrayLike, count: int) -> Array:
 
 
 def one_each(name: str, numbers: ArrayLike, count: int) -> Array:
-    """One number for all, or one for each constraint, as (..., count)."""
+    """One number for all constraints, or one for each.
+
+    Args:
+        name: The argument, for messages.
+        numbers: A number or (..., count).
+        count: How many constraints there are.
+
+    Returns:
+        One for each, (..., count).
+
+    Raises:
+        ShapeError: If there are not as many as constraints.
+    """
     value = batched_array(name, numbers, ())
     if value.ndim == 0:
         return np.broadcast_to(value, (count,))
@@ -63,7 +88,19 @@ def one_each(name: str, numbers: ArrayLike, count: int) -> Array:
 
 
 def anchor_poses(anchors: Any, contacts: Sequence[Constraint]) -> Array:
-    """Anchors as poses, (..., contacts, 4, 4); of none as many identities."""
+    """Anchors as poses; of none as many identities.
+
+    Args:
+        anchors: One for each contact: poses, or points of point contacts; None for none.
+        contacts: The contacts.
+
+    Returns:
+        Poses, (..., contacts, 4, 4).
+
+    Raises:
+        InputError: If they are a dictionary.
+        ShapeError: If they are not as many as contacts, or of another shape.
+    """
     count = len(contacts)
     if anchors is None:
         return np.broadcast_to(_IDENTITY, (count, 4, 4))

@@ -153,9 +153,10 @@ class Constraints(Part):
             friction: Whether friction brakes the motion.
             anchors: Where the contacts hold, one for each in their order: points (..., 3) [m] of point contacts, poses
                 (..., 4, 4); such as `robot.fk(q0, names)` returns, or `anchors`.
-            kp: Gain [1/s^2] that pulls constraints together that have drifted apart; one number, or one for each;
-                None for 0.
-            kd: Gain [1/s] that brakes their drift; None for critical damping, 2 sqrt(kp), which is 0 for kp = 0.
+            kp: Gains [1/s^2] that pull constraints together that have drifted apart, one number or (..., count), for
+                each; None for 0.
+            kd: Gains [1/s] that brake their drift, one number or (..., count); None for critical damping, 2 sqrt(kp),
+                which is 0 for kp = 0.
             solver: The method that computes the forces.
 
         Returns:
@@ -252,7 +253,7 @@ class Constraints(Part):
             q: Configuration, (..., nq) [rad or m].
             v: Velocity before, (..., nv) [rad/s or m/s].
             constraints: The constraints from now on.
-            restitution: Coefficient of restitution of a constraint, in [0, 1]; one number, or one for each.
+            restitution: Coefficient of restitution in [0, 1]; one number, or (..., count) for each constraint.
             solver: The method that computes the impulses.
 
         Returns:
@@ -311,7 +312,7 @@ class Constraints(Part):
         Args:
             q: Configuration, (..., nq) [rad or m].
             constraints: The constraints.
-            anchors: Where the contacts hold, as for `forward_dynamics`; loops have none.
+            anchors: Where the contacts hold, (..., contacts, 4, 4), as for `forward_dynamics`; loops have none.
 
         Returns:
             Errors, (..., m) [m, rad].

@@ -12,7 +12,9 @@ from ulna.quantities.part import Part
 from ulna.quantities.quantity import of_frame, quantity
 from ulna.typing import ArrayLike, Floats
 
-_FIXED: dict[str, str] = {
+_FIXED: dict[str, Any] = {
+    "options": {"forces": ()},
+    "more": wrenches,
     "forces": "External forces that turn with their frames: frame name -> wrench (..., 6) [N, N m] in its axes.",
     "reference": '"local" where there are forces, to say so; InputError otherwise.',
 }
@@ -30,8 +32,6 @@ class Derivatives(Part):
     @quantity(
         under_forces(algorithms.inverse_dynamics_derivatives),
         "(nv, nv), (nv, nv), (nv, nv)",
-        options={"forces": ()},
-        more=wrenches,
         returns="By q, v and a",
         nodes=(280, 129, 0),
         **_FIXED,
@@ -54,8 +54,6 @@ class Derivatives(Part):
     @quantity(
         under_forces(algorithms.forward_dynamics_derivatives),
         "(nv, nv), (nv, nv), (nv, nv)",
-        options={"forces": ()},
-        more=wrenches,
         returns="By q, v and tau",
         nodes=(330, 138, 18),
         inverts_mass=True,

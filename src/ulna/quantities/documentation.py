@@ -47,7 +47,7 @@ _OPTIONS = {
     "friction": "True for the model's damping and Coulomb friction, or an `ulna.algorithms.Friction`.",
     "constraints": "Contacts and loops of `ulna.model`: a list, or one.",
     "solver": "The method that computes the forces.",
-    "out": "Array to write into.",
+    "out": "Array to write into, of the result's shape (...).",
     "threads": "How many threads a large batch may use.",
 }
 """What options mean, by the names of arguments."""
@@ -77,6 +77,9 @@ def documented(
         returns: What they are; empty where the text says it.
         inverts_mass: Whether the inverse of the mass matrix is needed.
         about: What to write of arguments, where it is not what `ARRAYS` and the options have.
+
+    Returns:
+        The docstring; None where there is none.
     """
     if text is None:
         return None

@@ -15,9 +15,12 @@ from ulna.quantities.part import Part
 from ulna.quantities.quantity import of_frame, quantity
 from ulna.typing import Array, ArrayLike, Floats, Numbers
 
-_WITH_FRICTION = {**FORCES, "friction": False}
-_WRENCHES = 'How the wrenches are written: "local_world_aligned", "local" or "world".'
-_REFERENCE = {"reference": _WRENCHES}
+_LOADED: dict[str, Any] = {
+    "options": FORCES,
+    "more": wrenches,
+    "reference": 'How the wrenches are written: "local_world_aligned", "local" or "world".',
+}
+_WITH_FRICTION: dict[str, Any] = {**_LOADED, "options": {**FORCES, "friction": False}}
 
 
 def _inverse_dynamics(
@@ -50,14 +53,7 @@ class Dynamics(Part):
 
     __slots__ = ()
 
-    @quantity(
-        _inverse_dynamics,
-        "(nv,) [N m or N]",
-        options=_WITH_FRICTION,
-        more=wrenches,
-        nodes=165,
-        **_REFERENCE,
-    )
+    @quantity(_inverse_dynamics, "(nv,) [N m or N]", nodes=165, **_WITH_FRICTION)
     def inverse_dynamics(
         self,
         q: ArrayLike,
@@ -82,15 +78,7 @@ class Dynamics(Part):
             return self._kernels["inverse_dynamics"](q, v, a)
         return _under(self, "inverse_dynamics", (q, v, a), forces, reference, friction)
 
-    @quantity(
-        _forward_dynamics,
-        "(nv,) [rad/s^2 or m/s^2]",
-        options=_WITH_FRICTION,
-        more=wrenches,
-        nodes=400,
-        inverts_mass=True,
-        **_REFERENCE,
-    )
+    @quantity(_forward_dynamics, "(nv,) [rad/s^2 or m/s^2]", nodes=400, inverts_mass=True, **_WITH_FRICTION)
     def forward_dynamics(
         self,
         q: ArrayLike,
@@ -116,14 +104,7 @@ class Dynamics(Part):
             return self._kernels["forward_dynamics"](q, v, tau)
         return _under(self, "forward_dynamics", (q, v, tau), forces, reference, friction)
 
-    @quantity(
-        under_forces(algorithms.bias_forces),
-        "(nv,) [N m or N]",
-        options=FORCES,
-        more=wrenches,
-        nodes=160,
-        **_REFERENCE,
-    )
+    @quantity(under_forces(algorithms.bias_forces), "(nv,) [N m or N]", nodes=160, **_LOADED)
     def bias_forces(
         self, q: ArrayLike, v: ArrayLike, forces: Forces = None, reference: Reference = "local_world_aligned"
     ) -> Floats:
@@ -146,14 +127,7 @@ class Dynamics(Part):
         """The torques that hold the robot against gravity [Featherstone 2008, section 5.3]."""
         ...
 
-    @quantity(
-        under_forces(algorithms.static_torque),
-        "(nv,) [N m or N]",
-        options=FORCES,
-        more=wrenches,
-        nodes=35,
-        **_REFERENCE,
-    )
+    @quantity(under_forces(algorithms.static_torque), "(nv,) [N m or N]", nodes=35, **_LOADED)
     def static_torque(
         self, q: ArrayLike, forces: Forces = None, reference: Reference = "local_world_aligned"
     ) -> Floats:

@@ -41,7 +41,15 @@ def under_forces(algorithm: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def friction_of(model: Model, friction: bool | Friction) -> Friction | None:
-    """The law of friction that the option stands for, if any."""
+    """The law of friction that an option stands for.
+
+    Args:
+        model: The robot.
+        friction: A law, or whether that of the model counts.
+
+    Returns:
+        The law, None for none.
+    """
     if isinstance(friction, Friction):
         return friction
     return Friction.of(model) if friction else None

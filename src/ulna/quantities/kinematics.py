@@ -18,9 +18,6 @@ from ulna.typing import Array, ArrayLike, Floats, Numbers
 FrameName = str | Sequence[str] | None
 Measure = Literal["yoshikawa", "inverse_condition", "minimum_singular_value", "asada"]
 _IN_FRAME = {"frame": None, "reference": "local_world_aligned"}
-_FK = {
-    "frame": 'Name; None for the tool, a list of names for several, "all" for every frame, as in `frame_names`.'
-}
 
 
 def _frame_poses(model: Model, q: Array, frame: Any) -> Array:
@@ -64,7 +61,7 @@ class Kinematics(Part):
         options={"frame": None},
         returns="T_world_frame, which maps coordinates of the frame to the world; of several frames (..., k, 4, 4)",
         nodes=58,
-        **_FK,
+        frame='Name; None for the tool, a list of names for several, "all" for every frame, as in `frame_names`.',
     )
     def fk(
         self, q: ArrayLike, frame: FrameName = None, *, out: Floats | None = None, threads: int | None = None
@@ -75,7 +72,7 @@ class Kinematics(Part):
             >>> robot = ulna.load("panda")
             >>> T = robot.fk([0, 0.3, 0, -1.6, 0, 1.9, 0])
             >>> T[:3, 3].round(3)
-            array([0.641, 0.   , 0.499])
+            array([0.65 , 0.   , 0.354])
             >>> robot.fk(np.zeros((1000, 7)), ["panda_link4", "panda_hand"]).shape
             (1000, 2, 4, 4)
         """

@@ -14,6 +14,7 @@ completed by what is known of the arguments.
 from __future__ import annotations
 
 import functools
+import types
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar, final
@@ -65,7 +66,14 @@ class Quantity:
         return (*((name, ARRAYS[name].size) for name in self.arrays), *self.more(options))
 
     def build(self, model: Model, **options: Any) -> Callable[..., Any]:
-        """The function of the arrays, for a model and all options.
+        """The function of the arrays, for one model and one choice of options.
+
+        Args:
+            model: The robot.
+            **options: All options.
+
+        Returns:
+            `algorithm(model, *arrays, **options)` as a function of the arrays.
 
         Raises:
             ModelError: If it needs the inverse of the mass matrix, and the model has none.
@@ -103,6 +111,9 @@ def quantity(
         inverts_mass: As for `Quantity`.
         returns: What the result is, for the documentation, where the first sentence does not say it.
         **about: What to write of arguments, where it is not what `ulna.quantities.documentation` has for their names.
+
+    Returns:
+        The decorator; the method has the record as its attribute `quantity`.
     """
 
     def declare(method: F) -> F:
@@ -131,26 +142,36 @@ def quantity(
 
 
 def _calling_kernel(method: F, record: Quantity, parameters: tuple[str, ...]) -> F:
-    """The function of that signature that calls the kernel of its options with its arrays."""
-    key, arrays = ", ".join((repr(record.name), *record.options)), ", ".join(record.arrays)
-    body = f"return self._kernels[{record.name!r}]({arrays})"
-    if record.options:
-        found = f"self._kernels[{key}]"
-        if [*record.options.values()] == [None]:
-            found = f"self._kernels[({key}) if {next(iter(record.options))} is not None else {record.name!r}]"
+    """The function of that name and signature that calls the kernel of its options with its arrays."""
+    code = _template(len(record.arrays), len(record.options), [*record.options.values()] == [None])
+    renamed = code.replace(
+        co_name=method.__name__,
+        co_qualname=method.__qualname__,
+        co_varnames=("self", *parameters, *code.co_varnames[1 + len(parameters) :]),
+        co_consts=tuple(record.name if constant == "NAME" else constant for constant in code.co_consts),
+    )
+    made: Any = types.FunctionType(renamed, globals(), method.__name__, method.__defaults__)
+    return functools.update_wrapper(made, method)
+
+
+@functools.cache
+def _template(arrays: int, options: int, is_plain_by_default: bool) -> types.CodeType:
+    """The code of methods with so many arrays x0, x1, ... and options o0, o1, ..., compiled once for all of them."""
+    x, o = [f"x{k}" for k in range(arrays)], [f"o{k}" for k in range(options)]
+    body = f"return self._kernels['NAME']({', '.join(x)})"
+    if options:
+        key = ", ".join(("'NAME'", *o))
         body = f"""try:
-        kernel = {found}
+        kernel = self._kernels[{f"'NAME' if o0 is None else ({key})" if is_plain_by_default else key}]
     except TypeError as error:
-        kernel = self._kernels[hashable(error, {key})]
-    return kernel({arrays})"""
-    names: dict[str, Any] = {"hashable": hashable}
-    exec(f"def {method.__name__}(self, {', '.join(parameters)}):\n    {body}", names)
-    made = functools.update_wrapper(names[method.__name__], method)
-    made.__defaults__ = method.__defaults__
-    return made
+        kernel = self._kernels[_hashable(error, {key})]
+    return kernel({", ".join(x)})"""
+    names: dict[str, Any] = {}
+    exec(f"def method(self, {', '.join(x + o)}):\n    {body}", names)
+    return names["method"].__code__
 
 
-def hashable(error: TypeError, *key: Any) -> tuple[Any, ...]:
+def _hashable(error: TypeError, *key: Any) -> tuple[Any, ...]:
     """The key with tuples for lists and arrays, after the key itself has raised that error; raises it where none."""
     entries = tuple(frozen(entry) for entry in key)
     if all(entry is former for entry, former in zip(entries, key, strict=True)):
@@ -159,7 +180,19 @@ def hashable(error: TypeError, *key: Any) -> tuple[Any, ...]:
 
 
 def frame_of(model: Model, name: str | None) -> Frame:
-    """The frame of that name; the model's tool for None."""
+    """The frame of a name.
+
+    Args:
+        model: The robot.
+        name: The name; None for the tool.
+
+    Returns:
+        The frame.
+
+    Raises:
+        InputError: If `name` is no name.
+        UnknownName: If there is no such frame; names the nearest.
+    """
     if name is not None and not isinstance(name, str):
         raise InputError(f"`frame` is {name!r}; expected the name of one frame, or None for the tool.")
     return model.frame(model.tool if name is None else name)
