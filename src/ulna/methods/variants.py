@@ -143,7 +143,7 @@ class Variants(Part):
         """A robot like this one, with masses and inertias off at random; see `ulna.model.perturbed`.
 
         Args:
-            fraction: By how much at most, relative to each.
+            fraction: By how much at most, relative to each [-].
             seed: A number or a `numpy.random.Generator`.
             com: How far centres of mass move at most [m].
 
