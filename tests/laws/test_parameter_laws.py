@@ -68,16 +68,16 @@ def close(actual: Any, expected: Any, tolerance: float = 1e-10) -> None:
         np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=tolerance * scale)
 
 
-@pytest.mark.parametrize("recipe", kernels.QUANTITIES)
-def test_every_kernel_with_the_models_own_numbers_is_the_baked_one(recipe: str) -> None:
+@pytest.mark.parametrize("quantity", kernels.QUANTITIES)
+def test_every_kernel_with_the_models_own_numbers_is_the_baked_one(quantity: str) -> None:
     model = tree("mimics")
-    options: dict[str, Any] = {"friction": True} if recipe in DYNAMIC else {}
-    if recipe.startswith("operational"):
+    options: dict[str, Any] = {"friction": True} if quantity in DYNAMIC else {}
+    if "damping" in kernels.QUANTITIES[quantity].options:
         options = {"damping": 0.1}
-    if "constraints" in kernels.QUANTITIES[recipe].options:
+    if "constraints" in kernels.QUANTITIES[quantity].options:
         options = {"constraints": [PointContact("tip")]}
-    baked = kernels.function(model, recipe, **options)
-    told = kernels.function(model, recipe, parameters=EVERY, **options)
+    baked = kernels.function(model, quantity, **options)
+    told = kernels.function(model, quantity, parameters=EVERY, **options)
     assert [port.name for port in told.inputs[len(baked.inputs) :]] == list(EVERY)
     own = inputs(baked, model)
     with np.errstate(invalid="ignore"):
@@ -85,18 +85,18 @@ def test_every_kernel_with_the_models_own_numbers_is_the_baked_one(recipe: str) 
 
 
 @pytest.mark.parametrize(
-    "recipe", ["fk", "jacobian", "inverse_dynamics", "forward_dynamics", "center_of_mass"]
+    "quantity", ["fk", "jacobian", "inverse_dynamics", "forward_dynamics", "center_of_mass"]
 )
 @pytest.mark.parametrize("name", [*KINDS, "floating"])
-def test_other_numbers_are_another_model(name: str, recipe: str) -> None:
+def test_other_numbers_are_another_model(name: str, quantity: str) -> None:
     model = tree(name)
-    options: dict[str, Any] = {"friction": True} if recipe in DYNAMIC else {}
+    options: dict[str, Any] = {"friction": True} if quantity in DYNAMIC else {}
     values = {key: others(model, key) for key in EVERY}
     if "composite" in name or name == "universal":
         values["offset"] *= 0.0  # no model has an offset there; a kernel takes it, see below
-    own = inputs(kernels.function(model, recipe, **options), model)
-    told = kernels.function(model, recipe, parameters=EVERY, **options)(*own, *values.values())
-    close(told, kernels.function(with_parameters(model, values), recipe, **options)(*own), 1e-9)
+    own = inputs(kernels.function(model, quantity, **options), model)
+    told = kernels.function(model, quantity, parameters=EVERY, **options)(*own, *values.values())
+    close(told, kernels.function(with_parameters(model, values), quantity, **options)(*own), 1e-9)
 
 
 @pytest.mark.parametrize("key", EVERY)
@@ -108,11 +108,11 @@ def test_each_number_alone_is_another_model(name: str, key: str) -> None:
     value = others(model, key)
     changed = with_parameters(model, {key: value})
     assert changed != model
-    for recipe in ("fk", *DYNAMIC):
-        options: dict[str, Any] = {"friction": True} if recipe in DYNAMIC else {}
-        own = inputs(kernels.function(model, recipe, **options), model)
-        told = kernels.function(model, recipe, parameters=key, **options)(*own, value)
-        close(told, kernels.function(changed, recipe, **options)(*own), 1e-9)
+    for quantity in ("fk", *DYNAMIC):
+        options: dict[str, Any] = {"friction": True} if quantity in DYNAMIC else {}
+        own = inputs(kernels.function(model, quantity, **options), model)
+        told = kernels.function(model, quantity, parameters=key, **options)(*own, value)
+        close(told, kernels.function(changed, quantity, **options)(*own), 1e-9)
 
 
 @pytest.mark.parametrize("key", EVERY)

@@ -40,7 +40,7 @@ _OPTIONS = {
     "frame": "Name of a frame; None for the tool.",
     "reference": 'Of the twist: "local_world_aligned" (the frame\'s origin, axes of the world), "local" or "world".',
     "representation": 'Angles, instead of a twist: "rpy/xyz", "rpy/zyx", "eul" or "exp".',
-    "damping": "Bounds the inertia where the frame cannot move in some direction [-]; its square is added to the inverse.",
+    "damping": "Bounds the inertia where the frame cannot move in a direction [-]; its square is added to the inverse.",
     "subtree": "Name of a joint, for what it moves; None for all that moves.",
     "axes": 'Which rows of the Jacobian count: "all", "trans", "rot", or six truth values.',
     "forces": "External forces: frame name -> wrench (..., 6) [N, N m].",
