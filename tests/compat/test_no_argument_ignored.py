@@ -13,7 +13,7 @@ from ulna.compat.packages import FOLDERS
 UNUSED = {
     # Parameters that cannot change a result, by the reason.
     "what is discarded does not depend on it": {"Dynamics.dynchanged what"},
-    "the Toolbox's method ignores it, too": {"DHRobot.fkine_path old"},
+    "the Toolbox's method ignores it, too": {"DHRobot.fkine_path old", "DHRobot.fkine_all old"},
     "a square Jacobian has one inverse; others have the pseudoinverse only, in the Toolbox, too": {
         f"{kind}Solvers.ik_{method} pinv" for kind in ("Chain", "Robot") for method in ("NR", "GN")
     },
@@ -21,6 +21,16 @@ UNUSED = {
     "joints are numbered by branches in any case": {"BaseRobot.__init__ check_jindex"},
     "nothing is printed while a file is read": {"* verbose"},
     "meshes are read by Ulna": {"* mesh_loader", "* meshLoader", "buildModelsFromUrdf more", "buildModelsFromMJCF named"},
+    "pictures are Ulna's; ellipsoids are drawn by what they are passed to": {
+        "Ellipsoids.vellipse add", "Ellipsoids.fellipse add",
+        *(
+            f"Ellipsoids.{method} {option}"
+            for method in ("plot_ellipse", "plot_vellipse", "plot_fellipse")
+            for option in ("jointaxes", "eeframe", "shadow", "name")
+        ),
+    },
+    "a pose has no settings": {"ET.SE3 _", "ET2.SE2 _"},
+    "a fallback that answers for any arguments": {"not_applicable _"},
     "the viewer runs in this process": {
         "Client.__init__ clients", "Client.__init__ host", "Client.__init__ port", "Client.__init__ url",
         "gui_client _", "gui_client __", "start_server _", "start_server __", "Tree.setRefreshIsSynchronous synchronous",

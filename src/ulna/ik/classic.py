@@ -144,6 +144,9 @@ def move(at: Errors, method: Method, damping: Any) -> Array:
         dq (n,) [rad or m].
     """
     if method in ("newton_raphson", "gauss_newton"):
+        rows, columns = at.J.shape
+        if rows > columns:  # J J^T has no inverse, J^T J has
+            return solve_spd(at.J.T @ at.J + _SINGULAR * np.eye(columns), at.J.T @ at.e)
         return solve_damped(at.J, at.e, _SINGULAR)
     energy = 0.5 * at.squared
     weight = {"wampler": damping, "chan": damping * energy, "sugihara": energy + damping}[method]

@@ -202,3 +202,30 @@ def test_what_is_recommended_instead_of_an_absent_name_exists(rtb: Any, panda: A
         with pytest.raises(AttributeError, match=rf"`{name}` of a robot is not offered; use .*\b{other}\b"):
             getattr(panda, name)
         assert hasattr(owner, other)
+
+
+def test_newton_and_gauss_reach_poses_of_arms_with_few_joints(rtb: Any) -> None:
+    ET = rtb.ET
+    chain = ET.tz(0.5) * ET.Rz() * ET.tx(0.4) * ET.Ry() * ET.tz(0.3) * ET.tx(qlim=[0, 1]) * ET.Rx(0.3)
+    q = np.array([0.2, -0.4, 0.3])
+    for solve in (chain.ik_NR, chain.ik_GN):
+        solution = solve(chain.fkine(q), q0=q + 0.05)
+        assert solution.success
+        np.testing.assert_allclose(solution.q, q, atol=1e-3)
+
+
+def test_as_there_in_smaller_things(rtb: Any, puma: Any) -> None:
+    q = puma.qn
+    assert puma.inertia(q[None]).shape == (6, 6) and puma.rne(q[None], q[None], q[None]).shape == (6,)
+    assert puma.nofriction().name == "NF/Puma 560" and "dynamics" in puma.keywords
+    assert rtb.trapezoidal(0, 1, 5).tblend == pytest.approx(4 / 3)
+    assert rtb.RevoluteDH(0.1, 0.2, 0.3, 0.1, [-1, 1], True).isflip
+    link = rtb.Link(rtb.ET.Rz(), m=1.0, I=[0.1, 0.2, 0.3, 0.01, 0.02, 0.03])
+    assert "I=[0.1, 0.2, 0.3, 0.01, 0.03, 0.02]" in str(link)
+    assert type(rtb.models.ETS.Planar2().fkine_all([0.1, 0.2])).__name__ == "SE2"
+    with pytest.warns(UserWarning, match="several ends"):
+        assert rtb.models.ETS.Planar_Y().ets().n == 4
+    chain = rtb.ETS(rtb.ET.Rz()) * rtb.ET.tx(1)
+    assert chain.manipulability([0.1], method="minsingular") == pytest.approx(np.sqrt(2.0))
+    with pytest.raises(TypeError, match="ET2"):
+        chain.append(rtb.ET2.R())

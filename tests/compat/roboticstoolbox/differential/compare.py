@@ -84,3 +84,9 @@ def _same_numbers(ours: Any, theirs: Any, near: float) -> bool:
     finite = np.abs(b[np.isfinite(b)])
     size = max(1.0, float(finite.max(initial=0.0)))
     return bool(np.allclose(a, b, rtol=near, atol=near * size, equal_nan=True))
+
+
+def nearness(key: str) -> float:
+    """How near the numbers of a call must be, relative to the largest: less where the toolbox takes differences."""
+    by_differences = ("_x(", "jacob0_dot", "exp", "numerical", "jacobm", "partial")
+    return BY_DIFFERENCES if any(word in key for word in by_differences) else NEAR

@@ -111,7 +111,7 @@ class Dynamics:
         fall = self._gravity if gravity is None else vector3(gravity)
         extra = [fall if part == "gravity" else values[part] for part in _KERNEL_PARAMETERS[name]]
         kernel = self._kernels.get(name) or self._kernel(name)
-        return kernel(*arrays, *extra)
+        return _of_one_row(kernel(*arrays, *extra), arrays[0])
 
     def rne(
         self, q: Any, qd: Any = None, qdd: Any = None, symbolic: bool = False, gravity: Any = None
@@ -164,7 +164,8 @@ class Dynamics:
 
     def _friction_torques(self, v: Any) -> Floats:
         values = self._current_dynamic_arrays()
-        return _friction(self.n)(v, values["viscous"], values["forward"], values["backward"])
+        tau = _friction(self.n)(v, values["viscous"], values["forward"], values["backward"])
+        return _of_one_row(tau, v)
 
     def inertia(self, q: Any) -> Floats:
         """The inertia matrix, motors included, (n, n) or (m, n, n)."""
@@ -225,6 +226,11 @@ class Dynamics:
     def friction(self, qd: Any) -> Floats:
         """The torques of friction, against the motion, (n,) or (m, n)."""
         return -self._friction_torques(np.asarray(qd, dtype=float))
+
+
+def _of_one_row(result: Floats, q: Any) -> Floats:
+    """The result for one configuration, also where it was passed as a row (1, n)."""
+    return result[0] if getattr(q, "ndim", 1) == 2 and len(result) == 1 else result
 
 
 def vector3(gravity: Any) -> Floats:

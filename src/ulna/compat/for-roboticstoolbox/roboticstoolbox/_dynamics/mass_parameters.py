@@ -42,6 +42,7 @@ class MassParameters(RobotMixin):
             The copy.
         """
         out = self.copy()
+        out.name = f"NF/{self.name}"
         for link in out._links:
             if coulomb:
                 link.Tc = [0.0, 0.0]

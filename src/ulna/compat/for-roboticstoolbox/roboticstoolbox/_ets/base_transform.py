@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from roboticstoolbox._common.errors import WrongShape, WrongType
+from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.symbols import is_nothing, is_symbol
 from roboticstoolbox._ets.joint_descriptor import current_name, parse_joint, shown_name
 from roboticstoolbox._ets.transform_text import transform_repr, transform_text
@@ -173,7 +174,7 @@ class BaseET:
 
     @qlim.setter
     def qlim(self, limits: Any) -> None:
-        values = None if limits is None else np.array(limits, dtype=float).ravel()
+        values = None if limits is None else np.array(numbers("qlim", limits)).ravel()
         if values is not None and values.shape != (2,):
             raise WrongShape("qlim", np.shape(limits), "(2,)")
         self._qlim = values

@@ -12,7 +12,7 @@ from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.symbols import has_symbols
 from roboticstoolbox._ets.base_transform import BaseET
 from roboticstoolbox._ets.jacobian_array import Jacobian
-from roboticstoolbox._ets.measures import axes_of, measure_name
+from roboticstoolbox._ets.measures import axes_of, measure_name, measure_of
 from roboticstoolbox._ets.symbolic_chain import symbolic_jacobian, symbolic_pose, to_axes_of_end
 from ulna import algorithms
 from ulna.algorithms.kinematics.manipulability import chosen_rows
@@ -233,7 +233,10 @@ class Chain:
         """
         if isinstance(axes, str) and axes == "both":
             return tuple(self.manipulability(q, method, part) for part in ("trans", "rot"))
-        return self.arm.manipulability(self.q(q), measure_name(method), axes_of(axes))
+        measure, rows = measure_name(method), axes_of(axes)
+        if measure != "yoshikawa" and self.n < len(chosen_rows(rows)):
+            return measure_of(np.asarray(self.jacob0(q)), measure, rows)
+        return self.arm.manipulability(self.q(q), measure, rows)
 
     def jacobm(self, q: Any, axes: Any) -> Floats:
         """The gradient of manipulability.
@@ -268,7 +271,7 @@ class Chain:
         chosen = axes_of(axes)
         rows = chosen_rows(chosen)
         part, change = matrix[rows], hessian[:, rows]
-        value = algorithms.measure_of(matrix, "yoshikawa", chosen)
+        value = measure_of(matrix, "yoshikawa", chosen)
         inverse = np.linalg.inv(part @ part.T)
         return value * np.einsum("ij,kjl,il->k", inverse, change, part)[:, None]
 

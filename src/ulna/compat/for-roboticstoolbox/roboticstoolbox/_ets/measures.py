@@ -7,6 +7,9 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.errors import UnknownOption, WrongShape
+from ulna import algorithms
+from ulna.algorithms.kinematics.manipulability import chosen_rows
+from ulna.typing import Floats
 
 _MEASURES = {
     "yoshi": "yoshikawa",
@@ -45,3 +48,11 @@ def axes_of(axes: Any) -> Any:
     if rows.shape != (6,):
         raise WrongShape("axes", rows.shape, "'all', 'trans', 'rot', or six truth values")
     return [bool(row) for row in rows]
+
+
+def measure_of(J: Floats, measure: Any, axes: Any) -> Any:
+    """A measure of a Jacobian (..., 6, n); singular values are those that it has, fewer than six for fewer joints."""
+    if measure == "yoshikawa":
+        return algorithms.measure_of(J, measure, axes)
+    s = np.linalg.svd(J[..., chosen_rows(axes), :], compute_uv=False)
+    return s[..., -1] if measure == "minimum_singular_value" else s[..., -1] / s[..., 0]

@@ -75,7 +75,12 @@ class BaseETS(Rewriting, MutableSequence):
 
     def _numbered(self, other: Any) -> list[BaseET]:
         """Transforms to insert: joints without a number take the next ones."""
-        transforms = [other] if isinstance(other, BaseET) else list(other)
+        transforms = [other] if isinstance(other, BaseET) or not hasattr(other, "__iter__") else list(other)
+        for item in transforms:
+            if not isinstance(item, self._et):
+                raise WrongType(
+                    f"{item!r} is no {self._et.__name__}, of which a {type(self).__name__} is made."
+                )
         following = max((et.jindex for et in self.data if et.isjoint), default=-1) + 1
         out = []
         for et in transforms:

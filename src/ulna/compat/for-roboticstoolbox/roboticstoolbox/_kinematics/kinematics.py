@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -10,14 +11,14 @@ from roboticstoolbox._common.errors import UnknownKey, WrongType
 from roboticstoolbox._common.poses import matrix, pose, to_spatial
 from roboticstoolbox._ets.compiled_chain import Chain, known_angles
 from roboticstoolbox._ets.ets import ETS
-from roboticstoolbox._ets.measures import axes_of, measure_name
+from roboticstoolbox._ets.measures import axes_of, measure_name, measure_of
 from roboticstoolbox._ets.sequence import limits_of
 from roboticstoolbox._kinematics.solver_methods import RobotSolvers
 from roboticstoolbox._links.gripper import Gripper
 from roboticstoolbox._links.link import Link
 from roboticstoolbox._links.link_tree import links_between
 from roboticstoolbox._links.ulna_model import model_of
-from ulna.errors import InputError
+from ulna.errors import InputError, UlnaWarning
 from ulna.robot import Robot as Body
 from ulna.typing import Floats
 
@@ -79,17 +80,15 @@ class Kinematics(RobotSolvers):
 
     def _default_end(self) -> tuple[Link, Floats | None]:
         """The link and the tool at which a robot ends by default."""
-        if len(self._grippers) == 1:
-            gripper = self._grippers[0]
-            return gripper.links[0], None if np.array_equal(gripper._tool, np.eye(4)) else gripper._tool
-        if len(self._grippers) > 1:
-            names = ", ".join(gripper.name for gripper in self._grippers)
-            raise InputError(f"The robot has several grippers; choose one with end=, one of {names}.")
-        ends = self.ee_links
+        ends: list[Any] = list(self._grippers or self.ee_links)
         if len(ends) > 1:
-            names = ", ".join(link.name for link in ends)
-            raise InputError(f"The robot has several ends; choose one with end=, one of {names}.")
-        return ends[0], None
+            names = ", ".join(end.name for end in ends)
+            text = f"Robot {self.name!r} has several ends, {names}; the first is taken, choose another with end=."
+            warnings.warn(text, UlnaWarning, stacklevel=3)
+        end = ends[0]
+        if isinstance(end, Link):
+            return end, None
+        return end.links[0], None if np.array_equal(end._tool, np.eye(4)) else end._tool
 
     def ets(self, start: Any = None, end: Any = None) -> ETS:
         """The transforms from `start` to `end`.
@@ -304,7 +303,7 @@ class Kinematics(RobotSolvers):
             matrix = np.asarray(self._chain(end, start).jacob0(q) if J is None else J, dtype=float)
             return algorithms.asada(matrix, self.inertia(q), rows)  # type: ignore[attr-defined]
         if J is not None:
-            return algorithms.measure_of(np.asarray(J, dtype=float), measure, rows)
+            return measure_of(np.asarray(J, dtype=float), measure, rows)
         return self._chain(end, start).manipulability(q, method, rows)
 
     def jacobm(

@@ -98,9 +98,8 @@ class DynamicParameters:
 
     @property
     def hasdynamics(self) -> bool:
-        """Whether it has mass, inertia, motor or friction."""
-        numbers = (self.m, self.Jm, self.B, *self.r, *self.I.ravel(), *self.Tc)
-        return any(bool(x) for x in numbers)
+        """Whether it has mass, or a motor with inertia."""
+        return bool(self.m) or bool(self.Jm)
 
     @property
     def has_symbolic_mass(self) -> bool:

@@ -156,6 +156,14 @@ class Link(LinkNode, DynamicParameters):
         """The link before it; None for the first."""
         return self._parent
 
+    @parent.setter
+    def parent(self, parent: Any) -> None:
+        if not isinstance(parent, Link | str | None):
+            raise WrongType(f"`parent` of a link is {parent!r}; expected a link, or its name.")
+        self._parent = parent if isinstance(parent, Link) else None
+        self._parent_name = parent if isinstance(parent, str) else None
+        self._limits_or_shapes_changed()
+
     @property
     def parent_name(self) -> str | None:
         """Name of the link before it."""
@@ -231,7 +239,7 @@ class Link(LinkNode, DynamicParameters):
             parts.append(f"qlim=[{self.qlim[0]:.3g}, {self.qlim[1]:.3g}]")
         if self.hasdynamics:
             I = self.I
-            six = [I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[1, 2], I[0, 2]]
+            six = [I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]]
             parts += [f"m={self.m:.3g}", f"r={_listed(self.r)}", f"I={_listed(six)}", f"Jm={self.Jm:.3g}"]
             parts += [f"B={self.B:.3g}", f"Tc={_listed(self.Tc)}", f"G={self.G:.3g}"]
         return parts

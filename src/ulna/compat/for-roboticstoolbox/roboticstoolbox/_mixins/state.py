@@ -105,7 +105,7 @@ class State(RobotMixin):
         """Angles in radians, lengths as they are."""
         return np.where(self.revolutejoints, np.radians(np.asarray(q, dtype=float)), q)
 
-    def jtraj(self, q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None, **options: Any) -> Any:
+    def jtraj(self, q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None) -> Any:
         """A joint trajectory between two configurations, or between those of two poses; see `roboticstoolbox.jtraj`.
 
         Args:
@@ -114,12 +114,11 @@ class State(RobotMixin):
             t: How many, or times.
             qd0: Velocity at the start.
             qd1: Velocity at the end.
-            **options: Those of inverse kinematics, for poses.
 
         Returns:
             The trajectory.
         """
         from roboticstoolbox.tools.trajectory import jtraj
 
-        ends = [self.ikine_LM(T, **options).q if np.shape(array(T)) == (4, 4) else T for T in (q0, qf)]
+        ends = [self.ikine_LM(T).q if np.shape(array(T)) == (4, 4) else T for T in (q0, qf)]
         return jtraj(ends[0], ends[1], t, qd0, qd1)

@@ -119,18 +119,34 @@ class _RevoluteLink(DHLink):
     _modified = False
 
     def __init__(
-        self, d: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
+        self,
+        d: float = 0.0,
+        a: float = 0.0,
+        alpha: float = 0.0,
+        offset: float = 0.0,
+        qlim: Any = None,
+        flip: bool = False,
+        **more: Any,
     ) -> None:
-        super().__init__(d=d, a=a, alpha=alpha, offset=offset, sigma=0, mdh=self._modified, **more)
+        joint = {"sigma": 0, "mdh": self._modified, "qlim": qlim, "flip": flip}
+        super().__init__(d=d, a=a, alpha=alpha, offset=offset, **joint, **more)
 
 
 class _PrismaticLink(DHLink):
     _modified = False
 
     def __init__(
-        self, theta: float = 0.0, a: float = 0.0, alpha: float = 0.0, offset: float = 0.0, **more: Any
+        self,
+        theta: float = 0.0,
+        a: float = 0.0,
+        alpha: float = 0.0,
+        offset: float = 0.0,
+        qlim: Any = None,
+        flip: bool = False,
+        **more: Any,
     ) -> None:
-        super().__init__(theta=theta, a=a, alpha=alpha, offset=offset, sigma=1, mdh=self._modified, **more)
+        joint = {"sigma": 1, "mdh": self._modified, "qlim": qlim, "flip": flip}
+        super().__init__(theta=theta, a=a, alpha=alpha, offset=offset, **joint, **more)
 
 
 class RevoluteDH(_RevoluteLink):

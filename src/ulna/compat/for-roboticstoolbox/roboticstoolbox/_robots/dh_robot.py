@@ -242,7 +242,7 @@ class DHRobot(DHText, Analytic, Robot):
         Returns:
             One SE3.
         """
-        at = self.q if q is None else np.asarray(q)
+        at = self.q if q is None else np.atleast_1d(q)
         first, last = (0, j) if np.ndim(j) == 0 else (j[0], j[1])
         if max(first, last) >= self.n:
             raise InputError(
@@ -252,6 +252,18 @@ class DHRobot(DHText, Analytic, Robot):
         for k in range(first, last + 1):
             T = T @ self._links[k].A(at[k]).A
         return pose(T)
+
+    def fkine_all(self, q: Any = None, old: bool = True) -> Any:
+        """Poses of the base and of all links, as one SE3; the tool does not count.
+
+        Args:
+            q: Configuration (n,) [rad or m]; None for the robot's.
+            old: Plays no part, as in the toolbox.
+
+        Returns:
+            One SE3 with n + 1 elements.
+        """
+        return super().fkine_all(self.q if q is None else q)
 
     def fkine_path(self, q: Any, old: Any = None) -> Any:
         """Poses of the base and of all links in the world.
@@ -304,7 +316,7 @@ class DHRobot(DHText, Analytic, Robot):
             raise InputError(
                 "base_wrench=True is not offered; ask `frame_wrench` of an ulna.Robot on a free base."
             )
-        if qd is None and qdd is None and np.shape(q)[-1] == 3 * self.n and self.n:
+        if qd is None and qdd is None and np.shape(q)[-1:] == (3 * self.n,) and self.n:
             q, qd, qdd = np.split(np.asarray(q, dtype=float), 3, axis=-1)
         tau = super().rne(q, qd, qdd, gravity=gravity)
         if fext is None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from roboticstoolbox._common.poses import pose, to_planar
 from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.ets import ETS2
@@ -32,6 +34,17 @@ class Robot2(BaseRobot):
         T = to_planar(self._chain(end, start).fk(q))
         T = T if self._base is None else self._base @ T
         return pose(T if self._tool is None else T @ self._tool)
+
+    def fkine_all(self, q: Any) -> Any:
+        """Poses of the base and of all links in the world.
+
+        Args:
+            q: Configuration (n,) [rad or m].
+
+        Returns:
+            One SE2 with an element for the base and for each link.
+        """
+        return pose(to_planar(np.asarray(super().fkine_all(q).A)))
 
     def _chain(self, end: Any, start: Any, tool: Any = None) -> Any:
         key = self._name_of(end), self._name_of(start)

@@ -81,8 +81,8 @@ class BaseRobot(
         symbolic: bool = False,
         configs: dict[str, Any] | None = None,
         check_jindex: bool = True,
-        urdf_string: str | None = None,
-        urdf_filepath: str | None = None,
+        urdf_string: str = "",
+        urdf_filepath: str = "",
     ) -> None:
         """A robot of links, of a chain of transforms, or like another robot.
 

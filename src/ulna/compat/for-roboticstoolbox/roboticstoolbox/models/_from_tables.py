@@ -54,7 +54,9 @@ def _homogeneous(twelve: Any) -> Floats:
 
 
 def _about(entry: dict[str, Any]) -> dict[str, Any]:
-    out = {key: entry[key] for key in ("name", "manufacturer", "gravity") if key in entry}
+    out = {
+        key: entry[key] for key in ("name", "manufacturer", "gravity", "keywords", "comment") if key in entry
+    }
     return out | {key: _homogeneous(entry[key]) for key in ("base", "tool") if key in entry}
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from typing import Any, final
 
 import numpy as np
 
-from roboticstoolbox._common.errors import UnknownOption, WrongType
+from roboticstoolbox._common.errors import UnknownOption, WrongShape, WrongType
 from roboticstoolbox._plot.curves import xplot
 from roboticstoolbox.tools.sampled import Trajectory
 from roboticstoolbox.tools.via_points import mstraj
@@ -80,7 +81,14 @@ def quintic_func(
     """
     if method not in ("lstsq", "hermite"):
         raise UnknownOption("method", method, ("lstsq", "hermite"))
-    return _function(trajectory.quintic(float(q0), float(qf), float(T), float(qd0), float(qdf)))
+    ends = [_scalar(name, x) for name, x in (("q0", q0), ("qf", qf), ("qd0", qd0), ("qdf", qdf))]
+    return _function(trajectory.quintic(ends[0], ends[1], float(T), ends[2], ends[3]))
+
+
+def _scalar(name: str, value: Any) -> float:
+    if np.ndim(value):
+        raise WrongShape(name, np.shape(value), "a number; mtraj takes several coordinates")
+    return float(value)
 
 
 @final
@@ -94,6 +102,7 @@ class TrapezoidalProfile:
 
     def __init__(self, q0: float, qf: float, T: float, V: float | None = None) -> None:
         """See `trapezoidal_func`."""
+        q0, qf = _scalar("q0", q0), _scalar("qf", qf)
         self._law = _function(_trapezoid(q0, qf, T, V))
         speed = abs(qf - q0) / T * 1.5 if V is None else abs(float(V))
         self.V = math.copysign(speed, qf - q0) if qf != q0 else 0.0
@@ -167,12 +176,17 @@ def trapezoidal(q0: float, qf: float, t: Any, V: float | None = None) -> Traject
         V: Cruising speed [any]; None for half as fast again as the mean speed.
 
     Returns:
-        Position, velocity and acceleration, (m,) each.
+        Position, velocity and acceleration, (m,) each; `tblend` is the duration of a blend [s].
     """
-    return _one("trapezoidal", lambda T: _trapezoid(q0, qf, T, V), t)
+    out = _one("trapezoidal", lambda T: _trapezoid(q0, qf, T, V), t)
+    out.tblend = TrapezoidalProfile(q0, qf, float(out.t[-1] - out.t[0]), V).tb
+    return out
 
 
-lspb = trapezoidal
+def lspb(*arguments: Any, **options: Any) -> Trajectory:
+    """The former name of `trapezoidal`."""
+    warnings.warn("lspb is the former name of trapezoidal", FutureWarning, stacklevel=2)
+    return trapezoidal(*arguments, **options)
 
 
 def mtraj(tfunc: Callable[..., Trajectory], q0: Any, qf: Any, t: Any) -> Trajectory:

@@ -23,7 +23,11 @@ class Planar2(Robot2):
     def __init__(self) -> None:
         first = Link2(ETS2(ET2.R()), jindex=0, name="link0")
         second = Link2(ETS2([ET2.tx(1), ET2.R()]), jindex=1, name="link1", parent=first)
-        super().__init__([first, second, Link2(ETS2(ET2.tx(1)), name="ee", parent=second)], name="Planar2")
+        super().__init__(
+            [first, second, Link2(ETS2(ET2.tx(1)), name="ee", parent=second)],
+            name="Planar2",
+            comment="Planar 2D manipulator",
+        )
         self.addconfiguration_attr("qz", [0, 0])
         self.addconfiguration_attr("qb", [0, 90], "deg")
 
