@@ -80,6 +80,10 @@ def plan(
     """
     start_time = time.perf_counter()
     _check_numbers(margin, step, longest, shorten, iterations, timeout)
+    if not hasattr(robot, "collision_checker"):
+        raise InputError(
+            f"`robot` is a {type(robot).__name__}; expected a Robot, as ulna.load(...) or Robot(model) makes."
+        )
     q0 = finite_array("q0", q0)
     if q0.shape != (robot.model.nq,):
         raise ShapeError("q0", q0.shape, f"({robot.model.nq},)")

@@ -183,6 +183,8 @@ def test_wrong_input_is_refused() -> None:
             plan(robot, start, goal, world, **options)
     with pytest.raises(InputError, match="expected a World"):
         plan(robot, a, b, "table")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="`robot` is a Model; expected a Robot"):
+        plan(robot.model, a, b)
     far = World().add("far", Sphere(0.1), (1e4, 0.0, 0.0))
     with pytest.raises(InputError, match=r"1e\+04 m from the origin"):
         plan(robot, a, b, far)
