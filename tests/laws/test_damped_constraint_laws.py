@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -10,8 +10,9 @@ import pytest
 from support.derivatives import along, by_configuration, by_vector
 from support.random_models import random_model, random_pose
 from ulna import algorithms as alg
+from ulna.algorithms.constraints.bound_response import BoundResponse, bound_response
 from ulna.algorithms.constraints.damped_dynamics import Damped, DampedMotion, damped_dynamics, damped_impact
-from ulna.algorithms.constraints.dynamics_derivatives import bound_derivatives, bound_response, bound_terms
+from ulna.algorithms.constraints.dynamics_derivatives import bound_terms
 from ulna.algorithms.constraints.frame_errors import constraint_seen, constraint_twists, frame_of
 from ulna.model import Model
 from ulna.model.constraint import Bond, End
@@ -20,6 +21,22 @@ from ulna.typing import Floats
 SEEDS = range(2)
 KINDS = ["revolute", "universal", "prismatic", "revolute", "spherical", "helical", "continuous", "revolute"]
 GAINS = np.array([[7.0, 2.0], [5.0, 3.0], [0.0, 1.0], [4.0, 0.0], [2.0, 2.0]])
+
+
+class Derivatives(NamedTuple):
+    """Those of accelerations and forces by q and v."""
+
+    a_q: Floats
+    a_v: Floats
+    f_q: Floats
+    f_v: Floats
+
+
+def bound_derivatives(response: BoundResponse) -> Derivatives:
+    n = len(response.a_tau)
+    changes = response.W @ response.B
+    a, f = changes[:n], changes[n:]
+    return Derivatives(a[:, :n], a[:, n:], f[:, :n] + response.X_q, f[:, n:])
 
 
 def tree(seed: int) -> Model:

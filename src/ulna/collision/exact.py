@@ -6,26 +6,23 @@ those. Pairs are ruled out by lower bounds alone, so that the answers are those 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any, final
 
 import numpy as np
 
 from ulna import kernels
-from ulna.collision import broad, narrow
+from ulna.collision import narrow
+from ulna.collision.broad_phase import BroadPhase, pair_mask
 from ulna.collision.narrow import Found, Look, Narrow, Poses
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.result import Distance, Proximity
 from ulna.collision.solids import Missing, link_solids, obstacle_solids
 from ulna.collision.world import World
 from ulna.errors import InputError, ShapeError
-from ulna.geometry import Plane
 from ulna.model import Model
-from ulna.spatial import SE3
 from ulna.system import forks
 from ulna.typing import Array, ArrayLike, Floats
-
-_CHUNK = 256  # configurations whose boxes are compared at once: what fits the second cache
 
 
 @final
@@ -63,48 +60,13 @@ class Checker:
         links, obstacles = link_solids(model, missing), obstacle_solids(self.world, missing)
         self.solids, self._count = (*links, *obstacles), len(links)
         """The solids of the links, then those of the obstacles."""
-        self.pairs = self._link_pairs(pairs, without)
-        self.mask = self._checks(without)
+        self.pairs = _link_pairs(model, self.world, pairs, without)
+        self.mask = pair_mask(model, self.world, self.solids, self._count, self.pairs, without)
         """Which solids of links are checked against which of all, (n links, n)."""
-        self._kernel = broad.pose_kernel(model, links)
-        self._fixed = (
-            np.stack([s.placement.rotation for s in obstacles]) if obstacles else np.zeros((0, 3, 3))
-        )
-        self._placed = (
-            np.stack([s.placement.translation for s in obstacles]) if obstacles else np.zeros((0, 3))
-        )
-        self._boxes = broad.boxes_at(obstacles, self._fixed, self._placed)
-        self._planes = [len(links) + k for k, s in enumerate(obstacles) if isinstance(s.shape, Plane)]
+        self._broad = BroadPhase(model, self.world, links, obstacles, self.mask)
         self._narrow = Narrow([narrow.geometry_of(s, convex) for s in self.solids])
         self._jacobians: dict[str, Any] = {}
         self.lock = forks.lock()
-
-    def _link_pairs(
-        self, pairs: Iterable[LinkPair] | None, without: Iterable[LinkPair]
-    ) -> tuple[LinkPair, ...]:
-        gone = [pair for pair in without if not any(name in self.world for name in pair)]
-        if pairs is None:
-            return link_pairs(self.model, without=gone)
-        skip = {frozenset(pair) for pair in checked_pairs(self.model, gone)}
-        return tuple(pair for pair in checked_pairs(self.model, pairs) if frozenset(pair) not in skip)
-
-    def _checks(self, without: Iterable[LinkPair]) -> Array:
-        """Which solids of links are checked against which solids of all, (n links, n)."""
-        among = {frozenset(pair) for pair in self.pairs}
-        skip = {frozenset(pair) for pair in without}
-        mask = np.zeros((self._count, len(self.solids)), dtype=bool)
-        for i, a in enumerate(self.solids[: self._count]):
-            for j, b in enumerate(self.solids):
-                if j < self._count:
-                    mask[i, j] = i < j and frozenset((a.owner, b.owner)) in among
-                else:
-                    obstacle = self.world[b.owner]
-                    still = a.joint < 0 and not obstacle.moving
-                    mask[i, j] = not (still or a.owner in obstacle.touches or {a.owner, b.owner} in skip)
-        for obstacle in self.world:
-            for link in obstacle.touches:
-                self.model.link_index(link)
-        return mask
 
     # questions ---------------------------------------------------------------------------------------------
 
@@ -133,10 +95,10 @@ class Checker:
         """
         margin = _number("margin", margin)
         with self.lock:
-            batch, chunks = self._chunks(q, moving)
+            batch, chunks = self._broad.chunks(q, moving)
             out = np.zeros(int(np.prod(batch)), dtype=bool)
             for start, poses in chunks:
-                near = self._near(poses, margin) if broad_phase else self._all(poses)
+                near = self._broad.near(poses, margin) if broad_phase else self._broad.all_pairs(poses)
                 self._touch(poses, near, margin, out[start:])
         return out.reshape(batch) if batch else bool(out[0])
 
@@ -161,11 +123,11 @@ class Checker:
         """
         enough = -np.inf if stop_below is None else _number("stop_below", stop_below)
         with self.lock:
-            batch, chunks = self._chunks(q, moving)
+            batch, chunks = self._broad.chunks(q, moving)
             nearest = [
                 self._nearest(poses, row, bounds, enough)
                 for _, poses in chunks
-                for row, bounds in enumerate(np.moveaxis(self._bounds(poses, broad_phase), -1, 0))
+                for row, bounds in enumerate(np.moveaxis(self._broad.bounds(poses, broad_phase), -1, 0))
             ]
         return Distance.of([self._proximity(item) for item in nearest], batch)
 
@@ -191,11 +153,11 @@ class Checker:
         margin = _number("margin", margin)
         column = {pair: k for k, pair in enumerate(self.owners)}
         with self.lock:
-            batch, chunks = self._chunks(q, moving)
+            batch, chunks = self._broad.chunks(q, moving)
             out = np.zeros((int(np.prod(batch)), len(column)), dtype=bool)
             ask = self._narrow.collision(margin)
             for start, poses in chunks:
-                for i, j, row in np.argwhere(self._near(poses, margin)).tolist():
+                for i, j, row in np.argwhere(self._broad.near(poses, margin)).tolist():
                     k = column[self.solids[i].owner, self.solids[j].owner]
                     if not out[start + row, k]:
                         out[start + row, k] = ask(poses, row, i, j)
@@ -228,9 +190,9 @@ class Checker:
             raise ShapeError("q", np.shape(q), f"({self.model.nq},)", "Ask for one configuration at a time.")
         best: dict[tuple[str, str], Found] = {}
         with self.lock:
-            _, chunks = self._chunks(q, moving)
+            _, chunks = self._broad.chunks(q, moving)
             for _, poses in chunks:
-                bounds = self._bounds(poses, True)[..., 0]
+                bounds = self._broad.bounds(poses, True)[..., 0]
                 for i, j in zip(*np.nonzero((bounds < np.inf) & (bounds <= within)), strict=True):
                     key = self.solids[i].owner, self.solids[j].owner
                     if key in best and bounds[i, j] >= best[key].distance:
@@ -271,79 +233,11 @@ class Checker:
         Returns:
             The placed solids.
         """
-        _, chunks = self._chunks(q, moving)
+        _, chunks = self._broad.chunks(q, moving)
         _, poses = next(chunks)
-        return Look(self._bounds(poses, True)[..., 0], poses, self._narrow)
+        return Look(self._broad.bounds(poses, True)[..., 0], poses, self._narrow)
 
-    # one batch ---------------------------------------------------------------------------------------------
-
-    def _chunks(
-        self, q: ArrayLike, moving: Mapping[str, ArrayLike] | None
-    ) -> tuple[tuple[int, ...], Iterator[tuple[int, Poses]]]:
-        R, p, c, h = self._kernel(q)
-        stray = self._moved(moving or {})
-        batch = np.broadcast_shapes(p.shape[:-2], *(T.shape[:-2] for T in stray.values()))
-        total = int(np.prod(batch))
-        flat = [
-            np.broadcast_to(x, batch + x.shape[p.ndim - 2 :]).reshape(total, *x.shape[p.ndim - 2 :])
-            for x in (R, p, c, h)
-        ]
-        poses = {k: np.broadcast_to(T, (*batch, 4, 4)).reshape(total, 4, 4) for k, T in stray.items()}
-        return batch, self._pieces(flat, poses, total)
-
-    def _pieces(
-        self, flat: Sequence[Floats], poses: Mapping[int, Floats], total: int
-    ) -> Iterator[tuple[int, Poses]]:
-        obstacles = self.solids[self._count :]
-        for start in range(0, total, _CHUNK):
-            part = slice(start, min(start + _CHUNK, total))
-            rows = part.stop - start
-            R, p = (np.broadcast_to(x, (rows, *x.shape)) for x in (self._fixed, self._placed))
-            c, h = (np.broadcast_to(x, (rows, *x.shape)) for x in self._boxes)
-            if poses:
-                R, p = R.copy(), p.copy()
-                for k, T in poses.items():
-                    R[:, k], p[:, k] = T[part, :3, :3], T[part, :3, 3]
-                c, h = broad.boxes_at(obstacles, R, p)
-            pairs = zip(flat, (R, p, c, h), strict=True)
-            yield start, Poses(*(np.concatenate([own[part], other], axis=1) for own, other in pairs))
-
-    def _moved(self, moving: Mapping[str, ArrayLike]) -> dict[int, Floats]:
-        """Poses of moving obstacles by their place among the obstacles."""
-        owners = [s.owner for s in self.solids[self._count :]]
-        poses = {}
-        for name, pose in moving.items():
-            self.world.moving(name)
-            matrix = pose.matrix() if isinstance(pose, SE3) else pose
-            if name in owners:  # else its mesh is missing and was skipped
-                poses[owners.index(name)] = SE3.from_matrix(matrix).matrix()
-        return poses
-
-    def _all(self, poses: Poses) -> Array:
-        return np.repeat(self.mask[..., None], len(poses.centre), axis=-1)
-
-    def _near(self, poses: Poses, margin: float) -> Array:
-        """Which pairs boxes do not rule out, (n links, n, rows)."""
-        near = broad.overlaps(poses.centre, poses.half, self._count, margin)
-        near &= self.mask[..., None]
-        for k in self._planes:
-            near[:, k] &= self._over(poses, k) <= margin
-        return near
-
-    def _bounds(self, poses: Poses, broad_phase: bool) -> Floats:
-        """Lower bounds of the distances of pairs, inf where none is asked for, (n links, n, rows)."""
-        if not broad_phase:
-            return np.where(self._all(poses), -np.inf, np.inf)
-        bounds = broad.gaps(poses.centre, poses.half, self._count)
-        for k in self._planes:
-            bounds[:, k] = self._over(poses, k)
-        bounds[~self.mask] = np.inf
-        return bounds
-
-    def _over(self, poses: Poses, k: int) -> Floats:
-        links = slice(0, self._count)
-        R, p = poses.rotation[:, k], poses.translation[:, k]
-        return broad.plane_gaps(poses.centre[:, links], poses.half[:, links], R, p)
+    # one configuration ---------------------------------------------------------------------------------------
 
     def _touch(self, poses: Poses, near: Array, margin: float, out: Array) -> None:
         """Sets `out` where one of the near pairs touches; a row is done with its first contact."""
@@ -392,6 +286,16 @@ class Checker:
         if link not in self._jacobians:
             self._jacobians[link] = kernels.kernel(self.model, "jacobian", frame=link, reference="world")
         return self._jacobians[link]
+
+
+def _link_pairs(
+    model: Model, world: World, pairs: Iterable[LinkPair] | None, without: Iterable[LinkPair]
+) -> tuple[LinkPair, ...]:
+    gone = [pair for pair in without if not any(name in world for name in pair)]
+    if pairs is None:
+        return link_pairs(model, without=gone)
+    skip = {frozenset(pair) for pair in checked_pairs(model, gone)}
+    return tuple(pair for pair in checked_pairs(model, pairs) if frozenset(pair) not in skip)
 
 
 def _number(name: str, value: Any) -> float:

@@ -9,12 +9,12 @@ Robotics 23, 2007).
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final, overload
 
-from ulna.errors import InputError, ShapeError, UnknownName, excerpt
+from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.formats.ets_text import NAMES, parse_steps
 from ulna.formats.poses import without_rounding
 from ulna.model import JointKind, Model, ModelBuilder, Prismatic, Revolute
 from ulna.numeric import is_symbolic
@@ -23,7 +23,6 @@ from ulna.system.cached import cached_property
 from ulna.typing import ArrayLike
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-_NAMES = ("rx", "ry", "rz", "tx", "ty", "tz")
 
 
 @final
@@ -48,8 +47,8 @@ class ET:
     pose: SE3 | None = None
 
     def __post_init__(self) -> None:
-        if self.name not in (*_NAMES, "SE3"):
-            raise UnknownName("elementary transform", self.name, (*_NAMES, "SE3"))
+        if self.name not in (*NAMES, "SE3"):
+            raise UnknownName("elementary transform", self.name, (*NAMES, "SE3"))
         if (self.name == "SE3") != (self.pose is not None):
             raise InputError("A constant pose is written ET.se3(pose), the others ET.rx(...) to ET.tz(...).")
 
@@ -210,7 +209,14 @@ class ETS:
         Raises:
             InputError: a step cannot be read; says which.
         """
-        return cls(tuple(_parse_steps(text)))
+        return cls(
+            tuple(
+                ET(step.name, index=step.index, flip=step.flip)
+                if step.value is None
+                else _make(step.name, step.value, {})
+                for step in parse_steps(text)
+            )
+        )
 
     def transform(self, q: ArrayLike = ()) -> SE3:
         """The pose of the end of the chain, for joint coordinates q (..., n) [rad, m].
@@ -339,51 +345,3 @@ def _check_order(indices: Sequence[int]) -> None:
             f"The joints occur in the order {shown}; expected {wanted}. "
             "Number them along the chain, and permute q where you need another order."
         )
-
-
-_STEP = re.compile(r"[\s*]*([A-Za-z]{2})\s*\(([^()]*)\)[\s*]*")
-_MOST_DIGITS = 6  # of a joint's number
-_JOINT = re.compile(r"(-?)\s*q_?(\d*)")
-_NUMBER = r"(\d+(?:\.\d*)?|\.\d+)"
-_PI = re.compile(rf"(-?)\s*(?:{_NUMBER}\s*(?:\*\s*)?)?(?:pi|π)\s*(?:/\s*{_NUMBER})?")
-_DEGREES = ("degrees", "degree", "deg", "°")
-
-
-def _parse_steps(text: str) -> Iterator[ET]:
-    position = 0
-    if not text.strip():
-        raise InputError('The chain is empty; expected steps such as "tz(0.333) Rz(q0) Rx(-90 deg)".')
-    while position < len(text):
-        step = _STEP.match(text, position)
-        if step is None or step.group(1).lower() not in _NAMES:
-            word = text[position : position + 200].strip()[:20]
-            raise InputError(
-                f"The chain cannot be read at {word!r} (character {position}); "
-                "expected Rx, Ry, Rz, tx, ty or tz with an argument in brackets, such as Rz(q0) or tx(0.3)."
-            )
-        yield _parse_step(step.group(1).lower(), step.group(2).strip(), step.group(0).strip(" *\t\n"))
-        position = step.end()
-
-
-def _parse_step(name: str, argument: str, step: str) -> ET:
-    joint = _JOINT.fullmatch(argument)
-    if joint and len(joint.group(2)) > _MOST_DIGITS:
-        raise InputError(f"{excerpt(step)}: there is no joint of that number; expected q, q0, q1, ...")
-    if joint:
-        return ET(name, index=int(joint.group(2)) if joint.group(2) else None, flip=bool(joint.group(1)))
-    unit = next((word for word in _DEGREES if argument.endswith(word)), "")
-    if unit and name[0] != "r":
-        raise InputError(f"{excerpt(step)}: a distance is in metres, not degrees.")
-    pi = _PI.fullmatch(argument)
-    try:
-        if pi:
-            sign, factor, divisor = pi.groups()
-            value = math.pi * float(factor or 1) / float(divisor or 1) * (-1.0 if sign else 1.0)
-        else:
-            number = float(argument[: len(argument) - len(unit)])
-            value = math.radians(number) if unit else number
-    except (ValueError, ZeroDivisionError):
-        raise InputError(
-            f"{excerpt(step)}: {excerpt(argument)!r} is neither a number (0.5, 90 deg, pi/2) nor a joint (q, q0, -q0)."
-        ) from None
-    return _make(name, value, {})

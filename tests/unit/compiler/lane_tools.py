@@ -10,7 +10,7 @@ import llvmlite.binding as llvm
 import numpy as np
 import pytest
 
-from ulna.compiler.codegen.ir_text import DType, IRFunction, Lanes, module_text
+from ulna.compiler.codegen.ir_text import DType, IRFunction, Lanes
 
 mpmath = pytest.importorskip("mpmath")
 llvm.initialize_native_target()
@@ -21,6 +21,14 @@ DIGITS = {
     "double": (53, -1074),
     "float": (24, -149),
 }  # bits of the significand, exponent of the least denormal
+
+
+def module_text(*functions: IRFunction) -> str:
+    """The functions and all they need, each text once, in the order of first use."""
+    parts: dict[str, None] = {}
+    for function in functions:
+        parts.update(dict.fromkeys((*function.declarations, function.text)))
+    return "\n".join(parts) + "\n"
 
 
 def compiled(

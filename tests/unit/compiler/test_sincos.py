@@ -10,9 +10,8 @@ from pathlib import Path
 import llvmlite.binding as llvm
 import numpy as np
 import pytest
-from lane_tools import NUMPY, compiled, worst_ulp, worst_ulp_extended
+from lane_tools import NUMPY, compiled, module_text, worst_ulp, worst_ulp_extended
 
-from ulna.compiler.codegen.ir_text import module_text
 from ulna.compiler.codegen.sincos import BOUND, sincos_ir
 
 mpmath = pytest.importorskip("mpmath")

@@ -30,14 +30,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna import numeric
-from ulna.algorithms.constraints.damped_dynamics import damped_factors
-from ulna.algorithms.constraints.dynamics import delassus_of, solve_transposed_columns
 from ulna.algorithms.constraints.frame_errors import frame_of, relative_log
 from ulna.algorithms.derivatives.inverse_dynamics import inverse_dynamics_derivatives
 from ulna.algorithms.derivatives.velocity import (
@@ -45,18 +41,14 @@ from ulna.algorithms.derivatives.velocity import (
     frame_velocity_derivatives,
     point_derivatives,
 )
-from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.algorithms.kinematics.forward_kinematics import frame_acceleration, frame_pose, frame_velocity
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.model import Frame, Model
 from ulna.model.constraint import Bond, End
-from ulna.numeric import apply, matrix, skew, vector
+from ulna.numeric import apply, skew
 from ulna.spatial import SE3, Force, Motion
 from ulna.spatial.exponential import se3_right_jacobian_inverse
 from ulna.typing import Array
-
-_MOST = 2**30
-"""Rounds at most."""
 
 
 class BoundTerms(NamedTuple):
@@ -80,38 +72,6 @@ class BoundTerms(NamedTuple):
     """What turns forces from those axes to those of their constraint, (m, m)."""
     X_q: Array
     """The derivative by q of what it gives for the forces f, (m, nv)."""
-
-
-class BoundResponse(NamedTuple):
-    """How a bound robot answers to changes of what is left of dynamics and constraints."""
-
-    W: Array
-    """(nv + m, nv + m)."""
-    B: Array
-    """(nv + m, 2 nv)."""
-    X_q: Array
-    """What turning the forces adds to df/dq, (m, nv)."""
-    a_tau: Array
-    """da/dtau, (nv, nv)."""
-    f_tau: Array
-    """df/dtau, (m, nv)."""
-    S: Array
-    """The inverse of the damped Delassus matrix, along the axes of the constraints, (m, m)."""
-    unique: Any
-    """Above 0 where no constraint depends on others; elsewhere their forces are not unique, and have no derivatives."""
-
-
-class BoundDerivatives(NamedTuple):
-    """How a bound robot reacts."""
-
-    a_q: Array
-    """da/dq, (nv, nv)."""
-    a_v: Array
-    """da/dv, (nv, nv)."""
-    f_q: Array
-    """df/dq, (m, nv)."""
-    f_v: Array
-    """df/dv, (m, nv)."""
 
 
 class _Side(NamedTuple):
@@ -178,77 +138,16 @@ def bound_terms(
         c_q[rows, :], g_q[rows, :], g_v[rows, :] = _changes(model, q, bond, one, other, s, turn, gains[k])
         extra = extra + other.J.T @ _moved(in_first, s, turn)
         for part in range(start, start + bond.size, 3):
-            here = slice(part, part + 3)
-            X[here, here] = np.eye(3) if bond.local else T.rotation
+            triple = slice(part, part + 3)
+            X[triple, triple] = np.eye(3) if bond.local else T.rotation
             if not bond.local:
-                X_q[here, :] = -skew(forces[here]) @ (T.rotation @ one.turns)
-                g_q[here, :] = g_q[here, :] - skew(apply(back, wanted[here])) @ one.turns
+                X_q[triple, :] = -skew(forces[triple]) @ (T.rotation @ one.turns)
+                g_q[triple, :] = g_q[triple, :] - skew(apply(back, wanted[triple])) @ one.turns
         start += bond.size
     if impact:
         model, v = replace(model, gravity=np.zeros(3)), 0.0 * v
     r_q, r_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
     return BoundTerms(r_q + extra, r_v, M, J, c_q, g_q, g_v, X, X_q)
-
-
-def bound_response(terms: BoundTerms, mu: Any = 0.0, rounds: Any = 1) -> BoundResponse:
-    """How accelerations and forces of damped constrained dynamics respond to changes of the residuals.
-
-    Args:
-        terms: The derivatives of the residuals.
-        mu: Damping [1/kg].
-        rounds: The number of rounds that the solver makes.
-
-    Returns:
-        The response, and the derivatives by tau.
-    """
-    m, n = terms.J.shape
-    factors = Factors(terms.M)
-    Y = solve_transposed_columns(factors, terms.J)
-    MJ = [factors.outward(column.get(k, 0.0) * r for k, r in enumerate(factors.reciprocals)) for column in Y]
-    of_forces = damped_factors(delassus_of(factors, Y), vector(*[mu] * m))
-    S = of_forces.inverse()
-    P = _after(S, mu, rounds)
-    N = P @ matrix(MJ)
-    rows = [list(row) for row in factors.inverse()]
-    for i in range(n):
-        for j in range(i + 1):
-            rows[i][j] = rows[j][i] = rows[i][j] - sum(MJ[k][i] * N[k, j] for k in range(m))
-    K, X = matrix(rows), terms.X
-    XN = X @ N
-    W = np.concatenate([np.concatenate([-K, -N.T], axis=1), np.concatenate([XN, -(X @ P)], axis=1)])
-    by_q, by_v = np.concatenate([terms.r_q, terms.g_q]), np.concatenate([terms.r_v, terms.g_v])
-    B = np.concatenate([by_q, by_v], axis=1)
-    return BoundResponse(W, B, terms.X_q, K, -XN, X @ S @ X.T, reduce(numeric.minimum, of_forces.reciprocals))
-
-
-def bound_derivatives(response: BoundResponse) -> BoundDerivatives:
-    """The derivatives of accelerations and forces by q and v."""
-    n = len(response.a_tau)
-    changes = response.W @ response.B
-    a, f = changes[:n], changes[n:]
-    return BoundDerivatives(a[:, :n], a[:, n:], f[:, :n] + response.X_q, f[:, n:])
-
-
-def _after(S: Array, mu: Any, rounds: Any) -> Array:
-    """P, symmetric as S is."""
-    m = len(S)
-    places = [(i, j) for i in range(m) for j in range(i + 1)]
-
-    def whole(state: Sequence[Any]) -> list[list[Any]]:
-        rows: list[list[Any]] = [[0.0] * m for _ in range(m)]
-        for (i, j), entry in zip(places, state, strict=False):
-            rows[i][j] = rows[j][i] = entry
-        return rows
-
-    def one(*state: Any) -> tuple[Any, ...]:
-        P = whole(state)
-        return (
-            *(S[i, j] + mu * sum(S[i, k] * P[k][j] for k in range(m)) for i, j in places),
-            state[-1] + 1.0,
-        )
-
-    begin = (*(S[i, j] for i, j in places), 1.0)
-    return matrix(whole(numeric.loop(lambda *state: numeric.less(state[-1], rounds), one, begin, _MOST)))
 
 
 def _second(model: Model, q: Array, bond: Bond, T: SE3) -> Frame:

@@ -31,14 +31,6 @@ class IRFunction:
     declarations: tuple[str, ...]
 
 
-def module_text(*functions: IRFunction) -> str:
-    """The functions and all they need, each text once, in the order of first use."""
-    parts: dict[str, None] = {}
-    for function in functions:
-        parts.update(dict.fromkeys((*function.declarations, function.text)))
-    return "\n".join(parts) + "\n"
-
-
 def bits_of(value: float, dtype: DType) -> int:
     """The bits of the float nearest to `value`, as an integer.
 

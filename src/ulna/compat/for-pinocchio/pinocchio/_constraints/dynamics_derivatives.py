@@ -14,7 +14,8 @@ from pinocchio._constraints.rigid_constraint import checked_constraints, structu
 from pinocchio._data.data import Data
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
-from ulna.algorithms.constraints.dynamics_derivatives import bound_response, bound_terms
+from ulna.algorithms.constraints.bound_response import bound_response
+from ulna.algorithms.constraints.dynamics_derivatives import bound_terms
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
